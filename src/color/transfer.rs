@@ -1,0 +1,111 @@
+//! The two ways of reading file colours and writing bytes.
+
+use std::sync::LazyLock;
+
+use super::Rgb;
+
+/// How file colours (0..=255 a channel) become linear light, and linear light becomes output bytes.
+///
+/// Both ways are inverse to each other: a file colour that reaches a pixel unchanged comes back as its own bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Transfer {
+    /// Linear throughout: byte = floor(255 v + 0.5), as in the classic local illumination model.
+    #[default]
+    Classic,
+    /// File colours are sRGB and are decoded at load; pixels are encoded on output (IEC 61966-2-1).
+    Srgb,
+}
+
+impl Transfer {
+    /// Linear light of a file colour whose channels are in 0..=255.
+    ///
+    /// ```
+    /// use rayreel::color::Transfer;
+    /// let half = Transfer::Srgb.decode([255.0, 188.0, 0.0]);
+    /// assert!((half.y - 0.503).abs() < 1e-3);
+    /// assert_eq!(Transfer::Srgb.encode(half), [255, 188, 0]);
+    /// ```
+    #[must_use]
+    pub fn decode(self, file: [f64; 3]) -> Rgb {
+        let linear = file.map(|channel| {
+            let value = channel / 255.0;
+            match self {
+                Self::Classic => value,
+                Self::Srgb => srgb_to_linear(value),
+            }
+        });
+        rounded(linear)
+    }
+
+    /// Output bytes of a linear pixel. Values outside 0..=1 are clamped.
+    #[must_use]
+    pub fn encode(self, pixel: Rgb) -> [u8; 3] {
+        pixel.to_array().map(|channel| match self {
+            Self::Classic => classic_byte(channel),
+            Self::Srgb => srgb_byte(channel),
+        })
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "rounding to f32 is the point")]
+fn rounded(linear: [f64; 3]) -> Rgb {
+    Rgb::from_array(linear.map(|channel| channel as f32))
+}
+
+/// floor(255 v + 0.5) after clamping; in f64, where the product of a byte and an f32 is exact.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..=255 before")]
+fn classic_byte(linear: f32) -> u8 {
+    (255.0 * f64::from(linear.clamp(0.0, 1.0)) + 0.5).floor() as u8
+}
+
+/// sRGB decoding, 0..=1 to 0..=1.
+fn srgb_to_linear(encoded: f64) -> f64 {
+    if encoded <= 0.040_45 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }
+}
+
+/// sRGB encoding by comparison with the 255 decision levels half-way between neighbouring codes, so that it is the
+/// exact inverse of decoding and needs no power function per pixel.
+#[expect(clippy::cast_possible_truncation, reason = "there are 255 levels")]
+fn srgb_byte(linear: f32) -> u8 {
+    static LEVELS: LazyLock<[f64; 255]> =
+        LazyLock::new(|| std::array::from_fn(|code| srgb_to_linear((code as f64 + 0.5) / 255.0)));
+    LEVELS.partition_point(|level| *level <= f64::from(linear)) as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_byte_survives_both_transfers() {
+        for byte in 0..=255u8 {
+            for transfer in [Transfer::Classic, Transfer::Srgb] {
+                let linear = transfer.decode([f64::from(byte); 3]);
+                assert_eq!(transfer.encode(linear), [byte; 3], "{transfer:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn classic_rounds_half_up_and_clamps() {
+        let byte = |value: f32| Transfer::Classic.encode(Rgb::splat(value))[0];
+        assert_eq!(byte(-1.0), 0);
+        assert_eq!(byte(0.5), 128); // 127.5 + 0.5
+        assert_eq!(byte(0.498), 127);
+        assert_eq!(byte(7.0), 255);
+    }
+
+    #[test]
+    fn srgb_agrees_with_the_standard_formula() {
+        for step in 0..=4096u16 {
+            let linear = f64::from(step) / 4096.0;
+            let encoded = if linear <= 0.003_130_8 {
+                12.92 * linear
+            } else {
+                1.055 * libm::pow(linear, 1.0 / 2.4) - 0.055
+            };
+            let byte = Transfer::Srgb.encode(rounded([linear; 3]))[0];
+            assert!((f64::from(byte) - 255.0 * encoded).abs() <= 0.501, "{linear}");
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Frame selections as people write them: `10-20,30,40-80x5`.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// A selection of frames: single frames and inclusive ranges, each range with an optional stride.
+///
+/// ```
+/// use rayreel::time::FrameList;
+/// let list: FrameList = "3,0-10x5,10".parse().unwrap();
+/// assert_eq!(list.frames(), [0, 3, 5, 10]);
+/// assert!("5-3".parse::<FrameList>().is_err());
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FrameList {
+    ranges: Vec<FrameRange>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct FrameRange {
+    first: u32,
+    last: u32,
+    stride: u32,
+}
+
+/// Why a written frame selection was not understood.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FrameListError {
+    /// A part is neither a frame, a range nor a range with a stride.
+    #[error("`{0}` is not a frame or a range: write `12`, `10-20` or `40-80x5`, separated by commas")]
+    NotARange(String),
+    /// The range runs backwards.
+    #[error("`{0}` runs backwards: write the smaller frame first")]
+    Backwards(String),
+    /// A stride of zero never gets anywhere.
+    #[error("`{0}` has a stride of 0: use 1 or more")]
+    ZeroStride(String),
+}
+
+impl FrameList {
+    /// Frames `0..count`.
+    #[must_use]
+    pub fn all(count: u32) -> Self {
+        let last = count.saturating_sub(1);
+        Self { ranges: vec![FrameRange { first: 0, last, stride: 1 }] }
+    }
+
+    /// The largest frame that is named.
+    #[must_use]
+    pub fn last(&self) -> u32 {
+        self.ranges.iter().map(|range| range.last).max().unwrap_or(0)
+    }
+
+    /// Every selected frame once, in ascending order.
+    #[must_use]
+    pub fn frames(&self) -> Vec<u32> {
+        let steps = |range: &FrameRange| (range.first..=range.last).step_by(range.stride as usize);
+        let mut frames: Vec<u32> = self.ranges.iter().flat_map(steps).collect();
+        frames.sort_unstable();
+        frames.dedup();
+        frames
+    }
+}
+
+impl FromStr for FrameList {
+    type Err = FrameListError;
+
+    fn from_str(text: &str) -> Result<Self, FrameListError> {
+        let ranges = text.split(',').map(parse_range).collect::<Result<_, _>>()?;
+        Ok(Self { ranges })
+    }
+}
+
+fn parse_range(part: &str) -> Result<FrameRange, FrameListError> {
+    let part = part.trim();
+    let number = |digits: &str| digits.parse().map_err(|_| FrameListError::NotARange(part.to_owned()));
+    let (range, stride) = match part.split_once('x') {
+        Some((range, stride)) if range.contains('-') => (range, number(stride)?),
+        Some(_) => return Err(FrameListError::NotARange(part.to_owned())),
+        None => (part, 1),
+    };
+    let (first, last) = match range.split_once('-') {
+        Some((first, last)) => (number(first)?, number(last)?),
+        None => (number(range)?, number(range)?),
+    };
+    if last < first {
+        return Err(FrameListError::Backwards(part.to_owned()));
+    }
+    if stride == 0 {
+        return Err(FrameListError::ZeroStride(part.to_owned()));
+    }
+    Ok(FrameRange { first, last, stride })
+}
+
+impl fmt::Display for FrameList {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, range) in self.ranges.iter().enumerate() {
+            let separator = if index == 0 { "" } else { "," };
+            match *range {
+                FrameRange { first, last, .. } if first == last => write!(formatter, "{separator}{first}")?,
+                FrameRange { first, last, stride: 1 } => write!(formatter, "{separator}{first}-{last}")?,
+                FrameRange { first, last, stride } => {
+                    write!(formatter, "{separator}{first}-{last}x{stride}")?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_are_sorted_and_without_doubles() {
+        let list: FrameList = "10-20, 30,40-80x5,12".parse().unwrap();
+        let expected: Vec<u32> = (10..=20).chain([30]).chain((40..=80).step_by(5)).collect();
+        assert_eq!(list.frames(), expected);
+        assert_eq!(list.last(), 80);
+        assert_eq!(list.to_string(), "10-20,30,40-80x5,12");
+    }
+
+    #[test]
+    fn mistakes_are_named() {
+        for (text, message) in [
+            ("", "`` is not a frame"),
+            ("1,,2", "`` is not a frame"),
+            ("a-b", "`a-b` is not a frame"),
+            ("-5", "`-5` is not a frame"),
+            ("3x2", "`3x2` is not a frame"),
+            ("9-3", "`9-3` runs backwards"),
+            ("1-9x0", "`1-9x0` has a stride of 0"),
+            ("99999999999", "`99999999999` is not a frame"),
+        ] {
+            let error = text.parse::<FrameList>().unwrap_err().to_string();
+            assert!(error.starts_with(message), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! Moments and frame rates as exact ratios of integers.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// Frames per second as a ratio of integers: 24/1, or 30000/1001 for NTSC.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameRate {
+    numerator: u32,
+    denominator: u32,
+}
+
+impl FrameRate {
+    /// Largest value of either part, so that every frame's time is a ratio of integers exact in `f64`.
+    pub const LARGEST_PART: u32 = 1_000_000;
+
+    /// `numerator / denominator` frames per second, both in 1..=[`Self::LARGEST_PART`].
+    #[must_use]
+    pub fn new(numerator: u32, denominator: u32) -> Option<Self> {
+        let allowed = 1..=Self::LARGEST_PART;
+        (allowed.contains(&numerator) && allowed.contains(&denominator))
+            .then_some(Self { numerator, denominator })
+    }
+
+    /// The moment of frame `index`: exactly `index * denominator / numerator` seconds.
+    ///
+    /// ```
+    /// use rayreel::time::FrameRate;
+    /// assert_eq!(FrameRate::new(24, 1).unwrap().time_of(14_400).seconds(), 600.0);
+    /// assert_eq!(FrameRate::new(30_000, 1001).unwrap().time_of(1_000_000).seconds(), 33366.666666666667);
+    /// ```
+    #[must_use]
+    pub fn time_of(self, index: u32) -> Time {
+        Time {
+            numerator: u64::from(index) * u64::from(self.denominator),
+            denominator: u64::from(self.numerator),
+        }
+    }
+
+    /// Frames per second, rounded to `f64`.
+    #[must_use]
+    pub fn per_second(self) -> f64 {
+        f64::from(self.numerator) / f64::from(self.denominator)
+    }
+}
+
+impl Default for FrameRate {
+    /// 24 frames per second.
+    fn default() -> Self {
+        Self { numerator: 24, denominator: 1 }
+    }
+}
+
+/// A moment, in exact rational seconds from the start of the timeline.
+#[derive(Clone, Copy, Debug)]
+pub struct Time {
+    numerator: u64,
+    denominator: u64,
+}
+
+impl Time {
+    /// The start of the timeline.
+    pub const ZERO: Self = Self { numerator: 0, denominator: 1 };
+
+    /// Both parts stay below this, so that one division gives the correctly rounded seconds.
+    const LARGEST_PART: u64 = 1 << 53;
+
+    /// `numerator / denominator` seconds. `None` if the denominator is 0 or a part is 2^53 or more.
+    #[must_use]
+    pub fn from_ratio(numerator: u64, denominator: u64) -> Option<Self> {
+        let allowed = denominator > 0 && numerator < Self::LARGEST_PART && denominator < Self::LARGEST_PART;
+        allowed.then_some(Self { numerator, denominator })
+    }
+
+    /// Seconds, rounded once to `f64`.
+    #[must_use]
+    #[expect(clippy::cast_precision_loss, reason = "both parts are below 2^53")]
+    pub fn seconds(self) -> f64 {
+        self.numerator as f64 / self.denominator as f64
+    }
+
+    /// How many whole steps of the given length fit between the start and this moment, counted in integers.
+    #[must_use]
+    pub fn whole_steps(self, step: Self) -> u64 {
+        let elapsed = u128::from(self.numerator) * u128::from(step.denominator);
+        let length = u128::from(self.denominator) * u128::from(step.numerator);
+        u64::try_from(elapsed / length.max(1)).unwrap_or(u64::MAX)
+    }
+
+    /// The end of step `count` of this length: `count * self`. `None` past the range of [`Time::from_ratio`].
+    #[must_use]
+    pub fn times(self, count: u64) -> Option<Self> {
+        Self::from_ratio(self.numerator.checked_mul(count)?, self.denominator)
+    }
+}
+
+impl PartialEq for Time {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Time {}
+
+impl PartialOrd for Time {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Time {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        let left = u128::from(self.numerator) * u128::from(other.denominator);
+        let right = u128::from(other.numerator) * u128::from(self.denominator);
+        left.cmp(&right)
+    }
+}
+
+impl fmt::Display for Time {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{} s", self.seconds())
+    }
+}
+
+/// Why a written moment was not understood.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "`{0}` is not a time: write seconds such as `1.5s` or `2`, with at most nine decimals, from 0 up to 1000000"
+)]
+pub struct TimeError(String);
+
+impl FromStr for Time {
+    type Err = TimeError;
+
+    /// Reads seconds as a decimal number, exactly: `1.5s`, `0.04`, `2 s`.
+    fn from_str(text: &str) -> Result<Self, TimeError> {
+        const NANOSECONDS: u64 = 1_000_000_000;
+        let error = || TimeError(text.to_owned());
+        let number = text.trim();
+        let number = number.strip_suffix('s').unwrap_or(number).trim_end();
+        let (whole, fraction) = number.split_once('.').unwrap_or((number, ""));
+        let digits = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
+        if whole.is_empty() && fraction.is_empty()
+            || !digits(whole)
+            || !digits(fraction)
+            || fraction.len() > 9
+        {
+            return Err(error());
+        }
+        let whole: u64 = if whole.is_empty() { 0 } else { whole.parse().map_err(|_| error())? };
+        let nanoseconds: u64 = format!("{fraction:0<9}").parse().map_err(|_| error())?;
+        let total =
+            whole.checked_mul(NANOSECONDS).and_then(|sum| sum.checked_add(nanoseconds)).ok_or_else(error)?;
+        if whole > 1_000_000 {
+            return Err(error());
+        }
+        // Lowest decimal terms keep both parts small.
+        let divisor =
+            [NANOSECONDS, 1_000_000, 1_000].into_iter().find(|divisor| total % divisor == 0).unwrap_or(1);
+        Self::from_ratio(total / divisor, NANOSECONDS / divisor).ok_or_else(error)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seconds_are_read_exactly() {
+        assert_eq!("1.5s".parse(), Ok(Time { numerator: 3, denominator: 2 }));
+        assert_eq!("2".parse(), Ok(Time { numerator: 2, denominator: 1 }));
+        assert_eq!(".25 s".parse(), Ok(Time { numerator: 1, denominator: 4 }));
+        assert_eq!("0.1".parse::<Time>().map(Time::seconds), Ok(0.1));
+        for wrong in ["", "s", "-1", "1e3", "1.0000000001", "99999999999999999999", "1000001", "nan", "."] {
+            assert!(wrong.parse::<Time>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn steps_are_counted_in_integers() {
+        let step = Time::from_ratio(1, 240).unwrap();
+        let rate = FrameRate::new(24, 1).unwrap();
+        assert_eq!(rate.time_of(240).whole_steps(step), 2400);
+        assert_eq!(rate.time_of(1).whole_steps(Time::from_ratio(1, 10).unwrap()), 0);
+        assert_eq!(
+            FrameRate::new(10, 1).unwrap().time_of(3).whole_steps(Time::from_ratio(1, 10).unwrap()),
+            3
+        );
+    }
+
+    #[test]
+    fn a_sum_of_steps_would_drift_where_this_does_not() {
+        let rate = FrameRate::new(24, 1).unwrap();
+        let summed = (0..14_400).fold(0.0, |time, _| time + 1.0 / 24.0);
+        assert!(summed > 600.0);
+        assert_eq!(rate.time_of(14_400).seconds(), 600.0);
+    }
+}

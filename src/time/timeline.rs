@@ -1,0 +1,78 @@
+//! The frames of a scene: a rate and a duration.
+
+use super::{FrameRate, Time};
+
+/// When a scene plays: its frame rate and its duration.
+///
+/// The frames are those whose time, rounded once to `f64`, is less than the duration, rounded once to `f64`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timeline {
+    /// Frames per second.
+    pub rate: FrameRate,
+    /// Length in seconds; 0 or more. A timeline always has at least its first frame.
+    pub duration: f64,
+}
+
+impl Timeline {
+    /// The most frames a timeline may have.
+    pub const LARGEST_COUNT: u32 = 100_000_000;
+
+    /// A single frame at time 0.
+    #[must_use]
+    pub fn still() -> Self {
+        Self { rate: FrameRate::default(), duration: 0.0 }
+    }
+
+    /// How many frames there are, at least 1 and at most [`Self::LARGEST_COUNT`].
+    ///
+    /// ```
+    /// use rayreel::time::{FrameRate, Timeline};
+    /// let count = |duration| Timeline { rate: FrameRate::new(24, 1).unwrap(), duration }.frame_count();
+    /// assert_eq!(count(4.0), 96); // the last frame is at 95/24 s; a loop has no doubled frame
+    /// assert_eq!(count(0.0), 1);
+    /// ```
+    #[must_use]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to the range before"
+    )]
+    pub fn frame_count(&self) -> u32 {
+        let estimate = (self.duration * self.rate.per_second()).ceil();
+        let mut count = estimate.clamp(1.0, f64::from(Self::LARGEST_COUNT)) as u32;
+        // The estimate is rounded; the definition decides.
+        let plays = |index: u32| self.time_of(index).seconds() < self.duration;
+        while count > 1 && !plays(count - 1) {
+            count -= 1;
+        }
+        while count < Self::LARGEST_COUNT && plays(count) {
+            count += 1;
+        }
+        count
+    }
+
+    /// The moment of frame `index`.
+    #[must_use]
+    pub fn time_of(&self, index: u32) -> Time {
+        self.rate.time_of(index)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frame_counts_follow_the_definition() {
+        for (numerator, denominator) in [(24, 1), (30_000, 1001), (1, 3), (60, 1), (7, 3)] {
+            let rate = FrameRate::new(numerator, denominator).unwrap();
+            for hundredths in 0..1000 {
+                let timeline = Timeline { rate, duration: f64::from(hundredths) / 100.0 };
+                let count = timeline.frame_count();
+                let naive =
+                    (0..).take_while(|index| timeline.time_of(*index).seconds() < timeline.duration).count();
+                assert_eq!(count as usize, naive.max(1), "{timeline:?}");
+            }
+        }
+    }
+}

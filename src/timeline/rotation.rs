@@ -1,0 +1,156 @@
+//! Rotations: how they are written, and the way between two of them.
+
+use glam::{DQuat, DVec3};
+
+use super::Interpolate;
+
+/// A rotation as people write it. Angles are radians here.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rotation {
+    /// About x first, then y, then z: the matrix Rz Ry Rx.
+    Euler(DVec3),
+    /// About an axis of any length but zero.
+    AxisAngle(DVec3, f64),
+    /// A quaternion (x, y, z, w) of any length but zero.
+    Quat(f64, f64, f64, f64),
+}
+
+impl Rotation {
+    /// The unit quaternion. The identity where the axis or the quaternion has no direction.
+    #[must_use]
+    pub fn quaternion(self) -> DQuat {
+        let about = |axis: DVec3, angle: f64| {
+            let (sine, cosine) = libm::sincos(0.5 * angle);
+            DQuat::from_vec4((axis * sine).extend(cosine))
+        };
+        match self {
+            Self::Euler(angles) => {
+                about(DVec3::Z, angles.z) * about(DVec3::Y, angles.y) * about(DVec3::X, angles.x)
+            }
+            Self::AxisAngle(axis, angle) => {
+                axis.try_normalize().map_or(DQuat::IDENTITY, |unit| about(unit, angle))
+            }
+            Self::Quat(x, y, z, w) => unit(DQuat::from_xyzw(x, y, z, w)),
+        }
+    }
+}
+
+/// Scaled to length 1, without overflow; the identity for a zero or non-finite quaternion.
+fn unit(quaternion: DQuat) -> DQuat {
+    let raw = quaternion.to_array();
+    let largest = raw.iter().fold(0.0_f64, |largest, part| largest.max(part.abs()));
+    if !(largest > 0.0 && largest.is_finite()) {
+        return DQuat::IDENTITY;
+    }
+    let [x, y, z, w] = raw.map(|part| part / largest);
+    DQuat::from_xyzw(x, y, z, w).normalize()
+}
+
+/// Spherical linear interpolation between two unit quaternions, the short way, at fraction `u` in 0..=1.
+///
+/// Exact at both ends; equal, opposite and sign-flipped rotations are all finite (Shoemake, Animating Rotation with
+/// Quaternion Curves, 1985).
+///
+/// ```
+/// use glam::DQuat;
+/// use rayreel::timeline::slerp;
+/// let (from, to) = (DQuat::IDENTITY, DQuat::from_xyzw(0.0, 1.0, 0.0, 0.0)); // half a turn about y
+/// let quarter = slerp(from, to, 0.5);
+/// assert!((quarter.y - 0.5f64.sqrt()).abs() < 1e-15 && (quarter.w - 0.5f64.sqrt()).abs() < 1e-15);
+/// ```
+#[must_use]
+pub fn slerp(from: DQuat, to: DQuat, u: f64) -> DQuat {
+    if u <= 0.0 {
+        return from;
+    }
+    if u >= 1.0 {
+        return to;
+    }
+    let cosine = from.dot(to);
+    let (to, cosine) = if cosine < 0.0 { (-to, -cosine) } else { (to, cosine) };
+    // The angle from the chord's two halves is accurate where acos is not.
+    let half_angle = libm::atan2((to - from).length(), (to + from).length());
+    let angle = 2.0 * half_angle;
+    let sine = libm::sin(angle);
+    if cosine > 1.0 - 1e-12 || sine <= 0.0 {
+        return unit(from * (1.0 - u) + to * u);
+    }
+    unit(from * (libm::sin((1.0 - u) * angle) / sine) + to * (libm::sin(u * angle) / sine))
+}
+
+impl Interpolate for DQuat {
+    fn between(from: &Self, to: &Self, u: f64) -> Self {
+        slerp(*from, *to, u)
+    }
+
+    /// Blends on the side of the second value's hemisphere and returns to unit length.
+    fn blend(values: [&Self; 4], weights: [f64; 4]) -> Self {
+        let mut previous = *values[1];
+        let mut near = |value: Self| {
+            let aligned = if previous.dot(value) < 0.0 { -value } else { value };
+            previous = aligned;
+            aligned
+        };
+        let start = near(*values[1]);
+        let end = near(*values[2]);
+        let after = near(*values[3]);
+        let before = if start.dot(*values[0]) < 0.0 { -*values[0] } else { *values[0] };
+        let sum = before * weights[0] + start * weights[1] + end * weights[2] + after * weights[3];
+        // Opposite rotations may cancel; the straight way never does.
+        if sum.length_squared() < 1e-6 { slerp(start, end, weights[2] + weights[3]) } else { unit(sum) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn close(found: DQuat, expected: [f64; 4], tolerance: f64) {
+        let expected = DQuat::from_array(expected);
+        let distance = (found - expected).length().min((found + expected).length());
+        assert!(distance < tolerance, "{found} is not {expected}");
+    }
+
+    #[test]
+    fn euler_angles_apply_x_then_y_then_z() {
+        let right = std::f64::consts::FRAC_PI_2;
+        let turned = Rotation::Euler(DVec3::new(right, right, 0.0)).quaternion() * DVec3::Y;
+        // +90 about x takes y to z; +90 about y takes z to x.
+        assert!((turned - DVec3::X).length() < 1e-15);
+        let turned = Rotation::AxisAngle(DVec3::new(0.0, 3.0, 0.0), right).quaternion() * DVec3::Z;
+        assert!((turned - DVec3::X).length() < 1e-15);
+    }
+
+    #[test]
+    fn slerp_takes_the_short_way_and_is_never_nan() {
+        let quarter = Rotation::AxisAngle(DVec3::Y, 1.0).quaternion();
+        close(slerp(quarter, -quarter, 0.3), quarter.to_array(), 1e-15);
+        close(slerp(quarter, quarter, 0.3), quarter.to_array(), 1e-15);
+        let nearly = Rotation::AxisAngle(DVec3::Y, 1.0 + 1e-9).quaternion();
+        for step in 0..=10 {
+            let u = f64::from(step) / 10.0;
+            for other in
+                [quarter, -quarter, nearly, -nearly, DQuat::IDENTITY, DQuat::from_xyzw(1.0, 0.0, 0.0, 0.0)]
+            {
+                assert!((slerp(quarter, other, u).length() - 1.0).abs() < 1e-15);
+            }
+        }
+        // Over the long way the middle would be on the other side.
+        let (from, to) = (Rotation::Euler(DVec3::ZERO), Rotation::AxisAngle(DVec3::Z, 5.0));
+        let middle = slerp(from.quaternion(), to.quaternion(), 0.5);
+        let short = 5.0 - std::f64::consts::TAU;
+        close(middle, Rotation::AxisAngle(DVec3::Z, 0.5 * short).quaternion().to_array(), 1e-14);
+    }
+
+    #[test]
+    fn rotations_without_a_direction_are_the_identity() {
+        assert_eq!(Rotation::Quat(0.0, 0.0, 0.0, 0.0).quaternion(), DQuat::IDENTITY);
+        assert_eq!(Rotation::AxisAngle(DVec3::ZERO, 1.0).quaternion(), DQuat::IDENTITY);
+        close(
+            Rotation::Quat(1e-200, 0.0, 0.0, 1e-200).quaternion(),
+            [0.5f64.sqrt(), 0.0, 0.0, 0.5f64.sqrt()],
+            1e-15,
+        );
+        close(Rotation::Quat(0.0, 1e300, 0.0, 0.0).quaternion(), [0.0, 1.0, 0.0, 0.0], 1e-15);
+    }
+}
