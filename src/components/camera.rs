@@ -1,0 +1,56 @@
+//! From where the picture is taken.
+
+use glam::DVec3;
+
+/// The camera: an eye and a screen at a distance before it (see [`trace::Camera`](crate::trace::Camera) for pixels).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// The eye, P0.
+    pub position: DVec3,
+    /// Which way it looks.
+    pub view: View,
+    /// VUP: the direction that is up in the picture; any length, not parallel to the view.
+    pub up: DVec3,
+    /// The screen's size and distance.
+    pub projection: Projection,
+}
+
+impl Default for Camera {
+    /// Five units before the origin, looking at it, 45 degrees high.
+    fn default() -> Self {
+        Self {
+            position: DVec3::new(0.0, 0.0, -5.0),
+            view: View::Target(DVec3::ZERO),
+            up: DVec3::Y,
+            projection: Projection::FieldOfView { vertical: std::f64::consts::FRAC_PI_4 },
+        }
+    }
+}
+
+/// Which way a camera looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum View {
+    /// Along a direction (VPN), of any length but zero.
+    Direction(DVec3),
+    /// Towards a point.
+    Target(DVec3),
+}
+
+/// The screen before the camera. The first and the last pixel's centres lie on the screen's edges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// A screen of given size, scene units.
+    Screen {
+        /// From the eye to the screen, d > 0.
+        distance: f64,
+        /// W > 0; `None` follows from square pixels.
+        width: Option<f64>,
+        /// H > 0.
+        height: f64,
+    },
+    /// Square pixels whose outer borders span a vertical angle.
+    FieldOfView {
+        /// Radians, in 0..pi.
+        vertical: f64,
+    },
+}

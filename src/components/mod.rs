@@ -1,0 +1,31 @@
+//! What things are: plain data on hecs entities, without behaviour.
+//!
+//! | component | says |
+//! |---|---|
+//! | [`Transform`], [`Parent`] | where an entity is, and relative to what |
+//! | [`Shape`] with [`Material`] | something to be seen |
+//! | [`Reflective`] | its surface mirrors |
+//! | [`Light`] | it gives light |
+//! | [`Camera`], [`FilmSettings`] | from where and on what the picture is taken |
+//! | [`Ambient`], [`Background`], [`Quality`] | settings of the whole scene; one of each in a world |
+//! | [`Animated`] | tracks that drive the values above |
+//! | [`Name`], [`Order`] | how people and sums refer to it |
+//! | [`WorldTransform`] | derived by [`systems::propagate`](crate::systems::propagate); never written by hand |
+
+mod animated;
+mod camera;
+mod identity;
+mod light;
+mod material;
+mod settings;
+mod shape;
+mod transform;
+
+pub use animated::{Animated, Channel};
+pub use camera::{Camera, Projection, View};
+pub use identity::{Name, Order};
+pub use light::{Light, LightKind};
+pub use material::{Material, Reflective};
+pub use settings::{Ambient, Background, FilmSettings, Quality};
+pub use shape::Shape;
+pub use transform::{Parent, Transform, WorldTransform};
