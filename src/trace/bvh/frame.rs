@@ -1,0 +1,111 @@
+//! The coordinates in which boxes are kept in single precision.
+
+use glam::DVec3;
+
+use crate::trace::{Bounds, Ray};
+
+/// Moves the median shape to the origin and scales by a power of two so that all boxes lie within -1..=1, where `f32` has
+/// its digits. It is a function of the shapes alone.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Frame {
+    origin: DVec3,
+    scale: f64,
+}
+
+/// A box in the frame, rounded outwards.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FrameBox {
+    pub(super) min: [f32; 3],
+    pub(super) max: [f32; 3],
+}
+
+/// A ray in the frame, for culling only.
+///
+/// The origin is an interval. Planes that the ray enters by are measured from the end that lets it enter earlier, planes it
+/// leaves by from the other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FrameRay {
+    pub(super) near_origin: [f32; 3],
+    pub(super) far_origin: [f32; 3],
+    pub(super) inverse: [f32; 3],
+    /// Does the ray run down this axis, entering by the upper plane?
+    pub(super) downward: [bool; 3],
+}
+
+impl Frame {
+    /// The frame of these boxes.
+    pub(super) fn of(bounds: &[Bounds]) -> Self {
+        let median = |axis: usize| {
+            let mut centers: Vec<f64> = bounds.iter().map(|bounds| bounds.center()[axis]).collect();
+            let middle = centers.len() / 2;
+            *centers.select_nth_unstable_by(middle, f64::total_cmp).1
+        };
+        if bounds.is_empty() {
+            return Self { origin: DVec3::ZERO, scale: 1.0 };
+        }
+        let origin = DVec3::new(median(0), median(1), median(2));
+        let reach = bounds
+            .iter()
+            .map(|bounds| (bounds.max - origin).abs().max((bounds.min - origin).abs()).max_element())
+            .fold(0.0, f64::max);
+        let exponent = if reach > 0.0 { libm::ilogb(reach) + 1 } else { 0 };
+        Self { origin, scale: libm::ldexp(1.0, -exponent.clamp(-1020, 1020)) }
+    }
+
+    /// A box, rounded outwards.
+    pub(super) fn bounds(&self, bounds: &Bounds) -> FrameBox {
+        let (min, max) = ((bounds.min - self.origin) * self.scale, (bounds.max - self.origin) * self.scale);
+        FrameBox { min: min.to_array().map(below), max: max.to_array().map(above) }
+    }
+
+    /// A distance along a ray, rounded up.
+    pub(super) fn limit(&self, t: f64) -> f32 {
+        above(t * self.scale)
+    }
+
+    /// A ray.
+    pub(super) fn ray(&self, ray: &Ray) -> FrameRay {
+        /// Below this a component's reciprocal would leave `f32`: such a ray never fails the axis.
+        const SLOWEST: f64 = 1e-30;
+        let origin = (ray.origin() - self.origin) * self.scale;
+        let direction = ray.direction();
+        let mut result =
+            FrameRay { near_origin: [0.0; 3], far_origin: [0.0; 3], inverse: [0.0; 3], downward: [false; 3] };
+        for axis in 0..3 {
+            let (low, high) = (below(origin[axis]), above(origin[axis]));
+            let d = direction[axis];
+            let downward = d < 0.0;
+            result.downward[axis] = downward;
+            (result.near_origin[axis], result.far_origin[axis]) =
+                if downward { (low, high) } else { (high, low) };
+            if d == 0.0 {
+                // (plane - origin) * infinity: infinitely early where inside, never where outside.
+                result.inverse[axis] = f32::INFINITY;
+            } else if d.abs() < SLOWEST {
+                let outside = if downward { f32::NEG_INFINITY } else { f32::INFINITY };
+                (result.near_origin[axis], result.far_origin[axis]) = (outside, -outside);
+                result.inverse[axis] = if downward { -1.0 } else { 1.0 };
+            } else {
+                result.inverse[axis] = nearest(d.recip());
+            }
+        }
+        result
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "rounding to f32 is the point")]
+fn nearest(value: f64) -> f32 {
+    value as f32
+}
+
+/// An `f32` that is certainly below a value which was computed with one or two roundings.
+fn below(value: f64) -> f32 {
+    let rounded = nearest(value);
+    // The nearest f32 is off by at most half a step, which one step down more than makes up for.
+    rounded.next_down()
+}
+
+/// An `f32` that is certainly above a value which was computed with one or two roundings.
+fn above(value: f64) -> f32 {
+    -below(-value)
+}

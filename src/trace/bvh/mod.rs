@@ -1,0 +1,29 @@
+//! A tree of bounding boxes that says which shapes a ray may meet, and nothing else.
+//!
+//! The tree knows boxes and slots, never shapes. It is only ever asked to leave out what a ray cannot meet: every
+//! rounding in it goes the cautious way, so that the picture does not depend on it.
+//!
+//! - [`frame`]: the coordinates in which boxes are kept in `f32`, and rays in those coordinates.
+//! - [`build`]: from boxes to a tree of nodes with eight children, through a binary tree by obvhs.
+//! - [`node`]: one node, eight boxes against one ray.
+//! - [`traverse`]: from the root to the leaves, nearest first.
+
+mod build;
+mod frame;
+mod node;
+mod traverse;
+
+pub(super) use traverse::Stack;
+
+use super::Slot;
+use frame::Frame;
+use node::Node;
+
+/// The tree over the shapes that have bounds.
+#[derive(Clone, Debug)]
+pub(super) struct Tree {
+    frame: Frame,
+    nodes: Vec<Node>,
+    /// The leaves' slots, leaf by leaf.
+    slots: Vec<Slot>,
+}

@@ -1,0 +1,96 @@
+//! Eight boxes against one ray.
+
+use super::frame::{FrameBox, FrameRay};
+
+/// How many children a node has.
+pub(super) const WIDTH: usize = 8;
+
+/// A node's child: another node, or a leaf's range of slots. Unused children keep an inverted box that nothing hits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Child(u32);
+
+/// A child, read.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Link {
+    Node(usize),
+    Leaf { first: usize, count: usize },
+}
+
+/// Eight children's boxes, plane by plane: lower x, y, z, then upper x, y, z.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(super) struct Node {
+    planes: [[f32; WIDTH]; 6],
+    pub(super) children: [Child; WIDTH],
+}
+
+impl Child {
+    const LEAF: u32 = 1 << 31;
+    const COUNT_SHIFT: u32 = 28;
+    const FIRST: u32 = (1 << Self::COUNT_SHIFT) - 1;
+    /// The most slots of one leaf.
+    pub(super) const LARGEST_LEAF: usize = 8;
+
+    pub(super) fn node(index: u32) -> Self {
+        Self(index)
+    }
+
+    pub(super) fn leaf(first: u32, count: u32) -> Self {
+        Self(Self::LEAF | (count - 1) << Self::COUNT_SHIFT | first)
+    }
+
+    pub(super) fn read(self) -> Link {
+        if self.0 & Self::LEAF == 0 {
+            Link::Node(self.0 as usize)
+        } else {
+            let count = ((self.0 & !Self::LEAF) >> Self::COUNT_SHIFT) + 1;
+            Link::Leaf { first: (self.0 & Self::FIRST) as usize, count: count as usize }
+        }
+    }
+}
+
+impl Node {
+    /// What far sides are multiplied by: 1 + 2^-20.
+    pub(super) const LENGTHEN: f32 = 1.0 + 1.0 / 1_048_576.0;
+
+    pub(super) fn empty() -> Self {
+        let (lower, upper) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
+        Self { planes: [lower, lower, lower, upper, upper, upper], children: [Child::default(); WIDTH] }
+    }
+
+    pub(super) fn set(&mut self, index: usize, bounds: &FrameBox, child: Child) {
+        for axis in 0..3 {
+            self.planes[axis][index] = bounds.min[axis];
+            self.planes[axis + 3][index] = bounds.max[axis];
+        }
+        self.children[index] = child;
+    }
+
+    /// Which children the ray may meet before `limit`, as a bit mask, and where it may enter each.
+    ///
+    /// Never stricter than exact arithmetic: the origin is taken at the cautious end, three roundings of at most 2^-24 each are
+    /// made up for by lengthening the far side by 2^-20 (after Ize, "Robust BVH Ray Traversal", JCGT 2013), and a
+    /// comparison with NaN (an unmoving ray in a plane) passes.
+    #[inline]
+    pub(super) fn entries(&self, ray: &FrameRay, limit: f32) -> (u32, [f32; WIDTH]) {
+        let mut entry = [0.0_f32; WIDTH];
+        let mut exit = [limit; WIDTH];
+        for axis in 0..3 {
+            let (near, far) = if ray.downward[axis] { (axis + 3, axis) } else { (axis, axis + 3) };
+            let (near, far) = (&self.planes[near], &self.planes[far]);
+            let (near_origin, far_origin, inverse) =
+                (ray.near_origin[axis], ray.far_origin[axis], ray.inverse[axis]);
+            for child in 0..WIDTH {
+                let enters = (near[child] - near_origin) * inverse;
+                let leaves = (far[child] - far_origin) * inverse;
+                entry[child] = if enters > entry[child] { enters } else { entry[child] };
+                exit[child] = if leaves < exit[child] { leaves } else { exit[child] };
+            }
+        }
+        let mut mask = 0;
+        for child in 0..WIDTH {
+            mask |= u32::from(entry[child] <= exit[child] * Self::LENGTHEN) << child;
+        }
+        (mask, entry)
+    }
+}

@@ -1,0 +1,116 @@
+//! From the root to the leaves.
+
+use super::node::{Link, Node};
+use super::{Slot, Tree};
+use crate::trace::Ray;
+
+/// Nodes and leaves still to be visited, kept between rays so that none allocates.
+#[derive(Clone, Debug, Default)]
+pub(in crate::trace) struct Stack(Vec<Pending>);
+
+#[derive(Clone, Copy, Debug)]
+struct Pending {
+    child: super::node::Child,
+    entry: f32,
+}
+
+impl Tree {
+    /// Visits every shape that the ray may meet before a limit, nearer boxes first. `visit` answers with the `t` from
+    /// which on it is no longer interested.
+    #[inline]
+    pub(in crate::trace) fn visit_nearest(
+        &self,
+        ray: &Ray,
+        mut limit: f64,
+        stack: &mut Stack,
+        mut visit: impl FnMut(Slot) -> f64,
+    ) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        let frame_ray = self.frame.ray(ray);
+        let mut frame_limit = self.frame.limit(limit);
+        let stack = &mut stack.0;
+        stack.clear();
+        let mut node = &self.nodes[0];
+        loop {
+            let (mut mask, entries) = node.entries(&frame_ray, frame_limit);
+            let base = stack.len();
+            while mask != 0 {
+                let index = mask.trailing_zeros() as usize;
+                mask &= mask - 1;
+                let pending = Pending { child: node.children[index], entry: entries[index] };
+                // Farther ones below, nearer ones on top.
+                let place =
+                    base + stack[base..].iter().take_while(|other| other.entry > pending.entry).count();
+                stack.insert(place, pending);
+            }
+            loop {
+                let Some(Pending { child, entry }) = stack.pop() else {
+                    return;
+                };
+                if entry > frame_limit * Node::LENGTHEN {
+                    continue;
+                }
+                match child.read() {
+                    Link::Node(index) => {
+                        node = &self.nodes[index];
+                        break;
+                    }
+                    Link::Leaf { first, count } => {
+                        for slot in &self.slots[first..first + count] {
+                            let wanted = visit(*slot);
+                            if wanted < limit {
+                                limit = wanted;
+                                frame_limit = self.frame.limit(limit);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Does `found` hold for any shape that the ray may meet before the limit?
+    #[inline]
+    pub(in crate::trace) fn visit_any(
+        &self,
+        ray: &Ray,
+        limit: f64,
+        stack: &mut Stack,
+        mut found: impl FnMut(Slot) -> bool,
+    ) -> bool {
+        if self.nodes.is_empty() {
+            return false;
+        }
+        let frame_ray = self.frame.ray(ray);
+        let frame_limit = self.frame.limit(limit);
+        let stack = &mut stack.0;
+        stack.clear();
+        let mut node = &self.nodes[0];
+        loop {
+            let (mut mask, _) = node.entries(&frame_ray, frame_limit);
+            while mask != 0 {
+                let child = node.children[mask.trailing_zeros() as usize];
+                mask &= mask - 1;
+                stack.push(Pending { child, entry: 0.0 });
+            }
+            loop {
+                let Some(Pending { child, .. }) = stack.pop() else {
+                    return false;
+                };
+                match child.read() {
+                    Link::Node(index) => {
+                        node = &self.nodes[index];
+                        break;
+                    }
+                    Link::Leaf { first, count } => {
+                        if self.slots[first..first + count].iter().any(|slot| found(*slot)) {
+                            return true;
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! Camera rays.
+
+use glam::DVec3;
+
+use super::Ray;
+
+/// The camera, ready to make rays: an eye and a grid of pixels on a screen before it.
+///
+/// With n the unit view direction, u = (up x n)/|up x n| to the right and v = n x u upwards, pixel (i, j) is at
+/// `eye + (-W/2 + W i/(columns-1)) u + (H/2 - H j/(rows-1)) v + d n`: i counts columns to the right, j rows downwards, and
+/// the outermost pixels lie on the screen's edges. A resolution of 1 means the middle. Coordinates are left-handed: x
+/// right, y up, z forward.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    eye: DVec3,
+    right: DVec3,
+    up: DVec3,
+    forward: DVec3,
+    width: f64,
+    height: f64,
+    columns: u32,
+    rows: u32,
+}
+
+impl Camera {
+    /// A camera at `eye`, looking along `view` with `up` upwards, whose screen at `distance` is `size` (W, H) wide and high
+    /// and has `resolution` (columns, rows) pixels.
+    ///
+    /// Directions may have any length. Where there is no view direction it looks along +z; where `up` is parallel to the
+    /// view, the world axis y, or else z, takes its place. Both are legitimate moments of a camera that moves.
+    #[must_use]
+    pub fn new(
+        eye: DVec3,
+        view: DVec3,
+        up: DVec3,
+        distance: f64,
+        size: (f64, f64),
+        resolution: (u32, u32),
+    ) -> Self {
+        let forward = view.try_normalize().unwrap_or(DVec3::Z);
+        let across = |up: DVec3| {
+            let right = up.normalize_or_zero().cross(forward);
+            (right.length_squared() > 1e-24).then(|| right.normalize())
+        };
+        let right = across(up).or_else(|| across(DVec3::Y)).or_else(|| across(DVec3::Z)).unwrap_or(DVec3::X);
+        Self {
+            eye,
+            right,
+            up: forward.cross(right),
+            forward: forward * distance,
+            width: size.0,
+            height: size.1,
+            columns: resolution.0,
+            rows: resolution.1,
+        }
+    }
+
+    /// From the eye to the centre of pixel (i, j): P1 - P0.
+    #[must_use]
+    pub fn towards(&self, i: u32, j: u32) -> DVec3 {
+        let across = if self.columns > 1 {
+            -0.5 * self.width + self.width * f64::from(i) / f64::from(self.columns - 1)
+        } else {
+            0.0
+        };
+        let upwards = if self.rows > 1 {
+            0.5 * self.height - self.height * f64::from(j) / f64::from(self.rows - 1)
+        } else {
+            0.0
+        };
+        self.right * across + self.up * upwards + self.forward
+    }
+
+    /// The ray through the centre of pixel (i, j). `None` only if the eye or the screen is not finite.
+    #[must_use]
+    pub fn ray(&self, i: u32, j: u32) -> Option<Ray> {
+        Ray::new(self.eye, self.towards(i, j))
+    }
+
+    /// Columns and rows.
+    #[must_use]
+    pub fn resolution(&self) -> (u32, u32) {
+        (self.columns, self.rows)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example() -> Camera {
+        let eye = DVec3::new(-2.0, -2.0, 0.0);
+        Camera::new(eye, DVec3::new(1.0, 1.0, 0.0), DVec3::Z, 1.0, (2.0, 2.0), (201, 201))
+    }
+
+    #[test]
+    fn the_worked_example() {
+        let root = 2.0_f64.sqrt();
+        let expected = DVec3::new(1.9 / root, 0.1 / root, 0.8);
+        assert!((example().towards(10, 20) - expected).length() < 1e-15);
+    }
+
+    #[test]
+    fn columns_run_right_and_rows_run_down() {
+        // 3 columns, 2 rows: swapped, the corners would not be on the edges.
+        let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.0, (4.0, 1.0), (3, 2));
+        assert_eq!(camera.towards(0, 0), DVec3::new(-2.0, 0.5, 1.0));
+        assert_eq!(camera.towards(2, 0), DVec3::new(2.0, 0.5, 1.0));
+        assert_eq!(camera.towards(1, 1), DVec3::new(0.0, -0.5, 1.0));
+    }
+
+    #[test]
+    fn a_resolution_of_one_is_the_middle() {
+        let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 2.0, (4.0, 1.0), (1, 1));
+        assert_eq!(camera.towards(0, 0), DVec3::new(0.0, 0.0, 2.0));
+    }
+
+    #[test]
+    fn degenerate_views_are_finite() {
+        for (view, up) in [
+            (DVec3::ZERO, DVec3::Y),
+            (DVec3::Z, DVec3::Z),
+            (DVec3::Y, DVec3::Y),
+            (DVec3::Y, DVec3::ZERO),
+            (DVec3::new(1e-300, 0.0, 0.0), DVec3::Y),
+            (DVec3::X, DVec3::new(1.0, 1e-30, 0.0)),
+        ] {
+            let camera = Camera::new(DVec3::ZERO, view, up, 1.0, (2.0, 2.0), (3, 3));
+            for (i, j) in [(0, 0), (1, 1), (2, 2)] {
+                assert!(camera.towards(i, j).is_finite(), "{view} {up}");
+            }
+            assert!(
+                (camera.right.length() - 1.0).abs() < 1e-12 && camera.right.dot(camera.forward).abs() < 1e-12
+            );
+        }
+    }
+}

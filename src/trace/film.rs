@@ -1,0 +1,65 @@
+//! Linear pixels of one frame.
+
+use crate::color::Rgb;
+
+/// One frame's pixels in linear light, row by row from the top. Every value is finite and 0 or more.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    width: u32,
+    height: u32,
+    pixels: Vec<Rgb>,
+}
+
+impl Film {
+    /// A black film.
+    #[must_use]
+    pub fn new(width: u32, height: u32) -> Self {
+        Self { width, height, pixels: vec![Rgb::ZERO; width as usize * height as usize] }
+    }
+
+    /// Columns.
+    #[must_use]
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Rows.
+    #[must_use]
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// All pixels, row by row from the top.
+    #[must_use]
+    pub fn pixels(&self) -> &[Rgb] {
+        &self.pixels
+    }
+
+    /// The pixel in column `i` and row `j`.
+    ///
+    /// # Panics
+    ///
+    /// Outside the film.
+    #[must_use]
+    pub fn pixel(&self, i: u32, j: u32) -> Rgb {
+        assert!(
+            i < self.width && j < self.height,
+            "pixel ({i}, {j}) of a {} x {} film",
+            self.width,
+            self.height
+        );
+        self.pixels[j as usize * self.width as usize + i as usize]
+    }
+
+    /// Stores pixels of row `j` from column `i` on. Sums that overflowed are saturated, so that a film is always finite.
+    pub(super) fn store(&mut self, i: u32, j: u32, pixels: &[Rgb]) {
+        let start = j as usize * self.width as usize + i as usize;
+        for (stored, pixel) in self.pixels[start..start + pixels.len()].iter_mut().zip(pixels) {
+            *stored = Rgb::from_array(pixel.to_array().map(saturated));
+        }
+    }
+}
+
+fn saturated(channel: f32) -> f32 {
+    if channel.is_nan() { 0.0 } else { channel.clamp(0.0, f32::MAX) }
+}

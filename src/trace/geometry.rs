@@ -1,0 +1,205 @@
+//! All shapes of a scene, and which of them a ray's questions go to.
+
+use glam::DVec3;
+
+use super::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
+use super::{Bounds, Ray};
+
+/// A shape's place in the kernel's arrays. Slots are numbered in document order: of two surfaces at the same distance
+/// the one with the lower slot is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Slot(pub u32);
+
+impl Slot {
+    /// As an index into per-slot arrays.
+    #[must_use]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// A shape, ready to be asked. The closed set of what the kernel can draw.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PreparedShape {
+    /// Rigidly moved and uniformly scaled.
+    Sphere(Sphere),
+    /// Infinite.
+    Plane(Plane),
+    /// Along the world's axes.
+    AlignedBox(AlignedBox),
+    /// An ellipsoid.
+    SphereImage(SphereImage),
+    /// A turned or sheared box.
+    BoxImage(BoxImage),
+}
+
+/// The shapes, one array a kind, and a table from slots into them.
+#[derive(Clone, Debug, Default)]
+pub struct Geometry {
+    places: Vec<Place>,
+    spheres: Vec<Sphere>,
+    planes: Vec<Plane>,
+    boxes: Vec<AlignedBox>,
+    sphere_images: Vec<SphereImage>,
+    box_images: Vec<BoxImage>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    kind: Kind,
+    index: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Sphere,
+    Plane,
+    AlignedBox,
+    SphereImage,
+    BoxImage,
+}
+
+/// Evaluates an expression with `$shape` bound to the shape at a slot, whatever its kind.
+macro_rules! ask {
+    ($geometry:expr, $slot:expr, $shape:ident => $question:expr) => {{
+        let Place { kind, index } = $geometry.places[$slot.index()];
+        let index = index as usize;
+        match kind {
+            Kind::Sphere => {
+                let $shape = &$geometry.spheres[index];
+                $question
+            }
+            Kind::Plane => {
+                let $shape = &$geometry.planes[index];
+                $question
+            }
+            Kind::AlignedBox => {
+                let $shape = &$geometry.boxes[index];
+                $question
+            }
+            Kind::SphereImage => {
+                let $shape = &$geometry.sphere_images[index];
+                $question
+            }
+            Kind::BoxImage => {
+                let $shape = &$geometry.box_images[index];
+                $question
+            }
+        }
+    }};
+}
+
+impl Geometry {
+    /// The most shapes a scene can have, 2^28.
+    pub const LARGEST_COUNT: usize = 1 << 28;
+
+    /// Adds a shape after all others.
+    ///
+    /// # Panics
+    ///
+    /// With more than [`Self::LARGEST_COUNT`] shapes.
+    pub fn push(&mut self, shape: PreparedShape) -> Slot {
+        fn store<T>(list: &mut Vec<T>, kind: Kind, shape: T) -> Place {
+            list.push(shape);
+            Place { kind, index: to_index(list.len() - 1) }
+        }
+        let place = match shape {
+            PreparedShape::Sphere(shape) => store(&mut self.spheres, Kind::Sphere, shape),
+            PreparedShape::Plane(shape) => store(&mut self.planes, Kind::Plane, shape),
+            PreparedShape::AlignedBox(shape) => store(&mut self.boxes, Kind::AlignedBox, shape),
+            PreparedShape::SphereImage(shape) => store(&mut self.sphere_images, Kind::SphereImage, shape),
+            PreparedShape::BoxImage(shape) => store(&mut self.box_images, Kind::BoxImage, shape),
+        };
+        self.places.push(place);
+        Slot(to_index(self.places.len() - 1))
+    }
+
+    /// Puts another shape of the same kind into a slot; `false`, and nothing done, if the kinds differ.
+    #[must_use]
+    pub fn replace(&mut self, slot: Slot, shape: PreparedShape) -> bool {
+        let Place { kind, index } = self.places[slot.index()];
+        let index = index as usize;
+        match (kind, shape) {
+            (Kind::Sphere, PreparedShape::Sphere(shape)) => self.spheres[index] = shape,
+            (Kind::Plane, PreparedShape::Plane(shape)) => self.planes[index] = shape,
+            (Kind::AlignedBox, PreparedShape::AlignedBox(shape)) => self.boxes[index] = shape,
+            (Kind::SphereImage, PreparedShape::SphereImage(shape)) => self.sphere_images[index] = shape,
+            (Kind::BoxImage, PreparedShape::BoxImage(shape)) => self.box_images[index] = shape,
+            _ => return false,
+        }
+        true
+    }
+
+    /// How many shapes there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Is there nothing to see?
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.places.is_empty()
+    }
+
+    /// All slots, in document order.
+    pub fn slots(&self) -> impl ExactSizeIterator<Item = Slot> + use<> {
+        (0..to_index(self.places.len())).map(Slot)
+    }
+
+    /// A box around the shape; `None` for planes.
+    #[must_use]
+    pub fn bounds(&self, slot: Slot) -> Option<Bounds> {
+        let Place { kind, index } = self.places[slot.index()];
+        let index = index as usize;
+        match kind {
+            Kind::Sphere => Some(self.spheres[index].bounds()),
+            Kind::Plane => None,
+            Kind::AlignedBox => Some(self.boxes[index].bounds()),
+            Kind::SphereImage => Some(self.sphere_images[index].bounds()),
+            Kind::BoxImage => Some(self.box_images[index].bounds()),
+        }
+    }
+
+    /// The smallest `t >= 0` at which the ray meets the shape, if it does.
+    ///
+    /// The shape that the ray leaves is met again only from inside, on its far side; and so is every other shape whose
+    /// surface coincided with it where the ray starts, each in its own sense.
+    #[must_use]
+    #[inline]
+    pub fn first_hit(&self, slot: Slot, ray: &Ray) -> Option<f64> {
+        let (origin, direction) = (ray.origin(), ray.direction());
+        let Some(departure) = ray.departure() else {
+            return self.unconditional_hit(slot, origin, direction);
+        };
+        if slot == departure.slot {
+            return if departure.outward { None } else { self.far_hit(slot, origin, direction) };
+        }
+        let t = self.unconditional_hit(slot, origin, direction)?;
+        if departure.also_met(|origin, direction| self.unconditional_hit(slot, origin, direction)) {
+            let inward = ask!(self, slot, shape => shape.turns_inward(origin, direction));
+            return if inward { self.far_hit(slot, origin, direction) } else { None };
+        }
+        Some(t)
+    }
+
+    #[inline]
+    fn unconditional_hit(&self, slot: Slot, origin: DVec3, direction: DVec3) -> Option<f64> {
+        ask!(self, slot, shape => shape.first_hit(origin, direction))
+    }
+
+    fn far_hit(&self, slot: Slot, origin: DVec3, direction: DVec3) -> Option<f64> {
+        ask!(self, slot, shape => shape.far_hit(origin, direction))
+    }
+
+    /// The point at which the ray meets the shape at `t`, put onto the surface, and the outward unit normal there.
+    #[must_use]
+    pub fn surface_at(&self, slot: Slot, ray: &Ray, t: f64) -> (DVec3, DVec3) {
+        ask!(self, slot, shape => shape.surface_at(ray.origin(), ray.direction(), t))
+    }
+}
+
+fn to_index(length: usize) -> u32 {
+    assert!(length <= Geometry::LARGEST_COUNT, "a scene has at most 2^28 shapes");
+    u32::try_from(length).unwrap_or(u32::MAX)
+}

@@ -1,0 +1,188 @@
+//! A scene as arrays, ready for rays.
+
+use glam::DVec3;
+
+use super::bvh::{Stack, Tree};
+use super::{Bounds, Geometry, Light, Ray, Slot, SurfaceMaterial};
+use crate::color::Rgb;
+
+/// All that the kernel knows of a scene at one moment, apart from the camera.
+#[derive(Clone, Debug)]
+pub struct PreparedScene {
+    geometry: Geometry,
+    materials: Vec<SurfaceMaterial>,
+    tree: Tree,
+    /// Planes, and shapes so much larger than the rest that they would spoil the tree.
+    beside: Vec<Slot>,
+    /// In document order.
+    pub lights: Vec<Light>,
+    /// I_a.
+    pub ambient: Rgb,
+    /// What rays see that meet nothing.
+    pub background: Rgb,
+    /// Generations of rays that are traced, 1 or more.
+    pub depth: u32,
+}
+
+/// Where a ray meets a shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// The ray's parameter.
+    pub t: f64,
+    /// The shape.
+    pub slot: Slot,
+}
+
+/// A point of a surface, found by a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// On the surface.
+    pub point: DVec3,
+    /// The outward unit normal; of a plane, its own.
+    pub normal: DVec3,
+    /// Did the ray come from the side that the normal points to?
+    pub from_outside: bool,
+}
+
+impl Surface {
+    /// The normal on the side that the ray came from.
+    #[must_use]
+    pub fn facing_normal(&self) -> DVec3 {
+        if self.from_outside { self.normal } else { -self.normal }
+    }
+}
+
+impl PreparedScene {
+    /// A scene of these shapes with one material each, without lights, black all around.
+    #[must_use]
+    pub fn new(geometry: Geometry, materials: Vec<SurfaceMaterial>) -> Self {
+        let mut scene = Self {
+            geometry,
+            materials,
+            tree: Tree::build(&[], &[]),
+            beside: Vec::new(),
+            lights: Vec::new(),
+            ambient: Rgb::ZERO,
+            background: Rgb::ZERO,
+            depth: 1,
+        };
+        scene.rebuild_tree();
+        scene
+    }
+
+    /// The shapes.
+    #[must_use]
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
+    /// Replaces shapes: `change` may replace any; afterwards the tree is rebuilt.
+    pub fn change_geometry(&mut self, change: impl FnOnce(&mut Geometry)) {
+        change(&mut self.geometry);
+        self.rebuild_tree();
+    }
+
+    /// The surface of a slot.
+    #[must_use]
+    pub fn material(&self, slot: Slot) -> &SurfaceMaterial {
+        &self.materials[slot.index()]
+    }
+
+    /// Replaces the surface of a slot.
+    pub fn set_material(&mut self, slot: Slot, material: SurfaceMaterial) {
+        self.materials[slot.index()] = material;
+    }
+
+    fn rebuild_tree(&mut self) {
+        let bounded = self.geometry.slots().filter_map(|slot| Some((slot, self.geometry.bounds(slot)?)));
+        let (mut slots, mut bounds): (Vec<Slot>, Vec<Bounds>) = bounded.unzip();
+        self.beside = self.geometry.slots().filter(|slot| self.geometry.bounds(*slot).is_none()).collect();
+        let huge = huge_shapes(&bounds);
+        for index in huge.into_iter().rev() {
+            self.beside.push(slots.remove(index));
+            bounds.remove(index);
+        }
+        self.beside.sort_unstable();
+        self.tree = Tree::build(&slots, &bounds);
+    }
+
+    /// The nearest surface that the ray meets; of several at the same `t` the first in document order.
+    #[must_use]
+    pub(super) fn closest(&self, ray: &Ray, stack: &mut Stack) -> Option<Hit> {
+        let mut best: Option<Hit> = None;
+        let mut consider = |slot: Slot| {
+            if let Some(t) = self.geometry.first_hit(slot, ray) {
+                let hit = Hit { t, slot };
+                if best.is_none_or(|best| hit.precedes(&best)) {
+                    best = Some(hit);
+                }
+            }
+            best.map_or(f64::INFINITY, |best| best.t)
+        };
+        let mut limit = f64::INFINITY;
+        for slot in &self.beside {
+            limit = consider(*slot);
+        }
+        self.tree.visit_nearest(ray, limit, stack, consider);
+        best
+    }
+
+    /// Does anything but `except` stand between the ray's origin and `limit`?
+    #[must_use]
+    pub(super) fn is_hidden(&self, ray: &Ray, limit: f64, except: Option<Slot>, stack: &mut Stack) -> bool {
+        let hides = |slot: Slot| self.hides(slot, ray, limit, except);
+        self.beside.iter().any(|slot| hides(*slot)) || self.tree.visit_any(ray, limit, stack, hides)
+    }
+
+    /// Does this shape stand between the ray's origin and `limit`?
+    pub(super) fn hides(&self, slot: Slot, ray: &Ray, limit: f64, except: Option<Slot>) -> bool {
+        Some(slot) != except && self.geometry.first_hit(slot, ray).is_some_and(|t| t < limit)
+    }
+
+    /// The point that `hit` found, put onto the surface, with its normal.
+    #[must_use]
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
+        let (point, normal) = self.geometry.surface_at(hit.slot, ray, hit.t);
+        Surface { point, normal, from_outside: ray.direction().dot(normal) <= 0.0 }
+    }
+
+    /// The nearest surface that the ray meets, by the renderer's own path. For single rays; it makes its own buffers.
+    #[must_use]
+    pub fn cast(&self, ray: &Ray) -> Option<(Hit, Surface)> {
+        let hit = self.closest(ray, &mut Stack::default())?;
+        Some((hit, self.surface(ray, &hit)))
+    }
+}
+
+impl Hit {
+    /// Is this hit seen before the other: nearer, or as near and earlier in document order?
+    #[must_use]
+    pub(super) fn precedes(&self, other: &Self) -> bool {
+        self.t < other.t || self.t == other.t && self.slot < other.slot
+    }
+
+    /// A ray that leaves the surface found by this hit of `arrived`. It never meets the surface it starts on by rounding.
+    /// `None` if the direction is zero or not finite.
+    #[must_use]
+    pub fn leave_towards(&self, arrived: &Ray, surface: &Surface, direction: DVec3) -> Option<Ray> {
+        Ray::leaving(arrived, self, surface, direction.dot(surface.normal) >= 0.0, direction)
+    }
+}
+
+/// Indices of at most 64 boxes whose longest edge is over 2^16 times the median of all that have one, ascending.
+fn huge_shapes(bounds: &[Bounds]) -> Vec<usize> {
+    const TIMES_MEDIAN: f64 = 65_536.0;
+    const MOST: usize = 64;
+    let mut extents: Vec<f64> = bounds.iter().map(Bounds::extent).filter(|extent| *extent > 0.0).collect();
+    if extents.is_empty() {
+        return Vec::new();
+    }
+    let middle = extents.len() / 2;
+    let median = *extents.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let mut huge: Vec<usize> =
+        (0..bounds.len()).filter(|index| bounds[*index].extent() > median * TIMES_MEDIAN).collect();
+    huge.sort_by(|left, right| bounds[*right].extent().total_cmp(&bounds[*left].extent()));
+    huge.truncate(MOST);
+    huge.sort_unstable();
+    huge
+}

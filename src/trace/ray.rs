@@ -1,0 +1,136 @@
+//! Rays, and what they know of the surface they leave.
+
+use glam::DVec3;
+
+use super::{Hit, Slot, Surface};
+
+/// A half-line `origin + t direction`, t >= 0.
+///
+/// The direction is scaled by a power of two, which is exact, so that its largest component is in 1..2: no later
+/// product overflows or loses digits, however long or short the direction was given.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    origin: DVec3,
+    direction: DVec3,
+    departure: Option<Departure>,
+}
+
+/// The surface a ray leaves. Instead of moving the origin off the surface by some epsilon, the ray skips what it leaves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Departure {
+    /// The shape that is left.
+    pub(super) slot: Slot,
+    /// Out of the shape, or into it?
+    pub(super) outward: bool,
+    /// The ray that arrived here and its `t`: every shape that this ray meets at the very same `t` is left as well.
+    arrived_from: DVec3,
+    arrived_along: DVec3,
+    arrived_at: f64,
+}
+
+impl Departure {
+    /// Does the ray that arrived meet another shape, by this question, at the same place?
+    pub(super) fn also_met(&self, first_hit: impl Fn(DVec3, DVec3) -> Option<f64>) -> bool {
+        first_hit(self.arrived_from, self.arrived_along) == Some(self.arrived_at)
+    }
+}
+
+impl Ray {
+    /// A ray that starts anywhere. `None` if a number is not finite or the direction is zero.
+    #[must_use]
+    pub fn new(origin: DVec3, direction: DVec3) -> Option<Self> {
+        let (direction, _) = scaled(direction)?;
+        origin.is_finite().then_some(Self { origin, direction, departure: None })
+    }
+
+    /// A ray that leaves the surface found by `hit` on `arrived`, on the side that `outward` says.
+    #[must_use]
+    pub(super) fn leaving(
+        arrived: &Self,
+        hit: &Hit,
+        surface: &Surface,
+        outward: bool,
+        direction: DVec3,
+    ) -> Option<Self> {
+        let (direction, _) = scaled(direction)?;
+        let departure = Departure {
+            slot: hit.slot,
+            outward,
+            arrived_from: arrived.origin,
+            arrived_along: arrived.direction,
+            arrived_at: hit.t,
+        };
+        Some(Self { origin: surface.point, direction, departure: Some(departure) })
+    }
+
+    /// A ray that leaves the surface found by `hit` on `arrived` towards a point, and the `t` at which it is there.
+    #[must_use]
+    pub(super) fn leaving_to(
+        arrived: &Self,
+        hit: &Hit,
+        surface: &Surface,
+        outward: bool,
+        point: DVec3,
+    ) -> Option<(Self, f64)> {
+        let way = point - surface.point;
+        let (_, scale) = scaled(way)?;
+        Some((Self::leaving(arrived, hit, surface, outward, way)?, scale.recip()))
+    }
+
+    /// Where the ray starts.
+    #[must_use]
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// Which way it goes; the largest component's magnitude is in 1..2.
+    #[must_use]
+    pub fn direction(&self) -> DVec3 {
+        self.direction
+    }
+
+    pub(super) fn departure(&self) -> Option<&Departure> {
+        self.departure.as_ref()
+    }
+
+    /// The point at `t`.
+    #[must_use]
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin + self.direction * t
+    }
+}
+
+/// `direction` times a power of two that brings its largest component into 1..2, and that power of two.
+fn scaled(direction: DVec3) -> Option<(DVec3, f64)> {
+    /// Lifts every subnormal into the normal range.
+    const LIFT: f64 = f64::from_bits((1023 + 600) << 52);
+    const EXPONENT: u64 = 0x7ff;
+
+    let exponent = |vector: DVec3| (vector.abs().max_element().to_bits() >> 52) & EXPONENT;
+    if !direction.is_finite() || direction == DVec3::ZERO {
+        return None;
+    }
+    let (lifted, lift) = if exponent(direction) < 600 { (direction * LIFT, LIFT) } else { (direction, 1.0) };
+    // 2^-e has the biased exponent 2046 - (1023 + e). The two largest exponents would give a subnormal.
+    let scale = f64::from_bits((2046 - exponent(lifted).min(2045)) << 52);
+    Some((lifted * scale, lift * scale))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_of_any_length_are_scaled_exactly() {
+        for exponent in [-1074, -1040, -1022, -500, -1, 0, 1, 52, 900, 1022] {
+            let length = libm::ldexp(1.0, exponent);
+            let (direction, scale) = scaled(DVec3::new(length, -length, 0.0)).unwrap();
+            assert_eq!(direction, DVec3::new(1.0, -1.0, 0.0), "2^{exponent}");
+            assert!(exponent < -1023 || scale * length == 1.0);
+        }
+        assert!(scaled(DVec3::new(f64::MAX, 0.0, 1.0)).unwrap().0.x < 4.0);
+        assert!(scaled(DVec3::ZERO).is_none());
+        assert!(scaled(DVec3::new(f64::NAN, 1.0, 0.0)).is_none());
+        assert!(scaled(DVec3::new(f64::INFINITY, 1.0, 0.0)).is_none());
+    }
+}

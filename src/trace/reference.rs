@@ -1,0 +1,71 @@
+//! The slow path: every ray asks every shape. It is the oracle that the fast path is held against, bit for bit, and the
+//! definition of the picture in the fewest words.
+
+use super::shade::{ambient, diffuse, mirrored, shadow_ray};
+use super::{Camera, Film, Hit, PreparedScene, Ray, Slot};
+use crate::color::Rgb;
+
+/// Makes the picture, pixel after pixel.
+#[must_use]
+pub fn render(scene: &PreparedScene, camera: &Camera) -> Film {
+    let (columns, rows) = camera.resolution();
+    let mut film = Film::new(columns, rows);
+    for j in 0..rows {
+        for i in 0..columns {
+            let color = camera.ray(i, j).map_or(scene.background, |ray| radiance(scene, ray));
+            film.store(i, j, &[color]);
+        }
+    }
+    film
+}
+
+/// The light that comes back along a camera ray: what each surface along the chain of mirrors sends, weighted by the
+/// mirrors before it.
+#[must_use]
+pub fn radiance(scene: &PreparedScene, camera_ray: Ray) -> Rgb {
+    let mut sum = Rgb::ZERO;
+    let mut next = Some((camera_ray, Rgb::ONE));
+    for _ in 0..scene.depth {
+        let Some((ray, throughput)) = next.take() else {
+            return sum;
+        };
+        let Some(hit) = closest(scene, &ray) else {
+            return sum + throughput * scene.background;
+        };
+        let surface = scene.surface(&ray, &hit);
+        let material = scene.material(hit.slot);
+
+        let mut local = ambient(scene, material);
+        for light in &scene.lights {
+            if let Some(shadow) = shadow_ray(scene, &ray, &hit, &surface, light)
+                && !is_hidden(scene, &shadow.ray, shadow.limit, light.own_shape)
+            {
+                local += diffuse(material, light, shadow.cosine);
+            }
+        }
+        sum += throughput * local;
+
+        if material.reflected > 0.0 {
+            next = mirrored(&ray, &hit, &surface).map(|ray| (ray, throughput * material.reflected));
+        }
+    }
+    // Beyond the last generation a ray sees the background.
+    match next {
+        Some((_, throughput)) => sum + throughput * scene.background,
+        None => sum,
+    }
+}
+
+/// The nearest surface; of several at the same distance the first in document order.
+#[must_use]
+pub fn closest(scene: &PreparedScene, ray: &Ray) -> Option<Hit> {
+    let geometry = scene.geometry();
+    let hits = geometry.slots().filter_map(|slot| geometry.first_hit(slot, ray).map(|t| Hit { t, slot }));
+    hits.reduce(|best, hit| if hit.precedes(&best) { hit } else { best })
+}
+
+/// Does anything but `except` stand between the ray's origin and `limit`?
+#[must_use]
+pub fn is_hidden(scene: &PreparedScene, ray: &Ray, limit: f64, except: Option<Slot>) -> bool {
+    scene.geometry().slots().any(|slot| scene.hides(slot, ray, limit, except))
+}

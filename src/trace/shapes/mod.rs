@@ -1,0 +1,21 @@
+//! The shapes and the questions that are asked of them.
+//!
+//! Every shape answers the same five, for a ray `origin + t direction`:
+//!
+//! - `first_hit`: the smallest `t >= 0` on the surface. Shapes are closed sets: touching counts. Spheres and boxes are
+//!   shells that are seen from inside too.
+//! - `far_hit`: the ray starts on the surface and goes into the shape; where does it come out?
+//! - `turns_inward`: does a direction at a point of the surface lead into the shape?
+//! - `surface_at`: the point at a `t` that `first_hit` or `far_hit` gave, put back onto the surface, and the outward
+//!   unit normal there.
+//! - `bounds`: a box around it, for shapes that have one.
+
+mod aligned_box;
+mod image;
+mod plane;
+mod sphere;
+
+pub use aligned_box::AlignedBox;
+pub use image::{BoxImage, SphereImage};
+pub use plane::Plane;
+pub use sphere::Sphere;

@@ -1,0 +1,70 @@
+//! A tile's working memory. One per thread, reused from tile to tile, so that no ray allocates.
+
+use crate::color::Rgb;
+use crate::trace::bvh::Stack;
+use crate::trace::render::RayCounts;
+use crate::trace::{Hit, Ray, Surface};
+
+/// Pixels along a tile's side.
+pub(in crate::trace) const TILE: u32 = 16;
+
+/// A rectangle of pixels.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::trace) struct Tile {
+    /// Leftmost column.
+    pub(in crate::trace) i: u32,
+    /// Uppermost row.
+    pub(in crate::trace) j: u32,
+    /// Columns, 1..=TILE.
+    pub(in crate::trace) width: u32,
+    /// Rows, 1..=TILE.
+    pub(in crate::trace) height: u32,
+}
+
+/// A ray on its way for a pixel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct QueuedRay {
+    pub(super) ray: Ray,
+    /// Index of the pixel in the tile.
+    pub(super) pixel: usize,
+    /// What share of the light along this ray reaches the pixel.
+    pub(super) throughput: Rgb,
+}
+
+/// A surface point that a ray of the wave has found.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Found {
+    /// Index of the ray in the wave.
+    pub(super) ray: usize,
+    pub(super) hit: Hit,
+    pub(super) surface: Surface,
+    /// Ambient and direct light sent back along the ray, summed light by light.
+    pub(super) local: Rgb,
+}
+
+/// Queues between the stages, and the tile's pixels.
+#[derive(Debug, Default)]
+pub(in crate::trace) struct TileBuffers {
+    /// This wave's rays.
+    pub(super) rays: Vec<QueuedRay>,
+    /// What each of them meets.
+    pub(super) hits: Vec<Option<Hit>>,
+    /// The surface points of those that meet something.
+    pub(super) found: Vec<Found>,
+    /// The next wave's rays.
+    pub(super) next: Vec<QueuedRay>,
+    pub(super) stack: Stack,
+    /// Row by row.
+    pub(in crate::trace) pixels: Vec<Rgb>,
+    /// Rays since the buffers were made.
+    pub(in crate::trace) counts: RayCounts,
+}
+
+impl TileBuffers {
+    pub(super) fn begin(&mut self, tile: Tile) {
+        self.pixels.clear();
+        self.pixels.resize((tile.width * tile.height) as usize, Rgb::ZERO);
+        self.rays.clear();
+        self.next.clear();
+    }
+}

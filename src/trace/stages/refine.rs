@@ -1,0 +1,19 @@
+//! Stage 3: from hits to points that lie on their surfaces. Rays that met nothing see the background.
+
+use super::buffers::{Found, TileBuffers};
+use crate::color::Rgb;
+use crate::trace::PreparedScene;
+
+pub(super) fn run(scene: &PreparedScene, buffers: &mut TileBuffers) {
+    let TileBuffers { rays, hits, found, pixels, .. } = buffers;
+    found.clear();
+    for (index, (queued, hit)) in rays.iter().zip(hits.iter()).enumerate() {
+        match hit {
+            Some(hit) => {
+                let surface = scene.surface(&queued.ray, hit);
+                found.push(Found { ray: index, hit: *hit, surface, local: Rgb::ZERO });
+            }
+            None => pixels[queued.pixel] += queued.throughput * scene.background,
+        }
+    }
+}

@@ -1,0 +1,29 @@
+//! Stage 4: ambient light, then light by light its shadow rays and what they let through.
+
+use super::buffers::TileBuffers;
+use crate::trace::PreparedScene;
+use crate::trace::shade::{ambient, diffuse, shadow_ray};
+
+pub(super) fn run(scene: &PreparedScene, buffers: &mut TileBuffers) {
+    let TileBuffers { rays, found, pixels, stack, counts, .. } = buffers;
+    for point in found.iter_mut() {
+        point.local = ambient(scene, scene.material(point.hit.slot));
+    }
+    for light in &scene.lights {
+        for point in found.iter_mut() {
+            let material = scene.material(point.hit.slot);
+            let Some(shadow) = shadow_ray(scene, &rays[point.ray].ray, &point.hit, &point.surface, light)
+            else {
+                continue;
+            };
+            counts.shadow += 1;
+            if !scene.is_hidden(&shadow.ray, shadow.limit, light.own_shape, stack) {
+                point.local += diffuse(material, light, shadow.cosine);
+            }
+        }
+    }
+    for point in found.iter() {
+        let queued = &rays[point.ray];
+        pixels[queued.pixel] += queued.throughput * point.local;
+    }
+}
