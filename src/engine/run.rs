@@ -1,0 +1,285 @@
+//! The engine.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use hecs::{Component, World};
+
+use super::cast::{Hit, IntoRay};
+use super::report::FrameReport;
+use crate::components::FilmSettings;
+use crate::scene::{LoadError, Scene};
+use crate::systems::{Changes, Context, OwnSystems, Preparation, Step, UnknownComponent, propagate};
+use crate::time::{Time, Timeline};
+use crate::trace::{self, Film};
+
+/// A world of entities that is rendered moment by moment.
+///
+/// # A simulation as a movie
+///
+/// Balls that bounce, stepped 240 times a second. Frames may be asked for in any order: going back replays the steps from
+/// the start, and gives the same bits.
+///
+/// ```
+/// use glam::DVec3;
+/// use rayreel::components::{Camera, FilmSettings, Light, LightKind, Material, Shape, Transform};
+/// use rayreel::{Context, Engine, Rgb, Step, World};
+///
+/// #[derive(Clone)]
+/// struct Velocity(DVec3);
+///
+/// fn physics(context: &mut Context<'_>) {
+///     let dt = context.step_seconds();
+///     let mut moved = Vec::new();
+///     for (entity, transform, velocity) in
+///         context.world.query_mut::<(rayreel::Entity, &mut Transform, &mut Velocity)>()
+///     {
+///         velocity.0.y -= 9.81 * dt;
+///         transform.translation += velocity.0 * dt;
+///         if transform.translation.y < 1.0 {
+///             transform.translation.y = 2.0 - transform.translation.y;
+///             velocity.0.y = -0.8 * velocity.0.y;
+///         }
+///         moved.push(entity);
+///     }
+///     for entity in moved {
+///         context.changes.transform(entity); // what is not declared need not be looked at
+///     }
+/// }
+///
+/// let mut world = World::new();
+/// let clay = Material { k_a: 0.3, k_d: 0.7, color: Rgb::new(1.0, 0.5, 0.2), ambient_color: None };
+/// let ball = world.spawn((
+///     Shape::Sphere { radius: 1.0 },
+///     clay,
+///     Transform::from_translation(DVec3::new(0.0, 4.0, 0.0)),
+///     Velocity(DVec3::X),
+/// ));
+/// world.spawn((Light { kind: LightKind::Point, intensity: Rgb::ONE }, Transform::from_translation(DVec3::splat(9.0))));
+/// world.spawn((Camera { position: DVec3::new(0.0, 2.0, -12.0), ..Camera::default() },));
+/// world.spawn((FilmSettings { width: 32, height: 18, ..FilmSettings::default() },));
+///
+/// let mut engine = Engine::new(world);
+/// engine.register::<Velocity>();
+/// engine.add_stepped_system(Step::per_second(240), physics);
+///
+/// let early = engine.render_frame(12)?;
+/// let late = engine.render_frame(24)?;
+/// let height = engine.world().get::<&Transform>(ball).unwrap().translation.y;
+/// assert_ne!(early, late);
+///
+/// assert_eq!(engine.render_frame(12)?, early); // back in time
+/// assert_eq!(engine.render_frame(24)?, late);
+/// assert_eq!(engine.world().get::<&Transform>(ball).unwrap().translation.y, height);
+/// # Ok::<(), rayreel::EngineError>(())
+/// ```
+pub struct Engine {
+    world: World,
+    timeline: Timeline,
+    systems: OwnSystems,
+    /// Written since the last preparation.
+    changes: Changes,
+    preparation: Option<Preparation>,
+    report: FrameReport,
+}
+
+/// Why a frame could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum EngineError {
+    /// The scene file could not be loaded.
+    #[error(transparent)]
+    Scene(#[from] LoadError),
+    /// The world cannot be copied, which systems of one's own need.
+    #[error(transparent)]
+    UnknownComponent(#[from] UnknownComponent),
+}
+
+impl Engine {
+    /// An engine for a scene file, at its first moment.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read or is wrong: with every place that is, and how to mend it.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, EngineError> {
+        Ok(Self::from_scene(Scene::load(path.as_ref())?))
+    }
+
+    /// An engine around a scene that has been read.
+    #[must_use]
+    pub fn from_scene(scene: Scene) -> Self {
+        Self { timeline: scene.timeline, ..Self::new(scene.world) }
+    }
+
+    /// An engine around a world of one's own, with 24 frames per second. What the world lacks (a camera, film settings)
+    /// has defaults.
+    #[must_use]
+    pub fn new(world: World) -> Self {
+        Self {
+            world,
+            timeline: Timeline::still(),
+            systems: OwnSystems::default(),
+            changes: Changes::all(),
+            preparation: None,
+            report: FrameReport::default(),
+        }
+    }
+
+    /// Adds a pure function of time that writes to the world. Before every frame the world is what it was without it.
+    pub fn add_system(&mut self, system: impl Fn(&mut Context<'_>) + Send + 'static) {
+        self.systems.rewind(&mut self.world);
+        self.changes.anything();
+        self.systems.add(system);
+    }
+
+    /// Adds a system that carries state from step to step. The engine runs it `floor(t / step)` times for the moment `t`,
+    /// from a copy of the world at 0; going back starts over.
+    pub fn add_stepped_system(&mut self, step: Step, system: impl Fn(&mut Context<'_>) + Send + 'static) {
+        self.systems.rewind(&mut self.world);
+        self.changes.anything();
+        self.systems.add_stepped(step, system);
+    }
+
+    /// Says that a component type of one's own is part of the state that is copied and restored. Needed for every such
+    /// type once there are systems of one's own.
+    pub fn register<T: Component + Clone>(&mut self) {
+        self.systems.registry_mut().register::<T>();
+    }
+
+    /// The world at the moment of the last frame.
+    #[must_use]
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The world as it was at the start, before any step, for editing. Everything is read again for the next frame.
+    pub fn world_mut(&mut self) -> &mut World {
+        self.systems.rewind(&mut self.world);
+        self.changes.anything();
+        &mut self.world
+    }
+
+    /// Frame rate and duration.
+    #[must_use]
+    pub fn timeline(&self) -> Timeline {
+        self.timeline
+    }
+
+    /// Sets frame rate and duration.
+    pub fn set_timeline(&mut self, timeline: Timeline) {
+        self.timeline = timeline;
+    }
+
+    /// The film's size and transfer.
+    #[must_use]
+    pub fn film_settings(&self) -> FilmSettings {
+        self.world.query::<&FilmSettings>().iter().next().copied().unwrap_or_default()
+    }
+
+    /// Renders frame `index` of the timeline. It does not matter which frames were rendered before.
+    ///
+    /// # Errors
+    ///
+    /// If systems of one's own need the world copied and it holds components that were not registered.
+    pub fn render_frame(&mut self, index: u32) -> Result<Film, EngineError> {
+        self.render_at(self.timeline.time_of(index))
+    }
+
+    /// Renders a moment.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn render_at(&mut self, time: Time) -> Result<Film, EngineError> {
+        let film = self.render_unless(time, &AtomicBool::new(false))?;
+        // Nobody could cancel it.
+        Ok(film.unwrap_or_else(|| Film::new(0, 0)))
+    }
+
+    /// Renders a moment unless `cancelled` becomes true on the way, then there is no film.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn render_unless(&mut self, time: Time, cancelled: &AtomicBool) -> Result<Option<Film>, EngineError> {
+        self.seek(time)?;
+        let Some(preparation) = &self.preparation else {
+            return Ok(None);
+        };
+        let start = Instant::now();
+        let rendered = trace::render(preparation.scene(), preparation.camera(), cancelled);
+        self.report.trace = start.elapsed();
+        Ok(rendered.map(|(film, rays)| {
+            self.report.rays = rays;
+            film
+        }))
+    }
+
+    /// Renders a moment by the reference path, which asks every shape for every ray: slow, single-threaded, and the same
+    /// bits.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn render_reference(&mut self, time: Time) -> Result<Film, EngineError> {
+        self.seek(time)?;
+        let render =
+            |preparation: &Preparation| trace::reference::render(preparation.scene(), preparation.camera());
+        Ok(self.preparation.as_ref().map_or_else(|| Film::new(0, 0), render))
+    }
+
+    /// Brings the world, and what the kernel knows of it, to a moment, without making a picture.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn seek(&mut self, time: Time) -> Result<(), EngineError> {
+        let start = Instant::now();
+        self.systems.advance(&mut self.world, time, &mut self.changes)?;
+        let animated = Instant::now();
+        let changes = std::mem::take(&mut self.changes);
+        let moved = propagate(&mut self.world, &changes);
+        match &mut self.preparation {
+            Some(preparation) => preparation.update(&mut self.world, &changes, &moved),
+            None => self.preparation = Some(Preparation::of(&mut self.world)),
+        }
+        self.report = FrameReport {
+            time,
+            animate: animated - start,
+            prepare: animated.elapsed(),
+            ..FrameReport::default()
+        };
+        Ok(())
+    }
+
+    /// What the last frame cost.
+    #[must_use]
+    pub fn report(&self) -> &FrameReport {
+        &self.report
+    }
+
+    /// The nearest surface that a ray meets, at the moment of the last frame or [`seek`](Engine::seek), exactly as the
+    /// renderer sees it. `None` before the first of them, for a ray that meets nothing, and for one without a direction.
+    ///
+    /// ```no_run
+    /// use glam::DVec3;
+    /// use rayreel::{Engine, Ray, Time};
+    ///
+    /// let mut engine = Engine::load("scenes/first_light.ron")?;
+    /// engine.seek(Time::ZERO)?;
+    /// let ray = Ray { origin: DVec3::new(0.0, 1.0, -8.0), direction: DVec3::Z };
+    /// if let Some(hit) = engine.cast(ray) {
+    ///     println!("{:?} after {} units", hit.entity, hit.distance);
+    ///     let next = hit.leave_towards(hit.normal); // starts on the surface, and never meets it by rounding
+    ///     assert!(engine.cast(next).is_none_or(|next| next.distance > 0.0));
+    /// }
+    /// # Ok::<(), rayreel::EngineError>(())
+    /// ```
+    #[must_use]
+    pub fn cast(&self, ray: impl IntoRay) -> Option<Hit> {
+        let preparation = self.preparation.as_ref()?;
+        let ray = ray.into_ray()?;
+        let (hit, surface) = preparation.scene().cast(&ray)?;
+        Some(Hit::new(preparation.entity(hit.slot), ray, hit, surface))
+    }
+}

@@ -1,0 +1,99 @@
+//! Writes what tracks say about a moment.
+
+use hecs::{Entity, World};
+
+use super::Changes;
+use crate::components::{Animated, Camera, Channel, Light, LightKind, Material, Reflective, Transform, View};
+use crate::time::Time;
+
+/// The components that channels write to, if an entity has them.
+type Targets<'a> = (
+    Entity,
+    &'a Animated,
+    Option<&'a mut Transform>,
+    Option<&'a mut Material>,
+    Option<&'a mut Reflective>,
+    Option<&'a mut Light>,
+    Option<&'a mut Camera>,
+);
+
+/// Sets every animated value to its track's value at `time`, and records what really changed.
+///
+/// A channel whose component the entity lacks does nothing.
+pub fn animate(world: &mut World, time: Time, changes: &mut Changes) {
+    let seconds = time.seconds();
+    for (entity, animated, mut transform, mut material, mut reflective, mut light, mut camera) in
+        world.query_mut::<Targets<'_>>()
+    {
+        let before =
+            (transform.as_deref().copied(), material.as_deref().copied(), reflective.as_deref().copied());
+        for channel in &animated.0 {
+            if let Some(transform) = transform.as_deref_mut() {
+                move_entity(transform, channel, seconds);
+            }
+            if let Some(material) = material.as_deref_mut() {
+                paint(material, channel, seconds);
+            }
+            if let (Some(reflective), Channel::Kr(track)) = (reflective.as_deref_mut(), channel) {
+                reflective.k_r = coefficient(track.at(seconds));
+            }
+            if let Some(light) = light.as_deref_mut() {
+                shine(light, channel, seconds);
+            }
+            if let Some(camera) = camera.as_deref_mut() {
+                film(camera, channel, seconds);
+            }
+        }
+        if transform.as_deref().copied() != before.0 {
+            changes.transform(entity);
+        }
+        if (material.as_deref().copied(), reflective.as_deref().copied()) != (before.1, before.2) {
+            changes.material(entity);
+        }
+    }
+}
+
+fn move_entity(transform: &mut Transform, channel: &Channel, seconds: f64) {
+    match channel {
+        Channel::Translation(track) => transform.translation = track.at(seconds),
+        Channel::Rotation(track) => transform.rotation = track.at(seconds),
+        Channel::Scale(track) => transform.scale = track.at(seconds),
+        _ => {}
+    }
+}
+
+fn paint(material: &mut Material, channel: &Channel, seconds: f64) {
+    match channel {
+        Channel::Ka(track) => material.k_a = coefficient(track.at(seconds)),
+        Channel::Kd(track) => material.k_d = coefficient(track.at(seconds)),
+        Channel::Color(track) => material.color = track.at(seconds),
+        Channel::AmbientColor(track) => material.ambient_color = Some(track.at(seconds)),
+        _ => {}
+    }
+}
+
+fn shine(light: &mut Light, channel: &Channel, seconds: f64) {
+    match channel {
+        Channel::Intensity(track) => light.intensity = track.at(seconds),
+        Channel::Direction(track) => {
+            if let LightKind::Directional { direction } = &mut light.kind {
+                *direction = track.at(seconds);
+            }
+        }
+        _ => {}
+    }
+}
+
+fn film(camera: &mut Camera, channel: &Channel, seconds: f64) {
+    match channel {
+        Channel::Position(track) => camera.position = track.at(seconds),
+        Channel::Target(track) => camera.view = View::Target(track.at(seconds)),
+        _ => {}
+    }
+}
+
+/// A curve through coefficients may leave their range; the value may not.
+#[expect(clippy::cast_possible_truncation, reason = "colour is f32")]
+fn coefficient(value: f64) -> f32 {
+    value.clamp(0.0, 1.0) as f32
+}

@@ -1,0 +1,84 @@
+//! What was written since the kernel's arrays were last brought up to date.
+
+use hecs::Entity;
+
+/// A record of writes to the world.
+///
+/// A system that declares nothing is taken to have written anything, and the whole world is read again; one that
+/// declares its writes, with the methods here, pays for those only. Declaring too little shows a stale picture.
+#[derive(Clone, Debug, Default)]
+pub struct Changes {
+    everything: bool,
+    declared: bool,
+    transforms: Vec<Entity>,
+    materials: Vec<Entity>,
+}
+
+impl Changes {
+    /// Anything may have changed, entities may have come and gone.
+    #[must_use]
+    pub fn all() -> Self {
+        Self { everything: true, ..Self::default() }
+    }
+
+    /// Declares that anything may have been written: entities spawned or despawned, components added or removed, shapes
+    /// or parents changed.
+    pub fn anything(&mut self) {
+        self.everything = true;
+        self.declared = true;
+    }
+
+    /// Declares a write to an entity's [`Transform`](crate::components::Transform).
+    pub fn transform(&mut self, entity: Entity) {
+        self.declared = true;
+        self.transforms.push(entity);
+    }
+
+    /// Declares a write to an entity's [`Material`](crate::components::Material) or
+    /// [`Reflective`](crate::components::Reflective).
+    pub fn material(&mut self, entity: Entity) {
+        self.declared = true;
+        self.materials.push(entity);
+    }
+
+    /// Declares that nothing else was written than, at most, lights, cameras and settings of the whole scene, which are
+    /// read anew for every frame.
+    pub fn settings(&mut self) {
+        self.declared = true;
+    }
+
+    /// Must the whole world be read again?
+    #[must_use]
+    pub fn is_everything(&self) -> bool {
+        self.everything
+    }
+
+    /// Entities whose transforms were written; may repeat.
+    #[must_use]
+    pub fn transforms(&self) -> &[Entity] {
+        &self.transforms
+    }
+
+    /// Entities whose materials were written; may repeat.
+    #[must_use]
+    pub fn materials(&self) -> &[Entity] {
+        &self.materials
+    }
+
+    /// Runs a system and believes what it declares; all is taken to be written if it declares nothing.
+    pub(super) fn watch(&mut self, system: impl FnOnce(&mut Self)) {
+        let before = std::mem::replace(&mut self.declared, false);
+        system(self);
+        if !self.declared {
+            self.everything = true;
+        }
+        self.declared = before;
+    }
+
+    /// Adds another record's writes.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        self.everything |= other.everything;
+        self.transforms.extend(&other.transforms);
+        self.materials.extend(&other.materials);
+    }
+}

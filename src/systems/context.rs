@@ -1,0 +1,41 @@
+//! What a system is given.
+
+use hecs::{DynamicBundle, Entity, World};
+
+use super::Changes;
+use crate::components::Order;
+use crate::time::Time;
+
+/// The world at a moment, for a system to write to.
+pub struct Context<'a> {
+    /// All entities.
+    pub world: &'a mut World,
+    /// The moment: of the frame for pure systems, of the step's start for stepped ones.
+    pub time: Time,
+    /// Where the system says what it writes.
+    pub changes: &'a mut Changes,
+    pub(super) step: Option<f64>,
+}
+
+impl Context<'_> {
+    /// The length of the step in seconds; 0 for a pure system.
+    #[must_use]
+    pub fn step_seconds(&self) -> f64 {
+        self.step.unwrap_or(0.0)
+    }
+
+    /// Spawns an entity after all others in document order, and declares it.
+    pub fn spawn(&mut self, components: impl DynamicBundle) -> Entity {
+        let next = next_order(self.world);
+        let entity = self.world.spawn(components);
+        // The entity was spawned just now.
+        let _ = self.world.insert_one(entity, next);
+        self.changes.anything();
+        entity
+    }
+}
+
+/// The place after all that are taken.
+pub(super) fn next_order(world: &World) -> Order {
+    Order(world.query::<&Order>().iter().map(|order| order.0 + 1).max().unwrap_or(0))
+}

@@ -1,0 +1,29 @@
+//! What happens each frame, in this order:
+//!
+//! ```text
+//! animate -> own systems -> propagate -> prepare   (-> trace)
+//! ```
+//!
+//! - [`animate`] writes what tracks say about this moment.
+//! - [`OwnSystems`] runs what the program that uses the library has added, pure or stepped.
+//! - [`propagate`] turns transforms into world transforms, parents first.
+//! - [`Preparation`] is the only bridge from the world to the kernel: it carries shapes, materials, lights and the camera
+//!   over into arrays, in document order, and only what has changed.
+//!
+//! hecs keeps no record of changes, so systems say what they write: see [`Changes`].
+
+mod animate;
+mod changes;
+mod context;
+mod own;
+mod prepare;
+mod propagate;
+mod snapshot;
+
+pub use animate::animate;
+pub use changes::Changes;
+pub use context::Context;
+pub use own::{OwnSystems, Step};
+pub use prepare::Preparation;
+pub use propagate::propagate;
+pub use snapshot::{Registry, Snapshot, UnknownComponent};

@@ -1,0 +1,178 @@
+//! Systems that the program using the library adds.
+
+use hecs::World;
+
+use super::{Changes, Context, Registry, Snapshot, UnknownComponent, animate};
+use crate::time::Time;
+
+type System = Box<dyn Fn(&mut Context<'_>) + Send>;
+
+/// The exact length of a stepped system's step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Step(Time);
+
+impl Step {
+    /// `1 / rate` seconds. A rate of 0 counts as 1.
+    #[must_use]
+    pub fn per_second(rate: u32) -> Self {
+        Self(Time::from_ratio(1, u64::from(rate.max(1))).unwrap_or(Time::ZERO))
+    }
+
+    /// `numerator / denominator` seconds. `None` unless both are in 1..2^32.
+    #[must_use]
+    pub fn of_seconds(numerator: u32, denominator: u32) -> Option<Self> {
+        (numerator > 0).then_some(())?;
+        Time::from_ratio(u64::from(numerator), u64::from(denominator)).map(Self)
+    }
+}
+
+struct Stepped {
+    step: Step,
+    system: System,
+    /// How many steps the world has been through.
+    done: u64,
+}
+
+/// Pure and stepped systems, and the copies of the world that let them start over.
+///
+/// A *pure* system is a function of the moment: before every frame the world is what it was without it. A *stepped* system
+/// carries state from step to step; the state at `t` is that after `floor(t / step)` steps, each of which sees tracks at its
+/// own start. Going back in time starts over from the beginning, so that a frame does not depend on what was rendered
+/// before it.
+#[derive(Default)]
+pub struct OwnSystems {
+    pure: Vec<System>,
+    stepped: Vec<Stepped>,
+    registry: Registry,
+    /// The world before anything ran.
+    start: Option<Snapshot>,
+    /// The world after the steps so far, before pure systems.
+    state: Option<Snapshot>,
+    /// What has been written since `state`.
+    since_state: Changes,
+}
+
+impl OwnSystems {
+    /// Adds a pure system.
+    pub fn add(&mut self, system: impl Fn(&mut Context<'_>) + Send + 'static) {
+        self.pure.push(Box::new(system));
+    }
+
+    /// Adds a stepped system.
+    pub fn add_stepped(&mut self, step: Step, system: impl Fn(&mut Context<'_>) + Send + 'static) {
+        self.stepped.push(Stepped { step, system: Box::new(system), done: 0 });
+    }
+
+    /// Lets snapshots copy a component type.
+    pub fn registry_mut(&mut self) -> &mut Registry {
+        &mut self.registry
+    }
+
+    /// Makes the world what it was before anything ran, and forgets that moment: the world may be edited now.
+    pub fn rewind(&mut self, world: &mut World) {
+        if let Some(start) = self.start.take() {
+            start.restore(world);
+        }
+        self.state = None;
+        self.since_state = Changes::default();
+        for stepped in &mut self.stepped {
+            stepped.done = 0;
+        }
+    }
+
+    /// Brings the world to a moment: tracks, steps, and pure systems.
+    ///
+    /// # Errors
+    ///
+    /// If the world holds a component that cannot be copied, and there are systems that need copies.
+    pub fn advance(
+        &mut self,
+        world: &mut World,
+        time: Time,
+        changes: &mut Changes,
+    ) -> Result<(), UnknownComponent> {
+        if self.pure.is_empty() && self.stepped.is_empty() {
+            animate(world, time, changes);
+            return Ok(());
+        }
+        if self.start.is_none() {
+            let start = Snapshot::take(world, &self.registry)?;
+            // From here on ids are given out as they will be after every return to the start.
+            start.restore(world);
+            self.start = Some(start);
+            changes.anything();
+        } else if self.stepped.iter().any(|stepped| stepped.done > time.whole_steps(stepped.step.0)) {
+            self.return_to_start(world, changes);
+        } else {
+            self.return_to_state(world, changes);
+        }
+        self.run_steps(world, time, changes);
+        if self.state.is_none() && !self.pure.is_empty() {
+            self.state = Some(Snapshot::take(world, &self.registry)?);
+            self.since_state = Changes::default();
+        }
+        self.run_pure(world, time, changes);
+        Ok(())
+    }
+
+    fn return_to_start(&mut self, world: &mut World, changes: &mut Changes) {
+        if let Some(start) = &self.start {
+            start.restore(world);
+        }
+        for stepped in &mut self.stepped {
+            stepped.done = 0;
+        }
+        self.state = None;
+        changes.anything();
+    }
+
+    /// Undoes what tracks and pure systems wrote since the last step.
+    fn return_to_state(&mut self, world: &mut World, changes: &mut Changes) {
+        let Some(state) = &self.state else { return };
+        if self.since_state.is_everything() {
+            state.restore(world);
+        } else {
+            state.restore_entities(world, self.since_state.transforms());
+            state.restore_entities(world, self.since_state.materials());
+        }
+        changes.merge(&self.since_state);
+        self.since_state = Changes::default();
+    }
+
+    /// Runs all steps that end by `time`, in the order of their starts.
+    fn run_steps(&mut self, world: &mut World, time: Time, changes: &mut Changes) {
+        loop {
+            let due = self.stepped.iter().enumerate().filter_map(|(index, stepped)| {
+                let start = stepped.step.0.times(stepped.done)?;
+                (stepped.done < time.whole_steps(stepped.step.0)).then_some((start, index))
+            });
+            let Some((start, index)) = due.min() else { return };
+            let stepped = &mut self.stepped[index];
+            animate(world, start, changes);
+            let step = Some(stepped.step.0.seconds());
+            changes.watch(|changes| (stepped.system)(&mut Context { world, time: start, changes, step }));
+            stepped.done += 1;
+            self.state = None;
+        }
+    }
+
+    fn run_pure(&mut self, world: &mut World, time: Time, changes: &mut Changes) {
+        let mut written = Changes::default();
+        animate(world, time, &mut written);
+        for system in &self.pure {
+            written.watch(|changes| system(&mut Context { world, time, changes, step: None }));
+        }
+        changes.merge(&written);
+        self.since_state.merge(&written);
+    }
+}
+
+impl std::fmt::Debug for OwnSystems {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter
+            .debug_struct("OwnSystems")
+            .field("pure", &self.pure.len())
+            .field("stepped", &self.stepped.len())
+            .finish_non_exhaustive()
+    }
+}

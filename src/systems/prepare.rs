@@ -1,0 +1,266 @@
+//! The only bridge from the world to the kernel.
+
+use std::collections::HashMap;
+
+use glam::{DMat3, DVec3};
+use hecs::{Entity, World};
+
+use super::Changes;
+use super::context::next_order;
+use crate::color::Rgb;
+use crate::components::{
+    Ambient, Background, Camera, FilmSettings, Light, LightKind, Material, Order, Projection, Quality,
+    Reflective, Shape, View, WorldTransform,
+};
+use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
+use crate::trace::{self, Geometry, LightSource, PreparedScene, PreparedShape, Slot, SurfaceMaterial};
+
+/// The kernel's arrays, and which entity each of their slots stands for.
+///
+/// Entities with a [`Shape`] and a [`Material`] are drawn. Values that cannot be drawn, such as a scale of zero halfway
+/// through an animation or a NaN from a system, leave the entity out of the picture; nothing non-finite gets to the kernel.
+#[derive(Clone, Debug)]
+pub struct Preparation {
+    scene: PreparedScene,
+    camera: trace::Camera,
+    film: FilmSettings,
+    entities: Vec<Entity>,
+    slots: HashMap<Entity, Slot>,
+}
+
+impl Preparation {
+    /// Reads the whole world.
+    #[must_use]
+    pub fn of(world: &mut World) -> Self {
+        order_newcomers(world);
+        let mut drawn: Vec<(Order, Entity, PreparedShape, SurfaceMaterial)> = world
+            .query_mut::<(Entity, &Order, &Shape, &WorldTransform, &Material, Option<&Reflective>)>()
+            .into_iter()
+            .filter_map(|(entity, order, shape, transform, material, reflective)| {
+                Some((
+                    *order,
+                    entity,
+                    prepared_shape(shape, transform)?,
+                    surface_material(material, reflective),
+                ))
+            })
+            .collect();
+        drawn.sort_unstable_by_key(|(order, entity, ..)| (*order, entity.id()));
+
+        let mut geometry = Geometry::default();
+        let mut materials = Vec::with_capacity(drawn.len());
+        let mut entities = Vec::with_capacity(drawn.len());
+        let mut slots = HashMap::with_capacity(drawn.len());
+        for (_, entity, shape, material) in drawn {
+            slots.insert(entity, geometry.push(shape));
+            entities.push(entity);
+            materials.push(material);
+        }
+        let film = first::<FilmSettings>(world);
+        let scene = PreparedScene::new(geometry, materials);
+        let mut preparation = Self { scene, camera: prepared_camera(world, film), film, entities, slots };
+        preparation.read_settings(world);
+        preparation
+    }
+
+    /// Reads what has changed. `moved` are the entities whose world transform changed.
+    pub fn update(&mut self, world: &mut World, changes: &Changes, moved: &[Entity]) {
+        if changes.is_everything() || !self.update_shapes(world, moved) {
+            *self = Self::of(world);
+            return;
+        }
+        for entity in changes.materials() {
+            if let Some(slot) = self.slots.get(entity)
+                && let Ok((material, reflective)) =
+                    world.query_one_mut::<(&Material, Option<&Reflective>)>(*entity)
+            {
+                self.scene.set_material(*slot, surface_material(material, reflective));
+            }
+        }
+        self.film = first::<FilmSettings>(world);
+        self.camera = prepared_camera(world, self.film);
+        self.read_settings(world);
+    }
+
+    /// The kernel's scene.
+    #[must_use]
+    pub fn scene(&self) -> &PreparedScene {
+        &self.scene
+    }
+
+    /// The kernel's camera.
+    #[must_use]
+    pub fn camera(&self) -> &trace::Camera {
+        &self.camera
+    }
+
+    /// The film's settings.
+    #[must_use]
+    pub fn film(&self) -> FilmSettings {
+        self.film
+    }
+
+    /// The entity whose shape is in a slot.
+    #[must_use]
+    pub fn entity(&self, slot: Slot) -> Entity {
+        self.entities[slot.index()]
+    }
+
+    /// Puts moved shapes into their slots; `false` if slots no longer fit and all must be read again.
+    fn update_shapes(&mut self, world: &mut World, moved: &[Entity]) -> bool {
+        let mut replacements = Vec::new();
+        for entity in moved {
+            let Ok((shape, transform)) =
+                world.query_one_mut::<hecs::With<(&Shape, &WorldTransform), &Material>>(*entity)
+            else {
+                continue;
+            };
+            match (self.slots.get(entity), prepared_shape(shape, transform)) {
+                (Some(slot), Some(shape)) => replacements.push((*slot, shape)),
+                (None, None) => {}
+                _ => return false,
+            }
+        }
+        if replacements.is_empty() {
+            return true;
+        }
+        let mut fits = true;
+        self.scene.change_geometry(|geometry| {
+            fits = replacements.iter().all(|(slot, shape)| geometry.replace(*slot, *shape));
+        });
+        fits
+    }
+
+    /// Lights and the settings of the whole scene are few: they are read for every frame.
+    fn read_settings(&mut self, world: &mut World) {
+        let mut lights: Vec<(Order, Entity, trace::Light)> = world
+            .query_mut::<(Entity, &Order, &Light, &WorldTransform)>()
+            .into_iter()
+            .filter_map(|(entity, order, light, transform)| {
+                let own_shape = self.slots.get(&entity).copied();
+                Some((*order, entity, prepared_light(light, transform, own_shape)?))
+            })
+            .collect();
+        lights.sort_unstable_by_key(|(order, entity, _)| (*order, entity.id()));
+        self.scene.lights = lights.into_iter().map(|(.., light)| light).collect();
+        self.scene.ambient = sane(first::<Ambient>(world).0);
+        self.scene.background = sane(first::<Background>(world).0);
+        self.scene.depth = first::<Quality>(world).depth.clamp(1, Quality::LARGEST_DEPTH);
+    }
+}
+
+/// Gives places in document order to entities that were spawned without, in the order of their ids.
+fn order_newcomers(world: &mut World) {
+    let mut newcomers: Vec<Entity> = world
+        .query_mut::<hecs::Without<(Entity, hecs::Or<&Shape, &Light>), &Order>>()
+        .into_iter()
+        .map(|(entity, _)| entity)
+        .collect();
+    newcomers.sort_unstable_by_key(|entity| entity.id());
+    let Order(mut next) = next_order(world);
+    for entity in newcomers {
+        // The entity exists: it was found just now.
+        let _ = world.insert_one(entity, Order(next));
+        next += 1;
+    }
+}
+
+/// The first in document order of a component that a world has at most one of, or its default.
+fn first<T: hecs::Component + Default + Clone>(world: &mut World) -> T {
+    let all = world.query_mut::<(Entity, Option<&Order>, &T)>().into_iter();
+    let first = all.min_by_key(|(entity, order, _)| (order.map_or(u64::MAX, |order| order.0), entity.id()));
+    first.map(|(.., component)| component.clone()).unwrap_or_default()
+}
+
+/// A shape in world space. `None` where it has no extent or is not finite.
+fn prepared_shape(shape: &Shape, transform: &WorldTransform) -> Option<PreparedShape> {
+    let matrix = transform.affine.matrix3;
+    let translation = transform.affine.translation;
+    if !transform.affine.is_finite() || matrix.determinant() == 0.0 {
+        return None;
+    }
+    let positive = |size: f64| size > 0.0 && size.is_finite();
+    match *shape {
+        Shape::Sphere { radius } => match transform.uniform_scale {
+            Some(scale) => {
+                let radius = radius * scale;
+                positive(radius).then_some(PreparedShape::Sphere(Sphere { center: translation, radius }))
+            }
+            None => positive(radius)
+                .then(|| PreparedShape::SphereImage(SphereImage::new(transform.affine, radius))),
+        },
+        Shape::Plane { normal } => {
+            // Normals go by the inverse transpose.
+            let normal = (matrix.inverse().transpose() * normal).try_normalize()?;
+            Some(PreparedShape::Plane(Plane { point: translation, normal }))
+        }
+        Shape::Box { size } => {
+            let half = size * 0.5;
+            if !(positive(half.x) && positive(half.y) && positive(half.z)) {
+                return None;
+            }
+            let diagonal = DVec3::new(matrix.x_axis.x, matrix.y_axis.y, matrix.z_axis.z);
+            if matrix == DMat3::from_diagonal(diagonal) {
+                let half = half * diagonal.abs();
+                let (min, max) = (translation - half, translation + half);
+                let extended = min.cmplt(max).all();
+                extended.then_some(PreparedShape::AlignedBox(AlignedBox { min, max }))
+            } else {
+                Some(PreparedShape::BoxImage(BoxImage::new(transform.affine, half)))
+            }
+        }
+    }
+}
+
+fn surface_material(material: &Material, reflective: Option<&Reflective>) -> SurfaceMaterial {
+    let coefficient = |value: f32| if value > 0.0 { value.min(1.0) } else { 0.0 };
+    SurfaceMaterial {
+        ambient: sane(material.ambient_color.unwrap_or(material.color)) * coefficient(material.k_a),
+        diffuse: sane(material.color) * coefficient(material.k_d),
+        reflected: reflective.map_or(0.0, |reflective| coefficient(reflective.k_r)),
+    }
+}
+
+fn prepared_light(
+    light: &Light,
+    transform: &WorldTransform,
+    own_shape: Option<Slot>,
+) -> Option<trace::Light> {
+    let source = match light.kind {
+        LightKind::Point => LightSource::Point(transform.affine.translation),
+        LightKind::Directional { direction } => {
+            LightSource::Towards(-transform.affine.transform_vector3(direction))
+        }
+    };
+    let (LightSource::Point(place) | LightSource::Towards(place)) = source;
+    place.is_finite().then_some(trace::Light { source, intensity: sane(light.intensity), own_shape })
+}
+
+fn prepared_camera(world: &mut World, film: FilmSettings) -> trace::Camera {
+    let cameras = world.query_mut::<(Entity, Option<&Order>, &Camera)>().into_iter();
+    let first =
+        cameras.min_by_key(|(entity, order, _)| (order.map_or(u64::MAX, |order| order.0), entity.id()));
+    let camera = first.map_or_else(Camera::default, |(.., camera)| *camera);
+    let view = match camera.view {
+        View::Direction(direction) => direction,
+        View::Target(target) => target - camera.position,
+    };
+    // The first and last pixel lie on the screen's edges, so that there is one pitch less than there are pixels.
+    let gaps = |pixels: u32| f64::from(pixels.saturating_sub(1).max(1));
+    let (across, down) = (gaps(film.width), gaps(film.height));
+    let (distance, size) = match camera.projection {
+        Projection::Screen { distance, width, height } => {
+            (distance, (width.unwrap_or(height / down * across), height))
+        }
+        Projection::FieldOfView { vertical } => {
+            let pitch = 2.0 * libm::tan(0.5 * vertical) / f64::from(film.height);
+            (1.0, (pitch * across, pitch * down))
+        }
+    };
+    trace::Camera::new(camera.position, view, camera.up, distance, size, (film.width, film.height))
+}
+
+/// Finite and not negative.
+fn sane(color: Rgb) -> Rgb {
+    Rgb::from_array(color.to_array().map(|channel| if channel > 0.0 { channel.min(f32::MAX) } else { 0.0 }))
+}

@@ -1,0 +1,128 @@
+//! Copies of a world, to go back to.
+
+use std::any::{TypeId, type_name};
+
+use hecs::{BuiltEntityClone, Component, Entity, EntityBuilderClone, EntityRef, World};
+
+use crate::components::{
+    Ambient, Animated, Background, Camera, FilmSettings, Light, Material, Name, Order, Parent, Quality,
+    Reflective, Shape, Transform, WorldTransform,
+};
+
+/// The component types that a snapshot copies.
+#[derive(Clone, Debug)]
+pub struct Registry {
+    entries: Vec<Entry>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    type_id: TypeId,
+    name: &'static str,
+    copy: fn(EntityRef<'_>, &mut EntityBuilderClone),
+}
+
+/// A world holds a component of a type that a snapshot cannot copy.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "an entity carries a component of a type that was not registered, so that time could not be turned back: call \
+     `engine.register::<T>()` for every component type of your own (registered: {registered})"
+)]
+pub struct UnknownComponent {
+    registered: String,
+}
+
+impl Default for Registry {
+    /// All components of this crate.
+    fn default() -> Self {
+        let mut registry = Self { entries: Vec::new() };
+        registry.register::<Name>();
+        registry.register::<Order>();
+        registry.register::<Transform>();
+        registry.register::<Parent>();
+        registry.register::<WorldTransform>();
+        registry.register::<Shape>();
+        registry.register::<Material>();
+        registry.register::<Reflective>();
+        registry.register::<Light>();
+        registry.register::<Camera>();
+        registry.register::<FilmSettings>();
+        registry.register::<Ambient>();
+        registry.register::<Background>();
+        registry.register::<Quality>();
+        registry.register::<Animated>();
+        registry
+    }
+}
+
+impl Registry {
+    /// Adds a component type.
+    pub fn register<T: Component + Clone>(&mut self) {
+        fn copy<T: Component + Clone>(entity: EntityRef<'_>, builder: &mut EntityBuilderClone) {
+            if let Some(component) = entity.get::<&T>() {
+                builder.add(T::clone(&component));
+            }
+        }
+        let type_id = TypeId::of::<T>();
+        if self.entries.iter().all(|entry| entry.type_id != type_id) {
+            self.entries.push(Entry { type_id, name: type_name::<T>(), copy: copy::<T> });
+        }
+    }
+
+    fn check(&self, world: &World) -> Result<(), UnknownComponent> {
+        let known = |type_id: TypeId| self.entries.iter().any(|entry| entry.type_id == type_id);
+        let occupied = world.archetypes().filter(|archetype| !archetype.is_empty());
+        if occupied.flat_map(hecs::Archetype::component_types).all(known) {
+            return Ok(());
+        }
+        let names: Vec<&str> = self.entries.iter().map(|entry| entry.name).collect();
+        Err(UnknownComponent { registered: names.join(", ") })
+    }
+}
+
+/// A copy of all entities, with their ids.
+pub struct Snapshot {
+    /// Ascending by id.
+    entities: Vec<(Entity, BuiltEntityClone)>,
+}
+
+impl Snapshot {
+    /// Copies a world.
+    ///
+    /// # Errors
+    ///
+    /// If it holds a component whose type is not registered.
+    pub fn take(world: &World, registry: &Registry) -> Result<Self, UnknownComponent> {
+        registry.check(world)?;
+        let mut entities: Vec<(Entity, BuiltEntityClone)> = world
+            .iter()
+            .map(|entity| {
+                let mut builder = EntityBuilderClone::new();
+                for entry in &registry.entries {
+                    (entry.copy)(entity, &mut builder);
+                }
+                (entity.entity(), builder.build())
+            })
+            .collect();
+        entities.sort_unstable_by_key(|(entity, _)| entity.id());
+        Ok(Self { entities })
+    }
+
+    /// Makes the world what it was. Entities keep their ids, and ids are given out in the same order again.
+    pub fn restore(&self, world: &mut World) {
+        *world = World::new();
+        for (entity, components) in &self.entities {
+            world.spawn_at(*entity, components);
+        }
+    }
+
+    /// Gives some entities their components back. They must still exist, with the same types of components.
+    pub fn restore_entities(&self, world: &mut World, entities: &[Entity]) {
+        for wanted in entities {
+            if let Ok(index) = self.entities.binary_search_by_key(&wanted.id(), |(entity, _)| entity.id()) {
+                // An entity that no longer exists has nothing to be restored.
+                let _ = world.insert(*wanted, &self.entities[index].1);
+            }
+        }
+    }
+}
