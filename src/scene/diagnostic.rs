@@ -1,0 +1,101 @@
+//! What is wrong with a scene, and where: cause, place and remedy.
+
+use std::fmt;
+use std::ops::Range;
+
+use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
+
+/// One mistake.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// What is wrong.
+    pub message: String,
+    /// What about the marked place.
+    pub label: String,
+    /// How to mend it.
+    pub help: Option<String>,
+    /// Bytes of the text; `None` where there is no text.
+    pub span: Option<Range<usize>>,
+}
+
+/// A place in a text, as editors count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// From 1.
+    pub line: usize,
+    /// In characters, from 1.
+    pub column: usize,
+}
+
+impl Place {
+    /// The place of a byte.
+    #[must_use]
+    pub fn of(text: &str, byte: usize) -> Self {
+        let before = &text[..floor_char(text, byte)];
+        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        let line = before.bytes().filter(|byte| *byte == b'\n').count() + 1;
+        Self { line, column: before[line_start..].chars().count() + 1 }
+    }
+}
+
+impl Diagnostic {
+    /// The mistake as a compiler would show it: message, file, line and column, the line with the place marked, and help.
+    #[must_use]
+    pub fn render(&self, file: &str, text: &str, color: bool) -> String {
+        let mut group = Group::with_title(Level::ERROR.primary_title(&self.message));
+        match &self.span {
+            Some(span) => {
+                let place = Place::of(text, span.start);
+                let Excerpt { lines, marked } = Excerpt::around(text, span);
+                let origin = Origin::path(file).line(place.line).char_column(place.column);
+                let annotation = AnnotationKind::Primary.span(marked).label(&self.label);
+                group = group
+                    .element(origin)
+                    .element(Snippet::source(lines).line_start(place.line).annotation(annotation));
+            }
+            None => group = group.element(Origin::path(file)),
+        }
+        if let Some(help) = &self.help {
+            group = group.element(Level::HELP.message(help));
+        }
+        let renderer = if color { Renderer::styled() } else { Renderer::plain() };
+        renderer.render(&[group])
+    }
+}
+
+/// The first line of a marked place, or as much of it as is good to look at.
+struct Excerpt<'a> {
+    lines: &'a str,
+    marked: Range<usize>,
+}
+
+impl<'a> Excerpt<'a> {
+    /// Generated scenes may be one line of many megabytes.
+    const LONGEST: usize = 2000;
+
+    fn around(text: &'a str, span: &Range<usize>) -> Self {
+        let at = floor_char(text, span.start);
+        let line_start = text[..at].rfind('\n').map_or(0, |newline| newline + 1);
+        let line_end = text[at..].find('\n').map_or(text.len(), |newline| at + newline);
+        let start = floor_char(text, line_start.max(at.saturating_sub(Self::LONGEST)));
+        let end = floor_char(text, line_end.min(at + Self::LONGEST));
+        let lines = &text[start..end];
+        let marked_end = floor_char(text, span.end).clamp(at, end);
+        Self { lines, marked: at - start..marked_end - start }
+    }
+}
+
+/// The nearest character boundary at or before a byte.
+fn floor_char(text: &str, byte: usize) -> usize {
+    let mut byte = byte.min(text.len());
+    while !text.is_char_boundary(byte) {
+        byte -= 1;
+    }
+    byte
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{}:{}", self.line, self.column)
+    }
+}

@@ -1,0 +1,178 @@
+//! What moves, and how.
+
+use std::fmt;
+
+use serde::de::{Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+
+use super::{ColorDocument, RotationDocument, ScaleDocument, Triple};
+
+/// One animated value.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct AnimationDocument {
+    pub(crate) target: Option<String>,
+    pub(crate) material: Option<String>,
+    pub(crate) channel: ChannelDocument,
+    pub(crate) track: TracksDocument,
+}
+
+/// Which value moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize)]
+#[serde(rename = "Channel")]
+pub(crate) enum ChannelDocument {
+    Translation,
+    Rotation,
+    Scale,
+    Ka,
+    Kd,
+    Color,
+    AmbientColor,
+    Kr,
+    Intensity,
+    Direction,
+    Position,
+    Target,
+}
+
+/// A track of the kind of value that its channel has.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum TracksDocument {
+    Number(TrackDocument<f64>),
+    Vector(TrackDocument<Triple>),
+    Scale(TrackDocument<ScaleDocument>),
+    Rotation(TrackDocument<RotationDocument>),
+    Color(TrackDocument<ColorDocument>),
+}
+
+/// A value over time.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(rename = "Track")]
+pub(crate) enum TrackDocument<T> {
+    Keys(Vec<KeyDocument<T>>),
+}
+
+/// `(time, value)` or `(time, value, easing)`.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct KeyDocument<T> {
+    pub(crate) time: f64,
+    pub(crate) value: T,
+    pub(crate) easing: EasingDocument,
+}
+
+/// How to get from a key to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename = "Easing")]
+pub(crate) enum EasingDocument {
+    Hold,
+    #[default]
+    Linear,
+    EaseIn,
+    EaseOut,
+    EaseInOut,
+    Cubic,
+}
+
+impl AnimationDocument {
+    pub(crate) const FIELDS: &'static [&'static str] = &["target", "material", "channel", "track"];
+}
+
+/// By hand, because what may stand in `track` depends on `channel`.
+impl<'de> Deserialize<'de> for AnimationDocument {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct AnimationVisitor;
+
+        #[derive(Deserialize)]
+        #[serde(field_identifier, rename_all = "lowercase")]
+        enum Field {
+            Target,
+            Material,
+            Channel,
+            Track,
+        }
+
+        impl<'de> Visitor<'de> for AnimationVisitor {
+            type Value = AnimationDocument;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter.write_str(
+                    "an animation, as (target: \"name\", channel: Translation, track: Keys([ .. ]))",
+                )
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<AnimationDocument, A::Error> {
+                let (mut target, mut material, mut channel, mut track) = (None, None, None, None);
+                while let Some(field) = map.next_key()? {
+                    let twice = match field {
+                        Field::Target => target.is_some().then_some("target"),
+                        Field::Material => material.is_some().then_some("material"),
+                        Field::Channel => channel.is_some().then_some("channel"),
+                        Field::Track => track.is_some().then_some("track"),
+                    };
+                    if let Some(name) = twice {
+                        return Err(A::Error::duplicate_field(name));
+                    }
+                    match field {
+                        Field::Target => target = map.next_value::<Option<String>>()?,
+                        Field::Material => material = map.next_value::<Option<String>>()?,
+                        Field::Channel => channel = Some(map.next_value::<ChannelDocument>()?),
+                        Field::Track => {
+                            let Some(channel) = channel else {
+                                return Err(A::Error::custom(
+                                    "`track` stands before `channel`\nwrite `channel` first: it says what kind of values the keys have",
+                                ));
+                            };
+                            track = Some(tracks(channel, &mut map)?);
+                        }
+                    }
+                }
+                let channel = channel.ok_or_else(|| A::Error::missing_field("channel"))?;
+                let track = track.ok_or_else(|| A::Error::missing_field("track"))?;
+                Ok(AnimationDocument { target, material, channel, track })
+            }
+        }
+
+        deserializer.deserialize_struct("Animation", Self::FIELDS, AnimationVisitor)
+    }
+}
+
+fn tracks<'de, A: MapAccess<'de>>(channel: ChannelDocument, map: &mut A) -> Result<TracksDocument, A::Error> {
+    use ChannelDocument as Channel;
+    match channel {
+        Channel::Ka | Channel::Kd | Channel::Kr => map.next_value().map(TracksDocument::Number),
+        Channel::Scale => map.next_value().map(TracksDocument::Scale),
+        Channel::Rotation => map.next_value().map(TracksDocument::Rotation),
+        Channel::Color | Channel::AmbientColor => map.next_value().map(TracksDocument::Color),
+        Channel::Translation
+        | Channel::Intensity
+        | Channel::Direction
+        | Channel::Position
+        | Channel::Target => map.next_value().map(TracksDocument::Vector),
+    }
+}
+
+/// By hand, because the easing may be left out.
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for KeyDocument<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct KeyVisitor<T>(std::marker::PhantomData<T>);
+
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for KeyVisitor<T> {
+            type Value = KeyDocument<T>;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter.write_str("a key: (time, value) or (time, value, easing)")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<KeyDocument<T>, A::Error> {
+                let time = sequence.next_element()?.ok_or_else(|| A::Error::invalid_length(0, &self))?;
+                let value = sequence.next_element()?.ok_or_else(|| A::Error::invalid_length(1, &self))?;
+                let easing = sequence.next_element()?.unwrap_or_default();
+                if sequence.next_element::<IgnoredAny>()?.is_some() {
+                    return Err(A::Error::invalid_length(4, &self));
+                }
+                Ok(KeyDocument { time, value, easing })
+            }
+        }
+
+        deserializer.deserialize_tuple(3, KeyVisitor(std::marker::PhantomData))
+    }
+}

@@ -1,0 +1,98 @@
+//! Materials and entities.
+
+use serde::Deserialize;
+
+use super::{ColorDocument, ScaleDocument, Triple};
+
+/// How a surface answers light.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Material")]
+pub(crate) struct MaterialDocument {
+    #[serde(default)]
+    pub(crate) k_a: f64,
+    #[serde(default)]
+    pub(crate) k_d: f64,
+    #[serde(default = "white")]
+    pub(crate) color: ColorDocument,
+    pub(crate) ambient_color: Option<ColorDocument>,
+    pub(crate) reflective: Option<ReflectiveDocument>,
+}
+
+fn white() -> ColorDocument {
+    ColorDocument([255.0; 3])
+}
+
+/// A mirror.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Reflective")]
+pub(crate) struct ReflectiveDocument {
+    pub(crate) k_r: f64,
+}
+
+/// A thing in the scene.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Entity")]
+pub(crate) struct EntityDocument {
+    pub(crate) name: Option<String>,
+    pub(crate) parent: Option<String>,
+    #[serde(default)]
+    pub(crate) transform: TransformDocument,
+    pub(crate) shape: Option<ShapeDocument>,
+    pub(crate) material: Option<String>,
+    pub(crate) light: Option<LightDocument>,
+}
+
+/// Where it is.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Transform")]
+pub(crate) struct TransformDocument {
+    pub(crate) translation: Triple,
+    pub(crate) rotation: RotationDocument,
+    pub(crate) scale: ScaleDocument,
+}
+
+impl Default for TransformDocument {
+    fn default() -> Self {
+        Self {
+            translation: [0.0; 3],
+            rotation: RotationDocument::Euler(0.0, 0.0, 0.0),
+            scale: ScaleDocument::Uniform(1.0),
+        }
+    }
+}
+
+/// How it is turned; angles in degrees.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(rename = "Rotation")]
+pub(crate) enum RotationDocument {
+    Euler(f64, f64, f64),
+    AxisAngle(Triple, f64),
+    Quat(f64, f64, f64, f64),
+}
+
+/// What can be seen of it.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Shape")]
+pub(crate) enum ShapeDocument {
+    Sphere { radius: f64 },
+    Plane { normal: Triple },
+    Box { size: Triple },
+}
+
+/// What light it gives.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Light")]
+pub(crate) enum LightDocument {
+    Point {
+        intensity: Triple,
+    },
+    Directional {
+        intensity: Triple,
+        #[serde(default = "forward")]
+        direction: Triple,
+    },
+}
+
+fn forward() -> Triple {
+    [0.0, 0.0, 1.0]
+}

@@ -1,0 +1,16 @@
+//! The file format, as serde types. Doc comments here are short: the format is explained, with units, ranges and
+//! defaults, in the [reference](super::reference), which a test holds against these types.
+
+mod animation;
+mod entity;
+mod settings;
+mod values;
+
+pub(super) use animation::{
+    AnimationDocument, ChannelDocument, EasingDocument, KeyDocument, TrackDocument, TracksDocument,
+};
+pub(super) use entity::{
+    EntityDocument, LightDocument, MaterialDocument, RotationDocument, ShapeDocument, TransformDocument,
+};
+pub(super) use settings::{CameraDocument, FilmDocument, SceneDocument, TimelineDocument, TransferDocument};
+pub(super) use values::{ColorDocument, Entries, RateDocument, ScaleDocument, Triple};

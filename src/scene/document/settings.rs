@@ -1,0 +1,110 @@
+//! The scene and its settings.
+
+use serde::Deserialize;
+
+use super::{
+    AnimationDocument, ColorDocument, EntityDocument, Entries, MaterialDocument, RateDocument, Triple,
+};
+
+/// The whole file.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Scene")]
+pub(crate) struct SceneDocument {
+    #[serde(default)]
+    pub(crate) timeline: TimelineDocument,
+    #[serde(default)]
+    pub(crate) film: FilmDocument,
+    #[serde(default)]
+    pub(crate) quality: QualityDocument,
+    pub(crate) camera: CameraDocument,
+    #[serde(default)]
+    pub(crate) ambient: Triple,
+    #[serde(default = "black")]
+    pub(crate) background: ColorDocument,
+    #[serde(default)]
+    pub(crate) materials: Entries<MaterialDocument>,
+    #[serde(default)]
+    pub(crate) entities: Vec<EntityDocument>,
+    #[serde(default)]
+    pub(crate) animate: Vec<AnimationDocument>,
+}
+
+fn black() -> ColorDocument {
+    ColorDocument([0.0; 3])
+}
+
+/// When it plays.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Timeline")]
+pub(crate) struct TimelineDocument {
+    pub(crate) fps: RateDocument,
+    pub(crate) duration: f64,
+}
+
+impl Default for TimelineDocument {
+    fn default() -> Self {
+        Self { fps: RateDocument { numerator: 24, denominator: 1 }, duration: 0.0 }
+    }
+}
+
+/// The picture.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Film")]
+pub(crate) struct FilmDocument {
+    pub(crate) width: u64,
+    pub(crate) height: u64,
+    pub(crate) transfer: TransferDocument,
+}
+
+impl Default for FilmDocument {
+    fn default() -> Self {
+        Self { width: 640, height: 360, transfer: TransferDocument::Classic }
+    }
+}
+
+/// Bytes and light.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(rename = "Transfer")]
+pub(crate) enum TransferDocument {
+    Classic,
+    Srgb,
+}
+
+/// How far light is followed.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Quality")]
+pub(crate) struct QualityDocument {
+    pub(crate) depth: u64,
+}
+
+impl Default for QualityDocument {
+    fn default() -> Self {
+        Self { depth: 5 }
+    }
+}
+
+/// From where the picture is taken.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Camera")]
+pub(crate) struct CameraDocument {
+    pub(crate) position: Triple,
+    pub(crate) target: Option<Triple>,
+    pub(crate) view: Option<Triple>,
+    #[serde(default = "upwards")]
+    pub(crate) up: Triple,
+    pub(crate) screen: Option<ScreenDocument>,
+    pub(crate) fov: Option<f64>,
+}
+
+fn upwards() -> Triple {
+    [0.0, 1.0, 0.0]
+}
+
+/// The screen before the camera.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Screen")]
+pub(crate) struct ScreenDocument {
+    pub(crate) distance: f64,
+    pub(crate) width: Option<f64>,
+    pub(crate) height: f64,
+}

@@ -1,0 +1,183 @@
+//! Values that can be written in more than one way. Each has a visitor of its own, so that a mistake is answered with what
+//! could have been written there.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use serde::de::{Error, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+
+/// Three numbers.
+pub(crate) type Triple = [f64; 3];
+
+/// `(255, 120, 60)` or `"#ff783c"`; channels are 0..=255 once validated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ColorDocument(pub(crate) Triple);
+
+impl<'de> Deserialize<'de> for ColorDocument {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct ColorVisitor;
+
+        impl<'de> Visitor<'de> for ColorVisitor {
+            type Value = ColorDocument;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter
+                    .write_str("a colour: three numbers from 0 to 255, as (255, 120, 60), or \"#ff783c\"")
+            }
+
+            fn visit_str<E: Error>(self, text: &str) -> Result<ColorDocument, E> {
+                let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii());
+                let channel = |index: usize| {
+                    let pair = digits?.get(2 * index..2 * index + 2)?;
+                    u8::from_str_radix(pair, 16).ok().filter(|_| !pair.starts_with('+')).map(f64::from)
+                };
+                match (channel(0), channel(1), channel(2)) {
+                    (Some(red), Some(green), Some(blue)) => Ok(ColorDocument([red, green, blue])),
+                    _ => Err(E::custom(format!(
+                        "`{text}` is not a colour\nwrite six hexadecimal digits after a #, as in \"#ff783c\", or (255, 120, 60)"
+                    ))),
+                }
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, sequence: A) -> Result<ColorDocument, A::Error> {
+                triple(sequence, &self).map(ColorDocument)
+            }
+        }
+
+        deserializer.deserialize_any(ColorVisitor)
+    }
+}
+
+/// A factor for all axes, or one for each.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum ScaleDocument {
+    /// `2`
+    Uniform(f64),
+    /// `(1, 2, 1)`
+    PerAxis(Triple),
+}
+
+impl<'de> Deserialize<'de> for ScaleDocument {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct ScaleVisitor;
+
+        impl<'de> Visitor<'de> for ScaleVisitor {
+            type Value = ScaleDocument;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter.write_str("a factor, as 2, or three, as (1, 2, 1)")
+            }
+
+            fn visit_f64<E: Error>(self, value: f64) -> Result<ScaleDocument, E> {
+                Ok(ScaleDocument::Uniform(value))
+            }
+
+            #[expect(
+                clippy::cast_precision_loss,
+                reason = "integers beyond 2^53 round, as any number in a file does"
+            )]
+            fn visit_i64<E: Error>(self, value: i64) -> Result<ScaleDocument, E> {
+                Ok(ScaleDocument::Uniform(value as f64))
+            }
+
+            #[expect(
+                clippy::cast_precision_loss,
+                reason = "integers beyond 2^53 round, as any number in a file does"
+            )]
+            fn visit_u64<E: Error>(self, value: u64) -> Result<ScaleDocument, E> {
+                Ok(ScaleDocument::Uniform(value as f64))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, sequence: A) -> Result<ScaleDocument, A::Error> {
+                triple(sequence, &self).map(ScaleDocument::PerAxis)
+            }
+        }
+
+        deserializer.deserialize_any(ScaleVisitor)
+    }
+}
+
+/// Frames per second: `24` or `(30000, 1001)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct RateDocument {
+    pub(crate) numerator: u64,
+    pub(crate) denominator: u64,
+}
+
+impl<'de> Deserialize<'de> for RateDocument {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct RateVisitor;
+
+        impl<'de> Visitor<'de> for RateVisitor {
+            type Value = RateDocument;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter.write_str(
+                    "frames per second: a whole number, as 24, or a ratio of two, as (30000, 1001)",
+                )
+            }
+
+            fn visit_u64<E: Error>(self, value: u64) -> Result<RateDocument, E> {
+                Ok(RateDocument { numerator: value, denominator: 1 })
+            }
+
+            fn visit_f64<E: Error>(self, value: f64) -> Result<RateDocument, E> {
+                Err(E::custom(format!(
+                    "{value} frames per second is not exact\nwrite a ratio of whole numbers, as (30000, 1001) for 29.97"
+                )))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<RateDocument, A::Error> {
+                let short = |length: usize| A::Error::invalid_length(length, &self);
+                let numerator = sequence.next_element()?.ok_or_else(|| short(0))?;
+                let denominator = sequence.next_element()?.ok_or_else(|| short(1))?;
+                Ok(RateDocument { numerator, denominator })
+            }
+        }
+
+        deserializer.deserialize_any(RateVisitor)
+    }
+}
+
+fn triple<'de, A: SeqAccess<'de>>(mut sequence: A, expected: &impl Visitor<'de>) -> Result<Triple, A::Error> {
+    let mut values = [0.0; 3];
+    for (length, value) in values.iter_mut().enumerate() {
+        *value = sequence.next_element()?.ok_or_else(|| A::Error::invalid_length(length, expected))?;
+    }
+    Ok(values)
+}
+
+/// A map, in the order it is written and with its duplicates, which are for the validation to find.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Entries<T>(pub(crate) Vec<(String, T)>);
+
+impl<T> Default for Entries<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Entries<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct EntriesVisitor<T>(PhantomData<T>);
+
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for EntriesVisitor<T> {
+            type Value = Entries<T>;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter.write_str("a map, as { \"name\": ( .. ), }")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Entries<T>, A::Error> {
+                let mut entries = Vec::new();
+                while let Some(entry) = map.next_entry()? {
+                    entries.push(entry);
+                }
+                Ok(Entries(entries))
+            }
+        }
+
+        deserializer.deserialize_map(EntriesVisitor(PhantomData))
+    }
+}

@@ -1,0 +1,326 @@
+//! Where in the text a value of the document stands.
+//!
+//! serde forgets places, so they are looked up again, only for what is wrong and in one pass over the text. The text has
+//! been read without error before; what is read here is only its brackets, names and commas.
+
+use std::ops::Range;
+
+/// One step from a value into it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Step {
+    /// The value of a named field.
+    Field(&'static str),
+    /// The value at an index of a list, a tuple or a map.
+    Index(usize),
+    /// The key at an index of a map.
+    Key(usize),
+}
+
+/// The places of values, in the order of their paths. A path that is not in the text gives the nearest value around it: what is
+/// wrong may be a field's absence.
+pub(super) fn locate(text: &str, paths: &[Vec<Step>]) -> Vec<Range<usize>> {
+    let mut found = vec![0..0; paths.len()];
+    let wanted: Vec<Wanted<'_>> =
+        paths.iter().enumerate().map(|(index, path)| Wanted { index, path: path.as_slice() }).collect();
+    let mut scanner = Scanner { text, at: 0, found: &mut found };
+    scanner.skip_space();
+    // Extensions, as #![enable(implicit_some)].
+    while scanner.peek() == Some(b'#') {
+        scanner.at += 2;
+        scanner.value(&[]);
+        scanner.skip_space();
+    }
+    scanner.value(&wanted);
+    found
+}
+
+/// The innermost bracket that is never closed.
+pub(super) fn unclosed_bracket(text: &str) -> Option<usize> {
+    let mut scanner = Scanner { text, at: 0, found: &mut [] };
+    let mut open = Vec::new();
+    loop {
+        scanner.skip_space();
+        match scanner.peek() {
+            None => return open.pop(),
+            Some(b'(' | b'[' | b'{') => {
+                open.push(scanner.at);
+                scanner.at += 1;
+            }
+            Some(b')' | b']' | b'}') => {
+                open.pop();
+                scanner.at += 1;
+            }
+            Some(_) => scanner.atom(),
+        }
+    }
+}
+
+/// A path, as far as it still has to be followed.
+#[derive(Clone, Copy)]
+struct Wanted<'a> {
+    index: usize,
+    path: &'a [Step],
+}
+
+struct Scanner<'a, 'f> {
+    text: &'a str,
+    at: usize,
+    found: &'f mut [Range<usize>],
+}
+
+impl<'a> Scanner<'a, '_> {
+    fn peek(&self) -> Option<u8> {
+        self.text.as_bytes().get(self.at).copied()
+    }
+
+    /// White space and comments.
+    fn skip_space(&mut self) {
+        loop {
+            let rest = &self.text[self.at..];
+            self.at += rest.len() - rest.trim_start().len();
+            let rest = &self.text[self.at..];
+            if rest.starts_with("//") {
+                self.at += rest.find('\n').unwrap_or(rest.len());
+            } else if rest.starts_with("/*") {
+                self.skip_block_comment();
+            } else {
+                return;
+            }
+        }
+    }
+
+    /// Block comments nest.
+    fn skip_block_comment(&mut self) {
+        let bytes = self.text.as_bytes();
+        let mut depth = 0_usize;
+        while self.at < bytes.len() {
+            let pair = &bytes[self.at..bytes.len().min(self.at + 2)];
+            if pair == b"/*" {
+                depth += 1;
+                self.at += 2;
+            } else if pair == b"*/" {
+                depth -= 1;
+                self.at += 2;
+            } else {
+                self.at += 1;
+            }
+            if depth == 0 {
+                break;
+            }
+        }
+        // Never stop inside a character.
+        while !self.text.is_char_boundary(self.at) {
+            self.at += 1;
+        }
+    }
+
+    /// A text, a number, a name or, failing these, one character.
+    fn atom(&mut self) {
+        let rest = &self.text[self.at..];
+        let word = rest.find(|character: char| !(character.is_alphanumeric() || "_.+-".contains(character)));
+        let word = word.unwrap_or(rest.len());
+        let prefix = &rest[..word];
+        let after = rest[word..].chars().next();
+        self.at += match (prefix, after) {
+            ("" | "b", Some('"')) => word + quoted(&rest[word..], '"'),
+            ("" | "b", Some('\'')) => word + quoted(&rest[word..], '\''),
+            ("r" | "br", Some('"' | '#')) => word + raw_quoted(&rest[word..]),
+            ("", Some(character)) => character.len_utf8(),
+            _ => word,
+        };
+    }
+
+    /// A whole value: an optional name, then brackets, or an atom.
+    fn value(&mut self, wanted: &[Wanted<'_>]) {
+        self.skip_space();
+        let start = self.at;
+        let mut name = "";
+        if !matches!(self.peek(), Some(b'(' | b'[' | b'{') | None) {
+            self.atom();
+            name = &self.text[start..self.at];
+            let end = self.at;
+            self.skip_space();
+            let is_name = name.chars().next().is_some_and(|first| first.is_alphabetic() || first == '_');
+            if !(is_name && self.peek() == Some(b'(')) {
+                self.at = end;
+            }
+        }
+        let mut end = self.at;
+        match self.peek() {
+            Some(b'(') if name == "Some" => {
+                self.at += 1;
+                self.value(wanted);
+                self.skip_space();
+                self.at += 1;
+                end = self.at;
+            }
+            Some(b'(' | b'[') if end == start || !name.is_empty() && self.peek() == Some(b'(') => {
+                self.members(wanted);
+                end = self.at;
+            }
+            Some(b'{') if end == start => {
+                self.entries(wanted);
+                end = self.at;
+            }
+            _ => {}
+        }
+        for wanted in wanted {
+            // Whoever was not found deeper down is found here.
+            if self.found[wanted.index].is_empty() {
+                self.found[wanted.index] = start..end;
+            }
+        }
+    }
+
+    /// Fields or values between brackets.
+    fn members(&mut self, wanted: &[Wanted<'_>]) {
+        self.at += 1;
+        for index in 0.. {
+            self.skip_space();
+            match self.peek() {
+                None => return,
+                Some(b')' | b']') => {
+                    self.at += 1;
+                    return;
+                }
+                Some(_) => {}
+            }
+            let field = self.field_name();
+            let deeper = follow(wanted, |step| match (step, field) {
+                (Step::Field(name), Some(field)) => *name == field,
+                (Step::Index(place), None) => *place == index,
+                _ => false,
+            });
+            self.value(&deeper);
+            self.comma();
+        }
+    }
+
+    /// Reads `name :`, if that is what stands here.
+    fn field_name(&mut self) -> Option<&'a str> {
+        let start = self.at;
+        let first = self.text[start..].chars().next()?;
+        if first.is_alphabetic() || first == '_' {
+            self.atom();
+            let name = &self.text[start..self.at];
+            self.skip_space();
+            if self.peek() == Some(b':') {
+                self.at += 1;
+                return Some(name);
+            }
+        }
+        self.at = start;
+        None
+    }
+
+    /// Keys and values between braces.
+    fn entries(&mut self, wanted: &[Wanted<'_>]) {
+        self.at += 1;
+        for index in 0.. {
+            self.skip_space();
+            match self.peek() {
+                None => return,
+                Some(b'}') => {
+                    self.at += 1;
+                    return;
+                }
+                Some(_) => {}
+            }
+            self.value(&follow(wanted, |step| *step == Step::Key(index)));
+            self.skip_space();
+            if self.peek() == Some(b':') {
+                self.at += 1;
+            }
+            self.value(&follow(wanted, |step| *step == Step::Index(index)));
+            self.comma();
+        }
+    }
+
+    fn comma(&mut self) {
+        self.skip_space();
+        if self.peek() == Some(b',') {
+            self.at += 1;
+        }
+    }
+}
+
+/// The paths that go on by a step, without that step.
+fn follow<'a>(wanted: &[Wanted<'a>], matches: impl Fn(&Step) -> bool) -> Vec<Wanted<'a>> {
+    let further = |wanted: &Wanted<'a>| {
+        let (step, path) = wanted.path.split_first()?;
+        matches(step).then_some(Wanted { index: wanted.index, path })
+    };
+    wanted.iter().filter_map(further).collect()
+}
+
+/// The length of a text in quotes, with them.
+fn quoted(rest: &str, quote: char) -> usize {
+    let mut escaped = false;
+    for (at, character) in rest.char_indices().skip(1) {
+        if escaped {
+            escaped = false;
+        } else if character == '\\' {
+            escaped = true;
+        } else if character == quote {
+            return at + 1;
+        }
+    }
+    rest.len()
+}
+
+/// The length of the rest of a raw text, from its first # or quote.
+fn raw_quoted(rest: &str) -> usize {
+    let hashes = rest.len() - rest.trim_start_matches('#').len();
+    let end = format!("\"{}", &rest[..hashes]);
+    let content = hashes + 1;
+    match rest.get(content..).and_then(|text| text.find(&end)) {
+        Some(length) => content + length + end.len(),
+        None => rest.len(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found<'a>(text: &'a str, path: &[Step]) -> &'a str {
+        &text[locate(text, &[path.to_vec()])[0].clone()]
+    }
+
+    #[test]
+    fn values_are_found_through_names_lists_maps_and_comments() {
+        let text = r##"#![enable(implicit_some)]
+            // a comment with (brackets
+            Scene(
+                title: "a \"quoted\" ) text", raw: r#"un"closed ("#, /* nested /* ( */ */
+                materials: { "red": (color: (255, 0, 0)), "green": ( color : "#00ff00" ) },
+                entities: [ (shape: Sphere(radius: -1.5e3)), (shape: Some(Box(size: (1, 2, 3))), name: "ß") ],
+                keys: Keys([ (0, (1, 2, 3)), (1, (4, 5, 6), EaseIn) ]),
+            )"##;
+        use Step::{Field, Index, Key};
+        assert_eq!(found(text, &[Field("materials"), Key(1)]), "\"green\"");
+        assert_eq!(found(text, &[Field("materials"), Index(1), Field("color")]), "\"#00ff00\"");
+        assert_eq!(found(text, &[Field("materials"), Index(0), Field("color"), Index(0)]), "255");
+        assert_eq!(found(text, &[Field("entities"), Index(0), Field("shape"), Field("radius")]), "-1.5e3");
+        assert_eq!(found(text, &[Field("entities"), Index(0), Field("shape")]), "Sphere(radius: -1.5e3)");
+        assert_eq!(found(text, &[Field("entities"), Index(1), Field("shape"), Field("size"), Index(2)]), "3");
+        assert_eq!(found(text, &[Field("entities"), Index(1), Field("name")]), "\"ß\"");
+        assert_eq!(found(text, &[Field("keys"), Index(0), Index(1), Index(2)]), "EaseIn");
+        assert_eq!(found(text, &[Field("raw")]), "r#\"un\"closed (\"#");
+    }
+
+    #[test]
+    fn what_is_not_there_is_found_at_the_value_around_it() {
+        let text = "(entities: [(shape: Sphere(radius: 1))])";
+        let path = [Step::Field("entities"), Step::Index(0), Step::Field("material")];
+        assert_eq!(found(text, &path), "(shape: Sphere(radius: 1))");
+        assert_eq!(found("", &path), "");
+        assert_eq!(found("((((", &path), "((((");
+    }
+
+    #[test]
+    fn the_innermost_open_bracket_is_found() {
+        assert_eq!(unclosed_bracket("(a: [1, (2, 3), \")\""), Some(4));
+        assert_eq!(unclosed_bracket("(a: [1, 2])"), None);
+    }
+}

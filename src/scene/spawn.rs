@@ -1,0 +1,293 @@
+//! From a validated document to a world.
+
+use std::collections::HashMap;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use glam::{DQuat, DVec3, Vec3};
+use hecs::{Entity, EntityBuilder, World};
+
+use super::Scene;
+use super::document::{
+    AnimationDocument, CameraDocument, ChannelDocument, ColorDocument, EasingDocument, EntityDocument,
+    FilmDocument, LightDocument, MaterialDocument, RotationDocument, ScaleDocument, SceneDocument,
+    ShapeDocument, TimelineDocument, TrackDocument, TracksDocument, TransferDocument, TransformDocument,
+    Triple,
+};
+use crate::color::{Rgb, Transfer};
+use crate::components::{
+    Ambient, Animated, Background, Camera, Channel, FilmSettings, Light, LightKind, Material, Name, Order,
+    Parent, Projection, Quality, Reflective, Shape, Transform, View, WorldTransform,
+};
+use crate::time::{FrameRate, Timeline};
+use crate::timeline::{Easing, Interpolate, Key, Rotation, Track};
+
+/// Makes the world that a validated document describes. Entities get their places in document order.
+pub(super) fn spawn(document: &SceneDocument) -> Scene {
+    let transfer = transfer(document.film.transfer);
+    let timeline = timeline(&document.timeline);
+    let mut world = World::new();
+
+    let materials: HashMap<&str, (Material, Option<Reflective>)> = document
+        .materials
+        .0
+        .iter()
+        .map(|(name, material)| (name.as_str(), self::material(material, transfer)))
+        .collect();
+    let entities: Vec<Entity> = document
+        .entities
+        .iter()
+        .zip(0..)
+        .map(|(entity, order)| spawn_entity(&mut world, entity, Order(order), &materials))
+        .collect();
+    let camera = world.spawn((Name("camera".to_owned()), camera(&document.camera)));
+    world.spawn((
+        film(&document.film),
+        Ambient(intensity(document.ambient)),
+        Background(transfer.decode(document.background.0)),
+        Quality { depth: u32::try_from(document.quality.depth).unwrap_or(u32::MAX) },
+    ));
+
+    let mut names: HashMap<&str, Entity> = document
+        .entities
+        .iter()
+        .zip(&entities)
+        .filter_map(|(entity, id)| Some((entity.name.as_deref()?, *id)))
+        .collect();
+    names.insert("camera", camera);
+    for (entity, id) in document.entities.iter().zip(&entities) {
+        if let Some(parent) = entity.parent.as_deref().and_then(|parent| names.get(parent)) {
+            // The entity exists: it was spawned above.
+            let _ = world.insert_one(*id, Parent(*parent));
+        }
+    }
+    for (entity, channels) in animated(document, &entities, &names, transfer) {
+        // The entity exists: it was spawned above.
+        let _ = world.insert_one(entity, Animated(channels));
+    }
+    Scene { world, timeline }
+}
+
+fn spawn_entity(
+    world: &mut World,
+    document: &EntityDocument,
+    order: Order,
+    materials: &HashMap<&str, (Material, Option<Reflective>)>,
+) -> Entity {
+    let mut builder = EntityBuilder::new();
+    builder.add_bundle((order, transform(&document.transform), WorldTransform::default()));
+    if let Some(name) = &document.name {
+        builder.add(Name(name.clone()));
+    }
+    if let Some(shape) = &document.shape {
+        builder.add(self::shape(shape));
+    }
+    if let Some((material, reflective)) = document.material.as_deref().and_then(|name| materials.get(name)) {
+        builder.add(*material);
+        if let Some(reflective) = reflective {
+            builder.add(*reflective);
+        }
+    }
+    if let Some(light) = &document.light {
+        builder.add(self::light(light));
+    }
+    world.spawn(builder.build())
+}
+
+fn timeline(document: &TimelineDocument) -> Timeline {
+    let part = |value: u64| u32::try_from(value).unwrap_or(u32::MAX);
+    let rate = FrameRate::new(part(document.fps.numerator), part(document.fps.denominator));
+    Timeline { rate: rate.unwrap_or_default(), duration: document.duration }
+}
+
+fn transfer(document: TransferDocument) -> Transfer {
+    match document {
+        TransferDocument::Classic => Transfer::Classic,
+        TransferDocument::Srgb => Transfer::Srgb,
+    }
+}
+
+fn film(document: &FilmDocument) -> FilmSettings {
+    let side = |side: u64| u32::try_from(side).unwrap_or(u32::MAX);
+    FilmSettings {
+        width: side(document.width),
+        height: side(document.height),
+        transfer: transfer(document.transfer),
+    }
+}
+
+fn camera(document: &CameraDocument) -> Camera {
+    let defaults = Camera::default();
+    let view = match (document.target, document.view) {
+        (Some(target), _) => View::Target(target.into()),
+        (None, Some(view)) => View::Direction(view.into()),
+        (None, None) => defaults.view,
+    };
+    let projection = match (&document.screen, document.fov) {
+        (Some(screen), _) => {
+            Projection::Screen { distance: screen.distance, width: screen.width, height: screen.height }
+        }
+        (None, Some(degrees)) => Projection::FieldOfView { vertical: radians(degrees) },
+        (None, None) => defaults.projection,
+    };
+    Camera { position: document.position.into(), view, up: document.up.into(), projection }
+}
+
+fn material(document: &MaterialDocument, transfer: Transfer) -> (Material, Option<Reflective>) {
+    let material = Material {
+        k_a: single(document.k_a),
+        k_d: single(document.k_d),
+        color: transfer.decode(document.color.0),
+        ambient_color: document.ambient_color.map(|color| transfer.decode(color.0)),
+    };
+    (material, document.reflective.map(|reflective| Reflective { k_r: single(reflective.k_r) }))
+}
+
+fn transform(document: &TransformDocument) -> Transform {
+    Transform {
+        translation: document.translation.into(),
+        rotation: rotation(document.rotation),
+        scale: scale(document.scale),
+    }
+}
+
+fn rotation(document: RotationDocument) -> DQuat {
+    let rotation = match document {
+        RotationDocument::Euler(x, y, z) => Rotation::Euler(DVec3::new(radians(x), radians(y), radians(z))),
+        RotationDocument::AxisAngle(axis, angle) => Rotation::AxisAngle(axis.into(), radians(angle)),
+        RotationDocument::Quat(x, y, z, w) => Rotation::Quat(x, y, z, w),
+    };
+    rotation.quaternion()
+}
+
+fn scale(document: ScaleDocument) -> DVec3 {
+    match document {
+        ScaleDocument::Uniform(factor) => DVec3::splat(factor),
+        ScaleDocument::PerAxis(factors) => factors.into(),
+    }
+}
+
+fn shape(document: &ShapeDocument) -> Shape {
+    match *document {
+        ShapeDocument::Sphere { radius } => Shape::Sphere { radius },
+        ShapeDocument::Plane { normal } => Shape::Plane { normal: normal.into() },
+        ShapeDocument::Box { size } => Shape::Box { size: size.into() },
+    }
+}
+
+fn light(document: &LightDocument) -> Light {
+    match *document {
+        LightDocument::Point { intensity } => {
+            Light { kind: LightKind::Point, intensity: self::intensity(intensity) }
+        }
+        LightDocument::Directional { intensity, direction } => Light {
+            kind: LightKind::Directional { direction: direction.into() },
+            intensity: self::intensity(intensity),
+        },
+    }
+}
+
+/// The channels of every animated entity, in the order of the file. A material's track goes to all entities made of it.
+fn animated(
+    document: &SceneDocument,
+    entities: &[Entity],
+    names: &HashMap<&str, Entity>,
+    transfer: Transfer,
+) -> Vec<(Entity, Vec<Channel>)> {
+    let mut channels: HashMap<Entity, Vec<Channel>> = HashMap::new();
+    let mut order = Vec::new();
+    for animation in &document.animate {
+        let Some(channel) = channel(animation, transfer) else {
+            continue;
+        };
+        let targets: Vec<Entity> = match (&animation.target, &animation.material) {
+            (Some(name), _) => names.get(name.as_str()).copied().into_iter().collect(),
+            (None, material) => {
+                let made_of_it =
+                    document.entities.iter().zip(entities).filter(|(entity, _)| entity.material == *material);
+                made_of_it.map(|(_, id)| *id).collect()
+            }
+        };
+        for target in targets {
+            let own = channels.entry(target).or_insert_with(|| {
+                order.push(target);
+                Vec::new()
+            });
+            // Applied in order: what an entity says of itself comes after what its material says, and wins.
+            if animation.target.is_some() {
+                own.push(channel.clone());
+            } else {
+                own.insert(0, channel.clone());
+            }
+        }
+    }
+    order.into_iter().filter_map(|entity| Some((entity, channels.remove(&entity)?))).collect()
+}
+
+fn channel(animation: &AnimationDocument, transfer: Transfer) -> Option<Channel> {
+    use ChannelDocument as Kind;
+    Some(match (animation.channel, &animation.track) {
+        (Kind::Ka, TracksDocument::Number(keys)) => Channel::Ka(track(keys, |value| *value)?),
+        (Kind::Kd, TracksDocument::Number(keys)) => Channel::Kd(track(keys, |value| *value)?),
+        (Kind::Kr, TracksDocument::Number(keys)) => Channel::Kr(track(keys, |value| *value)?),
+        (Kind::Scale, TracksDocument::Scale(keys)) => Channel::Scale(track(keys, |value| scale(*value))?),
+        (Kind::Rotation, TracksDocument::Rotation(keys)) => {
+            Channel::Rotation(track(keys, |value| rotation(*value))?)
+        }
+        (Kind::Color, TracksDocument::Color(keys)) => Channel::Color(track(keys, decoded(transfer))?),
+        (Kind::AmbientColor, TracksDocument::Color(keys)) => {
+            Channel::AmbientColor(track(keys, decoded(transfer))?)
+        }
+        (Kind::Intensity, TracksDocument::Vector(keys)) => {
+            Channel::Intensity(track(keys, |value| intensity(*value))?)
+        }
+        (Kind::Translation, TracksDocument::Vector(keys)) => Channel::Translation(track(keys, vector)?),
+        (Kind::Direction, TracksDocument::Vector(keys)) => Channel::Direction(track(keys, vector)?),
+        (Kind::Position, TracksDocument::Vector(keys)) => Channel::Position(track(keys, vector)?),
+        (Kind::Target, TracksDocument::Vector(keys)) => Channel::Target(track(keys, vector)?),
+        // The reader of the file pairs channels with their kind of track.
+        _ => return None,
+    })
+}
+
+fn track<D, T: Interpolate>(document: &TrackDocument<D>, value: impl Fn(&D) -> T) -> Option<Arc<Track<T>>> {
+    let TrackDocument::Keys(keys) = document;
+    let key = |key: &super::document::KeyDocument<D>| Key {
+        time: key.time,
+        value: value(&key.value),
+        easing: easing(key.easing),
+    };
+    Track::new(keys.iter().map(key).collect()).map(Arc::new)
+}
+
+fn easing(document: EasingDocument) -> Easing {
+    match document {
+        EasingDocument::Hold => Easing::Hold,
+        EasingDocument::Linear => Easing::Linear,
+        EasingDocument::EaseIn => Easing::EaseIn,
+        EasingDocument::EaseOut => Easing::EaseOut,
+        EasingDocument::EaseInOut => Easing::EaseInOut,
+        EasingDocument::Cubic => Easing::Cubic,
+    }
+}
+
+fn vector(document: &Triple) -> DVec3 {
+    DVec3::from(*document)
+}
+
+fn decoded(transfer: Transfer) -> impl Fn(&ColorDocument) -> Rgb {
+    move |color| transfer.decode(color.0)
+}
+
+fn radians(degrees: f64) -> f64 {
+    degrees * (PI / 180.0)
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "colour is f32")]
+fn single(value: f64) -> f32 {
+    value as f32
+}
+
+fn intensity(document: Triple) -> Rgb {
+    Vec3::from_array(document.map(single))
+}

@@ -1,0 +1,258 @@
+//! Materials and entities.
+
+use std::collections::HashMap;
+
+use super::{At, Problems, check};
+use crate::scene::document::{
+    EntityDocument, LightDocument, MaterialDocument, RotationDocument, ScaleDocument, SceneDocument,
+    ShapeDocument, TransformDocument, Triple,
+};
+use crate::scene::suggest::remedy;
+
+/// What the camera is called in `animate`.
+pub(super) const CAMERA: &str = "camera";
+
+pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut Problems) {
+    materials(document, &scene.field("materials"), problems);
+    let at = scene.field("entities");
+    let names = names(&document.entities, &at, problems);
+    let mut material_names = None;
+    for (index, entity) in document.entities.iter().enumerate() {
+        let at = at.index(index);
+        transform(&entity.transform, &at.field("transform"), problems);
+        if let Some(light) = &entity.light {
+            self::light(light, &at.field("light"), problems);
+        }
+        match (&entity.shape, &entity.material) {
+            (Some(shape), material) => {
+                self::shape(shape, &at.field("shape"), problems);
+                if material.is_none() {
+                    problems.add(
+                        &at.field("shape"),
+                        "a shape without a material",
+                        "nothing says what it looks like",
+                        "add `material: \"name\"`, one of `materials`",
+                    );
+                }
+            }
+            (None, Some(_)) => {
+                problems.add(
+                    &at.field("material"),
+                    "a material without a shape",
+                    "nothing has this surface",
+                    "add a `shape`, or remove the material",
+                );
+            }
+            (None, None) => {}
+        }
+        if let Some(name) = &entity.material {
+            let known = material_names.get_or_insert_with(|| {
+                document.materials.0.iter().map(|(name, _)| (name.as_str(), ())).collect::<HashMap<_, _>>()
+            });
+            if !known.contains_key(name.as_str()) {
+                let all: Vec<&str> = document.materials.0.iter().map(|(name, _)| name.as_str()).collect();
+                problems.add(
+                    &at.field("material"),
+                    format!("there is no material \"{name}\""),
+                    "unknown",
+                    remedy(name, &all, "materials"),
+                );
+            }
+        }
+        if let Some(parent) = &entity.parent
+            && !names.contains_key(parent.as_str())
+        {
+            let all: Vec<&str> =
+                document.entities.iter().filter_map(|entity| entity.name.as_deref()).collect();
+            problems.add(
+                &at.field("parent"),
+                format!("there is no entity \"{parent}\""),
+                "unknown",
+                remedy(parent, &all, "entities"),
+            );
+        }
+    }
+    cycles(&document.entities, &names, &at, problems);
+}
+
+fn materials(document: &SceneDocument, at: &At<'_>, problems: &mut Problems) {
+    let mut seen = HashMap::new();
+    for (index, (name, material)) in document.materials.0.iter().enumerate() {
+        if seen.insert(name.as_str(), index).is_some() {
+            problems.add(
+                &at.key(index),
+                format!("two materials are called \"{name}\""),
+                "again here",
+                "give each its own name",
+            );
+        }
+        self::material(material, &at.index(index), problems);
+    }
+}
+
+fn material(material: &MaterialDocument, at: &At<'_>, problems: &mut Problems) {
+    check::coefficient(material.k_a, "k_a", &at.field("k_a"), problems);
+    check::coefficient(material.k_d, "k_d", &at.field("k_d"), problems);
+    check::color(material.color.0, &at.field("color"), problems);
+    if let Some(color) = material.ambient_color {
+        check::color(color.0, &at.field("ambient_color"), problems);
+    }
+    if let Some(reflective) = material.reflective {
+        check::coefficient(reflective.k_r, "k_r", &at.field("reflective").field("k_r"), problems);
+    }
+}
+
+/// Entities by name; reports names that are taken.
+fn names<'a>(
+    entities: &'a [EntityDocument],
+    at: &At<'_>,
+    problems: &mut Problems,
+) -> HashMap<&'a str, usize> {
+    let mut names = HashMap::new();
+    for (index, entity) in entities.iter().enumerate() {
+        let Some(name) = entity.name.as_deref() else {
+            continue;
+        };
+        let entity_at = at.index(index);
+        let at = entity_at.field("name");
+        if name.is_empty() {
+            problems.add(&at, "an empty name", "names nothing", "write a name, or leave the field out");
+        } else if name == CAMERA {
+            problems.add(&at, "the name \"camera\" is the camera's own", "taken", "choose another name");
+        } else if names.insert(name, index).is_some() {
+            problems.add(
+                &at,
+                format!("two entities are called \"{name}\""),
+                "again here",
+                "give each its own name: others refer to entities by it",
+            );
+        }
+    }
+    names
+}
+
+/// Reports each ring of parents once.
+fn cycles(entities: &[EntityDocument], names: &HashMap<&str, usize>, at: &At<'_>, problems: &mut Problems) {
+    #[derive(Clone, Copy, PartialEq)]
+    enum State {
+        Unseen,
+        Underway,
+        Done,
+    }
+    let parent = |index: usize| entities[index].parent.as_deref().and_then(|name| names.get(name).copied());
+    let mut states = vec![State::Unseen; entities.len()];
+    for start in 0..entities.len() {
+        let mut chain = Vec::new();
+        let mut current = Some(start);
+        while let Some(index) = current.filter(|index| states[*index] == State::Unseen) {
+            states[index] = State::Underway;
+            chain.push(index);
+            current = parent(index);
+        }
+        if let Some(index) = current
+            && states[index] == State::Underway
+        {
+            let ring = &chain[chain.iter().position(|member| *member == index).unwrap_or(0)..];
+            let name = |index: &usize| format!("\"{}\"", entities[*index].name.as_deref().unwrap_or("?"));
+            let mut path: Vec<String> = ring.iter().map(name).collect();
+            path.push(name(&index));
+            let message = if ring.len() == 1 {
+                "an entity is its own parent"
+            } else {
+                "entities are each other's parents"
+            };
+            problems.add(
+                &at.index(index).field("parent"),
+                message,
+                path.join(" -> "),
+                "remove one of the parents",
+            );
+        }
+        for index in chain {
+            states[index] = State::Done;
+        }
+    }
+}
+
+fn transform(transform: &TransformDocument, at: &At<'_>, problems: &mut Problems) {
+    check::vector(transform.translation, &at.field("translation"), problems);
+    rotation(&transform.rotation, &at.field("rotation"), problems);
+    scale(&transform.scale, &at.field("scale"), problems);
+}
+
+pub(super) fn rotation(rotation: &RotationDocument, at: &At<'_>, problems: &mut Problems) {
+    match *rotation {
+        RotationDocument::Euler(x, y, z) => {
+            check::vector([x, y, z], at, problems);
+        }
+        RotationDocument::AxisAngle(axis, angle) => {
+            check::direction(axis, "the axis of the rotation", &at.index(0), problems);
+            check::number(angle, &at.index(1), problems);
+        }
+        RotationDocument::Quat(x, y, z, w) => {
+            let mut good = true;
+            for (index, part) in [x, y, z, w].into_iter().enumerate() {
+                good &= check::number(part, &at.index(index), problems);
+            }
+            if good && [x, y, z, w].iter().all(|part| part.abs() < 1.0 / super::LARGEST) {
+                problems.add(
+                    at,
+                    "the quaternion is zero",
+                    "no rotation",
+                    "write Quat(0, 0, 0, 1) for no turn at all",
+                );
+            }
+        }
+    }
+}
+
+pub(super) fn scale(scale: &ScaleDocument, at: &At<'_>, problems: &mut Problems) {
+    let mut factor = |value: f64, at: &At<'_>| {
+        if check::number(value, at, problems) && value.abs() < 1.0 / super::LARGEST {
+            problems.add(
+                at,
+                "a scale of 0 leaves nothing",
+                "zero",
+                "write a factor other than 0; 1 changes nothing",
+            );
+        }
+    };
+    match *scale {
+        ScaleDocument::Uniform(value) => factor(value, at),
+        ScaleDocument::PerAxis(values) => {
+            for (index, value) in values.into_iter().enumerate() {
+                factor(value, &at.index(index));
+            }
+        }
+    }
+}
+
+fn shape(shape: &ShapeDocument, at: &At<'_>, problems: &mut Problems) {
+    match *shape {
+        ShapeDocument::Sphere { radius } => {
+            check::size(radius, "the radius", &at.field("radius"), problems);
+        }
+        ShapeDocument::Plane { normal } => {
+            check::direction(normal, "the normal", &at.field("normal"), problems);
+        }
+        ShapeDocument::Box { size } => box_size(size, &at.field("size"), problems),
+    }
+}
+
+fn box_size(size: Triple, at: &At<'_>, problems: &mut Problems) {
+    for (index, length) in size.into_iter().enumerate() {
+        check::size(length, "every edge of a box", &at.index(index), problems);
+    }
+}
+
+fn light(light: &LightDocument, at: &At<'_>, problems: &mut Problems) {
+    match *light {
+        LightDocument::Point { intensity } => {
+            check::intensity(intensity, "the intensity", &at.field("intensity"), problems);
+        }
+        LightDocument::Directional { intensity, direction } => {
+            check::intensity(intensity, "the intensity", &at.field("intensity"), problems);
+            check::direction(direction, "the direction", &at.field("direction"), problems);
+        }
+    }
+}

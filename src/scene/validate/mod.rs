@@ -1,0 +1,23 @@
+//! Does the document make sense? Finds all mistakes of meaning at once.
+
+mod animation;
+mod entities;
+mod problems;
+mod settings;
+
+use super::document::SceneDocument;
+pub(super) use problems::Problems;
+use problems::{At, check};
+
+/// The largest magnitude of a coordinate or a length, and the inverse of the smallest size: products of four stay finite.
+const LARGEST: f64 = 1e60;
+
+/// Everything that is wrong with the document.
+pub(super) fn validate(document: &SceneDocument) -> Problems {
+    let mut problems = Problems::default();
+    let scene = At::scene();
+    settings::validate(document, &scene, &mut problems);
+    entities::validate(document, &scene, &mut problems);
+    animation::validate(document, &scene, &mut problems);
+    problems
+}

@@ -1,0 +1,204 @@
+//! A list of mistakes with their paths in the document.
+
+use std::collections::BTreeMap;
+
+use crate::scene::Diagnostic;
+use crate::scene::spans::{Step, locate};
+
+/// Mistakes found so far. Beyond [`Problems::MOST`] they are only counted.
+#[derive(Debug, Default)]
+pub(in crate::scene) struct Problems {
+    listed: Vec<Problem>,
+    unlisted: usize,
+}
+
+#[derive(Debug)]
+struct Problem {
+    path: Vec<Step>,
+    message: String,
+    label: String,
+    help: String,
+}
+
+/// A value's place in the document: a path from the scene to it, kept on the stack while the document is walked.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct At<'a> {
+    step: Option<(&'a At<'a>, Step)>,
+}
+
+impl<'a> At<'a> {
+    pub(super) fn scene() -> Self {
+        Self { step: None }
+    }
+
+    pub(super) fn field(&'a self, name: &'static str) -> Self {
+        Self { step: Some((self, Step::Field(name))) }
+    }
+
+    pub(super) fn index(&'a self, index: usize) -> Self {
+        Self { step: Some((self, Step::Index(index))) }
+    }
+
+    pub(super) fn key(&'a self, index: usize) -> Self {
+        Self { step: Some((self, Step::Key(index))) }
+    }
+
+    fn path(&self) -> Vec<Step> {
+        let mut path = Vec::new();
+        let mut at = self;
+        while let Some((above, step)) = &at.step {
+            path.push(*step);
+            at = above;
+        }
+        path.reverse();
+        path
+    }
+}
+
+impl Problems {
+    /// More than this nobody reads.
+    const MOST: usize = 50;
+
+    pub(super) fn add(
+        &mut self,
+        at: &At<'_>,
+        message: impl Into<String>,
+        label: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        if self.listed.len() == Self::MOST {
+            self.unlisted += 1;
+            return;
+        }
+        let problem =
+            Problem { path: at.path(), message: message.into(), label: label.into(), help: help.into() };
+        self.listed.push(problem);
+    }
+
+    pub(in crate::scene) fn is_empty(&self) -> bool {
+        self.listed.is_empty()
+    }
+
+    /// The mistakes with their places in the text, in its order, and how many more there are.
+    pub(in crate::scene) fn locate(self, text: &str) -> (Vec<Diagnostic>, usize) {
+        let paths: Vec<Vec<Step>> = self.listed.iter().map(|problem| problem.path.clone()).collect();
+        let spans = locate(text, &paths);
+        let mut ordered = BTreeMap::new();
+        for (index, (problem, span)) in self.listed.into_iter().zip(spans).enumerate() {
+            let Problem { message, label, help, .. } = problem;
+            let key = (span.start, span.end, index);
+            ordered.insert(key, Diagnostic { message, label, help: Some(help), span: Some(span) });
+        }
+        (ordered.into_values().collect(), self.unlisted)
+    }
+}
+
+/// Ranges that many values share.
+pub(super) mod check {
+    use super::super::LARGEST;
+    use super::{At, Problems};
+    use crate::scene::document::Triple;
+
+    /// Finite, and not beyond all measure.
+    pub(crate) fn number(value: f64, at: &At<'_>, problems: &mut Problems) -> bool {
+        if !value.is_finite() {
+            problems.add(
+                at,
+                format!("{value} is not a number to work with"),
+                "not finite",
+                "write a finite number",
+            );
+            return false;
+        }
+        if value.abs() > LARGEST {
+            let help = format!("write a number between -{LARGEST:e} and {LARGEST:e}");
+            problems.add(at, format!("{value:e} is too large"), "out of range", help);
+            return false;
+        }
+        true
+    }
+
+    /// Three numbers as [`number`].
+    pub(crate) fn vector(value: Triple, at: &At<'_>, problems: &mut Problems) -> bool {
+        let mut good = true;
+        for (index, value) in value.into_iter().enumerate() {
+            good &= number(value, &at.index(index), problems);
+        }
+        good
+    }
+
+    /// Three numbers that are not all zero.
+    pub(crate) fn direction(value: Triple, what: &str, at: &At<'_>, problems: &mut Problems) -> bool {
+        if !vector(value, at, problems) {
+            return false;
+        }
+        if value.iter().all(|part| part.abs() < 1.0 / LARGEST) {
+            problems.add(
+                at,
+                format!("{what} has no direction"),
+                "zero",
+                "write a vector of any length but zero, as (0, 1, 0)",
+            );
+            return false;
+        }
+        true
+    }
+
+    /// A length greater than zero.
+    pub(crate) fn size(value: f64, what: &str, at: &At<'_>, problems: &mut Problems) -> bool {
+        if !number(value, at, problems) {
+            return false;
+        }
+        if value < 1.0 / LARGEST {
+            let message = format!("{what} must be greater than 0, not {value}");
+            problems.add(at, message, "too small", "write a length in scene units, as 1");
+            return false;
+        }
+        true
+    }
+
+    /// A coefficient in 0..=1.
+    pub(crate) fn coefficient(value: f64, what: &str, at: &At<'_>, problems: &mut Problems) {
+        if !(0.0..=1.0).contains(&value) {
+            let message = format!("{what} must be from 0 to 1, not {value}");
+            problems.add(at, message, "out of range", "write the share of the light, as 0.7");
+        }
+    }
+
+    /// Light per channel, 0 or more.
+    pub(crate) fn intensity(value: Triple, what: &str, at: &At<'_>, problems: &mut Problems) {
+        for (index, value) in value.into_iter().enumerate() {
+            let at = at.index(index);
+            if number(value, &at, problems) && value < 0.0 {
+                problems.add(
+                    &at,
+                    format!("{what} must not be negative, but is {value}"),
+                    "below 0",
+                    "write 0 or more; 1 is full light",
+                );
+            } else if value > 1e30 {
+                problems.add(
+                    &at,
+                    format!("{what} of {value:e} is too much light"),
+                    "out of range",
+                    "write at most 1e30",
+                );
+            }
+        }
+    }
+
+    /// Colour channels in 0..=255.
+    pub(crate) fn color(value: Triple, at: &At<'_>, problems: &mut Problems) {
+        for (index, value) in value.into_iter().enumerate() {
+            if !(0.0..=255.0).contains(&value) {
+                let message = format!("a colour's channels are from 0 to 255, not {value}");
+                problems.add(
+                    &at.index(index),
+                    message,
+                    "out of range",
+                    "write three numbers as (255, 120, 60), or \"#ff783c\"",
+                );
+            }
+        }
+    }
+}

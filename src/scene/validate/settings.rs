@@ -1,0 +1,170 @@
+//! Timeline, film, camera and lights of the whole scene.
+
+use glam::DVec3;
+
+use super::{At, Problems, check};
+use crate::components::{FilmSettings, Quality};
+use crate::scene::document::{CameraDocument, FilmDocument, SceneDocument, TimelineDocument};
+use crate::time::{FrameRate, Timeline};
+
+pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut Problems) {
+    timeline(&document.timeline, &scene.field("timeline"), problems);
+    film(&document.film, &scene.field("film"), problems);
+    camera(&document.camera, &scene.field("camera"), problems);
+    check::intensity(document.ambient, "ambient light", &scene.field("ambient"), problems);
+    check::color(document.background.0, &scene.field("background"), problems);
+    let depth = document.quality.depth;
+    if !(1..=u64::from(Quality::LARGEST_DEPTH)).contains(&depth) {
+        let at = scene.field("quality");
+        let message = format!("depth must be from 1 to {}, not {depth}", Quality::LARGEST_DEPTH);
+        problems.add(
+            &at.field("depth"),
+            message,
+            "out of range",
+            "1 traces camera rays alone, 5 adds four reflections",
+        );
+    }
+}
+
+fn timeline(document: &TimelineDocument, at: &At<'_>, problems: &mut Problems) {
+    let part =
+        |value: u64| u32::try_from(value).ok().filter(|value| (1..=FrameRate::LARGEST_PART).contains(value));
+    let rate = part(document.fps.numerator).zip(part(document.fps.denominator));
+    if rate.is_none() {
+        let message =
+            format!("frames per second must be made of numbers from 1 to {}", FrameRate::LARGEST_PART);
+        problems.add(
+            &at.field("fps"),
+            message,
+            "out of range",
+            "write a whole number, as 24, or a ratio, as (30000, 1001)",
+        );
+    }
+    let duration = document.duration;
+    let duration_at = at.field("duration");
+    if !(check::number(duration, &duration_at, problems)) {
+        return;
+    }
+    if duration < 0.0 {
+        let message = format!("the duration must not be negative, but is {duration}");
+        problems.add(&duration_at, message, "below 0", "write seconds, as 4; 0 is a single frame");
+    }
+    let rate = rate.and_then(|(numerator, denominator)| FrameRate::new(numerator, denominator));
+    if let Some(rate) = rate
+        && duration * rate.per_second() > f64::from(Timeline::LARGEST_COUNT)
+    {
+        let message = format!("a timeline has at most {} frames", Timeline::LARGEST_COUNT);
+        problems.add(&duration_at, message, "too long", "write the duration in seconds, not in frames");
+    }
+}
+
+fn film(document: &FilmDocument, at: &At<'_>, problems: &mut Problems) {
+    let sides = 1..=u64::from(FilmSettings::LARGEST_SIDE);
+    let mut fits = true;
+    for (name, side) in [("width", document.width), ("height", document.height)] {
+        if !sides.contains(&side) {
+            let message = format!(
+                "the film's {name} must be from 1 to {} pixels, not {side}",
+                FilmSettings::LARGEST_SIDE
+            );
+            problems.add(&at.field(name), message, "out of range", "write a number of pixels, as 1280");
+            fits = false;
+        }
+    }
+    if fits && document.width * document.height > FilmSettings::LARGEST_AREA {
+        let message = format!("a film has at most {} pixels", FilmSettings::LARGEST_AREA);
+        problems.add(
+            at,
+            message,
+            format!("{} pixels", document.width * document.height),
+            "make it smaller; 16384 x 16384 is the largest square",
+        );
+    }
+}
+
+fn camera(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
+    let position_good = check::vector(document.position, &at.field("position"), problems);
+    let up_good = check::direction(document.up, "up", &at.field("up"), problems);
+    let view = match (document.target, document.view) {
+        (Some(target), None) => {
+            let at = at.field("target");
+            if !(check::vector(target, &at, problems) && position_good) {
+                None
+            } else if target == document.position {
+                problems.add(
+                    &at,
+                    "the camera's target is where it stands",
+                    "the same as position",
+                    "move one of the two: the camera looks from position to target",
+                );
+                None
+            } else {
+                Some((DVec3::from(target) - DVec3::from(document.position), "target"))
+            }
+        }
+        (None, Some(view)) => {
+            check::direction(view, "view", &at.field("view"), problems).then_some((DVec3::from(view), "view"))
+        }
+        (Some(_), Some(_)) => {
+            problems.add(
+                &at.field("view"),
+                "the camera has both `target` and `view`",
+                "one too many",
+                "keep `target` to look at a point, or `view` to look in a direction",
+            );
+            None
+        }
+        (None, None) => {
+            problems.add(
+                at,
+                "the camera looks nowhere",
+                "neither `target` nor `view`",
+                "add `target: (x, y, z)` to look at a point, or `view: (0, 0, 1)` to look in a direction",
+            );
+            None
+        }
+    };
+    if let Some((view, name)) = view
+        && up_good
+    {
+        let up = DVec3::from(document.up);
+        // In units of the larger components, so that nothing overflows.
+        let across = (up / up.abs().max_element()).cross(view / view.abs().max_element());
+        if across.length() < 1e-9 {
+            let message = format!("the camera's up is parallel to its {name}");
+            let explicit = at.field("up");
+            problems.add(
+                &explicit,
+                message,
+                "no way to tell which way is up",
+                "choose another `up`, as (0, 0, 1) for a camera that looks down",
+            );
+        }
+    }
+    projection(document, at, problems);
+}
+
+fn projection(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
+    if let Some(screen) = &document.screen {
+        let at = at.field("screen");
+        check::size(screen.distance, "the screen's distance", &at.field("distance"), problems);
+        check::size(screen.height, "the screen's height", &at.field("height"), problems);
+        if let Some(width) = screen.width {
+            check::size(width, "the screen's width", &at.field("width"), problems);
+        }
+    }
+    if let Some(fov) = document.fov {
+        let at = at.field("fov");
+        if document.screen.is_some() {
+            problems.add(
+                &at,
+                "the camera has both `screen` and `fov`",
+                "one too many",
+                "keep one: both say how wide the view is",
+            );
+        } else if !(fov > 0.0 && fov < 180.0) {
+            let message = format!("the field of view must be between 0 and 180 degrees, not {fov}");
+            problems.add(&at, message, "out of range", "write the vertical angle, as 45");
+        }
+    }
+}
