@@ -1,0 +1,40 @@
+//! The command line.
+//!
+//! [`args`] is what was typed, [`settings`] is what it means; every command has a file of its own. Results go to standard
+//! output, everything else to standard error.
+
+mod args;
+mod check;
+mod completions;
+mod exit;
+mod interrupt;
+mod new;
+mod print;
+mod progress;
+mod render;
+mod report;
+mod settings;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Arguments, Command};
+
+/// Runs the command that was typed.
+pub(crate) fn run() -> ExitCode {
+    let arguments = Arguments::parse();
+    let result = match arguments.command {
+        Command::Render(arguments) => render::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
+        Command::New(arguments) => new::run(&arguments),
+        Command::Completions(arguments) => completions::run(&arguments),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            failure.print();
+            failure.code()
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! `rayreel render`
+
+use std::fs;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use anyhow::Context;
+
+use rayreel::Engine;
+use rayreel::components::FilmSettings;
+use rayreel::output::{FrameWriter, Written};
+
+use super::args::RenderArguments;
+use super::exit::Failure;
+use super::interrupt;
+use super::print;
+use super::progress::Progress;
+use super::report::{RenderReport, ShotReport};
+use super::settings::RenderSettings;
+
+pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
+    let start = Instant::now();
+    let mut engine = Engine::load(&arguments.scene)?;
+    let load = start.elapsed();
+    let settings = RenderSettings::new(arguments, engine.timeline())?;
+    if let Some(size) = settings.size {
+        resize(&mut engine, size);
+    }
+    let directory = settings.sequence.directory();
+    fs::create_dir_all(directory)
+        .with_context(|| format!("cannot make the folder `{}`", directory.display()))?;
+    let cancelled = interrupt::flag()?;
+
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(settings.threads.unwrap_or(0))
+        .build()
+        .context("cannot start the rendering threads")?;
+    let mut report = RenderReport::new(arguments, &engine, load, pool.current_num_threads());
+    let rendered = pool.install(|| render_all(&mut engine, &settings, &cancelled, &mut report));
+    report.finish(start.elapsed(), cancelled.load(Ordering::Relaxed));
+
+    if arguments.json {
+        print::result_line(&report.to_json());
+    } else {
+        print::error_line(&report.summary(directory));
+    }
+    rendered?;
+    if cancelled.load(Ordering::Relaxed) && report.shots.len() < settings.shots.len() {
+        return Err(Failure::Interrupted);
+    }
+    Ok(())
+}
+
+/// Renders every shot and hands it to the writer, which works beside.
+fn render_all(
+    engine: &mut Engine,
+    settings: &RenderSettings,
+    cancelled: &AtomicBool,
+    report: &mut RenderReport,
+) -> Result<(), Failure> {
+    let format = settings.sequence.format();
+    let transfer = engine.film_settings().transfer;
+    let writer = FrameWriter::start();
+    let progress = Progress::start(settings.shots.len());
+    let mut pending = Vec::new();
+    let mut failed = None;
+    let mut settle =
+        |written: Written, pending: &Vec<ShotReport>, report: &mut RenderReport| match written.result {
+            Ok(()) => {
+                let shot = pending[written.ticket].written(written.duration);
+                progress.done(&shot, report.shots.len() + 1);
+                report.shots.push(shot);
+            }
+            Err(error) => failed = failed.take().or(Some(error)),
+        };
+    for (ticket, shot) in settings.shots.iter().enumerate() {
+        let Some(film) = engine.render_unless(shot.time, cancelled)? else {
+            break;
+        };
+        pending.push(ShotReport::new(shot, engine.report()));
+        writer.submit(ticket, shot.path.clone(), film, transfer, format);
+        let mut all_good = true;
+        for written in writer.written() {
+            all_good &= written.result.is_ok();
+            settle(written, &pending, report);
+        }
+        if !all_good {
+            break;
+        }
+    }
+    for written in writer.finish() {
+        settle(written, &pending, report);
+    }
+    progress.finish();
+    failed.map_or(Ok(()), |error| Err(Failure::Other(error.into())))
+}
+
+fn resize(engine: &mut Engine, (width, height): (u32, u32)) {
+    for film in engine.world_mut().query_mut::<&mut FilmSettings>() {
+        *film = FilmSettings { width, height, ..*film };
+    }
+}

@@ -1,0 +1,131 @@
+//! What a rendering cost, for people and for machines.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use serde_json::{Value, json};
+
+use rayreel::trace::RayCounts;
+use rayreel::{Engine, FrameReport};
+
+use super::args::RenderArguments;
+use super::settings::Shot;
+
+/// All frames of one call.
+#[derive(Debug)]
+pub(super) struct RenderReport {
+    scene: PathBuf,
+    size: (u32, u32),
+    threads: usize,
+    load: Duration,
+    /// Written, in order.
+    pub(super) shots: Vec<ShotReport>,
+    total: Duration,
+    interrupted: bool,
+}
+
+/// One frame.
+#[derive(Clone, Debug)]
+pub(super) struct ShotReport {
+    frame: Option<u32>,
+    pub(super) path: PathBuf,
+    cost: FrameReport,
+    write: Duration,
+}
+
+impl RenderReport {
+    pub(super) fn new(arguments: &RenderArguments, engine: &Engine, load: Duration, threads: usize) -> Self {
+        let film = engine.film_settings();
+        Self {
+            scene: arguments.scene.clone(),
+            size: (film.width, film.height),
+            threads,
+            load,
+            shots: Vec::new(),
+            total: Duration::ZERO,
+            interrupted: false,
+        }
+    }
+
+    pub(super) fn finish(&mut self, total: Duration, interrupted: bool) {
+        self.total = total;
+        self.interrupted = interrupted;
+    }
+
+    /// One object.
+    pub(super) fn to_json(&self) -> String {
+        let report = json!({
+            "scene": self.scene.display().to_string(),
+            "width": self.size.0,
+            "height": self.size.1,
+            "threads": self.threads,
+            "load_seconds": self.load.as_secs_f64(),
+            "total_seconds": self.total.as_secs_f64(),
+            "peak_memory_bytes": peak_memory(),
+            "interrupted": self.interrupted,
+            "frames": self.shots.iter().map(ShotReport::to_json).collect::<Vec<_>>(),
+        });
+        format!("{report:#}")
+    }
+
+    /// One or two lines.
+    pub(super) fn summary(&self, directory: &Path) -> String {
+        let frames = match self.shots.len() {
+            1 => "1 frame".to_owned(),
+            count => format!("{count} frames"),
+        };
+        let rays: u64 = self.shots.iter().map(|shot| shot.cost.rays.total()).sum();
+        let (seconds, place) = (self.total.as_secs_f64(), directory.display());
+        let written = format!("{frames} in {seconds:.2} s, {} rays, in {place}", in_millions(rays as f64));
+        if self.interrupted { format!("interrupted: {written}; all of them are whole") } else { written }
+    }
+}
+
+impl ShotReport {
+    pub(super) fn new(shot: &Shot, cost: &FrameReport) -> Self {
+        Self { frame: shot.frame, path: shot.path.clone(), cost: *cost, write: Duration::ZERO }
+    }
+
+    /// The same, with the time that writing took.
+    pub(super) fn written(&self, write: Duration) -> Self {
+        Self { write, ..self.clone() }
+    }
+
+    /// Animate, prepare and trace; writing goes on beside.
+    pub(super) fn seconds(&self) -> f64 {
+        (self.cost.animate + self.cost.prepare + self.cost.trace).as_secs_f64()
+    }
+
+    pub(super) fn rays_per_second(&self) -> f64 {
+        self.cost.rays.total() as f64 / self.cost.trace.as_secs_f64().max(1e-9)
+    }
+
+    fn to_json(&self) -> Value {
+        let RayCounts { camera, shadow, reflection } = self.cost.rays;
+        json!({
+            "frame": self.frame,
+            "time": self.cost.time.seconds(),
+            "file": self.path.display().to_string(),
+            "seconds": {
+                "animate": self.cost.animate.as_secs_f64(),
+                "prepare": self.cost.prepare.as_secs_f64(),
+                "trace": self.cost.trace.as_secs_f64(),
+                "write": self.write.as_secs_f64(),
+            },
+            "rays": { "camera": camera, "shadow": shadow, "reflection": reflection },
+        })
+    }
+}
+
+/// `12.3 M`, or thousands where that reads better.
+pub(super) fn in_millions(count: f64) -> String {
+    if count < 1e6 { format!("{:.0} k", count / 1e3) } else { format!("{:.1} M", count / 1e6) }
+}
+
+/// The most memory that this process has used, where the system tells.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kibibytes * 1024)
+}

@@ -1,0 +1,139 @@
+//! One film to one file.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::codecs::pnm::{PnmEncoder, PnmSubtype, SampleEncoding};
+use image::{ExtendedColorType, ImageEncoder};
+
+use crate::color::Transfer;
+use crate::trace::Film;
+
+/// How pixels are stored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FrameFormat {
+    /// Lossless and compressed, 8 bits a channel.
+    #[default]
+    Png,
+    /// Portable pixmap, binary (P6): uncompressed, 8 bits a channel.
+    Ppm,
+}
+
+impl FrameFormat {
+    /// The file name's ending.
+    #[must_use]
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Ppm => "ppm",
+        }
+    }
+}
+
+/// Why a frame file could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// The file system refused.
+    #[error("cannot write `{}`: {source}", path.display())]
+    File {
+        /// The frame file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The encoder refused.
+    #[error("cannot encode `{}`: {source}", path.display())]
+    Encoding {
+        /// The frame file.
+        path: PathBuf,
+        /// What the encoder said.
+        source: image::ImageError,
+    },
+}
+
+/// The bytes of a frame file.
+///
+/// # Errors
+///
+/// If the encoder refuses the film's size.
+pub fn encode(film: &Film, transfer: Transfer, format: FrameFormat) -> Result<Vec<u8>, image::ImageError> {
+    let mut rgb = Vec::with_capacity(film.pixels().len() * 3);
+    for pixel in film.pixels() {
+        rgb.extend(transfer.encode(*pixel));
+    }
+    let (width, height) = (film.width(), film.height());
+    let mut bytes = Vec::new();
+    match format {
+        FrameFormat::Png => {
+            PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Adaptive)
+                .write_image(&rgb, width, height, ExtendedColorType::Rgb8)?;
+        }
+        FrameFormat::Ppm => PnmEncoder::new(&mut bytes)
+            .with_subtype(PnmSubtype::Pixmap(SampleEncoding::Binary))
+            .write_image(&rgb, width, height, ExtendedColorType::Rgb8)?,
+    }
+    Ok(bytes)
+}
+
+/// Writes a frame file: whole, or not at all.
+///
+/// # Errors
+///
+/// If the file system or the encoder refuses; nothing is left behind.
+pub fn write(path: &Path, film: &Film, transfer: Transfer, format: FrameFormat) -> Result<(), WriteError> {
+    let bytes = encode(film, transfer, format)
+        .map_err(|source| WriteError::Encoding { path: path.to_owned(), source })?;
+    write_whole(path, &bytes).map_err(|source| WriteError::File { path: path.to_owned(), source })
+}
+
+fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let temporary = temporary_name(path);
+    let written = File::create(&temporary).and_then(|mut file| {
+        file.write_all(bytes)?;
+        file.sync_data()
+    });
+    let renamed = written.and_then(|()| fs::rename(&temporary, path));
+    if renamed.is_err() {
+        // The first error is the one to tell; the file may not even exist.
+        let _ = fs::remove_file(&temporary);
+    }
+    renamed
+}
+
+/// Hidden, beside the file, and this process' own.
+fn temporary_name(path: &Path) -> PathBuf {
+    let name = path.file_name().map(|name| name.to_string_lossy()).unwrap_or_default();
+    path.with_file_name(format!(".{name}.{}.partial", std::process::id()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_write_leaves_nothing_behind() {
+        let directory = tempfile::tempdir().unwrap();
+        let film = Film::new(4, 3);
+        // A directory stands where the file should go.
+        let path = directory.path().join("frame.png");
+        fs::create_dir(&path).unwrap();
+        assert!(write(&path, &film, Transfer::Classic, FrameFormat::Png).is_err());
+        assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 1);
+        let missing = directory.path().join("no/such/frame.ppm");
+        let error = write(&missing, &film, Transfer::Classic, FrameFormat::Ppm).unwrap_err().to_string();
+        assert!(error.contains("frame.ppm"), "{error}");
+    }
+
+    #[test]
+    fn both_formats_hold_the_same_pixels() {
+        let film = Film::new(5, 2);
+        let png =
+            image::load_from_memory(&encode(&film, Transfer::Classic, FrameFormat::Png).unwrap()).unwrap();
+        let ppm =
+            image::load_from_memory(&encode(&film, Transfer::Classic, FrameFormat::Ppm).unwrap()).unwrap();
+        assert_eq!(png.to_rgb8(), ppm.to_rgb8());
+        assert!(encode(&film, Transfer::Classic, FrameFormat::Ppm).unwrap().starts_with(b"P6\n"));
+    }
+}

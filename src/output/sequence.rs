@@ -1,0 +1,61 @@
+//! Where the frames of a sequence go.
+
+use std::path::PathBuf;
+
+use super::FrameFormat;
+use crate::time::Time;
+
+/// The names of a sequence's frame files: `directory/name.0042.png`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Sequence {
+    directory: PathBuf,
+    name: String,
+    digits: usize,
+    format: FrameFormat,
+}
+
+impl Sequence {
+    /// A sequence in a directory. Numbers have four digits, or as many as the `last` frame needs.
+    #[must_use]
+    pub fn new(directory: PathBuf, name: String, last: u32, format: FrameFormat) -> Self {
+        Self { directory, name, digits: last.to_string().len().max(4), format }
+    }
+
+    /// The file of frame `index`.
+    #[must_use]
+    pub fn frame(&self, index: u32) -> PathBuf {
+        let Self { name, digits, .. } = self;
+        self.directory.join(format!("{name}.{index:0digits$}.{}", self.format.extension()))
+    }
+
+    /// The file of a moment between frames.
+    #[must_use]
+    pub fn moment(&self, time: Time) -> PathBuf {
+        self.directory.join(format!("{}.at-{}s.{}", self.name, time.seconds(), self.format.extension()))
+    }
+
+    /// Where the files go.
+    #[must_use]
+    pub fn directory(&self) -> &std::path::Path {
+        &self.directory
+    }
+
+    /// How pixels are stored.
+    #[must_use]
+    pub fn format(&self) -> FrameFormat {
+        self.format
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_four_digits_or_as_many_as_the_last_needs() {
+        let sequence = |last| Sequence::new(PathBuf::from("out"), "sun".to_owned(), last, FrameFormat::Png);
+        assert_eq!(sequence(95).frame(7), PathBuf::from("out/sun.0007.png"));
+        assert_eq!(sequence(123_456).frame(7), PathBuf::from("out/sun.000007.png"));
+        assert_eq!(sequence(95).moment("1.5s".parse().unwrap()), PathBuf::from("out/sun.at-1.5s.png"));
+    }
+}

@@ -1,0 +1,90 @@
+//! Encoding and writing beside rendering.
+
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use super::{FrameFormat, WriteError, write};
+use crate::color::Transfer;
+use crate::trace::Film;
+
+/// A thread that writes one frame while the next is rendered. At most two films wait.
+#[derive(Debug)]
+pub struct FrameWriter {
+    /// `None` once the writer is told that no more will come.
+    jobs: Option<SyncSender<Job>>,
+    written: Receiver<Written>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// A frame that the writer is done with.
+#[derive(Debug)]
+pub struct Written {
+    /// The number given to [`FrameWriter::submit`].
+    pub ticket: usize,
+    /// Encoding and writing.
+    pub duration: Duration,
+    /// Whether the file is there now.
+    pub result: Result<(), WriteError>,
+}
+
+#[derive(Debug)]
+struct Job {
+    ticket: usize,
+    path: PathBuf,
+    film: Film,
+    transfer: Transfer,
+    format: FrameFormat,
+}
+
+impl FrameWriter {
+    /// Starts the thread.
+    #[must_use]
+    pub fn start() -> Self {
+        let (jobs, received) = sync_channel(1);
+        let (done, written) = channel();
+        let thread = std::thread::spawn(move || run(&received, &done));
+        Self { jobs: Some(jobs), written, thread: Some(thread) }
+    }
+
+    /// Hands a film over; waits while too many do.
+    pub fn submit(&self, ticket: usize, path: PathBuf, film: Film, transfer: Transfer, format: FrameFormat) {
+        if let Some(jobs) = &self.jobs {
+            // The thread ends only after the sender is dropped.
+            let _ = jobs.send(Job { ticket, path, film, transfer, format });
+        }
+    }
+
+    /// What has been written since the last question.
+    pub fn written(&self) -> impl Iterator<Item = Written> {
+        self.written.try_iter()
+    }
+
+    /// Waits for all films to be written and returns what had not been asked for.
+    #[must_use]
+    pub fn finish(mut self) -> Vec<Written> {
+        self.jobs = None;
+        self.written.iter().collect()
+    }
+}
+
+impl Drop for FrameWriter {
+    fn drop(&mut self) {
+        self.jobs = None;
+        if let Some(thread) = self.thread.take() {
+            // A panic there has been reported there.
+            let _ = thread.join();
+        }
+    }
+}
+
+fn run(jobs: &Receiver<Job>, done: &Sender<Written>) {
+    for Job { ticket, path, film, transfer, format } in jobs {
+        let start = Instant::now();
+        let result = write(&path, &film, transfer, format);
+        if done.send(Written { ticket, duration: start.elapsed(), result }).is_err() {
+            return;
+        }
+    }
+}
