@@ -46,12 +46,16 @@ impl Diagnostic {
         match &self.span {
             Some(span) => {
                 let place = Place::of(text, span.start);
-                let Excerpt { lines, marked } = Excerpt::around(text, span);
-                let origin = Origin::path(file).line(place.line).char_column(place.column);
-                let annotation = AnnotationKind::Primary.span(marked).label(&self.label);
-                group = group
-                    .element(origin)
-                    .element(Snippet::source(lines).line_start(place.line).annotation(annotation));
+                let excerpt = Excerpt::around(text, span);
+                let annotation = AnnotationKind::Primary.span(excerpt.marked).label(&self.label);
+                let snippet = Snippet::source(excerpt.line).line_start(place.line).annotation(annotation);
+                group = if excerpt.is_cut {
+                    group
+                        .element(Origin::path(file).line(place.line).char_column(place.column))
+                        .element(snippet)
+                } else {
+                    group.element(snippet.path(file))
+                };
             }
             None => group = group.element(Origin::path(file)),
         }
@@ -65,8 +69,10 @@ impl Diagnostic {
 
 /// The first line of a marked place, or as much of it as is good to look at.
 struct Excerpt<'a> {
-    lines: &'a str,
+    line: &'a str,
     marked: Range<usize>,
+    /// Does it start later than its line?
+    is_cut: bool,
 }
 
 impl<'a> Excerpt<'a> {
@@ -79,9 +85,8 @@ impl<'a> Excerpt<'a> {
         let line_end = text[at..].find('\n').map_or(text.len(), |newline| at + newline);
         let start = floor_char(text, line_start.max(at.saturating_sub(Self::LONGEST)));
         let end = floor_char(text, line_end.min(at + Self::LONGEST));
-        let lines = &text[start..end];
         let marked_end = floor_char(text, span.end).clamp(at, end);
-        Self { lines, marked: at - start..marked_end - start }
+        Self { line: &text[start..end], marked: at - start..marked_end - start, is_cut: start > line_start }
     }
 }
 

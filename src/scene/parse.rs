@@ -5,16 +5,22 @@ use std::ops::Range;
 use ron::error::{Position, SpannedError};
 use ron::extensions::Extensions;
 
-use super::Diagnostic;
 use super::document::SceneDocument;
-use super::spans::unclosed_bracket;
+use super::spans::{is_blank, open_bracket, token};
 use super::suggest;
+use super::{Diagnostic, Place};
 
 /// Reads a scene's text.
 pub(super) fn parse(text: &str) -> Result<SceneDocument, Diagnostic> {
-    if text.trim_start_matches('\u{feff}').trim().is_empty() {
+    let content = text.trim_start_matches('\u{feff}');
+    if is_blank(content) {
+        let message = if content.trim().is_empty() {
+            "the file is empty"
+        } else {
+            "the file holds nothing but comments"
+        };
         return Err(Diagnostic {
-            message: "the file is empty".to_owned(),
+            message: message.to_owned(),
             label: String::new(),
             help: Some("`rayreel new FILE` writes a small scene to start from".to_owned()),
             span: None,
@@ -38,7 +44,10 @@ pub(super) fn options() -> ron::Options {
 fn explain(text: &str, error: &SpannedError) -> Diagnostic {
     use ron::error::Error as Ron;
 
-    let mut span = token_at(text, byte_of(text, error.span.start)..byte_of(text, error.span.end));
+    let span = token_at(text, byte_of(text, error.span.start)..byte_of(text, error.span.end));
+    if let Some(diagnostic) = explain_brackets(text, error, span.start) {
+        return diagnostic;
+    }
     let of =
         |outer: &Option<String>| outer.as_ref().map_or_else(String::new, |outer| format!(" of `{outer}`"));
     let (message, label, help) = match &error.code {
@@ -63,7 +72,7 @@ fn explain(text: &str, error: &SpannedError) -> Diagnostic {
             Some("remove one of the two".to_owned()),
         ),
         Ron::InvalidValueForType { expected, found } => {
-            (format!("expected {expected}"), format!("found {found}"), None)
+            (format!("expected {expected}"), format!("found {}", plainly(found)), None)
         }
         Ron::ExpectedDifferentLength { expected, found } => {
             let found = if *found == 1 { "1 value".to_owned() } else { format!("{found} values") };
@@ -91,23 +100,43 @@ fn explain(text: &str, error: &SpannedError) -> Diagnostic {
         },
         other => (lower_first(&other.to_string()), "here".to_owned(), punctuation_help(other)),
     };
-    let mut help = help;
-    if matches!(error.code, Ron::Eof | Ron::UnclosedBlockComment | Ron::ExpectedStringEnd)
-        || span.start >= text.trim_end().len()
-    {
-        if let Some(bracket) = unclosed_bracket(text) {
-            let character = &text[bracket..=bracket];
-            span = bracket..bracket + 1;
-            return Diagnostic {
-                message: format!("this `{character}` is never closed"),
-                label: "opened here".to_owned(),
-                help: Some("add the closing bracket, or remove this one".to_owned()),
-                span: Some(span),
-            };
-        }
-        help = help.or_else(|| Some("is the file complete?".to_owned()));
-    }
     Diagnostic { message, label, help, span: Some(span) }
+}
+
+/// What was opened and not closed, if that is what is wrong.
+fn explain_brackets(text: &str, error: &SpannedError, at: usize) -> Option<Diagnostic> {
+    use ron::error::Error as Ron;
+
+    let unclosed = |what: &str, start: usize, length: usize| Diagnostic {
+        message: format!("this {what} is never closed"),
+        label: "opened here".to_owned(),
+        help: Some("close it, or remove this".to_owned()),
+        span: Some(start..start + length),
+    };
+    match &error.code {
+        Ron::UnclosedBlockComment => text.rfind("/*").map(|start| unclosed("comment", start, 2)),
+        Ron::ExpectedStringEnd => Some(unclosed("text", byte_of(text, error.span.start), 1)),
+        _ if at >= text.trim_end().len() || matches!(error.code, Ron::Eof) => {
+            let bracket = open_bracket(text, usize::MAX)?;
+            Some(unclosed(&format!("`{}`", &text[bracket..=bracket]), bracket, 1))
+        }
+        _ => {
+            let bracket = open_bracket(text, at)?;
+            let (open, found) = (text.as_bytes()[bracket], text.as_bytes()[at]);
+            let close = match open {
+                b'(' => b')',
+                b'[' => b']',
+                _ => b'}',
+            };
+            let place = Place::of(text, bracket);
+            (b")]}".contains(&found) && found != close).then(|| Diagnostic {
+                message: format!("expected `{}`, found `{}`", char::from(close), char::from(found)),
+                label: format!("the `{}` of line {} is still open", char::from(open), place.line),
+                help: Some(format!("close it with a `{}` first", char::from(close))),
+                span: Some(at..at + 1),
+            })
+        }
+    }
 }
 
 fn punctuation_help(error: &ron::Error) -> Option<String> {
@@ -120,13 +149,23 @@ fn punctuation_help(error: &ron::Error) -> Option<String> {
         Ron::ExpectedStructLike | Ron::ExpectedNamedStructLike(_) => {
             "groups of fields stand in round brackets: ( .. )"
         }
-        Ron::ExpectedStructLikeEnd => "close the bracket, or put a comma before the next value",
+        Ron::ExpectedStructLikeEnd => {
+            "close the bracket here: is there a value too many, or a comma missing?"
+        }
         Ron::ExpectedArray => "lists stand in square brackets: [ .. ]",
         Ron::ExpectedMap => "maps stand in braces: { \"name\": .. }",
         Ron::IntegerOutOfBounds | Ron::ExpectedInteger => "write a whole number, 0 or more",
         _ => return None,
     };
     Some(help.to_owned())
+}
+
+/// What was found, without the names of number types.
+fn plainly(found: &str) -> String {
+    found
+        .replace("unsigned integer", "number")
+        .replace("integer", "number")
+        .replace("floating point", "number")
 }
 
 fn lower_first(text: &str) -> String {
@@ -159,12 +198,5 @@ fn token_at(text: &str, span: Range<usize>) -> Range<usize> {
         return start..start + trimmed.len();
     }
     let start = span.end.min(text.trim_end().len());
-    let is_word = |character: char| character.is_alphanumeric() || character == '_';
-    let rest = &text[start..];
-    let length = match rest.find(|character| !is_word(character)) {
-        Some(0) => rest.chars().next().map_or(0, char::len_utf8),
-        Some(end) => end,
-        None => rest.len(),
-    };
-    start..start + length
+    token(text, start)
 }

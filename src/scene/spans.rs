@@ -34,13 +34,30 @@ pub(super) fn locate(text: &str, paths: &[Vec<Step>]) -> Vec<Range<usize>> {
     found
 }
 
-/// The innermost bracket that is never closed.
-pub(super) fn unclosed_bracket(text: &str) -> Option<usize> {
+/// Is there nothing but white space and comments?
+pub(super) fn is_blank(text: &str) -> bool {
+    let mut scanner = Scanner { text, at: 0, found: &mut [] };
+    scanner.skip_space();
+    scanner.at == text.len()
+}
+
+/// The word, number, text or sign at a byte.
+pub(super) fn token(text: &str, at: usize) -> Range<usize> {
+    let mut scanner = Scanner { text, at, found: &mut [] };
+    if scanner.peek().is_some() {
+        scanner.atom();
+    }
+    at..scanner.at
+}
+
+/// The innermost bracket before a byte that is still open there.
+pub(super) fn open_bracket(text: &str, before: usize) -> Option<usize> {
     let mut scanner = Scanner { text, at: 0, found: &mut [] };
     let mut open = Vec::new();
     loop {
         scanner.skip_space();
         match scanner.peek() {
+            Some(_) if scanner.at >= before => return open.pop(),
             None => return open.pop(),
             Some(b'(' | b'[' | b'{') => {
                 open.push(scanner.at);
@@ -320,7 +337,8 @@ mod tests {
 
     #[test]
     fn the_innermost_open_bracket_is_found() {
-        assert_eq!(unclosed_bracket("(a: [1, (2, 3), \")\""), Some(4));
-        assert_eq!(unclosed_bracket("(a: [1, 2])"), None);
+        assert_eq!(open_bracket("(a: [1, (2, 3), \")\"", usize::MAX), Some(4));
+        assert_eq!(open_bracket("(a: [1, 2])", usize::MAX), None);
+        assert_eq!(open_bracket("(a: [1, 2])", 7), Some(4));
     }
 }
