@@ -1,0 +1,104 @@
+//! The fast path against the reference path, on random scenes: the same pictures, bit for bit, and never a number that is
+//! not finite.
+
+use glam::{DQuat, DVec3};
+use proptest::prelude::*;
+
+use rayreel::components::{
+    Ambient, Background, Camera, FilmSettings, Light, LightKind, Material, Projection, Quality, Reflective, Shape,
+    Transform, View,
+};
+use rayreel::{Engine, Rgb, Time, World};
+
+#[derive(Clone, Debug)]
+struct Thing {
+    shape: Shape,
+    transform: Transform,
+    color: [f32; 3],
+    mirror: bool,
+}
+
+/// Coordinates that often coincide, so that faces are flush, shapes equal and origins on surfaces.
+fn coordinate() -> impl Strategy<Value = f64> {
+    prop_oneof![3 => (-4i32..=4).prop_map(f64::from), 2 => -4.0..4.0f64, 1 => (-8i32..=8).prop_map(|half| f64::from(half) / 2.0)]
+}
+
+fn point() -> impl Strategy<Value = DVec3> {
+    (coordinate(), coordinate(), coordinate()).prop_map(DVec3::from)
+}
+
+fn length() -> impl Strategy<Value = f64> {
+    prop_oneof![4 => Just(1.0), 2 => 0.05..3.0f64, 1 => Just(1e-6), 1 => Just(1e7)]
+}
+
+fn shape() -> impl Strategy<Value = Shape> {
+    prop_oneof![
+        3 => length().prop_map(|radius| Shape::Sphere { radius }),
+        3 => (length(), length(), length()).prop_map(|size| Shape::Box { size: size.into() }),
+        1 => prop_oneof![Just(DVec3::Y), Just(DVec3::X), point()].prop_map(|normal| Shape::Plane {
+            normal: if normal == DVec3::ZERO { DVec3::Z } else { normal },
+        }),
+    ]
+}
+
+fn transform() -> impl Strategy<Value = Transform> {
+    let rotation = prop_oneof![2 => Just(DQuat::IDENTITY), 1 => (point(), coordinate()).prop_map(|(axis, w)| {
+        DQuat::from_xyzw(axis.x, axis.y, axis.z, w + 0.1).normalize()
+    })];
+    let scale = prop_oneof![3 => Just(DVec3::ONE), 1 => Just(DVec3::splat(-0.5)), 1 => (0.1..2.0f64, 0.1..2.0f64, -2.0..-0.1f64).prop_map(DVec3::from)];
+    (point(), rotation, scale).prop_map(|(translation, rotation, scale)| Transform { translation, rotation, scale })
+}
+
+fn things() -> impl Strategy<Value = Vec<Thing>> {
+    let thing = (shape(), transform(), [0.0..1.0f32, 0.0..1.0, 0.0..1.0], any::<bool>())
+        .prop_map(|(shape, transform, color, mirror)| Thing { shape, transform, color, mirror });
+    prop::collection::vec(thing, 0..40)
+}
+
+fn world(things: &[Thing], lights: &[(DVec3, bool)], eye: DVec3) -> World {
+    let mut world = World::new();
+    for Thing { shape, transform, color, mirror } in things {
+        let material = Material { k_a: 0.3, k_d: 0.7, color: Rgb::from_array(*color), ambient_color: None };
+        let entity = world.spawn((*shape, *transform, material));
+        if *mirror {
+            world.insert_one(entity, Reflective { k_r: 0.5 }).unwrap();
+        }
+    }
+    for (place, directional) in lights {
+        let kind = if *directional { LightKind::Directional { direction: *place } } else { LightKind::Point };
+        world.spawn((Light { kind, intensity: Rgb::splat(0.6) }, Transform::from_translation(*place)));
+    }
+    let projection = Projection::FieldOfView { vertical: 1.2 };
+    world.spawn((Camera { position: eye, view: View::Target(DVec3::new(0.0, 0.5, 0.0)), up: DVec3::Y, projection },));
+    world.spawn((
+        FilmSettings { width: 32, height: 18, ..FilmSettings::default() },
+        Ambient(Rgb::splat(0.4)),
+        Background(Rgb::new(0.1, 0.2, 0.3)),
+        Quality { depth: 4 },
+    ));
+    world
+}
+
+/// `RAYREEL_CASES` asks for more than the usual few hundred.
+fn cases() -> u32 {
+    std::env::var("RAYREEL_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(400)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: cases(), failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn fast_and_reference_paths_agree(
+        things in things(),
+        lights in prop::collection::vec((point(), any::<bool>()), 0..4),
+        eye in point(),
+    ) {
+        let mut engine = Engine::new(world(&things, &lights, eye));
+        let fast = engine.render_at(Time::ZERO).unwrap();
+        let reference = engine.render_reference(Time::ZERO).unwrap();
+        prop_assert!(fast.pixels().iter().all(|pixel| pixel.is_finite()));
+        for (index, (found, expected)) in fast.pixels().iter().zip(reference.pixels()).enumerate() {
+            prop_assert_eq!(found, expected, "pixel ({}, {})", index % 32, index / 32);
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! Every shipped scene against its golden pictures, to the last bit, for several numbers of threads and by the reference
+//! path.
+//!
+//! On a mismatch the actual, the expected and a difference picture are written to `target/golden_mismatches/`.
+//! `RAYREEL_BLESS=1 cargo test --test goldens` writes the goldens anew; look at them before you keep them.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use image::{Rgb, RgbImage};
+
+use rayreel::components::FilmSettings;
+use rayreel::output::{FrameFormat, encode};
+use rayreel::{Engine, Film};
+
+const SIZE: (u32, u32) = (320, 180);
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn scenes() -> Vec<PathBuf> {
+    let entries = fs::read_dir(root().join("scenes")).unwrap().map(|entry| entry.unwrap().path());
+    let mut scenes: Vec<PathBuf> = entries.filter(|path| path.extension().is_some_and(|end| end == "ron")).collect();
+    scenes.sort();
+    scenes
+}
+
+fn load(path: &Path, (width, height): (u32, u32)) -> Engine {
+    let mut engine = Engine::load(path).unwrap();
+    for film in engine.world_mut().query_mut::<&mut FilmSettings>() {
+        *film = FilmSettings { width, height, ..*film };
+    }
+    engine
+}
+
+/// The first frame, one from the middle and the last.
+fn frames(engine: &Engine) -> [u32; 3] {
+    let count = engine.timeline().frame_count();
+    [0, count / 2, count - 1]
+}
+
+fn picture(engine: &Engine, film: &Film) -> RgbImage {
+    let bytes = encode(film, engine.film_settings().transfer, FrameFormat::Png).unwrap();
+    image::load_from_memory(&bytes).unwrap().to_rgb8()
+}
+
+/// Compares, and describes and stores what differs.
+fn compare(name: &str, actual: &RgbImage, expected: &RgbImage) -> Option<String> {
+    if actual == expected {
+        return None;
+    }
+    let folder = root().join("target/golden_mismatches");
+    fs::create_dir_all(&folder).unwrap();
+    let save = |kind: &str, picture: &RgbImage| picture.save(folder.join(format!("{name}.{kind}.png"))).unwrap();
+    save("actual", actual);
+    save("expected", expected);
+    if actual.dimensions() != expected.dimensions() {
+        return Some(format!("{name}: {:?} instead of {:?}", actual.dimensions(), expected.dimensions()));
+    }
+    let mut difference = RgbImage::new(actual.width(), actual.height());
+    let (mut count, mut first) = (0, None);
+    for ((i, j, marked), (found, wanted)) in
+        difference.enumerate_pixels_mut().zip(actual.pixels().zip(expected.pixels()))
+    {
+        if found != wanted {
+            count += 1;
+            first = first.or(Some((i, j, *found, *wanted)));
+            // Small differences are as bad as large ones, and must be as easy to see.
+            *marked = Rgb([0, 1, 2].map(|channel| 64 + found[channel].abs_diff(wanted[channel]).saturating_mul(8)));
+        }
+    }
+    save("difference", &difference);
+    let (i, j, found, wanted) = first?;
+    Some(format!(
+        "{name}: {count} pixels differ, the first at ({i}, {j}): {:?} instead of {:?}; see {}",
+        found.0,
+        wanted.0,
+        folder.display()
+    ))
+}
+
+#[test]
+fn shipped_scenes_look_as_they_always_did() {
+    let bless = std::env::var_os("RAYREEL_BLESS").is_some();
+    let mut wrong = Vec::new();
+    let scenes = scenes();
+    assert!(scenes.len() >= 6);
+    for path in scenes {
+        let stem = path.file_stem().unwrap().to_str().unwrap();
+        let mut engine = load(&path, SIZE);
+        for frame in frames(&engine) {
+            let film = engine.render_frame(frame).unwrap();
+            let actual = picture(&engine, &film);
+            let name = format!("{stem}.{frame:04}");
+            let golden = root().join(format!("tests/goldens/{name}.png"));
+            if bless {
+                actual.save(&golden).unwrap();
+            }
+            let expected = image::open(&golden).map(|picture| picture.to_rgb8()).unwrap_or_default();
+            wrong.extend(compare(&name, &actual, &expected));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn threads_do_not_matter() {
+    for path in scenes() {
+        let mut films = Vec::new();
+        for threads in [1, 2, 8] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let mut engine = load(&path, (150, 85));
+            let last = frames(&engine)[2];
+            films.push(pool.install(|| engine.render_frame(last).unwrap()));
+        }
+        assert!(films.windows(2).all(|pair| pair[0] == pair[1]), "{}", path.display());
+    }
+}
+
+#[test]
+fn the_reference_path_makes_the_same_pictures() {
+    for path in scenes() {
+        let mut engine = load(&path, (80, 45));
+        for frame in frames(&engine) {
+            let time = engine.timeline().time_of(frame);
+            let fast = engine.render_at(time).unwrap();
+            let reference = engine.render_reference(time).unwrap();
+            assert_eq!(fast, reference, "{} frame {frame}", path.display());
+        }
+    }
+}
+
+#[test]
+fn a_changed_pixel_is_found_and_told() {
+    let golden = image::open(root().join("tests/goldens/first_light.0000.png")).unwrap().to_rgb8();
+    let mut changed = golden.clone();
+    changed.get_pixel_mut(7, 5).0[1] ^= 1;
+    let message = compare("self_test", &changed, &golden).unwrap();
+    assert!(message.contains("1 pixels differ, the first at (7, 5)"), "{message}");
+    for kind in ["actual", "expected", "difference"] {
+        assert!(root().join(format!("target/golden_mismatches/self_test.{kind}.png")).exists());
+    }
+}
