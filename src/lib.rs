@@ -1,5 +1,69 @@
-//! rayreel renders animated frame sequences of scenes made of spheres, planes and boxes.
-#![cfg_attr(not(test), warn(clippy::unwrap_used))]
+//! rayreel renders animated frame sequences of scenes made of spheres, planes and boxes, by recursive ray tracing on the CPU.
+//!
+//! It is an entity-component-system engine with a timeline: entities of a [hecs](hecs::World) world carry
+//! [components], [systems] bring the world to a moment in time, and the [trace] kernel makes the picture. A frame is a
+//! pure function of the scene and its index: the same bits on any number of threads, alone or in sequence.
+//!
+//! # The way of a frame
+//!
+//! ```text
+//! RON text -> scene::document -> scene::spawn -> hecs World
+//!    each frame: animate(t) -> own systems -> propagate -> prepare -> trace::render -> Film
+//!    Film -> output (frame files)
+//! ```
+//!
+//! # A picture in a few lines
+//!
+//! ```
+//! use rayreel::{Engine, Ray, Scene};
+//! use glam::DVec3;
+//!
+//! let text = r#"Scene(
+//!     timeline: (fps: 10, duration: 2),
+//!     film: (width: 64, height: 36),
+//!     camera: (position: (0, 0, -5), target: (0, 0, 0)),
+//!     ambient: (1, 1, 1),
+//!     materials: { "clay": (k_a: 1, color: (255, 120, 60)) },
+//!     entities: [ (name: "ball", shape: Sphere(radius: 1), material: "clay") ],
+//!     animate: [ (target: "ball", channel: Translation, track: Keys([(0, (0, 0, 0)), (2, (0, 4, 0))])) ],
+//! )"#;
+//! let mut engine = Engine::from_scene(Scene::from_text("ball.ron", text.to_owned())?);
+//!
+//! let film = engine.render_frame(0)?;
+//! let transfer = engine.film_settings().transfer;
+//! assert_eq!(transfer.encode(film.pixel(32, 18)), [255, 120, 60]); // k_a and I_a of 1 give the file's own colour
+//!
+//! engine.render_frame(10)?; // one second later the ball is two units higher
+//! let up = Ray { origin: DVec3::ZERO, direction: DVec3::Y };
+//! assert_eq!(engine.cast(up).unwrap().distance, 1.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Words
+//!
+//! *Track*: a value over time. *Film*: linear pixels of one frame. *Sequence*: the frames of a timeline. *Frame file*: what is
+//! written. *Order*: an entity's place in document order; every order that can reach a bit of a picture is this one.
+//! *Prepared*: in the kernel's arrays. *Reference path*: the same shapes over a linear scan, the oracle of the fast path.
+//!
+//! Space is left-handed as one sees it: x right, y up, z forward. Colours are linear, 1 being the file's 255. Time is exact.
+//!
+//! # Layers
+//!
+//! What each module may import, of this crate and of others; a test holds the sources against this table. `std`,
+//! `thiserror` and `libm` are open to all.
+//!
+//! | module | holds | may import | outside crates |
+//! |---|---|---|---|
+//! | `color` | linear colour, sRGB | | glam |
+//! | `time` | seconds, frame rates, frame lists | | |
+//! | `timeline` | values over time, pure | color, time | glam |
+//! | `trace` | the kernel: prepared arrays in, film out; no entities, no clock, no files | color | glam, rayon, obvhs |
+//! | `components` | what things are: plain data | color, time, timeline | glam, hecs |
+//! | `scene` | RON to world, diagnostics | components, timeline, color, time | hecs, glam, ron, serde, annotate_snippets, strsim |
+//! | `systems` | what happens each frame; `prepare` is the only bridge from world to kernel | components, timeline, trace, color, time | hecs, glam, rayon |
+//! | `engine` | world, systems and reused buffers | color, time, timeline, components, scene, systems, trace | hecs, glam |
+//! | `output` | frame files, sequences | trace, color, time | image |
+//! | `main`, `cli` | arguments to settings to calls, and all printing; binary only | rayreel | clap, clap_complete, indicatif, ctrlc, anyhow, rayon, serde_json |
 
 pub mod color;
 pub mod components;

@@ -5,8 +5,8 @@ use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 
 use rayreel::components::{
-    Ambient, Background, Camera, FilmSettings, Light, LightKind, Material, Projection, Quality, Reflective, Shape,
-    Transform, View,
+    Ambient, Background, Camera, FilmSettings, Light, LightKind, Material, Projection, Quality, Reflective,
+    Shape, Transform, View,
 };
 use rayreel::{Engine, Rgb, Time, World};
 
@@ -46,7 +46,11 @@ fn transform() -> impl Strategy<Value = Transform> {
         DQuat::from_xyzw(axis.x, axis.y, axis.z, w + 0.1).normalize()
     })];
     let scale = prop_oneof![3 => Just(DVec3::ONE), 1 => Just(DVec3::splat(-0.5)), 1 => (0.1..2.0f64, 0.1..2.0f64, -2.0..-0.1f64).prop_map(DVec3::from)];
-    (point(), rotation, scale).prop_map(|(translation, rotation, scale)| Transform { translation, rotation, scale })
+    (point(), rotation, scale).prop_map(|(translation, rotation, scale)| Transform {
+        translation,
+        rotation,
+        scale,
+    })
 }
 
 fn things() -> impl Strategy<Value = Vec<Thing>> {
@@ -69,7 +73,12 @@ fn world(things: &[Thing], lights: &[(DVec3, bool)], eye: DVec3) -> World {
         world.spawn((Light { kind, intensity: Rgb::splat(0.6) }, Transform::from_translation(*place)));
     }
     let projection = Projection::FieldOfView { vertical: 1.2 };
-    world.spawn((Camera { position: eye, view: View::Target(DVec3::new(0.0, 0.5, 0.0)), up: DVec3::Y, projection },));
+    world.spawn((Camera {
+        position: eye,
+        view: View::Target(DVec3::new(0.0, 0.5, 0.0)),
+        up: DVec3::Y,
+        projection,
+    },));
     world.spawn((
         FilmSettings { width: 32, height: 18, ..FilmSettings::default() },
         Ambient(Rgb::splat(0.4)),

@@ -21,7 +21,8 @@ fn root() -> &'static Path {
 
 fn scenes() -> Vec<PathBuf> {
     let entries = fs::read_dir(root().join("scenes")).unwrap().map(|entry| entry.unwrap().path());
-    let mut scenes: Vec<PathBuf> = entries.filter(|path| path.extension().is_some_and(|end| end == "ron")).collect();
+    let mut scenes: Vec<PathBuf> =
+        entries.filter(|path| path.extension().is_some_and(|end| end == "ron")).collect();
     scenes.sort();
     scenes
 }
@@ -52,7 +53,8 @@ fn compare(name: &str, actual: &RgbImage, expected: &RgbImage) -> Option<String>
     }
     let folder = root().join("target/golden_mismatches");
     fs::create_dir_all(&folder).unwrap();
-    let save = |kind: &str, picture: &RgbImage| picture.save(folder.join(format!("{name}.{kind}.png"))).unwrap();
+    let save =
+        |kind: &str, picture: &RgbImage| picture.save(folder.join(format!("{name}.{kind}.png"))).unwrap();
     save("actual", actual);
     save("expected", expected);
     if actual.dimensions() != expected.dimensions() {
@@ -67,7 +69,8 @@ fn compare(name: &str, actual: &RgbImage, expected: &RgbImage) -> Option<String>
             count += 1;
             first = first.or(Some((i, j, *found, *wanted)));
             // Small differences are as bad as large ones, and must be as easy to see.
-            *marked = Rgb([0, 1, 2].map(|channel| 64 + found[channel].abs_diff(wanted[channel]).saturating_mul(8)));
+            *marked =
+                Rgb([0, 1, 2].map(|channel| 64 + found[channel].abs_diff(wanted[channel]).saturating_mul(8)));
         }
     }
     save("difference", &difference);

@@ -1,4 +1,153 @@
 #![doc = include_str!("reference.md")]
 
-/// The reference itself, as Markdown.
-pub const REFERENCE: &str = include_str!("reference.md");
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+    use std::fmt::Debug;
+
+    use serde::de::DeserializeOwned;
+
+    use crate::scene::document::{
+        AnimationDocument, CameraDocument, ChannelDocument, EasingDocument, EntityDocument, FilmDocument,
+        LightDocument, MaterialDocument, QualityDocument, ReflectiveDocument, RotationDocument,
+        SceneDocument, ScreenDocument, ShapeDocument, TimelineDocument, TrackDocument, TransferDocument,
+        TransformDocument, Triple,
+    };
+    use crate::scene::parse::options;
+
+    const REFERENCE: &str = include_str!("reference.md");
+
+    /// What the reference says in one section.
+    #[derive(Debug, Default)]
+    struct Section {
+        /// Field, default (or an example), and whether it is required.
+        fields: Vec<(String, String, bool)>,
+        /// Variant with what stands in its brackets.
+        variants: Vec<(String, String)>,
+    }
+
+    fn sections() -> BTreeMap<String, Section> {
+        let mut sections = BTreeMap::new();
+        for part in REFERENCE.split("\n## ").skip(1) {
+            let (name, body) = part.split_once('\n').unwrap();
+            let mut section = Section::default();
+            for line in body.lines() {
+                if let Some(row) = line.strip_prefix("| `") {
+                    let cells: Vec<&str> = row.trim_end_matches(" |").split(" | ").collect();
+                    let [field, _, default] = cells[..] else { panic!("{line}") };
+                    let required = default.starts_with("required: ");
+                    let value = default.trim_start_matches("required: ").trim_matches('`');
+                    section.fields.push((field.trim_end_matches('`').to_owned(), value.to_owned(), required));
+                } else if let Some(variant) = line.strip_prefix("- `") {
+                    let code = variant.split('`').next().unwrap();
+                    let (name, inside) = code.trim_end_matches(')').split_once('(').unwrap_or((code, ""));
+                    section.variants.push((name.to_owned(), inside.to_owned()));
+                }
+            }
+            sections.insert(name.to_owned(), section);
+        }
+        sections
+    }
+
+    fn read<T: DeserializeOwned>(text: &str) -> T {
+        options().from_str(text).unwrap_or_else(|error| panic!("{text}: {error}"))
+    }
+
+    /// The names that serde knows, from its complaint about one that nobody knows.
+    fn known<T: DeserializeOwned>(text: &str) -> Vec<String> {
+        use ron::Error;
+        let error = options().from_str::<T>(text).err().unwrap();
+        let (Error::NoSuchStructField { expected, .. } | Error::NoSuchEnumVariant { expected, .. }) =
+            error.code
+        else {
+            panic!("{text}: {error}");
+        };
+        expected.iter().map(|name| (*name).to_owned()).collect()
+    }
+
+    /// Fields, their order, and every default.
+    fn check_fields<T: DeserializeOwned + PartialEq + Debug>(
+        name: &str,
+        sections: &mut BTreeMap<String, Section>,
+    ) {
+        let section = sections.remove(name).unwrap_or_else(|| panic!("the reference has no section {name}"));
+        let named: Vec<String> = section.fields.iter().map(|(field, ..)| field.clone()).collect();
+        assert_eq!(named, known::<T>("(nobody_knows: 0)"), "{name}");
+        let required = section.fields.iter().filter(|(.., required)| *required);
+        let needed: String = required.map(|(field, example, _)| format!("{field}: {example}, ")).collect();
+        let left_out: T = read(&format!("({needed})"));
+        for (field, default, required) in &section.fields {
+            if *required {
+                let rest = needed.replace(&format!("{field}: {default}, "), "");
+                assert!(
+                    options().from_str::<T>(&format!("({rest})")).is_err(),
+                    "{name}.{field} is not required"
+                );
+            } else {
+                let written: T = read(&format!("({field}: {default}, {needed})"));
+                assert_eq!(written, left_out, "the default of {name}.{field}");
+            }
+        }
+    }
+
+    fn check_variants<T: DeserializeOwned>(name: &str, sections: &mut BTreeMap<String, Section>) -> Section {
+        let section = sections.remove(name).unwrap_or_else(|| panic!("the reference has no section {name}"));
+        let named: Vec<String> = section.variants.iter().map(|(variant, _)| variant.clone()).collect();
+        assert_eq!(named, known::<T>("NobodyKnows"), "{name}");
+        section
+    }
+
+    #[test]
+    fn the_reference_names_every_field_every_variant_and_every_default() {
+        let mut sections = sections();
+        let all = &mut sections;
+        check_fields::<SceneDocument>("Scene", all);
+        check_fields::<TimelineDocument>("Timeline", all);
+        check_fields::<FilmDocument>("Film", all);
+        check_fields::<QualityDocument>("Quality", all);
+        check_fields::<CameraDocument>("Camera", all);
+        check_fields::<ScreenDocument>("Screen", all);
+        check_fields::<MaterialDocument>("Material", all);
+        check_fields::<ReflectiveDocument>("Reflective", all);
+        check_fields::<EntityDocument>("Entity", all);
+        check_fields::<TransformDocument>("Transform", all);
+        check_fields::<AnimationDocument>("Animation", all);
+        check_variants::<TransferDocument>("Transfer", all);
+        check_variants::<RotationDocument>("Rotation", all);
+        check_variants::<ChannelDocument>("Channel", all);
+        check_variants::<EasingDocument>("Easing", all);
+        check_variants::<TrackDocument<Triple>>("Track", all);
+        for (variant, inside) in check_variants::<ShapeDocument>("Shape", all).variants {
+            assert_eq!(inside, known::<ShapeDocument>(&format!("{variant}(nobody_knows: 0)")).join(", "));
+        }
+        for (variant, inside) in check_variants::<LightDocument>("Light", all).variants {
+            assert_eq!(inside, known::<LightDocument>(&format!("{variant}(nobody_knows: 0)")).join(", "));
+        }
+        assert!(
+            sections.is_empty(),
+            "the reference describes what the format has not: {:?}",
+            sections.keys()
+        );
+    }
+
+    /// A type of the format that is not checked above would go unnoticed.
+    #[test]
+    fn every_type_of_the_format_is_checked() {
+        let this = include_str!("reference.rs");
+        for source in [
+            include_str!("document/animation.rs"),
+            include_str!("document/entity.rs"),
+            include_str!("document/settings.rs"),
+        ] {
+            for line in source.lines() {
+                let declared =
+                    line.strip_prefix("pub(crate) struct ").or(line.strip_prefix("pub(crate) enum "));
+                let Some(name) = declared.and_then(|rest| rest.split(['<', ' ']).next()) else { continue };
+                // A key and the pairing of channels with tracks have no section of their own.
+                let checked =
+                    this.contains(&format!("::<{name}")) || ["KeyDocument", "TracksDocument"].contains(&name);
+                assert!(checked, "{name}");
+            }
+        }
+    }
+}

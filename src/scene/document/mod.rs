@@ -14,3 +14,9 @@ pub(super) use entity::{
 };
 pub(super) use settings::{CameraDocument, FilmDocument, SceneDocument, TimelineDocument, TransferDocument};
 pub(super) use values::{ColorDocument, Entries, RateDocument, ScaleDocument, Triple};
+
+#[cfg(test)]
+pub(super) use {
+    entity::ReflectiveDocument,
+    settings::{QualityDocument, ScreenDocument},
+};

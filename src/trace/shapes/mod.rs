@@ -10,12 +10,12 @@
 //!   unit normal there.
 //! - `bounds`: a box around it, for shapes that have one.
 
+mod affine;
 mod aligned_box;
-mod image;
 mod plane;
 mod sphere;
 
+pub use affine::{BoxImage, SphereImage};
 pub use aligned_box::AlignedBox;
-pub use image::{BoxImage, SphereImage};
 pub use plane::Plane;
 pub use sphere::Sphere;

@@ -1,0 +1,204 @@
+//! Holds every source file against the table of layers in the crate's documentation.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// What a layer may name.
+#[derive(Debug, Default)]
+struct Layer {
+    modules: BTreeSet<String>,
+    crates: BTreeSet<String>,
+}
+
+/// Open to all layers.
+const OPEN: [&str; 5] = ["std", "core", "alloc", "thiserror", "libm"];
+
+fn source() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+}
+
+/// The table of layers, from the documentation in `lib.rs`.
+fn layers(documentation: &str) -> BTreeMap<String, Layer> {
+    let list = |cell: &str| -> BTreeSet<String> {
+        cell.split(',')
+            .map(|name| name.trim().trim_matches('`').to_owned())
+            .filter(|name| !name.is_empty())
+            .collect()
+    };
+    let mut layers = BTreeMap::new();
+    for line in documentation.lines().filter_map(|line| line.strip_prefix("//! | `")) {
+        let cells: Vec<&str> = line.trim_end().trim_end_matches('|').split('|').collect();
+        let [names, _, modules, crates] = cells[..] else { panic!("not a row of the table: {line}") };
+        for name in list(names) {
+            layers.insert(name, Layer { modules: list(modules), crates: list(crates) });
+        }
+    }
+    layers
+}
+
+/// The code of a file: without comments, texts and unit tests.
+fn code(text: &str) -> String {
+    let text = text.split("#[cfg(test)]").next().unwrap_or_default();
+    let mut code = String::new();
+    for line in text.lines() {
+        let line = line.split("//").next().unwrap_or_default();
+        // Texts: every second part between quotes.
+        code.extend(line.split('"').step_by(2));
+        code.push('\n');
+    }
+    code
+}
+
+/// The first names of all paths in the code that start at `prefix`, as `crate::`, or anywhere for an empty prefix.
+fn roots(code: &str, prefix: &str) -> BTreeSet<String> {
+    let is_word = |character: char| character.is_alphanumeric() || character == '_';
+    let mut roots = BTreeSet::new();
+    for (at, _) in code.match_indices(if prefix.is_empty() { "::" } else { prefix }) {
+        if prefix.is_empty() {
+            let before = &code[..at];
+            let start = before.rfind(|character| !is_word(character)).map_or(0, |end| end + 1);
+            // An absolute path starts with `::` after no word.
+            let absolute = before[..start].strip_suffix("::").map(|outer| !outer.ends_with(is_word));
+            if absolute.unwrap_or(true) {
+                roots.insert(before[start..].to_owned());
+            }
+        } else {
+            let after = &code[at + prefix.len()..];
+            // `use crate::{a::B, c::D}` names several.
+            let group = after.strip_prefix('{').map(|group| {
+                let mut depth = 0;
+                let end = group.find(|character| {
+                    depth += i32::from(character == '{') - i32::from(character == '}');
+                    depth < 0
+                });
+                &group[..end.unwrap_or(group.len())]
+            });
+            let mut depth = 0;
+            let separate = |character: char| {
+                depth += i32::from(character == '{') - i32::from(character == '}');
+                character == ',' && depth == 0
+            };
+            let names: Vec<&str> = group.map_or_else(|| vec![after], |group| group.split(separate).collect());
+            for name in names {
+                let name = name.trim_start();
+                let end = name.find(|character| !is_word(character)).unwrap_or(name.len());
+                roots.insert(name[..end].to_owned());
+            }
+        }
+    }
+    roots.remove("");
+    roots
+}
+
+/// All dependencies of the package, as they are named in code.
+fn dependencies() -> BTreeSet<String> {
+    let manifest = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml")).unwrap();
+    let section = manifest.split("\n[dependencies]\n").nth(1).unwrap().split("\n[").next().unwrap();
+    section.lines().filter_map(|line| Some(line.split_once('=')?.0.trim().replace('-', "_"))).collect()
+}
+
+fn files(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            files(&path, found);
+        } else if path.extension().is_some_and(|end| end == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// What a file of a layer names and may not.
+fn violations(
+    layer: &str,
+    text: &str,
+    layers: &BTreeMap<String, Layer>,
+    dependencies: &BTreeSet<String>,
+) -> Vec<String> {
+    let Some(allowed) = layers.get(layer) else {
+        return vec![format!("`{layer}` is not in the table of layers")];
+    };
+    let code = code(text);
+    let mut wrong = Vec::new();
+    let in_binary = ["main", "cli"].contains(&layer);
+    for module in roots(&code, "crate::") {
+        if module != layer && !allowed.modules.contains(&module) && !in_binary {
+            wrong.push(format!("`{layer}` may not import `crate::{module}`"));
+        }
+    }
+    for name in roots(&code, "") {
+        let outside = dependencies.contains(&name) || name == "rayreel";
+        let open = OPEN.contains(&name.as_str())
+            || allowed.crates.contains(&name)
+            || allowed.modules.contains(&name);
+        if outside && !open {
+            wrong.push(format!("`{layer}` may not use the crate `{name}`"));
+        }
+    }
+    wrong
+}
+
+#[test]
+fn every_file_keeps_to_its_layer() {
+    let layers = layers(&fs::read_to_string(source().join("lib.rs")).unwrap());
+    let dependencies = dependencies();
+    let mut paths = Vec::new();
+    files(&source(), &mut paths);
+    assert!(layers.len() >= 10 && dependencies.len() >= 10 && paths.len() >= 50);
+    let mut wrong = Vec::new();
+    for path in paths {
+        let relative = path.strip_prefix(source()).unwrap();
+        let layer = relative.iter().next().unwrap().to_str().unwrap().trim_end_matches(".rs").to_owned();
+        if layer == "lib" {
+            continue;
+        }
+        let text = fs::read_to_string(&path).unwrap();
+        let found = violations(&layer, &text, &layers, &dependencies);
+        wrong.extend(found.into_iter().map(|violation| format!("{}: {violation}", path.display())));
+    }
+    assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn forbidden_imports_are_found_in_every_way_of_writing_them() {
+    let layers = layers(&fs::read_to_string(source().join("lib.rs")).unwrap());
+    let dependencies = dependencies();
+    let check = |layer: &str, text: &str| violations(layer, text, &layers, &dependencies);
+    for forbidden in [
+        "use crate::scene::Scene;",
+        "use crate::{color::Rgb, scene::{Scene, LoadError}};",
+        "fn f() { crate::engine::Engine::new(w); }",
+        "use hecs::World;",
+        "use {glam::DVec3, ron::Value};",
+        "fn f() -> ::serde::Value {}",
+        "pub use crate::components;",
+    ] {
+        assert_eq!(check("trace", forbidden).len(), 1, "{forbidden}");
+    }
+    for allowed in [
+        "use crate::color::Rgb; use glam::DVec3; use std::fmt;",
+        "use crate::trace::Ray;",
+        "// use hecs::World;",
+        "const A: &str = \"hecs::World\";",
+        "use super::Scene;",
+    ] {
+        assert_eq!(check("trace", allowed), Vec::<String>::new(), "{allowed}");
+    }
+    assert_eq!(check("drawer", ""), ["`drawer` is not in the table of layers"]);
+}
+
+#[test]
+fn every_module_says_what_it_holds_and_no_file_is_too_long() {
+    let mut paths = Vec::new();
+    files(&source(), &mut paths);
+    for path in paths {
+        let text = fs::read_to_string(&path).unwrap();
+        assert!(
+            text.starts_with("//!") || text.starts_with("#![doc"),
+            "{} does not open with its purpose",
+            path.display()
+        );
+        assert!(text.lines().count() <= 600, "{} is longer than 600 lines", path.display());
+    }
+}
