@@ -129,7 +129,7 @@ fn the_reference_path_makes_the_same_pictures() {
             let time = engine.timeline().time_of(frame);
             let fast = engine.render_at(time).unwrap();
             let reference = engine.render_reference(time).unwrap();
-            assert_eq!(fast, reference, "{} frame {frame}", path.display());
+            assert!(fast == reference, "{} frame {frame}", path.display());
         }
     }
 }

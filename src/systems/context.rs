@@ -3,7 +3,6 @@
 use hecs::{DynamicBundle, Entity, World};
 
 use super::Changes;
-use crate::components::Order;
 use crate::time::Time;
 
 /// The world at a moment, for a system to write to.
@@ -15,6 +14,7 @@ pub struct Context<'a> {
     /// Where the system says what it writes.
     pub changes: &'a mut Changes,
     pub(super) step: Option<f64>,
+    pub(super) spawned: Vec<Entity>,
 }
 
 impl Context<'_> {
@@ -24,18 +24,12 @@ impl Context<'_> {
         self.step.unwrap_or(0.0)
     }
 
-    /// Spawns an entity after all others in document order, and declares it.
+    /// Spawns an entity after all others in document order, and declares it. Entities that are spawned directly into the
+    /// world get their places after the system has run, by their ids.
     pub fn spawn(&mut self, components: impl DynamicBundle) -> Entity {
-        let next = next_order(self.world);
         let entity = self.world.spawn(components);
-        // The entity was spawned just now.
-        let _ = self.world.insert_one(entity, next);
+        self.spawned.push(entity);
         self.changes.anything();
         entity
     }
-}
-
-/// The place after all that are taken.
-pub(super) fn next_order(world: &World) -> Order {
-    Order(world.query::<&Order>().iter().map(|order| order.0 + 1).max().unwrap_or(0))
 }

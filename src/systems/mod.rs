@@ -15,6 +15,7 @@
 mod animate;
 mod changes;
 mod context;
+mod order;
 mod own;
 mod prepare;
 mod propagate;

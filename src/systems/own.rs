@@ -2,6 +2,7 @@
 
 use hecs::World;
 
+use super::order::order_newcomers;
 use super::{Changes, Context, Registry, Snapshot, UnknownComponent, animate};
 use crate::time::Time;
 
@@ -96,6 +97,7 @@ impl OwnSystems {
             return Ok(());
         }
         if self.start.is_none() {
+            order_newcomers(world, &[]);
             let start = Snapshot::take(world, &self.registry)?;
             // From here on ids are given out as they will be after every return to the start.
             start.restore(world);
@@ -139,18 +141,19 @@ impl OwnSystems {
         self.since_state = Changes::default();
     }
 
-    /// Runs all steps that end by `time`, in the order of their starts.
+    /// Runs all steps that end by `time`, in the order of their ends; of several with the same end, those of the system
+    /// that was added first. So the steps until an earlier time are the first of the steps until a later one.
     fn run_steps(&mut self, world: &mut World, time: Time, changes: &mut Changes) {
         loop {
             let due = self.stepped.iter().enumerate().filter_map(|(index, stepped)| {
-                let start = stepped.step.0.times(stepped.done)?;
-                (stepped.done < time.whole_steps(stepped.step.0)).then_some((start, index))
+                let end = stepped.step.0.times(stepped.done + 1)?;
+                (end <= time).then_some((end, index))
             });
-            let Some((start, index)) = due.min() else { return };
+            let Some((_, index)) = due.min() else { return };
             let stepped = &mut self.stepped[index];
+            let Some(start) = stepped.step.0.times(stepped.done) else { return };
             animate(world, start, changes);
-            let step = Some(stepped.step.0.seconds());
-            changes.watch(|changes| (stepped.system)(&mut Context { world, time: start, changes, step }));
+            run(&stepped.system, world, start, Some(stepped.step.0.seconds()), changes);
             stepped.done += 1;
             self.state = None;
         }
@@ -160,10 +163,23 @@ impl OwnSystems {
         let mut written = Changes::default();
         animate(world, time, &mut written);
         for system in &self.pure {
-            written.watch(|changes| system(&mut Context { world, time, changes, step: None }));
+            run(system, world, time, None, &mut written);
         }
         changes.merge(&written);
         self.since_state.merge(&written);
+    }
+}
+
+/// Runs one system, believes what it declares, and gives newcomers their places.
+fn run(system: &System, world: &mut World, time: Time, step: Option<f64>, changes: &mut Changes) {
+    let mut spawned = Vec::new();
+    changes.watch(|changes| {
+        let mut context = Context { world: &mut *world, time, changes, step, spawned: Vec::new() };
+        system(&mut context);
+        spawned = context.spawned;
+    });
+    if changes.is_everything() {
+        order_newcomers(world, &spawned);
     }
 }
 

@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 use hecs::{Entity, World};
 
 use super::Changes;
-use super::context::next_order;
+use super::order::order_newcomers;
 use crate::color::Rgb;
 use crate::components::{
     Ambient, Background, Camera, FilmSettings, Light, LightKind, Material, Order, Projection, Quality,
@@ -32,7 +32,7 @@ impl Preparation {
     /// Reads the whole world.
     #[must_use]
     pub fn of(world: &mut World) -> Self {
-        order_newcomers(world);
+        order_newcomers(world, &[]);
         let mut drawn: Vec<(Order, Entity, PreparedShape, SurfaceMaterial)> = world
             .query_mut::<(Entity, &Order, &Shape, &WorldTransform, &Material, Option<&Reflective>)>()
             .into_iter()
@@ -146,22 +146,6 @@ impl Preparation {
         self.scene.ambient = sane(first::<Ambient>(world).0);
         self.scene.background = sane(first::<Background>(world).0);
         self.scene.depth = first::<Quality>(world).depth.clamp(1, Quality::LARGEST_DEPTH);
-    }
-}
-
-/// Gives places in document order to entities that were spawned without, in the order of their ids.
-fn order_newcomers(world: &mut World) {
-    let mut newcomers: Vec<Entity> = world
-        .query_mut::<hecs::Without<(Entity, hecs::Or<&Shape, &Light>), &Order>>()
-        .into_iter()
-        .map(|(entity, _)| entity)
-        .collect();
-    newcomers.sort_unstable_by_key(|entity| entity.id());
-    let Order(mut next) = next_order(world);
-    for entity in newcomers {
-        // The entity exists: it was found just now.
-        let _ = world.insert_one(entity, Order(next));
-        next += 1;
     }
 }
 

@@ -1,0 +1,259 @@
+//! The `rayreel` command as a person or a script meets it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+const FIRST_LIGHT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/first_light.ron");
+
+/// Runs `rayreel` in a folder of its own.
+fn rayreel(folder: &TempDir, arguments: &[&str]) -> Output {
+    Command::cargo_bin("rayreel").unwrap().current_dir(folder.path()).args(arguments).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
+    let mut names: Vec<String> =
+        entries.map(|entry| text(entry.unwrap().file_name().as_encoded_bytes())).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_frame_alone_has_the_bytes_it_has_in_the_sequence_on_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let sequence = rayreel(&folder, &["render", FIRST_LIGHT, "--frames", "36-44", "--size", "320x180"]);
+    assert!(sequence.status.success(), "{}", text(&sequence.stderr));
+    let whole = fs::read(folder.path().join("out/first_light/first_light.0040.png")).unwrap();
+    for threads in ["1", "2", "8"] {
+        let arguments = [
+            "render",
+            FIRST_LIGHT,
+            "--frames",
+            "40",
+            "--size",
+            "320x180",
+            "--threads",
+            threads,
+            "--out",
+            threads,
+        ];
+        assert!(rayreel(&folder, &arguments).status.success());
+        assert_eq!(files(&folder.path().join(threads)), ["first_light.0040.png"]);
+        let alone = fs::read(folder.path().join(threads).join("first_light.0040.png")).unwrap();
+        assert!(alone == whole, "{threads} threads");
+    }
+}
+
+#[test]
+fn frames_moments_sizes_and_formats_can_be_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| {
+        let output = rayreel(
+            &folder,
+            &[&["render", FIRST_LIGHT, "--size", "32x18", "--out", "o"], arguments].concat(),
+        );
+        assert!(output.status.success(), "{}", text(&output.stderr));
+    };
+    run(&["--frames", "0-10x5,3"]);
+    run(&["--at", "1.5s", "--format", "ppm"]);
+    run(&["--frames", "36", "--format", "ppm"]);
+    let names =
+        ["first_light.0000.png", "first_light.0003.png", "first_light.0005.png", "first_light.0010.png"];
+    let moments = ["first_light.0036.ppm", "first_light.at-1.5s.ppm"];
+    assert_eq!(files(&folder.path().join("o")), [names.as_slice(), moments.as_slice()].concat());
+    // 1.5 s is frame 36 of 24 a second.
+    let [frame, moment] = moments.map(|name| fs::read(folder.path().join("o").join(name)).unwrap());
+    assert_eq!(frame, moment);
+    assert_eq!(image::load_from_memory(&frame).unwrap().to_rgb8().dimensions(), (32, 18));
+}
+
+#[test]
+fn the_report_says_what_every_frame_cost() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = rayreel(
+        &folder,
+        &["render", FIRST_LIGHT, "--frames", "5,6", "--size", "64x36", "--threads", "2", "--json"],
+    );
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["threads"], 2);
+    assert_eq!((&report["width"], &report["height"]), (&64.into(), &36.into()));
+    assert_eq!(report["interrupted"], false);
+    let frames = report["frames"].as_array().unwrap();
+    assert_eq!(frames.len(), 2);
+    for (frame, index) in frames.iter().zip([5, 6]) {
+        assert_eq!(frame["frame"], index);
+        assert_eq!(frame["rays"]["camera"], 64 * 36);
+        assert!(
+            frame["rays"]["shadow"].as_u64().unwrap() > 0
+                && frame["rays"]["reflection"].as_u64().unwrap() > 0
+        );
+        for phase in ["animate", "prepare", "trace", "write"] {
+            assert!(frame["seconds"][phase].as_f64().unwrap() > 0.0, "{phase}");
+        }
+    }
+    if cfg!(target_os = "linux") {
+        assert!(report["peak_memory_bytes"].as_u64().unwrap() > 1_000_000);
+    }
+}
+
+#[test]
+fn wrong_wishes_are_answered_with_what_would_be_right() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, code, told) in [
+        (
+            vec!["render", FIRST_LIGHT, "--frames", "90-100"],
+            1,
+            "there is no frame 100: the timeline of 4 s at 24 frames a second has frames 0 to 95",
+        ),
+        (vec!["render", FIRST_LIGHT, "--frames", "9-3"], 2, "`9-3` runs backwards"),
+        (vec!["render", FIRST_LIGHT, "--at", "soon"], 2, "`soon` is not a time"),
+        (vec!["render", FIRST_LIGHT, "--size", "640"], 2, "write width and height in pixels, as in 1280x720"),
+        (vec!["render", FIRST_LIGHT, "--size", "0x10"], 1, "each side must be from 1 to 32768 pixels"),
+        (vec!["render", FIRST_LIGHT, "--threads", "0"], 2, "1..=1024"),
+        (vec!["render", FIRST_LIGHT, "--at", "1", "--frames", "1"], 2, "cannot be used with"),
+        (vec!["render", "nothing.ron"], 1, "there is no file `nothing.ron`"),
+        (vec!["rendre"], 2, "tip: some similar subcommands exist"),
+    ] {
+        let output = rayreel(&folder, &arguments);
+        let error =
+            text(&output.stderr).replace("a similar subcommand exists", "some similar subcommands exist");
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}");
+        assert!(error.contains(told), "{arguments:?}: {error}");
+        assert!(output.stdout.is_empty());
+    }
+    assert_eq!(files(&folder.path().join("out")), Vec::<String>::new());
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("taken"), "").unwrap();
+    let output =
+        rayreel(&folder, &["render", FIRST_LIGHT, "--frames", "0", "--size", "8x8", "--out", "taken/here"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("cannot make the folder `taken/here`"));
+}
+
+#[test]
+fn a_frame_that_cannot_be_written_is_told_and_others_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir_all(folder.path().join("o/first_light.0001.png")).unwrap();
+    let output = rayreel(&folder, &["render", FIRST_LIGHT, "--frames", "0-1", "--size", "8x8", "--out", "o"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        text(&output.stderr).contains("cannot write `o/first_light.0001.png`"),
+        "{}",
+        text(&output.stderr)
+    );
+    assert_eq!(files(&folder.path().join("o")), ["first_light.0000.png", "first_light.0001.png"]);
+}
+
+#[test]
+fn check_tells_people_and_machines() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(
+        folder.path().join("bad.ron"),
+        "Scene(\n    camera: (position: (0, 0, 0), view: (0, 0, 0)),\n)\n",
+    )
+    .unwrap();
+    let output = rayreel(&folder, &["check", FIRST_LIGHT, "bad.ron"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(text(&output.stdout), format!("{FIRST_LIGHT}: ok, 96 frames\n"));
+    let error = text(&output.stderr);
+    assert!(error.contains("--> bad.ron:2:41") && error.contains("bad.ron: 1 mistake"), "{error}");
+    assert!(!error.contains('\u{1b}'), "no colours off a terminal");
+
+    let output = rayreel(&folder, &["check", "bad.ron", "--json"]);
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report[0]["ok"], false);
+    let mistake = &report[0]["mistakes"][0];
+    assert_eq!((&mistake["line"], &mistake["column"]), (&2.into(), &41.into()));
+    assert_eq!(mistake["message"], "view has no direction");
+}
+
+#[test]
+fn new_writes_a_scene_that_renders_and_never_overwrites() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(rayreel(&folder, &["new", "mine.ron"]).status.success());
+    let output = rayreel(&folder, &["render", "mine.ron", "--size", "32x18"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert_eq!(files(&folder.path().join("out/mine")).len(), 48);
+
+    fs::write(folder.path().join("mine.ron"), "precious").unwrap();
+    let output = rayreel(&folder, &["new", "mine.ron"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("exists already, and is left as it is"));
+    assert_eq!(fs::read_to_string(folder.path().join("mine.ron")).unwrap(), "precious");
+}
+
+#[test]
+fn help_shows_examples_and_completions_are_scripts() {
+    let folder = tempfile::tempdir().unwrap();
+    for command in ["render", "check", "new", "completions"] {
+        let output = rayreel(&folder, &[command, "--help"]);
+        assert!(output.status.success() && text(&output.stdout).contains("Example"), "{command}");
+    }
+    assert!(text(&rayreel(&folder, &["completions", "bash"]).stdout).contains("_rayreel"));
+}
+
+/// Starts a long rendering, and gives it time for a few frames.
+#[cfg(unix)]
+fn start_long_rendering(folder: &TempDir) -> (std::process::Child, PathBuf) {
+    let child = std::process::Command::new(assert_cmd::cargo::cargo_bin("rayreel"))
+        .current_dir(folder.path())
+        .args(["render", FIRST_LIGHT, "--size", "960x540", "--json"])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let out = folder.path().join("out/first_light");
+    let whole = || files(&out).iter().filter(|name| name.starts_with("first_light")).count();
+    while whole() < 2 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    (child, out)
+}
+
+#[cfg(unix)]
+fn signal(child: &std::process::Child, name: &str) {
+    let status = std::process::Command::new("kill").args([name, &child.id().to_string()]).status().unwrap();
+    assert!(status.success());
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interruption_leaves_whole_files_and_exits_with_130() {
+    let folder = tempfile::tempdir().unwrap();
+    let (child, out) = start_long_rendering(&folder);
+    signal(&child, "-INT");
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["interrupted"], true);
+    let names = files(&out);
+    assert_eq!(names.len(), report["frames"].as_array().unwrap().len());
+    assert!(names.len() < 96);
+    for name in names {
+        image::open(out.join(&name)).unwrap_or_else(|error| panic!("{name}: {error}"));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn even_a_kill_leaves_no_torn_frame_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut child, out) = start_long_rendering(&folder);
+    signal(&child, "-KILL");
+    child.wait().unwrap();
+    for name in files(&out).iter().filter(|name| name.starts_with("first_light")) {
+        image::open(out.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
+    }
+}

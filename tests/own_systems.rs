@@ -1,0 +1,205 @@
+//! Systems that a program adds: pure ones leave nothing behind, stepped ones are the same from wherever one comes.
+
+use glam::{DQuat, DVec3};
+
+use rayreel::components::{
+    Animated, Camera, Channel, FilmSettings, Light, LightKind, Material, Name, Order, Parent, Shape,
+    Transform,
+};
+use rayreel::timeline::{Easing, Key, Track};
+use rayreel::{Context, Engine, Entity, Film, Rgb, Step, Time, World};
+
+const CLAY: Material = Material { k_a: 0.3, k_d: 0.7, color: Rgb::new(1.0, 0.5, 0.2), ambient_color: None };
+
+fn ball(place: DVec3) -> (Shape, Material, Transform) {
+    (Shape::Sphere { radius: 1.0 }, CLAY, Transform::from_translation(place))
+}
+
+fn stage() -> World {
+    let mut world = World::new();
+    world.spawn((
+        Light { kind: LightKind::Point, intensity: Rgb::ONE },
+        Transform::from_translation(DVec3::splat(9.0)),
+    ));
+    world.spawn((Camera { position: DVec3::new(0.0, 1.0, -12.0), ..Camera::default() },));
+    world.spawn((FilmSettings { width: 32, height: 18, ..FilmSettings::default() },));
+    world
+}
+
+fn at(seconds: u64) -> Time {
+    Time::from_ratio(seconds, 10).unwrap()
+}
+
+/// The films at some tenths of seconds, on one engine.
+fn films(engine: &mut Engine, tenths: &[u64]) -> Vec<Film> {
+    tenths.iter().map(|tenth| engine.render_at(at(*tenth)).unwrap()).collect()
+}
+
+/// Renders forwards, backwards and each moment on a fresh engine, and expects the same.
+fn assert_frames_are_pure(make: impl Fn() -> Engine) {
+    let moments = [0, 1, 2, 5, 9, 10, 17];
+    let forwards = films(&mut make(), &moments);
+    let mut backwards = films(&mut make(), &moments.iter().rev().copied().collect::<Vec<_>>());
+    backwards.reverse();
+    let alone: Vec<Film> = moments.iter().map(|moment| make().render_at(at(*moment)).unwrap()).collect();
+    // Films are too long to print.
+    assert!(forwards == backwards, "backwards");
+    assert!(forwards == alone, "alone");
+    assert!(forwards.windows(2).any(|pair| pair[0] != pair[1]), "nothing moves: the test shows nothing");
+}
+
+#[test]
+fn a_pure_system_that_adds_does_not_add_up() {
+    assert_frames_are_pure(|| {
+        let mut world = stage();
+        let ball = world.spawn(ball(DVec3::ZERO));
+        let mut engine = Engine::new(world);
+        engine.add_system(move |context| {
+            let seconds = context.time.seconds();
+            context.world.get::<&mut Transform>(ball).unwrap().translation.x += seconds;
+            context.changes.transform(ball);
+        });
+        engine
+    });
+}
+
+#[test]
+fn an_undeclared_write_is_seen_and_undone() {
+    assert_frames_are_pure(|| {
+        let mut world = stage();
+        let ball = world.spawn(ball(DVec3::ZERO));
+        let mut engine = Engine::new(world);
+        engine.add_system(move |context| {
+            let seconds = context.time.seconds();
+            context.world.get::<&mut Material>(ball).unwrap().color.x -= 0.1 * seconds as f32;
+            if seconds > 0.6 {
+                context.world.insert_one(ball, Shape::Box { size: DVec3::ONE }).unwrap();
+            }
+            if seconds > 1.2 {
+                context.world.despawn(ball).unwrap();
+            }
+        });
+        engine
+    });
+}
+
+#[derive(Clone)]
+struct Velocity(DVec3);
+
+fn gravity(context: &mut Context<'_>) {
+    let dt = context.step_seconds();
+    for (transform, velocity) in context.world.query_mut::<(&mut Transform, &mut Velocity)>() {
+        velocity.0.y -= 9.81 * dt;
+        transform.translation += velocity.0 * dt;
+    }
+}
+
+#[test]
+fn stepped_systems_replay_with_spawning_and_despawning() {
+    assert_frames_are_pure(|| {
+        let mut world = stage();
+        world.spawn(ball(DVec3::new(-2.0, 3.0, 0.0))).id();
+        let mut engine = Engine::new(world);
+        engine.register::<Velocity>();
+        engine.add_stepped_system(Step::per_second(50), gravity);
+        // A fountain: a ball every 3/10 s, and none lives for long.
+        engine.add_stepped_system(Step::of_seconds(3, 10).unwrap(), |context| {
+            let x = context.time.seconds();
+            let (shape, material, transform) = ball(DVec3::new(x, 2.0, 0.0));
+            context.spawn((shape, material, transform, Velocity(DVec3::new(0.0, 2.0, 0.0))));
+            let fallen: Vec<Entity> = context
+                .world
+                .query_mut::<(Entity, &Transform, &Velocity)>()
+                .into_iter()
+                .filter(|(_, transform, _)| transform.translation.y < 1.0)
+                .map(|(entity, ..)| entity)
+                .collect();
+            for entity in fallen {
+                context.world.despawn(entity).unwrap();
+            }
+        });
+        // On top, a pure system and a track.
+        engine.add_system(|context| {
+            let tilt = DQuat::from_rotation_z(context.time.seconds());
+            for transform in context.world.query_mut::<&mut Transform>() {
+                transform.rotation = tilt * transform.rotation;
+                transform.translation.x += 0.01;
+            }
+        });
+        engine
+    });
+}
+
+#[test]
+fn steps_see_tracks_at_their_own_time() {
+    let mut world = stage();
+    let key = |time, x| Key { time, value: DVec3::new(x, 0.0, 0.0), easing: Easing::Linear };
+    let track = Track::new(vec![key(0.0, 0.0), key(10.0, 10.0)]).unwrap();
+    let (shape, material, transform) = ball(DVec3::ZERO);
+    let leader =
+        world.spawn((shape, material, transform, Animated(vec![Channel::Translation(track.into())])));
+    let follower = world.spawn(ball(DVec3::new(0.0, 3.0, 0.0)));
+    let mut engine = Engine::new(world);
+    engine.add_stepped_system(Step::per_second(10), move |context| {
+        let x = context.world.get::<&Transform>(leader).unwrap().translation.x;
+        let mut own = context.world.get::<&mut Transform>(follower).unwrap();
+        own.translation.x += x;
+    });
+    engine.seek(at(5)).unwrap();
+    let x = engine.world().get::<&Transform>(follower).unwrap().translation.x;
+    assert!((x - (0.0 + 0.1 + 0.2 + 0.3 + 0.4)).abs() < 1e-12, "{x}");
+    engine.seek(at(20)).unwrap();
+    engine.seek(at(5)).unwrap();
+    assert_eq!(engine.world().get::<&Transform>(follower).unwrap().translation.x, x);
+}
+
+#[test]
+fn a_component_that_cannot_be_copied_is_told() {
+    let mut world = stage();
+    world.spawn((Velocity(DVec3::ZERO),));
+    let mut engine = Engine::new(world);
+    engine.render_frame(0).unwrap();
+    engine.add_system(|_| {});
+    let error = engine.render_frame(0).unwrap_err().to_string();
+    assert!(error.contains("engine.register::<T>()"), "{error}");
+    engine.register::<Velocity>();
+    engine.render_frame(0).unwrap();
+}
+
+#[test]
+fn the_world_can_be_edited_between_frames() {
+    let mut world = stage();
+    let ball = world.spawn(ball(DVec3::ZERO));
+    let mut engine = Engine::new(world);
+    let before = engine.render_frame(0).unwrap();
+    engine.world_mut().get::<&mut Transform>(ball).unwrap().translation.y = 3.0;
+    let after = engine.render_frame(0).unwrap();
+    assert!(before != after);
+    engine.world_mut().get::<&mut Transform>(ball).unwrap().translation.y = 0.0;
+    assert!(engine.render_frame(0).unwrap() == before);
+    engine.world_mut().despawn(ball).unwrap();
+    assert!(engine.render_frame(0).unwrap() != before);
+}
+
+#[test]
+fn children_follow_their_parents_and_only_what_moves_is_read_again() {
+    let mut world = stage();
+    let key = |time, x| Key { time, value: DVec3::new(x, 0.0, 0.0), easing: Easing::Linear };
+    let track = Track::new(vec![key(0.0, 0.0), key(1.0, 1.0)]).unwrap();
+    let parent = world.spawn((Transform::IDENTITY, Animated(vec![Channel::Translation(track.into())])));
+    let arm = world.spawn((Transform::from_translation(DVec3::Y), Parent(parent)));
+    let (shape, material, transform) = ball(DVec3::new(0.0, 1.0, 0.0));
+    let hand = world.spawn((shape, material, transform, Parent(arm), Name("hand".to_owned()), Order(7)));
+    let mut engine = Engine::new(world);
+    for tenth in [0, 4, 10] {
+        engine.seek(at(tenth)).unwrap();
+        let hit = engine
+            .cast(rayreel::Ray {
+                origin: DVec3::new(tenth as f64 / 10.0, 2.0, -8.0),
+                direction: DVec3::new(0.0, 0.0, 1e-30),
+            })
+            .unwrap();
+        assert_eq!((hit.entity, hit.normal), (hand, DVec3::NEG_Z));
+        assert!((hit.distance - 7.0).abs() < 1e-12);
+    }
+}
