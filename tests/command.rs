@@ -1,5 +1,7 @@
 //! The `rayreel` command as a person or a script meets it.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;

@@ -1,6 +1,8 @@
 //! The fast path against the reference path, on random scenes: the same pictures, bit for bit, and never a number that is
 //! not finite.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
+
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 

@@ -4,6 +4,8 @@
 //! On a mismatch the actual, the expected and a difference picture are written to `target/golden_mismatches/`.
 //! `RAYREEL_BLESS=1 cargo test --test goldens` writes the goldens anew; look at them before you keep them.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 

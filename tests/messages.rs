@@ -2,6 +2,8 @@
 //!
 //! `RAYREEL_BLESS=1 cargo test --test messages` writes the messages anew; look at what changed before you keep it.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 

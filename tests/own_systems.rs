@@ -1,5 +1,7 @@
 //! Systems that a program adds: pure ones leave nothing behind, stepped ones are the same from wherever one comes.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
+
 use glam::{DQuat, DVec3};
 
 use rayreel::components::{
@@ -71,7 +73,7 @@ fn an_undeclared_write_is_seen_and_undone() {
         let mut engine = Engine::new(world);
         engine.add_system(move |context| {
             let seconds = context.time.seconds();
-            context.world.get::<&mut Material>(ball).unwrap().color.x -= 0.1 * seconds as f32;
+            context.world.get::<&mut Material>(ball).unwrap().color *= if seconds < 0.5 { 0.9 } else { 0.5 };
             if seconds > 0.6 {
                 context.world.insert_one(ball, Shape::Box { size: DVec3::ONE }).unwrap();
             }

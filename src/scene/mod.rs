@@ -7,10 +7,10 @@
 //! ```
 //!
 //! Mistakes of form (a missing bracket, an unknown field) stop the reading at the first one. Mistakes of meaning (an unknown
-//! material, a radius of 0) are all found at once, each with its place in the text: [`spans`] looks the places up
+//! material, a radius of 0) are all found at once, each with its place in the text: `spans` looks the places up
 //! afterwards, so that a scene without mistakes pays nothing for it.
 //!
-//! The types in [`document`] mirror the file format and are used for nothing else; components do not know of it.
+//! The types in `document` mirror the file format and are used for nothing else; components do not know of it.
 
 mod diagnostic;
 mod document;

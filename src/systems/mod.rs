@@ -4,9 +4,9 @@
 //! animate -> own systems -> propagate -> prepare   (-> trace)
 //! ```
 //!
-//! - [`animate`] writes what tracks say about this moment.
+//! - [`animate()`] writes what tracks say about this moment.
 //! - [`OwnSystems`] runs what the program that uses the library has added, pure or stepped.
-//! - [`propagate`] turns transforms into world transforms, parents first.
+//! - [`propagate()`] turns transforms into world transforms, parents first.
 //! - [`Preparation`] is the only bridge from the world to the kernel: it carries shapes, materials, lights and the camera
 //!   over into arrays, in document order, and only what has changed.
 //!

@@ -11,7 +11,7 @@
 //! stage starts, and what a wave's surfaces reflect is the next wave's rays. Nothing recurses, and no ray allocates.
 //!
 //! Two paths answer what a ray meets: [`PreparedScene`]'s tree of bounding boxes, and the linear scan in
-//! [`reference`]. Both ask the same shapes the same questions, so that both make the same picture, bit for bit.
+//! [`mod@reference`]. Both ask the same shapes the same questions, so that both make the same picture, bit for bit.
 //!
 //! # Numbers
 //!
