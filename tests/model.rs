@@ -1,0 +1,222 @@
+//! The model, on scenes small enough to be worked out by hand.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
+use glam::DVec3;
+
+use rayreel::components::Name;
+use rayreel::{Engine, Ray, Scene};
+
+fn engine(body: &str) -> Engine {
+    let text = format!("Scene({body})");
+    Engine::from_scene(Scene::from_text("test.ron", text).unwrap_or_else(|error| panic!("{error}")))
+}
+
+/// The bytes of the only pixel, which looks from the camera straight ahead.
+fn pixel(body: &str) -> [u8; 3] {
+    let mut engine = engine(&format!("film: (width: 1, height: 1), {body}"));
+    let film = engine.render_frame(0).unwrap();
+    engine.film_settings().transfer.encode(film.pixel(0, 0))
+}
+
+/// A camera at (0, 0, -5) that looks along z, and one shape at the origin.
+fn look_at(shape: &str, material: &str, more: &str) -> [u8; 3] {
+    pixel(&format!(
+        r#"camera: (position: (0, 0, -5), view: (0, 0, 1)),
+        materials: {{ "m": {material} }},
+        entities: [(shape: {shape}, material: "m"), {more}"#
+    ))
+}
+
+fn name(engine: &Engine, hit: &rayreel::Hit) -> String {
+    engine.world().get::<&Name>(hit.entity).unwrap().0.clone()
+}
+
+#[test]
+fn ambient_light_is_k_a_times_colour_times_intensity() {
+    let ball = "Sphere(radius: 1)";
+    let lit = |material: &str| look_at(ball, material, "], ambient: (0.5, 1, 0)");
+    assert_eq!(lit("(k_a: 0.5, color: (200, 100, 50))"), [50, 50, 0]);
+    assert_eq!(lit("(k_a: 1, color: (200, 100, 50), ambient_color: (20, 30, 40))"), [10, 30, 0]);
+    assert_eq!(lit("(k_d: 1)"), [0, 0, 0]);
+    // Never more than 255.
+    assert_eq!(look_at(ball, "(k_a: 1)", "], ambient: (9, 9, 9)"), [255; 3]);
+}
+
+#[test]
+fn the_files_own_bytes_come_back_in_both_transfers() {
+    for transfer in ["Classic", "Srgb"] {
+        let film = format!("film: (width: 1, height: 1, transfer: {transfer})");
+        let mut engine = engine(&format!(
+            r##"{film}, camera: (position: (0, 0, -5), view: (0, 0, 1)), ambient: (1, 1, 1),
+            materials: {{ "m": (k_a: 1, color: "#0d80f3") }}, entities: [(shape: Sphere(radius: 1), material: "m")]"##
+        ));
+        let film = engine.render_frame(0).unwrap();
+        assert_eq!(
+            engine.film_settings().transfer.encode(film.pixel(0, 0)),
+            [0x0d, 0x80, 0xf3],
+            "{transfer}"
+        );
+    }
+}
+
+#[test]
+fn diffuse_light_is_k_d_times_colour_times_intensity_times_cosine() {
+    let matte = "(k_d: 0.8, color: (200, 100, 50))";
+    // The normal at (0, 0, -1) is -z.
+    let lit = |light: &str| look_at("Sphere(radius: 1)", matte, &format!("{light}]"));
+    assert_eq!(
+        lit("(light: Point(intensity: (1, 1, 1)), transform: (translation: (0, 0, -9)))"),
+        [160, 80, 40]
+    );
+    // 60 degrees off: cos = 1/2, at any distance.
+    for distance in [2.0_f64, 2000.0] {
+        let (y, z) = (distance * 60.0_f64.to_radians().sin(), -1.0 - distance * 0.5);
+        let light =
+            format!("(light: Point(intensity: (1, 0.5, 0)), transform: (translation: (0, {y:?}, {z:?})))");
+        assert_eq!(lit(&light), [80, 20, 0], "{distance}");
+    }
+    // Two lights add up; a light behind the surface gives nothing; a direction is the way the light travels.
+    let front = "(light: Directional(intensity: (0.5, 0.5, 0.5)))";
+    let behind = "(light: Directional(intensity: (1, 1, 1), direction: (0, 0, -1)))";
+    assert_eq!(lit(&format!("{front}, {front}, {behind}")), [160, 80, 40]);
+    // +90 degrees about y takes z to x: from the side, nothing; a half turn, nothing; a full turn is none.
+    for (degrees, expected) in [(90, [0; 3]), (180, [0; 3]), (360, [80, 40, 20])] {
+        let turned = format!(
+            "(light: Directional(intensity: (0.5, 0.5, 0.5)), transform: (rotation: Euler(0, {degrees}, 0)))"
+        );
+        assert_eq!(lit(&turned), expected, "{degrees}");
+    }
+}
+
+#[test]
+fn what_stands_before_a_light_hides_it() {
+    let matte = "(k_d: 1, color: (100, 100, 100))";
+    let light = "(light: Point(intensity: (1, 1, 1)), transform: (translation: (0, 8, -9)))";
+    let wall = |y: f64, z: f64| {
+        format!(
+            r#"{light}, (shape: Box(size: (9, 0.1, 0.1)), material: "m", transform: (translation: (0, {y}, {z})))]"#
+        )
+    };
+    let cosine = 71; // 100 cos 45 degrees, rounded
+    assert_eq!(look_at("Sphere(radius: 1)", matte, &wall(4.0, -5.0)), [0; 3], "half-way");
+    assert_eq!(look_at("Sphere(radius: 1)", matte, &wall(9.0, -10.0)), [cosine; 3], "behind the light");
+    assert_eq!(look_at("Sphere(radius: 1)", matte, &wall(4.0, -2.0)), [cosine; 3], "beside");
+}
+
+#[test]
+fn a_lamps_own_shape_does_not_stand_in_its_light() {
+    let matte = "(k_d: 1, color: (100, 100, 100))";
+    let lamp = r#"(shape: Sphere(radius: 0.5), material: "m", light: Point(intensity: (1, 1, 1)),
+        transform: (translation: (0, 8, -9)))]"#;
+    assert_eq!(look_at("Sphere(radius: 1)", matte, lamp), [71; 3]);
+}
+
+#[test]
+fn planes_have_two_sides_and_shells_are_seen_from_inside() {
+    let matte = "(k_d: 1, color: (100, 100, 100))";
+    let light = "(light: Point(intensity: (1, 1, 1)), transform: (translation: (0, 0, -4)))]";
+    for normal in ["(0, 0, 1)", "(0, 0, -1)"] {
+        assert_eq!(look_at(&format!("Plane(normal: {normal})"), matte, light), [100; 3]);
+    }
+    // Camera and light are both inside.
+    assert_eq!(look_at("Sphere(radius: 20)", matte, light), [100; 3]);
+    assert_eq!(look_at("Box(size: (20, 20, 20))", matte, light), [100; 3]);
+    // A light outside is hidden by the shell itself.
+    let outside = "(light: Point(intensity: (1, 1, 1)), transform: (translation: (0, 0, -30)))]";
+    assert_eq!(look_at("Sphere(radius: 20)", matte, outside), [0; 3]);
+    assert_eq!(look_at("Box(size: (20, 20, 20))", matte, outside), [0; 3]);
+}
+
+#[test]
+fn mirrors_show_k_r_of_what_they_see_until_the_depth_limit() {
+    let facing = |depth: u32| {
+        pixel(&format!(
+            r#"camera: (position: (0, 0, 0), view: (0, 0, 1)), quality: (depth: {depth}), background: (200, 0, 0),
+            ambient: (1, 1, 1), materials: {{ "m": (k_a: 1, color: (0, 64, 0), reflective: (k_r: 0.5)) }},
+            entities: [
+                (shape: Plane(normal: (0, 0, 1)), material: "m", transform: (translation: (0, 0, 5))),
+                (shape: Plane(normal: (0, 0, 1)), material: "m", transform: (translation: (0, 0, -5))),
+            ]"#
+        ))
+    };
+    assert_eq!(facing(1), [100, 64, 0]); // one surface, then the background untraced
+    assert_eq!(facing(2), [50, 96, 0]);
+    assert_eq!(facing(3), [25, 112, 0]);
+    assert_eq!(look_at("Sphere(radius: 1)", "(reflective: (k_r: 1))", "], background: (7, 8, 9)"), [7, 8, 9]);
+}
+
+#[test]
+fn of_coincident_surfaces_the_first_in_the_file_is_seen() {
+    let pair = |first: &str, second: &str| {
+        pixel(&format!(
+            r#"camera: (position: (0, 0, -5), view: (0, 0, 1)), ambient: (1, 1, 1),
+            materials: {{ "red": (k_a: 1, color: (255, 0, 0)), "blue": (k_a: 1, color: (0, 0, 255)) }},
+            entities: [(shape: {first}, material: "red"), (shape: {second}, material: "blue")]"#
+        ))
+    };
+    let shapes = ["Sphere(radius: 1)", "Box(size: (2, 2, 2))"];
+    for first in shapes {
+        for second in shapes {
+            assert_eq!(pair(first, second), [255, 0, 0], "{first} before {second}");
+        }
+    }
+    assert_eq!(pair("Plane(normal: (0, 0, 1))", "Plane(normal: (0, 0, -1))"), [255, 0, 0]);
+}
+
+#[test]
+fn parents_turn_scale_and_move_their_children() {
+    let mut engine = engine(
+        r#"camera: (position: (0, 0, -5), view: (0, 0, 1)), materials: { "m": (k_a: 1) }, entities: [
+            (name: "hand", parent: "arm", shape: Sphere(radius: 1), material: "m", transform: (translation: (0, 0, 3))),
+            (name: "arm", parent: "body", transform: (rotation: Euler(0, 90, 0), scale: 0.5)),
+            (name: "body", transform: (translation: (10, 0, 0))),
+            (name: "egg", parent: "body", shape: Sphere(radius: 1), material: "m",
+             transform: (translation: (0, 5, 0), scale: (1, 3, 1))),
+        ]"#,
+    );
+    engine.seek(rayreel::Time::ZERO).unwrap();
+    // z is taken to x, half as far: the hand is at (11.5, 0, 0) with a radius of 0.5.
+    let hit = engine.cast(Ray { origin: DVec3::new(20.0, 0.0, 0.0), direction: DVec3::NEG_X }).unwrap();
+    assert_eq!(name(&engine, &hit), "hand");
+    assert!((hit.distance - 8.0).abs() < 1e-12 && (hit.normal - DVec3::X).length() < 1e-12, "{hit:?}");
+    let hit = engine.cast(Ray { origin: DVec3::new(10.0, 20.0, 0.0), direction: DVec3::NEG_Y }).unwrap();
+    assert_eq!(name(&engine, &hit), "egg");
+    assert!((hit.distance - 12.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_ray_that_leaves_a_surface_does_not_meet_it_again() {
+    let mut engine = engine(
+        r#"camera: (position: (0, 0, -5), view: (0, 0, 1)), materials: { "m": (k_a: 1) }, entities: [
+            (name: "shell", shape: Sphere(radius: 1e6), material: "m", transform: (translation: (0, 1e6, 0))),
+            (name: "crate", shape: Box(size: (0.1, 0.1, 0.1)), material: "m",
+             transform: (translation: (3, 1000, 7), rotation: Euler(10, 20, 30))),
+        ]"#,
+    );
+    engine.seek(rayreel::Time::ZERO).unwrap();
+    let mut state = 1_u64;
+    let mut random = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    let mut left = 0;
+    for _ in 0..20_000 {
+        let offset = DVec3::new(random(), random(), random());
+        if offset.length() < 0.1 {
+            continue; // perhaps inside the crate
+        }
+        let origin = DVec3::new(3.0, 1000.0, 7.0) + offset;
+        let Some(hit) = engine.cast(Ray { origin, direction: DVec3::new(random(), random(), random()) })
+        else {
+            continue;
+        };
+        // Nearly along the surface: inside the shell, a chord of some two hundred units.
+        let along = hit.normal.cross(DVec3::new(random(), random(), random())) + hit.normal * 1e-4;
+        if let Some(next) = engine.cast(hit.leave_towards(along)) {
+            assert!(next.entity != hit.entity || next.distance > 1.0, "{hit:?} {next:?}");
+            left += 1;
+        }
+    }
+    assert!(left > 10_000);
+}
