@@ -71,7 +71,7 @@ fn diffuse_light_is_k_d_times_colour_times_intensity_times_cosine() {
     );
     // 60 degrees off: cos = 1/2, at any distance.
     for distance in [2.0_f64, 2000.0] {
-        let (y, z) = (distance * 60.0_f64.to_radians().sin(), -1.0 - distance * 0.5);
+        let (y, z) = (distance * 0.75_f64.sqrt(), -1.0 - distance * 0.5);
         let light =
             format!("(light: Point(intensity: (1, 0.5, 0)), transform: (translation: (0, {y:?}, {z:?})))");
         assert_eq!(lit(&light), [80, 20, 0], "{distance}");

@@ -191,6 +191,7 @@ fn byte_of(text: &str, position: Position) -> usize {
 /// The word or sign that a span points at, so that there is always something to mark. ron's spans may take in the white space
 /// around.
 fn token_at(text: &str, span: Range<usize>) -> Range<usize> {
+    let span = span.start..span.end.max(span.start);
     let marked = &text[span.clone()];
     let trimmed = marked.trim();
     if !trimmed.is_empty() && !trimmed.contains('\n') {
@@ -198,5 +199,6 @@ fn token_at(text: &str, span: Range<usize>) -> Range<usize> {
         return start..start + trimmed.len();
     }
     let start = span.end.min(text.trim_end().len());
+    let start = if text.is_char_boundary(start) { start } else { span.start };
     token(text, start)
 }

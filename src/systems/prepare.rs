@@ -156,26 +156,38 @@ fn first<T: hecs::Component + Default + Clone>(world: &mut World) -> T {
     first.map(|(.., component)| component.clone()).unwrap_or_default()
 }
 
-/// A shape in world space. `None` where it has no extent or is not finite.
+/// A shape in world space. `None` where it has no extent or is beyond all measure, so that squares of its coordinates
+/// would not be numbers any more.
 fn prepared_shape(shape: &Shape, transform: &WorldTransform) -> Option<PreparedShape> {
+    /// Magnitudes of world coordinates, and the inverse of sizes.
+    const LARGEST: f64 = 1e150;
     let matrix = transform.affine.matrix3;
     let translation = transform.affine.translation;
-    if !transform.affine.is_finite() || matrix.determinant() == 0.0 {
+    let largest = matrix.to_cols_array().into_iter().fold(0.0, |largest: f64, part| largest.max(part.abs()));
+    // By a power of two near 1, where a determinant is not in danger.
+    let unit = matrix * libm::ldexp(1.0, -libm::ilogb(largest).clamp(-1000, 1000));
+    let measurable = transform.affine.is_finite()
+        && (1.0 / LARGEST..LARGEST).contains(&largest)
+        && translation.abs().max_element() < LARGEST
+        && unit.determinant() != 0.0;
+    if !measurable {
         return None;
     }
-    let positive = |size: f64| size > 0.0 && size.is_finite();
+    let positive = |size: f64| {
+        let reach = size * largest;
+        size > 0.0 && (1.0 / LARGEST..LARGEST).contains(&reach)
+    };
     match *shape {
         Shape::Sphere { radius } => match transform.uniform_scale {
-            Some(scale) => {
-                let radius = radius * scale;
-                positive(radius).then_some(PreparedShape::Sphere(Sphere { center: translation, radius }))
+            Some(scale) if positive(radius) => {
+                Some(PreparedShape::Sphere(Sphere { center: translation, radius: radius * scale }))
             }
-            None => positive(radius)
+            _ => positive(radius)
                 .then(|| PreparedShape::SphereImage(SphereImage::new(transform.affine, radius))),
         },
         Shape::Plane { normal } => {
             // Normals go by the inverse transpose.
-            let normal = (matrix.inverse().transpose() * normal).try_normalize()?;
+            let normal = (unit.inverse().transpose() * normal).try_normalize()?;
             Some(PreparedShape::Plane(Plane { point: translation, normal }))
         }
         Shape::Box { size } => {

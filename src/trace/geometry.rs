@@ -147,7 +147,7 @@ impl Geometry {
         (0..to_index(self.places.len())).map(Slot)
     }
 
-    /// A box around the shape; `None` for planes.
+    /// A box around the shape; `None` for planes and for shapes that no box can be trusted with.
     #[must_use]
     pub fn bounds(&self, slot: Slot) -> Option<Bounds> {
         let Place { kind, index } = self.places[slot.index()];
@@ -156,8 +156,8 @@ impl Geometry {
             Kind::Sphere => Some(self.spheres[index].bounds()),
             Kind::Plane => None,
             Kind::AlignedBox => Some(self.boxes[index].bounds()),
-            Kind::SphereImage => Some(self.sphere_images[index].bounds()),
-            Kind::BoxImage => Some(self.box_images[index].bounds()),
+            Kind::SphereImage => self.sphere_images[index].bounds(),
+            Kind::BoxImage => self.box_images[index].bounds(),
         }
     }
 
@@ -185,7 +185,8 @@ impl Geometry {
 
     #[inline]
     fn unconditional_hit(&self, slot: Slot, origin: DVec3, direction: DVec3) -> Option<f64> {
-        ask!(self, slot, shape => shape.first_hit(origin, direction))
+        // What is infinitely far away is not met.
+        ask!(self, slot, shape => shape.first_hit(origin, direction)).filter(|t| *t < f64::INFINITY)
     }
 
     fn far_hit(&self, slot: Slot, origin: DVec3, direction: DVec3) -> Option<f64> {

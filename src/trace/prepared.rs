@@ -12,7 +12,7 @@ pub struct PreparedScene {
     geometry: Geometry,
     materials: Vec<SurfaceMaterial>,
     tree: Tree,
-    /// Planes, and shapes so much larger than the rest that they would spoil the tree.
+    /// Shapes without bounds, as planes, and shapes so much larger than the rest that they would spoil the tree.
     beside: Vec<Slot>,
     /// In document order.
     pub lights: Vec<Light>,

@@ -53,6 +53,7 @@ impl Ray {
         direction: DVec3,
     ) -> Option<Self> {
         let (direction, _) = scaled(direction)?;
+        surface.point.is_finite().then_some(())?;
         let departure = Departure {
             slot: hit.slot,
             outward,

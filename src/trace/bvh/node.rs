@@ -5,7 +5,7 @@ use super::frame::{FrameBox, FrameRay};
 /// How many children a node has.
 pub(super) const WIDTH: usize = 8;
 
-/// A node's child: another node, or a leaf's range of slots. Unused children keep an inverted box that nothing hits.
+/// A node's child: another node, or a leaf's range of slots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Child(u32);
 
@@ -22,6 +22,8 @@ pub(super) enum Link {
 pub(super) struct Node {
     planes: [[f32; WIDTH]; 6],
     pub(super) children: [Child; WIDTH],
+    /// Which children there are, as a bit mask.
+    used: u32,
 }
 
 impl Child {
@@ -55,7 +57,11 @@ impl Node {
 
     pub(super) fn empty() -> Self {
         let (lower, upper) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
-        Self { planes: [lower, lower, lower, upper, upper, upper], children: [Child::default(); WIDTH] }
+        Self {
+            planes: [lower, lower, lower, upper, upper, upper],
+            children: [Child::default(); WIDTH],
+            used: 0,
+        }
     }
 
     pub(super) fn set(&mut self, index: usize, bounds: &FrameBox, child: Child) {
@@ -64,6 +70,7 @@ impl Node {
             self.planes[axis + 3][index] = bounds.max[axis];
         }
         self.children[index] = child;
+        self.used |= 1 << index;
     }
 
     /// Which children the ray may meet before `limit`, as a bit mask, and where it may enter each.
@@ -91,6 +98,6 @@ impl Node {
         for child in 0..WIDTH {
             mask |= u32::from(entry[child] <= exit[child] * Self::LENGTHEN) << child;
         }
-        (mask, entry)
+        (mask & self.used, entry)
     }
 }

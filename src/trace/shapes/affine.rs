@@ -31,7 +31,14 @@ struct Map {
 
 impl Map {
     fn new(forward: DAffine3) -> Self {
-        Self { forward, inverse: forward.matrix3.inverse() }
+        // By a power of two into the middle of the range first: a determinant is a product of three lengths.
+        let largest = forward
+            .matrix3
+            .to_cols_array()
+            .into_iter()
+            .fold(0.0, |largest: f64, part| largest.max(part.abs()));
+        let scale = libm::ldexp(1.0, -libm::ilogb(largest).clamp(-1000, 1000));
+        Self { forward, inverse: (forward.matrix3 * scale).inverse() * scale }
     }
 
     fn point_back(&self, point: DVec3) -> DVec3 {
@@ -47,14 +54,23 @@ impl Map {
         (self.inverse.transpose() * normal).normalize_or(DVec3::Y)
     }
 
-    /// The box around the image of an origin-centred box, padded for the rounding of the matrix products.
-    fn bounds(&self, half: DVec3) -> Bounds {
-        const PAD: f64 = 1.0 + 1e-14;
+    /// The box around the image of an origin-centred box, padded for the rounding of the matrix products. `None` for a map
+    /// that stretches one direction so much more than another that the way back loses the digits which boxes in `f32`
+    /// have to spare.
+    fn bounds(&self, half: DVec3) -> Option<Bounds> {
+        const PAD: f64 = 1e-14;
+        const WORST_CONDITION: f64 = 1e7;
+        let norm = |matrix: DMat3| matrix.x_axis.length() + matrix.y_axis.length() + matrix.z_axis.length();
         let linear = self.forward.matrix3;
+        if norm(linear) * norm(self.inverse) > WORST_CONDITION {
+            return None;
+        }
         let reach =
             linear.x_axis.abs() * half.x + linear.y_axis.abs() * half.y + linear.z_axis.abs() * half.z;
-        let slack = self.forward.translation.abs() * (PAD - 1.0);
-        Bounds::around(self.forward.translation, reach * PAD + slack)
+        Some(Bounds::around(
+            self.forward.translation,
+            reach * (1.0 + PAD) + self.forward.translation.abs() * PAD,
+        ))
     }
 }
 
@@ -90,9 +106,9 @@ impl SphereImage {
         (self.map.forward.transform_point3(own.0), self.map.normal(own.1))
     }
 
-    /// A box around it.
+    /// A box around it, unless its own numbers are too rough to say where it ends.
     #[must_use]
-    pub fn bounds(&self) -> Bounds {
+    pub fn bounds(&self) -> Option<Bounds> {
         self.map.bounds(DVec3::splat(self.sphere.radius))
     }
 }
@@ -134,9 +150,9 @@ impl BoxImage {
         (self.map.forward.transform_point3(own.0), self.map.normal(own.1))
     }
 
-    /// A box around it.
+    /// A box around it, unless its own numbers are too rough to say where it ends.
     #[must_use]
-    pub fn bounds(&self) -> Bounds {
+    pub fn bounds(&self) -> Option<Bounds> {
         self.map.bounds(self.aligned.max)
     }
 }
