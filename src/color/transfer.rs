@@ -52,10 +52,10 @@ fn rounded(linear: [f64; 3]) -> Rgb {
     Rgb::from_array(linear.map(|channel| channel as f32))
 }
 
-/// floor(255 v + 0.5) after clamping; in f64, where the product of a byte and an f32 is exact.
+/// floor(255 v + 0.5) after clamping, by truncation; in f64, where the product of a byte and an f32 is exact.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..=255 before")]
 fn classic_byte(linear: f32) -> u8 {
-    (255.0 * f64::from(linear.clamp(0.0, 1.0)) + 0.5).floor() as u8
+    (255.0 * f64::from(linear.clamp(0.0, 1.0)) + 0.5) as u8
 }
 
 /// sRGB decoding, 0..=1 to 0..=1.

@@ -1,7 +1,5 @@
 //! The only bridge from the world to the kernel.
 
-use std::collections::HashMap;
-
 use glam::{DMat3, DVec3};
 use hecs::{Entity, World};
 
@@ -25,7 +23,26 @@ pub struct Preparation {
     camera: trace::Camera,
     film: FilmSettings,
     entities: Vec<Entity>,
-    slots: HashMap<Entity, Slot>,
+    slots: SlotTable,
+}
+
+/// Slots by entity. Ids are small and dense, so that a list does.
+#[derive(Clone, Debug, Default)]
+struct SlotTable(Vec<Option<(Entity, Slot)>>);
+
+impl SlotTable {
+    fn insert(&mut self, entity: Entity, slot: Slot) {
+        let index = entity.id() as usize;
+        if self.0.len() <= index {
+            self.0.resize(index + 1, None);
+        }
+        self.0[index] = Some((entity, slot));
+    }
+
+    fn get(&self, entity: Entity) -> Option<Slot> {
+        let (found, slot) = self.0.get(entity.id() as usize).copied().flatten()?;
+        (found == entity).then_some(slot)
+    }
 }
 
 impl Preparation {
@@ -50,7 +67,7 @@ impl Preparation {
         let mut geometry = Geometry::default();
         let mut materials = Vec::with_capacity(drawn.len());
         let mut entities = Vec::with_capacity(drawn.len());
-        let mut slots = HashMap::with_capacity(drawn.len());
+        let mut slots = SlotTable::default();
         for (_, entity, shape, material) in drawn {
             slots.insert(entity, geometry.push(shape));
             entities.push(entity);
@@ -70,11 +87,11 @@ impl Preparation {
             return;
         }
         for entity in changes.materials() {
-            if let Some(slot) = self.slots.get(entity)
+            if let Some(slot) = self.slots.get(*entity)
                 && let Ok((material, reflective)) =
                     world.query_one_mut::<(&Material, Option<&Reflective>)>(*entity)
             {
-                self.scene.set_material(*slot, surface_material(material, reflective));
+                self.scene.set_material(slot, surface_material(material, reflective));
             }
         }
         self.film = first::<FilmSettings>(world);
@@ -115,8 +132,8 @@ impl Preparation {
             else {
                 continue;
             };
-            match (self.slots.get(entity), prepared_shape(shape, transform)) {
-                (Some(slot), Some(shape)) => replacements.push((*slot, shape)),
+            match (self.slots.get(*entity), prepared_shape(shape, transform)) {
+                (Some(slot), Some(shape)) => replacements.push((slot, shape)),
                 (None, None) => {}
                 _ => return false,
             }
@@ -137,7 +154,7 @@ impl Preparation {
             .query_mut::<(Entity, &Order, &Light, &WorldTransform)>()
             .into_iter()
             .filter_map(|(entity, order, light, transform)| {
-                let own_shape = self.slots.get(&entity).copied();
+                let own_shape = self.slots.get(entity);
                 Some((*order, entity, prepared_light(light, transform, own_shape)?))
             })
             .collect();
