@@ -20,7 +20,9 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
             Ok(scene) if arguments.json => results.push(
                 json!({ "scene": file, "ok": true, "mistakes": [], "frames": scene.timeline.frame_count() }),
             ),
-            Ok(scene) => print::result_line(&format!("{file}: ok, {}", frames(scene.timeline.frame_count()))),
+            Ok(scene) => {
+                print::result_line(&format!("{file}: ok, {}", frames(scene.timeline.frame_count())))?
+            }
             Err(error) if arguments.json => results.push(mistakes(&error)),
             Err(error) => {
                 print::error_line(&format!("{}\n", error.render(print::is_colorful())));
@@ -33,7 +35,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
         }
     }
     if arguments.json {
-        print::result_line(&format!("{:#}", Value::Array(results)));
+        print::result_line(&format!("{:#}", Value::Array(results)))?;
     }
     if good { Ok(()) } else { Err(Failure::Reported) }
 }

@@ -22,6 +22,6 @@ pub(super) fn run(arguments: &NewArguments) -> Result<(), Failure> {
         Err(error) => return Err(anyhow!(error).context(format!("cannot write `{path}`")).into()),
     };
     file.write_all(TEMPLATE.as_bytes()).with_context(|| format!("cannot write `{path}`"))?;
-    print::result_line(&format!("wrote {path}; render it with: rayreel render {path}"));
+    print::result_line(&format!("wrote {path}; render it with: rayreel render {path}"))?;
     Ok(())
 }

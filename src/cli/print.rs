@@ -1,10 +1,21 @@
 //! Printing that survives a closed pipe, and knows when colours are welcome.
 
-use std::io::{IsTerminal, Write, stderr, stdout};
+use std::io::{ErrorKind, IsTerminal, Write, stderr, stdout};
 
-/// A line of results. A reader that has gone away is no error of ours.
-pub(super) fn result_line(text: &str) {
-    let _ = writeln!(stdout().lock(), "{text}");
+use anyhow::Context;
+
+/// Writes results. A reader that has gone away is no error of ours; a full disk is.
+pub(super) fn result(text: &str) -> anyhow::Result<()> {
+    let mut out = stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error).context("cannot write the results"),
+        _ => Ok(()),
+    }
+}
+
+/// A line of results, as [`result`].
+pub(super) fn result_line(text: &str) -> anyhow::Result<()> {
+    result(&format!("{text}\n"))
 }
 
 /// A line for the person at the terminal, or the log.

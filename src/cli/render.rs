@@ -4,7 +4,7 @@ use std::fs;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use anyhow::Context;
+use anyhow::{Context, anyhow};
 
 use rayreel::Engine;
 use rayreel::components::FilmSettings;
@@ -37,16 +37,23 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         .context("cannot start the rendering threads")?;
     let mut report = RenderReport::new(arguments, &engine, load, pool.current_num_threads());
     let rendered = pool.install(|| render_all(&mut engine, &settings, &cancelled, &mut report));
-    report.finish(start.elapsed(), cancelled.load(Ordering::Relaxed));
+    // Ctrl-C after the last frame interrupts nothing.
+    let complete = report.shots.len() == settings.count();
+    let interrupted = cancelled.load(Ordering::Relaxed) && !complete;
+    report.finish(start.elapsed(), interrupted);
 
-    if arguments.json {
-        print::result_line(&report.to_json());
-    } else {
+    if !arguments.json {
         print::error_line(&report.summary(directory));
     }
     rendered?;
-    if cancelled.load(Ordering::Relaxed) && report.shots.len() < settings.shots.len() {
+    if arguments.json {
+        print::result_line(&report.to_json())?;
+    }
+    if interrupted {
         return Err(Failure::Interrupted);
+    }
+    if !complete {
+        return Err(anyhow!("not all frames were written").into());
     }
     Ok(())
 }
@@ -61,7 +68,7 @@ fn render_all(
     let format = settings.sequence.format();
     let transfer = engine.film_settings().transfer;
     let writer = FrameWriter::start();
-    let progress = Progress::start(settings.shots.len());
+    let progress = Progress::start(settings.count());
     let mut pending = Vec::new();
     let mut failed = None;
     let mut settle =
@@ -73,12 +80,12 @@ fn render_all(
             }
             Err(error) => failed = failed.take().or(Some(error)),
         };
-    for (ticket, shot) in settings.shots.iter().enumerate() {
+    for (ticket, shot) in settings.shots().enumerate() {
         let Some(film) = engine.render_unless(shot.time, cancelled)? else {
             break;
         };
-        pending.push(ShotReport::new(shot, engine.report()));
-        writer.submit(ticket, shot.path.clone(), film, transfer, format);
+        pending.push(ShotReport::new(&shot, engine.report()));
+        writer.submit(ticket, shot.path, film, transfer, format);
         let mut all_good = true;
         for written in writer.written() {
             all_good &= written.result.is_ok();

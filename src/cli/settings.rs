@@ -20,10 +20,17 @@ pub(super) struct Shot {
     pub(super) path: PathBuf,
 }
 
+/// Which pictures to make.
+#[derive(Clone, Debug)]
+enum Selection {
+    Moment(Time),
+    Frames(FrameList, Timeline),
+}
+
 /// Which pictures to make, and where to put them.
 #[derive(Debug)]
 pub(super) struct RenderSettings {
-    pub(super) shots: Vec<Shot>,
+    selection: Selection,
     pub(super) sequence: Sequence,
     pub(super) size: Option<(u32, u32)>,
     pub(super) threads: Option<usize>,
@@ -40,19 +47,14 @@ impl RenderSettings {
             Format::Ppm => FrameFormat::Ppm,
         };
         let sequence = Sequence::new(directory, name, last, format);
-        let shots = match (arguments.at, &arguments.frames) {
-            (Some(time), _) => vec![Shot { frame: None, time, path: sequence.moment(time) }],
-            (None, frames) => {
-                let frames = frames.clone().unwrap_or_else(|| FrameList::all(last + 1));
+        let selection = match arguments.at {
+            Some(time) => Selection::Moment(time),
+            None => {
+                let frames = arguments.frames.clone().unwrap_or_else(|| FrameList::all(last + 1));
                 if frames.last() > last {
                     bail!("there is no frame {}: {}", frames.last(), timeline_in_words(timeline));
                 }
-                let shot = |index| Shot {
-                    frame: Some(index),
-                    time: timeline.time_of(index),
-                    path: sequence.frame(index),
-                };
-                frames.frames().into_iter().map(shot).collect()
+                Selection::Frames(frames, timeline)
             }
         };
         if let Some((width, height)) = arguments.size {
@@ -68,7 +70,32 @@ impl RenderSettings {
                 FilmSettings::LARGEST_AREA
             );
         }
-        Ok(Self { shots, sequence, size: arguments.size, threads: arguments.threads.map(usize::from) })
+        Ok(Self { selection, sequence, size: arguments.size, threads: arguments.threads.map(usize::from) })
+    }
+}
+
+impl RenderSettings {
+    /// All pictures, one after the other.
+    pub(super) fn shots(&self) -> Box<dyn Iterator<Item = Shot> + '_> {
+        let sequence = &self.sequence;
+        match &self.selection {
+            Selection::Moment(time) => {
+                Box::new(std::iter::once(Shot { frame: None, time: *time, path: sequence.moment(*time) }))
+            }
+            Selection::Frames(frames, timeline) => Box::new(frames.frames().map(|index| Shot {
+                frame: Some(index),
+                time: timeline.time_of(index),
+                path: sequence.frame(index),
+            })),
+        }
+    }
+
+    /// How many pictures.
+    pub(super) fn count(&self) -> usize {
+        match &self.selection {
+            Selection::Moment(_) => 1,
+            Selection::Frames(frames, _) => frames.count(),
+        }
     }
 }
 

@@ -10,7 +10,7 @@ use super::cast::{Hit, IntoRay};
 use super::report::FrameReport;
 use crate::components::FilmSettings;
 use crate::scene::{LoadError, Scene};
-use crate::systems::{Changes, Context, OwnSystems, Preparation, Step, UnknownComponent, propagate};
+use crate::systems::{self, Changes, Context, OwnSystems, Preparation, Step, UnknownComponent, propagate};
 use crate::time::{Time, Timeline};
 use crate::trace::{self, Film};
 
@@ -173,7 +173,7 @@ impl Engine {
     /// The film's size and transfer.
     #[must_use]
     pub fn film_settings(&self) -> FilmSettings {
-        self.world.query::<&FilmSettings>().iter().next().copied().unwrap_or_default()
+        systems::film_settings(&self.world)
     }
 
     /// Renders frame `index` of the timeline. It does not matter which frames were rendered before.

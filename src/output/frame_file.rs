@@ -36,7 +36,7 @@ impl FrameFormat {
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
     /// The file system refused.
-    #[error("cannot write `{}`: {source}", path.display())]
+    #[error("cannot write `{}`", path.display())]
     File {
         /// The frame file.
         path: PathBuf,
@@ -44,7 +44,7 @@ pub enum WriteError {
         source: io::Error,
     },
     /// The encoder refused.
-    #[error("cannot encode `{}`: {source}", path.display())]
+    #[error("cannot encode `{}`", path.display())]
     Encoding {
         /// The frame file.
         path: PathBuf,

@@ -46,7 +46,11 @@ impl Scene {
     /// # Errors
     ///
     /// With everything that is wrong in the text.
-    pub fn from_text(file: &str, text: String) -> Result<Self, LoadError> {
+    pub fn from_text(file: &str, mut text: String) -> Result<Self, LoadError> {
+        // A byte order mark is no part of the scene, and editors do not count it as a column.
+        if text.starts_with('\u{feff}') {
+            text.remove(0);
+        }
         let document = match parse(&text) {
             Ok(document) => document,
             Err(diagnostic) => return Err(LoadError::new(file, text, vec![diagnostic], 0)),

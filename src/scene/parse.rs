@@ -12,13 +12,9 @@ use super::{Diagnostic, Place};
 
 /// Reads a scene's text.
 pub(super) fn parse(text: &str) -> Result<SceneDocument, Diagnostic> {
-    let content = text.trim_start_matches('\u{feff}');
-    if is_blank(content) {
-        let message = if content.trim().is_empty() {
-            "the file is empty"
-        } else {
-            "the file holds nothing but comments"
-        };
+    if is_blank(text) {
+        let message =
+            if text.trim().is_empty() { "the file is empty" } else { "the file holds nothing but comments" };
         return Err(Diagnostic {
             message: message.to_owned(),
             label: String::new(),
@@ -26,13 +22,7 @@ pub(super) fn parse(text: &str) -> Result<SceneDocument, Diagnostic> {
             span: None,
         });
     }
-    let text_without_mark = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let offset = text.len() - text_without_mark.len();
-    options().from_str(text_without_mark).map_err(|error| {
-        let mut diagnostic = explain(text_without_mark, &error);
-        diagnostic.span = diagnostic.span.map(|span| span.start + offset..span.end + offset);
-        diagnostic
-    })
+    options().from_str(text).map_err(|error| explain(text, &error))
 }
 
 /// How scene files are read: `Some` may be left out.

@@ -25,6 +25,6 @@ pub use animate::animate;
 pub use changes::Changes;
 pub use context::Context;
 pub use own::{OwnSystems, Step};
-pub use prepare::Preparation;
+pub use prepare::{Preparation, film_settings};
 pub use propagate::propagate;
 pub use snapshot::{Registry, Snapshot, UnknownComponent};

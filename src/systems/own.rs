@@ -3,7 +3,7 @@
 use hecs::World;
 
 use super::order::order_newcomers;
-use super::{Changes, Context, Registry, Snapshot, UnknownComponent, animate};
+use super::{Changes, Context, Registry, Snapshot, UnknownComponent, animate, propagate};
 use crate::time::Time;
 
 type System = Box<dyn Fn(&mut Context<'_>) + Send>;
@@ -40,6 +40,9 @@ struct Stepped {
 /// carries state from step to step; the state at `t` is that after `floor(t / step)` steps, each of which sees tracks at its
 /// own start. Going back in time starts over from the beginning, so that a frame does not depend on what was rendered
 /// before it.
+///
+/// Where there are both, steps work on a world of their own, and pure systems on a fresh copy of it for every frame. World
+/// transforms are up to date whenever a system runs.
 #[derive(Default)]
 pub struct OwnSystems {
     pure: Vec<System>,
@@ -47,10 +50,12 @@ pub struct OwnSystems {
     registry: Registry,
     /// The world before anything ran.
     start: Option<Snapshot>,
-    /// The world after the steps so far, before pure systems.
+    /// The world that steps work on, where pure systems have the shown one.
+    base: World,
+    /// A copy of the base after its last step.
     state: Option<Snapshot>,
-    /// What has been written since `state`.
-    since_state: Changes,
+    /// What tracks and pure systems wrote over the state for the last frame.
+    written: Changes,
 }
 
 impl OwnSystems {
@@ -74,8 +79,9 @@ impl OwnSystems {
         if let Some(start) = self.start.take() {
             start.restore(world);
         }
+        self.base = World::new();
         self.state = None;
-        self.since_state = Changes::default();
+        self.written = Changes::default();
         for stepped in &mut self.stepped {
             stepped.done = 0;
         }
@@ -98,75 +104,77 @@ impl OwnSystems {
         }
         if self.start.is_none() {
             order_newcomers(world, &[]);
+            propagate(world, &Changes::all());
             let start = Snapshot::take(world, &self.registry)?;
             // From here on ids are given out as they will be after every return to the start.
             start.restore(world);
+            start.restore(&mut self.base);
             self.start = Some(start);
             changes.anything();
-        } else if self.stepped.iter().any(|stepped| stepped.done > time.whole_steps(stepped.step.0)) {
-            self.return_to_start(world, changes);
-        } else {
-            self.return_to_state(world, changes);
         }
-        self.run_steps(world, time, changes);
-        if self.state.is_none() && !self.pure.is_empty() {
-            self.state = Some(Snapshot::take(world, &self.registry)?);
-            self.since_state = Changes::default();
+        if self.pure.is_empty() {
+            self.run_steps(world, time, changes);
+            animate(world, time, changes);
+            return Ok(());
         }
-        self.run_pure(world, time, changes);
+        let mut base = std::mem::take(&mut self.base);
+        self.run_steps(&mut base, time, changes);
+        self.base = base;
+        let state = match self.state.take() {
+            Some(state) => state,
+            None => Snapshot::take(&self.base, &self.registry)?,
+        };
+        state.restore(world);
+        self.state = Some(state);
+        // What the last frame wrote is undone.
+        changes.merge(&std::mem::take(&mut self.written));
+        self.run_pure(world, time);
+        changes.merge(&self.written);
         Ok(())
-    }
-
-    fn return_to_start(&mut self, world: &mut World, changes: &mut Changes) {
-        if let Some(start) = &self.start {
-            start.restore(world);
-        }
-        for stepped in &mut self.stepped {
-            stepped.done = 0;
-        }
-        self.state = None;
-        changes.anything();
-    }
-
-    /// Undoes what tracks and pure systems wrote since the last step.
-    fn return_to_state(&mut self, world: &mut World, changes: &mut Changes) {
-        let Some(state) = &self.state else { return };
-        if self.since_state.is_everything() {
-            state.restore(world);
-        } else {
-            state.restore_entities(world, self.since_state.transforms());
-            state.restore_entities(world, self.since_state.materials());
-        }
-        changes.merge(&self.since_state);
-        self.since_state = Changes::default();
     }
 
     /// Runs all steps that end by `time`, in the order of their ends; of several with the same end, those of the system
     /// that was added first. So the steps until an earlier time are the first of the steps until a later one.
     fn run_steps(&mut self, world: &mut World, time: Time, changes: &mut Changes) {
+        if self.stepped.iter().any(|stepped| stepped.done > time.whole_steps(stepped.step.0)) {
+            if let Some(start) = &self.start {
+                start.restore(world);
+            }
+            for stepped in &mut self.stepped {
+                stepped.done = 0;
+            }
+            self.state = None;
+            changes.anything();
+        }
+        let mut fresh = Changes::default();
         loop {
             let due = self.stepped.iter().enumerate().filter_map(|(index, stepped)| {
                 let end = stepped.step.0.times(stepped.done + 1)?;
                 (end <= time).then_some((end, index))
             });
-            let Some((_, index)) = due.min() else { return };
+            let Some((_, index)) = due.min() else { break };
             let stepped = &mut self.stepped[index];
-            let Some(start) = stepped.step.0.times(stepped.done) else { return };
-            animate(world, start, changes);
-            run(&stepped.system, world, start, Some(stepped.step.0.seconds()), changes);
+            let Some(start) = stepped.step.0.times(stepped.done) else { break };
+            animate(world, start, &mut fresh);
+            propagate(world, &fresh);
+            changes.merge(&std::mem::take(&mut fresh));
+            run(&stepped.system, world, start, Some(stepped.step.0.seconds()), &mut fresh);
             stepped.done += 1;
             self.state = None;
         }
+        propagate(world, &fresh);
+        changes.merge(&fresh);
     }
 
-    fn run_pure(&mut self, world: &mut World, time: Time, changes: &mut Changes) {
-        let mut written = Changes::default();
-        animate(world, time, &mut written);
+    fn run_pure(&mut self, world: &mut World, time: Time) {
+        let mut fresh = Changes::default();
+        animate(world, time, &mut fresh);
         for system in &self.pure {
-            run(system, world, time, None, &mut written);
+            propagate(world, &fresh);
+            self.written.merge(&std::mem::take(&mut fresh));
+            run(system, world, time, None, &mut fresh);
         }
-        changes.merge(&written);
-        self.since_state.merge(&written);
+        self.written.merge(&fresh);
     }
 }
 

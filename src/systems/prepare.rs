@@ -73,7 +73,7 @@ impl Preparation {
             entities.push(entity);
             materials.push(material);
         }
-        let film = first::<FilmSettings>(world);
+        let film = film_settings(world);
         let scene = PreparedScene::new(geometry, materials);
         let mut preparation = Self { scene, camera: prepared_camera(world, film), film, entities, slots };
         preparation.read_settings(world);
@@ -94,7 +94,7 @@ impl Preparation {
                 self.scene.set_material(slot, surface_material(material, reflective));
             }
         }
-        self.film = first::<FilmSettings>(world);
+        self.film = film_settings(world);
         self.camera = prepared_camera(world, self.film);
         self.read_settings(world);
     }
@@ -133,6 +133,7 @@ impl Preparation {
                 continue;
             };
             match (self.slots.get(*entity), prepared_shape(shape, transform)) {
+                (Some(slot), Some(shape)) if self.scene.geometry().holds(slot, &shape) => {}
                 (Some(slot), Some(shape)) => replacements.push((slot, shape)),
                 (None, None) => {}
                 _ => return false,
@@ -167,8 +168,9 @@ impl Preparation {
 }
 
 /// The first in document order of a component that a world has at most one of, or its default.
-fn first<T: hecs::Component + Default + Clone>(world: &mut World) -> T {
-    let all = world.query_mut::<(Entity, Option<&Order>, &T)>().into_iter();
+fn first<T: hecs::Component + Default + Clone>(world: &World) -> T {
+    let mut query = world.query::<(Entity, Option<&Order>, &T)>();
+    let all = query.iter();
     let first = all.min_by_key(|(entity, order, _)| (order.map_or(u64::MAX, |order| order.0), entity.id()));
     first.map(|(.., component)| component.clone()).unwrap_or_default()
 }
@@ -225,6 +227,17 @@ fn prepared_shape(shape: &Shape, transform: &WorldTransform) -> Option<PreparedS
     }
 }
 
+/// The film's settings, held to their limits.
+#[must_use]
+pub fn film_settings(world: &World) -> FilmSettings {
+    let film = first::<FilmSettings>(world);
+    let side = |side: u32| side.clamp(1, FilmSettings::LARGEST_SIDE);
+    let width = side(film.width);
+    let most_rows = FilmSettings::LARGEST_AREA / u64::from(width);
+    let height = side(film.height).min(u32::try_from(most_rows).unwrap_or(u32::MAX));
+    FilmSettings { width, height, ..film }
+}
+
 fn surface_material(material: &Material, reflective: Option<&Reflective>) -> SurfaceMaterial {
     let coefficient = |value: f32| if value > 0.0 { value.min(1.0) } else { 0.0 };
     SurfaceMaterial {
@@ -249,11 +262,8 @@ fn prepared_light(
     place.is_finite().then_some(trace::Light { source, intensity: sane(light.intensity), own_shape })
 }
 
-fn prepared_camera(world: &mut World, film: FilmSettings) -> trace::Camera {
-    let cameras = world.query_mut::<(Entity, Option<&Order>, &Camera)>().into_iter();
-    let first =
-        cameras.min_by_key(|(entity, order, _)| (order.map_or(u64::MAX, |order| order.0), entity.id()));
-    let camera = first.map_or_else(Camera::default, |(.., camera)| *camera);
+fn prepared_camera(world: &World, film: FilmSettings) -> trace::Camera {
+    let camera = first::<Camera>(world);
     let view = match camera.view {
         View::Direction(direction) => direction,
         View::Target(target) => target - camera.position,

@@ -7,8 +7,8 @@ use hecs::{Entity, World};
 use super::Changes;
 use crate::components::{Light, Parent, Shape, Transform, WorldTransform};
 
-/// Brings [`WorldTransform`] up to date, and returns the entities for which it changed. When everything may have changed,
-/// the list is not needed and stays empty.
+/// Brings [`WorldTransform`] up to date, and returns the entities for which it may have changed: those that were written,
+/// and all that have a parent. When everything may have changed, the list is not needed and stays empty.
 ///
 /// An entity whose parent is gone, or that is its own ancestor, counts as a root.
 pub fn propagate(world: &mut World, changes: &Changes) -> Vec<Entity> {
@@ -20,17 +20,17 @@ pub fn propagate(world: &mut World, changes: &Changes) -> Vec<Entity> {
         propagate_children(world);
         return Vec::new();
     }
-    let mut moved = Vec::new();
-    for entity in changes.transforms() {
+    if changes.transforms().is_empty() {
+        return Vec::new();
+    }
+    let mut moved = changes.transforms().to_vec();
+    for entity in &moved {
         let parts = world.query_one_mut::<hecs::Without<(&Transform, &mut WorldTransform), &Parent>>(*entity);
         if let Ok((transform, world_transform)) = parts {
             *world_transform = WorldTransform::from_root(transform);
-            moved.push(*entity);
         }
     }
-    if !changes.transforms().is_empty() {
-        moved.extend(propagate_children(world));
-    }
+    moved.extend(propagate_children(world));
     moved
 }
 
@@ -50,26 +50,29 @@ fn complete(world: &mut World) {
     }
 }
 
-/// Sets the world transforms of all entities that have a parent, and returns those for which it changed.
+/// Sets the world transforms of all entities that have a parent, and returns them.
 fn propagate_children(world: &mut World) -> Vec<Entity> {
-    let children: Vec<(Entity, Parent)> = world
+    let children: Vec<(Entity, Entity)> = world
         .query_mut::<(Entity, &Parent)>()
         .into_iter()
-        .map(|(entity, parent)| (entity, *parent))
+        .map(|(entity, parent)| (entity, parent.0))
         .collect();
-    let parents: HashMap<Entity, Entity> =
-        children.iter().map(|(entity, parent)| (*entity, parent.0)).collect();
+    let parents: HashMap<Entity, Entity> = children.iter().copied().collect();
     let mut known: HashMap<Entity, WorldTransform> = HashMap::with_capacity(children.len());
-    let mut moved = Vec::new();
-    for (entity, _) in children {
+    for (entity, _) in &children {
         // Upwards to an ancestor that is known or has no parent, then down again.
         let mut chain = Vec::new();
-        let mut current = entity;
+        let mut current = *entity;
         while !known.contains_key(&current)
             && let Some(parent) = parents.get(&current)
-            && chain.len() <= parents.len()
         {
             chain.push(current);
+            if chain.len() > parents.len() {
+                break_ring(world, &parents, current, &mut known);
+                chain.retain(|member| !known.contains_key(member));
+                current = chain.last().and_then(|last| parents.get(last)).copied().unwrap_or(current);
+                break;
+            }
             current = *parent;
         }
         let root = || {
@@ -77,21 +80,38 @@ fn propagate_children(world: &mut World) -> Vec<Entity> {
         };
         let mut above = known.get(&current).copied().unwrap_or_else(root);
         while let Some(child) = chain.pop() {
-            if known.contains_key(&child) {
-                continue;
+            if let Some(found) = known.get(&child) {
+                above = *found;
+            } else if let Ok(transform) = world.query_one_mut::<&Transform>(child) {
+                above = above.child(transform);
+                known.insert(child, above);
             }
-            let Ok((transform, world_transform)) =
-                world.query_one_mut::<(&Transform, &mut WorldTransform)>(child)
-            else {
-                continue;
-            };
-            above = above.child(transform);
-            if *world_transform != above {
-                *world_transform = above;
-                moved.push(child);
-            }
-            known.insert(child, above);
         }
     }
-    moved
+    for (entity, _) in &children {
+        if let (Some(found), Ok(stored)) =
+            (known.get(entity), world.query_one_mut::<&mut WorldTransform>(*entity))
+        {
+            *stored = *found;
+        }
+    }
+    children.into_iter().map(|(entity, _)| entity).collect()
+}
+
+/// Makes roots of all entities in a ring of parents.
+fn break_ring(
+    world: &World,
+    parents: &HashMap<Entity, Entity>,
+    member: Entity,
+    known: &mut HashMap<Entity, WorldTransform>,
+) {
+    let mut current = member;
+    while !known.contains_key(&current) {
+        let local = world.get::<&Transform>(current).map_or(Transform::IDENTITY, |transform| *transform);
+        known.insert(current, WorldTransform::from_root(&local));
+        match parents.get(&current) {
+            Some(parent) => current = *parent,
+            None => return,
+        }
+    }
 }

@@ -115,14 +115,4 @@ impl Snapshot {
             world.spawn_at(*entity, components);
         }
     }
-
-    /// Gives some entities their components back. They must still exist, with the same types of components.
-    pub fn restore_entities(&self, world: &mut World, entities: &[Entity]) {
-        for wanted in entities {
-            if let Ok(index) = self.entities.binary_search_by_key(&wanted.id(), |(entity, _)| entity.id()) {
-                // An entity that no longer exists has nothing to be restored.
-                let _ = world.insert(*wanted, &self.entities[index].1);
-            }
-        }
-    }
 }

@@ -8,7 +8,7 @@ use std::str::FromStr;
 /// ```
 /// use rayreel::time::FrameList;
 /// let list: FrameList = "3,0-10x5,10".parse().unwrap();
-/// assert_eq!(list.frames(), [0, 3, 5, 10]);
+/// assert!(list.frames().eq([0, 3, 5, 10]));
 /// assert!("5-3".parse::<FrameList>().is_err());
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -51,14 +51,28 @@ impl FrameList {
         self.ranges.iter().map(|range| range.last).max().unwrap_or(0)
     }
 
-    /// Every selected frame once, in ascending order.
+    /// Every selected frame once, in ascending order; never all of them in memory.
+    pub fn frames(&self) -> impl Iterator<Item = u32> {
+        let next_from = |start: u32| self.ranges.iter().filter_map(|range| range.first_from(start)).min();
+        std::iter::successors(next_from(0), move |frame| next_from(frame.checked_add(1)?))
+    }
+
+    /// How many frames are selected.
     #[must_use]
-    pub fn frames(&self) -> Vec<u32> {
-        let steps = |range: &FrameRange| (range.first..=range.last).step_by(range.stride as usize);
-        let mut frames: Vec<u32> = self.ranges.iter().flat_map(steps).collect();
-        frames.sort_unstable();
-        frames.dedup();
-        frames
+    pub fn count(&self) -> usize {
+        match self.ranges[..] {
+            [range] => ((range.last - range.first) / range.stride) as usize + 1,
+            _ => self.frames().count(),
+        }
+    }
+}
+
+impl FrameRange {
+    /// The first of its frames that is not before `start`.
+    fn first_from(&self, start: u32) -> Option<u32> {
+        let steps = start.saturating_sub(self.first).div_ceil(self.stride);
+        let frame = self.first.checked_add(steps.checked_mul(self.stride)?)?;
+        (frame <= self.last).then_some(frame)
     }
 }
 
@@ -116,9 +130,19 @@ mod tests {
     fn lists_are_sorted_and_without_doubles() {
         let list: FrameList = "10-20, 30,40-80x5,12".parse().unwrap();
         let expected: Vec<u32> = (10..=20).chain([30]).chain((40..=80).step_by(5)).collect();
-        assert_eq!(list.frames(), expected);
+        assert_eq!(list.frames().collect::<Vec<_>>(), expected);
+        assert_eq!(list.count(), expected.len());
         assert_eq!(list.last(), 80);
         assert_eq!(list.to_string(), "10-20,30,40-80x5,12");
+    }
+
+    #[test]
+    fn huge_lists_cost_nothing() {
+        let list: FrameList = "0-4294967295".parse().unwrap();
+        assert_eq!(list.count(), 4_294_967_296);
+        assert!(list.frames().skip(1000).take(2).eq([1000, 1001]));
+        let list: FrameList = "4294967290-4294967295x4,4294967295".parse().unwrap();
+        assert!(list.frames().eq([4_294_967_290, 4_294_967_294, 4_294_967_295]));
     }
 
     #[test]

@@ -38,7 +38,7 @@ impl Timeline {
         reason = "clamped to the range before"
     )]
     pub fn frame_count(&self) -> u32 {
-        let estimate = (self.duration * self.rate.per_second()).ceil();
+        let estimate = (self.duration.max(0.0) * self.rate.per_second()).ceil();
         let mut count = estimate.clamp(1.0, f64::from(Self::LARGEST_COUNT)) as u32;
         // The estimate is rounded; the definition decides.
         let plays = |index: u32| self.time_of(index).seconds() < self.duration;

@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 
+use super::ray::Departure;
 use super::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
-use super::{Bounds, Ray};
+use super::{Bounds, Hit, Ray};
 
 /// A shape's place in the kernel's arrays. Slots are numbered in document order: of two surfaces at the same distance
 /// the one with the lower slot is seen.
@@ -130,6 +131,21 @@ impl Geometry {
         true
     }
 
+    /// Is this the very shape in the slot?
+    #[must_use]
+    pub fn holds(&self, slot: Slot, shape: &PreparedShape) -> bool {
+        let Place { kind, index } = self.places[slot.index()];
+        let index = index as usize;
+        match (kind, shape) {
+            (Kind::Sphere, PreparedShape::Sphere(shape)) => self.spheres[index] == *shape,
+            (Kind::Plane, PreparedShape::Plane(shape)) => self.planes[index] == *shape,
+            (Kind::AlignedBox, PreparedShape::AlignedBox(shape)) => self.boxes[index] == *shape,
+            (Kind::SphereImage, PreparedShape::SphereImage(shape)) => self.sphere_images[index] == *shape,
+            (Kind::BoxImage, PreparedShape::BoxImage(shape)) => self.box_images[index] == *shape,
+            _ => false,
+        }
+    }
+
     /// How many shapes there are.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -161,42 +177,55 @@ impl Geometry {
         }
     }
 
-    /// The smallest `t >= 0` at which the ray meets the shape, if it does.
+    /// Where the ray first meets the shape, if it does.
     ///
     /// The shape that the ray leaves is met again only from inside, on its far side; and so is every other shape whose
     /// surface coincided with it where the ray starts, each in its own sense.
     #[must_use]
     #[inline]
-    pub fn first_hit(&self, slot: Slot, ray: &Ray) -> Option<f64> {
+    pub fn first_hit(&self, slot: Slot, ray: &Ray) -> Option<Hit> {
         let (origin, direction) = (ray.origin(), ray.direction());
+        let near = |t: f64| Hit { t, slot, far: false };
         let Some(departure) = ray.departure() else {
-            return self.unconditional_hit(slot, origin, direction);
+            return self.near_hit(slot, origin, direction).map(near);
         };
         if slot == departure.slot {
             return if departure.outward { None } else { self.far_hit(slot, origin, direction) };
         }
-        let t = self.unconditional_hit(slot, origin, direction)?;
-        if departure.also_met(|origin, direction| self.unconditional_hit(slot, origin, direction)) {
-            let inward = ask!(self, slot, shape => shape.turns_inward(origin, direction));
-            return if inward { self.far_hit(slot, origin, direction) } else { None };
+        let t = self.near_hit(slot, origin, direction)?;
+        if let Some(normal) = self.also_left(slot, departure) {
+            return if direction.dot(normal) < 0.0 { self.far_hit(slot, origin, direction) } else { None };
         }
-        Some(t)
+        Some(near(t))
+    }
+
+    /// If the ray that arrived where a ray departs met this shape at the very same `t`: the shape's outward normal there.
+    fn also_left(&self, slot: Slot, departure: &Departure) -> Option<DVec3> {
+        let Departure { arrived_from, arrived_along, arrived_at, .. } = *departure;
+        let met = |hit: Option<f64>| hit == Some(arrived_at);
+        // The ray that arrived may itself have left this shape inwards, and then it met its far side.
+        let far = met(self.far_hit(slot, arrived_from, arrived_along).map(|hit| hit.t));
+        if !far && !met(self.near_hit(slot, arrived_from, arrived_along)) {
+            return None;
+        }
+        Some(ask!(self, slot, shape => shape.surface_at(arrived_from, arrived_along, arrived_at, far)).1)
     }
 
     #[inline]
-    fn unconditional_hit(&self, slot: Slot, origin: DVec3, direction: DVec3) -> Option<f64> {
+    fn near_hit(&self, slot: Slot, origin: DVec3, direction: DVec3) -> Option<f64> {
         // What is infinitely far away is not met.
         ask!(self, slot, shape => shape.first_hit(origin, direction)).filter(|t| *t < f64::INFINITY)
     }
 
-    fn far_hit(&self, slot: Slot, origin: DVec3, direction: DVec3) -> Option<f64> {
-        ask!(self, slot, shape => shape.far_hit(origin, direction))
+    fn far_hit(&self, slot: Slot, origin: DVec3, direction: DVec3) -> Option<Hit> {
+        ask!(self, slot, shape => shape.far_hit(origin, direction)).map(|t| Hit { t, slot, far: true })
     }
 
-    /// The point at which the ray meets the shape at `t`, put onto the surface, and the outward unit normal there.
+    /// The point that the hit found, put onto the surface, and the outward unit normal there.
     #[must_use]
-    pub fn surface_at(&self, slot: Slot, ray: &Ray, t: f64) -> (DVec3, DVec3) {
-        ask!(self, slot, shape => shape.surface_at(ray.origin(), ray.direction(), t))
+    pub fn surface_at(&self, ray: &Ray, hit: &Hit) -> (DVec3, DVec3) {
+        let Hit { t, slot, far } = *hit;
+        ask!(self, slot, shape => shape.surface_at(ray.origin(), ray.direction(), t, far))
     }
 }
 

@@ -31,6 +31,8 @@ pub struct Hit {
     pub t: f64,
     /// The shape.
     pub slot: Slot,
+    /// Is this the far side of a shape that the ray left inwards?
+    pub far: bool,
 }
 
 /// A point of a surface, found by a ray.
@@ -111,11 +113,10 @@ impl PreparedScene {
     pub(super) fn closest(&self, ray: &Ray, stack: &mut Stack) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         let mut consider = |slot: Slot| {
-            if let Some(t) = self.geometry.first_hit(slot, ray) {
-                let hit = Hit { t, slot };
-                if best.is_none_or(|best| hit.precedes(&best)) {
-                    best = Some(hit);
-                }
+            if let Some(hit) = self.geometry.first_hit(slot, ray)
+                && best.is_none_or(|best| hit.precedes(&best))
+            {
+                best = Some(hit);
             }
             best.map_or(f64::INFINITY, |best| best.t)
         };
@@ -136,13 +137,13 @@ impl PreparedScene {
 
     /// Does this shape stand between the ray's origin and `limit`?
     pub(super) fn hides(&self, slot: Slot, ray: &Ray, limit: f64, except: Option<Slot>) -> bool {
-        Some(slot) != except && self.geometry.first_hit(slot, ray).is_some_and(|t| t < limit)
+        Some(slot) != except && self.geometry.first_hit(slot, ray).is_some_and(|hit| hit.t < limit)
     }
 
     /// The point that `hit` found, put onto the surface, with its normal.
     #[must_use]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
-        let (point, normal) = self.geometry.surface_at(hit.slot, ray, hit.t);
+        let (point, normal) = self.geometry.surface_at(ray, hit);
         Surface { point, normal, from_outside: ray.direction().dot(normal) <= 0.0 }
     }
 

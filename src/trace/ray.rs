@@ -23,16 +23,9 @@ pub(super) struct Departure {
     /// Out of the shape, or into it?
     pub(super) outward: bool,
     /// The ray that arrived here and its `t`: every shape that this ray meets at the very same `t` is left as well.
-    arrived_from: DVec3,
-    arrived_along: DVec3,
-    arrived_at: f64,
-}
-
-impl Departure {
-    /// Does the ray that arrived meet another shape, by this question, at the same place?
-    pub(super) fn also_met(&self, first_hit: impl Fn(DVec3, DVec3) -> Option<f64>) -> bool {
-        first_hit(self.arrived_from, self.arrived_along) == Some(self.arrived_at)
-    }
+    pub(super) arrived_from: DVec3,
+    pub(super) arrived_along: DVec3,
+    pub(super) arrived_at: f64,
 }
 
 impl Ray {

@@ -45,8 +45,9 @@ pub fn radiance(scene: &PreparedScene, camera_ray: Ray) -> Rgb {
         }
         sum += throughput * local;
 
-        if material.reflected > 0.0 {
-            next = mirrored(&ray, &hit, &surface).map(|ray| (ray, throughput * material.reflected));
+        let throughput = throughput * material.reflected;
+        if throughput != Rgb::ZERO {
+            next = mirrored(&ray, &hit, &surface).map(|ray| (ray, throughput));
         }
     }
     // Beyond the last generation a ray sees the background.
@@ -60,7 +61,7 @@ pub fn radiance(scene: &PreparedScene, camera_ray: Ray) -> Rgb {
 #[must_use]
 pub fn closest(scene: &PreparedScene, ray: &Ray) -> Option<Hit> {
     let geometry = scene.geometry();
-    let hits = geometry.slots().filter_map(|slot| geometry.first_hit(slot, ray).map(|t| Hit { t, slot }));
+    let hits = geometry.slots().filter_map(|slot| geometry.first_hit(slot, ray));
     hits.reduce(|best, hit| if hit.precedes(&best) { hit } else { best })
 }
 

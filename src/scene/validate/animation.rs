@@ -3,12 +3,11 @@
 use std::collections::HashMap;
 
 use super::entities::{CAMERA, rotation, scale};
-use super::{At, Problems, check};
+use super::{At, Named, Problems, check};
 use crate::scene::document::{
     AnimationDocument, ChannelDocument, EntityDocument, LightDocument, SceneDocument, TrackDocument,
     TracksDocument,
 };
-use crate::scene::suggest::remedy;
 
 pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut Problems) {
     let entities: HashMap<&str, &EntityDocument> =
@@ -61,13 +60,8 @@ fn target(
         (None, Some(name)) => {
             let at = at.field("material");
             if !document.materials.0.iter().any(|(known, _)| known == name) {
-                let all: Vec<&str> = document.materials.0.iter().map(|(name, _)| name.as_str()).collect();
-                problems.add(
-                    &at,
-                    format!("there is no material \"{name}\""),
-                    "unknown",
-                    remedy(name, &all, "materials"),
-                );
+                let known = || document.materials.0.iter().map(|(name, _)| name.as_str());
+                problems.add_unknown(&at, Named::Material, name, known);
             } else if !of_material(animation.channel) {
                 unfit(animation.channel, "a material", &at, problems);
             } else if animation.channel == ChannelDocument::Kr && !mirrors(name) {
@@ -86,18 +80,8 @@ fn target(
         }
         (Some(name), None) => {
             let Some(entity) = entities.get(name.as_str()) else {
-                let all: Vec<&str> = document
-                    .entities
-                    .iter()
-                    .filter_map(|entity| entity.name.as_deref())
-                    .chain([CAMERA])
-                    .collect();
-                problems.add(
-                    &at.field("target"),
-                    format!("there is no entity \"{name}\""),
-                    "unknown",
-                    remedy(name, &all, "entities"),
-                );
+                let named = || document.entities.iter().filter_map(|entity| entity.name.as_deref());
+                problems.add_unknown(&at.field("target"), Named::Entity, name, || named().chain([CAMERA]));
                 return;
             };
             let at = at.field("channel");

@@ -1,13 +1,12 @@
 //! Materials and entities.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
-use super::{At, Problems, check};
+use super::{At, Named, Problems, check};
 use crate::scene::document::{
     EntityDocument, LightDocument, MaterialDocument, RotationDocument, ScaleDocument, SceneDocument,
     ShapeDocument, TransformDocument, Triple,
 };
-use crate::scene::suggest::remedy;
 
 /// What the camera is called in `animate`.
 pub(super) const CAMERA: &str = "camera";
@@ -16,7 +15,7 @@ pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut 
     materials(document, &scene.field("materials"), problems);
     let at = scene.field("entities");
     let names = names(&document.entities, &at, problems);
-    let mut material_names = None;
+    let material_names: HashSet<&str> = document.materials.0.iter().map(|(name, _)| name.as_str()).collect();
     for (index, entity) in document.entities.iter().enumerate() {
         let at = at.index(index);
         transform(&entity.transform, &at.field("transform"), problems);
@@ -45,31 +44,17 @@ pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut 
             }
             (None, None) => {}
         }
-        if let Some(name) = &entity.material {
-            let known = material_names.get_or_insert_with(|| {
-                document.materials.0.iter().map(|(name, _)| (name.as_str(), ())).collect::<HashMap<_, _>>()
-            });
-            if !known.contains_key(name.as_str()) {
-                let all: Vec<&str> = document.materials.0.iter().map(|(name, _)| name.as_str()).collect();
-                problems.add(
-                    &at.field("material"),
-                    format!("there is no material \"{name}\""),
-                    "unknown",
-                    remedy(name, &all, "materials"),
-                );
-            }
+        if let Some(name) = &entity.material
+            && !material_names.contains(name.as_str())
+        {
+            let known = || document.materials.0.iter().map(|(name, _)| name.as_str());
+            problems.add_unknown(&at.field("material"), Named::Material, name, known);
         }
         if let Some(parent) = &entity.parent
             && !names.contains_key(parent.as_str())
         {
-            let all: Vec<&str> =
-                document.entities.iter().filter_map(|entity| entity.name.as_deref()).collect();
-            problems.add(
-                &at.field("parent"),
-                format!("there is no entity \"{parent}\""),
-                "unknown",
-                remedy(parent, &all, "entities"),
-            );
+            let known = || document.entities.iter().filter_map(|entity| entity.name.as_deref());
+            problems.add_unknown(&at.field("parent"), Named::Entity, parent, known);
         }
     }
     cycles(&document.entities, &names, &at, problems);

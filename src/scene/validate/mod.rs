@@ -7,7 +7,7 @@ mod settings;
 
 use super::document::SceneDocument;
 pub(super) use problems::Problems;
-use problems::{At, check};
+use problems::{At, Named, check};
 
 /// The largest magnitude of a coordinate or a length, and the inverse of the smallest size: products of four stay finite.
 const LARGEST: f64 = 1e60;

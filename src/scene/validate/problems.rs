@@ -4,12 +4,20 @@ use std::collections::BTreeMap;
 
 use crate::scene::Diagnostic;
 use crate::scene::spans::{Step, locate};
+use crate::scene::suggest::remedy;
 
 /// Mistakes found so far. Beyond [`Problems::MOST`] they are only counted.
 #[derive(Debug, Default)]
 pub(in crate::scene) struct Problems {
     listed: Vec<Problem>,
     unlisted: usize,
+}
+
+/// What has names in a scene.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Named {
+    Material,
+    Entity,
 }
 
 #[derive(Debug)]
@@ -73,6 +81,26 @@ impl Problems {
         let problem =
             Problem { path: at.path(), message: message.into(), label: label.into(), help: help.into() };
         self.listed.push(problem);
+    }
+
+    /// As [`Problems::add`], for a name that is not among the known ones; they are looked through only if it is listed.
+    pub(super) fn add_unknown<'n, N: Iterator<Item = &'n str>>(
+        &mut self,
+        at: &At<'_>,
+        kind: Named,
+        name: &str,
+        known: impl FnOnce() -> N,
+    ) {
+        if self.listed.len() == Self::MOST {
+            self.unlisted += 1;
+            return;
+        }
+        let known: Vec<&str> = known().collect();
+        let (singular, plural) = match kind {
+            Named::Material => ("material", "materials"),
+            Named::Entity => ("entity", "entities"),
+        };
+        self.add(at, format!("there is no {singular} \"{name}\""), "unknown", remedy(name, &known, plural));
     }
 
     pub(in crate::scene) fn is_empty(&self) -> bool {

@@ -93,16 +93,11 @@ impl SphereImage {
         self.sphere.far_hit(self.map.point_back(origin), self.map.direction_back(direction))
     }
 
-    /// Does `direction` lead inwards at `point` of the surface?
-    #[must_use]
-    pub fn turns_inward(&self, point: DVec3, direction: DVec3) -> bool {
-        self.sphere.turns_inward(self.map.point_back(point), self.map.direction_back(direction))
-    }
-
     /// The point at `t`, put back onto the surface, and its outward unit normal.
     #[must_use]
-    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: f64) -> (DVec3, DVec3) {
-        let own = self.sphere.surface_at(self.map.point_back(origin), self.map.direction_back(direction), t);
+    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: f64, far: bool) -> (DVec3, DVec3) {
+        let own =
+            self.sphere.surface_at(self.map.point_back(origin), self.map.direction_back(direction), t, far);
         (self.map.forward.transform_point3(own.0), self.map.normal(own.1))
     }
 
@@ -126,27 +121,17 @@ impl BoxImage {
         self.aligned.first_hit(self.map.point_back(origin), self.map.direction_back(direction))
     }
 
-    /// Where a ray that starts on the box and goes inwards comes out. The origin is only nearly on the surface here, so
-    /// that its own coordinates say nothing about the face; the caller knows that the ray goes inwards.
+    /// Where a ray that starts on the box and goes inwards comes out.
     #[must_use]
     pub fn far_hit(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
         self.aligned.far_hit(self.map.point_back(origin), self.map.direction_back(direction))
     }
 
-    /// Does `direction` lead inwards at `point` of the surface?
-    #[must_use]
-    pub fn turns_inward(&self, point: DVec3, direction: DVec3) -> bool {
-        // The nearest face decides: the one whose relative coordinate is largest.
-        let (own, way) = (self.map.point_back(point), self.map.direction_back(direction));
-        let relative = own / self.aligned.max;
-        let axis = relative.abs().max_position();
-        way[axis] * own[axis] < 0.0
-    }
-
     /// The point at `t`, put back onto its face, and that face's outward unit normal.
     #[must_use]
-    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: f64) -> (DVec3, DVec3) {
-        let own = self.aligned.surface_at(self.map.point_back(origin), self.map.direction_back(direction), t);
+    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: f64, far: bool) -> (DVec3, DVec3) {
+        let own =
+            self.aligned.surface_at(self.map.point_back(origin), self.map.direction_back(direction), t, far);
         (self.map.forward.transform_point3(own.0), self.map.normal(own.1))
     }
 
@@ -173,7 +158,7 @@ mod tests {
         assert_eq!(ellipsoid.first_hit(DVec3::ZERO, DVec3::Z), Some(4.5));
         let (origin, direction) = (DVec3::new(2.0, 0.0, 0.0), DVec3::Z);
         let t = ellipsoid.first_hit(origin, direction).unwrap();
-        let (point, normal) = ellipsoid.surface_at(origin, direction, t);
+        let (point, normal) = ellipsoid.surface_at(origin, direction, t, false);
         // x^2/9 + z^2/0.25 = 1, gradient (2x/9, 0, 2z/0.25).
         assert!((4.0 / 9.0 + (point.z - 5.0) * (point.z - 5.0) / 0.25 - 1.0).abs() < 1e-14);
         let gradient = DVec3::new(2.0 * point.x / 9.0, 0.0, 2.0 * (point.z - 5.0) / 0.25).normalize();
@@ -185,7 +170,7 @@ mod tests {
         let map = DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
         let mirrored = BoxImage::new(map, DVec3::ONE);
         let t = mirrored.first_hit(DVec3::new(-4.0, 0.2, 0.1), DVec3::X).unwrap();
-        let (point, normal) = mirrored.surface_at(DVec3::new(-4.0, 0.2, 0.1), DVec3::X, t);
+        let (point, normal) = mirrored.surface_at(DVec3::new(-4.0, 0.2, 0.1), DVec3::X, t, false);
         assert_eq!((t, point, normal), (3.0, DVec3::new(-1.0, 0.2, 0.1), DVec3::NEG_X));
     }
 }

@@ -1,13 +1,12 @@
 //! The shapes and the questions that are asked of them.
 //!
-//! Every shape answers the same five, for a ray `origin + t direction`:
+//! Every shape answers the same four, for a ray `origin + t direction`:
 //!
 //! - `first_hit`: the smallest `t >= 0` on the surface. Shapes are closed sets: touching counts. Spheres and boxes are
 //!   shells that are seen from inside too.
 //! - `far_hit`: the ray starts on the surface and goes into the shape; where does it come out?
-//! - `turns_inward`: does a direction at a point of the surface lead into the shape?
-//! - `surface_at`: the point at a `t` that `first_hit` or `far_hit` gave, put back onto the surface, and the outward
-//!   unit normal there.
+//! - `surface_at`: the point at a `t` that `first_hit` or, as `far` says, `far_hit` gave, put back onto the surface, and
+//!   the outward unit normal there.
 //! - `bounds`: a box around it, for shapes that have one.
 
 mod affine;

@@ -31,15 +31,9 @@ impl Plane {
         None
     }
 
-    /// Does `direction` lead to the side behind the normal?
-    #[must_use]
-    pub fn turns_inward(&self, _point: DVec3, direction: DVec3) -> bool {
-        direction.dot(self.normal) < 0.0
-    }
-
     /// The point at `t`, put back onto the plane, and the normal.
     #[must_use]
-    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: f64) -> (DVec3, DVec3) {
+    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: f64, _far: bool) -> (DVec3, DVec3) {
         let point = origin + direction * t;
         let off = (point - self.point).dot(self.normal);
         (point - self.normal * off, self.normal)

@@ -47,22 +47,15 @@ impl Sphere {
         }
     }
 
-    /// Where a ray that starts on the sphere and goes inwards comes out.
+    /// Where a ray that starts on the sphere and goes inwards comes out. A ray that only grazes it comes out at once.
     #[must_use]
     pub fn far_hit(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
-        let t = -2.0 * direction.dot(origin - self.center) / direction.dot(direction);
-        (t > 0.0).then_some(t)
-    }
-
-    /// Does `direction` lead inwards at `point` of the surface?
-    #[must_use]
-    pub fn turns_inward(&self, point: DVec3, direction: DVec3) -> bool {
-        direction.dot(point - self.center) < 0.0
+        Some((-2.0 * direction.dot(origin - self.center) / direction.dot(direction)).max(0.0))
     }
 
     /// The point at `t`, on the surface, and its outward unit normal.
     #[must_use]
-    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: f64) -> (DVec3, DVec3) {
+    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: f64, _far: bool) -> (DVec3, DVec3) {
         // From the centre, so that no digits are lost when the sphere is far from the world's origin.
         let normal = ((origin - self.center) + direction * t).normalize_or(DVec3::Y);
         (self.center + normal * self.radius, normal)
@@ -85,7 +78,7 @@ mod tests {
         let (origin, direction) = (DVec3::new(0.0, -2.0, 0.0), DVec3::new(1.0, 2.0, 1.0) / 6.0_f64.sqrt());
         let t = sphere.first_hit(origin, direction).unwrap();
         assert!((t - 4.42).abs() < 0.005, "{t}");
-        let (point, _) = sphere.surface_at(origin, direction, t);
+        let (point, _) = sphere.surface_at(origin, direction, t, false);
         // The source truncates to 1.80 where rounding gives 1.81.
         assert!((point - DVec3::new(1.81, 1.61, 1.81)).abs().max_element() < 0.005, "{point}");
     }

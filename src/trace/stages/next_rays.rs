@@ -1,6 +1,7 @@
 //! Stage 5: the rays that this wave's surfaces send on.
 
 use super::buffers::{QueuedRay, TileBuffers};
+use crate::color::Rgb;
 use crate::trace::PreparedScene;
 use crate::trace::shade::mirrored;
 
@@ -12,8 +13,11 @@ pub(super) fn run(scene: &PreparedScene, buffers: &mut TileBuffers) {
         let reflected = scene.material(point.hit.slot).reflected;
         if reflected > 0.0 {
             let QueuedRay { ray, pixel, throughput } = &rays[point.ray];
-            if let Some(ray) = mirrored(ray, &point.hit, &point.surface) {
-                next.push(QueuedRay { ray, pixel: *pixel, throughput: throughput * reflected });
+            let throughput = throughput * reflected;
+            if throughput != Rgb::ZERO
+                && let Some(ray) = mirrored(ray, &point.hit, &point.surface)
+            {
+                next.push(QueuedRay { ray, pixel: *pixel, throughput });
             }
         }
     }
