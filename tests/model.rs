@@ -220,3 +220,59 @@ fn a_ray_that_leaves_a_surface_does_not_meet_it_again() {
     }
     assert!(left > 10_000);
 }
+
+#[test]
+fn a_closed_mirror_box_leaks_nowhere() {
+    // Whole columns of pixels fall on edges.
+    for (shape, rotation) in [
+        ("Box(size: (2, 2, 2))", "Euler(0, 0, 0)"),
+        ("Box(size: (2, 2, 2))", "Euler(0, 45, 0)"),
+        ("Sphere(radius: 1)", "Euler(0, 0, 0)"),
+    ] {
+        let mut engine = engine(&format!(
+            r#"film: (width: 101, height: 101), quality: (depth: 8), background: (255, 0, 0),
+            camera: (position: (0, 0, 0), view: (0, 0, 1), screen: (distance: 1, width: 4, height: 4)),
+            materials: {{ "m": (reflective: (k_r: 0.5)) }},
+            entities: [(shape: {shape}, material: "m", transform: (rotation: {rotation}))]"#
+        ));
+        let film = engine.render_frame(0).unwrap();
+        // After eight generations, the background counts 0.5^8.
+        let leaks = film.pixels().iter().filter(|pixel| pixel.x != 1.0 / 256.0).count();
+        assert_eq!(leaks, 0, "{shape} {rotation}");
+    }
+}
+
+#[test]
+fn faces_one_unit_in_the_last_place_apart_do_not_shadow_each_other() {
+    // 0.15 + 0.15 is 0.3, and 0.2 + 0.1 is 0.30000000000000004.
+    let low = r#"(shape: Box(size: (4, 0.3, 4)), material: "m", transform: (translation: (0, 0.15, 0)))"#;
+    let high = r#"(shape: Box(size: (4, 0.2, 4)), material: "m", transform: (translation: (1, 0.2, 0)))"#;
+    let plane = r#"(shape: Plane(normal: (0, 1, 0)), material: "m", transform: (translation: (0, 0.3, 0)))"#;
+    for shapes in [[low, high], [high, low], [plane, high], [high, plane], [plane, low]] {
+        let mut engine = engine(&format!(
+            r#"film: (width: 33, height: 33), camera: (position: (0.5, 9, 0.3), view: (0, -1, 0), up: (0, 0, 1), fov: 12),
+            materials: {{ "m": (k_d: 1, color: (200, 200, 200)) }},
+            entities: [{}, (light: Directional(intensity: (1, 1, 1), direction: (0.1, -1, 0.2)))]"#,
+            shapes.join(", ")
+        ));
+        let film = engine.render_frame(0).unwrap();
+        assert!(film.pixels().iter().all(|pixel| pixel.x > 0.7), "{shapes:?}");
+    }
+}
+
+#[test]
+fn coincident_shells_are_one_shell_however_often_light_bounces() {
+    let shell = r#"(shape: Sphere(radius: 10), material: "m")"#;
+    let picture = |shells: &str| {
+        let mut engine = engine(&format!(
+            r#"film: (width: 33, height: 33), quality: (depth: 6), background: (255, 0, 0), ambient: (1, 1, 1),
+            camera: (position: (1, 2, 3), view: (0, 0, 1)),
+            materials: {{ "m": (k_a: 0.1, k_d: 0.5, color: (90, 120, 150), reflective: (k_r: 0.5)) }},
+            entities: [{shells}, (light: Point(intensity: (1, 1, 1)), transform: (translation: (-4, 5, 0)))]"#
+        ));
+        engine.render_frame(0).unwrap()
+    };
+    let one = picture(shell);
+    assert!(one == picture(&[shell, shell].join(", ")));
+    assert!(one == picture(&[shell; 5].join(", ")));
+}

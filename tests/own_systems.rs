@@ -6,7 +6,7 @@ use glam::{DQuat, DVec3};
 
 use rayreel::components::{
     Animated, Camera, Channel, FilmSettings, Light, LightKind, Material, Name, Order, Parent, Shape,
-    Transform,
+    Transform, WorldTransform,
 };
 use rayreel::timeline::{Easing, Key, Track};
 use rayreel::{Context, Engine, Entity, Film, Rgb, Step, Time, World};
@@ -204,4 +204,99 @@ fn children_follow_their_parents_and_only_what_moves_is_read_again() {
         assert_eq!((hit.entity, hit.normal), (hand, DVec3::NEG_Z));
         assert!((hit.distance - 7.0).abs() < 1e-12);
     }
+}
+
+#[test]
+fn what_is_written_to_lights_and_settings_does_not_outlive_its_frame() {
+    assert_frames_are_pure(|| {
+        let mut world = stage();
+        world.spawn(ball(DVec3::ZERO));
+        let mut engine = Engine::new(world);
+        engine.add_system(|context| {
+            let dimmed = if context.time.seconds() < 0.4 { 0.5 } else { 0.8 };
+            for light in context.world.query_mut::<&mut Light>() {
+                light.intensity *= dimmed;
+            }
+            for camera in context.world.query_mut::<&mut Camera>() {
+                camera.position.x += context.time.seconds();
+            }
+            context.changes.settings();
+        });
+        engine
+    });
+}
+
+#[test]
+fn a_scene_with_a_lamp_that_changes_its_material_keeps_its_light_in_place() {
+    let text = r#"Scene(
+        timeline: (fps: 10, duration: 2), film: (width: 32, height: 18),
+        camera: (position: (0, 2, -8), target: (0, 1, 0)), ambient: (0.1, 0.1, 0.1),
+        materials: { "m": (k_a: 1, k_d: 1, color: (200, 100, 50)) },
+        entities: [
+            (shape: Plane(normal: (0, 1, 0)), material: "m"),
+            (name: "lamp", shape: Sphere(radius: 0.2), material: "m", light: Point(intensity: (1, 1, 1)), transform: (translation: (0, 3, 0))),
+            (name: "moon", parent: "lamp", shape: Sphere(radius: 0.4), material: "m", transform: (translation: (1, 0, 0))),
+        ],
+        animate: [(target: "lamp", channel: Ka, track: Keys([(0, 0), (2, 1)]))],
+    )"#;
+    assert_frames_are_pure(|| {
+        let mut engine = Engine::from_scene(rayreel::Scene::from_text("lamp.ron", text.to_owned()).unwrap());
+        engine.add_system(|context| context.changes.settings());
+        engine
+    });
+}
+
+/// Reads what depends on the order of rows and on world transforms.
+#[test]
+fn steps_do_not_see_which_frames_were_rendered() {
+    assert_frames_are_pure(|| {
+        let mut world = stage();
+        for index in 0..5 {
+            world.spawn(ball(DVec3::new(f64::from(index) - 2.0, 0.0, 0.0)));
+        }
+        let mut engine = Engine::new(world);
+        engine.add_stepped_system(Step::per_second(10), |context| {
+            let mut query = context.world.query::<(Entity, &Transform, &WorldTransform, &Shape)>();
+            let rows: Vec<(Entity, f64)> =
+                query.iter().map(|(entity, _, world, _)| (entity, world.affine.translation.x)).collect();
+            drop(query);
+            // The first row's x moves the last row; now and then the first row goes.
+            if let (Some((first, x)), Some((last, _))) = (rows.first(), rows.last()) {
+                context.world.get::<&mut Transform>(*last).unwrap().translation.y += 0.1 * x + 0.05;
+                if context.time.seconds() > 0.75 && rows.len() > 3 {
+                    context.world.despawn(*first).unwrap();
+                    let (shape, material, transform) = ball(DVec3::new(0.0, *x, 1.0));
+                    context.spawn((shape, material, transform));
+                }
+            }
+        });
+        engine.add_system(|context| {
+            for transform in context.world.query_mut::<&mut Transform>() {
+                transform.translation.x += 0.1 * context.time.seconds();
+            }
+        });
+        engine
+    });
+}
+
+#[test]
+fn entities_that_are_each_others_parents_stay_where_they_are() {
+    assert_frames_are_pure(|| {
+        let mut world = stage();
+        let key = |time, x| Key { time, value: DVec3::new(x, 0.0, 0.0), easing: Easing::Linear };
+        let track = Track::new(vec![key(0.0, 0.0), key(10.0, 10.0)]).unwrap();
+        let (shape, material, transform) = ball(DVec3::ZERO);
+        let mover =
+            world.spawn((shape, material, transform, Animated(vec![Channel::Translation(track.into())])));
+        let first = world.spawn(ball(DVec3::new(1.0, 2.0, 0.0)));
+        let second = world.spawn(ball(DVec3::new(2.0, -2.0, 0.0)));
+        let third = world.spawn(ball(DVec3::new(0.0, 1.5, 0.0)));
+        world.insert_one(first, Parent(second)).unwrap();
+        world.insert_one(second, Parent(first)).unwrap();
+        world.insert_one(third, Parent(second)).unwrap();
+        let gone = world.spawn(());
+        world.despawn(gone).unwrap();
+        world.insert_one(mover, Parent(gone)).unwrap();
+        Engine::new(world)
+    });
 }

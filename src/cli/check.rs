@@ -21,7 +21,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
                 json!({ "scene": file, "ok": true, "mistakes": [], "frames": scene.timeline.frame_count() }),
             ),
             Ok(scene) => {
-                print::result_line(&format!("{file}: ok, {}", frames(scene.timeline.frame_count())))?
+                print::result_line(&format!("{file}: ok, {}", frames(scene.timeline.frame_count())))?;
             }
             Err(error) if arguments.json => results.push(mistakes(&error)),
             Err(error) => {

@@ -19,6 +19,25 @@ pub(super) struct FrameBox {
     pub(super) max: [f32; 3],
 }
 
+impl FrameBox {
+    /// A box around nothing.
+    pub(super) const EMPTY: Self = Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
+
+    /// The box around both.
+    pub(super) fn union(&self, other: &Self) -> Self {
+        Self {
+            min: std::array::from_fn(|axis| self.min[axis].min(other.min[axis])),
+            max: std::array::from_fn(|axis| self.max[axis].max(other.max[axis])),
+        }
+    }
+
+    /// Half the surface, by which the chance that a ray meets it goes.
+    pub(super) fn half_area(&self) -> f32 {
+        let [x, y, z] = std::array::from_fn(|axis| self.max[axis] - self.min[axis]);
+        x * y + y * z + z * x
+    }
+}
+
 /// A ray in the frame, for culling only.
 ///
 /// The origin is an interval. Planes that the ray enters by are measured from the end that lets it enter earlier, planes it

@@ -73,6 +73,12 @@ impl Node {
         self.used |= 1 << index;
     }
 
+    /// The children that there are.
+    #[cfg(test)]
+    pub(super) fn links(&self) -> impl Iterator<Item = Link> {
+        (0..WIDTH).filter(|index| self.used & (1 << index) != 0).map(|index| self.children[index].read())
+    }
+
     /// Which children the ray may meet before `limit`, as a bit mask, and where it may enter each.
     ///
     /// Never stricter than exact arithmetic: the origin is taken at the cautious end, three roundings of at most 2^-24 each are
