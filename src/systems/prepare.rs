@@ -50,28 +50,27 @@ impl Preparation {
     #[must_use]
     pub fn of(world: &mut World) -> Self {
         order_newcomers(world, &[]);
-        let mut drawn: Vec<(Order, Entity, PreparedShape, SurfaceMaterial)> = world
-            .query_mut::<(Entity, &Order, &Shape, &WorldTransform, &Material, Option<&Reflective>)>()
+        type Drawn<'a> = (&'a Shape, &'a WorldTransform, &'a Material, Option<&'a Reflective>);
+        let mut drawn: Vec<(Order, Entity)> = world
+            .query_mut::<hecs::With<(Entity, &Order), (&Shape, &WorldTransform, &Material)>>()
             .into_iter()
-            .filter_map(|(entity, order, shape, transform, material, reflective)| {
-                Some((
-                    *order,
-                    entity,
-                    prepared_shape(shape, transform)?,
-                    surface_material(material, reflective),
-                ))
-            })
+            .map(|(entity, order)| (*order, entity))
             .collect();
-        drawn.sort_unstable_by_key(|(order, entity, ..)| (*order, entity.id()));
+        drawn.sort_unstable_by_key(|(order, entity)| (*order, entity.id()));
 
         let mut geometry = Geometry::default();
         let mut materials = Vec::with_capacity(drawn.len());
         let mut entities = Vec::with_capacity(drawn.len());
         let mut slots = SlotTable::default();
-        for (_, entity, shape, material) in drawn {
-            slots.insert(entity, geometry.push(shape));
-            entities.push(entity);
-            materials.push(material);
+        let view = world.view_mut::<Drawn<'_>>();
+        for (_, entity) in drawn {
+            if let Some((shape, transform, material, reflective)) = view.get(entity)
+                && let Some(shape) = prepared_shape(shape, transform)
+            {
+                slots.insert(entity, geometry.push(shape));
+                entities.push(entity);
+                materials.push(surface_material(material, reflective));
+            }
         }
         let film = film_settings(world);
         let scene = PreparedScene::new(geometry, materials);
