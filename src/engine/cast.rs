@@ -31,8 +31,13 @@ pub struct Hit {
 }
 
 impl Hit {
-    pub(super) fn new(entity: Entity, arrived: trace::Ray, hit: trace::Hit, surface: trace::Surface) -> Self {
-        let distance = hit.t * arrived.direction().length();
+    pub(super) fn new(
+        entity: Entity,
+        distance: f64,
+        arrived: trace::Ray,
+        hit: trace::Hit,
+        surface: trace::Surface,
+    ) -> Self {
         let normal = surface.facing_normal();
         Self { entity, distance, point: surface.point, normal, arrived, hit, surface }
     }

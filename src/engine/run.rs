@@ -280,6 +280,7 @@ impl Engine {
         let preparation = self.preparation.as_ref()?;
         let ray = ray.into_ray()?;
         let (hit, surface) = preparation.scene().cast(&ray)?;
-        Some(Hit::new(preparation.entity(hit.slot), ray, hit, surface))
+        let distance = preparation.scene().distance(&ray, &hit);
+        Some(Hit::new(preparation.entity(hit.slot), distance, ray, hit, surface))
     }
 }

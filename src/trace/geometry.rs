@@ -1,7 +1,10 @@
 //! All shapes of a scene, and which of them a ray's questions go to.
 
+use std::cmp::Ordering;
+
 use glam::DVec3;
 
+use super::exact::Double;
 use super::ray::Departure;
 use super::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 use super::{Bounds, Hit, Ray};
@@ -185,47 +188,95 @@ impl Geometry {
     #[inline]
     pub fn first_hit(&self, slot: Slot, ray: &Ray) -> Option<Hit> {
         let (origin, direction) = (ray.origin(), ray.direction());
-        let near = |t: f64| Hit { t, slot, far: false };
         let Some(departure) = ray.departure() else {
-            return self.near_hit(slot, origin, direction).map(near);
+            return self.near_hit(slot, origin, direction);
         };
-        if slot == departure.slot {
+        if slot == departure.left.slot {
             return if departure.outward { None } else { self.far_hit(slot, origin, direction) };
         }
-        let t = self.near_hit(slot, origin, direction)?;
+        let hit = self.near_hit(slot, origin, direction)?;
         if let Some(normal) = self.also_left(slot, departure) {
             return if direction.dot(normal) < 0.0 { self.far_hit(slot, origin, direction) } else { None };
         }
-        Some(near(t))
+        Some(hit)
     }
 
-    /// If the ray that arrived where a ray departs met this shape at the very same `t`: the shape's outward normal there.
+    /// If the ray that arrived where a ray departs met this shape at the very same place: its outward normal there.
     fn also_left(&self, slot: Slot, departure: &Departure) -> Option<DVec3> {
-        let Departure { arrived_from, arrived_along, arrived_at, .. } = *departure;
-        let met = |hit: Option<f64>| hit == Some(arrived_at);
+        let Departure { left, arrived_from, arrived_along, .. } = *departure;
+        let near = self.near_hit(slot, arrived_from, arrived_along);
         // The ray that arrived may itself have left this shape inwards, and then it met its far side.
-        let far = met(self.far_hit(slot, arrived_from, arrived_along).map(|hit| hit.t));
-        if !far && !met(self.near_hit(slot, arrived_from, arrived_along)) {
-            return None;
-        }
-        Some(ask!(self, slot, shape => shape.surface_at(arrived_from, arrived_along, arrived_at, far)).1)
+        let far = self.far_hit(slot, arrived_from, arrived_along);
+        let met = [near, far].into_iter().flatten().find(|hit| {
+            hit.root.may_equal(&left.root)
+                && (hit.far
+                    || left.far
+                    || self.exact_t(hit, arrived_from, arrived_along)
+                        == self.exact_t(&left, arrived_from, arrived_along))
+        })?;
+        Some(self.surface_at(&met, arrived_from, arrived_along).1)
     }
 
     #[inline]
-    fn near_hit(&self, slot: Slot, origin: DVec3, direction: DVec3) -> Option<f64> {
+    fn near_hit(&self, slot: Slot, origin: DVec3, direction: DVec3) -> Option<Hit> {
+        let root = ask!(self, slot, shape => shape.first_hit(origin, direction))?;
         // What is infinitely far away is not met.
-        ask!(self, slot, shape => shape.first_hit(origin, direction)).filter(|t| *t < f64::INFINITY)
+        (root.t() < f64::INFINITY).then_some(Hit { root, slot, far: false })
     }
 
     fn far_hit(&self, slot: Slot, origin: DVec3, direction: DVec3) -> Option<Hit> {
-        ask!(self, slot, shape => shape.far_hit(origin, direction)).map(|t| Hit { t, slot, far: true })
+        ask!(self, slot, shape => shape.far_hit(origin, direction)).map(|root| Hit { root, slot, far: true })
+    }
+
+    /// A hit's `t` with a hundred bits. A far side's is as exact as the point that the ray starts from.
+    fn exact_t(&self, hit: &Hit, origin: DVec3, direction: DVec3) -> Double {
+        let inexact = || hit.root.t().into();
+        if hit.far {
+            return inexact();
+        }
+        ask!(self, hit.slot, shape => shape.exact_hit(origin, direction)).unwrap_or_else(inexact)
+    }
+
+    /// Is one hit of a ray seen before another: nearer, or exactly as near and earlier in document order?
+    #[must_use]
+    #[inline]
+    pub fn precedes(&self, ray: &Ray, hit: &Hit, other: &Hit) -> bool {
+        if !hit.root.may_equal(&other.root) {
+            return hit.root.t() < other.root.t();
+        }
+        let exact = |hit: &Hit| self.exact_t(hit, ray.origin(), ray.direction());
+        match exact(hit).partial_cmp(&exact(other)) {
+            Some(Ordering::Less) => true,
+            Some(Ordering::Greater) => false,
+            _ => hit.slot < other.slot,
+        }
+    }
+
+    /// Does the shape stand in the ray's way before `limit`?
+    #[must_use]
+    #[inline]
+    pub fn stands_before(&self, slot: Slot, ray: &Ray, limit: f64) -> bool {
+        self.first_hit(slot, ray).is_some_and(|hit| {
+            hit.root.latest() < limit
+                || hit.root.earliest() < limit
+                    && self.exact_t(&hit, ray.origin(), ray.direction()) < Double::from(limit)
+        })
+    }
+
+    /// The hit's `t`, right to the last bit of an `f64` and some beyond.
+    #[must_use]
+    pub fn polished_t(&self, ray: &Ray, hit: &Hit) -> Double {
+        let t = hit.root.t();
+        if hit.far {
+            return t.into();
+        }
+        ask!(self, hit.slot, shape => shape.polished(ray.origin(), ray.direction(), t))
     }
 
     /// The point that the hit found, put onto the surface, and the outward unit normal there.
     #[must_use]
-    pub fn surface_at(&self, ray: &Ray, hit: &Hit) -> (DVec3, DVec3) {
-        let Hit { t, slot, far } = *hit;
-        ask!(self, slot, shape => shape.surface_at(ray.origin(), ray.direction(), t, far))
+    pub fn surface_at(&self, hit: &Hit, origin: DVec3, direction: DVec3) -> (DVec3, DVec3) {
+        ask!(self, hit.slot, shape => shape.surface_at(origin, direction, hit.root.t(), hit.far))
     }
 }
 

@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use super::bvh::{Stack, Tree};
-use super::{Bounds, Geometry, Light, Ray, Slot, SurfaceMaterial};
+use super::exact::{Double, Double3};
+use super::{Bounds, Geometry, Light, Ray, Root, Slot, SurfaceMaterial};
 use crate::color::Rgb;
 
 /// All that the kernel knows of a scene at one moment, apart from the camera.
@@ -27,8 +28,8 @@ pub struct PreparedScene {
 /// Where a ray meets a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// The ray's parameter.
-    pub t: f64,
+    /// The ray's parameter, with a bound of its error.
+    pub root: Root,
     /// The shape.
     pub slot: Slot,
     /// Is this the far side of a shape that the ray left inwards?
@@ -114,11 +115,11 @@ impl PreparedScene {
         let mut best: Option<Hit> = None;
         let mut consider = |slot: Slot| {
             if let Some(hit) = self.geometry.first_hit(slot, ray)
-                && best.is_none_or(|best| hit.precedes(&best))
+                && best.is_none_or(|best| self.geometry.precedes(ray, &hit, &best))
             {
                 best = Some(hit);
             }
-            best.map_or(f64::INFINITY, |best| best.t)
+            best.map_or(f64::INFINITY, |best| best.root.latest())
         };
         let mut limit = f64::INFINITY;
         for slot in &self.beside {
@@ -137,14 +138,22 @@ impl PreparedScene {
 
     /// Does this shape stand between the ray's origin and `limit`?
     pub(super) fn hides(&self, slot: Slot, ray: &Ray, limit: f64, except: Option<Slot>) -> bool {
-        Some(slot) != except && self.geometry.first_hit(slot, ray).is_some_and(|hit| hit.t < limit)
+        Some(slot) != except && self.geometry.stands_before(slot, ray, limit)
     }
 
     /// The point that `hit` found, put onto the surface, with its normal.
     #[must_use]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
-        let (point, normal) = self.geometry.surface_at(ray, hit);
+        let (point, normal) = self.geometry.surface_at(hit, ray.origin(), ray.direction());
         Surface { point, normal, from_outside: ray.direction().dot(normal) <= 0.0 }
+    }
+
+    /// How far the hit is from the ray's origin: t |d| with a hundred bits, rounded once.
+    #[must_use]
+    pub fn distance(&self, ray: &Ray, hit: &Hit) -> f64 {
+        let direction = Double3::from(ray.direction());
+        let t: Double = self.geometry.polished_t(ray, hit);
+        (t * direction.dot(direction).sqrt()).rounded()
     }
 
     /// The nearest surface that the ray meets, by the renderer's own path. For single rays; it makes its own buffers.
@@ -156,12 +165,6 @@ impl PreparedScene {
 }
 
 impl Hit {
-    /// Is this hit seen before the other: nearer, or as near and earlier in document order?
-    #[must_use]
-    pub(super) fn precedes(&self, other: &Self) -> bool {
-        self.t < other.t || self.t == other.t && self.slot < other.slot
-    }
-
     /// A ray that leaves the surface found by this hit of `arrived`. It never meets the surface it starts on by rounding.
     /// `None` if the direction is zero or not finite.
     #[must_use]

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Hit, Slot, Surface};
+use super::{Hit, Surface};
 
 /// A half-line `origin + t direction`, t >= 0.
 ///
@@ -18,14 +18,13 @@ pub struct Ray {
 /// The surface a ray leaves. Instead of moving the origin off the surface by some epsilon, the ray skips what it leaves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Departure {
-    /// The shape that is left.
-    pub(super) slot: Slot,
+    /// Where it is left.
+    pub(super) left: Hit,
     /// Out of the shape, or into it?
     pub(super) outward: bool,
-    /// The ray that arrived here and its `t`: every shape that this ray meets at the very same `t` is left as well.
+    /// The ray that arrived here: every shape that it meets at the very same place is left as well.
     pub(super) arrived_from: DVec3,
     pub(super) arrived_along: DVec3,
-    pub(super) arrived_at: f64,
 }
 
 impl Ray {
@@ -47,13 +46,8 @@ impl Ray {
     ) -> Option<Self> {
         let (direction, _) = scaled(direction)?;
         surface.point.is_finite().then_some(())?;
-        let departure = Departure {
-            slot: hit.slot,
-            outward,
-            arrived_from: arrived.origin,
-            arrived_along: arrived.direction,
-            arrived_at: hit.t,
-        };
+        let departure =
+            Departure { left: *hit, outward, arrived_from: arrived.origin, arrived_along: arrived.direction };
         Some(Self { origin: surface.point, direction, departure: Some(departure) })
     }
 

@@ -62,7 +62,7 @@ pub fn radiance(scene: &PreparedScene, camera_ray: Ray) -> Rgb {
 pub fn closest(scene: &PreparedScene, ray: &Ray) -> Option<Hit> {
     let geometry = scene.geometry();
     let hits = geometry.slots().filter_map(|slot| geometry.first_hit(slot, ray));
-    hits.reduce(|best, hit| if hit.precedes(&best) { hit } else { best })
+    hits.reduce(|best, hit| if geometry.precedes(ray, &hit, &best) { hit } else { best })
 }
 
 /// Does anything but `except` stand between the ray's origin and `limit`?

@@ -4,8 +4,11 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
+use super::aligned_box::exact_first_crossing;
+use super::sphere::{Verdict, exact_first_root, first_root, polished_root};
 use super::{AlignedBox, Sphere};
-use crate::trace::Bounds;
+use crate::trace::exact::{Double, Double3};
+use crate::trace::{Bounds, Root};
 
 /// A sphere under an affine map: an ellipsoid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +30,10 @@ struct Map {
     forward: DAffine3,
     /// The inverse of the linear part; the translation is subtracted first, which keeps more digits.
     inverse: DMat3,
+    /// Its rows with a hundred bits: the geometry is what the entries of `forward` say, exactly.
+    exact_inverse: [Double3; 3],
+    /// How many times a rounding error can grow on the way back.
+    condition: f64,
 }
 
 impl Map {
@@ -38,7 +45,10 @@ impl Map {
             .into_iter()
             .fold(0.0, |largest: f64, part| largest.max(part.abs()));
         let scale = libm::ldexp(1.0, -libm::ilogb(largest).clamp(-1000, 1000));
-        Self { forward, inverse: (forward.matrix3 * scale).inverse() * scale }
+        let inverse = (forward.matrix3 * scale).inverse() * scale;
+        let norm = |matrix: DMat3| matrix.x_axis.length() + matrix.y_axis.length() + matrix.z_axis.length();
+        let condition = norm(forward.matrix3) * norm(inverse);
+        Self { forward, inverse, exact_inverse: exact_inverse(forward.matrix3, inverse), condition }
     }
 
     fn point_back(&self, point: DVec3) -> DVec3 {
@@ -47,6 +57,24 @@ impl Map {
 
     fn direction_back(&self, direction: DVec3) -> DVec3 {
         self.inverse * direction
+    }
+
+    fn exact_point_back(&self, point: DVec3) -> Double3 {
+        self.exactly_back(Double3::difference(point, self.forward.translation))
+    }
+
+    fn exact_direction_back(&self, direction: DVec3) -> Double3 {
+        self.exactly_back(direction.into())
+    }
+
+    fn exactly_back(&self, vector: Double3) -> Double3 {
+        let [x, y, z] = self.exact_inverse.map(|row| row.dot(vector));
+        Double3 { x, y, z }
+    }
+
+    /// How many times worse than rounded once points and directions are that were taken back.
+    fn roughness(&self) -> f64 {
+        8.0 * self.condition
     }
 
     /// Normals go by the inverse transpose; a mirroring map does not turn them inside out.
@@ -60,9 +88,8 @@ impl Map {
     fn bounds(&self, half: DVec3) -> Option<Bounds> {
         const PAD: f64 = 1e-14;
         const WORST_CONDITION: f64 = 1e7;
-        let norm = |matrix: DMat3| matrix.x_axis.length() + matrix.y_axis.length() + matrix.z_axis.length();
         let linear = self.forward.matrix3;
-        if norm(linear) * norm(self.inverse) > WORST_CONDITION {
+        if self.condition > WORST_CONDITION {
             return None;
         }
         let reach =
@@ -74,6 +101,35 @@ impl Map {
     }
 }
 
+/// An inverse with a hundred bits, by two Newton steps X + X (1 - M X) from a rounded one.
+fn exact_inverse(matrix: DMat3, inverse: DMat3) -> [Double3; 3] {
+    let rows = |matrix: DMat3| {
+        let transposed = matrix.transpose();
+        [transposed.x_axis.into(), transposed.y_axis.into(), transposed.z_axis.into()]
+    };
+    let columns = |rows: [Double3; 3]| {
+        let [a, b, c] = rows;
+        [
+            Double3 { x: a.x, y: b.x, z: c.x },
+            Double3 { x: a.y, y: b.y, z: c.y },
+            Double3 { x: a.z, y: b.z, z: c.z },
+        ]
+    };
+    let product = |left: [Double3; 3], right: [Double3; 3]| {
+        let columns = columns(right);
+        left.map(|row| Double3 { x: row.dot(columns[0]), y: row.dot(columns[1]), z: row.dot(columns[2]) })
+    };
+    let (matrix, mut inverse): ([Double3; 3], [Double3; 3]) = (rows(matrix), rows(inverse));
+    let identity: [Double3; 3] = [DVec3::X.into(), DVec3::Y.into(), DVec3::Z.into()];
+    for _ in 0..2 {
+        let done = product(matrix, inverse);
+        let rest: [Double3; 3] = std::array::from_fn(|row| identity[row] - done[row]);
+        let step = product(inverse, rest);
+        inverse = std::array::from_fn(|row| inverse[row] + step[row]);
+    }
+    inverse
+}
+
 impl SphereImage {
     /// The image of an origin-centred sphere. The map must be invertible.
     #[must_use]
@@ -83,13 +139,32 @@ impl SphereImage {
 
     /// The smallest `t >= 0` on the ellipsoid.
     #[must_use]
-    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
-        self.sphere.first_hit(self.map.point_back(origin), self.map.direction_back(direction))
+    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<Root> {
+        let (own, way) = (self.map.point_back(origin), self.map.direction_back(direction));
+        match first_root(-own, way, self.sphere.radius, self.map.roughness()) {
+            Verdict::Hit(root) => Some(root),
+            Verdict::Miss => None,
+            Verdict::Open => self.exact_hit(origin, direction).map(Root::rounded),
+        }
+    }
+
+    /// As [`SphereImage::first_hit`], with a hundred bits throughout.
+    #[must_use]
+    pub fn exact_hit(&self, origin: DVec3, direction: DVec3) -> Option<Double> {
+        let (own, way) = (self.map.exact_point_back(origin), self.map.exact_direction_back(direction));
+        exact_first_root(-own, way, self.sphere.radius)
+    }
+
+    /// The `t` near an inexact one with which the ray is on the ellipsoid.
+    #[must_use]
+    pub fn polished(&self, origin: DVec3, direction: DVec3, t: f64) -> Double {
+        let (own, way) = (self.map.exact_point_back(origin), self.map.exact_direction_back(direction));
+        polished_root(-own, way, self.sphere.radius, t)
     }
 
     /// Where a ray that starts on the ellipsoid and goes inwards comes out.
     #[must_use]
-    pub fn far_hit(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
+    pub fn far_hit(&self, origin: DVec3, direction: DVec3) -> Option<Root> {
         self.sphere.far_hit(self.map.point_back(origin), self.map.direction_back(direction))
     }
 
@@ -117,13 +192,35 @@ impl BoxImage {
 
     /// The smallest `t >= 0` on the box.
     #[must_use]
-    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
-        self.aligned.first_hit(self.map.point_back(origin), self.map.direction_back(direction))
+    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<Root> {
+        let (own, way) = (self.map.point_back(origin), self.map.direction_back(direction));
+        match self.aligned.first_crossing(own, way, self.map.roughness()) {
+            Verdict::Hit(root) => Some(root),
+            Verdict::Miss => None,
+            Verdict::Open => self.exact_hit(origin, direction).map(Root::rounded),
+        }
+    }
+
+    /// As [`BoxImage::first_hit`], with a hundred bits throughout.
+    #[must_use]
+    pub fn exact_hit(&self, origin: DVec3, direction: DVec3) -> Option<Double> {
+        let (own, way) = (self.map.exact_point_back(origin), self.map.exact_direction_back(direction));
+        exact_first_crossing(
+            Double3::from(self.aligned.min) - own,
+            Double3::from(self.aligned.max) - own,
+            way,
+        )
+    }
+
+    /// The `t` near an inexact one with which the ray is on the box.
+    #[must_use]
+    pub fn polished(&self, origin: DVec3, direction: DVec3, t: f64) -> Double {
+        self.exact_hit(origin, direction).unwrap_or_else(|| t.into())
     }
 
     /// Where a ray that starts on the box and goes inwards comes out.
     #[must_use]
-    pub fn far_hit(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
+    pub fn far_hit(&self, origin: DVec3, direction: DVec3) -> Option<Root> {
         self.aligned.far_hit(self.map.point_back(origin), self.map.direction_back(direction))
     }
 
@@ -155,9 +252,9 @@ mod tests {
             DVec3::new(0.0, 0.0, 5.0),
         );
         let ellipsoid = SphereImage::new(map, 1.0);
-        assert_eq!(ellipsoid.first_hit(DVec3::ZERO, DVec3::Z), Some(4.5));
+        assert_eq!(ellipsoid.first_hit(DVec3::ZERO, DVec3::Z).unwrap().t(), 4.5);
         let (origin, direction) = (DVec3::new(2.0, 0.0, 0.0), DVec3::Z);
-        let t = ellipsoid.first_hit(origin, direction).unwrap();
+        let t = ellipsoid.first_hit(origin, direction).unwrap().t();
         let (point, normal) = ellipsoid.surface_at(origin, direction, t, false);
         // x^2/9 + z^2/0.25 = 1, gradient (2x/9, 0, 2z/0.25).
         assert!((4.0 / 9.0 + (point.z - 5.0) * (point.z - 5.0) / 0.25 - 1.0).abs() < 1e-14);
@@ -169,7 +266,7 @@ mod tests {
     fn a_mirrored_box_keeps_its_normals_outward() {
         let map = DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
         let mirrored = BoxImage::new(map, DVec3::ONE);
-        let t = mirrored.first_hit(DVec3::new(-4.0, 0.2, 0.1), DVec3::X).unwrap();
+        let t = mirrored.first_hit(DVec3::new(-4.0, 0.2, 0.1), DVec3::X).unwrap().t();
         let (point, normal) = mirrored.surface_at(DVec3::new(-4.0, 0.2, 0.1), DVec3::X, t, false);
         assert_eq!((t, point, normal), (3.0, DVec3::new(-1.0, 0.2, 0.1), DVec3::NEG_X));
     }

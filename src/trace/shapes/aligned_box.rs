@@ -1,8 +1,12 @@
 //! Boxes along the world's axes.
 
+use std::cmp::Ordering;
+
 use glam::DVec3;
 
-use crate::trace::Bounds;
+use super::sphere::{U, Verdict};
+use crate::trace::exact::{Double, Double3, compare_quotients};
+use crate::trace::{Bounds, Root};
 
 /// An axis-aligned box in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,17 +25,120 @@ struct Crossing {
     entry_axis: usize,
 }
 
+/// A slab's plane, ahead of the origin by `height`, met at `height / speed`.
+#[derive(Clone, Copy)]
+struct Meeting {
+    height: Double,
+    speed: Double,
+}
+
+impl Meeting {
+    /// Which of two comes first: exactly, for speeds that are plain `f64`.
+    fn compare(&self, other: &Self) -> Ordering {
+        if self.speed.rest() == 0.0 && other.speed.rest() == 0.0 {
+            return compare_quotients(self.height, self.speed.rounded(), other.height, other.speed.rounded());
+        }
+        let sign = (self.height * other.speed - other.height * self.speed).sign();
+        if self.speed.sign() == other.speed.sign() { sign } else { sign.reverse() }
+    }
+}
+
+/// Where a ray enters and leaves the slabs whose planes are `low` and `high` ahead of its origin; `None` if it misses the box.
+fn exact_crossing(low: Double3, high: Double3, direction: Double3) -> Option<(Meeting, Meeting)> {
+    let axes = [(low.x, high.x, direction.x), (low.y, high.y, direction.y), (low.z, high.z, direction.z)];
+    let mut crossing: Option<(Meeting, Meeting)> = None;
+    for (low, high, speed) in axes {
+        if speed.sign().is_eq() {
+            if low.sign().is_gt() || high.sign().is_lt() {
+                return None;
+            }
+            continue;
+        }
+        let (near, far) = if speed.sign().is_gt() { (low, high) } else { (high, low) };
+        let (near, far) = (Meeting { height: near, speed }, Meeting { height: far, speed });
+        crossing = Some(crossing.map_or((near, far), |(entry, exit)| {
+            let later = if near.compare(&entry).is_gt() { near } else { entry };
+            let earlier = if far.compare(&exit).is_lt() { far } else { exit };
+            (later, earlier)
+        }));
+    }
+    crossing.filter(|(entry, exit)| entry.compare(exit).is_le())
+}
+
+/// The first `t >= 0` of an [`exact_crossing`].
+pub(super) fn exact_first_crossing(low: Double3, high: Double3, direction: Double3) -> Option<Double> {
+    let (entry, exit) = exact_crossing(low, high, direction)?;
+    [entry, exit].into_iter().map(|meeting| meeting.height / meeting.speed).find(|t| t.sign().is_ge())
+}
+
 impl AlignedBox {
-    /// The smallest `t >= 0` on the box.
+    /// The smallest `t >= 0` on the box. Whether the ray passes an edge or misses it is decided exactly.
     #[must_use]
     #[inline]
-    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
+    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<Root> {
+        // A quotient of a difference is rounded twice, and so is its sign only if it is zero.
         let Crossing { entry, exit, .. } = self.crossing(origin, direction);
-        if entry > exit || exit < 0.0 {
+        let close = 8.0 * U * entry.abs().max(exit.abs());
+        if exit < 0.0 || entry > exit + close {
             return None;
         }
+        if entry > exit - close {
+            return self.exact_hit(origin, direction).map(Root::rounded);
+        }
         // Adding zero makes a negative zero positive.
-        Some(if entry >= 0.0 { entry } else { exit } + 0.0)
+        let t = if entry >= 0.0 { entry } else { exit } + 0.0;
+        Some(Root::within(t, 4.0 * U * t))
+    }
+
+    /// As [`AlignedBox::first_hit`], for arguments that are `roughness` times worse than rounded once, and without the last
+    /// word.
+    #[inline]
+    pub(super) fn first_crossing(&self, origin: DVec3, direction: DVec3, roughness: f64) -> Verdict {
+        let u = U * roughness;
+        let (place_error, way_error) = (
+            2.0 * u * (origin.abs().max_element() + self.max.max_element()),
+            2.0 * u * direction.abs().max_element(),
+        );
+        let (mut entry, mut exit) = (Root::within(f64::NEG_INFINITY, 0.0), Root::within(f64::INFINITY, 0.0));
+        for axis in 0..3 {
+            let (o, d) = (origin[axis], direction[axis]);
+            if !(d.abs() > 1024.0 * way_error) {
+                // Almost along the slab.
+                return Verdict::Open;
+            }
+            let met = |plane: f64| {
+                let t = (plane - o) / d;
+                Root::within(t, (place_error + t.abs() * way_error) / d.abs() + 4.0 * U * t.abs())
+            };
+            let (at_min, at_max) = (met(self.min[axis]), met(self.max[axis]));
+            let (near, far) = if d > 0.0 { (at_min, at_max) } else { (at_max, at_min) };
+            entry = entry.later(near);
+            exit = exit.earlier(far);
+        }
+        if entry.earliest() > exit.latest() || exit.latest() < 0.0 {
+            Verdict::Miss
+        } else if entry.latest() >= exit.earliest() {
+            Verdict::Open
+        } else if entry.earliest() > 0.0 {
+            Verdict::Hit(entry)
+        } else if entry.latest() < 0.0 && exit.earliest() > 0.0 {
+            Verdict::Hit(exit)
+        } else {
+            Verdict::Open
+        }
+    }
+
+    /// As [`AlignedBox::first_hit`], with a hundred bits throughout.
+    #[must_use]
+    pub fn exact_hit(&self, origin: DVec3, direction: DVec3) -> Option<Double> {
+        let (low, high) = (Double3::difference(self.min, origin), Double3::difference(self.max, origin));
+        exact_first_crossing(low, high, direction.into())
+    }
+
+    /// The `t` near an inexact one with which the ray is on the box.
+    #[must_use]
+    pub fn polished(&self, origin: DVec3, direction: DVec3, t: f64) -> Double {
+        self.exact_hit(origin, direction).unwrap_or_else(|| t.into())
     }
 
     /// Intersects the three slabs (Kay and Kajiya, "Ray Tracing Complex Scenes", 1986), closed ones: a ray in a face
@@ -62,9 +169,9 @@ impl AlignedBox {
     /// Where a ray that starts on the box and goes inwards comes out: only faces ahead count. From an edge it may come out
     /// at once, by the other face.
     #[must_use]
-    pub fn far_hit(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
-        let (exit, _) = self.exit(origin, direction);
-        exit.is_finite().then_some(exit.max(0.0))
+    pub fn far_hit(&self, origin: DVec3, direction: DVec3) -> Option<Root> {
+        let t = self.exit(origin, direction).0.max(0.0);
+        t.is_finite().then_some(Root::within(t, 16.0 * U * t))
     }
 
     /// The nearest face ahead, and its axis.
@@ -88,7 +195,7 @@ impl AlignedBox {
     #[must_use]
     pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: f64, far: bool) -> (DVec3, DVec3) {
         let crossing = self.crossing(origin, direction);
-        let enters = !far && crossing.entry == t;
+        let enters = !far && (t - crossing.entry).abs() <= (crossing.exit - t).abs();
         let axis = if enters { crossing.entry_axis } else { self.exit(origin, direction).1 };
         // Going up one enters by the lower face and leaves by the upper.
         let upper = (direction[axis] > 0.0) != enters;
@@ -110,41 +217,41 @@ impl AlignedBox {
 mod tests {
     use super::*;
 
+    fn first(origin: DVec3, direction: DVec3) -> Option<f64> {
+        UNIT.first_hit(origin, direction).map(|root| root.t())
+    }
+
+    fn far(origin: DVec3, direction: DVec3) -> Option<f64> {
+        UNIT.far_hit(origin, direction).map(|root| root.t())
+    }
+
     const UNIT: AlignedBox = AlignedBox { min: DVec3::NEG_ONE, max: DVec3::ONE };
 
     #[test]
     fn from_outside_inside_and_behind() {
-        assert_eq!(UNIT.first_hit(DVec3::new(0.0, 0.0, -3.0), DVec3::Z), Some(2.0));
-        assert_eq!(UNIT.first_hit(DVec3::ZERO, DVec3::new(1.0, 0.5, 0.0)), Some(1.0));
-        assert_eq!(UNIT.first_hit(DVec3::new(0.0, 0.0, 3.0), DVec3::Z), None);
-        assert_eq!(UNIT.first_hit(DVec3::new(1.5, 0.0, -3.0), DVec3::Z), None);
+        assert_eq!(first(DVec3::new(0.0, 0.0, -3.0), DVec3::Z), Some(2.0));
+        assert_eq!(first(DVec3::ZERO, DVec3::new(1.0, 0.5, 0.0)), Some(1.0));
+        assert_eq!(first(DVec3::new(0.0, 0.0, 3.0), DVec3::Z), None);
+        assert_eq!(first(DVec3::new(1.5, 0.0, -3.0), DVec3::Z), None);
     }
 
     #[test]
     fn faces_edges_and_corners_are_part_of_it() {
-        assert_eq!(UNIT.first_hit(DVec3::new(1.0, 0.0, -3.0), DVec3::Z), Some(2.0), "along a face");
-        assert_eq!(UNIT.first_hit(DVec3::new(1.0, -1.0, -3.0), DVec3::Z), Some(2.0), "along an edge");
-        assert_eq!(UNIT.first_hit(DVec3::new(3.0, 1.0, 1.0), DVec3::NEG_X), Some(2.0), "along another");
-        assert_eq!(
-            UNIT.first_hit(DVec3::new(2.0, 0.0, 1.0), DVec3::new(-1.0, 1.0, 0.0)),
-            Some(1.0),
-            "a corner"
-        );
-        assert_eq!(UNIT.first_hit(DVec3::new(1.0, 0.0, 0.0), DVec3::X), Some(0.0), "the origin on it");
-        assert_eq!(
-            UNIT.first_hit(DVec3::new(0.0, 0.0, -3.0), DVec3::new(-0.0, -0.0, 1.0)),
-            Some(2.0),
-            "signed zeros"
-        );
+        assert_eq!(first(DVec3::new(1.0, 0.0, -3.0), DVec3::Z), Some(2.0), "along a face");
+        assert_eq!(first(DVec3::new(1.0, -1.0, -3.0), DVec3::Z), Some(2.0), "along an edge");
+        assert_eq!(first(DVec3::new(3.0, 1.0, 1.0), DVec3::NEG_X), Some(2.0), "along another");
+        assert_eq!(first(DVec3::new(2.0, 0.0, 1.0), DVec3::new(-1.0, 1.0, 0.0)), Some(1.0), "a corner");
+        assert_eq!(first(DVec3::new(1.0, 0.0, 0.0), DVec3::X), Some(0.0), "the origin on it");
+        assert_eq!(first(DVec3::new(0.0, 0.0, -3.0), DVec3::new(-0.0, -0.0, 1.0)), Some(2.0), "signed zeros");
     }
 
     #[test]
     fn hits_are_put_onto_their_face() {
         let (origin, direction) = (DVec3::new(0.3, 0.1, -3.7), DVec3::new(0.05, 0.13, 1.0));
-        let t = UNIT.first_hit(origin, direction).unwrap();
+        let t = first(origin, direction).unwrap();
         let (point, normal) = UNIT.surface_at(origin, direction, t, false);
         assert_eq!((point.z, normal), (-1.0, DVec3::NEG_Z));
-        let t = UNIT.first_hit(DVec3::ZERO, DVec3::new(0.2, -1.0, 0.0)).unwrap();
+        let t = first(DVec3::ZERO, DVec3::new(0.2, -1.0, 0.0)).unwrap();
         let (point, normal) = UNIT.surface_at(DVec3::ZERO, DVec3::new(0.2, -1.0, 0.0), t, false);
         assert_eq!(
             (point, normal),
@@ -155,10 +262,10 @@ mod tests {
 
     #[test]
     fn a_ray_into_the_box_comes_out_once() {
-        assert_eq!(UNIT.far_hit(DVec3::new(0.0, 0.0, -1.0), DVec3::Z), Some(2.0));
+        assert_eq!(far(DVec3::new(0.0, 0.0, -1.0), DVec3::Z), Some(2.0));
         // From an edge it comes out at once, by the other face.
         let (origin, direction) = (DVec3::new(0.0, 1.0, -1.0), DVec3::new(0.0, 1.0, 1.0));
-        assert_eq!(UNIT.far_hit(origin, direction), Some(0.0));
+        assert_eq!(far(origin, direction), Some(0.0));
         assert_eq!(UNIT.surface_at(origin, direction, 0.0, true), (origin, DVec3::Y));
     }
 }

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use crate::trace::Bounds;
+use crate::trace::exact::{Double, Double3};
+use crate::trace::{Bounds, Root};
 
 /// A sphere in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,44 +14,123 @@ pub struct Sphere {
     pub radius: f64,
 }
 
+/// What `f64` can say about a question.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Verdict {
+    Hit(Root),
+    Miss,
+    /// Too close to call.
+    Open,
+}
+
+/// Half a unit in the last place of 1.
+pub(super) const U: f64 = f64::EPSILON / 2.0;
+
+/// The first `t >= 0` at which `t direction` is `radius` away from `to_center`.
+///
+/// Not the schoolbook formula, whose discriminant loses all digits for distant and for huge spheres: the discriminant
+/// comes from the ray's distance to the centre, and the root that would cancel from the other one
+/// (Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems, 2019,
+/// chapter 7). `roughness` is how many times worse than rounded once the arguments are.
+#[inline]
+pub(super) fn first_root(to_center: DVec3, direction: DVec3, radius: f64, roughness: f64) -> Verdict {
+    let u = U * roughness;
+    let a = direction.dot(direction);
+    let b = to_center.dot(direction);
+    let squared_radius = radius * radius;
+    let nearest = to_center - direction * (b / a);
+    let q = squared_radius - nearest.dot(nearest);
+    // The worst that was ever seen is half of this.
+    let q_error = 32.0 * u * (b * b / a + squared_radius);
+    if q < -q_error {
+        return Verdict::Miss;
+    }
+    let squared_distance = to_center.dot(to_center);
+    let c = squared_distance - squared_radius;
+    let root = (a * q).sqrt();
+    let s = b + root.copysign(b);
+    let (one, other) = (c / s, s / a);
+    let c_error = 8.0 * u * (squared_distance + squared_radius);
+    let s_error = 8.0 * u * (to_center.abs().dot(direction.abs()) + root) + q_error * a / root;
+    let one_error = (c_error + one.abs() * s_error) / s.abs() + 4.0 * u * one.abs();
+    let other_error = s_error / a + 8.0 * u * other.abs();
+    let (one, other) = (Root::within(one, one_error), Root::within(other, other_error));
+    let (near, far) = if one.t() < other.t() { (one, other) } else { (other, one) };
+    if !(q > 1024.0 * q_error) {
+        Verdict::Open
+    } else if near.earliest() > 0.0 {
+        Verdict::Hit(near)
+    } else if !(near.latest() < 0.0) {
+        Verdict::Open
+    } else if far.earliest() > 0.0 {
+        Verdict::Hit(far)
+    } else if far.latest() < 0.0 {
+        Verdict::Miss
+    } else {
+        Verdict::Open
+    }
+}
+
+/// As [`first_root`], with a hundred bits.
+pub(super) fn exact_first_root(to_center: Double3, direction: Double3, radius: f64) -> Option<Double> {
+    let a = direction.dot(direction);
+    let b = to_center.dot(direction);
+    let squared_radius = Double::product(radius, radius);
+    let nearest = to_center - direction.scaled(b / a);
+    let q = squared_radius - nearest.dot(nearest);
+    if q.sign().is_lt() {
+        return None;
+    }
+    let root = (a * q).sqrt();
+    let s = if b.sign().is_lt() { b - root } else { b + root };
+    if s.sign().is_eq() {
+        return Some(Double::ZERO);
+    }
+    let (one, other) = ((to_center.dot(to_center) - squared_radius) / s, s / a);
+    let (near, far) = if one < other { (one, other) } else { (other, one) };
+    [near, far].into_iter().find(|t| t.sign().is_ge())
+}
+
+/// One Newton step for |to_center - t direction|^2 = radius^2.
+pub(super) fn polished_root(to_center: Double3, direction: Double3, radius: f64, t: f64) -> Double {
+    let from_point = to_center - direction.scaled(t.into());
+    let residual = from_point.dot(from_point) - Double::product(radius, radius);
+    let slope = 2.0 * from_point.rounded().dot(direction.rounded());
+    let step = residual.rounded() / slope;
+    if step.is_finite() { Double::from(t) + Double::from(step) } else { t.into() }
+}
+
 impl Sphere {
-    /// The smallest `t >= 0` on the sphere.
-    ///
-    /// Not the schoolbook formula, whose discriminant loses all digits for distant and for huge spheres: the discriminant
-    /// comes from the ray's distance to the centre, and the root that would cancel from the other one
-    /// (Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems, 2019,
-    /// chapter 7).
+    /// The smallest `t >= 0` on the sphere, if there is one; that verdict is decided with a hundred bits where `f64` could
+    /// be wrong.
     #[must_use]
     #[inline]
-    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
+    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<Root> {
         let to_center = self.center - origin;
-        let a = direction.dot(direction);
-        let b = to_center.dot(direction);
-        let nearest = to_center - direction * (b / a);
-        let q = self.radius * self.radius - nearest.dot(nearest);
-        if q < 0.0 {
-            return None;
+        match first_root(to_center, direction, self.radius, 1.0) {
+            Verdict::Hit(root) => Some(root),
+            Verdict::Miss => None,
+            Verdict::Open => self.exact_hit(origin, direction).map(Root::rounded),
         }
-        let c = to_center.dot(to_center) - self.radius * self.radius;
-        let s = b + (a * q).sqrt().copysign(b);
-        if s == 0.0 {
-            return Some(0.0);
-        }
-        let (one, other) = (c / s, s / a);
-        let (near, far) = if one < other { (one, other) } else { (other, one) };
-        if near >= 0.0 {
-            Some(near)
-        } else if far >= 0.0 {
-            Some(far)
-        } else {
-            None
-        }
+    }
+
+    /// As [`Sphere::first_hit`], with a hundred bits throughout.
+    #[must_use]
+    pub fn exact_hit(&self, origin: DVec3, direction: DVec3) -> Option<Double> {
+        exact_first_root(Double3::difference(self.center, origin), direction.into(), self.radius)
+    }
+
+    /// The `t` near an inexact one with which the ray is on the sphere: a Newton step from a residual of a hundred bits.
+    #[must_use]
+    pub fn polished(&self, origin: DVec3, direction: DVec3, t: f64) -> Double {
+        polished_root(Double3::difference(self.center, origin), direction.into(), self.radius, t)
     }
 
     /// Where a ray that starts on the sphere and goes inwards comes out. A ray that only grazes it comes out at once.
     #[must_use]
-    pub fn far_hit(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
-        Some((-2.0 * direction.dot(origin - self.center) / direction.dot(direction)).max(0.0))
+    pub fn far_hit(&self, origin: DVec3, direction: DVec3) -> Option<Root> {
+        let t = (-2.0 * direction.dot(origin - self.center) / direction.dot(direction)).max(0.0);
+        Some(Root::within(t, 16.0 * U * t))
     }
 
     /// The point at `t`, on the surface, and its outward unit normal.
@@ -76,7 +156,7 @@ mod tests {
     fn the_worked_example() {
         let sphere = Sphere { center: DVec3::new(3.0, 3.0, 1.0), radius: 2.0 };
         let (origin, direction) = (DVec3::new(0.0, -2.0, 0.0), DVec3::new(1.0, 2.0, 1.0) / 6.0_f64.sqrt());
-        let t = sphere.first_hit(origin, direction).unwrap();
+        let t = sphere.first_hit(origin, direction).unwrap().t();
         assert!((t - 4.42).abs() < 0.005, "{t}");
         let (point, _) = sphere.surface_at(origin, direction, t, false);
         // The source truncates to 1.80 where rounding gives 1.81.
@@ -90,21 +170,25 @@ mod tests {
         assert!((discriminant - 6.67).abs() < 0.005);
         let near = (28.0 / 6.0_f64.sqrt() - discriminant.sqrt()) / 2.0;
         let sphere = Sphere { center: DVec3::new(3.0, 3.0, 1.0), radius: 2.0 };
-        let found =
-            sphere.first_hit(DVec3::new(0.0, -2.0, 0.0), DVec3::new(1.0, 2.0, 1.0) / 6.0_f64.sqrt()).unwrap();
+        let found = sphere
+            .first_hit(DVec3::new(0.0, -2.0, 0.0), DVec3::new(1.0, 2.0, 1.0) / 6.0_f64.sqrt())
+            .unwrap()
+            .t();
         assert!((found - near).abs() < 1e-14);
     }
 
     #[test]
     fn the_nearer_root_counts_only_ahead_and_from_inside_the_farther_does() {
         let sphere = Sphere { center: DVec3::ZERO, radius: 2.0 };
-        assert_eq!(sphere.first_hit(DVec3::new(0.0, 0.0, -5.0), DVec3::Z), Some(3.0));
-        assert_eq!(sphere.first_hit(DVec3::new(0.0, 0.0, 1.0), DVec3::Z), Some(1.0));
-        assert_eq!(sphere.first_hit(DVec3::ZERO, DVec3::Z), Some(2.0));
-        assert_eq!(sphere.first_hit(DVec3::new(0.0, 0.0, 5.0), DVec3::Z), None);
-        assert_eq!(sphere.first_hit(DVec3::new(0.0, 2.0, -5.0), DVec3::Z), Some(5.0), "grazing is touching");
+        let first =
+            |origin: DVec3, direction: DVec3| sphere.first_hit(origin, direction).map(|root| root.t());
+        assert_eq!(first(DVec3::new(0.0, 0.0, -5.0), DVec3::Z), Some(3.0));
+        assert_eq!(first(DVec3::new(0.0, 0.0, 1.0), DVec3::Z), Some(1.0));
+        assert_eq!(first(DVec3::ZERO, DVec3::Z), Some(2.0));
+        assert_eq!(first(DVec3::new(0.0, 0.0, 5.0), DVec3::Z), None);
+        assert_eq!(first(DVec3::new(0.0, 2.0, -5.0), DVec3::Z), Some(5.0), "grazing is touching");
         assert_eq!(
-            sphere.first_hit(DVec3::new(0.0, 0.0, -2.0), DVec3::Z),
+            first(DVec3::new(0.0, 0.0, -2.0), DVec3::Z),
             Some(0.0),
             "an origin on the surface"
         );
@@ -113,7 +197,7 @@ mod tests {
     #[test]
     fn a_ground_sphere_of_a_thousand_million_is_level() {
         let ground = Sphere { center: DVec3::new(0.0, -1e9, 0.0), radius: 1e9 };
-        let t = ground.first_hit(DVec3::new(0.0, 2.0, 0.0), DVec3::new(4.0, -3.0, 0.0)).unwrap();
+        let t = ground.first_hit(DVec3::new(0.0, 2.0, 0.0), DVec3::new(4.0, -3.0, 0.0)).unwrap().t();
         assert!((t - 3.333_333_339_259_259 / 5.0).abs() < 1e-6, "{t}");
     }
 }

@@ -1,0 +1,309 @@
+//! Arithmetic with more digits than `f64` has, for the few decisions and distances that need them.
+//!
+//! A [`Double`] is an unevaluated sum of two `f64` and carries some 106 bits (Dekker, "A Floating-Point Technique for
+//! Extending the Available Precision", 1971; Joldes, Muller, Popescu, "Tight and Rigorous Error Bounds for Basic Building
+//! Blocks of Double-Word Arithmetic", 2017). [`sign_of_sum`] is exact (Shewchuk, "Adaptive Precision Floating-Point
+//! Arithmetic", 1997). Only + - * / and square roots are used, so that the bits are the same everywhere.
+
+use std::cmp::Ordering;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use glam::DVec3;
+
+/// An unevaluated sum `high + low`, where `high` is the sum rounded to `f64`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Double {
+    high: f64,
+    low: f64,
+}
+
+/// Three [`Double`]s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Double3 {
+    /// Along x.
+    pub x: Double,
+    /// Along y.
+    pub y: Double,
+    /// Along z.
+    pub z: Double,
+}
+
+/// a + b as a rounded sum and its exact error (Knuth).
+fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let b_part = sum - a;
+    (sum, (a - (sum - b_part)) + (b - b_part))
+}
+
+/// As [`two_sum`], for |a| >= |b|.
+fn quick_two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    (sum, b - (sum - a))
+}
+
+/// a * b as a rounded product and its exact error (Dekker, Veltkamp), barring underflow and overflow.
+fn two_product(a: f64, b: f64) -> (f64, f64) {
+    let product = a * b;
+    let (a_high, a_low) = split(a);
+    let (b_high, b_low) = split(b);
+    let error = ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low;
+    (product, error)
+}
+
+/// Two halves of at most 26 bits each.
+fn split(a: f64) -> (f64, f64) {
+    const SPLITTER: f64 = 134_217_729.0; // 2^27 + 1
+    let scaled = SPLITTER * a;
+    let high = scaled - (scaled - a);
+    (high, a - high)
+}
+
+impl Double {
+    /// Nothing.
+    pub const ZERO: Self = Self { high: 0.0, low: 0.0 };
+
+    /// a - b, exactly.
+    #[must_use]
+    pub fn difference(a: f64, b: f64) -> Self {
+        let (high, low) = two_sum(a, -b);
+        Self { high, low }
+    }
+
+    /// a * b, exactly.
+    #[must_use]
+    pub fn product(a: f64, b: f64) -> Self {
+        let (high, low) = two_product(a, b);
+        Self { high, low }
+    }
+
+    /// Rounded to `f64`.
+    #[must_use]
+    pub fn rounded(self) -> f64 {
+        self.high
+    }
+
+    /// What rounding to `f64` leaves over.
+    #[must_use]
+    pub fn rest(self) -> f64 {
+        self.low
+    }
+
+    /// The square root of a number that is not negative; 0 for one that is.
+    #[must_use]
+    pub fn sqrt(self) -> Self {
+        if self.high <= 0.0 {
+            return Self::ZERO;
+        }
+        let root = self.high.sqrt();
+        let residual = self - Self::product(root, root);
+        let (high, low) = quick_two_sum(root, residual.high / (2.0 * root));
+        Self { high, low }
+    }
+
+    /// Less than, equal to or greater than zero.
+    #[must_use]
+    pub fn sign(self) -> Ordering {
+        // A sum of two that is zero in its larger part is zero.
+        self.high.partial_cmp(&0.0).unwrap_or(Ordering::Equal)
+    }
+}
+
+impl From<f64> for Double {
+    fn from(high: f64) -> Self {
+        Self { high, low: 0.0 }
+    }
+}
+
+impl Add for Double {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        let (high, error) = two_sum(self.high, other.high);
+        let (low, low_error) = two_sum(self.low, other.low);
+        let (high, error) = quick_two_sum(high, error + low);
+        let (high, low) = quick_two_sum(high, error + low_error);
+        Self { high, low }
+    }
+}
+
+impl Neg for Double {
+    type Output = Self;
+
+    fn neg(self) -> Self {
+        Self { high: -self.high, low: -self.low }
+    }
+}
+
+impl Sub for Double {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        self + -other
+    }
+}
+
+impl Mul for Double {
+    type Output = Self;
+
+    fn mul(self, other: Self) -> Self {
+        let (high, error) = two_product(self.high, other.high);
+        let (high, low) = quick_two_sum(high, error + (self.high * other.low + self.low * other.high));
+        Self { high, low }
+    }
+}
+
+impl Div for Double {
+    type Output = Self;
+
+    fn div(self, other: Self) -> Self {
+        let first = self.high / other.high;
+        let rest = self - other * Self::from(first);
+        let second = rest.high / other.high;
+        let rest = rest - other * Self::from(second);
+        let third = rest.high / other.high;
+        let (high, low) = quick_two_sum(first, second);
+        Self { high, low } + Self::from(third)
+    }
+}
+
+impl PartialOrd for Double {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        match self.high.partial_cmp(&other.high)? {
+            Ordering::Equal => self.low.partial_cmp(&other.low),
+            order => Some(order),
+        }
+    }
+}
+
+impl Double3 {
+    /// a - b, exactly.
+    #[must_use]
+    pub fn difference(a: DVec3, b: DVec3) -> Self {
+        Self {
+            x: Double::difference(a.x, b.x),
+            y: Double::difference(a.y, b.y),
+            z: Double::difference(a.z, b.z),
+        }
+    }
+
+    /// The sum of the products.
+    #[must_use]
+    pub fn dot(self, other: Self) -> Double {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    /// Times a number.
+    #[must_use]
+    pub fn scaled(self, factor: Double) -> Self {
+        Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
+    }
+
+    /// Rounded to `f64`.
+    #[must_use]
+    pub fn rounded(self) -> DVec3 {
+        DVec3::new(self.x.rounded(), self.y.rounded(), self.z.rounded())
+    }
+}
+
+impl From<DVec3> for Double3 {
+    fn from(vector: DVec3) -> Self {
+        Self { x: vector.x.into(), y: vector.y.into(), z: vector.z.into() }
+    }
+}
+
+impl Add for Double3 {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
+    }
+}
+
+impl Neg for Double3 {
+    type Output = Self;
+
+    fn neg(self) -> Self {
+        Self { x: -self.x, y: -self.y, z: -self.z }
+    }
+}
+
+impl Sub for Double3 {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
+    }
+}
+
+/// The exact sign of a sum of few numbers, barring overflow (Shewchuk's growing expansions).
+#[must_use]
+pub fn sign_of_sum<const COUNT: usize>(terms: [f64; COUNT]) -> Ordering {
+    // Non-overlapping parts, ascending: the largest one that is not zero has the sum's sign.
+    let mut expansion = [0.0; COUNT];
+    for (length, term) in terms.into_iter().enumerate() {
+        let mut carry = term;
+        for part in &mut expansion[..length] {
+            (carry, *part) = two_sum(carry, *part);
+        }
+        expansion[length] = carry;
+    }
+    let largest = expansion.into_iter().rev().find(|part| *part != 0.0).unwrap_or(0.0);
+    largest.partial_cmp(&0.0).unwrap_or(Ordering::Equal)
+}
+
+/// The exact order of the quotients `a / b` and `c / d` of a difference by a number each, for b and d other than 0.
+#[must_use]
+pub fn compare_quotients(a: Double, b: f64, c: Double, d: f64) -> Ordering {
+    // a/b < c/d  <=>  a d < c b, if b d > 0.
+    let [left, left_rest] = [two_product(a.high, d), two_product(a.low, d)];
+    let [right, right_rest] = [two_product(-c.high, b), two_product(-c.low, b)];
+    let sign =
+        sign_of_sum([left.0, left.1, left_rest.0, left_rest.1, right.0, right.1, right_rest.0, right_rest.1]);
+    if (b < 0.0) == (d < 0.0) { sign } else { sign.reverse() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_products_quotients_and_roots_have_a_hundred_bits() {
+        let third = Double::from(1.0) / Double::from(3.0);
+        let rest = third * Double::from(3.0) - Double::from(1.0);
+        assert!(rest.rounded().abs() < 1e-31, "{rest:?}");
+        let two = Double::from(2.0);
+        let rest = two.sqrt() * two.sqrt() - two;
+        assert!(rest.rounded().abs() < 1e-30, "{rest:?}");
+        let tiny = Double::difference(1.0, -1e-30) - Double::from(1.0);
+        assert!((tiny.rounded() - 1e-30).abs() < 1e-45);
+        assert_eq!(
+            Double::product(1.0 + f64::EPSILON, 1.0 - f64::EPSILON).rest(),
+            -f64::EPSILON * f64::EPSILON
+        );
+    }
+
+    #[test]
+    fn signs_of_sums_are_exact() {
+        assert_eq!(sign_of_sum([1e100, 1.0, -1e100, -1.0]), Ordering::Equal);
+        assert_eq!(sign_of_sum([1e100, 1.0, -1e100, -1.0 + 1e-16]), Ordering::Greater);
+        assert_eq!(sign_of_sum([1e100, -1e-100, -1e100]), Ordering::Less);
+        assert_eq!(sign_of_sum([0.0, -0.0]), Ordering::Equal);
+    }
+
+    #[test]
+    fn quotients_are_compared_exactly() {
+        let difference = Double::difference;
+        // (1 - 0.3)/0.7 is not 1: neither 0.3 nor 0.7 is what it says. The same products in another order are.
+        assert_eq!(compare_quotients(difference(3.0, 0.0), 7.0, difference(6.0, 0.0), 14.0), Ordering::Equal);
+        assert_eq!(
+            compare_quotients(difference(3.0, 0.0), -7.0, difference(-6.0, 0.0), 14.0),
+            Ordering::Equal
+        );
+        assert_eq!(
+            compare_quotients(difference(1.0, -1e-30), 1.0, difference(1.0, 0.0), 1.0),
+            Ordering::Greater
+        );
+        assert_eq!(compare_quotients(difference(-1.0, 0.0), 3.0, difference(1.0, 0.0), 3.0), Ordering::Less);
+        assert_eq!(compare_quotients(difference(1.0, 0.0), -3.0, difference(1.0, 0.0), 3.0), Ordering::Less);
+    }
+}
