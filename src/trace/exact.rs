@@ -186,6 +186,12 @@ impl Double3 {
         }
     }
 
+    /// origin + t direction.
+    #[must_use]
+    pub fn along(origin: DVec3, direction: DVec3, t: Double) -> Self {
+        Self::from(origin) + Self::from(direction).scaled(t)
+    }
+
     /// The sum of the products.
     #[must_use]
     pub fn dot(self, other: Self) -> Double {

@@ -214,7 +214,10 @@ impl Geometry {
                     || self.exact_t(hit, arrived_from, arrived_along)
                         == self.exact_t(&left, arrived_from, arrived_along))
         })?;
-        Some(self.surface_at(&met, arrived_from, arrived_along).1)
+        let (_, normal) = ask!(self, slot, shape => {
+            shape.surface_at(arrived_from, arrived_along, met.root.t().into(), met.far)
+        });
+        Some(normal)
     }
 
     #[inline]
@@ -273,10 +276,11 @@ impl Geometry {
         ask!(self, hit.slot, shape => shape.polished(ray.origin(), ray.direction(), t))
     }
 
-    /// The point that the hit found, put onto the surface, and the outward unit normal there.
+    /// The point that the hit found, rounded once, and the outward unit normal there.
     #[must_use]
-    pub fn surface_at(&self, hit: &Hit, origin: DVec3, direction: DVec3) -> (DVec3, DVec3) {
-        ask!(self, hit.slot, shape => shape.surface_at(origin, direction, hit.root.t(), hit.far))
+    pub fn surface_at(&self, ray: &Ray, hit: &Hit) -> (DVec3, DVec3) {
+        let t = self.polished_t(ray, hit);
+        ask!(self, hit.slot, shape => shape.surface_at(ray.origin(), ray.direction(), t, hit.far))
     }
 }
 

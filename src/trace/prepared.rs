@@ -144,7 +144,7 @@ impl PreparedScene {
     /// The point that `hit` found, put onto the surface, with its normal.
     #[must_use]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
-        let (point, normal) = self.geometry.surface_at(hit, ray.origin(), ray.direction());
+        let (point, normal) = self.geometry.surface_at(ray, hit);
         Surface { point, normal, from_outside: ray.direction().dot(normal) <= 0.0 }
     }
 

@@ -168,12 +168,12 @@ impl SphereImage {
         self.sphere.far_hit(self.map.point_back(origin), self.map.direction_back(direction))
     }
 
-    /// The point at `t`, put back onto the surface, and its outward unit normal.
+    /// The point at `t`, and the outward unit normal there.
     #[must_use]
-    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: f64, far: bool) -> (DVec3, DVec3) {
-        let own =
-            self.sphere.surface_at(self.map.point_back(origin), self.map.direction_back(direction), t, far);
-        (self.map.forward.transform_point3(own.0), self.map.normal(own.1))
+    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: Double, _far: bool) -> (DVec3, DVec3) {
+        let (own, way) = (self.map.exact_point_back(origin), self.map.exact_direction_back(direction));
+        let own = (own + way.scaled(t)).rounded();
+        (Double3::along(origin, direction, t).rounded(), self.map.normal(own))
     }
 
     /// A box around it, unless its own numbers are too rough to say where it ends.
@@ -215,7 +215,12 @@ impl BoxImage {
     /// The `t` near an inexact one with which the ray is on the box.
     #[must_use]
     pub fn polished(&self, origin: DVec3, direction: DVec3, t: f64) -> Double {
-        self.exact_hit(origin, direction).unwrap_or_else(|| t.into())
+        let (own, way) = (self.map.point_back(origin), self.map.direction_back(direction));
+        let (axis, upper) = self.aligned.face_at(own, way, t, false);
+        let face = if upper { self.aligned.max[axis] } else { self.aligned.min[axis] };
+        let row = self.map.exact_inverse[axis];
+        let place = row.dot(Double3::difference(origin, self.map.forward.translation));
+        (Double::from(face) - place) / row.dot(direction.into())
     }
 
     /// Where a ray that starts on the box and goes inwards comes out.
@@ -224,12 +229,14 @@ impl BoxImage {
         self.aligned.far_hit(self.map.point_back(origin), self.map.direction_back(direction))
     }
 
-    /// The point at `t`, put back onto its face, and that face's outward unit normal.
+    /// The point at `t`, and the outward unit normal of the face there.
     #[must_use]
-    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: f64, far: bool) -> (DVec3, DVec3) {
-        let own =
-            self.aligned.surface_at(self.map.point_back(origin), self.map.direction_back(direction), t, far);
-        (self.map.forward.transform_point3(own.0), self.map.normal(own.1))
+    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: Double, far: bool) -> (DVec3, DVec3) {
+        let (own, way) = (self.map.point_back(origin), self.map.direction_back(direction));
+        let (axis, upper) = self.aligned.face_at(own, way, t.rounded(), far);
+        let mut normal = DVec3::ZERO;
+        normal[axis] = if upper { 1.0 } else { -1.0 };
+        (Double3::along(origin, direction, t).rounded(), self.map.normal(normal))
     }
 
     /// A box around it, unless its own numbers are too rough to say where it ends.
@@ -255,7 +262,7 @@ mod tests {
         assert_eq!(ellipsoid.first_hit(DVec3::ZERO, DVec3::Z).unwrap().t(), 4.5);
         let (origin, direction) = (DVec3::new(2.0, 0.0, 0.0), DVec3::Z);
         let t = ellipsoid.first_hit(origin, direction).unwrap().t();
-        let (point, normal) = ellipsoid.surface_at(origin, direction, t, false);
+        let (point, normal) = ellipsoid.surface_at(origin, direction, t.into(), false);
         // x^2/9 + z^2/0.25 = 1, gradient (2x/9, 0, 2z/0.25).
         assert!((4.0 / 9.0 + (point.z - 5.0) * (point.z - 5.0) / 0.25 - 1.0).abs() < 1e-14);
         let gradient = DVec3::new(2.0 * point.x / 9.0, 0.0, 2.0 * (point.z - 5.0) / 0.25).normalize();
@@ -267,7 +274,7 @@ mod tests {
         let map = DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
         let mirrored = BoxImage::new(map, DVec3::ONE);
         let t = mirrored.first_hit(DVec3::new(-4.0, 0.2, 0.1), DVec3::X).unwrap().t();
-        let (point, normal) = mirrored.surface_at(DVec3::new(-4.0, 0.2, 0.1), DVec3::X, t, false);
+        let (point, normal) = mirrored.surface_at(DVec3::new(-4.0, 0.2, 0.1), DVec3::X, t.into(), false);
         assert_eq!((t, point, normal), (3.0, DVec3::new(-1.0, 0.2, 0.1), DVec3::NEG_X));
     }
 }

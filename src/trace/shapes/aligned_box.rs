@@ -138,7 +138,9 @@ impl AlignedBox {
     /// The `t` near an inexact one with which the ray is on the box.
     #[must_use]
     pub fn polished(&self, origin: DVec3, direction: DVec3, t: f64) -> Double {
-        self.exact_hit(origin, direction).unwrap_or_else(|| t.into())
+        let (axis, upper) = self.face_at(origin, direction, t, false);
+        let face = if upper { self.max[axis] } else { self.min[axis] };
+        Double::difference(face, origin[axis]) / direction[axis].into()
     }
 
     /// Intersects the three slabs (Kay and Kajiya, "Ray Tracing Complex Scenes", 1986), closed ones: a ray in a face
@@ -193,17 +195,22 @@ impl AlignedBox {
     /// The point at `t`, with the coordinate of the face it is on, and that face's outward normal. `far` says that `t` is
     /// from [`AlignedBox::far_hit`].
     #[must_use]
-    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: f64, far: bool) -> (DVec3, DVec3) {
-        let crossing = self.crossing(origin, direction);
-        let enters = !far && (t - crossing.entry).abs() <= (crossing.exit - t).abs();
-        let axis = if enters { crossing.entry_axis } else { self.exit(origin, direction).1 };
-        // Going up one enters by the lower face and leaves by the upper.
-        let upper = (direction[axis] > 0.0) != enters;
-        let mut point = (origin + direction * t).clamp(self.min, self.max);
+    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: Double, far: bool) -> (DVec3, DVec3) {
+        let (axis, upper) = self.face_at(origin, direction, t.rounded(), far);
+        let mut point = Double3::along(origin, direction, t).rounded().clamp(self.min, self.max);
         point[axis] = if upper { self.max[axis] } else { self.min[axis] };
         let mut normal = DVec3::ZERO;
         normal[axis] = if upper { 1.0 } else { -1.0 };
         (point, normal)
+    }
+
+    /// The axis of the face that the ray meets at `t`, and whether it is the upper one.
+    pub(super) fn face_at(&self, origin: DVec3, direction: DVec3, t: f64, far: bool) -> (usize, bool) {
+        let crossing = self.crossing(origin, direction);
+        let enters = !far && (t - crossing.entry).abs() <= (crossing.exit - t).abs();
+        let axis = if enters { crossing.entry_axis } else { self.exit(origin, direction).1 };
+        // Going up one enters by the lower face and leaves by the upper.
+        (axis, (direction[axis] > 0.0) != enters)
     }
 
     /// A box around it.
@@ -249,10 +256,10 @@ mod tests {
     fn hits_are_put_onto_their_face() {
         let (origin, direction) = (DVec3::new(0.3, 0.1, -3.7), DVec3::new(0.05, 0.13, 1.0));
         let t = first(origin, direction).unwrap();
-        let (point, normal) = UNIT.surface_at(origin, direction, t, false);
+        let (point, normal) = UNIT.surface_at(origin, direction, t.into(), false);
         assert_eq!((point.z, normal), (-1.0, DVec3::NEG_Z));
         let t = first(DVec3::ZERO, DVec3::new(0.2, -1.0, 0.0)).unwrap();
-        let (point, normal) = UNIT.surface_at(DVec3::ZERO, DVec3::new(0.2, -1.0, 0.0), t, false);
+        let (point, normal) = UNIT.surface_at(DVec3::ZERO, DVec3::new(0.2, -1.0, 0.0), t.into(), false);
         assert_eq!(
             (point, normal),
             (DVec3::new(0.2, -1.0, 0.0), DVec3::NEG_Y),
@@ -266,6 +273,6 @@ mod tests {
         // From an edge it comes out at once, by the other face.
         let (origin, direction) = (DVec3::new(0.0, 1.0, -1.0), DVec3::new(0.0, 1.0, 1.0));
         assert_eq!(far(origin, direction), Some(0.0));
-        assert_eq!(UNIT.surface_at(origin, direction, 0.0, true), (origin, DVec3::Y));
+        assert_eq!(UNIT.surface_at(origin, direction, Double::ZERO, true), (origin, DVec3::Y));
     }
 }

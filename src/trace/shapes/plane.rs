@@ -61,12 +61,10 @@ impl Plane {
         None
     }
 
-    /// The point at `t`, put back onto the plane, and the normal.
+    /// The point at `t`, and the normal.
     #[must_use]
-    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: f64, _far: bool) -> (DVec3, DVec3) {
-        let point = origin + direction * t;
-        let off = (point - self.point).dot(self.normal);
-        (point - self.normal * off, self.normal)
+    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: Double, _far: bool) -> (DVec3, DVec3) {
+        (Double3::along(origin, direction, t).rounded(), self.normal)
     }
 }
 
