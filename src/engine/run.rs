@@ -279,8 +279,8 @@ impl Engine {
     pub fn cast(&self, ray: impl IntoRay) -> Option<Hit> {
         let preparation = self.preparation.as_ref()?;
         let ray = ray.into_ray()?;
-        let (hit, surface) = preparation.scene().cast(&ray)?;
-        let distance = preparation.scene().distance(&ray, &hit);
-        Some(Hit::new(preparation.entity(hit.slot), distance, ray, hit, surface))
+        let surface = preparation.scene().cast(&ray)?;
+        let distance = preparation.scene().distance(&ray, &surface.hit);
+        Some(Hit::new(preparation.entity(surface.hit.slot), distance, ray, surface))
     }
 }

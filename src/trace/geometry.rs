@@ -194,28 +194,29 @@ impl Geometry {
         if slot == departure.left.slot {
             return if departure.outward { None } else { self.far_hit(slot, origin, direction) };
         }
-        let hit = self.near_hit(slot, origin, direction)?;
         if let Some(normal) = self.also_left(slot, departure) {
             return if direction.dot(normal) < 0.0 { self.far_hit(slot, origin, direction) } else { None };
         }
-        Some(hit)
+        self.near_hit(slot, origin, direction)
     }
 
-    /// If the ray that arrived where a ray departs met this shape at the very same place: its outward normal there.
+    /// If a ray leaves this shape besides another: its outward normal there.
     fn also_left(&self, slot: Slot, departure: &Departure) -> Option<DVec3> {
-        let Departure { left, arrived_from, arrived_along, .. } = *departure;
-        let near = self.near_hit(slot, arrived_from, arrived_along);
-        // The ray that arrived may itself have left this shape inwards, and then it met its far side.
-        let far = self.far_hit(slot, arrived_from, arrived_along);
-        let met = [near, far].into_iter().flatten().find(|hit| {
-            hit.root.may_equal(&left.root)
-                && (hit.far
-                    || left.far
-                    || self.exact_t(hit, arrived_from, arrived_along)
-                        == self.exact_t(&left, arrived_from, arrived_along))
-        })?;
+        let Departure { left, ties, arrived_from, arrived_along, .. } = departure;
+        let (from, along) = (*arrived_from, *arrived_along);
+        let far = match ties.find(slot) {
+            Some(far) => far,
+            // Heaps of coincident shapes: the ray that arrived is asked again.
+            None if ties.overflowed() && !left.far => {
+                let near = self.near_hit(slot, from, along)?;
+                let met = near.root.may_equal(&left.root)
+                    && self.exact_t(&near, from, along) == self.exact_t(left, from, along);
+                met.then_some(false)?
+            }
+            None => return None,
+        };
         let (_, normal) = ask!(self, slot, shape => {
-            shape.surface_at(arrived_from, arrived_along, met.root.t().into(), met.far)
+            shape.surface_at(from, along, left.root.t().into(), far)
         });
         Some(normal)
     }
@@ -240,19 +241,15 @@ impl Geometry {
         ask!(self, hit.slot, shape => shape.exact_hit(origin, direction)).unwrap_or_else(inexact)
     }
 
-    /// Is one hit of a ray seen before another: nearer, or exactly as near and earlier in document order?
+    /// Which of a ray's hits is nearer, exactly.
     #[must_use]
     #[inline]
-    pub fn precedes(&self, ray: &Ray, hit: &Hit, other: &Hit) -> bool {
+    pub fn compare(&self, ray: &Ray, hit: &Hit, other: &Hit) -> Ordering {
         if !hit.root.may_equal(&other.root) {
-            return hit.root.t() < other.root.t();
+            return hit.root.t().total_cmp(&other.root.t());
         }
         let exact = |hit: &Hit| self.exact_t(hit, ray.origin(), ray.direction());
-        match exact(hit).partial_cmp(&exact(other)) {
-            Some(Ordering::Less) => true,
-            Some(Ordering::Greater) => false,
-            _ => hit.slot < other.slot,
-        }
+        exact(hit).partial_cmp(&exact(other)).unwrap_or(Ordering::Equal)
     }
 
     /// Does the shape stand in the ray's way before `limit`?

@@ -33,14 +33,16 @@ mod root;
 mod shade;
 pub mod shapes;
 mod stages;
+mod ties;
 
 pub use bounds::Bounds;
 pub use camera::Camera;
 pub use film::Film;
 pub use geometry::{Geometry, PreparedShape, Slot};
 pub use light::{Light, LightSource};
-pub use prepared::{Hit, PreparedScene, Surface};
+pub use prepared::{Closest, Hit, PreparedScene, Surface};
 pub use ray::Ray;
 pub use render::{RayCounts, render};
 pub use root::Root;
 pub use shade::SurfaceMaterial;
+pub use ties::Ties;

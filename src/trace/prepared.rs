@@ -1,10 +1,12 @@
 //! A scene as arrays, ready for rays.
 
+use std::cmp::Ordering;
+
 use glam::DVec3;
 
 use super::bvh::{Stack, Tree};
 use super::exact::{Double, Double3};
-use super::{Bounds, Geometry, Light, Ray, Root, Slot, SurfaceMaterial};
+use super::{Bounds, Geometry, Light, Ray, Root, Slot, SurfaceMaterial, Ties};
 use crate::color::Rgb;
 
 /// All that the kernel knows of a scene at one moment, apart from the camera.
@@ -36,9 +38,43 @@ pub struct Hit {
     pub far: bool,
 }
 
+/// What a ray meets first: the first in document order of all that it meets exactly there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Closest {
+    /// What is seen.
+    pub hit: Hit,
+    /// What else is met there.
+    pub ties: Ties,
+}
+
+impl Closest {
+    /// Takes another hit of the ray into account.
+    #[inline]
+    pub(super) fn consider(best: &mut Option<Self>, hit: Hit, geometry: &Geometry, ray: &Ray) {
+        let alone = Self { hit, ties: Ties::NONE };
+        let Some(closest) = best else {
+            *best = Some(alone);
+            return;
+        };
+        match geometry.compare(ray, &hit, &closest.hit) {
+            Ordering::Less => *closest = alone,
+            Ordering::Equal if hit.slot < closest.hit.slot => {
+                closest.ties.push(&closest.hit);
+                closest.hit = hit;
+            }
+            Ordering::Equal => closest.ties.push(&hit),
+            Ordering::Greater => {}
+        }
+    }
+}
+
 /// A point of a surface, found by a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
+    /// What found it.
+    pub hit: Hit,
+    /// What else is there.
+    pub ties: Ties,
     /// On the surface.
     pub point: DVec3,
     /// The outward unit normal; of a plane, its own.
@@ -109,17 +145,15 @@ impl PreparedScene {
         self.tree = Tree::build(&slots, &bounds);
     }
 
-    /// The nearest surface that the ray meets; of several at the same `t` the first in document order.
+    /// The nearest surface that the ray meets; of several at the same place the first in document order.
     #[must_use]
-    pub(super) fn closest(&self, ray: &Ray, stack: &mut Stack) -> Option<Hit> {
-        let mut best: Option<Hit> = None;
+    pub(super) fn closest(&self, ray: &Ray, stack: &mut Stack) -> Option<Closest> {
+        let mut best: Option<Closest> = None;
         let mut consider = |slot: Slot| {
-            if let Some(hit) = self.geometry.first_hit(slot, ray)
-                && best.is_none_or(|best| self.geometry.precedes(ray, &hit, &best))
-            {
-                best = Some(hit);
+            if let Some(hit) = self.geometry.first_hit(slot, ray) {
+                Closest::consider(&mut best, hit, &self.geometry, ray);
             }
-            best.map_or(f64::INFINITY, |best| best.root.latest())
+            best.as_ref().map_or(f64::INFINITY, |best| best.hit.root.latest())
         };
         let mut limit = f64::INFINITY;
         for slot in &self.beside {
@@ -141,11 +175,12 @@ impl PreparedScene {
         Some(slot) != except && self.geometry.stands_before(slot, ray, limit)
     }
 
-    /// The point that `hit` found, put onto the surface, with its normal.
+    /// The point that the ray found, with its normal.
     #[must_use]
-    pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
-        let (point, normal) = self.geometry.surface_at(ray, hit);
-        Surface { point, normal, from_outside: ray.direction().dot(normal) <= 0.0 }
+    pub fn surface(&self, ray: &Ray, closest: &Closest) -> Surface {
+        let Closest { hit, ties } = *closest;
+        let (point, normal) = self.geometry.surface_at(ray, &hit);
+        Surface { hit, ties, point, normal, from_outside: ray.direction().dot(normal) <= 0.0 }
     }
 
     /// How far the hit is from the ray's origin: t |d| with a hundred bits, rounded once.
@@ -158,18 +193,18 @@ impl PreparedScene {
 
     /// The nearest surface that the ray meets, by the renderer's own path. For single rays; it makes its own buffers.
     #[must_use]
-    pub fn cast(&self, ray: &Ray) -> Option<(Hit, Surface)> {
-        let hit = self.closest(ray, &mut Stack::default())?;
-        Some((hit, self.surface(ray, &hit)))
+    pub fn cast(&self, ray: &Ray) -> Option<Surface> {
+        let closest = self.closest(ray, &mut Stack::default())?;
+        Some(self.surface(ray, &closest))
     }
 }
 
-impl Hit {
-    /// A ray that leaves the surface found by this hit of `arrived`. It never meets the surface it starts on by rounding.
-    /// `None` if the direction is zero or not finite.
+impl Surface {
+    /// A ray that leaves this surface, which `arrived` found. It never meets the surface it starts on by rounding. `None` if
+    /// the direction is zero or not finite.
     #[must_use]
-    pub fn leave_towards(&self, arrived: &Ray, surface: &Surface, direction: DVec3) -> Option<Ray> {
-        Ray::leaving(arrived, self, surface, direction.dot(surface.normal) >= 0.0, direction)
+    pub fn leave_towards(&self, arrived: &Ray, direction: DVec3) -> Option<Ray> {
+        Ray::leaving(arrived, self, direction.dot(self.normal) >= 0.0, direction)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Hit, Surface};
+use super::{Hit, Surface, Ties};
 
 /// A half-line `origin + t direction`, t >= 0.
 ///
@@ -20,9 +20,11 @@ pub struct Ray {
 pub(super) struct Departure {
     /// Where it is left.
     pub(super) left: Hit,
+    /// What else is left there.
+    pub(super) ties: Ties,
     /// Out of the shape, or into it?
     pub(super) outward: bool,
-    /// The ray that arrived here: every shape that it meets at the very same place is left as well.
+    /// The ray that arrived here.
     pub(super) arrived_from: DVec3,
     pub(super) arrived_along: DVec3,
 }
@@ -35,34 +37,37 @@ impl Ray {
         origin.is_finite().then_some(Self { origin, direction, departure: None })
     }
 
-    /// A ray that leaves the surface found by `hit` on `arrived`, on the side that `outward` says.
+    /// A ray that leaves the surface found by `arrived`, on the side that `outward` says.
     #[must_use]
     pub(super) fn leaving(
         arrived: &Self,
-        hit: &Hit,
         surface: &Surface,
         outward: bool,
         direction: DVec3,
     ) -> Option<Self> {
         let (direction, _) = scaled(direction)?;
         surface.point.is_finite().then_some(())?;
-        let departure =
-            Departure { left: *hit, outward, arrived_from: arrived.origin, arrived_along: arrived.direction };
+        let departure = Departure {
+            left: surface.hit,
+            ties: surface.ties,
+            outward,
+            arrived_from: arrived.origin,
+            arrived_along: arrived.direction,
+        };
         Some(Self { origin: surface.point, direction, departure: Some(departure) })
     }
 
-    /// A ray that leaves the surface found by `hit` on `arrived` towards a point, and the `t` at which it is there.
+    /// A ray that leaves the surface found by `arrived` towards a point, and the `t` at which it is there.
     #[must_use]
     pub(super) fn leaving_to(
         arrived: &Self,
-        hit: &Hit,
         surface: &Surface,
         outward: bool,
         point: DVec3,
     ) -> Option<(Self, f64)> {
         let way = point - surface.point;
         let (_, scale) = scaled(way)?;
-        Some((Self::leaving(arrived, hit, surface, outward, way)?, scale.recip()))
+        Some((Self::leaving(arrived, surface, outward, way)?, scale.recip()))
     }
 
     /// Where the ray starts.

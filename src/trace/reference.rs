@@ -2,7 +2,7 @@
 //! definition of the picture in the fewest words.
 
 use super::shade::{ambient, diffuse, mirrored, shadow_ray};
-use super::{Camera, Film, Hit, PreparedScene, Ray, Slot};
+use super::{Camera, Closest, Film, PreparedScene, Ray, Slot};
 use crate::color::Rgb;
 
 /// Makes the picture, pixel after pixel.
@@ -29,15 +29,15 @@ pub fn radiance(scene: &PreparedScene, camera_ray: Ray) -> Rgb {
         let Some((ray, throughput)) = next.take() else {
             return sum;
         };
-        let Some(hit) = closest(scene, &ray) else {
+        let Some(closest) = closest(scene, &ray) else {
             return sum + throughput * scene.background;
         };
-        let surface = scene.surface(&ray, &hit);
-        let material = scene.material(hit.slot);
+        let surface = scene.surface(&ray, &closest);
+        let material = scene.material(surface.hit.slot);
 
         let mut local = ambient(scene, material);
         for light in &scene.lights {
-            if let Some(shadow) = shadow_ray(scene, &ray, &hit, &surface, light)
+            if let Some(shadow) = shadow_ray(scene, &ray, &surface, light)
                 && !is_hidden(scene, &shadow.ray, shadow.limit, light.own_shape)
             {
                 local += diffuse(material, light, shadow.cosine);
@@ -47,7 +47,7 @@ pub fn radiance(scene: &PreparedScene, camera_ray: Ray) -> Rgb {
 
         let throughput = throughput * material.reflected;
         if throughput != Rgb::ZERO {
-            next = mirrored(&ray, &hit, &surface).map(|ray| (ray, throughput));
+            next = mirrored(&ray, &surface).map(|ray| (ray, throughput));
         }
     }
     // Beyond the last generation a ray sees the background.
@@ -57,12 +57,15 @@ pub fn radiance(scene: &PreparedScene, camera_ray: Ray) -> Rgb {
     }
 }
 
-/// The nearest surface; of several at the same distance the first in document order.
+/// The nearest surface; of several at the same place the first in document order.
 #[must_use]
-pub fn closest(scene: &PreparedScene, ray: &Ray) -> Option<Hit> {
+pub fn closest(scene: &PreparedScene, ray: &Ray) -> Option<Closest> {
     let geometry = scene.geometry();
-    let hits = geometry.slots().filter_map(|slot| geometry.first_hit(slot, ray));
-    hits.reduce(|best, hit| if geometry.precedes(ray, &hit, &best) { hit } else { best })
+    let mut best = None;
+    for hit in geometry.slots().filter_map(|slot| geometry.first_hit(slot, ray)) {
+        Closest::consider(&mut best, hit, geometry, ray);
+    }
+    best
 }
 
 /// Does anything but `except` stand between the ray's origin and `limit`?

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::{Hit, Light, LightSource, PreparedScene, Ray, Surface};
+use super::{Light, LightSource, PreparedScene, Ray, Surface};
 use crate::color::Rgb;
 
 /// How a slot's surface answers light.
@@ -42,19 +42,18 @@ pub(super) fn diffuse(material: &SurfaceMaterial, light: &Light, cosine: f32) ->
 pub(super) fn shadow_ray(
     scene: &PreparedScene,
     arrived: &Ray,
-    hit: &Hit,
     surface: &Surface,
     light: &Light,
 ) -> Option<ShadowRay> {
-    if scene.material(hit.slot).diffuse * light.intensity == Rgb::ZERO {
+    if scene.material(surface.hit.slot).diffuse * light.intensity == Rgb::ZERO {
         return None;
     }
     // Normals face the ray that arrived, and so does the side that is left.
     let outward = surface.from_outside;
     let (ray, limit) = match light.source {
-        LightSource::Point(point) => Ray::leaving_to(arrived, hit, surface, outward, point)?,
+        LightSource::Point(point) => Ray::leaving_to(arrived, surface, outward, point)?,
         LightSource::Towards(direction) => {
-            (Ray::leaving(arrived, hit, surface, outward, direction)?, f64::INFINITY)
+            (Ray::leaving(arrived, surface, outward, direction)?, f64::INFINITY)
         }
     };
     let direction = ray.direction();
@@ -63,9 +62,9 @@ pub(super) fn shadow_ray(
 }
 
 /// The mirrored ray: d - 2 (d.N) N.
-pub(super) fn mirrored(arrived: &Ray, hit: &Hit, surface: &Surface) -> Option<Ray> {
+pub(super) fn mirrored(arrived: &Ray, surface: &Surface) -> Option<Ray> {
     let direction = reflect(arrived.direction(), surface.normal);
-    Ray::leaving(arrived, hit, surface, surface.from_outside, direction)
+    Ray::leaving(arrived, surface, surface.from_outside, direction)
 }
 
 fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {

@@ -3,7 +3,7 @@
 use crate::color::Rgb;
 use crate::trace::bvh::Stack;
 use crate::trace::render::RayCounts;
-use crate::trace::{Hit, Ray, Surface};
+use crate::trace::{Closest, Ray, Surface};
 
 /// Pixels along a tile's side.
 pub(in crate::trace) const TILE: u32 = 16;
@@ -36,7 +36,6 @@ pub(super) struct QueuedRay {
 pub(super) struct Found {
     /// Index of the ray in the wave.
     pub(super) ray: usize,
-    pub(super) hit: Hit,
     pub(super) surface: Surface,
     /// Ambient and direct light sent back along the ray, summed light by light.
     pub(super) local: Rgb,
@@ -48,7 +47,7 @@ pub(in crate::trace) struct TileBuffers {
     /// This wave's rays.
     pub(super) rays: Vec<QueuedRay>,
     /// What each of them meets.
-    pub(super) hits: Vec<Option<Hit>>,
+    pub(super) hits: Vec<Option<Closest>>,
     /// The surface points of those that meet something.
     pub(super) found: Vec<Found>,
     /// The next wave's rays.

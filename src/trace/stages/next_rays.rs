@@ -10,12 +10,12 @@ pub(super) fn run(scene: &PreparedScene, buffers: &mut TileBuffers) {
     let TileBuffers { rays, found, next, counts, .. } = buffers;
     next.clear();
     for point in found.iter() {
-        let reflected = scene.material(point.hit.slot).reflected;
+        let reflected = scene.material(point.surface.hit.slot).reflected;
         if reflected > 0.0 {
             let QueuedRay { ray, pixel, throughput } = &rays[point.ray];
             let throughput = throughput * reflected;
             if throughput != Rgb::ZERO
-                && let Some(ray) = mirrored(ray, &point.hit, &point.surface)
+                && let Some(ray) = mirrored(ray, &point.surface)
             {
                 next.push(QueuedRay { ray, pixel: *pixel, throughput });
             }

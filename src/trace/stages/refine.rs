@@ -9,9 +9,9 @@ pub(super) fn run(scene: &PreparedScene, buffers: &mut TileBuffers) {
     found.clear();
     for (index, (queued, hit)) in rays.iter().zip(hits.iter()).enumerate() {
         match hit {
-            Some(hit) => {
-                let surface = scene.surface(&queued.ray, hit);
-                found.push(Found { ray: index, hit: *hit, surface, local: Rgb::ZERO });
+            Some(closest) => {
+                let surface = scene.surface(&queued.ray, closest);
+                found.push(Found { ray: index, surface, local: Rgb::ZERO });
             }
             None => pixels[queued.pixel] += queued.throughput * scene.background,
         }

@@ -7,13 +7,12 @@ use crate::trace::shade::{ambient, diffuse, shadow_ray};
 pub(super) fn run(scene: &PreparedScene, buffers: &mut TileBuffers) {
     let TileBuffers { rays, found, pixels, stack, counts, .. } = buffers;
     for point in found.iter_mut() {
-        point.local = ambient(scene, scene.material(point.hit.slot));
+        point.local = ambient(scene, scene.material(point.surface.hit.slot));
     }
     for light in &scene.lights {
         for point in found.iter_mut() {
-            let material = scene.material(point.hit.slot);
-            let Some(shadow) = shadow_ray(scene, &rays[point.ray].ray, &point.hit, &point.surface, light)
-            else {
+            let material = scene.material(point.surface.hit.slot);
+            let Some(shadow) = shadow_ray(scene, &rays[point.ray].ray, &point.surface, light) else {
                 continue;
             };
             counts.shadow += 1;
