@@ -29,6 +29,7 @@ pub struct Double3 {
 }
 
 /// a + b as a rounded sum and its exact error (Knuth).
+#[inline]
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let b_part = sum - a;
@@ -36,12 +37,14 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
 }
 
 /// As [`two_sum`], for |a| >= |b|.
+#[inline]
 fn quick_two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     (sum, b - (sum - a))
 }
 
 /// a * b as a rounded product and its exact error (Dekker, Veltkamp), barring underflow and overflow.
+#[inline]
 fn two_product(a: f64, b: f64) -> (f64, f64) {
     let product = a * b;
     let (a_high, a_low) = split(a);
@@ -51,6 +54,7 @@ fn two_product(a: f64, b: f64) -> (f64, f64) {
 }
 
 /// Two halves of at most 26 bits each.
+#[inline]
 fn split(a: f64) -> (f64, f64) {
     const SPLITTER: f64 = 134_217_729.0; // 2^27 + 1
     let scaled = SPLITTER * a;
@@ -64,6 +68,7 @@ impl Double {
 
     /// a - b, exactly.
     #[must_use]
+    #[inline]
     pub fn difference(a: f64, b: f64) -> Self {
         let (high, low) = two_sum(a, -b);
         Self { high, low }
@@ -71,6 +76,7 @@ impl Double {
 
     /// a * b, exactly.
     #[must_use]
+    #[inline]
     pub fn product(a: f64, b: f64) -> Self {
         let (high, low) = two_product(a, b);
         Self { high, low }
@@ -78,18 +84,30 @@ impl Double {
 
     /// Rounded to `f64`.
     #[must_use]
+    #[inline]
     pub fn rounded(self) -> f64 {
         self.high
     }
 
     /// What rounding to `f64` leaves over.
     #[must_use]
+    #[inline]
     pub fn rest(self) -> f64 {
         self.low
     }
 
+    /// Times itself.
+    #[must_use]
+    #[inline]
+    pub fn squared(self) -> Self {
+        let (square, error) = two_product(self.high, self.high);
+        let (high, low) = quick_two_sum(square, error + 2.0 * (self.high * self.low));
+        Self { high, low }
+    }
+
     /// The square root of a number that is not negative; 0 for one that is.
     #[must_use]
+    #[inline]
     pub fn sqrt(self) -> Self {
         if self.high <= 0.0 {
             return Self::ZERO;
@@ -102,6 +120,7 @@ impl Double {
 
     /// Less than, equal to or greater than zero.
     #[must_use]
+    #[inline]
     pub fn sign(self) -> Ordering {
         // A sum of two that is zero in its larger part is zero.
         self.high.partial_cmp(&0.0).unwrap_or(Ordering::Equal)
@@ -109,6 +128,7 @@ impl Double {
 }
 
 impl From<f64> for Double {
+    #[inline]
     fn from(high: f64) -> Self {
         Self { high, low: 0.0 }
     }
@@ -117,6 +137,7 @@ impl From<f64> for Double {
 impl Add for Double {
     type Output = Self;
 
+    #[inline]
     fn add(self, other: Self) -> Self {
         let (high, error) = two_sum(self.high, other.high);
         let (low, low_error) = two_sum(self.low, other.low);
@@ -129,6 +150,7 @@ impl Add for Double {
 impl Neg for Double {
     type Output = Self;
 
+    #[inline]
     fn neg(self) -> Self {
         Self { high: -self.high, low: -self.low }
     }
@@ -137,6 +159,7 @@ impl Neg for Double {
 impl Sub for Double {
     type Output = Self;
 
+    #[inline]
     fn sub(self, other: Self) -> Self {
         self + -other
     }
@@ -145,6 +168,7 @@ impl Sub for Double {
 impl Mul for Double {
     type Output = Self;
 
+    #[inline]
     fn mul(self, other: Self) -> Self {
         let (high, error) = two_product(self.high, other.high);
         let (high, low) = quick_two_sum(high, error + (self.high * other.low + self.low * other.high));
@@ -155,14 +179,23 @@ impl Mul for Double {
 impl Div for Double {
     type Output = Self;
 
+    #[inline]
     fn div(self, other: Self) -> Self {
         let first = self.high / other.high;
-        let rest = self - other * Self::from(first);
-        let second = rest.high / other.high;
-        let rest = rest - other * Self::from(second);
-        let third = rest.high / other.high;
-        let (high, low) = quick_two_sum(first, second);
-        Self { high, low } + Self::from(third)
+        let rest = self - other * first;
+        let (high, low) = quick_two_sum(first, rest.high / other.high);
+        Self { high, low }
+    }
+}
+
+impl Mul<f64> for Double {
+    type Output = Self;
+
+    #[inline]
+    fn mul(self, other: f64) -> Self {
+        let (high, error) = two_product(self.high, other);
+        let (high, low) = quick_two_sum(high, error + self.low * other);
+        Self { high, low }
     }
 }
 
@@ -178,6 +211,7 @@ impl PartialOrd for Double {
 impl Double3 {
     /// a - b, exactly.
     #[must_use]
+    #[inline]
     pub fn difference(a: DVec3, b: DVec3) -> Self {
         Self {
             x: Double::difference(a.x, b.x),
@@ -188,30 +222,64 @@ impl Double3 {
 
     /// origin + t direction.
     #[must_use]
+    #[inline]
     pub fn along(origin: DVec3, direction: DVec3, t: Double) -> Self {
-        Self::from(origin) + Self::from(direction).scaled(t)
+        Self::from(origin) + Self { x: t * direction.x, y: t * direction.y, z: t * direction.z }
     }
 
     /// The sum of the products.
     #[must_use]
+    #[inline]
     pub fn dot(self, other: Self) -> Double {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    /// vector * factor, exactly.
+    #[must_use]
+    #[inline]
+    pub fn product(vector: DVec3, factor: f64) -> Self {
+        let part = |part: f64| Double::product(part, factor);
+        Self { x: part(vector.x), y: part(vector.y), z: part(vector.z) }
+    }
+
+    /// Times a plain number.
+    #[must_use]
+    #[inline]
+    pub fn times(self, factor: f64) -> Self {
+        Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
+    }
+
+    /// The sum of the squares.
+    #[must_use]
+    #[inline]
+    pub fn squared(self) -> Double {
+        self.x.squared() + self.y.squared() + self.z.squared()
+    }
+
+    /// The sum of the products with plain numbers.
+    #[must_use]
+    #[inline]
+    pub fn dot_plain(self, other: DVec3) -> Double {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
     /// Times a number.
     #[must_use]
+    #[inline]
     pub fn scaled(self, factor: Double) -> Self {
         Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
     }
 
     /// Rounded to `f64`.
     #[must_use]
+    #[inline]
     pub fn rounded(self) -> DVec3 {
         DVec3::new(self.x.rounded(), self.y.rounded(), self.z.rounded())
     }
 }
 
 impl From<DVec3> for Double3 {
+    #[inline]
     fn from(vector: DVec3) -> Self {
         Self { x: vector.x.into(), y: vector.y.into(), z: vector.z.into() }
     }
@@ -220,6 +288,7 @@ impl From<DVec3> for Double3 {
 impl Add for Double3 {
     type Output = Self;
 
+    #[inline]
     fn add(self, other: Self) -> Self {
         Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
     }
@@ -228,6 +297,7 @@ impl Add for Double3 {
 impl Neg for Double3 {
     type Output = Self;
 
+    #[inline]
     fn neg(self) -> Self {
         Self { x: -self.x, y: -self.y, z: -self.z }
     }
@@ -236,6 +306,7 @@ impl Neg for Double3 {
 impl Sub for Double3 {
     type Output = Self;
 
+    #[inline]
     fn sub(self, other: Self) -> Self {
         Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
     }

@@ -40,19 +40,21 @@ impl Plane {
     /// As [`Plane::first_hit`], with a hundred bits throughout.
     #[must_use]
     pub fn exact_hit(&self, origin: DVec3, direction: DVec3) -> Option<Double> {
-        let normal = Double3::from(self.normal);
-        let speed = Double3::from(direction).dot(normal);
+        let speed = Double3::from(direction).dot_plain(self.normal);
         if speed.sign().is_eq() {
             return None;
         }
-        let t = Double3::difference(self.point, origin).dot(normal) / speed;
+        let t = Double3::difference(self.point, origin).dot_plain(self.normal) / speed;
         t.sign().is_ge().then_some(t)
     }
 
     /// The `t` near an inexact one with which the ray is on the plane.
     #[must_use]
     pub fn polished(&self, origin: DVec3, direction: DVec3, t: f64) -> Double {
-        self.exact_hit(origin, direction).unwrap_or_else(|| t.into())
+        // A Newton step: what is left of the height after t.
+        let left = Double3::difference(self.point, origin) - Double3::product(direction, t);
+        let step = left.dot_plain(self.normal).rounded() / direction.dot(self.normal);
+        if step.is_finite() { Double::from(t) + Double::from(step) } else { t.into() }
     }
 
     /// A straight ray never meets the plane that it leaves again.

@@ -32,7 +32,7 @@ pub(super) const U: f64 = f64::EPSILON / 2.0;
 /// comes from the ray's distance to the centre, and the root that would cancel from the other one
 /// (Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems, 2019,
 /// chapter 7). `roughness` is how many times worse than rounded once the arguments are.
-#[inline]
+#[inline(always)]
 pub(super) fn first_root(to_center: DVec3, direction: DVec3, radius: f64, roughness: f64) -> Verdict {
     let u = U * roughness;
     let a = direction.dot(direction);
@@ -50,11 +50,10 @@ pub(super) fn first_root(to_center: DVec3, direction: DVec3, radius: f64, roughn
     let root = (a * q).sqrt();
     let s = b + root.copysign(b);
     let (one, other) = (c / s, s / a);
-    let c_error = 8.0 * u * (squared_distance + squared_radius);
-    let s_error = 8.0 * u * (to_center.abs().dot(direction.abs()) + root) + q_error * a / root;
-    let one_error = (c_error + one.abs() * s_error) / s.abs() + 4.0 * u * one.abs();
-    let other_error = s_error / a + 8.0 * u * other.abs();
-    let (one, other) = (Root::within(one, one_error), Root::within(other, other_error));
+    // Bounds every error of both roots: those of b, of q under the root, of c, and of the roots' own rounding, since
+    // (L^2 + r^2)/root is at least |L|/|d| and at least half of |t|.
+    let error = 64.0 * u * (squared_distance + squared_radius) / root;
+    let (one, other) = (Root::within(one, error), Root::within(other, error));
     let (near, far) = if one.t() < other.t() { (one, other) } else { (other, one) };
     if !(q > 1024.0 * q_error) {
         Verdict::Open
@@ -92,10 +91,17 @@ pub(super) fn exact_first_root(to_center: Double3, direction: Double3, radius: f
 }
 
 /// One Newton step for |to_center - t direction|^2 = radius^2.
+#[inline]
 pub(super) fn polished_root(to_center: Double3, direction: Double3, radius: f64, t: f64) -> Double {
-    let from_point = to_center - direction.scaled(t.into());
-    let residual = from_point.dot(from_point) - Double::product(radius, radius);
-    let slope = 2.0 * from_point.rounded().dot(direction.rounded());
+    let from_point = to_center - direction.times(t);
+    step_to_sphere(from_point, direction.rounded(), radius, t)
+}
+
+/// The Newton step from a `t` with `from_point` = to_center - t direction.
+#[inline]
+fn step_to_sphere(from_point: Double3, direction: DVec3, radius: f64, t: f64) -> Double {
+    let residual = from_point.squared() - Double::product(radius, radius);
+    let slope = 2.0 * from_point.rounded().dot(direction);
     let step = residual.rounded() / slope;
     if step.is_finite() { Double::from(t) + Double::from(step) } else { t.into() }
 }
@@ -123,7 +129,8 @@ impl Sphere {
     /// The `t` near an inexact one with which the ray is on the sphere: a Newton step from a residual of a hundred bits.
     #[must_use]
     pub fn polished(&self, origin: DVec3, direction: DVec3, t: f64) -> Double {
-        polished_root(Double3::difference(self.center, origin), direction.into(), self.radius, t)
+        let from_point = Double3::difference(self.center, origin) - Double3::product(direction, t);
+        step_to_sphere(from_point, direction, self.radius, t)
     }
 
     /// Where a ray that starts on the sphere and goes inwards comes out. A ray that only grazes it comes out at once.
@@ -136,7 +143,8 @@ impl Sphere {
     /// The point at `t`, and the outward unit normal there.
     #[must_use]
     pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: Double, _far: bool) -> (DVec3, DVec3) {
-        let from_center = Double3::difference(origin, self.center) + Double3::from(direction).scaled(t);
+        let from_center =
+            Double3::difference(origin, self.center) + Double3::along(DVec3::ZERO, direction, t);
         let point = (Double3::from(self.center) + from_center).rounded();
         (point, from_center.rounded().normalize_or(DVec3::Y))
     }
