@@ -312,20 +312,55 @@ impl Sub for Double3 {
     }
 }
 
-/// The exact sign of a sum of few numbers, barring overflow (Shewchuk's growing expansions).
-#[must_use]
-pub fn sign_of_sum<const COUNT: usize>(terms: [f64; COUNT]) -> Ordering {
-    // Non-overlapping parts, ascending: the largest one that is not zero has the sum's sign.
-    let mut expansion = [0.0; COUNT];
+/// A sum of few numbers as non-overlapping parts, ascending; exact, barring overflow (Shewchuk's growing expansions).
+fn expansion<const COUNT: usize>(terms: [f64; COUNT]) -> [f64; COUNT] {
+    let mut parts = [0.0; COUNT];
     for (length, term) in terms.into_iter().enumerate() {
         let mut carry = term;
-        for part in &mut expansion[..length] {
+        for part in &mut parts[..length] {
             (carry, *part) = two_sum(carry, *part);
         }
-        expansion[length] = carry;
+        parts[length] = carry;
     }
-    let largest = expansion.into_iter().rev().find(|part| *part != 0.0).unwrap_or(0.0);
+    parts
+}
+
+/// The exact sign of a sum of few numbers.
+#[must_use]
+pub fn sign_of_sum<const COUNT: usize>(terms: [f64; COUNT]) -> Ordering {
+    let largest = expansion(terms).into_iter().rev().find(|part| *part != 0.0).unwrap_or(0.0);
     largest.partial_cmp(&0.0).unwrap_or(Ordering::Equal)
+}
+
+/// A sum of few numbers, rounded once, however much of it cancels.
+#[must_use]
+pub fn sum<const COUNT: usize>(terms: [f64; COUNT]) -> Double {
+    expansion(terms).into_iter().fold(Double::ZERO, |sum, part| sum + Double::from(part))
+}
+
+/// a.b, rounded once.
+#[must_use]
+pub fn dot(a: Double3, b: DVec3) -> Double {
+    let mut terms = [0.0; 12];
+    for (terms, (a, b)) in terms.chunks_exact_mut(4).zip([(a.x, b.x), (a.y, b.y), (a.z, b.z)]) {
+        let ((high, high_error), (low, low_error)) = (two_product(a.high, b), two_product(a.low, b));
+        terms.copy_from_slice(&[high, high_error, low, low_error]);
+    }
+    sum(terms)
+}
+
+/// a.a - b^2, rounded once.
+#[must_use]
+pub fn square_difference(a: Double3, b: f64) -> Double {
+    let mut terms = [0.0; 20];
+    for (terms, a) in terms.chunks_exact_mut(6).zip([a.x, a.y, a.z]) {
+        let (high, low) = (two_product(a.high, a.high), two_product(a.low, a.low));
+        let mixed = two_product(2.0 * a.high, a.low);
+        terms.copy_from_slice(&[high.0, high.1, mixed.0, mixed.1, low.0, low.1]);
+    }
+    let square = two_product(b, b);
+    (terms[18], terms[19]) = (-square.0, -square.1);
+    sum(terms)
 }
 
 /// The exact order of the quotients `a / b` and `c / d` of a difference by a number each, for b and d other than 0.

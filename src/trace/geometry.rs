@@ -270,6 +270,10 @@ impl Geometry {
         if hit.far {
             return t.into();
         }
+        // A Newton step squares the relative error, and cannot better what was decided with a hundred bits.
+        if hit.root.is_rough() || hit.root.is_rounded() {
+            return self.exact_t(hit, ray.origin(), ray.direction());
+        }
         ask!(self, hit.slot, shape => shape.polished(ray.origin(), ray.direction(), t))
     }
 

@@ -102,7 +102,8 @@ impl AlignedBox {
         let (mut entry, mut exit) = (Root::within(f64::NEG_INFINITY, 0.0), Root::within(f64::INFINITY, 0.0));
         for axis in 0..3 {
             let (o, d) = (origin[axis], direction[axis]);
-            if !(d.abs() > 1024.0 * way_error) {
+            let crosses = d.abs() > 1024.0 * way_error;
+            if !crosses {
                 // Almost along the slab.
                 return Verdict::Open;
             }

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::sphere::U;
 use crate::trace::Root;
-use crate::trace::exact::{Double, Double3};
+use crate::trace::exact::{Double, Double3, dot};
 
 /// An infinite plane in world space, two-sided.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,11 +40,11 @@ impl Plane {
     /// As [`Plane::first_hit`], with a hundred bits throughout.
     #[must_use]
     pub fn exact_hit(&self, origin: DVec3, direction: DVec3) -> Option<Double> {
-        let speed = Double3::from(direction).dot_plain(self.normal);
+        let speed = dot(direction.into(), self.normal);
         if speed.sign().is_eq() {
             return None;
         }
-        let t = Double3::difference(self.point, origin).dot_plain(self.normal) / speed;
+        let t = dot(Double3::difference(self.point, origin), self.normal) / speed;
         t.sign().is_ge().then_some(t)
     }
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::trace::exact::{Double, Double3};
+use crate::trace::exact::{Double, Double3, square_difference};
 use crate::trace::{Bounds, Root};
 
 /// A sphere in world space.
@@ -55,15 +55,13 @@ pub(super) fn first_root(to_center: DVec3, direction: DVec3, radius: f64, roughn
     let error = 64.0 * u * (squared_distance + squared_radius) / root;
     let (one, other) = (Root::within(one, error), Root::within(other, error));
     let (near, far) = if one.t() < other.t() { (one, other) } else { (other, one) };
-    if !(q > 1024.0 * q_error) {
-        Verdict::Open
-    } else if near.earliest() > 0.0 {
+    let clear = q > 1024.0 * q_error;
+    let near_is_behind = near.latest() < 0.0;
+    if clear && near.earliest() > 0.0 {
         Verdict::Hit(near)
-    } else if !(near.latest() < 0.0) {
-        Verdict::Open
-    } else if far.earliest() > 0.0 {
+    } else if clear && near_is_behind && far.earliest() > 0.0 {
         Verdict::Hit(far)
-    } else if far.latest() < 0.0 {
+    } else if clear && near_is_behind && far.latest() < 0.0 {
         Verdict::Miss
     } else {
         Verdict::Open
@@ -85,7 +83,7 @@ pub(super) fn exact_first_root(to_center: Double3, direction: Double3, radius: f
     if s.sign().is_eq() {
         return Some(Double::ZERO);
     }
-    let (one, other) = ((to_center.dot(to_center) - squared_radius) / s, s / a);
+    let (one, other) = (square_difference(to_center, radius) / s, s / a);
     let (near, far) = if one < other { (one, other) } else { (other, one) };
     [near, far].into_iter().find(|t| t.sign().is_ge())
 }
