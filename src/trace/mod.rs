@@ -46,7 +46,7 @@
 //! | box, through edges and corners | 100000 | 0.25 | 0.50 | 0 |
 //! | box, thin, any scale | 3595 | 0.25 | 0.50 | 0 |
 //!
-//! What it costs so far, against the same kernel with plain `f64` shapes: 30 % to 50 % of a frame's tracing time.
+//! What it costs so far, against the same kernel with plain `f64` shapes: 25 % to 45 % of a frame's tracing time.
 
 mod bounds;
 mod bvh;

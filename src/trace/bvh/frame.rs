@@ -86,16 +86,17 @@ impl Frame {
     pub(super) fn ray(&self, ray: &Ray) -> FrameRay {
         /// Below this a component's reciprocal would leave `f32`: such a ray never fails the axis.
         const SLOWEST: f64 = 1e-30;
-        /// The shapes' own rounding shifts what they accept by a few units in the last place of their distance, and by as
-        /// many times more as their maps stretch; this is enough for the worst that is let into the tree.
-        const SLACK: f64 = 1.0 / 67_108_864.0;
+        /// Four times what rounding to `f32` can shift the origin by. The shapes' own rounding shifts what they accept by a
+        /// few units in the last place of their distance, and by as many times more as their maps stretch: for the worst map
+        /// that is let into the tree, a quarter of what is left.
+        const SLACK: f64 = 1.0 / 4_194_304.0;
         let origin = (ray.origin() - self.origin) * self.scale;
         let slack = SLACK * (1.0 + origin.abs().max_element());
         let direction = ray.direction();
         let mut result =
             FrameRay { near_origin: [0.0; 3], far_origin: [0.0; 3], inverse: [0.0; 3], downward: [false; 3] };
         for axis in 0..3 {
-            let (low, high) = (below(origin[axis] - slack), above(origin[axis] + slack));
+            let (low, high) = (nearest(origin[axis] - slack), nearest(origin[axis] + slack));
             let d = direction[axis];
             let downward = d < 0.0;
             result.downward[axis] = downward;

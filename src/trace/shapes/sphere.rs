@@ -38,10 +38,11 @@ pub(super) fn first_root(to_center: DVec3, direction: DVec3, radius: f64, roughn
     let a = direction.dot(direction);
     let b = to_center.dot(direction);
     let squared_radius = radius * radius;
-    let nearest = to_center - direction * (b / a);
+    let projection = b / a;
+    let nearest = to_center - direction * projection;
     let q = squared_radius - nearest.dot(nearest);
     // The worst that was ever seen is half of this.
-    let q_error = 32.0 * u * (b * b / a + squared_radius);
+    let q_error = 32.0 * u * (b * projection + squared_radius);
     if q < -q_error {
         return Verdict::Miss;
     }
@@ -49,13 +50,18 @@ pub(super) fn first_root(to_center: DVec3, direction: DVec3, radius: f64, roughn
     let c = squared_distance - squared_radius;
     let root = (a * q).sqrt();
     let s = b + root.copysign(b);
-    let (one, other) = (c / s, s / a);
     // Bounds every error of both roots: those of b, of q under the root, of c, and of the roots' own rounding, since
     // (L^2 + r^2)/root is at least |L|/|d| and at least half of |t|.
     let error = 64.0 * u * (squared_distance + squared_radius) / root;
-    let (one, other) = (Root::within(one, error), Root::within(other, error));
-    let (near, far) = if one.t() < other.t() { (one, other) } else { (other, one) };
     let clear = q > 1024.0 * q_error;
+    let one = c / s;
+    if clear && s > 0.0 && one > error {
+        // From outside, ahead: the other root is farther.
+        return Verdict::Hit(Root::within(one, error));
+    }
+    let other = s / a;
+    let (near, far) = if one < other { (one, other) } else { (other, one) };
+    let (near, far) = (Root::within(near, error), Root::within(far, error));
     let near_is_behind = near.latest() < 0.0;
     if clear && near.earliest() > 0.0 {
         Verdict::Hit(near)
