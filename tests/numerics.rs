@@ -97,3 +97,38 @@ fn every_hard_case_is_right() {
     assert!(count >= 20);
     assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
 }
+
+/// A ball that rests on the floor shadows it right up to the contact: a ray straight up from the floor, some way from the
+/// contact, meets the ball at 1 - sqrt(1 - way^2).
+#[test]
+fn contact_shadows_reach_the_contact() {
+    let mut geometry = Geometry::default();
+    geometry.push(PreparedShape::Plane(Plane { point: DVec3::ZERO, normal: DVec3::Y }));
+    geometry.push(PreparedShape::Sphere(Sphere { center: DVec3::Y, radius: 1.0 }));
+    let scene = PreparedScene::new(geometry, vec![SurfaceMaterial::default(); 2]);
+    for (way, expected) in [
+        (0.1, 0.005_012_562_893_380_046),
+        (0.01, 0.000_050_001_250_062_503_91),
+        (0.005, 0.000_012_500_078_125_976_578),
+        (1e-5, 0.000_000_000_050_000_000_001_25),
+    ] {
+        // From below, so that nothing but the floor is in the way.
+        let arrived = Ray::new(DVec3::new(way, -1.0, 0.0), DVec3::Y).unwrap();
+        let floor = scene.cast(&arrived).unwrap();
+        assert_eq!(floor.point, DVec3::new(way, 0.0, 0.0));
+        let shadow = floor.leave_towards(&arrived, DVec3::Y).unwrap();
+        let ball = scene.cast(&shadow).unwrap();
+        assert_eq!(ball.hit.slot.index(), 1);
+        assert!(steps(scene.distance(&shadow, &ball.hit), expected) <= 2, "{way}");
+    }
+    // At the contact itself both are left at once.
+    let arrived = Ray::new(DVec3::NEG_Y, DVec3::Y).unwrap();
+    let contact = scene.cast(&arrived).unwrap();
+    let inside = scene.cast(&contact.leave_towards(&arrived, DVec3::Y).unwrap()).unwrap();
+    assert_eq!(
+        (inside.hit.slot.index(), inside.point),
+        (1, DVec3::new(0.0, 2.0, 0.0)),
+        "up through the ball"
+    );
+    assert!(scene.cast(&contact.leave_towards(&arrived, DVec3::NEG_Y).unwrap()).is_none());
+}
