@@ -180,7 +180,9 @@ impl PreparedScene {
     pub fn surface(&self, ray: &Ray, closest: &Closest) -> Surface {
         let Closest { hit, ties } = *closest;
         let (point, normal) = self.geometry.surface_at(ray, &hit);
-        Surface { hit, ties, point, normal, from_outside: ray.direction().dot(normal) <= 0.0 }
+        // A far side is met from inside, however the last bits of a grazing ray fall.
+        let from_outside = !hit.far && ray.direction().dot(normal) <= 0.0;
+        Surface { hit, ties, point, normal, from_outside }
     }
 
     /// How far the hit is from the ray's origin: t |d| with a hundred bits, rounded once.

@@ -5,7 +5,7 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::aligned_box::exact_first_crossing;
-use super::sphere::{Verdict, exact_first_root, first_root, polished_root};
+use super::sphere::{exact_first_root, first_root, polished_root};
 use super::{AlignedBox, Sphere};
 use crate::trace::exact::{Double, Double3};
 use crate::trace::{Bounds, Root};
@@ -141,11 +141,8 @@ impl SphereImage {
     #[must_use]
     pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<Root> {
         let (own, way) = (self.map.point_back(origin), self.map.direction_back(direction));
-        match first_root(-own, way, self.sphere.radius, self.map.roughness()) {
-            Verdict::Hit(root) => Some(root),
-            Verdict::Miss => None,
-            Verdict::Open => self.exact_hit(origin, direction).map(Root::rounded),
-        }
+        let verdict = first_root(-own, way, self.sphere.radius, self.map.roughness());
+        verdict.decided(|| self.exact_hit(origin, direction))
     }
 
     /// As [`SphereImage::first_hit`], with a hundred bits throughout.
@@ -194,11 +191,8 @@ impl BoxImage {
     #[must_use]
     pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<Root> {
         let (own, way) = (self.map.point_back(origin), self.map.direction_back(direction));
-        match self.aligned.first_crossing(own, way, self.map.roughness()) {
-            Verdict::Hit(root) => Some(root),
-            Verdict::Miss => None,
-            Verdict::Open => self.exact_hit(origin, direction).map(Root::rounded),
-        }
+        let verdict = self.aligned.first_crossing(own, way, self.map.roughness());
+        verdict.decided(|| self.exact_hit(origin, direction))
     }
 
     /// As [`BoxImage::first_hit`], with a hundred bits throughout.

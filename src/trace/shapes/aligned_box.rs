@@ -76,7 +76,7 @@ impl AlignedBox {
     #[must_use]
     #[inline]
     pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<Root> {
-        // A quotient of a difference is rounded twice, and so is its sign only if it is zero.
+        // A quotient of a difference is rounded twice; its sign is right.
         let Crossing { entry, exit, .. } = self.crossing(origin, direction);
         let close = 8.0 * U * entry.abs().max(exit.abs());
         if exit < 0.0 || entry > exit + close {

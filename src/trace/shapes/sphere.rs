@@ -23,6 +23,18 @@ pub(super) enum Verdict {
     Open,
 }
 
+impl Verdict {
+    /// The root, if there is one; `exact` has the last word where the verdict is open.
+    #[inline]
+    pub(super) fn decided(self, exact: impl FnOnce() -> Option<Double>) -> Option<Root> {
+        match self {
+            Self::Hit(root) => Some(root),
+            Self::Miss => None,
+            Self::Open => exact().map(Root::rounded),
+        }
+    }
+}
+
 /// Half a unit in the last place of 1.
 pub(super) const U: f64 = f64::EPSILON / 2.0;
 
@@ -117,11 +129,7 @@ impl Sphere {
     #[inline]
     pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<Root> {
         let to_center = self.center - origin;
-        match first_root(to_center, direction, self.radius, 1.0) {
-            Verdict::Hit(root) => Some(root),
-            Verdict::Miss => None,
-            Verdict::Open => self.exact_hit(origin, direction).map(Root::rounded),
-        }
+        first_root(to_center, direction, self.radius, 1.0).decided(|| self.exact_hit(origin, direction))
     }
 
     /// As [`Sphere::first_hit`], with a hundred bits throughout.
