@@ -138,14 +138,7 @@ impl Preparation {
                 _ => return false,
             }
         }
-        if replacements.is_empty() {
-            return true;
-        }
-        let mut fits = true;
-        self.scene.change_geometry(|geometry| {
-            fits = replacements.iter().all(|(slot, shape)| geometry.replace(*slot, *shape));
-        });
-        fits
+        self.scene.replace_shapes(&replacements)
     }
 
     /// Lights and the settings of the whole scene are few: they are read for every frame.

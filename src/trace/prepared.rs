@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::bvh::{Stack, Tree};
 use super::exact::{Double, Double3};
-use super::{Bounds, Geometry, Light, Ray, Root, Slot, SurfaceMaterial, Ties};
+use super::{Bounds, Geometry, Light, PreparedShape, Ray, Root, Slot, SurfaceMaterial, Ties};
 use crate::color::Rgb;
 
 /// All that the kernel knows of a scene at one moment, apart from the camera.
@@ -115,10 +115,14 @@ impl PreparedScene {
         &self.geometry
     }
 
-    /// Replaces shapes: `change` may replace any; afterwards the tree is rebuilt.
-    pub fn change_geometry(&mut self, change: impl FnOnce(&mut Geometry)) {
-        change(&mut self.geometry);
-        self.rebuild_tree();
+    /// Puts other shapes of the same kinds into slots. `false` if a kind differs: the scene must then be made anew.
+    #[must_use]
+    pub fn replace_shapes(&mut self, replacements: &[(Slot, PreparedShape)]) -> bool {
+        let fits = replacements.iter().all(|(slot, shape)| self.geometry.replace(*slot, *shape));
+        if fits && !replacements.is_empty() {
+            self.rebuild_tree();
+        }
+        fits
     }
 
     /// The surface of a slot.
