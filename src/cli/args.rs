@@ -7,6 +7,7 @@ use clap_complete::Shell;
 
 use rayreel::Time;
 use rayreel::time::FrameList;
+use rayreel::trace::Precision;
 
 /// Ray-traced animation from plain text scenes: exact, repeatable frame sequences.
 #[derive(Debug, Parser)]
@@ -61,12 +62,36 @@ pub(super) struct RenderArguments {
     /// Threads to render on [default: one a core]
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(super) threads: Option<u16>,
+    /// How rays and shapes are intersected
+    #[arg(long, value_enum, default_value_t = PrecisionName::Guaranteed)]
+    pub(super) precision: PrecisionName,
     /// The files' format
     #[arg(long, value_enum, default_value_t = Format::Png)]
     pub(super) format: Format,
-    /// Print one JSON object at the end: seconds by phase and rays by kind for every frame, and peak memory
+    /// Print one JSON object at the end: for every frame seconds by phase, rays by kind and how often arithmetic had to be
+    /// helped, and peak memory
     #[arg(long)]
     pub(super) json: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum PrecisionName {
+    /// Every verdict and every digit right
+    Guaranteed,
+    /// The schoolbook's formulas in double precision, to compare with
+    TextbookF64,
+    /// The same in single precision
+    TextbookF32,
+}
+
+impl From<PrecisionName> for Precision {
+    fn from(name: PrecisionName) -> Self {
+        match name {
+            PrecisionName::Guaranteed => Self::Guaranteed,
+            PrecisionName::TextbookF64 => Self::TextbookF64,
+            PrecisionName::TextbookF32 => Self::TextbookF32,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

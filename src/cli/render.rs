@@ -23,6 +23,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let mut engine = Engine::load(&arguments.scene)?;
     let load = start.elapsed();
     let settings = RenderSettings::new(arguments, engine.timeline())?;
+    engine.set_precision(arguments.precision.into());
     if let Some(size) = settings.size {
         resize(&mut engine, size);
     }

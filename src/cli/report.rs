@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-use rayreel::trace::RayCounts;
+use rayreel::trace::{Guards, RayCounts};
 use rayreel::{Engine, FrameReport};
 
 use super::args::RenderArguments;
@@ -102,6 +102,7 @@ impl ShotReport {
 
     fn to_json(&self) -> Value {
         let RayCounts { camera, shadow, reflection } = self.cost.rays;
+        let Guards { open, contested, rough, overflowed } = self.cost.guards;
         json!({
             "frame": self.frame,
             "time": self.cost.time.seconds(),
@@ -113,6 +114,7 @@ impl ShotReport {
                 "write": self.write.as_secs_f64(),
             },
             "rays": { "camera": camera, "shadow": shadow, "reflection": reflection },
+            "guards": { "open": open, "contested": contested, "rough": rough, "overflowed": overflowed },
         })
     }
 }

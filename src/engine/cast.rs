@@ -15,7 +15,7 @@ pub struct Ray {
 }
 
 /// What a ray meets first.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Hit {
     /// Whose shape.
     pub entity: Entity,
@@ -25,21 +25,20 @@ pub struct Hit {
     pub point: DVec3,
     /// The unit normal, on the side that the ray came from.
     pub normal: DVec3,
-    arrived: trace::Ray,
     surface: trace::Surface,
 }
 
 impl Hit {
-    pub(super) fn new(entity: Entity, distance: f64, arrived: trace::Ray, surface: trace::Surface) -> Self {
+    pub(super) fn new(entity: Entity, distance: f64, surface: trace::Surface) -> Self {
         let normal = surface.facing_normal();
-        Self { entity, distance, point: surface.point, normal, arrived, surface }
+        Self { entity, distance, point: surface.point, normal, surface }
     }
 
     /// A ray that leaves this surface. It knows which surfaces it starts on and never meets them by rounding; there is no
     /// offset to choose. `None` if the direction is zero or not finite.
     #[must_use]
     pub fn leave_towards(&self, direction: DVec3) -> Option<trace::Ray> {
-        self.surface.leave_towards(&self.arrived, direction)
+        self.surface.leave_towards(direction)
     }
 }
 

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use crate::time::Time;
-use crate::trace::RayCounts;
+use crate::trace::{Guards, RayCounts};
 
 /// What the last frame cost, phase by phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,11 +18,20 @@ pub struct FrameReport {
     pub trace: Duration,
     /// How many of them.
     pub rays: RayCounts,
+    /// How often arithmetic had to be helped.
+    pub guards: Guards,
 }
 
 impl Default for FrameReport {
     fn default() -> Self {
         let none = Duration::ZERO;
-        Self { time: Time::ZERO, animate: none, prepare: none, trace: none, rays: RayCounts::default() }
+        Self {
+            time: Time::ZERO,
+            animate: none,
+            prepare: none,
+            trace: none,
+            rays: RayCounts::default(),
+            guards: Guards::default(),
+        }
     }
 }

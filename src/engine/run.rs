@@ -12,7 +12,7 @@ use crate::components::FilmSettings;
 use crate::scene::{LoadError, Scene};
 use crate::systems::{self, Changes, Context, OwnSystems, Preparation, Step, UnknownComponent, propagate};
 use crate::time::{Time, Timeline};
-use crate::trace::{self, Film};
+use crate::trace::{self, Film, Precision};
 
 /// A world of entities that is rendered moment by moment.
 ///
@@ -81,6 +81,7 @@ pub struct Engine {
     /// Written since the last preparation.
     changes: Changes,
     preparation: Option<Preparation>,
+    precision: Precision,
     report: FrameReport,
 }
 
@@ -121,6 +122,7 @@ impl Engine {
             systems: OwnSystems::default(),
             changes: Changes::all(),
             preparation: None,
+            precision: Precision::default(),
             report: FrameReport::default(),
         }
     }
@@ -170,6 +172,11 @@ impl Engine {
         self.timeline = timeline;
     }
 
+    /// How precisely shapes are asked from the next frame on: guaranteed, unless a comparison with textbooks is wanted.
+    pub fn set_precision(&mut self, precision: Precision) {
+        self.precision = precision;
+    }
+
     /// The film's size and transfer.
     #[must_use]
     pub fn film_settings(&self) -> FilmSettings {
@@ -209,8 +216,9 @@ impl Engine {
         let start = Instant::now();
         let rendered = trace::render(preparation.scene(), preparation.camera(), cancelled);
         self.report.trace = start.elapsed();
-        Ok(rendered.map(|(film, rays)| {
-            self.report.rays = rays;
+        Ok(rendered.map(|(film, effort)| {
+            self.report.rays = effort.rays;
+            self.report.guards = effort.guards;
             film
         }))
     }
@@ -242,6 +250,9 @@ impl Engine {
         match &mut self.preparation {
             Some(preparation) => preparation.update(&mut self.world, &changes, &moved),
             None => self.preparation = Some(Preparation::of(&mut self.world)),
+        }
+        if let Some(preparation) = &mut self.preparation {
+            preparation.set_precision(self.precision);
         }
         self.report = FrameReport {
             time,
@@ -281,6 +292,6 @@ impl Engine {
         let ray = ray.into_ray()?;
         let surface = preparation.scene().cast(&ray)?;
         let distance = preparation.scene().distance(&ray, &surface.hit);
-        Some(Hit::new(preparation.entity(surface.hit.slot), distance, ray, surface))
+        Some(Hit::new(preparation.entity(surface.hit.slot), distance, surface))
     }
 }

@@ -11,7 +11,9 @@ use crate::components::{
     Reflective, Shape, View, WorldTransform,
 };
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
-use crate::trace::{self, Geometry, LightSource, PreparedScene, PreparedShape, Slot, SurfaceMaterial};
+use crate::trace::{
+    self, Geometry, LightSource, Precision, PreparedScene, PreparedShape, Slot, SurfaceMaterial,
+};
 
 /// The kernel's arrays, and which entity each of their slots stands for.
 ///
@@ -102,6 +104,11 @@ impl Preparation {
     #[must_use]
     pub fn scene(&self) -> &PreparedScene {
         &self.scene
+    }
+
+    /// Sets how precisely the kernel asks shapes.
+    pub fn set_precision(&mut self, precision: Precision) {
+        self.scene.precision = precision;
     }
 
     /// The kernel's camera.

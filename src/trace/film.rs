@@ -51,12 +51,16 @@ impl Film {
         self.pixels[j as usize * self.width as usize + i as usize]
     }
 
-    /// Stores pixels of row `j` from column `i` on. Sums that overflowed are saturated, so that a film is always finite.
-    pub(super) fn store(&mut self, i: u32, j: u32, pixels: &[Rgb]) {
+    /// Stores pixels of row `j` from column `i` on, and says how many had overflowed: those are saturated, so that a film is
+    /// always finite.
+    pub(super) fn store(&mut self, i: u32, j: u32, pixels: &[Rgb]) -> u64 {
         let start = j as usize * self.width as usize + i as usize;
+        let mut overflowed = 0;
         for (stored, pixel) in self.pixels[start..start + pixels.len()].iter_mut().zip(pixels) {
+            overflowed += u64::from(!pixel.is_finite());
             *stored = Rgb::from_array(pixel.to_array().map(saturated));
         }
+        overflowed
     }
 }
 

@@ -5,8 +5,13 @@ use std::cmp::Ordering;
 use glam::DVec3;
 
 use super::bvh::{Stack, Tree};
-use super::exact::{Double, Double3};
-use super::{Bounds, Geometry, Light, PreparedShape, Ray, Root, Slot, SurfaceMaterial, Ties};
+use super::exact::Double3;
+use super::geometry::{Leaves, with_leaves};
+use super::ties::Tie;
+use super::{
+    Bounds, Geometry, Guards, Light, Precision, PreparedShape, Ray, Refined, Root, Slot, SurfaceMaterial,
+    Ties,
+};
 use crate::color::Rgb;
 
 /// All that the kernel knows of a scene at one moment, apart from the camera.
@@ -25,6 +30,15 @@ pub struct PreparedScene {
     pub background: Rgb,
     /// Generations of rays that are traced, 1 or more.
     pub depth: u32,
+    /// How shapes are asked.
+    pub precision: Precision,
+}
+
+/// What searches need besides the scene, kept between rays so that none allocates.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Scratch {
+    pub(super) stack: Stack,
+    pub(super) guards: Guards,
 }
 
 /// Where a ray meets a shape.
@@ -39,37 +53,46 @@ pub struct Hit {
 }
 
 /// What a ray meets first: the first in document order of all that it meets exactly there.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Closest {
     /// What is seen.
     pub hit: Hit,
-    /// What else is met there.
-    pub ties: Ties,
+    /// What else is met there, in any order.
+    pub ties: Vec<Hit>,
 }
 
 impl Closest {
     /// Takes another hit of the ray into account.
     #[inline]
-    pub(super) fn consider(best: &mut Option<Self>, hit: Hit, geometry: &Geometry, ray: &Ray) {
-        let alone = Self { hit, ties: Ties::NONE };
+    pub(super) fn consider(
+        best: &mut Option<Self>,
+        hit: Hit,
+        leaves: &impl Leaves,
+        ray: &Ray,
+        guards: &mut Guards,
+    ) {
         let Some(closest) = best else {
-            *best = Some(alone);
+            *best = Some(Self { hit, ties: Vec::new() });
             return;
         };
-        match geometry.compare(ray, &hit, &closest.hit) {
-            Ordering::Less => *closest = alone,
-            Ordering::Equal if hit.slot < closest.hit.slot => {
-                closest.ties.push(&closest.hit);
+        match leaves.compare(ray, &hit, &closest.hit, guards) {
+            Ordering::Less => {
                 closest.hit = hit;
+                closest.ties.clear();
             }
-            Ordering::Equal => closest.ties.push(&hit),
+            Ordering::Equal => {
+                let (first, second) =
+                    if hit.slot < closest.hit.slot { (hit, closest.hit) } else { (closest.hit, hit) };
+                closest.hit = first;
+                closest.ties.push(second);
+            }
             Ordering::Greater => {}
         }
     }
 }
 
 /// A point of a surface, found by a ray.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
     /// What found it.
     pub hit: Hit,
@@ -104,6 +127,7 @@ impl PreparedScene {
             ambient: Rgb::ZERO,
             background: Rgb::ZERO,
             depth: 1,
+            precision: Precision::default(),
         };
         scene.rebuild_tree();
         scene
@@ -151,11 +175,12 @@ impl PreparedScene {
 
     /// The nearest surface that the ray meets; of several at the same place the first in document order.
     #[must_use]
-    pub(super) fn closest(&self, ray: &Ray, stack: &mut Stack) -> Option<Closest> {
+    pub(super) fn closest(&self, leaves: &impl Leaves, ray: &Ray, scratch: &mut Scratch) -> Option<Closest> {
+        let Scratch { stack, guards } = scratch;
         let mut best: Option<Closest> = None;
         let mut consider = |slot: Slot| {
-            if let Some(hit) = self.geometry.first_hit(slot, ray) {
-                Closest::consider(&mut best, hit, &self.geometry, ray);
+            if let Some(hit) = leaves.first_hit(slot, ray, guards) {
+                Closest::consider(&mut best, hit, leaves, ray, guards);
             }
             best.as_ref().map_or(f64::INFINITY, |best| best.hit.root.latest())
         };
@@ -169,21 +194,35 @@ impl PreparedScene {
 
     /// Does anything but `except` stand between the ray's origin and `limit`?
     #[must_use]
-    pub(super) fn is_hidden(&self, ray: &Ray, limit: f64, except: Option<Slot>, stack: &mut Stack) -> bool {
-        let hides = |slot: Slot| self.hides(slot, ray, limit, except);
+    pub(super) fn is_hidden(
+        &self,
+        leaves: &impl Leaves,
+        ray: &Ray,
+        limit: f64,
+        except: Option<Slot>,
+        scratch: &mut Scratch,
+    ) -> bool {
+        let Scratch { stack, guards } = scratch;
+        let mut hides = |slot: Slot| Some(slot) != except && leaves.stands_before(slot, ray, limit, guards);
         self.beside.iter().any(|slot| hides(*slot)) || self.tree.visit_any(ray, limit, stack, hides)
-    }
-
-    /// Does this shape stand between the ray's origin and `limit`?
-    pub(super) fn hides(&self, slot: Slot, ray: &Ray, limit: f64, except: Option<Slot>) -> bool {
-        Some(slot) != except && self.geometry.stands_before(slot, ray, limit)
     }
 
     /// The point that the ray found, with its normal.
     #[must_use]
-    pub fn surface(&self, ray: &Ray, closest: &Closest) -> Surface {
-        let Closest { hit, ties } = *closest;
-        let (point, normal) = self.geometry.surface_at(ray, &hit);
+    pub(super) fn surface(
+        &self,
+        leaves: &impl Leaves,
+        ray: &Ray,
+        closest: &Closest,
+        guards: &mut Guards,
+    ) -> Surface {
+        let hit = closest.hit;
+        let Refined { point, normal, .. } = leaves.refined(ray, &hit, guards);
+        let ties = closest.ties.iter().map(|tied| {
+            let normal = leaves.refined(ray, tied, guards).normal;
+            Tie { slot: tied.slot, normal }
+        });
+        let ties = Ties::new(ties.collect());
         // A far side is met from inside, however the last bits of a grazing ray fall.
         let from_outside = !hit.far && ray.direction().dot(normal) <= 0.0;
         Surface { hit, ties, point, normal, from_outside }
@@ -193,24 +232,27 @@ impl PreparedScene {
     #[must_use]
     pub fn distance(&self, ray: &Ray, hit: &Hit) -> f64 {
         let direction = Double3::from(ray.direction());
-        let t: Double = self.geometry.polished_t(ray, hit);
+        let t = with_leaves!(self, leaves => leaves.refined(ray, hit, &mut Guards::default())).t;
         (t * direction.dot(direction).sqrt()).rounded()
     }
 
     /// The nearest surface that the ray meets, by the renderer's own path. For single rays; it makes its own buffers.
     #[must_use]
     pub fn cast(&self, ray: &Ray) -> Option<Surface> {
-        let closest = self.closest(ray, &mut Stack::default())?;
-        Some(self.surface(ray, &closest))
+        let mut scratch = Scratch::default();
+        with_leaves!(self, leaves => {
+            let closest = self.closest(leaves, ray, &mut scratch)?;
+            Some(self.surface(leaves, ray, &closest, &mut scratch.guards))
+        })
     }
 }
 
 impl Surface {
-    /// A ray that leaves this surface, which `arrived` found. It never meets the surface it starts on by rounding. `None` if
-    /// the direction is zero or not finite.
+    /// A ray that leaves this surface. It never meets the surface it starts on by rounding. `None` if the direction is zero
+    /// or not finite.
     #[must_use]
-    pub fn leave_towards(&self, arrived: &Ray, direction: DVec3) -> Option<Ray> {
-        Ray::leaving(arrived, self, direction.dot(self.normal) >= 0.0, direction)
+    pub fn leave_towards(&self, direction: DVec3) -> Option<Ray> {
+        Ray::leaving(self, direction.dot(self.normal) >= 0.0, direction)
     }
 }
 

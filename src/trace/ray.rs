@@ -2,13 +2,13 @@
 
 use glam::DVec3;
 
-use super::{Hit, Surface, Ties};
+use super::{Slot, Surface, Ties};
 
 /// A half-line `origin + t direction`, t >= 0.
 ///
 /// The direction is scaled by a power of two, which is exact, so that its largest component is in 1..2: no later
 /// product overflows or loses digits, however long or short the direction was given.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Ray {
     origin: DVec3,
     direction: DVec3,
@@ -16,17 +16,14 @@ pub struct Ray {
 }
 
 /// The surface a ray leaves. Instead of moving the origin off the surface by some epsilon, the ray skips what it leaves.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Departure {
-    /// Where it is left.
-    pub(super) left: Hit,
+    /// The shape that is left.
+    pub(super) slot: Slot,
+    /// Out of it, or into it?
+    pub(super) outward: bool,
     /// What else is left there.
     pub(super) ties: Ties,
-    /// Out of the shape, or into it?
-    pub(super) outward: bool,
-    /// The ray that arrived here.
-    pub(super) arrived_from: DVec3,
-    pub(super) arrived_along: DVec3,
 }
 
 impl Ray {
@@ -37,37 +34,27 @@ impl Ray {
         origin.is_finite().then_some(Self { origin, direction, departure: None })
     }
 
-    /// A ray that leaves the surface found by `arrived`, on the side that `outward` says.
+    /// A ray that leaves a surface on the side that `outward` says.
     #[must_use]
-    pub(super) fn leaving(
-        arrived: &Self,
-        surface: &Surface,
-        outward: bool,
-        direction: DVec3,
-    ) -> Option<Self> {
-        let (direction, _) = scaled(direction)?;
-        surface.point.is_finite().then_some(())?;
-        let departure = Departure {
-            left: surface.hit,
-            ties: surface.ties,
-            outward,
-            arrived_from: arrived.origin,
-            arrived_along: arrived.direction,
-        };
-        Some(Self { origin: surface.point, direction, departure: Some(departure) })
+    #[inline]
+    pub(super) fn leaving(surface: &Surface, outward: bool, direction: DVec3) -> Option<Self> {
+        Some(Self::leaving_scaled(surface, outward, direction)?.0)
     }
 
-    /// A ray that leaves the surface found by `arrived` towards a point, and the `t` at which it is there.
+    /// A ray that leaves a surface towards a point, and the `t` at which it is there.
     #[must_use]
-    pub(super) fn leaving_to(
-        arrived: &Self,
-        surface: &Surface,
-        outward: bool,
-        point: DVec3,
-    ) -> Option<(Self, f64)> {
-        let way = point - surface.point;
-        let (_, scale) = scaled(way)?;
-        Some((Self::leaving(arrived, surface, outward, way)?, scale.recip()))
+    #[inline]
+    pub(super) fn leaving_to(surface: &Surface, outward: bool, point: DVec3) -> Option<(Self, f64)> {
+        let (ray, scale) = Self::leaving_scaled(surface, outward, point - surface.point)?;
+        Some((ray, scale.recip()))
+    }
+
+    #[inline]
+    fn leaving_scaled(surface: &Surface, outward: bool, direction: DVec3) -> Option<(Self, f64)> {
+        let (direction, scale) = scaled(direction)?;
+        surface.point.is_finite().then_some(())?;
+        let departure = Departure { slot: surface.hit.slot, outward, ties: surface.ties.clone() };
+        Some((Self { origin: surface.point, direction, departure: Some(departure) }, scale))
     }
 
     /// Where the ray starts.

@@ -1,8 +1,9 @@
 //! The slow path: every ray asks every shape. It is the oracle that the fast path is held against, bit for bit, and the
 //! definition of the picture in the fewest words.
 
+use super::geometry::Leaves;
 use super::shade::{ambient, diffuse, mirrored, shadow_ray};
-use super::{Camera, Closest, Film, PreparedScene, Ray, Slot};
+use super::{Camera, Closest, Film, Guards, PreparedScene, Ray, Slot};
 use crate::color::Rgb;
 
 /// Makes the picture, pixel after pixel.
@@ -32,12 +33,12 @@ pub fn radiance(scene: &PreparedScene, camera_ray: Ray) -> Rgb {
         let Some(closest) = closest(scene, &ray) else {
             return sum + throughput * scene.background;
         };
-        let surface = scene.surface(&ray, &closest);
+        let surface = scene.surface(scene.geometry(), &ray, &closest, &mut Guards::default());
         let material = scene.material(surface.hit.slot);
 
         let mut local = ambient(scene, material);
         for light in &scene.lights {
-            if let Some(shadow) = shadow_ray(scene, &ray, &surface, light)
+            if let Some(shadow) = shadow_ray(scene, &surface, light)
                 && !is_hidden(scene, &shadow.ray, shadow.limit, light.own_shape)
             {
                 local += diffuse(material, light, shadow.cosine);
@@ -62,8 +63,11 @@ pub fn radiance(scene: &PreparedScene, camera_ray: Ray) -> Rgb {
 pub fn closest(scene: &PreparedScene, ray: &Ray) -> Option<Closest> {
     let geometry = scene.geometry();
     let mut best = None;
-    for hit in geometry.slots().filter_map(|slot| geometry.first_hit(slot, ray)) {
-        Closest::consider(&mut best, hit, geometry, ray);
+    let mut guards = Guards::default();
+    for slot in geometry.slots() {
+        if let Some(hit) = geometry.first_hit(slot, ray, &mut guards) {
+            Closest::consider(&mut best, hit, geometry, ray, &mut guards);
+        }
     }
     best
 }
@@ -71,5 +75,7 @@ pub fn closest(scene: &PreparedScene, ray: &Ray) -> Option<Closest> {
 /// Does anything but `except` stand between the ray's origin and `limit`?
 #[must_use]
 pub fn is_hidden(scene: &PreparedScene, ray: &Ray, limit: f64, except: Option<Slot>) -> bool {
-    scene.geometry().slots().any(|slot| scene.hides(slot, ray, limit, except))
+    let geometry = scene.geometry();
+    let hides = |slot| geometry.stands_before(slot, ray, limit, &mut Guards::default());
+    geometry.slots().any(|slot| Some(slot) != except && hides(slot))
 }

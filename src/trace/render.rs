@@ -5,9 +5,19 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
+use super::geometry::{Leaves, with_leaves};
 use super::stages::{TILE, Tile, TileBuffers, render_tile};
-use super::{Camera, Film, PreparedScene};
+use super::{Camera, Film, Guards, PreparedScene};
 use crate::color::Rgb;
+
+/// What a picture took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Rays.
+    pub rays: RayCounts,
+    /// How often arithmetic had to be helped.
+    pub guards: Guards,
+}
 
 /// How many rays were traced, by what for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,32 +50,43 @@ impl AddAssign for RayCounts {
 ///
 /// `None` if `cancelled` became true before the picture was whole.
 #[must_use]
-pub fn render(scene: &PreparedScene, camera: &Camera, cancelled: &AtomicBool) -> Option<(Film, RayCounts)> {
+pub fn render(scene: &PreparedScene, camera: &Camera, cancelled: &AtomicBool) -> Option<(Film, Effort)> {
+    with_leaves!(scene, leaves => render_with(scene, leaves, camera, cancelled))
+}
+
+fn render_with(
+    scene: &PreparedScene,
+    leaves: &impl Leaves,
+    camera: &Camera,
+    cancelled: &AtomicBool,
+) -> Option<(Film, Effort)> {
     let (columns, rows) = camera.resolution();
     let tiles: Vec<Tile> = (0..rows)
         .step_by(TILE as usize)
         .flat_map(|j| (0..columns).step_by(TILE as usize).map(move |i| (i, j)))
         .map(|(i, j)| Tile { i, j, width: TILE.min(columns - i), height: TILE.min(rows - j) })
         .collect();
-    let finished: Option<Vec<(Vec<Rgb>, RayCounts)>> = tiles
+    let finished: Option<Vec<(Vec<Rgb>, Effort)>> = tiles
         .par_iter()
         .map_init(TileBuffers::default, |buffers, tile| {
             if cancelled.load(Ordering::Relaxed) {
                 return None;
             }
-            buffers.counts = RayCounts::default();
-            render_tile(scene, camera, *tile, buffers);
-            Some((buffers.pixels.clone(), buffers.counts))
+            render_tile(scene, leaves, camera, *tile, buffers);
+            let rays = std::mem::take(&mut buffers.counts);
+            let guards = std::mem::take(&mut buffers.scratch.guards);
+            Some((buffers.pixels.clone(), Effort { rays, guards }))
         })
         .collect();
 
     let mut film = Film::new(columns, rows);
-    let mut counts = RayCounts::default();
-    for (tile, (pixels, tile_counts)) in tiles.iter().zip(finished?) {
+    let mut effort = Effort::default();
+    for (tile, (pixels, tile_effort)) in tiles.iter().zip(finished?) {
         for (row, pixels) in (tile.j..).zip(pixels.chunks(tile.width as usize)) {
-            film.store(tile.i, row, pixels);
+            effort.guards.overflowed += film.store(tile.i, row, pixels);
         }
-        counts += tile_counts;
+        effort.rays += tile_effort.rays;
+        effort.guards += tile_effort.guards;
     }
-    Some((film, counts))
+    Some((film, effort))
 }

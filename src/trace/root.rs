@@ -1,5 +1,7 @@
 //! Where a ray meets a shape, with what is known of its error.
 
+use glam::DVec3;
+
 use super::exact::Double;
 
 /// The `t` of a meeting and a bound of its error.
@@ -7,6 +9,17 @@ use super::exact::Double;
 pub struct Root {
     t: f64,
     error: f64,
+}
+
+/// A meeting to the last bit of `f64`, with the surface there.
+#[derive(Clone, Copy, Debug)]
+pub struct Refined {
+    /// Right to some bits beyond an `f64`'s.
+    pub t: Double,
+    /// origin + t direction, rounded once.
+    pub point: DVec3,
+    /// The outward unit normal.
+    pub normal: DVec3,
 }
 
 impl Root {

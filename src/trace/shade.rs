@@ -18,7 +18,7 @@ pub struct SurfaceMaterial {
 }
 
 /// A ray that asks whether a light reaches a point.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct ShadowRay {
     pub(super) ray: Ray,
     /// Where the light is.
@@ -39,22 +39,15 @@ pub(super) fn diffuse(material: &SurfaceMaterial, light: &Light, cosine: f32) ->
 
 /// The shadow ray to a light; `None` where the light could add nothing: it is off, behind the surface or at the very
 /// point, or the surface scatters none.
-pub(super) fn shadow_ray(
-    scene: &PreparedScene,
-    arrived: &Ray,
-    surface: &Surface,
-    light: &Light,
-) -> Option<ShadowRay> {
+pub(super) fn shadow_ray(scene: &PreparedScene, surface: &Surface, light: &Light) -> Option<ShadowRay> {
     if scene.material(surface.hit.slot).diffuse * light.intensity == Rgb::ZERO {
         return None;
     }
     // Normals face the ray that arrived, and so does the side that is left.
     let outward = surface.from_outside;
     let (ray, limit) = match light.source {
-        LightSource::Point(point) => Ray::leaving_to(arrived, surface, outward, point)?,
-        LightSource::Towards(direction) => {
-            (Ray::leaving(arrived, surface, outward, direction)?, f64::INFINITY)
-        }
+        LightSource::Point(point) => Ray::leaving_to(surface, outward, point)?,
+        LightSource::Towards(direction) => (Ray::leaving(surface, outward, direction)?, f64::INFINITY),
     };
     let direction = ray.direction();
     let cosine = surface.facing_normal().dot(direction) / direction.dot(direction).sqrt();
@@ -64,7 +57,7 @@ pub(super) fn shadow_ray(
 /// The mirrored ray: d - 2 (d.N) N.
 pub(super) fn mirrored(arrived: &Ray, surface: &Surface) -> Option<Ray> {
     let direction = reflect(arrived.direction(), surface.normal);
-    Ray::leaving(arrived, surface, surface.from_outside, direction)
+    Ray::leaving(surface, surface.from_outside, direction)
 }
 
 fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {

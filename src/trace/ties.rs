@@ -1,43 +1,38 @@
 //! Surfaces that a ray meets at the very same place.
 
-use super::{Hit, Slot};
+use std::sync::Arc;
 
-/// The shapes, besides the one that is seen, that a ray meets exactly where it meets that one.
+use glam::DVec3;
+
+use super::Slot;
+
+/// The shapes, besides the one that is seen, that a ray meets exactly where it meets that one, each with its outward unit
+/// normal there. Mostly there are none, which costs nothing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ties(Option<Arc<[Tie]>>);
+
+/// One of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ties {
-    slots: [Slot; Self::MOST],
-    /// Whether each was met on its far side, as a bit mask.
-    far: u8,
-    length: u8,
-    overflowed: bool,
+pub(super) struct Tie {
+    pub(super) slot: Slot,
+    pub(super) normal: DVec3,
 }
 
 impl Ties {
-    /// More than this are not kept, only that there are more.
-    const MOST: usize = 8;
-
-    /// None.
-    pub const NONE: Self = Self { slots: [Slot(0); Self::MOST], far: 0, length: 0, overflowed: false };
-
-    pub(super) fn push(&mut self, hit: &Hit) {
-        let index = usize::from(self.length);
-        if index == Self::MOST {
-            self.overflowed = true;
-            return;
+    /// In any order.
+    pub(super) fn new(mut ties: Vec<Tie>) -> Self {
+        if ties.is_empty() {
+            return Self(None);
         }
-        self.slots[index] = hit.slot;
-        self.far |= u8::from(hit.far) << index;
-        self.length += 1;
+        ties.sort_unstable_by_key(|tie| tie.slot);
+        Self(Some(ties.into()))
     }
 
-    /// If the shape is among them: was it met on its far side?
-    pub(super) fn find(&self, slot: Slot) -> Option<bool> {
-        let index = self.slots[..usize::from(self.length)].iter().position(|tied| *tied == slot)?;
-        Some(self.far & (1 << index) != 0)
-    }
-
-    /// Were there more than are kept?
-    pub(super) fn overflowed(&self) -> bool {
-        self.overflowed
+    /// If the shape is among them: its outward normal.
+    #[inline]
+    pub(super) fn normal_of(&self, slot: Slot) -> Option<DVec3> {
+        let ties = self.0.as_ref()?;
+        let index = ties.binary_search_by_key(&slot, |tie| tie.slot).ok()?;
+        Some(ties[index].normal)
     }
 }

@@ -4,11 +4,11 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::aligned_box::exact_first_crossing;
-use super::sphere::{exact_first_root, first_root, polished_root};
-use super::{AlignedBox, Sphere};
-use crate::trace::exact::{Double, Double3};
-use crate::trace::{Bounds, Root};
+use super::aligned_box::{exact_first_crossing, outward};
+use super::sphere::{exact_first_root, first_root, newton_step};
+use super::{AlignedBox, Sphere, Verdict};
+use crate::trace::exact::{Compensated3, Double, Double3};
+use crate::trace::{Bounds, Refined, Root};
 
 /// A sphere under an affine map: an ellipsoid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,6 +65,11 @@ impl Map {
 
     fn exact_direction_back(&self, direction: DVec3) -> Double3 {
         self.exactly_back(direction.into())
+    }
+
+    fn place_back(&self, place: Compensated3) -> Compensated3 {
+        let from_translation = place.minus(self.forward.translation);
+        self.exact_inverse.map(|row| from_translation.dot_exact(row)).into()
     }
 
     fn exactly_back(&self, vector: Double3) -> Double3 {
@@ -137,12 +142,23 @@ impl SphereImage {
         Self { map: Map::new(forward), sphere: Sphere { center: DVec3::ZERO, radius } }
     }
 
+    /// The map.
+    #[must_use]
+    pub fn forward(&self) -> &DAffine3 {
+        &self.map.forward
+    }
+
+    /// The sphere's radius before it is mapped.
+    #[must_use]
+    pub fn radius(&self) -> f64 {
+        self.sphere.radius
+    }
+
     /// The smallest `t >= 0` on the ellipsoid.
     #[must_use]
-    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<Root> {
+    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Verdict {
         let (own, way) = (self.map.point_back(origin), self.map.direction_back(direction));
-        let verdict = first_root(-own, way, self.sphere.radius, self.map.roughness());
-        verdict.decided(|| self.exact_hit(origin, direction))
+        first_root(-own, way, self.sphere.radius, self.map.roughness())
     }
 
     /// As [`SphereImage::first_hit`], with a hundred bits throughout.
@@ -152,11 +168,16 @@ impl SphereImage {
         exact_first_root(-own, way, self.sphere.radius)
     }
 
-    /// The `t` near an inexact one with which the ray is on the ellipsoid.
+    /// The meeting near an inexact `t`, by a Newton step in the sphere's own space.
     #[must_use]
-    pub fn polished(&self, origin: DVec3, direction: DVec3, t: f64) -> Double {
-        let (own, way) = (self.map.exact_point_back(origin), self.map.exact_direction_back(direction));
-        polished_root(-own, way, self.sphere.radius, t)
+    pub fn refined(&self, origin: DVec3, direction: DVec3, t: f64) -> Refined {
+        let place = Compensated3::along(origin, direction, t);
+        let own = self.map.place_back(place);
+        let way = self.map.direction_back(direction);
+        let slope = 2.0 * own.rounded().dot(way);
+        let step = newton_step(own.beyond(self.sphere.radius).rounded(), slope);
+        let normal = self.map.normal(own.moved(way * step));
+        Refined { t: Double::sum(t, step), point: place.moved(direction * step), normal }
     }
 
     /// Where a ray that starts on the ellipsoid and goes inwards comes out.
@@ -165,12 +186,12 @@ impl SphereImage {
         self.sphere.far_hit(self.map.point_back(origin), self.map.direction_back(direction))
     }
 
-    /// The point at `t`, and the outward unit normal there.
+    /// The meeting at `t`.
     #[must_use]
-    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: Double, _far: bool) -> (DVec3, DVec3) {
-        let (own, way) = (self.map.exact_point_back(origin), self.map.exact_direction_back(direction));
-        let own = (own + way.scaled(t)).rounded();
-        (Double3::along(origin, direction, t).rounded(), self.map.normal(own))
+    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: Double, _far: bool) -> Refined {
+        let place = Compensated3::along(origin, direction, t.rounded());
+        let own = self.map.place_back(place).moved(self.map.direction_back(direction) * t.rest());
+        Refined { t, point: place.moved(direction * t.rest()), normal: self.map.normal(own) }
     }
 
     /// A box around it, unless its own numbers are too rough to say where it ends.
@@ -187,12 +208,23 @@ impl BoxImage {
         Self { map: Map::new(forward), aligned: AlignedBox { min: -half, max: half } }
     }
 
+    /// The map.
+    #[must_use]
+    pub fn forward(&self) -> &DAffine3 {
+        &self.map.forward
+    }
+
+    /// Half the box's edge lengths before it is mapped.
+    #[must_use]
+    pub fn half(&self) -> DVec3 {
+        self.aligned.max
+    }
+
     /// The smallest `t >= 0` on the box.
     #[must_use]
-    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<Root> {
+    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Verdict {
         let (own, way) = (self.map.point_back(origin), self.map.direction_back(direction));
-        let verdict = self.aligned.first_crossing(own, way, self.map.roughness());
-        verdict.decided(|| self.exact_hit(origin, direction))
+        self.aligned.first_crossing(own, way, self.map.roughness())
     }
 
     /// As [`BoxImage::first_hit`], with a hundred bits throughout.
@@ -206,15 +238,17 @@ impl BoxImage {
         )
     }
 
-    /// The `t` near an inexact one with which the ray is on the box.
+    /// The meeting near an inexact `t`, by a Newton step towards the face.
     #[must_use]
-    pub fn polished(&self, origin: DVec3, direction: DVec3, t: f64) -> Double {
+    pub fn refined(&self, origin: DVec3, direction: DVec3, t: f64) -> Refined {
         let (own, way) = (self.map.point_back(origin), self.map.direction_back(direction));
         let (axis, upper) = self.aligned.face_at(own, way, t, false);
-        let face = if upper { self.aligned.max[axis] } else { self.aligned.min[axis] };
+        let place = Compensated3::along(origin, direction, t);
         let row = self.map.exact_inverse[axis];
-        let place = row.dot(Double3::difference(origin, self.map.forward.translation));
-        (Double::from(face) - place) / row.dot(direction.into())
+        let height = place.minus(self.map.forward.translation).dot_exact(row);
+        let beyond = height - self.aligned.face(axis, upper).into();
+        let step = newton_step(beyond.rounded(), row.rounded().dot(direction));
+        self.met(Double::sum(t, step), place.moved(direction * step), axis, upper)
     }
 
     /// Where a ray that starts on the box and goes inwards comes out.
@@ -223,14 +257,17 @@ impl BoxImage {
         self.aligned.far_hit(self.map.point_back(origin), self.map.direction_back(direction))
     }
 
-    /// The point at `t`, and the outward unit normal of the face there.
+    /// The meeting at `t`. `far` says that `t` is from [`BoxImage::far_hit`].
     #[must_use]
-    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: Double, far: bool) -> (DVec3, DVec3) {
+    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: Double, far: bool) -> Refined {
         let (own, way) = (self.map.point_back(origin), self.map.direction_back(direction));
         let (axis, upper) = self.aligned.face_at(own, way, t.rounded(), far);
-        let mut normal = DVec3::ZERO;
-        normal[axis] = if upper { 1.0 } else { -1.0 };
-        (Double3::along(origin, direction, t).rounded(), self.map.normal(normal))
+        let place = Compensated3::along(origin, direction, t.rounded());
+        self.met(t, place.moved(direction * t.rest()), axis, upper)
+    }
+
+    fn met(&self, t: Double, point: DVec3, axis: usize, upper: bool) -> Refined {
+        Refined { t, point, normal: self.map.normal(outward(axis, upper)) }
     }
 
     /// A box around it, unless its own numbers are too rough to say where it ends.
@@ -253,10 +290,10 @@ mod tests {
             DVec3::new(0.0, 0.0, 5.0),
         );
         let ellipsoid = SphereImage::new(map, 1.0);
-        assert_eq!(ellipsoid.first_hit(DVec3::ZERO, DVec3::Z).unwrap().t(), 4.5);
+        assert_eq!(ellipsoid.first_hit(DVec3::ZERO, DVec3::Z).hit().unwrap().t(), 4.5);
         let (origin, direction) = (DVec3::new(2.0, 0.0, 0.0), DVec3::Z);
-        let t = ellipsoid.first_hit(origin, direction).unwrap().t();
-        let (point, normal) = ellipsoid.surface_at(origin, direction, t.into(), false);
+        let t = ellipsoid.first_hit(origin, direction).hit().unwrap().t();
+        let Refined { point, normal, .. } = ellipsoid.refined(origin, direction, t);
         // x^2/9 + z^2/0.25 = 1, gradient (2x/9, 0, 2z/0.25).
         assert!((4.0 / 9.0 + (point.z - 5.0) * (point.z - 5.0) / 0.25 - 1.0).abs() < 1e-14);
         let gradient = DVec3::new(2.0 * point.x / 9.0, 0.0, 2.0 * (point.z - 5.0) / 0.25).normalize();
@@ -267,8 +304,11 @@ mod tests {
     fn a_mirrored_box_keeps_its_normals_outward() {
         let map = DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
         let mirrored = BoxImage::new(map, DVec3::ONE);
-        let t = mirrored.first_hit(DVec3::new(-4.0, 0.2, 0.1), DVec3::X).unwrap().t();
-        let (point, normal) = mirrored.surface_at(DVec3::new(-4.0, 0.2, 0.1), DVec3::X, t.into(), false);
+        let origin = DVec3::new(-4.0, 0.2, 0.1);
+        // Along an axis of its own, whether it meets the box is a close call.
+        let t =
+            mirrored.first_hit(origin, DVec3::X).decided(|| mirrored.exact_hit(origin, DVec3::X)).unwrap();
+        let Refined { point, normal, .. } = mirrored.refined(origin, DVec3::X, t);
         assert_eq!((t, point, normal), (3.0, DVec3::new(-1.0, 0.2, 0.1), DVec3::NEG_X));
     }
 }

@@ -4,9 +4,10 @@ use std::cmp::Ordering;
 
 use glam::DVec3;
 
-use super::sphere::{U, Verdict};
-use crate::trace::exact::{Double, Double3, compare_quotients};
-use crate::trace::{Bounds, Root};
+use super::Verdict;
+use super::sphere::U;
+use crate::trace::exact::{Compensated3, Double, Double3, compare_quotients};
+use crate::trace::{Bounds, Refined, Root};
 
 /// An axis-aligned box in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +25,9 @@ struct Crossing {
     exit: f64,
     entry_axis: usize,
 }
+
+/// Below this a direction's reciprocal might not be finite.
+const SLOWEST: f64 = 1e-300;
 
 /// A slab's plane, ahead of the origin by `height`, met at `height / speed`.
 #[derive(Clone, Copy)]
@@ -71,27 +75,41 @@ pub(super) fn exact_first_crossing(low: Double3, high: Double3, direction: Doubl
     [entry, exit].into_iter().map(|meeting| meeting.height / meeting.speed).find(|t| t.sign().is_ge())
 }
 
+/// A face's outward normal.
+#[inline]
+pub(super) fn outward(axis: usize, upper: bool) -> DVec3 {
+    let mut normal = DVec3::ZERO;
+    normal[axis] = if upper { 1.0 } else { -1.0 };
+    normal
+}
+
 impl AlignedBox {
-    /// The smallest `t >= 0` on the box. Whether the ray passes an edge or misses it is decided exactly.
+    /// The smallest `t >= 0` on the box.
     #[must_use]
     #[inline]
-    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<Root> {
-        // A quotient of a difference is rounded twice; its sign is right.
-        let Crossing { entry, exit, .. } = self.crossing(origin, direction);
+    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Verdict {
+        // A difference times a reciprocal is rounded three times; its sign is right.
+        let (entry, exit) = if direction.abs().min_element() > SLOWEST {
+            let inverse = direction.recip();
+            let (at_min, at_max) = ((self.min - origin) * inverse, (self.max - origin) * inverse);
+            (at_min.min(at_max).max_element(), at_min.max(at_max).min_element())
+        } else {
+            let Crossing { entry, exit, .. } = self.crossing(origin, direction);
+            (entry, exit)
+        };
         let close = 8.0 * U * entry.abs().max(exit.abs());
         if exit < 0.0 || entry > exit + close {
-            return None;
+            return Verdict::Miss;
         }
         if entry > exit - close {
-            return self.exact_hit(origin, direction).map(Root::rounded);
+            return Verdict::Open;
         }
         // Adding zero makes a negative zero positive.
         let t = if entry >= 0.0 { entry } else { exit } + 0.0;
-        Some(Root::within(t, 4.0 * U * t))
+        Verdict::Hit(Root::within(t, 4.0 * U * t))
     }
 
-    /// As [`AlignedBox::first_hit`], for arguments that are `roughness` times worse than rounded once, and without the last
-    /// word.
+    /// As [`AlignedBox::first_hit`], for arguments that are `roughness` times worse than rounded once.
     #[inline]
     pub(super) fn first_crossing(&self, origin: DVec3, direction: DVec3, roughness: f64) -> Verdict {
         let u = U * roughness;
@@ -136,12 +154,13 @@ impl AlignedBox {
         exact_first_crossing(low, high, direction.into())
     }
 
-    /// The `t` near an inexact one with which the ray is on the box.
+    /// The meeting near an inexact `t`.
     #[must_use]
-    pub fn polished(&self, origin: DVec3, direction: DVec3, t: f64) -> Double {
+    #[inline]
+    pub fn refined(&self, origin: DVec3, direction: DVec3, t: f64) -> Refined {
         let (axis, upper) = self.face_at(origin, direction, t, false);
-        let face = if upper { self.max[axis] } else { self.min[axis] };
-        Double::difference(face, origin[axis]) / direction[axis].into()
+        let t = Double::difference(self.face(axis, upper), origin[axis]) / direction[axis].into();
+        self.met(origin, direction, t, axis, upper)
     }
 
     /// Intersects the three slabs (Kay and Kajiya, "Ray Tracing Complex Scenes", 1986), closed ones: a ray in a face
@@ -193,16 +212,26 @@ impl AlignedBox {
         nearest
     }
 
-    /// The point at `t`, with the coordinate of the face it is on, and that face's outward normal. `far` says that `t` is
-    /// from [`AlignedBox::far_hit`].
+    /// The meeting at `t`. `far` says that `t` is from [`AlignedBox::far_hit`].
     #[must_use]
-    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: Double, far: bool) -> (DVec3, DVec3) {
+    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: Double, far: bool) -> Refined {
         let (axis, upper) = self.face_at(origin, direction, t.rounded(), far);
-        let mut point = Double3::along(origin, direction, t).rounded().clamp(self.min, self.max);
-        point[axis] = if upper { self.max[axis] } else { self.min[axis] };
-        let mut normal = DVec3::ZERO;
-        normal[axis] = if upper { 1.0 } else { -1.0 };
-        (point, normal)
+        self.met(origin, direction, t, axis, upper)
+    }
+
+    /// The meeting at `t` with a face: the point has the face's own coordinate.
+    #[inline]
+    fn met(&self, origin: DVec3, direction: DVec3, t: Double, axis: usize, upper: bool) -> Refined {
+        let place = Compensated3::along(origin, direction, t.rounded()).moved(direction * t.rest());
+        let mut point = place.clamp(self.min, self.max);
+        point[axis] = self.face(axis, upper);
+        Refined { t, point, normal: outward(axis, upper) }
+    }
+
+    /// A face's coordinate.
+    #[inline]
+    pub(super) fn face(&self, axis: usize, upper: bool) -> f64 {
+        if upper { self.max[axis] } else { self.min[axis] }
     }
 
     /// The axis of the face that the ray meets at `t`, and whether it is the upper one.
@@ -226,7 +255,7 @@ mod tests {
     use super::*;
 
     fn first(origin: DVec3, direction: DVec3) -> Option<f64> {
-        UNIT.first_hit(origin, direction).map(|root| root.t())
+        UNIT.first_hit(origin, direction).decided(|| UNIT.exact_hit(origin, direction))
     }
 
     fn far(origin: DVec3, direction: DVec3) -> Option<f64> {
@@ -257,10 +286,10 @@ mod tests {
     fn hits_are_put_onto_their_face() {
         let (origin, direction) = (DVec3::new(0.3, 0.1, -3.7), DVec3::new(0.05, 0.13, 1.0));
         let t = first(origin, direction).unwrap();
-        let (point, normal) = UNIT.surface_at(origin, direction, t.into(), false);
+        let Refined { point, normal, .. } = UNIT.refined(origin, direction, t);
         assert_eq!((point.z, normal), (-1.0, DVec3::NEG_Z));
         let t = first(DVec3::ZERO, DVec3::new(0.2, -1.0, 0.0)).unwrap();
-        let (point, normal) = UNIT.surface_at(DVec3::ZERO, DVec3::new(0.2, -1.0, 0.0), t.into(), false);
+        let Refined { point, normal, .. } = UNIT.refined(DVec3::ZERO, DVec3::new(0.2, -1.0, 0.0), t);
         assert_eq!(
             (point, normal),
             (DVec3::new(0.2, -1.0, 0.0), DVec3::NEG_Y),
@@ -274,6 +303,7 @@ mod tests {
         // From an edge it comes out at once, by the other face.
         let (origin, direction) = (DVec3::new(0.0, 1.0, -1.0), DVec3::new(0.0, 1.0, 1.0));
         assert_eq!(far(origin, direction), Some(0.0));
-        assert_eq!(UNIT.surface_at(origin, direction, Double::ZERO, true), (origin, DVec3::Y));
+        let Refined { point, normal, .. } = UNIT.surface_at(origin, direction, Double::ZERO, true);
+        assert_eq!((point, normal), (origin, DVec3::Y));
     }
 }

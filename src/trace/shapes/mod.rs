@@ -2,12 +2,14 @@
 //!
 //! Every shape answers the same, for a ray `origin + t direction`:
 //!
-//! - `first_hit`: the smallest `t >= 0` on the surface, with a bound of its error; the verdict is right. Shapes are closed
-//!   sets: touching counts. Spheres and boxes are shells that are seen from inside too.
-//! - `exact_hit`: the same with a hundred bits, for what `first_hit` leaves open and for comparisons too close to call.
-//! - `polished`: a `t` that is right to the last bit of an `f64`, from one that is nearly right.
+//! - `first_hit`: the smallest `t >= 0` on the surface, with a bound of its error, unless `f64` leaves open whether there is
+//!   one. Shapes are closed sets: touching counts. Spheres and boxes are shells that are seen from inside too.
+//! - `exact_hit`: the same with a hundred bits, for what `first_hit` leaves open and for comparisons too close to call; box
+//!   edges exactly.
+//! - `refined`: from a `t` that is nearly right, one that is right to the last bit of an `f64`, with the point and the outward
+//!   unit normal there.
 //! - `far_hit`: the ray starts on the surface and goes into the shape; where does it come out?
-//! - `surface_at`: the point at a `t` that `first_hit` or, as `far` says, `far_hit` gave, and the outward unit normal there.
+//! - `surface_at`: the same at a `t` that is right already, from `exact_hit` or, as `far` says, from `far_hit`.
 //! - `bounds`: a box around it, for shapes that have one.
 
 mod affine;
@@ -15,7 +17,40 @@ mod aligned_box;
 mod plane;
 mod sphere;
 
+use super::Root;
+
 pub use affine::{BoxImage, SphereImage};
 pub use aligned_box::AlignedBox;
 pub use plane::Plane;
 pub use sphere::Sphere;
+
+/// What `f64` can say about where a ray meets a shape.
+#[derive(Clone, Copy, Debug)]
+pub enum Verdict {
+    /// It does.
+    Hit(Root),
+    /// It does not.
+    Miss,
+    /// Too close to call.
+    Open,
+}
+
+#[cfg(test)]
+impl Verdict {
+    /// The root, if that much is certain.
+    fn hit(self) -> Option<Root> {
+        match self {
+            Self::Hit(root) => Some(root),
+            Self::Miss | Self::Open => None,
+        }
+    }
+
+    /// The `t`, if there is one; `exact` has the last word where the verdict is open.
+    fn decided(self, exact: impl FnOnce() -> Option<super::exact::Double>) -> Option<f64> {
+        match self {
+            Self::Hit(root) => Some(root.t()),
+            Self::Miss => None,
+            Self::Open => exact().map(super::exact::Double::rounded),
+        }
+    }
+}

@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 
-use super::sphere::U;
-use crate::trace::Root;
-use crate::trace::exact::{Double, Double3, dot};
+use super::Verdict;
+use super::sphere::{U, newton_step};
+use crate::trace::exact::{Compensated3, Double, Double3, dot};
+use crate::trace::{Refined, Root};
 
 /// An infinite plane in world space, two-sided.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,7 +20,7 @@ impl Plane {
     /// The `t >= 0` on the plane. A ray along the plane misses it, also when it lies in it.
     #[must_use]
     #[inline]
-    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<Root> {
+    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Verdict {
         let to_plane = self.point - origin;
         let (height, speed) = (to_plane.dot(self.normal), direction.dot(self.normal));
         let size = self.normal.abs();
@@ -29,11 +30,11 @@ impl Plane {
         let error = (height_error + t.abs() * speed_error) / speed.abs() + 2.0 * U * t.abs();
         let certain = speed.abs() > 1024.0 * speed_error;
         if certain && t > error {
-            Some(Root::within(t, error))
+            Verdict::Hit(Root::within(t, error))
         } else if certain && t < -error {
-            None
+            Verdict::Miss
         } else {
-            self.exact_hit(origin, direction).map(Root::rounded)
+            Verdict::Open
         }
     }
 
@@ -48,13 +49,14 @@ impl Plane {
         t.sign().is_ge().then_some(t)
     }
 
-    /// The `t` near an inexact one with which the ray is on the plane.
+    /// The meeting near an inexact `t`: one Newton step from the height that is left there, in twice the working precision.
     #[must_use]
-    pub fn polished(&self, origin: DVec3, direction: DVec3, t: f64) -> Double {
-        // A Newton step: what is left of the height after t.
-        let left = Double3::difference(self.point, origin) - Double3::product(direction, t);
-        let step = left.dot_plain(self.normal).rounded() / direction.dot(self.normal);
-        if step.is_finite() { Double::from(t) + Double::from(step) } else { t.into() }
+    #[inline]
+    pub fn refined(&self, origin: DVec3, direction: DVec3, t: f64) -> Refined {
+        let place = Compensated3::along(origin, direction, t);
+        let height = place.minus(self.point).dot(self.normal).rounded();
+        let step = newton_step(height, direction.dot(self.normal));
+        Refined { t: Double::sum(t, step), point: place.moved(direction * step), normal: self.normal }
     }
 
     /// A straight ray never meets the plane that it leaves again.
@@ -63,10 +65,11 @@ impl Plane {
         None
     }
 
-    /// The point at `t`, and the normal.
+    /// The meeting at `t`.
     #[must_use]
-    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: Double, _far: bool) -> (DVec3, DVec3) {
-        (Double3::along(origin, direction, t).rounded(), self.normal)
+    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: Double, _far: bool) -> Refined {
+        let place = Compensated3::along(origin, direction, t.rounded());
+        Refined { t, point: place.moved(direction * t.rest()), normal: self.normal }
     }
 }
 
@@ -77,7 +80,9 @@ mod tests {
     #[test]
     fn planes_are_two_sided_and_parallel_rays_miss() {
         let floor = Plane { point: DVec3::ZERO, normal: DVec3::Y };
-        let first = |origin: DVec3, direction: DVec3| floor.first_hit(origin, direction).map(|root| root.t());
+        let first = |origin: DVec3, direction: DVec3| {
+            floor.first_hit(origin, direction).decided(|| floor.exact_hit(origin, direction))
+        };
         assert_eq!(first(DVec3::new(0.0, 2.0, 0.0), DVec3::new(1.0, -1.0, 0.0)), Some(2.0));
         assert_eq!(first(DVec3::new(0.0, -2.0, 0.0), DVec3::new(1.0, 1.0, 0.0)), Some(2.0));
         assert_eq!(first(DVec3::new(0.0, 2.0, 0.0), DVec3::Y), None);

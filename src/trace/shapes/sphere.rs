@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 
-use crate::trace::exact::{Double, Double3, square_difference};
-use crate::trace::{Bounds, Root};
+use super::Verdict;
+use crate::trace::exact::{Compensated3, Double, Double3, square_difference};
+use crate::trace::{Bounds, Refined, Root};
 
 /// A sphere in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,27 +13,6 @@ pub struct Sphere {
     pub center: DVec3,
     /// Greater than 0.
     pub radius: f64,
-}
-
-/// What `f64` can say about a question.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Verdict {
-    Hit(Root),
-    Miss,
-    /// Too close to call.
-    Open,
-}
-
-impl Verdict {
-    /// The root, if there is one; `exact` has the last word where the verdict is open.
-    #[inline]
-    pub(super) fn decided(self, exact: impl FnOnce() -> Option<Double>) -> Option<Root> {
-        match self {
-            Self::Hit(root) => Some(root),
-            Self::Miss => None,
-            Self::Open => exact().map(Root::rounded),
-        }
-    }
 }
 
 /// Half a unit in the last place of 1.
@@ -106,30 +86,19 @@ pub(super) fn exact_first_root(to_center: Double3, direction: Double3, radius: f
     [near, far].into_iter().find(|t| t.sign().is_ge())
 }
 
-/// One Newton step for |to_center - t direction|^2 = radius^2.
+/// A Newton step, or none where the ray grazes so that it leads nowhere.
 #[inline]
-pub(super) fn polished_root(to_center: Double3, direction: Double3, radius: f64, t: f64) -> Double {
-    let from_point = to_center - direction.times(t);
-    step_to_sphere(from_point, direction.rounded(), radius, t)
-}
-
-/// The Newton step from a `t` with `from_point` = to_center - t direction.
-#[inline]
-fn step_to_sphere(from_point: Double3, direction: DVec3, radius: f64, t: f64) -> Double {
-    let residual = from_point.squared() - Double::product(radius, radius);
-    let slope = 2.0 * from_point.rounded().dot(direction);
-    let step = residual.rounded() / slope;
-    if step.is_finite() { Double::from(t) + Double::from(step) } else { t.into() }
+pub(super) fn newton_step(residual: f64, slope: f64) -> f64 {
+    let step = -residual / slope;
+    if step.is_finite() { step } else { 0.0 }
 }
 
 impl Sphere {
-    /// The smallest `t >= 0` on the sphere, if there is one; that verdict is decided with a hundred bits where `f64` could
-    /// be wrong.
+    /// The smallest `t >= 0` on the sphere.
     #[must_use]
     #[inline]
-    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<Root> {
-        let to_center = self.center - origin;
-        first_root(to_center, direction, self.radius, 1.0).decided(|| self.exact_hit(origin, direction))
+    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Verdict {
+        first_root(self.center - origin, direction, self.radius, 1.0)
     }
 
     /// As [`Sphere::first_hit`], with a hundred bits throughout.
@@ -138,11 +107,16 @@ impl Sphere {
         exact_first_root(Double3::difference(self.center, origin), direction.into(), self.radius)
     }
 
-    /// The `t` near an inexact one with which the ray is on the sphere: a Newton step from a residual of a hundred bits.
+    /// The meeting near an inexact `t`: one Newton step for |from_center|^2 = radius^2, from a residual in twice the working
+    /// precision.
     #[must_use]
-    pub fn polished(&self, origin: DVec3, direction: DVec3, t: f64) -> Double {
-        let from_point = Double3::difference(self.center, origin) - Double3::product(direction, t);
-        step_to_sphere(from_point, direction, self.radius, t)
+    #[inline]
+    pub fn refined(&self, origin: DVec3, direction: DVec3, t: f64) -> Refined {
+        let place = Compensated3::along(origin, direction, t);
+        let from_center = place.minus(self.center);
+        let slope = 2.0 * from_center.rounded().dot(direction);
+        let step = newton_step(from_center.beyond(self.radius).rounded(), slope);
+        Self::met(Double::sum(t, step), place, from_center, direction * step)
     }
 
     /// Where a ray that starts on the sphere and goes inwards comes out. A ray that only grazes it comes out at once.
@@ -152,13 +126,18 @@ impl Sphere {
         Some(Root::within(t, 16.0 * U * t))
     }
 
-    /// The point at `t`, and the outward unit normal there.
+    /// The meeting at `t`.
     #[must_use]
-    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: Double, _far: bool) -> (DVec3, DVec3) {
-        let from_center =
-            Double3::difference(origin, self.center) + Double3::along(DVec3::ZERO, direction, t);
-        let point = (Double3::from(self.center) + from_center).rounded();
-        (point, from_center.rounded().normalize_or(DVec3::Y))
+    #[inline]
+    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: Double, _far: bool) -> Refined {
+        let place = Compensated3::along(origin, direction, t.rounded());
+        Self::met(t, place, place.minus(self.center), direction * t.rest())
+    }
+
+    /// The meeting a short way on from a place.
+    #[inline]
+    fn met(t: Double, place: Compensated3, from_center: Compensated3, way: DVec3) -> Refined {
+        Refined { t, point: place.moved(way), normal: from_center.moved(way).normalize_or(DVec3::Y) }
     }
 
     /// A box around it.
@@ -176,9 +155,9 @@ mod tests {
     fn the_worked_example() {
         let sphere = Sphere { center: DVec3::new(3.0, 3.0, 1.0), radius: 2.0 };
         let (origin, direction) = (DVec3::new(0.0, -2.0, 0.0), DVec3::new(1.0, 2.0, 1.0) / 6.0_f64.sqrt());
-        let t = sphere.first_hit(origin, direction).unwrap().t();
+        let t = sphere.first_hit(origin, direction).hit().unwrap().t();
         assert!((t - 4.42).abs() < 0.005, "{t}");
-        let (point, _) = sphere.surface_at(origin, direction, t.into(), false);
+        let point = sphere.refined(origin, direction, t).point;
         // The source truncates to 1.80 where rounding gives 1.81.
         assert!((point - DVec3::new(1.81, 1.61, 1.81)).abs().max_element() < 0.005, "{point}");
     }
@@ -192,6 +171,7 @@ mod tests {
         let sphere = Sphere { center: DVec3::new(3.0, 3.0, 1.0), radius: 2.0 };
         let found = sphere
             .first_hit(DVec3::new(0.0, -2.0, 0.0), DVec3::new(1.0, 2.0, 1.0) / 6.0_f64.sqrt())
+            .hit()
             .unwrap()
             .t();
         assert!((found - near).abs() < 1e-14);
@@ -200,8 +180,9 @@ mod tests {
     #[test]
     fn the_nearer_root_counts_only_ahead_and_from_inside_the_farther_does() {
         let sphere = Sphere { center: DVec3::ZERO, radius: 2.0 };
-        let first =
-            |origin: DVec3, direction: DVec3| sphere.first_hit(origin, direction).map(|root| root.t());
+        let first = |origin: DVec3, direction: DVec3| {
+            sphere.first_hit(origin, direction).decided(|| sphere.exact_hit(origin, direction))
+        };
         assert_eq!(first(DVec3::new(0.0, 0.0, -5.0), DVec3::Z), Some(3.0));
         assert_eq!(first(DVec3::new(0.0, 0.0, 1.0), DVec3::Z), Some(1.0));
         assert_eq!(first(DVec3::ZERO, DVec3::Z), Some(2.0));
@@ -213,7 +194,7 @@ mod tests {
     #[test]
     fn a_ground_sphere_of_a_thousand_million_is_level() {
         let ground = Sphere { center: DVec3::new(0.0, -1e9, 0.0), radius: 1e9 };
-        let t = ground.first_hit(DVec3::new(0.0, 2.0, 0.0), DVec3::new(4.0, -3.0, 0.0)).unwrap().t();
+        let t = ground.first_hit(DVec3::new(0.0, 2.0, 0.0), DVec3::new(4.0, -3.0, 0.0)).hit().unwrap().t();
         assert!((t - 3.333_333_339_259_259 / 5.0).abs() < 1e-6, "{t}");
     }
 }

@@ -1,7 +1,7 @@
 //! A tile's working memory. One per thread, reused from tile to tile, so that no ray allocates.
 
 use crate::color::Rgb;
-use crate::trace::bvh::Stack;
+use crate::trace::prepared::Scratch;
 use crate::trace::render::RayCounts;
 use crate::trace::{Closest, Ray, Surface};
 
@@ -22,7 +22,7 @@ pub(in crate::trace) struct Tile {
 }
 
 /// A ray on its way for a pixel.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct QueuedRay {
     pub(super) ray: Ray,
     /// Index of the pixel in the tile.
@@ -32,7 +32,7 @@ pub(super) struct QueuedRay {
 }
 
 /// A surface point that a ray of the wave has found.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Found {
     /// Index of the ray in the wave.
     pub(super) ray: usize,
@@ -52,7 +52,7 @@ pub(in crate::trace) struct TileBuffers {
     pub(super) found: Vec<Found>,
     /// The next wave's rays.
     pub(super) next: Vec<QueuedRay>,
-    pub(super) stack: Stack,
+    pub(in crate::trace) scratch: Scratch,
     /// Row by row.
     pub(in crate::trace) pixels: Vec<Rgb>,
     /// Rays since the buffers were made.

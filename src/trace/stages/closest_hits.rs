@@ -2,9 +2,10 @@
 
 use super::buffers::TileBuffers;
 use crate::trace::PreparedScene;
+use crate::trace::geometry::Leaves;
 
-pub(super) fn run(scene: &PreparedScene, buffers: &mut TileBuffers) {
-    let TileBuffers { rays, hits, stack, .. } = buffers;
+pub(super) fn run(scene: &PreparedScene, leaves: &impl Leaves, buffers: &mut TileBuffers) {
+    let TileBuffers { rays, hits, scratch, .. } = buffers;
     hits.clear();
-    hits.extend(rays.iter().map(|queued| scene.closest(&queued.ray, stack)));
+    hits.extend(rays.iter().map(|queued| scene.closest(leaves, &queued.ray, scratch)));
 }

@@ -2,21 +2,22 @@
 
 use super::buffers::TileBuffers;
 use crate::trace::PreparedScene;
+use crate::trace::geometry::Leaves;
 use crate::trace::shade::{ambient, diffuse, shadow_ray};
 
-pub(super) fn run(scene: &PreparedScene, buffers: &mut TileBuffers) {
-    let TileBuffers { rays, found, pixels, stack, counts, .. } = buffers;
+pub(super) fn run(scene: &PreparedScene, leaves: &impl Leaves, buffers: &mut TileBuffers) {
+    let TileBuffers { rays, found, pixels, scratch, counts, .. } = buffers;
     for point in found.iter_mut() {
         point.local = ambient(scene, scene.material(point.surface.hit.slot));
     }
     for light in &scene.lights {
         for point in found.iter_mut() {
             let material = scene.material(point.surface.hit.slot);
-            let Some(shadow) = shadow_ray(scene, &rays[point.ray].ray, &point.surface, light) else {
+            let Some(shadow) = shadow_ray(scene, &point.surface, light) else {
                 continue;
             };
             counts.shadow += 1;
-            if !scene.is_hidden(&shadow.ray, shadow.limit, light.own_shape, stack) {
+            if !scene.is_hidden(leaves, &shadow.ray, shadow.limit, light.own_shape, scratch) {
                 point.local += diffuse(material, light, shadow.cosine);
             }
         }
