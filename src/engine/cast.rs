@@ -19,6 +19,8 @@ pub struct Ray {
 pub struct Hit {
     /// Whose shape.
     pub entity: Entity,
+    /// The ray's parameter, for the direction as it was given: the point is origin + t direction.
+    pub t: f64,
     /// From the ray's origin, in scene units.
     pub distance: f64,
     /// On the surface.
@@ -29,9 +31,16 @@ pub struct Hit {
 }
 
 impl Hit {
-    pub(super) fn new(entity: Entity, distance: f64, surface: trace::Surface) -> Self {
-        let normal = surface.facing_normal();
-        Self { entity, distance, point: surface.point, normal, surface }
+    /// `scale` is how many times shorter the direction was before the kernel took it over.
+    pub(super) fn new(entity: Entity, ray: &trace::Ray, scale: f64, surface: trace::Surface) -> Self {
+        Self {
+            entity,
+            t: surface.t.rounded() * scale,
+            distance: surface.distance(ray),
+            point: surface.point,
+            normal: surface.facing_normal(),
+            surface,
+        }
     }
 
     /// A ray that leaves this surface. It knows which surfaces it starts on and never meets them by rounding; there is no
@@ -44,24 +53,27 @@ impl Hit {
 
 /// A ray that [`Engine::cast`](super::Engine::cast) can follow.
 pub trait IntoRay {
-    /// The kernel's ray; `None` if a number is not finite or the direction is zero.
-    fn into_ray(self) -> Option<trace::Ray>;
+    /// The kernel's ray, and how many times longer its direction is than the one that was given, a power of two. `None` if a
+    /// number is not finite or the direction is zero.
+    fn into_ray(self) -> Option<(trace::Ray, f64)>;
 }
 
 impl IntoRay for Ray {
-    fn into_ray(self) -> Option<trace::Ray> {
-        trace::Ray::new(self.origin, self.direction)
+    fn into_ray(self) -> Option<(trace::Ray, f64)> {
+        let ray = trace::Ray::new(self.origin, self.direction)?;
+        let scale = ray.direction().abs().max_element() / self.direction.abs().max_element();
+        Some((ray, scale))
     }
 }
 
 impl IntoRay for trace::Ray {
-    fn into_ray(self) -> Option<trace::Ray> {
-        Some(self)
+    fn into_ray(self) -> Option<(trace::Ray, f64)> {
+        Some((self, 1.0))
     }
 }
 
 impl IntoRay for Option<trace::Ray> {
-    fn into_ray(self) -> Option<trace::Ray> {
-        self
+    fn into_ray(self) -> Option<(trace::Ray, f64)> {
+        self?.into_ray()
     }
 }

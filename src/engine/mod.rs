@@ -1,9 +1,11 @@
 //! World, systems and kernel put together.
 
 mod cast;
+mod probe;
 mod report;
 mod run;
 
 pub use cast::{Hit, IntoRay, Ray};
+pub use probe::Probe;
 pub use report::FrameReport;
 pub use run::{Engine, EngineError};

@@ -6,7 +6,8 @@ use std::time::Instant;
 
 use hecs::{Component, World};
 
-use super::cast::{Hit, IntoRay};
+use super::cast::{Hit, IntoRay, Ray};
+use super::probe::Probe;
 use super::report::FrameReport;
 use crate::components::FilmSettings;
 use crate::scene::{LoadError, Scene};
@@ -289,9 +290,42 @@ impl Engine {
     #[must_use]
     pub fn cast(&self, ray: impl IntoRay) -> Option<Hit> {
         let preparation = self.preparation.as_ref()?;
-        let ray = ray.into_ray()?;
+        let (ray, scale) = ray.into_ray()?;
         let surface = preparation.scene().cast(&ray)?;
-        let distance = preparation.scene().distance(&ray, &surface.hit);
-        Some(Hit::new(preparation.entity(surface.hit.slot), distance, surface))
+        Some(Hit::new(preparation.entity(surface.hit.slot), &ray, scale, surface))
+    }
+
+    /// As [`cast`](Engine::cast) for many rays, on the current rayon pool's threads. The answers are in the rays' order.
+    #[must_use]
+    pub fn cast_all(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
+        let Some(preparation) = &self.preparation else {
+            return vec![None; rays.len()];
+        };
+        let (rays, scales): (Vec<_>, Vec<_>) = rays
+            .iter()
+            .map(|ray| match ray.into_ray() {
+                Some((ray, scale)) => (Some(ray), scale),
+                None => (None, 1.0),
+            })
+            .unzip();
+        let surfaces = preparation.scene().cast_all(&rays);
+        surfaces
+            .into_iter()
+            .zip(rays.iter().zip(scales))
+            .map(|(surface, (ray, scale))| {
+                let surface = surface?;
+                Some(Hit::new(preparation.entity(surface.hit.slot), ray.as_ref()?, scale, surface))
+            })
+            .collect()
+    }
+
+    /// Everything that goes into the pixel in column `i` and row `j`, at the moment of the last frame or
+    /// [`seek`](Engine::seek), by the reference path. `None` before the first of them, and outside the film.
+    #[must_use]
+    pub fn probe(&self, i: u32, j: u32) -> Option<Probe<'_>> {
+        let preparation = self.preparation.as_ref()?;
+        let (columns, rows) = preparation.camera().resolution();
+        let ray = (i < columns && j < rows).then(|| preparation.camera().ray(i, j))??;
+        Some(Probe::new(preparation, ray))
     }
 }

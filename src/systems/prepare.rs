@@ -25,6 +25,7 @@ pub struct Preparation {
     camera: trace::Camera,
     film: FilmSettings,
     entities: Vec<Entity>,
+    lights: Vec<Entity>,
     slots: SlotTable,
 }
 
@@ -76,7 +77,8 @@ impl Preparation {
         }
         let film = film_settings(world);
         let scene = PreparedScene::new(geometry, materials);
-        let mut preparation = Self { scene, camera: prepared_camera(world, film), film, entities, slots };
+        let camera = prepared_camera(world, film);
+        let mut preparation = Self { scene, camera, film, entities, lights: Vec::new(), slots };
         preparation.read_settings(world);
         preparation
     }
@@ -129,6 +131,12 @@ impl Preparation {
         self.entities[slot.index()]
     }
 
+    /// The entities of the scene's lights, in their order.
+    #[must_use]
+    pub fn lights(&self) -> &[Entity] {
+        &self.lights
+    }
+
     /// Puts moved shapes into their slots; `false` if slots no longer fit and all must be read again.
     fn update_shapes(&mut self, world: &mut World, moved: &[Entity]) -> bool {
         let mut replacements = Vec::new();
@@ -159,7 +167,8 @@ impl Preparation {
             })
             .collect();
         lights.sort_unstable_by_key(|(order, entity, _)| (*order, entity.id()));
-        self.scene.lights = lights.into_iter().map(|(.., light)| light).collect();
+        (self.lights, self.scene.lights) =
+            lights.into_iter().map(|(_, entity, light)| (entity, light)).unzip();
         self.scene.ambient = sane(first::<Ambient>(world).0);
         self.scene.background = sane(first::<Background>(world).0);
         self.scene.depth = first::<Quality>(world).depth.clamp(1, Quality::LARGEST_DEPTH);

@@ -113,6 +113,13 @@ impl Double {
         Self { high, low }
     }
 
+    /// Times a power of two, exactly.
+    #[must_use]
+    #[inline]
+    pub fn scaled(self, power: f64) -> Self {
+        Self { high: self.high * power, low: self.low * power }
+    }
+
     /// Rounded to `f64`.
     #[must_use]
     #[inline]

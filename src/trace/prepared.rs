@@ -3,9 +3,10 @@
 use std::cmp::Ordering;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::bvh::{Stack, Tree};
-use super::exact::Double3;
+use super::exact::{Double, Double3};
 use super::geometry::{Leaves, with_leaves};
 use super::ties::Tie;
 use super::{
@@ -98,6 +99,8 @@ pub struct Surface {
     pub hit: Hit,
     /// What else is there.
     pub ties: Ties,
+    /// The parameter of the ray that found it, right to some bits beyond an `f64`'s.
+    pub t: Double,
     /// On the surface.
     pub point: DVec3,
     /// The outward unit normal; of a plane, its own.
@@ -217,7 +220,7 @@ impl PreparedScene {
         guards: &mut Guards,
     ) -> Surface {
         let hit = closest.hit;
-        let Refined { point, normal, .. } = leaves.refined(ray, &hit, guards);
+        let Refined { t, point, normal } = leaves.refined(ray, &hit, guards);
         let ties = closest.ties.iter().map(|tied| {
             let normal = leaves.refined(ray, tied, guards).normal;
             Tie { slot: tied.slot, normal }
@@ -225,29 +228,40 @@ impl PreparedScene {
         let ties = Ties::new(ties.collect());
         // A far side is met from inside, however the last bits of a grazing ray fall.
         let from_outside = !hit.far && ray.direction().dot(normal) <= 0.0;
-        Surface { hit, ties, point, normal, from_outside }
+        Surface { hit, ties, t, point, normal, from_outside }
     }
 
-    /// How far the hit is from the ray's origin: t |d| with a hundred bits, rounded once.
-    #[must_use]
-    pub fn distance(&self, ray: &Ray, hit: &Hit) -> f64 {
-        let direction = Double3::from(ray.direction());
-        let t = with_leaves!(self, leaves => leaves.refined(ray, hit, &mut Guards::default())).t;
-        (t * direction.dot(direction).sqrt()).rounded()
-    }
-
-    /// The nearest surface that the ray meets, by the renderer's own path. For single rays; it makes its own buffers.
+    /// The nearest surface that the ray meets, by the renderer's own path.
     #[must_use]
     pub fn cast(&self, ray: &Ray) -> Option<Surface> {
-        let mut scratch = Scratch::default();
+        with_leaves!(self, leaves => self.cast_at(leaves, ray, &mut Scratch::default()))
+    }
+
+    /// The same for many rays, on the current rayon pool's threads.
+    #[must_use]
+    pub fn cast_all(&self, rays: &[Option<Ray>]) -> Vec<Option<Surface>> {
         with_leaves!(self, leaves => {
-            let closest = self.closest(leaves, ray, &mut scratch)?;
-            Some(self.surface(leaves, ray, &closest, &mut scratch.guards))
+            let cast = |scratch: &mut Scratch, ray: &Option<Ray>| {
+                self.cast_at(leaves, ray.as_ref()?, scratch)
+            };
+            rays.par_iter().map_init(Scratch::default, cast).collect()
         })
+    }
+
+    fn cast_at(&self, leaves: &impl Leaves, ray: &Ray, scratch: &mut Scratch) -> Option<Surface> {
+        let closest = self.closest(leaves, ray, scratch)?;
+        Some(self.surface(leaves, ray, &closest, &mut scratch.guards))
     }
 }
 
 impl Surface {
+    /// How far it is from the origin of the ray that found it: t |d| with a hundred bits, rounded once.
+    #[must_use]
+    pub fn distance(&self, ray: &Ray) -> f64 {
+        let direction = Double3::from(ray.direction());
+        (self.t * direction.dot(direction).sqrt()).rounded()
+    }
+
     /// A ray that leaves this surface. It never meets the surface it starts on by rounding. `None` if the direction is zero
     /// or not finite.
     #[must_use]

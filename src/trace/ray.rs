@@ -6,9 +6,10 @@ use super::{Slot, Surface, Ties};
 
 /// A half-line `origin + t direction`, t >= 0.
 ///
-/// The direction is scaled by a power of two, which is exact, so that its largest component is in 1..2: no later
-/// product overflows or loses digits, however long or short the direction was given.
-#[derive(Clone, Debug)]
+/// The direction is scaled by a power of two so that its largest component is in 1..2: no later product overflows or loses
+/// digits, however long or short the direction was given. Where that would cost a subnormal component digits, it is left
+/// as it is.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Ray {
     origin: DVec3,
     direction: DVec3,
@@ -16,7 +17,7 @@ pub struct Ray {
 }
 
 /// The surface a ray leaves. Instead of moving the origin off the surface by some epsilon, the ray skips what it leaves.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Departure {
     /// The shape that is left.
     pub(super) slot: Slot,
@@ -63,7 +64,7 @@ impl Ray {
         self.origin
     }
 
-    /// Which way it goes; the largest component's magnitude is in 1..2.
+    /// Which way it goes; the largest component's magnitude is in 1..2, save beside a subnormal one.
     #[must_use]
     pub fn direction(&self) -> DVec3 {
         self.direction
@@ -93,7 +94,12 @@ fn scaled(direction: DVec3) -> Option<(DVec3, f64)> {
     let (lifted, lift) = if exponent(direction) < 600 { (direction * LIFT, LIFT) } else { (direction, 1.0) };
     // 2^-e has the biased exponent 2046 - (1023 + e). The two largest exponents would give a subnormal.
     let scale = f64::from_bits((2046 - exponent(lifted).min(2045)) << 52);
-    Some((lifted * scale, lift * scale))
+    let scaled = lifted * scale;
+    if scale < 1.0 && exponent(lifted) < 1023 + 400 && scaled / scale != lifted {
+        // A subnormal component beside a long one.
+        return Some((lifted, lift));
+    }
+    Some((scaled, lift * scale))
 }
 
 #[cfg(test)]

@@ -1,10 +1,85 @@
-//! The slow path: every ray asks every shape. It is the oracle that the fast path is held against, bit for bit, and the
-//! definition of the picture in the fewest words.
+//! The slow path: every ray asks every shape. It is the oracle that the fast path is held against, bit for bit, the
+//! definition of the picture in the fewest words, and, as it keeps the whole tree of a pixel's rays, its explanation.
 
 use super::geometry::Leaves;
 use super::shade::{ambient, diffuse, mirrored, shadow_ray};
-use super::{Camera, Closest, Film, Guards, PreparedScene, Ray, Slot};
+use super::{Camera, Closest, Film, Guards, PreparedScene, Ray, Slot, Surface};
 use crate::color::Rgb;
+
+/// All rays of one pixel, breadth first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RayTree {
+    /// The camera ray is the first; every ray comes after the one it continues.
+    pub rays: Vec<TracedRay>,
+}
+
+/// One of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TracedRay {
+    /// Index of the ray that this one continues; `None` for a camera ray.
+    pub parent: Option<usize>,
+    /// The ray.
+    pub ray: Ray,
+    /// What share of the light along it reaches the pixel.
+    pub throughput: Rgb,
+    /// What it finds.
+    pub end: RayEnd,
+}
+
+/// What a ray finds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RayEnd {
+    /// Nothing: it sees the background.
+    Background,
+    /// Nobody looks: it is beyond the last generation, and sees the background.
+    BeyondDepth,
+    /// A surface.
+    Surface(Box<LitSurface>),
+}
+
+/// A surface point and the light on it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LitSurface {
+    /// The point.
+    pub surface: Surface,
+    /// Ambient light sent back along the ray.
+    pub ambient: Rgb,
+    /// For every light of the scene, in document order, what comes of it.
+    pub lights: Vec<LightReach>,
+}
+
+/// What comes of a light at a surface point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightReach {
+    /// It is off, or behind the surface, or the surface scatters none of it: no shadow ray is sent.
+    NotAsked,
+    /// Something stands in its way; the first in document order of all that do.
+    Hidden(Slot),
+    /// It is sent back along the ray with this colour.
+    Reaches(Rgb),
+}
+
+impl RayTree {
+    /// The pixel's colour: throughput times light, ray after ray.
+    #[must_use]
+    pub fn color(&self, scene: &PreparedScene) -> Rgb {
+        self.rays.iter().fold(Rgb::ZERO, |sum, traced| sum + traced.throughput * traced.end.light(scene))
+    }
+}
+
+impl RayEnd {
+    /// The light that comes back from here.
+    #[must_use]
+    pub fn light(&self, scene: &PreparedScene) -> Rgb {
+        match self {
+            Self::Background | Self::BeyondDepth => scene.background,
+            Self::Surface(lit) => lit.lights.iter().fold(lit.ambient, |sum, reach| match reach {
+                LightReach::Reaches(color) => sum + *color,
+                LightReach::NotAsked | LightReach::Hidden(_) => sum,
+            }),
+        }
+    }
+}
 
 /// Makes the picture, pixel after pixel.
 #[must_use]
@@ -13,49 +88,52 @@ pub fn render(scene: &PreparedScene, camera: &Camera) -> Film {
     let mut film = Film::new(columns, rows);
     for j in 0..rows {
         for i in 0..columns {
-            let color = camera.ray(i, j).map_or(scene.background, |ray| radiance(scene, ray));
+            let ray = camera.ray(i, j);
+            let color = ray.map_or(scene.background, |ray| ray_tree(scene, ray).color(scene));
             film.store(i, j, &[color]);
         }
     }
     film
 }
 
-/// The light that comes back along a camera ray: what each surface along the chain of mirrors sends, weighted by the
-/// mirrors before it.
+/// Follows a camera ray from mirror to mirror.
 #[must_use]
-pub fn radiance(scene: &PreparedScene, camera_ray: Ray) -> Rgb {
-    let mut sum = Rgb::ZERO;
-    let mut next = Some((camera_ray, Rgb::ONE));
-    for _ in 0..scene.depth {
-        let Some((ray, throughput)) = next.take() else {
-            return sum;
-        };
-        let Some(closest) = closest(scene, &ray) else {
-            return sum + throughput * scene.background;
-        };
-        let surface = scene.surface(scene.geometry(), &ray, &closest, &mut Guards::default());
-        let material = scene.material(surface.hit.slot);
-
-        let mut local = ambient(scene, material);
-        for light in &scene.lights {
-            if let Some(shadow) = shadow_ray(scene, &surface, light)
-                && !is_hidden(scene, &shadow.ray, shadow.limit, light.own_shape)
-            {
-                local += diffuse(material, light, shadow.cosine);
+pub fn ray_tree(scene: &PreparedScene, camera_ray: Ray) -> RayTree {
+    let mut rays = Vec::new();
+    let mut next = Some((None, camera_ray, Rgb::ONE));
+    let mut generation = 0;
+    while let Some((parent, ray, throughput)) = next.take() {
+        generation += 1;
+        let end = if generation > scene.depth {
+            RayEnd::BeyondDepth
+        } else if let Some(closest) = closest(scene, &ray) {
+            let surface = scene.surface(scene.geometry(), &ray, &closest, &mut Guards::default());
+            let throughput = throughput * scene.material(surface.hit.slot).reflected;
+            if throughput != Rgb::ZERO {
+                next = mirrored(&ray, &surface).map(|ray| (Some(rays.len()), ray, throughput));
             }
-        }
-        sum += throughput * local;
+            RayEnd::Surface(Box::new(lit(scene, surface)))
+        } else {
+            RayEnd::Background
+        };
+        rays.push(TracedRay { parent, ray, throughput, end });
+    }
+    RayTree { rays }
+}
 
-        let throughput = throughput * material.reflected;
-        if throughput != Rgb::ZERO {
-            next = mirrored(&ray, &surface).map(|ray| (ray, throughput));
+fn lit(scene: &PreparedScene, surface: Surface) -> LitSurface {
+    let material = scene.material(surface.hit.slot);
+    let reach = |light| {
+        let Some(shadow) = shadow_ray(scene, &surface, light) else {
+            return LightReach::NotAsked;
+        };
+        match hidden_by(scene, &shadow.ray, shadow.limit, light.own_shape) {
+            Some(slot) => LightReach::Hidden(slot),
+            None => LightReach::Reaches(diffuse(material, light, shadow.cosine)),
         }
-    }
-    // Beyond the last generation a ray sees the background.
-    match next {
-        Some((_, throughput)) => sum + throughput * scene.background,
-        None => sum,
-    }
+    };
+    let lights = scene.lights.iter().map(reach).collect();
+    LitSurface { ambient: ambient(scene, material), lights, surface }
 }
 
 /// The nearest surface; of several at the same place the first in document order.
@@ -72,10 +150,11 @@ pub fn closest(scene: &PreparedScene, ray: &Ray) -> Option<Closest> {
     best
 }
 
-/// Does anything but `except` stand between the ray's origin and `limit`?
+/// What but `except` stands between the ray's origin and `limit`, the first in document order.
 #[must_use]
-pub fn is_hidden(scene: &PreparedScene, ray: &Ray, limit: f64, except: Option<Slot>) -> bool {
+pub fn hidden_by(scene: &PreparedScene, ray: &Ray, limit: f64, except: Option<Slot>) -> Option<Slot> {
     let geometry = scene.geometry();
-    let hides = |slot| geometry.stands_before(slot, ray, limit, &mut Guards::default());
-    geometry.slots().any(|slot| Some(slot) != except && hides(slot))
+    geometry.slots().find(|slot| {
+        Some(*slot) != except && geometry.stands_before(*slot, ray, limit, &mut Guards::default())
+    })
 }

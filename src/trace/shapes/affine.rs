@@ -4,7 +4,7 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::aligned_box::{exact_first_crossing, outward};
+use super::aligned_box::{Face, exact_first_crossing, outward};
 use super::sphere::{exact_first_root, first_root, newton_step};
 use super::{AlignedBox, Sphere, Verdict};
 use crate::trace::exact::{Compensated3, Double, Double3};
@@ -230,25 +230,30 @@ impl BoxImage {
     /// As [`BoxImage::first_hit`], with a hundred bits throughout.
     #[must_use]
     pub fn exact_hit(&self, origin: DVec3, direction: DVec3) -> Option<Double> {
+        Some(self.exact_meeting(origin, direction)?.0)
+    }
+
+    /// [`BoxImage::exact_hit`], with the face.
+    fn exact_meeting(&self, origin: DVec3, direction: DVec3) -> Option<(Double, Face)> {
         let (own, way) = (self.map.exact_point_back(origin), self.map.exact_direction_back(direction));
-        exact_first_crossing(
-            Double3::from(self.aligned.min) - own,
-            Double3::from(self.aligned.max) - own,
-            way,
-        )
+        let (low, high) = (Double3::from(self.aligned.min) - own, Double3::from(self.aligned.max) - own);
+        exact_first_crossing(low, high, way)
     }
 
     /// The meeting near an inexact `t`, by a Newton step towards the face.
     #[must_use]
     pub fn refined(&self, origin: DVec3, direction: DVec3, t: f64) -> Refined {
         let (own, way) = (self.map.point_back(origin), self.map.direction_back(direction));
-        let (axis, upper) = self.aligned.face_at(own, way, t, false);
+        let met = AlignedBox::roughly_met(own, way, self.map.roughness(), self.aligned.max);
+        let Some(face) = self.aligned.clear_face(way, t, met) else {
+            return self.surface_at(origin, direction, t.into(), false);
+        };
         let place = Compensated3::along(origin, direction, t);
-        let row = self.map.exact_inverse[axis];
+        let row = self.map.exact_inverse[face.axis];
         let height = place.minus(self.map.forward.translation).dot_exact(row);
-        let beyond = height - self.aligned.face(axis, upper).into();
+        let beyond = height - self.aligned.plane(face).into();
         let step = newton_step(beyond.rounded(), row.rounded().dot(direction));
-        self.met(Double::sum(t, step), place.moved(direction * step), axis, upper)
+        self.met(Double::sum(t, step), place.moved(direction * step), face)
     }
 
     /// Where a ray that starts on the box and goes inwards comes out.
@@ -260,14 +265,17 @@ impl BoxImage {
     /// The meeting at `t`. `far` says that `t` is from [`BoxImage::far_hit`].
     #[must_use]
     pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: Double, far: bool) -> Refined {
-        let (own, way) = (self.map.point_back(origin), self.map.direction_back(direction));
-        let (axis, upper) = self.aligned.face_at(own, way, t.rounded(), far);
+        let exact = if far { None } else { self.exact_meeting(origin, direction) };
+        let (t, face) = exact.unwrap_or_else(|| {
+            let (own, way) = (self.map.point_back(origin), self.map.direction_back(direction));
+            (t, self.aligned.exit(own, way).1)
+        });
         let place = Compensated3::along(origin, direction, t.rounded());
-        self.met(t, place.moved(direction * t.rest()), axis, upper)
+        self.met(t, place.moved(direction * t.rest()), face)
     }
 
-    fn met(&self, t: Double, point: DVec3, axis: usize, upper: bool) -> Refined {
-        Refined { t, point, normal: self.map.normal(outward(axis, upper)) }
+    fn met(&self, t: Double, point: DVec3, face: Face) -> Refined {
+        Refined { t, point, normal: self.map.normal(outward(face)) }
     }
 
     /// A box around it, unless its own numbers are too rough to say where it ends.

@@ -18,25 +18,32 @@ pub struct AlignedBox {
     pub max: DVec3,
 }
 
-/// The `t` at which a ray enters and leaves a box, and through which axis' face it enters.
-#[derive(Clone, Copy)]
-struct Crossing {
-    entry: f64,
-    exit: f64,
-    entry_axis: usize,
-}
-
 /// Below this a direction's reciprocal might not be finite.
 const SLOWEST: f64 = 1e-300;
 
-/// A slab's plane, ahead of the origin by `height`, met at `height / speed`.
+/// A face, met at `height / speed`.
 #[derive(Clone, Copy)]
 struct Meeting {
     height: Double,
     speed: Double,
+    face: Face,
+}
+
+/// One of a box's six faces.
+#[derive(Clone, Copy)]
+pub(super) struct Face {
+    pub(super) axis: usize,
+    pub(super) upper: bool,
 }
 
 impl Meeting {
+    fn new(height: Double, speed: Double, face: Face) -> Self {
+        // Up by a power of two where both are small, so that no product of them underflows.
+        let largest = height.rounded().abs().max(speed.rounded().abs());
+        let scale = libm::ldexp(1.0, -libm::ilogb(largest).clamp(-1000, 0));
+        Self { height: height.scaled(scale), speed: speed.scaled(scale), face }
+    }
+
     /// Which of two comes first: exactly, for speeds that are plain `f64`.
     fn compare(&self, other: &Self) -> Ordering {
         if self.speed.rest() == 0.0 && other.speed.rest() == 0.0 {
@@ -51,15 +58,17 @@ impl Meeting {
 fn exact_crossing(low: Double3, high: Double3, direction: Double3) -> Option<(Meeting, Meeting)> {
     let axes = [(low.x, high.x, direction.x), (low.y, high.y, direction.y), (low.z, high.z, direction.z)];
     let mut crossing: Option<(Meeting, Meeting)> = None;
-    for (low, high, speed) in axes {
+    for (axis, (low, high, speed)) in axes.into_iter().enumerate() {
         if speed.sign().is_eq() {
             if low.sign().is_gt() || high.sign().is_lt() {
                 return None;
             }
             continue;
         }
-        let (near, far) = if speed.sign().is_gt() { (low, high) } else { (high, low) };
-        let (near, far) = (Meeting { height: near, speed }, Meeting { height: far, speed });
+        let upwards = speed.sign().is_gt();
+        let (near, far) = if upwards { (low, high) } else { (high, low) };
+        let near = Meeting::new(near, speed, Face { axis, upper: !upwards });
+        let far = Meeting::new(far, speed, Face { axis, upper: upwards });
         crossing = Some(crossing.map_or((near, far), |(entry, exit)| {
             let later = if near.compare(&entry).is_gt() { near } else { entry };
             let earlier = if far.compare(&exit).is_lt() { far } else { exit };
@@ -69,17 +78,24 @@ fn exact_crossing(low: Double3, high: Double3, direction: Double3) -> Option<(Me
     crossing.filter(|(entry, exit)| entry.compare(exit).is_le())
 }
 
-/// The first `t >= 0` of an [`exact_crossing`].
-pub(super) fn exact_first_crossing(low: Double3, high: Double3, direction: Double3) -> Option<Double> {
+/// The first `t >= 0` of an [`exact_crossing`], and the face that is met there.
+pub(super) fn exact_first_crossing(
+    low: Double3,
+    high: Double3,
+    direction: Double3,
+) -> Option<(Double, Face)> {
     let (entry, exit) = exact_crossing(low, high, direction)?;
-    [entry, exit].into_iter().map(|meeting| meeting.height / meeting.speed).find(|t| t.sign().is_ge())
+    [entry, exit]
+        .into_iter()
+        .map(|meeting| (meeting.height / meeting.speed, meeting.face))
+        .find(|(t, _)| t.sign().is_ge())
 }
 
 /// A face's outward normal.
 #[inline]
-pub(super) fn outward(axis: usize, upper: bool) -> DVec3 {
+pub(super) fn outward(face: Face) -> DVec3 {
     let mut normal = DVec3::ZERO;
-    normal[axis] = if upper { 1.0 } else { -1.0 };
+    normal[face.axis] = if face.upper { 1.0 } else { -1.0 };
     normal
 }
 
@@ -94,8 +110,7 @@ impl AlignedBox {
             let (at_min, at_max) = ((self.min - origin) * inverse, (self.max - origin) * inverse);
             (at_min.min(at_max).max_element(), at_min.max(at_max).min_element())
         } else {
-            let Crossing { entry, exit, .. } = self.crossing(origin, direction);
-            (entry, exit)
+            self.crossing(origin, direction)
         };
         let close = 8.0 * U * entry.abs().max(exit.abs());
         if exit < 0.0 || entry > exit + close {
@@ -112,25 +127,14 @@ impl AlignedBox {
     /// As [`AlignedBox::first_hit`], for arguments that are `roughness` times worse than rounded once.
     #[inline]
     pub(super) fn first_crossing(&self, origin: DVec3, direction: DVec3, roughness: f64) -> Verdict {
-        let u = U * roughness;
-        let (place_error, way_error) = (
-            2.0 * u * (origin.abs().max_element() + self.max.max_element()),
-            2.0 * u * direction.abs().max_element(),
-        );
+        let met = Self::roughly_met(origin, direction, roughness, self.max);
         let (mut entry, mut exit) = (Root::within(f64::NEG_INFINITY, 0.0), Root::within(f64::INFINITY, 0.0));
         for axis in 0..3 {
-            let (o, d) = (origin[axis], direction[axis]);
-            let crosses = d.abs() > 1024.0 * way_error;
-            if !crosses {
+            let (Some(at_min), Some(at_max)) = (met(axis, self.min[axis]), met(axis, self.max[axis])) else {
                 // Almost along the slab.
                 return Verdict::Open;
-            }
-            let met = |plane: f64| {
-                let t = (plane - o) / d;
-                Root::within(t, (place_error + t.abs() * way_error) / d.abs() + 4.0 * U * t.abs())
             };
-            let (at_min, at_max) = (met(self.min[axis]), met(self.max[axis]));
-            let (near, far) = if d > 0.0 { (at_min, at_max) } else { (at_max, at_min) };
+            let (near, far) = if direction[axis] > 0.0 { (at_min, at_max) } else { (at_max, at_min) };
             entry = entry.later(near);
             exit = exit.earlier(far);
         }
@@ -147,9 +151,34 @@ impl AlignedBox {
         }
     }
 
+    /// Where the plane of a face is met, for arguments that are `roughness` times worse than rounded once; `None` for a ray
+    /// that is almost parallel to it.
+    #[inline]
+    pub(super) fn roughly_met(
+        origin: DVec3,
+        direction: DVec3,
+        roughness: f64,
+        largest: DVec3,
+    ) -> impl Fn(usize, f64) -> Option<Root> {
+        let u = U * roughness;
+        let place_error = 2.0 * u * (origin.abs().max_element() + largest.max_element());
+        let way_error = 2.0 * u * direction.abs().max_element();
+        move |axis, plane| {
+            let (o, d) = (origin[axis], direction[axis]);
+            let t = (plane - o) / d;
+            let error = (place_error + t.abs() * way_error) / d.abs() + 4.0 * U * t.abs();
+            (d.abs() > 1024.0 * way_error).then_some(Root::within(t, error))
+        }
+    }
+
     /// As [`AlignedBox::first_hit`], with a hundred bits throughout.
     #[must_use]
     pub fn exact_hit(&self, origin: DVec3, direction: DVec3) -> Option<Double> {
+        Some(self.exact_meeting(origin, direction)?.0)
+    }
+
+    /// [`AlignedBox::exact_hit`], with the face.
+    fn exact_meeting(&self, origin: DVec3, direction: DVec3) -> Option<(Double, Face)> {
         let (low, high) = (Double3::difference(self.min, origin), Double3::difference(self.max, origin));
         exact_first_crossing(low, high, direction.into())
     }
@@ -158,34 +187,66 @@ impl AlignedBox {
     #[must_use]
     #[inline]
     pub fn refined(&self, origin: DVec3, direction: DVec3, t: f64) -> Refined {
-        let (axis, upper) = self.face_at(origin, direction, t, false);
-        let t = Double::difference(self.face(axis, upper), origin[axis]) / direction[axis].into();
-        self.met(origin, direction, t, axis, upper)
+        /// Quotients of smaller numbers might lose digits.
+        const TINY: f64 = 1e-140;
+        let clear = self.clear_face(direction, t, |axis, plane| {
+            let t = (plane - origin[axis]) / direction[axis];
+            (direction[axis].abs() > TINY).then_some(Root::within(t, 4.0 * U * t.abs()))
+        });
+        match clear {
+            Some(face) => {
+                let t = Double::difference(self.plane(face), origin[face.axis]) / direction[face.axis].into();
+                self.met(origin, direction, t, face)
+            }
+            None => self.surface_at(origin, direction, t.into(), false),
+        }
     }
 
-    /// Intersects the three slabs (Kay and Kajiya, "Ray Tracing Complex Scenes", 1986), closed ones: a ray in a face
-    /// touches it. A direction component of zero is an interval test.
+    /// The face that the ray certainly meets at `t`, given where it meets the planes of faces.
     #[inline]
-    fn crossing(&self, origin: DVec3, direction: DVec3) -> Crossing {
-        let mut crossing = Crossing { entry: f64::NEG_INFINITY, exit: f64::INFINITY, entry_axis: 0 };
+    pub(super) fn clear_face(
+        &self,
+        direction: DVec3,
+        t: f64,
+        met: impl Fn(usize, f64) -> Option<Root>,
+    ) -> Option<Face> {
+        let never = |t: f64| (Root::within(t, 0.0), Face { axis: 0, upper: false });
+        let (mut nears, mut fars) = ([never(f64::NEG_INFINITY); 3], [never(f64::INFINITY); 3]);
+        for axis in 0..3 {
+            if direction[axis] != 0.0 {
+                let upwards = direction[axis] > 0.0;
+                let (lower, upper) = (Face { axis, upper: false }, Face { axis, upper: true });
+                let at_min = (met(axis, self.min[axis])?, lower);
+                let at_max = (met(axis, self.max[axis])?, upper);
+                (nears[axis], fars[axis]) = if upwards { (at_min, at_max) } else { (at_max, at_min) };
+            }
+        }
+        let later = |a: &(Root, Face), b: &(Root, Face)| a.0.t().total_cmp(&b.0.t());
+        let entry = nears.into_iter().max_by(later)?;
+        let (candidates, chosen) =
+            if t <= entry.0.latest() { (nears, entry) } else { (fars, fars.into_iter().min_by(later)?) };
+        let rivals = candidates.iter().filter(|(root, _)| root.may_equal(&chosen.0)).count();
+        (rivals == 1).then_some(chosen.1)
+    }
+
+    /// Where the ray enters and leaves the three slabs (Kay and Kajiya, "Ray Tracing Complex Scenes", 1986), closed ones: a
+    /// ray in a face touches it. A direction component of zero is an interval test.
+    fn crossing(&self, origin: DVec3, direction: DVec3) -> (f64, f64) {
+        let (mut entry, mut exit) = (f64::NEG_INFINITY, f64::INFINITY);
         for axis in 0..3 {
             let (o, d) = (origin[axis], direction[axis]);
             if d == 0.0 {
                 if o < self.min[axis] || o > self.max[axis] {
-                    crossing.entry = f64::INFINITY;
+                    entry = f64::INFINITY;
                 }
                 continue;
             }
             let (at_min, at_max) = ((self.min[axis] - o) / d, (self.max[axis] - o) / d);
             let (near, far) = if d > 0.0 { (at_min, at_max) } else { (at_max, at_min) };
-            if near > crossing.entry {
-                (crossing.entry, crossing.entry_axis) = (near, axis);
-            }
-            if far < crossing.exit {
-                crossing.exit = far;
-            }
+            entry = entry.max(near);
+            exit = exit.min(far);
         }
-        crossing
+        (entry, exit)
     }
 
     /// Where a ray that starts on the box and goes inwards comes out: only faces ahead count. From an edge it may come out
@@ -196,16 +257,16 @@ impl AlignedBox {
         t.is_finite().then_some(Root::within(t, 16.0 * U * t))
     }
 
-    /// The nearest face ahead, and its axis.
-    fn exit(&self, origin: DVec3, direction: DVec3) -> (f64, usize) {
-        let mut nearest = (f64::INFINITY, 0);
+    /// The nearest face ahead.
+    pub(super) fn exit(&self, origin: DVec3, direction: DVec3) -> (f64, Face) {
+        let mut nearest = (f64::INFINITY, Face { axis: 0, upper: false });
         for axis in 0..3 {
             let d = direction[axis];
             if d != 0.0 {
-                let face = if d > 0.0 { self.max[axis] } else { self.min[axis] };
-                let t = (face - origin[axis]) / d;
+                let face = Face { axis, upper: d > 0.0 };
+                let t = (self.plane(face) - origin[axis]) / d;
                 if t < nearest.0 {
-                    nearest = (t, axis);
+                    nearest = (t, face);
                 }
             }
         }
@@ -215,32 +276,24 @@ impl AlignedBox {
     /// The meeting at `t`. `far` says that `t` is from [`AlignedBox::far_hit`].
     #[must_use]
     pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: Double, far: bool) -> Refined {
-        let (axis, upper) = self.face_at(origin, direction, t.rounded(), far);
-        self.met(origin, direction, t, axis, upper)
+        let exact = if far { None } else { self.exact_meeting(origin, direction) };
+        let (t, face) = exact.unwrap_or_else(|| (t, self.exit(origin, direction).1));
+        self.met(origin, direction, t, face)
     }
 
     /// The meeting at `t` with a face: the point has the face's own coordinate.
     #[inline]
-    fn met(&self, origin: DVec3, direction: DVec3, t: Double, axis: usize, upper: bool) -> Refined {
+    fn met(&self, origin: DVec3, direction: DVec3, t: Double, face: Face) -> Refined {
         let place = Compensated3::along(origin, direction, t.rounded()).moved(direction * t.rest());
         let mut point = place.clamp(self.min, self.max);
-        point[axis] = self.face(axis, upper);
-        Refined { t, point, normal: outward(axis, upper) }
+        point[face.axis] = self.plane(face);
+        Refined { t, point, normal: outward(face) }
     }
 
     /// A face's coordinate.
     #[inline]
-    pub(super) fn face(&self, axis: usize, upper: bool) -> f64 {
-        if upper { self.max[axis] } else { self.min[axis] }
-    }
-
-    /// The axis of the face that the ray meets at `t`, and whether it is the upper one.
-    pub(super) fn face_at(&self, origin: DVec3, direction: DVec3, t: f64, far: bool) -> (usize, bool) {
-        let crossing = self.crossing(origin, direction);
-        let enters = !far && (t - crossing.entry).abs() <= (crossing.exit - t).abs();
-        let axis = if enters { crossing.entry_axis } else { self.exit(origin, direction).1 };
-        // Going up one enters by the lower face and leaves by the upper.
-        (axis, (direction[axis] > 0.0) != enters)
+    pub(super) fn plane(&self, face: Face) -> f64 {
+        if face.upper { self.max[face.axis] } else { self.min[face.axis] }
     }
 
     /// A box around it.

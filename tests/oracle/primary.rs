@@ -1,0 +1,127 @@
+//! Rays that start anywhere: what they meet, and how far away.
+
+use glam::DVec3;
+
+use rayreel::trace::{Geometry, PreparedScene, Ray, Surface, SurfaceMaterial};
+
+use crate::categories::Case;
+use crate::exact::{Answer, Exact, Shape, along, exact, length, magnitude, quotient, rounded, vector};
+
+/// Verdicts with a smaller margin are free.
+pub(crate) const LEAST_MARGIN: f64 = 1.0 / (1_u128 << 90) as f64;
+
+pub(crate) fn scene(shapes: &[Shape]) -> PreparedScene {
+    let mut geometry = Geometry::default();
+    for shape in shapes {
+        geometry.push(shape.prepared());
+    }
+    PreparedScene::new(geometry, vec![SurfaceMaterial::default(); shapes.len()])
+}
+
+/// The distance from the next larger number of the same sign.
+pub(crate) fn unit_in_last_place(value: f64) -> f64 {
+    value.abs().next_up() - value.abs()
+}
+
+/// What a category's rays have come to.
+#[derive(Default)]
+pub(crate) struct Tally {
+    pub(crate) errors: Vec<f64>,
+    pub(crate) wrong_verdicts: usize,
+    pub(crate) wrong: Vec<String>,
+}
+
+/// What exact arithmetic says of a case.
+struct Expected {
+    /// The nearest `t`, the shape's index, and whether it is met from outside where that is beyond rounding.
+    nearest: Option<(Exact, Option<usize>, Option<bool>)>,
+    margin: f64,
+}
+
+fn expected(case: &Case) -> Expected {
+    let answers: Vec<Answer> =
+        case.shapes.iter().map(|shape| shape.met_by(case.origin, case.direction)).collect();
+    let margin = answers.iter().map(|answer| answer.margin).fold(1.0, f64::min);
+    let mut nearest: Option<(Exact, Option<usize>, Option<bool>)> = None;
+    for (index, answer) in answers.iter().enumerate() {
+        let Some(t) = answer.first() else { continue };
+        // Steep enough for the last bits of the normal not to matter.
+        let steep = answer.steepness > libm::ldexp(1.0, -60);
+        let planar = matches!(case.shapes[index], Shape::Plane { .. });
+        let found = (t.clone(), Some(index), (steep && !planar).then(|| answer.is_from_outside()));
+        nearest = Some(match nearest {
+            None => found,
+            Some(best) => {
+                let apart = magnitude(&(t - &best.0));
+                let whole = t + &best.0 + exact(f64::MIN_POSITIVE);
+                let free = apart != Exact::ZERO && rounded(&quotient(&apart, &whole)) < LEAST_MARGIN;
+                let nearer = if *t < best.0 { found } else { best };
+                // Which shape is seen is free where both are as good as equally far without being it.
+                if free { (nearer.0, None, None) } else { nearer }
+            }
+        });
+    }
+    Expected { nearest, margin: if case.short { 1.0 } else { margin } }
+}
+
+/// Asks the kernel the same, and compares.
+pub(crate) fn check(name: &str, case: &Case, tally: &mut Tally) {
+    let Case { shapes, origin, direction, .. } = case;
+    let Expected { nearest, margin } = expected(case);
+    if margin < LEAST_MARGIN {
+        return;
+    }
+    let scene = scene(shapes);
+    let ray = Ray::new(*origin, *direction).unwrap();
+    let mut wrong =
+        |what: String| tally.wrong.push(format!("{name}: {what}, {shapes:?} {origin:?} {direction:?}"));
+    match (scene.cast(&ray), &nearest) {
+        (Some(surface), Some((t, index, from_outside))) => {
+            let exact_direction = vector(*direction);
+            let error = distance_error(&ray, &surface, &(t * length(&exact_direction)));
+            if error.is_nan() || error > 2.0 {
+                wrong(format!("{error} ulp"));
+            }
+            tally.errors.push(error);
+            if index.is_some_and(|index| index != surface.hit.slot.index()) {
+                wrong(format!("{:?} instead of {index:?}", surface.hit.slot));
+            }
+            if from_outside.is_some_and(|from_outside| from_outside != surface.from_outside) {
+                wrong(format!("from outside: {}", surface.from_outside));
+            }
+            let point = along(&vector(*origin), &exact_direction, t);
+            if !is_rounded(surface.point, &point, *origin) {
+                wrong(format!("at {:?}", surface.point));
+            }
+            if (surface.normal.length() - 1.0).abs() > 1e-9 {
+                wrong(format!("normal {:?}", surface.normal));
+            }
+        }
+        (None, None) => {}
+        (found, expected) => {
+            tally.wrong_verdicts += 1;
+            wrong(format!("hit {} instead of {}, margin {margin:e}", found.is_some(), expected.is_some()));
+        }
+    }
+}
+
+/// By how many units in the last place the kernel's distance is off.
+pub(crate) fn distance_error(ray: &Ray, surface: &Surface, expected: &Exact) -> f64 {
+    let found = surface.distance(ray);
+    if !found.is_finite() {
+        return f64::NAN;
+    }
+    let unit = unit_in_last_place(rounded(expected));
+    rounded(&quotient(&magnitude(&(exact(found) - expected)), &exact(unit)))
+}
+
+/// Is a point an exact one, rounded once, as far as a distance says that is right to 2 units in the last place?
+pub(crate) fn is_rounded(found: DVec3, expected: &[Exact; 3], origin: DVec3) -> bool {
+    (0..3).all(|axis| {
+        let part = rounded(&expected[axis]);
+        let way = unit_in_last_place(part - origin[axis]);
+        found[axis].is_finite()
+            && magnitude(&(exact(found[axis]) - &expected[axis]))
+                <= exact(unit_in_last_place(part)) * exact(0.5) + exact(way) * exact(2.0)
+    })
+}
