@@ -1,5 +1,6 @@
 //! Every shipped scene against its golden pictures, to the last bit, for several numbers of threads and by the reference
-//! path.
+//! path. So are the scenes under `tests/flush_faces/`: shapes that rest on each other, share faces or coincide, where rays
+//! start on several surfaces at once. Wrong answers there show as speckles, light leaks and dark seams.
 //!
 //! On a mismatch the actual, the expected and a difference picture are written to `target/golden_mismatches/`.
 //! `RAYREEL_BLESS=1 cargo test --test goldens` writes the goldens anew; look at them before you keep them.
@@ -21,12 +22,21 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-fn scenes() -> Vec<PathBuf> {
-    let entries = fs::read_dir(root().join("scenes")).unwrap().map(|entry| entry.unwrap().path());
+fn scenes_in(folder: &str) -> Vec<PathBuf> {
+    let entries = fs::read_dir(root().join(folder)).unwrap().map(|entry| entry.unwrap().path());
     let mut scenes: Vec<PathBuf> =
         entries.filter(|path| path.extension().is_some_and(|end| end == "ron")).collect();
     scenes.sort();
     scenes
+}
+
+fn scenes() -> Vec<PathBuf> {
+    scenes_in("scenes")
+}
+
+/// Small scenes of two frames each, at the sizes that are written in them.
+fn flush_faces() -> Vec<PathBuf> {
+    scenes_in("tests/flush_faces")
 }
 
 fn load(path: &Path, (width, height): (u32, u32)) -> Engine {
@@ -85,26 +95,49 @@ fn compare(name: &str, actual: &RgbImage, expected: &RgbImage) -> Option<String>
     ))
 }
 
+/// Renders a scene's frames, and describes what differs from its goldens; `RAYREEL_BLESS` replaces them.
+fn mismatches(name: &str, mut engine: Engine, frames: &[u32]) -> Vec<String> {
+    let bless = std::env::var_os("RAYREEL_BLESS").is_some();
+    let mut wrong = Vec::new();
+    for frame in frames {
+        let film = engine.render_frame(*frame).unwrap();
+        let actual = picture(&engine, &film);
+        let name = format!("{name}.{frame:04}");
+        let golden = root().join(format!("tests/goldens/{name}.png"));
+        if bless {
+            actual.save(&golden).unwrap();
+        }
+        let expected = image::open(&golden).map(|picture| picture.to_rgb8()).unwrap_or_default();
+        wrong.extend(compare(&name, &actual, &expected));
+    }
+    wrong
+}
+
+fn stem(path: &Path) -> &str {
+    path.file_stem().unwrap().to_str().unwrap()
+}
+
 #[test]
 fn shipped_scenes_look_as_they_always_did() {
-    let bless = std::env::var_os("RAYREEL_BLESS").is_some();
     let mut wrong = Vec::new();
     let scenes = scenes();
     assert!(scenes.len() >= 6);
     for path in scenes {
-        let stem = path.file_stem().unwrap().to_str().unwrap();
-        let mut engine = load(&path, SIZE);
-        for frame in frames(&engine) {
-            let film = engine.render_frame(frame).unwrap();
-            let actual = picture(&engine, &film);
-            let name = format!("{stem}.{frame:04}");
-            let golden = root().join(format!("tests/goldens/{name}.png"));
-            if bless {
-                actual.save(&golden).unwrap();
-            }
-            let expected = image::open(&golden).map(|picture| picture.to_rgb8()).unwrap_or_default();
-            wrong.extend(compare(&name, &actual, &expected));
-        }
+        let engine = load(&path, SIZE);
+        let frames = frames(&engine);
+        wrong.extend(mismatches(stem(&path), engine, &frames));
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn flush_faces_show_neither_speckles_nor_leaks_nor_seams() {
+    let mut wrong = Vec::new();
+    let scenes = flush_faces();
+    assert!(scenes.len() >= 8);
+    for path in scenes {
+        let engine = Engine::load(&path).unwrap();
+        wrong.extend(mismatches(&format!("flush_faces.{}", stem(&path)), engine, &[0, 1]));
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
@@ -125,7 +158,7 @@ fn threads_do_not_matter() {
 
 #[test]
 fn the_reference_path_makes_the_same_pictures() {
-    for path in scenes() {
+    for path in scenes().into_iter().chain(flush_faces()) {
         let mut engine = load(&path, (80, 45));
         for frame in frames(&engine) {
             let time = engine.timeline().time_of(frame);
