@@ -179,7 +179,7 @@ pub(super) fn rotation(rotation: &RotationDocument, at: &At<'_>, problems: &mut 
             for (index, part) in [x, y, z, w].into_iter().enumerate() {
                 good &= check::number(part, &at.index(index), problems);
             }
-            if good && [x, y, z, w].iter().all(|part| part.abs() < 1.0 / super::LARGEST) {
+            if good && [x, y, z, w].iter().all(|part| part.abs() < super::SMALLEST) {
                 problems.add(
                     at,
                     "the quaternion is zero",
@@ -193,7 +193,7 @@ pub(super) fn rotation(rotation: &RotationDocument, at: &At<'_>, problems: &mut 
 
 pub(super) fn scale(scale: &ScaleDocument, at: &At<'_>, problems: &mut Problems) {
     let mut factor = |value: f64, at: &At<'_>| {
-        if check::number(value, at, problems) && value.abs() < 1.0 / super::LARGEST {
+        if check::number(value, at, problems) && value.abs() < super::SMALLEST {
             problems.add(
                 at,
                 "a scale of 0 leaves nothing",

@@ -9,8 +9,10 @@ use super::document::SceneDocument;
 pub(super) use problems::Problems;
 use problems::{At, Named, check};
 
-/// The largest magnitude of a coordinate or a length, and the inverse of the smallest size: products of four stay finite.
+/// The largest magnitude of a coordinate or a length: products of four stay finite.
 const LARGEST: f64 = 1e60;
+/// The smallest size. Written out: the inverse of the largest is rounded to a number just above it.
+const SMALLEST: f64 = 1e-60;
 
 /// Everything that is wrong with the document.
 pub(super) fn validate(document: &SceneDocument) -> Problems {

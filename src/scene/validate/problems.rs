@@ -123,7 +123,7 @@ impl Problems {
 
 /// Ranges that many values share.
 pub(super) mod check {
-    use super::super::LARGEST;
+    use super::super::{LARGEST, SMALLEST};
     use super::{At, Problems};
     use crate::scene::document::Triple;
 
@@ -160,7 +160,7 @@ pub(super) mod check {
         if !vector(value, at, problems) {
             return false;
         }
-        if value.iter().all(|part| part.abs() < 1.0 / LARGEST) {
+        if value.iter().all(|part| part.abs() < SMALLEST) {
             problems.add(
                 at,
                 format!("{what} has no direction"),
@@ -177,7 +177,7 @@ pub(super) mod check {
         if !number(value, at, problems) {
             return false;
         }
-        if value < 1.0 / LARGEST {
+        if value < SMALLEST {
             let message = format!("{what} must be greater than 0, not {value}");
             problems.add(at, message, "too small", "write a length in scene units, as 1");
             return false;
