@@ -3,6 +3,8 @@
 use glam::DVec3;
 
 use super::Ray;
+use super::exact::Double;
+use super::ray::scaled;
 
 /// The camera, ready to make rays: an eye and a grid of pixels on a screen before it.
 ///
@@ -37,10 +39,13 @@ impl Camera {
         size: (f64, f64),
         resolution: (u32, u32),
     ) -> Self {
-        let forward = view.try_normalize().unwrap_or(DVec3::Z);
+        let view = scaled(view).map_or(DVec3::Z, |(view, _)| view);
+        let forward = view.normalize();
         let across = |up: DVec3| {
-            let right = up.normalize_or_zero().cross(forward);
-            (right.length_squared() > 1e-24).then(|| right.normalize())
+            let (up, _) = scaled(up)?;
+            let right = cross(up, view);
+            (right.length_squared() > 1e-24 * up.length_squared() * view.length_squared())
+                .then(|| right.normalize())
         };
         let right = across(up).or_else(|| across(DVec3::Y)).or_else(|| across(DVec3::Z)).unwrap_or(DVec3::X);
         Self {
@@ -82,6 +87,13 @@ impl Camera {
     pub fn resolution(&self) -> (u32, u32) {
         (self.columns, self.rows)
     }
+}
+
+/// a x b, each component rounded once: of nearly parallel vectors, rounding on the way would leave little else.
+fn cross(a: DVec3, b: DVec3) -> DVec3 {
+    let component =
+        |a: f64, b: f64, c: f64, d: f64| (Double::product(a, b) - Double::product(c, d)).rounded();
+    DVec3::new(component(a.y, b.z, a.z, b.y), component(a.z, b.x, a.x, b.z), component(a.x, b.y, a.y, b.x))
 }
 
 #[cfg(test)]

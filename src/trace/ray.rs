@@ -81,8 +81,9 @@ impl Ray {
     }
 }
 
-/// `direction` times a power of two that brings its largest component into 1..2, and that power of two.
-fn scaled(direction: DVec3) -> Option<(DVec3, f64)> {
+/// `direction` times a power of two that brings its largest component into 1..2, and that power of two. `None` where it
+/// is zero or not finite.
+pub(super) fn scaled(direction: DVec3) -> Option<(DVec3, f64)> {
     /// Lifts every subnormal into the normal range.
     const LIFT: f64 = f64::from_bits((1023 + 600) << 52);
     const EXPONENT: u64 = 0x7ff;
