@@ -191,8 +191,8 @@ fn prepared_shape(shape: &Shape, transform: &WorldTransform) -> Option<PreparedS
     let matrix = transform.affine.matrix3;
     let translation = transform.affine.translation;
     let largest = matrix.to_cols_array().into_iter().fold(0.0, |largest: f64, part| largest.max(part.abs()));
-    // By a power of two near 1, where a determinant is not in danger.
-    let unit = matrix * libm::ldexp(1.0, -libm::ilogb(largest).clamp(-1000, 1000));
+    // Near 1 a determinant is not in danger.
+    let unit = matrix * towards_one(largest);
     let measurable = transform.affine.is_finite()
         && (1.0 / LARGEST..LARGEST).contains(&largest)
         && translation.abs().max_element() < LARGEST
@@ -214,6 +214,7 @@ fn prepared_shape(shape: &Shape, transform: &WorldTransform) -> Option<PreparedS
         },
         Shape::Plane { normal } => {
             // Normals go by the inverse transpose.
+            let normal = normal * towards_one(normal.abs().max_element());
             let normal = (unit.inverse().transpose() * normal).try_normalize()?;
             Some(PreparedShape::Plane(Plane { point: translation, normal }))
         }
@@ -233,6 +234,11 @@ fn prepared_shape(shape: &Shape, transform: &WorldTransform) -> Option<PreparedS
             }
         }
     }
+}
+
+/// A power of two that brings a magnitude near 1.
+fn towards_one(magnitude: f64) -> f64 {
+    libm::ldexp(1.0, -libm::ilogb(magnitude).clamp(-1000, 1000))
 }
 
 /// The film's settings, held to their limits.
