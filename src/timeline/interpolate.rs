@@ -8,7 +8,8 @@ pub trait Interpolate: Clone {
     #[must_use]
     fn between(from: &Self, to: &Self, u: f64) -> Self;
 
-    /// `sum weights[i] * values[i]`, where the weights sum to 1: a point of a curve through the values.
+    /// `sum weights[i] * values[i]`, where the weights sum to 1: a point of a curve through the values. Summed as
+    /// differences from `values[1]`: between keys that crowd, weights are huge and of opposite sign.
     #[must_use]
     fn blend(values: [&Self; 4], weights: [f64; 4]) -> Self;
 }
@@ -20,7 +21,7 @@ impl Interpolate for f64 {
 
     fn blend(values: [&Self; 4], weights: [f64; 4]) -> Self {
         let [a, b, c, d] = values;
-        a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3]
+        b + (a - b) * weights[0] + (c - b) * weights[2] + (d - b) * weights[3]
     }
 }
 
@@ -31,7 +32,7 @@ impl Interpolate for DVec3 {
 
     fn blend(values: [&Self; 4], weights: [f64; 4]) -> Self {
         let [a, b, c, d] = values;
-        *a * weights[0] + *b * weights[1] + *c * weights[2] + *d * weights[3]
+        *b + (*a - *b) * weights[0] + (*c - *b) * weights[2] + (*d - *b) * weights[3]
     }
 }
 

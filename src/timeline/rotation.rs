@@ -28,6 +28,9 @@ impl Rotation {
                 about(DVec3::Z, angles.z) * about(DVec3::Y, angles.y) * about(DVec3::X, angles.x)
             }
             Self::AxisAngle(axis, angle) => {
+                // By a power of two, so that the square of the length is a number.
+                let exponent = libm::ilogb(axis.abs().max_element()).clamp(-1000, 1000);
+                let axis = axis * libm::ldexp(1.0, -exponent);
                 axis.try_normalize().map_or(DQuat::IDENTITY, |unit| about(unit, angle))
             }
             Self::Quat(x, y, z, w) => unit(DQuat::from_xyzw(x, y, z, w)),
@@ -95,7 +98,8 @@ impl Interpolate for DQuat {
         let end = near(*values[2]);
         let after = near(*values[3]);
         let before = if start.dot(*values[0]) < 0.0 { -*values[0] } else { *values[0] };
-        let sum = before * weights[0] + start * weights[1] + end * weights[2] + after * weights[3];
+        let sum =
+            start + (before - start) * weights[0] + (end - start) * weights[2] + (after - start) * weights[3];
         // Opposite rotations may cancel; the straight way never does.
         if sum.length_squared() < 1e-6 { slerp(start, end, weights[2] + weights[3]) } else { unit(sum) }
     }

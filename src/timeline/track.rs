@@ -68,18 +68,20 @@ impl<T: Interpolate> Track<T> {
         let slope_start = cubed - 2.0 * squared + u;
         let slope_end = cubed - squared;
 
-        // Slopes (in units per segment) as weights of [before, start, end, after].
+        // Slopes (in units per segment) as weights of [before, start, end, after]. Finite, however near two keys are, so that
+        // a value that does not change stays where it is.
+        let per_segment = |weight: f64| (weight * length).clamp(-1e300, 1e300);
         let start_slope = if index == 0 {
             [0.0, -1.0, 1.0, 0.0]
         } else {
-            let [left, middle, right] = parabola_slope(start.time - before.time, length);
-            [left * length, middle * length, right * length, 0.0]
+            let [left, middle, right] = parabola_slope(start.time - before.time, length).map(per_segment);
+            [left, middle, right, 0.0]
         };
         let end_slope = if index + 1 == last {
             [0.0, -1.0, 1.0, 0.0]
         } else {
-            let [left, middle, right] = parabola_slope(length, after.time - end.time);
-            [0.0, left * length, middle * length, right * length]
+            let [left, middle, right] = parabola_slope(length, after.time - end.time).map(per_segment);
+            [0.0, left, middle, right]
         };
         let mut weights = [0.0, at_start, at_end, 0.0];
         for (weight, (left, right)) in weights.iter_mut().zip(start_slope.into_iter().zip(end_slope)) {
