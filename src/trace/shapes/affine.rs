@@ -47,7 +47,11 @@ impl Map {
         let scale = libm::ldexp(1.0, -libm::ilogb(largest).clamp(-1000, 1000));
         let inverse = (forward.matrix3 * scale).inverse() * scale;
         let norm = |matrix: DMat3| matrix.x_axis.length() + matrix.y_axis.length() + matrix.z_axis.length();
-        let condition = norm(forward.matrix3) * norm(inverse);
+        let mut condition = norm(forward.matrix3) * norm(inverse);
+        // Where all digits are lost the inverse is none, and says nothing of the condition.
+        if norm(forward.matrix3 * inverse - DMat3::IDENTITY) > 1e-3 {
+            condition = condition.max(f64::EPSILON.recip());
+        }
         Self { forward, inverse, exact_inverse: exact_inverse(forward.matrix3, inverse), condition }
     }
 
