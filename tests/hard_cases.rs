@@ -9,6 +9,7 @@
 //! | a resolution of 1 | the middle of the screen |
 //! | sizes and scales of zero | refused in a file; at a moment, the entity is not drawn |
 //! | sizes of any magnitude | the same picture, from 1e-60 to 1e60 |
+//! | maps without digits left | the same picture by both paths |
 //! | rotations | the short way, of unit length, exact to the last bits; of a half turn, the way of the sign as written |
 //! | keys | at the same time: refused; one key: always; neighbouring instants: a jump |
 //! | nothing to see | the background |
@@ -40,16 +41,16 @@ const LENGTHS: [f64; 10] =
 fn refusal(text: &str) -> String {
     let error = Scene::from_text("hard.ron", text.to_owned()).err();
     let error = error.unwrap_or_else(|| panic!("not refused: {text}"));
-    for diagnostic in error.diagnostics() {
-        assert!(error.place(diagnostic).is_some(), "{text}: {error}");
-    }
+    assert!(
+        error.diagnostics().iter().all(|diagnostic| error.place(diagnostic).is_some()),
+        "{text}: {error}"
+    );
     error.diagnostics()[0].message.clone()
 }
 
 fn engine(text: &str) -> Engine {
-    Engine::from_scene(
-        Scene::from_text("hard.ron", text.to_owned()).unwrap_or_else(|error| panic!("{error}")),
-    )
+    let scene = Scene::from_text("hard.ron", text.to_owned());
+    Engine::from_scene(scene.unwrap_or_else(|error| panic!("{error}")))
 }
 
 /// A ball and a crate with a mirror and a lamp before them; the camera is what is asked about.
@@ -374,6 +375,24 @@ fn the_tiny_is_seen_before_the_huge() {
     }
 }
 
+/// A turned child of a parent whose scales are so different that nothing is left of the smaller ones in the product.
+#[test]
+fn paths_agree_on_maps_that_lose_all_digits() {
+    for ratio in ["1e6", "1e8", "1e12", "1e16", "1e17", "7.149242111760633e18", "1e30"] {
+        for shape in ["Sphere(radius: 0.01)", "Box(size: (0.01, 0.02, 0.03))"] {
+            let text = format!(
+                r#"Scene(film: (width: 32, height: 18), camera: (position: (0, -2, 0), target: (0, 0, -1)), ambient: (1, 1, 1),
+                materials: {{ "m": (k_a: 1) }}, entities: [(name: "p", transform: (translation: (4.579567336728584e54, 0, 0),
+                scale: ({ratio}, 180, -0.8573814706000129), rotation: Quat(-1.1974842809408361, 0, -1.8180114775544707, -2))), (parent: "p",
+                shape: {shape}, material: "m", transform: (rotation: AxisAngle((1.7201252341157094, -1.8373047611384268, 0), 1.5969372108396579e56)))])"#
+            );
+            let mut engine = engine(&text);
+            let fast = engine.render_at(Time::ZERO).unwrap();
+            assert!(engine.render_reference(Time::ZERO).unwrap() == fast, "{ratio} {shape}");
+        }
+    }
+}
+
 fn about(axis: DVec3, angle: f64) -> DQuat {
     Rotation::AxisAngle(axis, angle).quaternion()
 }
@@ -560,8 +579,7 @@ fn numbers_that_are_not_finite_are_refused_wherever_they_stand() {
     let text = include_str!("hard_cases/every_number.ron");
     drop(engine(text));
     let is_digit = |character: char| character.is_ascii_digit() || character == '.';
-    let mut count = 0;
-    let mut start = 0;
+    let (mut count, mut start) = (0, 0);
     while let Some(found) = text[start..].find(|character: char| character.is_ascii_digit()) {
         let begin = start + found;
         let end = begin + text[begin..].find(|character| !is_digit(character)).unwrap();
