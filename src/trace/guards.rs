@@ -9,7 +9,7 @@ pub struct Guards {
     pub open: u64,
     /// Which of two is nearer, or is it before the light? Decided with a hundred bits.
     pub contested: u64,
-    /// Points that were solved for with a hundred bits, as one Newton step would not have made them right.
+    /// Points whose distance had so few certain bits that one Newton step would not have made it right.
     pub rough: u64,
     /// Pixels whose sum overflowed, and that were kept finite.
     pub overflowed: u64,

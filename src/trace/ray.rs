@@ -13,6 +13,8 @@ use super::{Slot, Surface, Ties};
 pub struct Ray {
     origin: DVec3,
     direction: DVec3,
+    /// 1 / direction.direction
+    inverse_square: f64,
     departure: Option<Departure>,
 }
 
@@ -32,7 +34,7 @@ impl Ray {
     #[must_use]
     pub fn new(origin: DVec3, direction: DVec3) -> Option<Self> {
         let (direction, _) = scaled(direction)?;
-        origin.is_finite().then_some(Self { origin, direction, departure: None })
+        origin.is_finite().then(|| Self::scaled(origin, direction, None))
     }
 
     /// A ray that leaves a surface on the side that `outward` says.
@@ -55,21 +57,36 @@ impl Ray {
         let (direction, scale) = scaled(direction)?;
         surface.point.is_finite().then_some(())?;
         let departure = Departure { slot: surface.hit.slot, outward, ties: surface.ties.clone() };
-        Some((Self { origin: surface.point, direction, departure: Some(departure) }, scale))
+        Some((Self::scaled(surface.point, direction, Some(departure)), scale))
+    }
+
+    #[inline]
+    fn scaled(origin: DVec3, direction: DVec3, departure: Option<Departure>) -> Self {
+        Self { origin, direction, inverse_square: direction.dot(direction).recip(), departure }
     }
 
     /// Where the ray starts.
     #[must_use]
+    #[inline]
     pub fn origin(&self) -> DVec3 {
         self.origin
     }
 
     /// Which way it goes; the largest component's magnitude is in 1..2, save beside a subnormal one.
     #[must_use]
+    #[inline]
     pub fn direction(&self) -> DVec3 {
         self.direction
     }
 
+    /// 1 / direction.direction, rounded twice.
+    #[must_use]
+    #[inline]
+    pub(super) fn inverse_square(&self) -> f64 {
+        self.inverse_square
+    }
+
+    #[inline]
     pub(super) fn departure(&self) -> Option<&Departure> {
         self.departure.as_ref()
     }
@@ -96,8 +113,8 @@ pub(super) fn scaled(direction: DVec3) -> Option<(DVec3, f64)> {
     // 2^-e has the biased exponent 2046 - (1023 + e). The two largest exponents would give a subnormal.
     let scale = f64::from_bits((2046 - exponent(lifted).min(2045)) << 52);
     let scaled = lifted * scale;
-    if scale < 1.0 && exponent(lifted) < 1023 + 400 && scaled / scale != lifted {
-        // A subnormal component beside a long one.
+    let beside_subnormal = || exponent(lifted) < 1023 + 400 && scaled / scale != lifted;
+    if scale < 1.0 && lifted.abs().min_element() < 1e-200 && beside_subnormal() {
         return Some((lifted, lift));
     }
     Some((scaled, lift * scale))

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use rayreel::trace::{Geometry, PreparedScene, Ray, Surface, SurfaceMaterial};
+use rayreel::trace::{Geometry, Precision, PreparedScene, Ray, Surface, SurfaceMaterial};
 
 use crate::categories::Case;
 use crate::exact::{Answer, Exact, Shape, along, exact, length, magnitude, quotient, rounded, vector};
@@ -23,12 +23,25 @@ pub(crate) fn unit_in_last_place(value: f64) -> f64 {
     value.abs().next_up() - value.abs()
 }
 
+/// Ours, and the textbook's to compare with.
+pub(crate) const PRECISIONS: [Precision; 3] =
+    [Precision::Guaranteed, Precision::TextbookF64, Precision::TextbookF32];
+
 /// What a category's rays have come to.
 #[derive(Default)]
 pub(crate) struct Tally {
     pub(crate) errors: Vec<f64>,
     pub(crate) wrong_verdicts: usize,
     pub(crate) wrong: Vec<String>,
+}
+
+impl Tally {
+    /// Of the distances' errors; 0 where nothing was hit.
+    pub(crate) fn median_and_worst(&mut self) -> (f64, f64) {
+        self.errors.sort_by(f64::total_cmp);
+        let middle = self.errors.get(self.errors.len() / 2);
+        (middle.copied().unwrap_or(0.0), self.errors.last().copied().unwrap_or(0.0))
+    }
 }
 
 /// What exact arithmetic says of a case.
@@ -64,18 +77,26 @@ fn expected(case: &Case) -> Expected {
     Expected { nearest, margin: if case.short { 1.0 } else { margin } }
 }
 
-/// Asks the kernel the same, and compares.
-pub(crate) fn check(name: &str, case: &Case, tally: &mut Tally) {
-    let Case { shapes, origin, direction, .. } = case;
-    let Expected { nearest, margin } = expected(case);
-    if margin < LEAST_MARGIN {
+/// Asks the kernel the same with every precision, and compares.
+pub(crate) fn check(name: &str, case: &Case, tallies: &mut [Tally; 3]) {
+    let expected = expected(case);
+    if expected.margin < LEAST_MARGIN {
         return;
     }
-    let scene = scene(shapes);
+    let mut scene = scene(&case.shapes);
+    for (precision, tally) in PRECISIONS.into_iter().zip(tallies) {
+        scene.precision = precision;
+        compare(name, case, &expected, &scene, tally);
+    }
+}
+
+fn compare(name: &str, case: &Case, expected: &Expected, scene: &PreparedScene, tally: &mut Tally) {
+    let Case { shapes, origin, direction, .. } = case;
+    let Expected { nearest, margin } = expected;
     let ray = Ray::new(*origin, *direction).unwrap();
     let mut wrong =
         |what: String| tally.wrong.push(format!("{name}: {what}, {shapes:?} {origin:?} {direction:?}"));
-    match (scene.cast(&ray), &nearest) {
+    match (scene.cast(&ray), nearest) {
         (Some(surface), Some((t, index, from_outside))) => {
             let exact_direction = vector(*direction);
             let error = distance_error(&ray, &surface, &(t * length(&exact_direction)));

@@ -2,8 +2,6 @@
 
 use std::cmp::Ordering;
 
-use glam::DVec3;
-
 use super::{Geometry, Kind, Leaves, Place, Slot};
 use crate::trace::exact::Double;
 use crate::trace::shapes::Verdict;
@@ -44,17 +42,15 @@ impl Leaves for Geometry {
     /// surface coincided with it where the ray starts, each in its own sense.
     #[inline]
     fn first_hit(&self, slot: Slot, ray: &Ray, guards: &mut Guards) -> Option<Hit> {
-        let (origin, direction) = (ray.origin(), ray.direction());
         if let Some(departure) = ray.departure() {
             if slot == departure.slot {
-                return if departure.outward { None } else { self.far_hit(slot, origin, direction) };
+                return if departure.outward { None } else { self.far_hit(slot, ray) };
             }
             if let Some(normal) = departure.ties.normal_of(slot) {
-                let inward = direction.dot(normal) < 0.0;
-                return if inward { self.far_hit(slot, origin, direction) } else { None };
+                return if ray.direction().dot(normal) < 0.0 { self.far_hit(slot, ray) } else { None };
             }
         }
-        self.near_hit(slot, origin, direction, guards)
+        self.near_hit(slot, ray, guards)
     }
 
     #[inline]
@@ -80,39 +76,44 @@ impl Leaves for Geometry {
 
     #[inline]
     fn refined(&self, ray: &Ray, hit: &Hit, guards: &mut Guards) -> Refined {
-        let (origin, direction) = (ray.origin(), ray.direction());
-        // A Newton step squares the relative error, and cannot better what was decided with a hundred bits.
-        if hit.far || hit.root.is_rough() || hit.root.is_rounded() {
-            guards.rough += u64::from(!hit.far);
+        let (origin, direction, t) = (ray.origin(), ray.direction(), hit.root.t());
+        if hit.far || hit.root.is_rounded() {
             let t = self.exact_t(hit, ray);
             return ask!(self, hit.slot, shape => shape.surface_at(origin, direction, t, hit.far));
         }
-        ask!(self, hit.slot, shape => shape.refined(origin, direction, hit.root.t()))
+        if hit.root.is_rough() {
+            guards.rough += 1;
+            return ask!(self, hit.slot, shape => shape.solved(origin, direction, t));
+        }
+        ask!(self, hit.slot, shape => shape.refined(origin, direction, t))
     }
 }
 
 impl Geometry {
     #[inline]
-    fn near_hit(&self, slot: Slot, origin: DVec3, direction: DVec3, guards: &mut Guards) -> Option<Hit> {
-        let root = match ask!(self, slot, shape => shape.first_hit(origin, direction)) {
+    fn near_hit(&self, slot: Slot, ray: &Ray, guards: &mut Guards) -> Option<Hit> {
+        // The ray is read by each kind of shape for itself: copied here, it would go through memory a second time.
+        let root = match ask!(self, slot, shape => shape.first_hit(ray)) {
             Verdict::Hit(root) => root,
             Verdict::Miss => return None,
             Verdict::Open => {
                 guards.open += 1;
-                Root::rounded(self.exact_hit(slot, origin, direction)?)
+                Root::rounded(self.exact_hit(slot, ray)?)
             }
         };
         // What is infinitely far away is not met.
         (root.t() < f64::INFINITY).then_some(Hit { root, slot, far: false })
     }
 
-    fn far_hit(&self, slot: Slot, origin: DVec3, direction: DVec3) -> Option<Hit> {
-        ask!(self, slot, shape => shape.far_hit(origin, direction)).map(|root| Hit { root, slot, far: true })
+    #[cold]
+    fn far_hit(&self, slot: Slot, ray: &Ray) -> Option<Hit> {
+        let root = ask!(self, slot, shape => shape.far_hit(ray.origin(), ray.direction()))?;
+        Some(Hit { root, slot, far: true })
     }
 
     #[cold]
-    fn exact_hit(&self, slot: Slot, origin: DVec3, direction: DVec3) -> Option<Double> {
-        ask!(self, slot, shape => shape.exact_hit(origin, direction))
+    fn exact_hit(&self, slot: Slot, ray: &Ray) -> Option<Double> {
+        ask!(self, slot, shape => shape.exact_hit(ray.origin(), ray.direction()))
     }
 
     /// A hit's `t` with a hundred bits. A far side's is as exact as the point that the ray starts from.
@@ -121,6 +122,6 @@ impl Geometry {
         if hit.far {
             return inexact();
         }
-        self.exact_hit(hit.slot, ray.origin(), ray.direction()).unwrap_or_else(inexact)
+        self.exact_hit(hit.slot, ray).unwrap_or_else(inexact)
     }
 }

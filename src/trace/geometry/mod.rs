@@ -31,9 +31,9 @@ pub enum Precision {
     /// Every verdict and every digit right.
     #[default]
     Guaranteed,
-    /// The schoolbook's formulas in `f64`, rays that start 1e-9 ahead: what guarantees cost, and what they save from.
+    /// The schoolbook's formulas in `f64`; rays leave surfaces 1e-9 ahead. What guarantees cost, and what they save from.
     TextbookF64,
-    /// The same in `f32`, rays that start 1e-4 ahead.
+    /// The same in `f32`; rays leave surfaces 1e-4 ahead.
     TextbookF32,
 }
 

@@ -1,7 +1,7 @@
 //! The shapes as textbooks have them, in `f64` or `f32`: the quadratic with b^2 - 4ac, slabs by reciprocals, points by
 //! origin + t direction, and rays that start a little ahead of where they are, by an epsilon that fits no scene.
 //!
-//! They are here to be compared with. What they get wrong is in `tests/oracle`, what they cost in `benches/precision.rs`.
+//! They are here to be compared with. What they get wrong is shown by `tests/oracle`, what they cost in `benches/precision.rs`.
 
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -25,7 +25,7 @@ pub(in crate::trace) trait Number:
     + Sync
 {
     const ZERO: Self;
-    /// How far ahead rays start.
+    /// How far ahead rays start that leave a surface.
     const AHEAD: Self;
     fn new(value: f64) -> Self;
     fn value(self) -> f64;
@@ -162,7 +162,13 @@ impl<T: Number> Textbook<T> {
 }
 
 #[inline]
-fn sphere<T: Number>(center: Vector<T>, radius: T, origin: Vector<T>, direction: Vector<T>) -> Option<T> {
+fn sphere<T: Number>(
+    center: Vector<T>,
+    radius: T,
+    origin: Vector<T>,
+    direction: Vector<T>,
+    least: T,
+) -> Option<T> {
     let (two, four) = (T::new(2.0), T::new(4.0));
     let from_center = origin.minus(center);
     let a = direction.dot(direction);
@@ -174,11 +180,16 @@ fn sphere<T: Number>(center: Vector<T>, radius: T, origin: Vector<T>, direction:
     }
     let root = discriminant.sqrt();
     let (near, far) = ((-b - root) / (two * a), (-b + root) / (two * a));
-    [near, far].into_iter().find(|t| *t >= T::AHEAD)
+    [near, far].into_iter().find(|t| *t >= least)
 }
 
 #[inline]
-fn slabs<T: Number>([min, max]: &[Vector<T>; 2], origin: Vector<T>, direction: Vector<T>) -> Option<T> {
+fn slabs<T: Number>(
+    [min, max]: &[Vector<T>; 2],
+    origin: Vector<T>,
+    direction: Vector<T>,
+    least: T,
+) -> Option<T> {
     let lesser = |a: T, b: T| if a < b { a } else { b };
     let greater = |a: T, b: T| if a > b { a } else { b };
     let (mut entry, mut exit) = (T::new(f64::NEG_INFINITY), T::new(f64::INFINITY));
@@ -192,7 +203,7 @@ fn slabs<T: Number>([min, max]: &[Vector<T>; 2], origin: Vector<T>, direction: V
     if entry > exit {
         return None;
     }
-    [entry, exit].into_iter().find(|t| *t >= T::AHEAD)
+    [entry, exit].into_iter().find(|t| *t >= least)
 }
 
 #[inline]
@@ -201,9 +212,10 @@ fn plane<T: Number>(
     normal: Vector<T>,
     origin: Vector<T>,
     direction: Vector<T>,
+    least: T,
 ) -> Option<T> {
     let t = point.minus(origin).dot(normal) / direction.dot(normal);
-    (t >= T::AHEAD).then_some(t)
+    (t >= least).then_some(t)
 }
 
 /// The outward normal of the face that a point is nearest to.
@@ -224,25 +236,32 @@ impl<T: Number> Leaves for Textbook<T> {
     #[inline]
     fn first_hit(&self, slot: Slot, ray: &Ray, _guards: &mut Guards) -> Option<Hit> {
         let (origin, direction) = (Vector::<T>::new(ray.origin()), Vector::<T>::new(ray.direction()));
+        let least = if ray.departure().is_some() { T::AHEAD } else { T::ZERO };
         let Place { kind, index } = self.places[slot.index()];
         let index = index as usize;
         let t = match kind {
             Kind::Sphere => {
                 let (center, radius) = self.spheres[index];
-                sphere(center, radius, origin, direction)
+                sphere(center, radius, origin, direction, least)
             }
             Kind::Plane => {
                 let (point, normal) = self.planes[index];
-                plane(point, normal, origin, direction)
+                plane(point, normal, origin, direction, least)
             }
-            Kind::AlignedBox => slabs(&self.boxes[index], origin, direction),
+            Kind::AlignedBox => slabs(&self.boxes[index], origin, direction, least),
             Kind::SphereImage => {
                 let (back, radius) = &self.sphere_images[index];
-                sphere(Vector::new(DVec3::ZERO), *radius, back.point(origin), back.direction(direction))
+                sphere(
+                    Vector::new(DVec3::ZERO),
+                    *radius,
+                    back.point(origin),
+                    back.direction(direction),
+                    least,
+                )
             }
             Kind::BoxImage => {
                 let (back, own) = &self.box_images[index];
-                slabs(own, back.point(origin), back.direction(direction))
+                slabs(own, back.point(origin), back.direction(direction), least)
             }
         }?;
         let t = t.value();

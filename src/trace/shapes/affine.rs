@@ -8,7 +8,7 @@ use super::aligned_box::{Face, exact_first_crossing, outward};
 use super::sphere::{exact_first_root, first_root, newton_step};
 use super::{AlignedBox, Sphere, Verdict};
 use crate::trace::exact::{Compensated3, Double, Double3};
-use crate::trace::{Bounds, Refined, Root};
+use crate::trace::{Bounds, Ray, Refined, Root};
 
 /// A sphere under an affine map: an ellipsoid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,10 +55,12 @@ impl Map {
         Self { forward, inverse, exact_inverse: exact_inverse(forward.matrix3, inverse), condition }
     }
 
+    #[inline]
     fn point_back(&self, point: DVec3) -> DVec3 {
         self.inverse * (point - self.forward.translation)
     }
 
+    #[inline]
     fn direction_back(&self, direction: DVec3) -> DVec3 {
         self.inverse * direction
     }
@@ -71,9 +73,12 @@ impl Map {
         self.exactly_back(direction.into())
     }
 
+    #[inline]
     fn place_back(&self, place: Compensated3) -> Compensated3 {
         let from_translation = place.minus(self.forward.translation);
-        self.exact_inverse.map(|row| from_translation.dot_exact(row)).into()
+        let [x, y, z] = &self.exact_inverse;
+        [from_translation.dot_exact(*x), from_translation.dot_exact(*y), from_translation.dot_exact(*z)]
+            .into()
     }
 
     fn exactly_back(&self, vector: Double3) -> Double3 {
@@ -160,9 +165,10 @@ impl SphereImage {
 
     /// The smallest `t >= 0` on the ellipsoid.
     #[must_use]
-    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Verdict {
-        let (own, way) = (self.map.point_back(origin), self.map.direction_back(direction));
-        first_root(-own, way, self.sphere.radius, self.map.roughness())
+    #[inline]
+    pub fn first_hit(&self, ray: &Ray) -> Verdict {
+        let (own, way) = (self.map.point_back(ray.origin()), self.map.direction_back(ray.direction()));
+        first_root(-own, way, way.dot(way).recip(), self.sphere.radius, self.map.roughness())
     }
 
     /// As [`SphereImage::first_hit`], with a hundred bits throughout.
@@ -182,6 +188,14 @@ impl SphereImage {
         let step = newton_step(own.beyond(self.sphere.radius).rounded(), slope);
         let normal = self.map.normal(own.moved(way * step));
         Refined { t: Double::sum(t, step), point: place.moved(direction * step), normal }
+    }
+
+    /// The same near a `t` of which few bits are certain, as [`Sphere::solved`].
+    #[must_use]
+    pub fn solved(&self, origin: DVec3, direction: DVec3, t: f64) -> Refined {
+        let better = self.refined(origin, direction, t).t.rounded();
+        let good = self.refined(origin, direction, better).t.rounded();
+        self.refined(origin, direction, good)
     }
 
     /// Where a ray that starts on the ellipsoid and goes inwards comes out.
@@ -226,8 +240,9 @@ impl BoxImage {
 
     /// The smallest `t >= 0` on the box.
     #[must_use]
-    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Verdict {
-        let (own, way) = (self.map.point_back(origin), self.map.direction_back(direction));
+    #[inline]
+    pub fn first_hit(&self, ray: &Ray) -> Verdict {
+        let (own, way) = (self.map.point_back(ray.origin()), self.map.direction_back(ray.direction()));
         self.aligned.first_crossing(own, way, self.map.roughness())
     }
 
@@ -258,6 +273,12 @@ impl BoxImage {
         let beyond = height - self.aligned.plane(face).into();
         let step = newton_step(beyond.rounded(), row.rounded().dot(direction));
         self.met(Double::sum(t, step), place.moved(direction * step), face)
+    }
+
+    /// The same near a `t` of which few bits are certain.
+    #[must_use]
+    pub fn solved(&self, origin: DVec3, direction: DVec3, t: f64) -> Refined {
+        self.surface_at(origin, direction, t.into(), false)
     }
 
     /// Where a ray that starts on the box and goes inwards comes out.
@@ -302,9 +323,13 @@ mod tests {
             DVec3::new(0.0, 0.0, 5.0),
         );
         let ellipsoid = SphereImage::new(map, 1.0);
-        assert_eq!(ellipsoid.first_hit(DVec3::ZERO, DVec3::Z).hit().unwrap().t(), 4.5);
+        let first = |origin, direction| {
+            let exact = || ellipsoid.exact_hit(origin, direction);
+            ellipsoid.first_hit(&Ray::new(origin, direction)?).decided(direction, exact)
+        };
+        assert_eq!(first(DVec3::ZERO, DVec3::Z), Some(4.5));
         let (origin, direction) = (DVec3::new(2.0, 0.0, 0.0), DVec3::Z);
-        let t = ellipsoid.first_hit(origin, direction).hit().unwrap().t();
+        let t = first(origin, direction).unwrap();
         let Refined { point, normal, .. } = ellipsoid.refined(origin, direction, t);
         // x^2/9 + z^2/0.25 = 1, gradient (2x/9, 0, 2z/0.25).
         assert!((4.0 / 9.0 + (point.z - 5.0) * (point.z - 5.0) / 0.25 - 1.0).abs() < 1e-14);
@@ -318,8 +343,9 @@ mod tests {
         let mirrored = BoxImage::new(map, DVec3::ONE);
         let origin = DVec3::new(-4.0, 0.2, 0.1);
         // Along an axis of its own, whether it meets the box is a close call.
-        let t =
-            mirrored.first_hit(origin, DVec3::X).decided(|| mirrored.exact_hit(origin, DVec3::X)).unwrap();
+        let ray = Ray::new(origin, DVec3::X).unwrap();
+        let exact = || mirrored.exact_hit(origin, DVec3::X);
+        let t = mirrored.first_hit(&ray).decided(DVec3::X, exact).unwrap();
         let Refined { point, normal, .. } = mirrored.refined(origin, DVec3::X, t);
         assert_eq!((t, point, normal), (3.0, DVec3::new(-1.0, 0.2, 0.1), DVec3::NEG_X));
     }

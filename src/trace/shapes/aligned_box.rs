@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::Verdict;
 use super::sphere::U;
 use crate::trace::exact::{Compensated3, Double, Double3, compare_quotients};
-use crate::trace::{Bounds, Refined, Root};
+use crate::trace::{Bounds, Ray, Refined, Root};
 
 /// An axis-aligned box in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,7 +103,8 @@ impl AlignedBox {
     /// The smallest `t >= 0` on the box.
     #[must_use]
     #[inline]
-    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Verdict {
+    pub fn first_hit(&self, ray: &Ray) -> Verdict {
+        let (origin, direction) = (ray.origin(), ray.direction());
         // A difference times a reciprocal is rounded three times; its sign is right.
         let (entry, exit) = if direction.abs().min_element() > SLOWEST {
             let inverse = direction.recip();
@@ -165,8 +166,9 @@ impl AlignedBox {
         let way_error = 2.0 * u * direction.abs().max_element();
         move |axis, plane| {
             let (o, d) = (origin[axis], direction[axis]);
-            let t = (plane - o) / d;
-            let error = (place_error + t.abs() * way_error) / d.abs() + 4.0 * U * t.abs();
+            let inverse = d.recip();
+            let t = (plane - o) * inverse;
+            let error = (place_error + t.abs() * way_error) * inverse.abs() + 8.0 * U * t.abs();
             (d.abs() > 1024.0 * way_error).then_some(Root::within(t, error))
         }
     }
@@ -200,6 +202,12 @@ impl AlignedBox {
             }
             None => self.surface_at(origin, direction, t.into(), false),
         }
+    }
+
+    /// The same near a `t` of which few bits are certain.
+    #[must_use]
+    pub fn solved(&self, origin: DVec3, direction: DVec3, t: f64) -> Refined {
+        self.surface_at(origin, direction, t.into(), false)
     }
 
     /// The face that the ray certainly meets at `t`, given where it meets the planes of faces.
@@ -308,7 +316,7 @@ mod tests {
     use super::*;
 
     fn first(origin: DVec3, direction: DVec3) -> Option<f64> {
-        UNIT.first_hit(origin, direction).decided(|| UNIT.exact_hit(origin, direction))
+        UNIT.first_hit(&Ray::new(origin, direction)?).decided(direction, || UNIT.exact_hit(origin, direction))
     }
 
     fn far(origin: DVec3, direction: DVec3) -> Option<f64> {

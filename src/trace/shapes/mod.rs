@@ -9,6 +9,7 @@
 //! - `refined`: from a `t` that is nearly right, one that is right to the last bit of an `f64`, with the point and the outward
 //!   unit normal there.
 //! - `far_hit`: the ray starts on the surface and goes into the shape; where does it come out?
+//! - `solved`: the same from a `t` that is so rough that one Newton step would not do.
 //! - `surface_at`: the same at a `t` that is right already, from `exact_hit` or, as `far` says, from `far_hit`.
 //! - `bounds`: a box around it, for shapes that have one.
 
@@ -37,18 +38,18 @@ pub enum Verdict {
 
 #[cfg(test)]
 impl Verdict {
-    /// The root, if that much is certain.
-    fn hit(self) -> Option<Root> {
+    /// The `t` for a direction as it was before it became a [`Ray`](super::Ray)'s, if there is one; `exact` has the last word where
+    /// the verdict is open.
+    fn decided(
+        self,
+        direction: glam::DVec3,
+        exact: impl FnOnce() -> Option<super::exact::Double>,
+    ) -> Option<f64> {
         match self {
-            Self::Hit(root) => Some(root),
-            Self::Miss | Self::Open => None,
-        }
-    }
-
-    /// The `t`, if there is one; `exact` has the last word where the verdict is open.
-    fn decided(self, exact: impl FnOnce() -> Option<super::exact::Double>) -> Option<f64> {
-        match self {
-            Self::Hit(root) => Some(root.t()),
+            Self::Hit(root) => {
+                let ray = super::Ray::new(glam::DVec3::ZERO, direction)?;
+                Some(root.t() * ray.direction().abs().max_element() / direction.abs().max_element())
+            }
             Self::Miss => None,
             Self::Open => exact().map(super::exact::Double::rounded),
         }

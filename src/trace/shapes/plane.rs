@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::Verdict;
 use super::sphere::{U, newton_step};
 use crate::trace::exact::{Compensated3, Double, Double3, dot};
-use crate::trace::{Refined, Root};
+use crate::trace::{Ray, Refined, Root};
 
 /// An infinite plane in world space, two-sided.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,14 +20,16 @@ impl Plane {
     /// The `t >= 0` on the plane. A ray along the plane misses it, also when it lies in it.
     #[must_use]
     #[inline]
-    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Verdict {
+    pub fn first_hit(&self, ray: &Ray) -> Verdict {
+        let (origin, direction) = (ray.origin(), ray.direction());
         let to_plane = self.point - origin;
         let (height, speed) = (to_plane.dot(self.normal), direction.dot(self.normal));
         let size = self.normal.abs();
         let (height_error, speed_error) =
             (6.0 * U * to_plane.abs().dot(size), 4.0 * U * direction.abs().dot(size));
-        let t = height / speed;
-        let error = (height_error + t.abs() * speed_error) / speed.abs() + 2.0 * U * t.abs();
+        let inverse = speed.recip();
+        let t = height * inverse;
+        let error = (height_error + t.abs() * speed_error) * inverse.abs() + 4.0 * U * t.abs();
         let certain = speed.abs() > 1024.0 * speed_error;
         if certain && t > error {
             Verdict::Hit(Root::within(t, error))
@@ -59,6 +61,13 @@ impl Plane {
         Refined { t: Double::sum(t, step), point: place.moved(direction * step), normal: self.normal }
     }
 
+    /// The same near a `t` of which few bits are certain.
+    #[must_use]
+    pub fn solved(&self, origin: DVec3, direction: DVec3, t: f64) -> Refined {
+        let t = self.exact_hit(origin, direction).unwrap_or(t.into());
+        self.surface_at(origin, direction, t, false)
+    }
+
     /// A straight ray never meets the plane that it leaves again.
     #[must_use]
     pub fn far_hit(&self, _origin: DVec3, _direction: DVec3) -> Option<Root> {
@@ -81,7 +90,8 @@ mod tests {
     fn planes_are_two_sided_and_parallel_rays_miss() {
         let floor = Plane { point: DVec3::ZERO, normal: DVec3::Y };
         let first = |origin: DVec3, direction: DVec3| {
-            floor.first_hit(origin, direction).decided(|| floor.exact_hit(origin, direction))
+            let ray = Ray::new(origin, direction)?;
+            floor.first_hit(&ray).decided(direction, || floor.exact_hit(origin, direction))
         };
         assert_eq!(first(DVec3::new(0.0, 2.0, 0.0), DVec3::new(1.0, -1.0, 0.0)), Some(2.0));
         assert_eq!(first(DVec3::new(0.0, -2.0, 0.0), DVec3::new(1.0, 1.0, 0.0)), Some(2.0));

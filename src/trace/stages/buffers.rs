@@ -31,7 +31,7 @@ pub(super) struct QueuedRay {
     pub(super) throughput: Rgb,
 }
 
-/// A surface point that a ray of the wave has found.
+/// A surface point that a ray of the wave has found and that more than ambient light is asked of.
 #[derive(Clone, Debug)]
 pub(super) struct Found {
     /// Index of the ray in the wave.

@@ -1,15 +1,12 @@
-//! Stage 4: ambient light, then light by light its shadow rays and what they let through.
+//! Stage 4: light by light the shadow rays and what they let through.
 
 use super::buffers::TileBuffers;
 use crate::trace::PreparedScene;
 use crate::trace::geometry::Leaves;
-use crate::trace::shade::{ambient, diffuse, shadow_ray};
+use crate::trace::shade::{diffuse, shadow_ray};
 
 pub(super) fn run(scene: &PreparedScene, leaves: &impl Leaves, buffers: &mut TileBuffers) {
     let TileBuffers { rays, found, pixels, scratch, counts, .. } = buffers;
-    for point in found.iter_mut() {
-        point.local = ambient(scene, scene.material(point.surface.hit.slot));
-    }
     for light in &scene.lights {
         for point in found.iter_mut() {
             let material = scene.material(point.surface.hit.slot);
