@@ -30,15 +30,21 @@ impl Scene {
     ///
     /// If the file cannot be read, or with everything that is wrong in it.
     pub fn load(path: &Path) -> Result<Self, LoadError> {
+        Self::from_text(&path.display().to_string(), Self::read(path)?)
+    }
+
+    /// The text of a scene file.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read, or is not text.
+    pub fn read(path: &Path) -> Result<String, LoadError> {
         let file = path.display().to_string();
         let bytes = match std::fs::read(path) {
             Ok(bytes) => bytes,
             Err(error) => return Err(LoadError::unreadable(file, path, &error)),
         };
-        match String::from_utf8(bytes) {
-            Ok(text) => Self::from_text(&file, text),
-            Err(error) => Err(LoadError::not_utf8(file, &error)),
-        }
+        String::from_utf8(bytes).map_err(|error| LoadError::not_utf8(file, &error))
     }
 
     /// Reads a scene from text; `file` names it in messages.

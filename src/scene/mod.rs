@@ -14,6 +14,7 @@
 
 mod diagnostic;
 mod document;
+mod lines;
 mod load;
 mod parse;
 pub mod reference;
@@ -23,4 +24,5 @@ mod suggest;
 mod validate;
 
 pub use diagnostic::{Diagnostic, Place};
+pub use lines::{camera_line, entity_lines};
 pub use load::{LoadError, Scene, TEMPLATE};
