@@ -4,7 +4,7 @@ use hecs::Entity;
 
 use crate::color::Rgb;
 use crate::systems::Preparation;
-use crate::trace::reference::{RayTree, ray_tree};
+use crate::trace::reference::{RayEnd, RayTree, ray_tree};
 use crate::trace::{self, Slot};
 
 /// Everything that goes into a pixel: its rays, what they find, and what that adds to the colour.
@@ -24,6 +24,12 @@ impl<'a> Probe<'a> {
     #[must_use]
     pub fn color(&self) -> Rgb {
         self.tree.color(self.preparation.scene())
+    }
+
+    /// The light that comes back from what a ray finds. Times the ray's throughput it is what the ray adds to the pixel.
+    #[must_use]
+    pub fn light(&self, end: &RayEnd) -> Rgb {
+        end.light(self.preparation.scene())
     }
 
     /// The colour of what rays see that find nothing.

@@ -28,6 +28,11 @@ impl Ties {
         Self(Some(ties.into()))
     }
 
+    /// The shapes, in document order.
+    pub fn slots(&self) -> impl Iterator<Item = Slot> {
+        self.0.iter().flat_map(|ties| ties.iter()).map(|tie| tie.slot)
+    }
+
     /// If the shape is among them: its outward normal.
     #[inline]
     pub(super) fn normal_of(&self, slot: Slot) -> Option<DVec3> {
