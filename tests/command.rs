@@ -199,7 +199,7 @@ fn new_writes_a_scene_that_renders_and_never_overwrites() {
 #[test]
 fn help_shows_examples_and_completions_are_scripts() {
     let folder = tempfile::tempdir().unwrap();
-    for command in ["render", "check", "new", "completions"] {
+    for command in ["render", "check", "probe", "new", "completions"] {
         let output = rayreel(&folder, &[command, "--help"]);
         assert!(output.status.success() && text(&output.stdout).contains("Example"), "{command}");
     }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
 use rayreel::Time;
@@ -16,7 +16,8 @@ use rayreel::trace::Precision;
   rayreel new ball.ron                     start from a small commented scene
   rayreel check ball.ron                   say what is wrong with it, if anything
   rayreel render ball.ron                  render all its frames into out/ball/
-  rayreel render ball.ron --frames 0-47x4  every fourth frame of the first two seconds")]
+  rayreel render ball.ron --frames 0-47x4  every fourth frame of the first two seconds
+  rayreel probe ball.ron --pixel 320,180   tell what that pixel sees, and why it has its colour")]
 pub(super) struct Arguments {
     #[command(subcommand)]
     pub(super) command: Command,
@@ -28,6 +29,8 @@ pub(super) enum Command {
     Render(RenderArguments),
     /// Say what is wrong with scenes: file, line, column, cause and remedy
     Check(CheckArguments),
+    /// Tell what a pixel sees, or what rays of one's own meet
+    Probe(ProbeArguments),
     /// Write a small commented scene to start from
     New(NewArguments),
     /// Print completions for a shell
@@ -117,6 +120,46 @@ pub(super) struct CheckArguments {
 }
 
 #[derive(Debug, Args)]
+#[command(group(ArgGroup::new("question").required(true).args(["pixel", "rays"])))]
+#[command(after_help = "Examples:
+  rayreel probe scenes/first_light.ron --pixel 480,270
+  rayreel probe scenes/first_light.ron --pixel 480,270 --frame 12 --json
+  rayreel probe scenes/first_light.ron --rays rays.csv > hits.csv
+  echo 0,1,-8,0,0,1 | rayreel probe scenes/first_light.ron --at 1.5s --rays -
+
+A pixel is answered with the tree of its rays. What a ray finds gives light, the sum of what stands
+below it; times the ray's throughput it goes to the pixel, whose colour is the sum over all rays.
+
+A ray is a line ox,oy,oz,dx,dy,dz, its origin and its direction, which may have any length but zero;
+a first line with just these names is skipped. It is answered with a line
+hit,entity,t,px,py,pz,nx,ny,nz: 1 and the first surface it meets, or 0 and nothing. The entity is
+its name or, where it has none, # and its place in the scene's list from 0; the point is
+origin + t direction; the normal is on the side that the ray came from. Both are the renderer's own
+answers, and every number reads back to the same bits.")]
+pub(super) struct ProbeArguments {
+    /// The scene file
+    pub(super) scene: PathBuf,
+    /// Tell everything about this pixel: column and row from 0 at the top left
+    #[arg(long, value_name = "COLUMN,ROW", value_parser = parse_pixel, allow_hyphen_values = true)]
+    pub(super) pixel: Option<(u32, u32)>,
+    /// Tell what the rays in this CSV file meet; - is standard input
+    #[arg(long, value_name = "FILE")]
+    pub(super) rays: Option<PathBuf>,
+    /// The frame to look at [default: 0]
+    #[arg(long, value_name = "INDEX")]
+    pub(super) frame: Option<u32>,
+    /// The moment to look at, in seconds, as in 1.5s; it need not be a frame's
+    #[arg(long, value_name = "SECONDS", conflicts_with = "frame")]
+    pub(super) at: Option<Time>,
+    /// Pixels, instead of the scene's own, as in 1280x720
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, conflicts_with = "rays")]
+    pub(super) size: Option<(u32, u32)>,
+    /// Print JSON: one object for a pixel, one object a line for rays
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Debug, Args)]
 #[command(after_help = "Example:
   rayreel new ball.ron && rayreel render ball.ron")]
 pub(super) struct NewArguments {
@@ -136,4 +179,10 @@ fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let side = |digits: &str| digits.trim().parse::<u32>().ok();
     let size = text.split_once(['x', 'X']).and_then(|(width, height)| Some((side(width)?, side(height)?)));
     size.ok_or_else(|| "write width and height in pixels, as in 1280x720".to_owned())
+}
+
+fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
+    let index = |digits: &str| digits.trim().parse::<u32>().ok();
+    let pixel = text.split_once(',').and_then(|(column, row)| Some((index(column)?, index(row)?)));
+    pixel.ok_or_else(|| "write column and row, from 0 at the top left, as in 480,270".to_owned())
 }

@@ -10,6 +10,7 @@ mod exit;
 mod interrupt;
 mod new;
 mod print;
+mod probe;
 mod progress;
 mod render;
 mod report;
@@ -27,6 +28,7 @@ pub(crate) fn run() -> ExitCode {
     let result = match arguments.command {
         Command::Render(arguments) => render::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Probe(arguments) => probe::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
     };

@@ -1,15 +1,22 @@
 //! Printing that survives a closed pipe, and knows when colours are welcome.
 
 use std::io::{ErrorKind, IsTerminal, Write, stderr, stdout};
+use std::ops::ControlFlow;
 
 use anyhow::Context;
 
 /// Writes results. A reader that has gone away is no error of ours; a full disk is.
 pub(super) fn result(text: &str) -> anyhow::Result<()> {
+    result_part(text.as_bytes()).map(|_| ())
+}
+
+/// Some of the results, as [`result`]. Says whether there is still a reader for more.
+pub(super) fn result_part(bytes: &[u8]) -> anyhow::Result<ControlFlow<()>> {
     let mut out = stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error).context("cannot write the results"),
-        _ => Ok(()),
+    match out.write_all(bytes).and_then(|()| out.flush()) {
+        Ok(()) => Ok(ControlFlow::Continue(())),
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(ControlFlow::Break(())),
+        Err(error) => Err(error).context("cannot write the results"),
     }
 }
 

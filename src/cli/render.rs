@@ -7,7 +7,6 @@ use std::time::Instant;
 use anyhow::{Context, anyhow};
 
 use rayreel::Engine;
-use rayreel::components::FilmSettings;
 use rayreel::output::{FrameWriter, Written};
 
 use super::args::RenderArguments;
@@ -16,7 +15,7 @@ use super::interrupt;
 use super::print;
 use super::progress::Progress;
 use super::report::{RenderReport, ShotReport};
-use super::settings::RenderSettings;
+use super::settings::{RenderSettings, resize};
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let start = Instant::now();
@@ -101,10 +100,4 @@ fn render_all(
     }
     progress.finish();
     failed.map_or(Ok(()), |error| Err(Failure::Other(error.into())))
-}
-
-fn resize(engine: &mut Engine, (width, height): (u32, u32)) {
-    for film in engine.world_mut().query_mut::<&mut FilmSettings>() {
-        *film = FilmSettings { width, height, ..*film };
-    }
 }

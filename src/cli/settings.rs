@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, ensure};
 
-use rayreel::Time;
 use rayreel::components::FilmSettings;
 use rayreel::output::{FrameFormat, Sequence};
 use rayreel::time::{FrameList, Timeline};
+use rayreel::{Engine, Time};
 
 use super::args::{Format, RenderArguments};
 
@@ -51,24 +51,12 @@ impl RenderSettings {
             Some(time) => Selection::Moment(time),
             None => {
                 let frames = arguments.frames.clone().unwrap_or_else(|| FrameList::all(last + 1));
-                if frames.last() > last {
-                    bail!("there is no frame {}: {}", frames.last(), timeline_in_words(timeline));
-                }
+                require_frame(frames.last(), timeline)?;
                 Selection::Frames(frames, timeline)
             }
         };
-        if let Some((width, height)) = arguments.size {
-            let side = 1..=FilmSettings::LARGEST_SIDE;
-            ensure!(
-                side.contains(&width) && side.contains(&height),
-                "--size {width}x{height}: each side must be from 1 to {} pixels",
-                FilmSettings::LARGEST_SIDE
-            );
-            ensure!(
-                u64::from(width) * u64::from(height) <= FilmSettings::LARGEST_AREA,
-                "--size {width}x{height}: a film has at most {} pixels",
-                FilmSettings::LARGEST_AREA
-            );
+        if let Some(size) = arguments.size {
+            require_size(size)?;
         }
         Ok(Self { selection, sequence, size: arguments.size, threads: arguments.threads.map(usize::from) })
     }
@@ -96,6 +84,35 @@ impl RenderSettings {
             Selection::Moment(_) => 1,
             Selection::Frames(frames, _) => frames.count(),
         }
+    }
+}
+
+/// An error for a frame that the timeline does not have.
+pub(super) fn require_frame(index: u32, timeline: Timeline) -> anyhow::Result<()> {
+    ensure!(index < timeline.frame_count(), "there is no frame {index}: {}", timeline_in_words(timeline));
+    Ok(())
+}
+
+/// An error for a film that is too small or too large.
+pub(super) fn require_size((width, height): (u32, u32)) -> anyhow::Result<()> {
+    let side = 1..=FilmSettings::LARGEST_SIDE;
+    ensure!(
+        side.contains(&width) && side.contains(&height),
+        "--size {width}x{height}: each side must be from 1 to {} pixels",
+        FilmSettings::LARGEST_SIDE
+    );
+    ensure!(
+        u64::from(width) * u64::from(height) <= FilmSettings::LARGEST_AREA,
+        "--size {width}x{height}: a film has at most {} pixels",
+        FilmSettings::LARGEST_AREA
+    );
+    Ok(())
+}
+
+/// Gives the scene's film another size.
+pub(super) fn resize(engine: &mut Engine, (width, height): (u32, u32)) {
+    for film in engine.world_mut().query_mut::<&mut FilmSettings>() {
+        *film = FilmSettings { width, height, ..*film };
     }
 }
 

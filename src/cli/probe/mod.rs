@@ -1,0 +1,39 @@
+//! `rayreel probe`
+//!
+//! [`pixel`] tells what one pixel sees, as a [`tree`] or as JSON; [`rays`] answers rays of one's own, which [`read`] reads.
+
+mod names;
+mod numbers;
+mod pixel;
+mod rays;
+mod read;
+mod tree;
+
+use rayreel::{Engine, Scene};
+
+use super::args::ProbeArguments;
+use super::exit::Failure;
+use super::settings::{require_frame, require_size, resize};
+
+pub(super) fn run(arguments: &ProbeArguments) -> Result<(), Failure> {
+    // Read once: it may be a pipe, and lines are looked up in it later.
+    let text = Scene::read(&arguments.scene)?;
+    let file = arguments.scene.display().to_string();
+    let mut engine = Engine::from_scene(Scene::from_text(&file, text.clone())?);
+    let frame = arguments.at.is_none().then(|| arguments.frame.unwrap_or(0));
+    if let Some(frame) = frame {
+        require_frame(frame, engine.timeline())?;
+    }
+    if let Some(size) = arguments.size {
+        require_size(size)?;
+        resize(&mut engine, size);
+    }
+    let time = arguments.at.unwrap_or_else(|| engine.timeline().time_of(frame.unwrap_or(0)));
+    engine.seek(time)?;
+
+    if let Some(rays) = &arguments.rays {
+        return rays::run(rays, &engine, arguments.json);
+    }
+    let at = pixel::At { file: &file, text: &text, pixel: arguments.pixel.unwrap_or((0, 0)), frame, time };
+    pixel::run(&at, &engine, arguments.json)
+}

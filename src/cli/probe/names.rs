@@ -1,0 +1,63 @@
+//! What entities are called, and where in the scene file they are.
+
+use std::collections::HashMap;
+
+use serde_json::{Value, json};
+
+use rayreel::components::{Name, Order};
+use rayreel::scene::entity_lines;
+use rayreel::{Entity, World};
+
+/// An entity's name, or `#17` with its place in document order.
+pub(super) fn label(world: &World, entity: Entity) -> String {
+    match world.get::<&Name>(entity) {
+        Ok(name) => name.0.clone(),
+        Err(_) => match order(world, entity) {
+            Some(order) => format!("#{order}"),
+            None => "#".to_owned(),
+        },
+    }
+}
+
+fn order(world: &World, entity: Entity) -> Option<u64> {
+    world.get::<&Order>(entity).ok().map(|order| order.0)
+}
+
+/// Some entities, with the lines in which they start.
+pub(super) struct Places<'a> {
+    world: &'a World,
+    file: &'a str,
+    lines: HashMap<Entity, usize>,
+}
+
+impl<'a> Places<'a> {
+    /// Looks the lines up.
+    pub(super) fn of(world: &'a World, file: &'a str, text: &str, entities: &[Entity]) -> Self {
+        let index = |entity: &Entity| Some((*entity, usize::try_from(order(world, *entity)?).ok()?));
+        let (entities, indices): (Vec<_>, Vec<_>) = entities.iter().filter_map(index).unzip();
+        let lines = entities.into_iter().zip(entity_lines(text, &indices)).collect();
+        Self { world, file, lines }
+    }
+
+    /// `"globe" (scenes/first_light.ron:21)`
+    pub(super) fn text(&self, entity: Entity) -> String {
+        let name = match self.world.get::<&Name>(entity) {
+            // As in the scene file: a name may hold anything.
+            Ok(name) => format!("{:?}", name.0),
+            Err(_) => label(self.world, entity),
+        };
+        match self.lines.get(&entity) {
+            Some(line) => format!("{name} ({}:{line})", self.file),
+            None => name,
+        }
+    }
+
+    /// The name, or null, the place in document order and the line.
+    pub(super) fn json(&self, entity: Entity) -> Value {
+        json!({
+            "name": self.world.get::<&Name>(entity).ok().map(|name| name.0.clone()),
+            "order": order(self.world, entity),
+            "line": self.lines.get(&entity),
+        })
+    }
+}

@@ -1,0 +1,283 @@
+//! What one pixel sees.
+
+use anyhow::{Context, ensure};
+use serde_json::{Value, json};
+
+use rayreel::engine::Probe;
+use rayreel::scene::camera_line;
+use rayreel::trace::reference::{LightReach, LitSurface, RayEnd, TracedRay};
+use rayreel::{Engine, Entity, Rgb, Time};
+
+use super::super::exit::Failure;
+use super::super::print;
+use super::names::Places;
+use super::numbers::{Shortest, exact};
+use super::tree::Node;
+
+/// Generations that are drawn inside each other; the next ones start at the margin again.
+const NESTED: usize = 6;
+
+/// Which pixel, of which scene, when.
+pub(super) struct At<'a> {
+    pub(super) file: &'a str,
+    pub(super) text: &'a str,
+    /// Column and row.
+    pub(super) pixel: (u32, u32),
+    /// `None` for a moment that is no frame.
+    pub(super) frame: Option<u32>,
+    pub(super) time: Time,
+}
+
+pub(super) fn run(at: &At<'_>, engine: &Engine, json: bool) -> Result<(), Failure> {
+    let film = engine.film_settings();
+    let (column, row) = at.pixel;
+    ensure_pixel(at.pixel, (film.width, film.height))?;
+    let probe = engine
+        .probe(column, row)
+        .context("the camera is not in a finite place at this moment: all pixels show the background")?;
+    let mut entities = probe.lights().to_vec();
+    entities.extend(probe.tree.rays.iter().flat_map(|traced| met(&probe, traced)));
+    let places = Places::of(engine.world(), at.file, at.text, &entities);
+    let seen = Seen { at, engine, probe, places };
+    if json {
+        print::result_line(&format!("{:#}", seen.json()))?;
+    } else {
+        print::result(&seen.text())?;
+    }
+    Ok(())
+}
+
+fn ensure_pixel((column, row): (u32, u32), (width, height): (u32, u32)) -> anyhow::Result<()> {
+    ensure!(
+        column < width && row < height,
+        "there is no pixel {column},{row}: the film of {width}x{height} has columns 0 to {} and rows 0 to {}",
+        width - 1,
+        height - 1
+    );
+    Ok(())
+}
+
+/// All entities that a ray, or a shadow ray from where it ends, meets.
+fn met(probe: &Probe<'_>, traced: &TracedRay) -> Vec<Entity> {
+    let RayEnd::Surface(lit) = &traced.end else { return Vec::new() };
+    let hiding = lit.lights.iter().filter_map(|reach| match reach {
+        LightReach::Hidden(slot) => Some(*slot),
+        LightReach::NotAsked | LightReach::Reaches(_) => None,
+    });
+    let slots = std::iter::once(lit.surface.hit.slot).chain(lit.surface.ties.slots()).chain(hiding);
+    slots.map(|slot| probe.entity(slot)).collect()
+}
+
+/// What is told.
+struct Seen<'a> {
+    at: &'a At<'a>,
+    engine: &'a Engine,
+    probe: Probe<'a>,
+    places: Places<'a>,
+}
+
+impl Seen<'_> {
+    fn bytes(&self) -> [u8; 3] {
+        self.engine.film_settings().transfer.encode(self.probe.color())
+    }
+
+    fn text(&self) -> String {
+        let (film, (column, row)) = (self.engine.film_settings(), self.at.pixel);
+        let time = Shortest(self.at.time.seconds());
+        let moment = match self.at.frame {
+            Some(frame) => format!("frame {frame} at {time} s"),
+            None => format!("the moment {time} s"),
+        };
+        let mut text = format!(
+            "Pixel {column},{row} of {}x{}, {moment}, camera ({}:{})\n",
+            film.width,
+            film.height,
+            self.at.file,
+            camera_line(self.at.text)
+        );
+        text += &format!("{:<14}{}\n", "linear", color(self.probe.color()).trim_end());
+        let bytes = self.bytes().map(|byte| column_of(&byte.to_string()));
+        text += &format!("{:<14}{}\n", "bytes", bytes.concat().trim_end());
+        for node in self.roots() {
+            text.push('\n');
+            text += &node.draw();
+        }
+        text
+    }
+
+    /// The tree of rays. What is too far to the right is a tree of its own.
+    fn roots(&self) -> Vec<Node> {
+        let rays = &self.probe.tree.rays;
+        let mut generations: Vec<usize> = Vec::with_capacity(rays.len());
+        for traced in rays {
+            generations.push(traced.parent.map_or(0, |parent| generations[parent] + 1));
+        }
+        let mut roots = Vec::new();
+        let mut nodes: Vec<Node> = rays
+            .iter()
+            .zip(&generations)
+            .map(|(traced, generation)| self.node(traced, *generation))
+            .collect();
+        // Every ray comes after the one it continues: what continues the last one is in it already.
+        while let Some(mut node) = nodes.pop() {
+            let index = nodes.len();
+            if let Some(parent) = rays[index].parent {
+                if generations[index].is_multiple_of(NESTED) {
+                    let below = Node::leaf(format!("{} is below", ray_name(generations[index])));
+                    roots.push(std::mem::replace(&mut node, below));
+                }
+                nodes[parent].children.push(node);
+            } else {
+                roots.push(node);
+            }
+        }
+        roots.reverse();
+        roots
+    }
+
+    fn node(&self, traced: &TracedRay, generation: usize) -> Node {
+        let name = ray_name(generation);
+        let light = self.probe.light(&traced.end);
+        let mut facts =
+            vec![("origin", vector(traced.ray.origin())), ("direction", vector(traced.ray.direction()))];
+        let (found, children) = match &traced.end {
+            RayEnd::Background => ("sees the background".to_owned(), Vec::new()),
+            RayEnd::BeyondDepth => {
+                (format!("is beyond the depth of {generation} and sees the background"), Vec::new())
+            }
+            RayEnd::Surface(lit) => {
+                let surface = &lit.surface;
+                let side = if surface.from_outside { "outside" } else { "inside" };
+                facts.extend([
+                    ("t", number(surface.t.rounded())),
+                    ("distance", number(surface.distance(&traced.ray))),
+                    ("point", vector(surface.point)),
+                    ("normal", vector(surface.facing_normal())),
+                ]);
+                for slot in surface.ties.slots() {
+                    facts.push(("also there", format!(" {}", self.places.text(self.probe.entity(slot)))));
+                }
+                let entity = self.places.text(self.probe.entity(surface.hit.slot));
+                (format!("meets {entity} from {side}"), self.contributions(lit))
+            }
+        };
+        facts.extend([
+            ("light", color(light)),
+            ("throughput", color(traced.throughput)),
+            ("to pixel", color(traced.throughput * light)),
+        ]);
+        Node { title: format!("{name} {found}"), facts, children }
+    }
+
+    /// Everything that makes up the light from a surface.
+    fn contributions(&self, lit: &LitSurface) -> Vec<Node> {
+        let lights = self.probe.lights().iter().zip(&lit.lights).map(|(entity, reach)| {
+            let told = match reach {
+                LightReach::Reaches(color) => adds(*color),
+                LightReach::NotAsked => {
+                    "no shadow ray: off, behind the surface or nothing to scatter".to_owned()
+                }
+                LightReach::Hidden(slot) => {
+                    format!("hidden by {}", self.places.text(self.probe.entity(*slot)))
+                }
+            };
+            (self.places.text(*entity), told)
+        });
+        let mut all = vec![("ambient".to_owned(), adds(lit.ambient))];
+        all.extend(lights);
+        let width = all.iter().map(|(source, _)| source.chars().count()).max().unwrap_or(0);
+        all.into_iter().map(|(source, told)| Node::leaf(format!("{source:<width$}  {told}"))).collect()
+    }
+
+    fn json(&self) -> Value {
+        let film = self.engine.film_settings();
+        json!({
+            "scene": self.at.file,
+            "width": film.width,
+            "height": film.height,
+            "pixel": [self.at.pixel.0, self.at.pixel.1],
+            "frame": self.at.frame,
+            "time": self.at.time.seconds(),
+            "camera_line": camera_line(self.at.text),
+            "linear": self.probe.color().to_array(),
+            "bytes": self.bytes(),
+            "rays": self.probe.tree.rays.iter().map(|traced| self.ray_json(traced)).collect::<Vec<_>>(),
+        })
+    }
+
+    fn ray_json(&self, traced: &TracedRay) -> Value {
+        let light = self.probe.light(&traced.end);
+        let (found, surface) = match &traced.end {
+            RayEnd::Background => ("background", Value::Null),
+            RayEnd::BeyondDepth => ("depth limit", Value::Null),
+            RayEnd::Surface(lit) => ("surface", self.surface_json(traced, lit)),
+        };
+        json!({
+            "kind": if traced.parent.is_none() { "camera" } else { "reflection" },
+            "parent": traced.parent,
+            "origin": traced.ray.origin().to_array(),
+            "direction": traced.ray.direction().to_array(),
+            "finds": found,
+            "surface": surface,
+            "light": light.to_array(),
+            "throughput": traced.throughput.to_array(),
+            "to_pixel": (traced.throughput * light).to_array(),
+        })
+    }
+
+    fn surface_json(&self, traced: &TracedRay, lit: &LitSurface) -> Value {
+        let surface = &lit.surface;
+        let entity = |slot| self.places.json(self.probe.entity(slot));
+        let lights = self.probe.lights().iter().zip(&lit.lights).map(|(light, reach)| {
+            let (outcome, adds, hidden_by) = match reach {
+                LightReach::Reaches(color) => ("reaches", Some(color.to_array()), None),
+                LightReach::NotAsked => ("no shadow ray", None, None),
+                LightReach::Hidden(slot) => ("hidden", None, Some(entity(*slot))),
+            };
+            json!({
+                "entity": self.places.json(*light),
+                "outcome": outcome,
+                "adds": adds,
+                "hidden_by": hidden_by,
+            })
+        });
+        json!({
+            "entity": entity(surface.hit.slot),
+            "t": surface.t.rounded(),
+            "distance": surface.distance(&traced.ray),
+            "point": surface.point.to_array(),
+            "normal": surface.facing_normal().to_array(),
+            "from_outside": surface.from_outside,
+            "also_there": surface.ties.slots().map(entity).collect::<Vec<_>>(),
+            "ambient": lit.ambient.to_array(),
+            "lights": lights.collect::<Vec<_>>(),
+        })
+    }
+}
+
+fn ray_name(generation: usize) -> String {
+    if generation == 0 { "camera ray".to_owned() } else { format!("reflection {generation}") }
+}
+
+/// Signs and points of ordinary numbers stand in columns, and there is always a space after them.
+fn column_of(number: &str) -> String {
+    let sign = if number.starts_with('-') { "" } else { " " };
+    format!("{:<22}", format!("{sign}{number} "))
+}
+
+fn number(value: f64) -> String {
+    column_of(&exact(value))
+}
+
+fn vector(value: impl Into<[f64; 3]>) -> String {
+    value.into().map(number).concat()
+}
+
+fn color(value: Rgb) -> String {
+    value.to_array().map(|channel| column_of(&Shortest(channel).to_string())).concat()
+}
+
+fn adds(value: Rgb) -> String {
+    let channels = value.to_array().map(|channel| format!("{:<13}", format!("{} ", Shortest(channel))));
+    format!("adds {}", channels.concat())
+}

@@ -1,0 +1,187 @@
+//! Rays as people and programs write them: lines of six numbers.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, stdin};
+use std::path::Path;
+
+use anyhow::{Context, anyhow};
+
+use rayreel::Ray;
+
+/// The names of the six numbers. A first line of just these is no ray.
+const HEADER: &str = "ox,oy,oz,dx,dy,dz";
+
+/// Far more than six numbers with all their digits need: whatever is read, memory is bounded.
+const LONGEST_LINE: u64 = 1 << 16;
+
+/// Reads rays line after line.
+pub(super) struct RayReader {
+    source: Box<dyn BufRead>,
+    /// As messages call it.
+    name: String,
+    line: Vec<u8>,
+    /// Lines read so far.
+    count: u64,
+    /// Is a header still to be expected?
+    at_start: bool,
+}
+
+/// What is wrong with a line, and in which column, from 1, if it is one place.
+#[derive(Debug, PartialEq)]
+struct Mistake {
+    column: Option<usize>,
+    message: String,
+}
+
+impl RayReader {
+    /// `-` is standard input.
+    pub(super) fn open(path: &Path) -> anyhow::Result<Self> {
+        if path.as_os_str() == "-" {
+            return Ok(Self::new("standard input".to_owned(), stdin().lock()));
+        }
+        let name = path.display().to_string();
+        let file = File::open(path).with_context(|| format!("cannot read `{name}`"))?;
+        Ok(Self::new(name, BufReader::with_capacity(1 << 16, file)))
+    }
+
+    fn new(name: String, source: impl BufRead + 'static) -> Self {
+        Self { source: Box::new(source), name, line: Vec::new(), count: 0, at_start: true }
+    }
+
+    /// Appends the next rays, until there are `count`, the input ends, or with an error.
+    pub(super) fn read(&mut self, rays: &mut Vec<Ray>, count: usize) -> anyhow::Result<()> {
+        while rays.len() < count && self.read_line()? {
+            let line = String::from_utf8_lossy(&self.line);
+            let is_first = std::mem::take(&mut self.at_start);
+            if is_first && line.trim() == HEADER {
+                continue;
+            }
+            match parse(&line) {
+                Ok(ray) => rays.push(ray),
+                Err(Mistake { column, message }) => {
+                    let column = column.map_or_else(String::new, |column| format!(":{column}"));
+                    return Err(anyhow!("{}:{}{column}: {message}", self.name, self.count));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The next line that is not blank; `false` at the end.
+    fn read_line(&mut self) -> anyhow::Result<bool> {
+        loop {
+            self.line.clear();
+            let mut limited = (&mut self.source).take(LONGEST_LINE);
+            let length = limited
+                .read_until(b'\n', &mut self.line)
+                .with_context(|| format!("cannot read `{}`", self.name))?;
+            self.count += 1;
+            if length == 0 {
+                return Ok(false);
+            }
+            if length as u64 == LONGEST_LINE && !self.line.ends_with(b"\n") {
+                return Err(anyhow!(
+                    "{}:{}: the line is longer than {LONGEST_LINE} bytes: write every ray, {HEADER}, on a line of its own",
+                    self.name,
+                    self.count
+                ));
+            }
+            // A byte order mark is no part of the first number.
+            if self.count == 1 && self.line.starts_with("\u{feff}".as_bytes()) {
+                self.line.drain(.."\u{feff}".len());
+            }
+            if !self.line.trim_ascii().is_empty() {
+                return Ok(true);
+            }
+        }
+    }
+}
+
+fn parse(line: &str) -> Result<Ray, Mistake> {
+    let mut numbers = [0.0_f64; 6];
+    let mut columns = [0; 6];
+    let count = line.split(',').count();
+    if count != numbers.len() {
+        let values = if count == 1 { "1 value".to_owned() } else { format!("{count} values") };
+        let message = format!("{values} instead of 6: write a ray as {HEADER}, its origin and its direction");
+        return Err(Mistake { column: None, message });
+    }
+    let mut start = 0;
+    for ((number, column), field) in numbers.iter_mut().zip(&mut columns).zip(line.split(',')) {
+        let text = field.trim();
+        let before = start + (field.len() - field.trim_start().len());
+        *column = line[..before].chars().count() + 1;
+        start += field.len() + 1;
+        let mistake = |message: String| Mistake { column: Some(*column), message };
+        *number = text
+            .parse()
+            .map_err(|_| mistake(format!("`{text}` is not a number: write one such as 1, -0.25 or 1e-3")))?;
+        if !number.is_finite() {
+            return Err(mistake(format!(
+                "`{text}` is not finite: write a number from -1.7976931348623157e308 to 1.7976931348623157e308"
+            )));
+        }
+    }
+    let [ox, oy, oz, dx, dy, dz] = numbers;
+    if [dx, dy, dz] == [0.0; 3] {
+        let message = "the direction is zero: let at least one of dx, dy and dz be another number".to_owned();
+        return Err(Mistake { column: Some(columns[3]), message });
+    }
+    Ok(Ray { origin: [ox, oy, oz].into(), direction: [dx, dy, dz].into() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> (usize, Result<(), String>) {
+        let mut reader = RayReader::new("rays.csv".to_owned(), std::io::Cursor::new(text.to_owned()));
+        let mut rays = Vec::new();
+        let read = reader.read(&mut rays, 100).map_err(|error| error.to_string());
+        (rays.len(), read)
+    }
+
+    #[test]
+    fn blank_lines_headers_marks_and_line_endings_do_not_matter() {
+        for text in [
+            "0,0,0,0,0,1\n1,2,3,4,5,6\n",
+            "\u{feff}ox,oy,oz,dx,dy,dz\r\n0,0,0,0,0,1\r\n\r\n1,2,3,4,5,6",
+            "\n \n  ox,oy,oz,dx,dy,dz\n\n 0, 0,0 ,0,0,1e0\n\t\n+1,2.,.3,4,5,6\n\n",
+        ] {
+            assert_eq!(read(text), (2, Ok(())), "{text}");
+        }
+        assert_eq!(read(""), (0, Ok(())));
+        assert_eq!(read("ox,oy,oz,dx,dy,dz"), (0, Ok(())));
+    }
+
+    #[test]
+    fn mistakes_are_told_with_line_column_and_remedy() {
+        for (text, message) in [
+            (
+                "0,0,0,0,0,1\r\n\r\n1,2,3,4,5\r\n",
+                "rays.csv:3: 5 values instead of 6: write a ray as ox,oy,oz,dx,dy,dz, its origin and its direction",
+            ),
+            ("\n0,0, ä ,0,0,1", "rays.csv:2:6: `ä` is not a number: write one such as 1, -0.25 or 1e-3"),
+            ("0,,0,0,0,1", "rays.csv:1:3: `` is not a number: write one such as 1, -0.25 or 1e-3"),
+            (
+                "1,2,3,4,5,1e999",
+                "rays.csv:1:11: `1e999` is not finite: write a number from -1.7976931348623157e308 to 1.7976931348623157e308",
+            ),
+            (
+                "1,2,3,0,-0,0e9",
+                "rays.csv:1:7: the direction is zero: let at least one of dx, dy and dz be another number",
+            ),
+            (
+                "1,2,3,4,5,6\nox,oy,oz,dx,dy,dz",
+                "rays.csv:2:1: `ox` is not a number: write one such as 1, -0.25 or 1e-3",
+            ),
+        ] {
+            assert_eq!(read(text).1, Err(message.to_owned()));
+        }
+        let (_, result) = read(&"1".repeat(1 << 17));
+        assert_eq!(
+            result.unwrap_err(),
+            "rays.csv:1: the line is longer than 65536 bytes: write every ray, ox,oy,oz,dx,dy,dz, on a line of its own"
+        );
+    }
+}

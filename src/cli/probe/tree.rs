@@ -1,0 +1,42 @@
+//! Trees in a terminal.
+
+/// Something with facts about it and things that belong to it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Node {
+    pub(super) title: String,
+    /// What it is, and its value.
+    pub(super) facts: Vec<(&'static str, String)>,
+    pub(super) children: Vec<Node>,
+}
+
+impl Node {
+    /// A node that is only a line.
+    pub(super) fn leaf(title: String) -> Self {
+        Self { title, ..Self::default() }
+    }
+
+    /// The tree, line by line.
+    pub(super) fn draw(&self) -> String {
+        let mut drawn = String::new();
+        self.draw_into(&mut drawn, "");
+        drawn
+    }
+
+    /// `prefix` stands before every line but the first, which goes on from where the text ends.
+    fn draw_into(&self, drawn: &mut String, prefix: &str) {
+        drawn.push_str(self.title.trim_end());
+        drawn.push('\n');
+        let rail = if self.children.is_empty() { "   " } else { "│  " };
+        for (label, value) in &self.facts {
+            drawn.push_str(format!("{prefix}{rail}{label:<11}{value}").trim_end());
+            drawn.push('\n');
+        }
+        for (index, child) in self.children.iter().enumerate() {
+            let (branch, rail) =
+                if index + 1 < self.children.len() { ("├─ ", "│  ") } else { ("└─ ", "   ") };
+            drawn.push_str(prefix);
+            drawn.push_str(branch);
+            child.draw_into(drawn, &format!("{prefix}{rail}"));
+        }
+    }
+}

@@ -1,0 +1,416 @@
+//! `rayreel probe`: what it tells of a pixel is what the picture shows, and what it tells of rays is what the engine says.
+//!
+//! Its trees are held against `tests/probe/*.txt`. `RAYREEL_BLESS=1 cargo test --test probe` writes them anew; look at what
+//! changed before you keep it.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Output, Stdio};
+
+use assert_cmd::Command;
+use serde_json::{Value, json};
+
+use rayreel::components::{FilmSettings, Name};
+use rayreel::{Engine, Ray, Time};
+
+const HEADER: &str = "hit,entity,t,px,py,pz,nx,ny,nz";
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Runs `rayreel probe` in `tests/probe/`.
+fn probe(arguments: &[&str], input: &str) -> Output {
+    let mut command = Command::cargo_bin("rayreel").unwrap();
+    command.current_dir(root().join("tests/probe")).arg("probe").args(arguments);
+    command.write_stdin(input).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// The results of a call that must succeed.
+fn told(arguments: &[&str], input: &str) -> String {
+    let output = probe(arguments, input);
+    assert!(output.status.success() && output.stderr.is_empty(), "{arguments:?}: {}", text(&output.stderr));
+    text(&output.stdout)
+}
+
+fn told_json(arguments: &[&str]) -> Value {
+    serde_json::from_str(&told(&[arguments, &["--json"]].concat(), "")).unwrap()
+}
+
+fn shipped_scenes() -> Vec<PathBuf> {
+    let entries = fs::read_dir(root().join("scenes")).unwrap().map(|entry| entry.unwrap().path());
+    let mut scenes: Vec<PathBuf> =
+        entries.filter(|path| path.extension().is_some_and(|end| end == "ron")).collect();
+    scenes.sort();
+    assert!(scenes.len() >= 7);
+    scenes
+}
+
+/// An `f32` that was written as an `f64`.
+#[expect(clippy::cast_possible_truncation, reason = "it is one")]
+fn single(value: f64) -> f32 {
+    value as f32
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()
+}
+
+#[test]
+fn every_pixel_of_the_shipped_scenes_has_the_color_that_its_rays_explain() {
+    for path in shipped_scenes() {
+        let mut engine = Engine::load(&path).unwrap();
+        for film in engine.world_mut().query_mut::<&mut FilmSettings>() {
+            *film = FilmSettings { width: 48, height: 27, ..*film };
+        }
+        let film = engine.render_frame(engine.timeline().frame_count() / 2).unwrap();
+        for j in 0..film.height() {
+            for i in 0..film.width() {
+                let color = engine.probe(i, j).unwrap().color();
+                let bits = |color: rayreel::Rgb| color.to_array().map(f32::to_bits);
+                assert_eq!(bits(color), bits(film.pixel(i, j)), "{} at {i},{j}", path.display());
+            }
+        }
+        assert!(engine.probe(48, 0).is_none() && engine.probe(0, 27).is_none());
+    }
+}
+
+#[test]
+fn the_bytes_are_those_of_the_frame_file() {
+    let folder = tempfile::tempdir().unwrap();
+    for path in shipped_scenes() {
+        let scene = path.to_str().unwrap();
+        let name = path.file_stem().unwrap().to_str().unwrap();
+        let size = ["--size", "64x36"];
+        for (when, file) in [
+            (["--frames", "10"], format!("{name}.0010.png")),
+            (["--at", "0.3"], format!("{name}.at-0.3s.png")),
+        ] {
+            let rendered = Command::cargo_bin("rayreel")
+                .unwrap()
+                .current_dir(folder.path())
+                .args([&["render", scene, "--out", "o"], size.as_slice(), when.as_slice()].concat())
+                .output()
+                .unwrap();
+            assert!(rendered.status.success(), "{}", text(&rendered.stderr));
+            let picture = image::open(folder.path().join("o").join(&file)).unwrap().to_rgb8();
+            let when = [if when[0] == "--frames" { "--frame" } else { when[0] }, when[1]];
+            for (i, j) in [(0, 0), (63, 35), (32, 18), (20, 25), (41, 14)] {
+                let pixel = format!("{i},{j}");
+                let arguments = [&[scene, "--pixel", &pixel], size.as_slice(), when.as_slice()].concat();
+                let report = told_json(&arguments);
+                assert_eq!(report["bytes"], json!(picture.get_pixel(i, j).0), "{file} at {pixel}");
+                // The text says the same.
+                let text = told(&arguments, "");
+                let bytes = text.lines().find_map(|line| line.strip_prefix("bytes")).unwrap();
+                let bytes: Vec<u8> = bytes.split_whitespace().map(|byte| byte.parse().unwrap()).collect();
+                assert_eq!(bytes, picture.get_pixel(i, j).0, "{file} at {pixel}");
+            }
+        }
+    }
+}
+
+#[test]
+fn trees_look_as_they_always_did() {
+    let bless = std::env::var_os("RAYREEL_BLESS").is_some();
+    for (name, arguments) in [
+        ("corner.touching", vec!["corner.ron", "--pixel", "2,1"]),
+        ("corner.background", vec!["corner.ron", "--pixel", "239,0", "--size", "240x1"]),
+        ("mirrors.deep", vec!["mirrors.ron", "--pixel", "2,3", "--frame", "2"]),
+        ("mirrors.moment", vec!["mirrors.ron", "--pixel", "8,8", "--at", "0.3s"]),
+    ] {
+        let found = told(&arguments, "");
+        assert!(found.lines().all(|line| line.chars().count() <= 100 && line.trim_end() == line));
+        let path = root().join(format!("tests/probe/{name}.txt"));
+        if bless {
+            fs::write(&path, &found).unwrap();
+        }
+        let expected = fs::read_to_string(&path).unwrap_or_default();
+        assert!(found == expected, "{name}\n--- expected\n{expected}\n--- found\n{found}");
+    }
+}
+
+#[test]
+fn json_tells_what_the_tree_tells() {
+    let report = told_json(&["corner.ron", "--pixel", "2,1"]);
+    assert_eq!(report["scene"], "corner.ron");
+    assert_eq!(
+        (&report["pixel"], &report["width"], &report["height"]),
+        (&json!([2, 1]), &json!(5), &json!(3))
+    );
+    assert_eq!(
+        (&report["frame"], &report["time"], &report["camera_line"]),
+        (&json!(0), &json!(0.0), &json!(4))
+    );
+    let rays = report["rays"].as_array().unwrap();
+    let kinds: Vec<_> = rays.iter().map(|ray| (&ray["kind"], &ray["parent"], &ray["finds"])).collect();
+    assert_eq!(
+        kinds,
+        [
+            (&json!("camera"), &json!(null), &json!("surface")),
+            (&json!("reflection"), &json!(0), &json!("surface")),
+            (&json!("reflection"), &json!(1), &json!("depth limit")),
+        ]
+    );
+    let surface = &rays[0]["surface"];
+    assert_eq!(surface["entity"], json!({ "name": "wall, left", "order": 0, "line": 13 }));
+    assert_eq!(surface["also_there"], json!([{ "name": null, "order": 1, "line": 14 }]));
+    assert_eq!((&surface["t"], &surface["from_outside"]), (&json!(4.0), &json!(true)));
+    let outcomes: Vec<_> = surface["lights"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|light| light["outcome"].as_str().unwrap())
+        .collect();
+    assert_eq!(outcomes, ["reaches", "hidden", "no shadow ray"]);
+    assert_eq!(surface["lights"][1]["hidden_by"], json!({ "name": "curtain", "order": 4, "line": 17 }));
+
+    // What goes to the pixel adds up to its colour.
+    let sum = rays.iter().fold([0.0_f32; 3], |sum, ray| {
+        let part = numbers(&ray["to_pixel"]);
+        std::array::from_fn(|channel| sum[channel] + single(part[channel]))
+    });
+    assert_eq!(sum.map(f64::from).as_slice(), numbers(&report["linear"]));
+
+    assert_eq!(told_json(&["mirrors.ron", "--pixel", "0,0", "--at", "0.25s"])["frame"], json!(null));
+}
+
+#[test]
+fn numbers_of_json_and_tree_are_the_engines_own_bits() {
+    let mut engine = Engine::load(root().join("tests/probe/mirrors.ron")).unwrap();
+    engine.render_frame(3).unwrap();
+    let expected = engine.probe(7, 2).unwrap();
+    let report = told_json(&["mirrors.ron", "--pixel", "7,2", "--frame", "3"]);
+    let tree = told(&["mirrors.ron", "--pixel", "7,2", "--frame", "3"], "");
+    let mut directions = tree.lines().filter_map(|line| line.split_once("direction").map(|(_, rest)| rest));
+    assert_eq!(expected.tree.rays.len(), 8);
+    for (ray, found) in expected.tree.rays.iter().zip(report["rays"].as_array().unwrap()) {
+        assert_eq!(numbers(&found["origin"]), ray.ray.origin().to_array());
+        assert_eq!(numbers(&found["direction"]), ray.ray.direction().to_array());
+        let drawn: Vec<f64> =
+            directions.next().unwrap().split_whitespace().map(|number| number.parse().unwrap()).collect();
+        assert_eq!(drawn, ray.ray.direction().to_array());
+    }
+}
+
+#[test]
+fn rays_are_answered_in_order_from_a_file_and_from_standard_input() {
+    let rays = "ox,oy,oz,dx,dy,dz\n\
+        -0.5,0,-4,0,0,2\n\
+        \n\
+        0.5,0.25,-4,0,0,0.125\r\n\
+        0,0,-4,0,0,-1\n\
+        0,5,0,0,1,0";
+    let expected = format!(
+        "{HEADER}\n\
+        1,\"wall, left\",2,-0.5,0,0,0,0,-1\n\
+        1,#1,32,0.5,0.25,0,0,0,-1\n\
+        1,back mirror,4,0,0,-8,0,0,1\n\
+        0,,,,,,,,\n"
+    );
+    assert_eq!(told(&["corner.ron", "--rays", "-"], rays), expected);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("rays.csv");
+    fs::write(&file, rays).unwrap();
+    assert_eq!(told(&["corner.ron", "--rays", file.to_str().unwrap()], ""), expected);
+    assert_eq!(
+        told(&["corner.ron", "--rays", "-", "--json"], rays),
+        "{\"hit\":true,\"entity\":\"wall, left\",\"t\":2.0,\"point\":[-0.5,0.0,0.0],\"normal\":[0.0,0.0,-1.0]}\n\
+        {\"hit\":true,\"entity\":\"#1\",\"t\":32.0,\"point\":[0.5,0.25,0.0],\"normal\":[0.0,0.0,-1.0]}\n\
+        {\"hit\":true,\"entity\":\"back mirror\",\"t\":4.0,\"point\":[0.0,0.0,-8.0],\"normal\":[0.0,0.0,1.0]}\n\
+        {\"hit\":false}\n"
+    );
+    // Nothing in, nothing but the header out.
+    assert_eq!(told(&["corner.ron", "--rays", "-"], ""), format!("{HEADER}\n"));
+    assert_eq!(told(&["corner.ron", "--rays", "-", "--json"], "\n"), "");
+}
+
+#[test]
+fn rays_see_the_moment_that_was_asked_for_and_normals_face_them() {
+    // The bubble's radius is 2 after one second of its two.
+    for when in [["--frame", "4"], ["--at", "1s"]] {
+        let arguments = [["mirrors.ron", "--rays", "-"].as_slice(), &when].concat();
+        assert_eq!(
+            told(&arguments, "0,0,0,0,0,1\n0,0,5,0,0,-1\n"),
+            format!("{HEADER}\n1,bubble,2,0,0,2,-0,-0,-1\n1,bubble,3,0,0,2,0,0,1\n")
+        );
+    }
+}
+
+/// Rays from a fixed rule, over several batches.
+fn many_rays(count: u32) -> Vec<Ray> {
+    let part =
+        |index: u32, factor: u32| f64::from(index.wrapping_mul(factor) >> 8) / f64::from(1 << 24) - 0.5;
+    let ray = |index: u32| Ray {
+        origin: [0.5, 2.6, -8.5].into(),
+        direction: [part(index, 2_654_435_761), part(index, 2_246_822_519) - 0.1, 1.0].into(),
+    };
+    (0..count).map(ray).collect()
+}
+
+fn csv_of(rays: &[Ray]) -> String {
+    let mut lines = String::new();
+    for Ray { origin, direction } in rays {
+        let (o, d) = (origin, direction);
+        writeln!(lines, "{},{},{},{},{},{}", o.x, o.y, o.z, d.x, d.y, d.z).unwrap();
+    }
+    lines
+}
+
+#[test]
+fn answers_are_the_engines_own_bits_over_many_batches() {
+    let scene = root().join("scenes/first_light.ron");
+    let rays = many_rays(20_000);
+    let mut engine = Engine::load(&scene).unwrap();
+    engine.seek(Time::ZERO).unwrap();
+    let expected = engine.cast_all(&rays);
+    let input = csv_of(&rays);
+
+    let answers = told(&[scene.to_str().unwrap(), "--rays", "-"], &input);
+    let mut lines = answers.lines();
+    assert_eq!(lines.next(), Some(HEADER));
+    let objects = told(&[scene.to_str().unwrap(), "--rays", "-", "--json"], &input);
+    let mut objects = objects.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
+    let mut hits = 0;
+    for hit in &expected {
+        let (line, object) = (lines.next().unwrap(), objects.next().unwrap());
+        let Some(hit) = hit else {
+            assert_eq!((line, object), ("0,,,,,,,,", json!({ "hit": false })));
+            continue;
+        };
+        hits += 1;
+        let name = engine.world().get::<&Name>(hit.entity).unwrap().0.clone();
+        let mut bits = vec![hit.t];
+        bits.extend(hit.point.to_array());
+        bits.extend(hit.normal.to_array());
+        let fields: Vec<&str> = line.split(',').collect();
+        assert_eq!(fields[..2], ["1", &name]);
+        let parsed: Vec<f64> = fields[2..].iter().map(|field| field.parse().unwrap()).collect();
+        assert_eq!(parsed, bits);
+        assert_eq!((&object["hit"], &object["entity"]), (&json!(true), &json!(name)));
+        let parsed =
+            [vec![object["t"].as_f64().unwrap()], numbers(&object["point"]), numbers(&object["normal"])];
+        assert_eq!(parsed.concat(), bits);
+    }
+    assert!(lines.next().is_none() && objects.next().is_none() && hits > 5_000 && hits < 20_000);
+}
+
+#[test]
+fn a_bad_ray_stops_after_the_answers_before_it() {
+    let mut input = csv_of(&many_rays(10_000));
+    input += "0,0,0,0,0,zero\n0,0,0,0,0,1\n";
+    let scene = root().join("scenes/first_light.ron");
+    let output = probe(&[scene.to_str().unwrap(), "--rays", "-"], &input);
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(text(&output.stdout).lines().count(), 10_001);
+    assert_eq!(
+        text(&output.stderr),
+        "error: standard input:10001:11: `zero` is not a number: write one such as 1, -0.25 or 1e-3\n"
+    );
+}
+
+#[test]
+fn wrong_wishes_are_answered_with_what_would_be_right() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("short.csv");
+    fs::write(&file, "0,0,0,0,0,1\n0,0,0\n").unwrap();
+    let file = file.to_str().unwrap();
+    let light = root().join("scenes/first_light.ron");
+    let light = light.to_str().unwrap();
+    for (arguments, code, message) in [
+        (
+            vec!["corner.ron", "--pixel", "5,1"],
+            1,
+            "error: there is no pixel 5,1: the film of 5x3 has columns 0 to 4 and rows 0 to 2\n".to_owned(),
+        ),
+        (
+            vec![light, "--pixel", "0,36", "--size", "64x36"],
+            1,
+            "error: there is no pixel 0,36: the film of 64x36 has columns 0 to 63 and rows 0 to 35\n"
+                .to_owned(),
+        ),
+        (
+            vec![light, "--pixel", "0,0", "--frame", "96"],
+            1,
+            "error: there is no frame 96: the timeline of 4 s at 24 frames a second has frames 0 to 95\n"
+                .to_owned(),
+        ),
+        (
+            vec!["corner.ron", "--rays", "-", "--frame", "1"],
+            1,
+            "error: there is no frame 1: the scene is a single frame, 0\n".to_owned(),
+        ),
+        (
+            vec!["corner.ron", "--pixel", "0,0", "--size", "0x9"],
+            1,
+            "error: --size 0x9: each side must be from 1 to 32768 pixels\n".to_owned(),
+        ),
+        (
+            vec!["corner.ron", "--rays", file],
+            1,
+            format!(
+                "error: {file}:2: 3 values instead of 6: write a ray as ox,oy,oz,dx,dy,dz, its origin and its direction\n"
+            ),
+        ),
+        (
+            vec!["corner.ron", "--rays", "none.csv"],
+            1,
+            "error: cannot read `none.csv`: No such file or directory (os error 2)\n".to_owned(),
+        ),
+    ] {
+        let output = probe(&arguments, "");
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}");
+        if cfg!(unix) || !message.contains("os error") {
+            assert_eq!(text(&output.stderr), message, "{arguments:?}");
+        }
+    }
+    for (arguments, told) in [
+        (vec!["corner.ron"], "<--pixel <COLUMN,ROW>|--rays <FILE>>"),
+        (vec!["corner.ron", "--pixel", "1,1", "--rays", "-"], "cannot be used with"),
+        (vec!["corner.ron", "--rays", "-", "--size", "5x5"], "cannot be used with"),
+        (vec!["corner.ron", "--pixel", "1,1", "--frame", "0", "--at", "1s"], "cannot be used with"),
+        (
+            vec!["corner.ron", "--pixel", "-1,1"],
+            "write column and row, from 0 at the top left, as in 480,270",
+        ),
+        (vec!["corner.ron", "--pixel", "11"], "write column and row, from 0 at the top left, as in 480,270"),
+    ] {
+        let output = probe(&arguments, "");
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(text(&output.stderr).contains(told), "{arguments:?}: {}", text(&output.stderr));
+        assert!(output.stdout.is_empty());
+    }
+}
+
+#[test]
+fn a_reader_that_goes_away_ends_it_quietly() {
+    let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("rayreel"))
+        .current_dir(root())
+        .args(["probe", "scenes/first_light.ron", "--rays", "-"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut input = child.stdin.take().unwrap();
+    let lines = csv_of(&many_rays(8_192));
+    // Until nobody listens any more.
+    let feeder = std::thread::spawn(move || (0..1_000).all(|_| input.write_all(lines.as_bytes()).is_ok()));
+    let mut output = BufReader::new(child.stdout.take().unwrap());
+    let mut line = String::new();
+    output.read_line(&mut line).unwrap();
+    assert_eq!(line.trim_end(), HEADER);
+    drop(output);
+    let mut errors = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut errors).unwrap();
+    assert_eq!((child.wait().unwrap().code(), errors.as_str()), (Some(0), ""));
+    assert!(!feeder.join().unwrap(), "all was read before the end was noticed");
+}
