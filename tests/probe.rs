@@ -240,7 +240,7 @@ fn rays_see_the_moment_that_was_asked_for_and_normals_face_them() {
         let arguments = [["mirrors.ron", "--rays", "-"].as_slice(), &when].concat();
         assert_eq!(
             told(&arguments, "0,0,0,0,0,1\n0,0,5,0,0,-1\n"),
-            format!("{HEADER}\n1,bubble,2,0,0,2,-0,-0,-1\n1,bubble,3,0,0,2,0,0,1\n")
+            format!("{HEADER}\n1,bubble,2,0,0,2,0,0,-1\n1,bubble,3,0,0,2,0,0,1\n")
         );
     }
 }

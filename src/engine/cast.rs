@@ -35,10 +35,11 @@ impl Hit {
     pub(super) fn new(entity: Entity, ray: &trace::Ray, scale: f64, surface: trace::Surface) -> Self {
         Self {
             entity,
-            t: surface.t.rounded() * scale,
-            distance: surface.distance(ray),
+            // However short the direction was, no way is none. Adding zero makes negative zeros positive.
+            t: if surface.t.rounded() == 0.0 { 0.0 } else { surface.t.rounded() * scale },
+            distance: surface.distance(ray) + 0.0,
             point: surface.point,
-            normal: surface.facing_normal(),
+            normal: surface.facing_normal() + DVec3::ZERO,
             surface,
         }
     }

@@ -24,9 +24,9 @@ impl Plane {
         let (origin, direction) = (ray.origin(), ray.direction());
         let to_plane = self.point - origin;
         let (height, speed) = (to_plane.dot(self.normal), direction.dot(self.normal));
-        let size = self.normal.abs();
+        // The normal's components are at most 1.
         let (height_error, speed_error) =
-            (6.0 * U * to_plane.abs().dot(size), 4.0 * U * direction.abs().dot(size));
+            (6.0 * U * to_plane.abs().element_sum(), 4.0 * U * direction.abs().element_sum());
         let inverse = speed.recip();
         let t = height * inverse;
         let error = (height_error + t.abs() * speed_error) * inverse.abs() + 4.0 * U * t.abs();
