@@ -191,10 +191,8 @@ impl AlignedBox {
     pub fn refined(&self, origin: DVec3, direction: DVec3, t: f64) -> Refined {
         /// Quotients of smaller numbers might lose digits.
         const TINY: f64 = 1e-140;
-        let clear = self.clear_face(direction, t, |axis, plane| {
-            let t = (plane - origin[axis]) / direction[axis];
-            (direction[axis].abs() > TINY).then_some(Root::within(t, 4.0 * U * t.abs()))
-        });
+        let clear = self.only_face(origin, direction, t);
+        let clear = clear.filter(|face| direction[face.axis].abs() > TINY);
         match clear {
             Some(face) => {
                 let t = Double::difference(self.plane(face), origin[face.axis]) / direction[face.axis].into();
@@ -208,6 +206,19 @@ impl AlignedBox {
     #[must_use]
     pub fn solved(&self, origin: DVec3, direction: DVec3, t: f64) -> Refined {
         self.surface_at(origin, direction, t.into(), false)
+    }
+
+    /// The only face whose plane the ray is on at `t`, as far as can be told of a `t` that was rounded a few times.
+    #[inline]
+    fn only_face(&self, origin: DVec3, direction: DVec3, t: f64) -> Option<Face> {
+        let way = direction * t;
+        let near = |planes: DVec3| {
+            let to_planes = planes - origin;
+            (to_planes - way).abs().cmple((to_planes.abs() + way.abs()) * (16.0 * U)).bitmask()
+        };
+        let (lower, upper) = (near(self.min), near(self.max));
+        let alone = (lower | upper).is_power_of_two() && lower & upper == 0;
+        alone.then(|| Face { axis: (lower | upper).trailing_zeros() as usize, upper: upper != 0 })
     }
 
     /// The face that the ray certainly meets at `t`, given where it meets the planes of faces.
