@@ -9,7 +9,7 @@ use proptest::test_runner::RngSeed;
 
 use rayreel::components::{
     Ambient, Background, Camera, FilmSettings, Light, LightKind, Material, Projection, Quality, Reflective,
-    Shape, Transform, View,
+    Shape, Specular, Transform, View,
 };
 use rayreel::{Engine, Rgb, Time, World};
 
@@ -18,6 +18,9 @@ struct Thing {
     shape: Shape,
     transform: Transform,
     color: [f32; 3],
+    /// k_d; 0 leaves highlights alone.
+    diffuse: f32,
+    specular: Option<Specular>,
     mirror: bool,
 }
 
@@ -56,17 +59,31 @@ fn transform() -> impl Strategy<Value = Transform> {
     })
 }
 
+fn specular() -> impl Strategy<Value = Option<Specular>> {
+    let exponent = prop_oneof![Just(0.0), Just(1.0), 1.0..200.0f32, Just(Specular::LARGEST_SHININESS)];
+    let some = (prop_oneof![Just(0.0), 0.1..1.0f32], exponent);
+    prop::option::of(some.prop_map(|(k_s, shininess)| Specular { k_s, shininess }))
+}
+
 fn things() -> impl Strategy<Value = Vec<Thing>> {
-    let thing = (shape(), transform(), [0.0..1.0f32, 0.0..1.0, 0.0..1.0], any::<bool>())
-        .prop_map(|(shape, transform, color, mirror)| Thing { shape, transform, color, mirror });
+    let diffuse = prop_oneof![1 => Just(0.0), 3 => Just(0.7f32)];
+    let surface = ([0.0..1.0f32, 0.0..1.0, 0.0..1.0], diffuse, specular(), any::<bool>());
+    let thing = (shape(), transform(), surface).prop_map(|(shape, transform, surface)| {
+        let (color, diffuse, specular, mirror) = surface;
+        Thing { shape, transform, color, diffuse, specular, mirror }
+    });
     prop::collection::vec(thing, 0..40)
 }
 
 fn world(things: &[Thing], lights: &[(DVec3, bool)], eye: DVec3) -> World {
     let mut world = World::new();
-    for Thing { shape, transform, color, mirror } in things {
-        let material = Material { k_a: 0.3, k_d: 0.7, color: Rgb::from_array(*color), ambient_color: None };
+    for Thing { shape, transform, color, diffuse, specular, mirror } in things {
+        let color = Rgb::from_array(*color);
+        let material = Material { k_a: 0.3, k_d: *diffuse, color, ambient_color: None };
         let entity = world.spawn((*shape, *transform, material));
+        if let Some(specular) = specular {
+            world.insert_one(entity, *specular).unwrap();
+        }
         if *mirror {
             world.insert_one(entity, Reflective { k_r: 0.5 }).unwrap();
         }

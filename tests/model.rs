@@ -90,6 +90,92 @@ fn diffuse_light_is_k_d_times_colour_times_intensity_times_cosine() {
 }
 
 #[test]
+fn highlights_are_k_s_times_intensity_times_a_power_of_the_half_cosine() {
+    let at = |degrees: f64| {
+        let (sine, cosine) = libm::sincos(degrees.to_radians());
+        format!("transform: (translation: (0, {:?}, {:?}))", 7.0 * sine, -1.0 - 7.0 * cosine)
+    };
+    let lit = |material: &str, degrees: f64| {
+        let light = format!("(light: Point(intensity: (1, 0.5, 0)), {})]", at(degrees));
+        look_at("Sphere(radius: 1)", &format!("({material}, color: (9, 9, 9))"), &light)
+    };
+    // Straight ahead H is N; the material's colour has no part in it.
+    for shininess in ["0", "1", "32", "1e6"] {
+        assert_eq!(lit(&format!("specular: (k_s: 0.4, shininess: {shininess})"), 0.0), [102, 51, 0]);
+    }
+    // A light 60 degrees off: H is 30 degrees off, (N.H)^2 = 3/4.
+    assert_eq!(lit("specular: (k_s: 1, shininess: 2)", 60.0), [191, 96, 0]);
+    assert_eq!(lit("specular: (k_s: 1, shininess: 4)", 60.0), [143, 72, 0]);
+    assert_eq!(lit("specular: (k_s: 1, shininess: 1e6)", 60.0), [0; 3]);
+    // Beside what is scattered: 0.6 of 9 times cos 60 degrees is 2.7.
+    assert_eq!(lit("k_d: 0.6, specular: (k_s: 1, shininess: 2)", 60.0), [194, 97, 0]);
+    // Behind the surface there is no highlight, although N.H is cos 50 degrees.
+    assert_eq!(lit("specular: (k_s: 1, shininess: 1)", 100.0), [0; 3]);
+    // Two lights add up, and what stands before a light hides its highlight too.
+    let wall = r#"(shape: Box(size: (1, 1, 0.1)), material: "m", transform: (translation: (0, 0, -7)))"#;
+    let ahead = "(light: Point(intensity: (1, 1, 1)), transform: (translation: (0, 0, -9)))";
+    let material = "(specular: (k_s: 0.2, shininess: 9))";
+    assert_eq!(look_at("Sphere(radius: 1)", material, &format!("{ahead}, {ahead}]")), [102; 3]);
+    assert_eq!(look_at("Sphere(radius: 1)", material, &format!("{ahead}, {wall}]")), [0; 3]);
+}
+
+#[test]
+fn highlights_change_over_time() {
+    let mut engine = engine(
+        r#"timeline: (fps: 1, duration: 3), film: (width: 1, height: 1), camera: (position: (0, 0, -5), view: (0, 0, 1)),
+        materials: { "m": (specular: (k_s: 1, shininess: 7)) },
+        entities: [(name: "ball", shape: Sphere(radius: 1), material: "m"),
+            (light: Point(intensity: (1, 1, 1)), transform: (translation: (0, 6.062177826491071, -4.5))) ],
+        animate: [(material: "m", channel: Ks, track: Keys([(0, 0), (2, 0.8)])),
+            (target: "ball", channel: Shininess, track: Keys([(0, 2, Hold), (2, 4)]))]"#,
+    );
+    // 60 degrees off, as above.
+    for (frame, expected) in [(0, 0.0), (1, 0.4 * 0.75), (2, 0.8 * 0.5625)] {
+        let film = engine.render_frame(frame).unwrap();
+        assert!((film.pixel(0, 0).x - expected).abs() < 1e-6, "{frame}: {}", film.pixel(0, 0));
+    }
+}
+
+#[test]
+fn highlights_are_seen_in_mirrors_from_where_the_mirror_is() {
+    // The mirror turns the view upwards, where it meets the ceiling at (0, 5, 0) head on, as the light does. From the eye
+    // itself the highlight would be 45 degrees off.
+    let body = r#"camera: (position: (0, 0, -5), view: (0, 0, 1)),
+        materials: { "mirror": (reflective: (k_r: 0.5)), "gloss": (specular: (k_s: 0.8, shininess: 1000)) },
+        entities: [
+            (shape: Plane(normal: (0, 1, -1)), material: "mirror"),
+            (shape: Plane(normal: (0, 1, 0)), material: "gloss", transform: (translation: (0, 5, 0))),
+            (light: Point(intensity: (1, 1, 1)), transform: (translation: (0, 1, 0))),
+        ]"#;
+    assert_eq!(pixel(body), [102; 3]);
+}
+
+#[test]
+fn only_lights_that_can_add_something_are_asked() {
+    let asked = |material: &str, light: &str| {
+        let mut engine = engine(&format!(
+            r#"film: (width: 1, height: 1), camera: (position: (0, 0, -5), view: (0, 0, 1)),
+            materials: {{ "m": {material} }}, entities: [(shape: Sphere(radius: 1), material: "m"), {light}]"#
+        ));
+        engine.render_frame(0).unwrap();
+        engine.report().rays.shadow
+    };
+    let light = "(light: Point(intensity: (1, 0, 0)), transform: (translation: (0, 0, -9)))";
+    for (material, expected) in [
+        ("(k_d: 1)", 1),
+        ("(k_d: 1, color: (0, 255, 255))", 0),
+        ("(specular: (k_s: 0.5, shininess: 32))", 1),
+        ("(specular: (k_s: 0, shininess: 32))", 0),
+        ("(k_d: 1, specular: (k_s: 0.5, shininess: 32))", 1),
+    ] {
+        assert_eq!(asked(material, light), expected, "{material}");
+    }
+    let side = "(light: Point(intensity: (1, 1, 1)), transform: (translation: (0, 9, -4)))";
+    assert_eq!(asked("(specular: (k_s: 0.5, shininess: 1e6))", side), 0, "far from any highlight");
+    assert_eq!(asked("(k_d: 1, specular: (k_s: 0.5, shininess: 1e6))", side), 1);
+}
+
+#[test]
 fn what_stands_before_a_light_hides_it() {
     let matte = "(k_d: 1, color: (100, 100, 100))";
     let light = "(light: Point(intensity: (1, 1, 1)), transform: (translation: (0, 8, -9)))";

@@ -328,6 +328,11 @@ fn coefficient() -> impl Strategy<Value = String> {
         .prop_map(|value| format!("{value:?}"))
 }
 
+fn shininess() -> impl Strategy<Value = String> {
+    prop_oneof![1.0..200.0f64, prop::sample::select(vec![0.0, 1e-310, 1e6])]
+        .prop_map(|value| format!("{value:?}"))
+}
+
 fn color() -> impl Strategy<Value = String> {
     prop_oneof![
         ((0u8..), (0u8..), (0u8..)).prop_map(|(r, g, b)| format!("({r}, {g}, {b})")),
@@ -337,11 +342,15 @@ fn color() -> impl Strategy<Value = String> {
 
 fn material() -> impl Strategy<Value = String> {
     let reflective = prop::option::of(coefficient());
-    (coefficient(), coefficient(), color(), prop::option::of(color()), reflective).prop_map(
-        |(k_a, k_d, color, ambient, reflective)| {
+    let specular = prop::option::of((coefficient(), shininess()));
+    (coefficient(), coefficient(), color(), prop::option::of(color()), specular, reflective).prop_map(
+        |(k_a, k_d, color, ambient, specular, reflective)| {
             let ambient = ambient.map_or_else(String::new, |color| format!(", ambient_color: {color}"));
             let mirror = reflective.map_or_else(String::new, |k_r| format!(", reflective: (k_r: {k_r})"));
-            format!("(k_a: {k_a}, k_d: {k_d}, color: {color}{ambient}{mirror})")
+            let gloss = specular.map_or_else(String::new, |(k_s, shininess)| {
+                format!(", specular: (k_s: {k_s}, shininess: {shininess})")
+            });
+            format!("(k_a: {k_a}, k_d: {k_d}, color: {color}{ambient}{gloss}{mirror})")
         },
     )
 }
@@ -422,6 +431,8 @@ fn animation() -> impl Strategy<Value = String> {
         1 => of(entity, "Direction", keys(point()).boxed()),
         1 => of(entity, "Kd", keys(coefficient()).boxed()),
         1 => of(material, "Ka", keys(coefficient()).boxed()),
+        1 => of(material, "Ks", keys(coefficient()).boxed()),
+        1 => of(entity, "Shininess", keys(shininess()).boxed()),
         1 => of(material, "Kr", keys(coefficient()).boxed()),
         1 => of(material, "Color", keys(color()).boxed()),
         1 => of(entity, "AmbientColor", keys(color()).boxed()),

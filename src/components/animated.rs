@@ -28,6 +28,10 @@ pub enum Channel {
     Color(Arc<Track<Rgb>>),
     /// [`Material::ambient_color`](super::Material::ambient_color).
     AmbientColor(Arc<Track<Rgb>>),
+    /// [`Specular::k_s`](super::Specular::k_s).
+    Ks(Arc<Track<f64>>),
+    /// [`Specular::shininess`](super::Specular::shininess).
+    Shininess(Arc<Track<f64>>),
     /// [`Reflective::k_r`](super::Reflective::k_r).
     Kr(Arc<Track<f64>>),
     /// [`Light::intensity`](super::Light::intensity).

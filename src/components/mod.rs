@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`Transform`], [`Parent`] | where an entity is, and relative to what |
 //! | [`Shape`] with [`Material`] | something to be seen |
+//! | [`Specular`] | its surface shows highlights |
 //! | [`Reflective`] | its surface mirrors |
 //! | [`Light`] | it gives light |
 //! | [`Camera`], [`FilmSettings`] | from where and on what the picture is taken |
@@ -25,7 +26,7 @@ pub use animated::{Animated, Channel};
 pub use camera::{Camera, Projection, View};
 pub use identity::{Name, Order};
 pub use light::{Light, LightKind};
-pub use material::{Material, Reflective};
+pub use material::{Material, Reflective, Specular};
 pub use settings::{Ambient, Background, FilmSettings, Quality};
 pub use shape::Shape;
 pub use transform::{Parent, Transform, WorldTransform};

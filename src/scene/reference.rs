@@ -10,8 +10,8 @@ mod tests {
     use crate::scene::document::{
         AnimationDocument, CameraDocument, ChannelDocument, EasingDocument, EntityDocument, FilmDocument,
         LightDocument, MaterialDocument, QualityDocument, ReflectiveDocument, RotationDocument,
-        SceneDocument, ScreenDocument, ShapeDocument, TimelineDocument, TrackDocument, TransferDocument,
-        TransformDocument, Triple,
+        SceneDocument, ScreenDocument, ShapeDocument, SpecularDocument, TimelineDocument, TrackDocument,
+        TransferDocument, TransformDocument, Triple,
     };
     use crate::scene::parse::options;
 
@@ -108,6 +108,7 @@ mod tests {
         check_fields::<CameraDocument>("Camera", all);
         check_fields::<ScreenDocument>("Screen", all);
         check_fields::<MaterialDocument>("Material", all);
+        check_fields::<SpecularDocument>("Specular", all);
         check_fields::<ReflectiveDocument>("Reflective", all);
         check_fields::<EntityDocument>("Entity", all);
         check_fields::<TransformDocument>("Transform", all);

@@ -17,10 +17,13 @@ use super::document::{
 use crate::color::{Rgb, Transfer};
 use crate::components::{
     Ambient, Animated, Background, Camera, Channel, FilmSettings, Light, LightKind, Material, Name, Order,
-    Parent, Projection, Quality, Reflective, Shape, Transform, View, WorldTransform,
+    Parent, Projection, Quality, Reflective, Shape, Specular, Transform, View, WorldTransform,
 };
 use crate::time::{FrameRate, Timeline};
 use crate::timeline::{Easing, Interpolate, Key, Rotation, Track};
+
+/// What a material of the file gives to the entities made of it.
+type MaterialComponents = (Material, Option<Specular>, Option<Reflective>);
 
 /// Makes the world that a validated document describes. Entities get their places in document order.
 pub(super) fn spawn(document: &SceneDocument) -> Scene {
@@ -28,7 +31,7 @@ pub(super) fn spawn(document: &SceneDocument) -> Scene {
     let timeline = timeline(&document.timeline);
     let mut world = World::new();
 
-    let materials: HashMap<&str, (Material, Option<Reflective>)> = document
+    let materials: HashMap<&str, MaterialComponents> = document
         .materials
         .0
         .iter()
@@ -72,7 +75,7 @@ fn spawn_entity(
     world: &mut World,
     document: &EntityDocument,
     order: Order,
-    materials: &HashMap<&str, (Material, Option<Reflective>)>,
+    materials: &HashMap<&str, MaterialComponents>,
 ) -> Entity {
     let mut builder = EntityBuilder::new();
     builder.add_bundle((order, transform(&document.transform), WorldTransform::default()));
@@ -82,8 +85,13 @@ fn spawn_entity(
     if let Some(shape) = &document.shape {
         builder.add(self::shape(shape));
     }
-    if let Some((material, reflective)) = document.material.as_deref().and_then(|name| materials.get(name)) {
+    if let Some((material, specular, reflective)) =
+        document.material.as_deref().and_then(|name| materials.get(name))
+    {
         builder.add(*material);
+        if let Some(specular) = specular {
+            builder.add(*specular);
+        }
         if let Some(reflective) = reflective {
             builder.add(*reflective);
         }
@@ -133,14 +141,18 @@ fn camera(document: &CameraDocument) -> Camera {
     Camera { position: document.position.into(), view, up: document.up.into(), projection }
 }
 
-fn material(document: &MaterialDocument, transfer: Transfer) -> (Material, Option<Reflective>) {
+fn material(document: &MaterialDocument, transfer: Transfer) -> MaterialComponents {
     let material = Material {
         k_a: single(document.k_a),
         k_d: single(document.k_d),
         color: transfer.decode(document.color.0),
         ambient_color: document.ambient_color.map(|color| transfer.decode(color.0)),
     };
-    (material, document.reflective.map(|reflective| Reflective { k_r: single(reflective.k_r) }))
+    let specular = document
+        .specular
+        .map(|specular| Specular { k_s: single(specular.k_s), shininess: single(specular.shininess) });
+    let reflective = document.reflective.map(|reflective| Reflective { k_r: single(reflective.k_r) });
+    (material, specular, reflective)
 }
 
 fn transform(document: &TransformDocument) -> Transform {
@@ -229,6 +241,8 @@ fn channel(animation: &AnimationDocument, transfer: Transfer) -> Option<Channel>
     Some(match (animation.channel, &animation.track) {
         (Kind::Ka, TracksDocument::Number(keys)) => Channel::Ka(track(keys, |value| *value)?),
         (Kind::Kd, TracksDocument::Number(keys)) => Channel::Kd(track(keys, |value| *value)?),
+        (Kind::Ks, TracksDocument::Number(keys)) => Channel::Ks(track(keys, |value| *value)?),
+        (Kind::Shininess, TracksDocument::Number(keys)) => Channel::Shininess(track(keys, |value| *value)?),
         (Kind::Kr, TracksDocument::Number(keys)) => Channel::Kr(track(keys, |value| *value)?),
         (Kind::Scale, TracksDocument::Scale(keys)) => Channel::Scale(track(keys, |value| scale(*value))?),
         (Kind::Rotation, TracksDocument::Rotation(keys)) => {

@@ -3,7 +3,9 @@
 use hecs::{Entity, World};
 
 use super::Changes;
-use crate::components::{Animated, Camera, Channel, Light, LightKind, Material, Reflective, Transform, View};
+use crate::components::{
+    Animated, Camera, Channel, Light, LightKind, Material, Reflective, Specular, Transform, View,
+};
 use crate::time::Time;
 
 /// The components that channels write to, if an entity has them.
@@ -12,6 +14,7 @@ type Targets<'a> = (
     &'a Animated,
     Option<&'a mut Transform>,
     Option<&'a mut Material>,
+    Option<&'a mut Specular>,
     Option<&'a mut Reflective>,
     Option<&'a mut Light>,
     Option<&'a mut Camera>,
@@ -22,17 +25,29 @@ type Targets<'a> = (
 /// A channel whose component the entity lacks does nothing.
 pub fn animate(world: &mut World, time: Time, changes: &mut Changes) {
     let seconds = time.seconds();
-    for (entity, animated, mut transform, mut material, mut reflective, mut light, mut camera) in
-        world.query_mut::<Targets<'_>>()
+    for (
+        entity,
+        animated,
+        mut transform,
+        mut material,
+        mut specular,
+        mut reflective,
+        mut light,
+        mut camera,
+    ) in world.query_mut::<Targets<'_>>()
     {
-        let before =
-            (transform.as_deref().copied(), material.as_deref().copied(), reflective.as_deref().copied());
+        let placed = transform.as_deref().copied();
+        let painted =
+            (material.as_deref().copied(), specular.as_deref().copied(), reflective.as_deref().copied());
         for channel in &animated.0 {
             if let Some(transform) = transform.as_deref_mut() {
                 move_entity(transform, channel, seconds);
             }
             if let Some(material) = material.as_deref_mut() {
                 paint(material, channel, seconds);
+            }
+            if let Some(specular) = specular.as_deref_mut() {
+                polish(specular, channel, seconds);
             }
             if let (Some(reflective), Channel::Kr(track)) = (reflective.as_deref_mut(), channel) {
                 reflective.k_r = coefficient(track.at(seconds));
@@ -44,10 +59,12 @@ pub fn animate(world: &mut World, time: Time, changes: &mut Changes) {
                 film(camera, channel, seconds);
             }
         }
-        if transform.as_deref().copied() != before.0 {
+        if transform.as_deref().copied() != placed {
             changes.transform(entity);
         }
-        if (material.as_deref().copied(), reflective.as_deref().copied()) != (before.1, before.2) {
+        if (material.as_deref().copied(), specular.as_deref().copied(), reflective.as_deref().copied())
+            != painted
+        {
             changes.material(entity);
         }
     }
@@ -68,6 +85,14 @@ fn paint(material: &mut Material, channel: &Channel, seconds: f64) {
         Channel::Kd(track) => material.k_d = coefficient(track.at(seconds)),
         Channel::Color(track) => material.color = track.at(seconds),
         Channel::AmbientColor(track) => material.ambient_color = Some(track.at(seconds)),
+        _ => {}
+    }
+}
+
+fn polish(specular: &mut Specular, channel: &Channel, seconds: f64) {
+    match channel {
+        Channel::Ks(track) => specular.k_s = coefficient(track.at(seconds)),
+        Channel::Shininess(track) => specular.shininess = shininess(track.at(seconds)),
         _ => {}
     }
 }
@@ -96,4 +121,10 @@ fn film(camera: &mut Camera, channel: &Channel, seconds: f64) {
 #[expect(clippy::cast_possible_truncation, reason = "colour is f32")]
 fn coefficient(value: f64) -> f32 {
     value.clamp(0.0, 1.0) as f32
+}
+
+/// Likewise for exponents of highlights.
+#[expect(clippy::cast_possible_truncation, reason = "colour is f32")]
+fn shininess(value: f64) -> f32 {
+    value.clamp(0.0, f64::from(Specular::LARGEST_SHININESS)) as f32
 }

@@ -34,8 +34,8 @@ impl Changes {
         self.transforms.push(entity);
     }
 
-    /// Declares a write to an entity's [`Material`](crate::components::Material) or
-    /// [`Reflective`](crate::components::Reflective).
+    /// Declares a write to an entity's [`Material`](crate::components::Material),
+    /// [`Specular`](crate::components::Specular) or [`Reflective`](crate::components::Reflective).
     pub fn material(&mut self, entity: Entity) {
         self.declared = true;
         self.materials.push(entity);

@@ -8,7 +8,7 @@ use super::order::order_newcomers;
 use crate::color::Rgb;
 use crate::components::{
     Ambient, Background, Camera, FilmSettings, Light, LightKind, Material, Order, Projection, Quality,
-    Reflective, Shape, View, WorldTransform,
+    Reflective, Shape, Specular, View, WorldTransform,
 };
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 use crate::trace::{
@@ -28,6 +28,9 @@ pub struct Preparation {
     lights: Vec<Entity>,
     slots: SlotTable,
 }
+
+/// The components that say what a surface looks like.
+type Surfaced<'a> = (&'a Material, Option<&'a Specular>, Option<&'a Reflective>);
 
 /// Slots by entity. Ids are small and dense, so that a list does.
 #[derive(Clone, Debug, Default)]
@@ -53,7 +56,7 @@ impl Preparation {
     #[must_use]
     pub fn of(world: &mut World) -> Self {
         order_newcomers(world, &[]);
-        type Drawn<'a> = (&'a Shape, &'a WorldTransform, &'a Material, Option<&'a Reflective>);
+        type Drawn<'a> = (&'a Shape, &'a WorldTransform, Surfaced<'a>);
         let mut drawn: Vec<(Order, Entity)> = world
             .query_mut::<hecs::With<(Entity, &Order), (&Shape, &WorldTransform, &Material)>>()
             .into_iter()
@@ -67,12 +70,12 @@ impl Preparation {
         let mut slots = SlotTable::default();
         let view = world.view_mut::<Drawn<'_>>();
         for (_, entity) in drawn {
-            if let Some((shape, transform, material, reflective)) = view.get(entity)
+            if let Some((shape, transform, surface)) = view.get(entity)
                 && let Some(shape) = prepared_shape(shape, transform)
             {
                 slots.insert(entity, geometry.push(shape));
                 entities.push(entity);
-                materials.push(surface_material(material, reflective));
+                materials.push(surface_material(surface));
             }
         }
         let film = film_settings(world);
@@ -91,10 +94,9 @@ impl Preparation {
         }
         for entity in changes.materials() {
             if let Some(slot) = self.slots.get(*entity)
-                && let Ok((material, reflective)) =
-                    world.query_one_mut::<(&Material, Option<&Reflective>)>(*entity)
+                && let Ok(surface) = world.query_one_mut::<Surfaced<'_>>(*entity)
             {
-                self.scene.set_material(slot, surface_material(material, reflective));
+                self.scene.set_material(slot, surface_material(surface));
             }
         }
         self.film = film_settings(world);
@@ -252,11 +254,14 @@ pub fn film_settings(world: &World) -> FilmSettings {
     FilmSettings { width, height, ..film }
 }
 
-fn surface_material(material: &Material, reflective: Option<&Reflective>) -> SurfaceMaterial {
+fn surface_material((material, specular, reflective): Surfaced<'_>) -> SurfaceMaterial {
     let coefficient = |value: f32| if value > 0.0 { value.min(1.0) } else { 0.0 };
+    let shininess = |value: f32| if value > 0.0 { value.min(Specular::LARGEST_SHININESS) } else { 0.0 };
     SurfaceMaterial {
         ambient: sane(material.ambient_color.unwrap_or(material.color)) * coefficient(material.k_a),
         diffuse: sane(material.color) * coefficient(material.k_d),
+        specular: specular.map_or(0.0, |specular| coefficient(specular.k_s)),
+        shininess: specular.map_or(0.0, |specular| shininess(specular.shininess)),
         reflected: reflective.map_or(0.0, |reflective| coefficient(reflective.k_r)),
     }
 }

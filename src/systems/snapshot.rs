@@ -6,7 +6,7 @@ use hecs::{BuiltEntityClone, Component, Entity, EntityBuilderClone, EntityRef, W
 
 use crate::components::{
     Ambient, Animated, Background, Camera, FilmSettings, Light, Material, Name, Order, Parent, Quality,
-    Reflective, Shape, Transform, WorldTransform,
+    Reflective, Shape, Specular, Transform, WorldTransform,
 };
 
 /// The component types that a snapshot copies.
@@ -43,6 +43,7 @@ impl Default for Registry {
         registry.register::<WorldTransform>();
         registry.register::<Shape>();
         registry.register::<Material>();
+        registry.register::<Specular>();
         registry.register::<Reflective>();
         registry.register::<Light>();
         registry.register::<Camera>();

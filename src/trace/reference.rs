@@ -2,7 +2,7 @@
 //! definition of the picture in the fewest words, and, as it keeps the whole tree of a pixel's rays, its explanation.
 
 use super::geometry::Leaves;
-use super::shade::{ambient, diffuse, mirrored, shadow_ray};
+use super::shade::{ambient, mirrored, shadow_ray};
 use super::{Camera, Closest, Film, Guards, PreparedScene, Ray, Slot, Surface};
 use crate::color::Rgb;
 
@@ -112,7 +112,7 @@ pub fn ray_tree(scene: &PreparedScene, camera_ray: Ray) -> RayTree {
             if throughput != Rgb::ZERO {
                 next = mirrored(&ray, &surface).map(|ray| (Some(rays.len()), ray, throughput));
             }
-            RayEnd::Surface(Box::new(lit(scene, surface)))
+            RayEnd::Surface(Box::new(lit(scene, &ray, surface)))
         } else {
             RayEnd::Background
         };
@@ -121,15 +121,15 @@ pub fn ray_tree(scene: &PreparedScene, camera_ray: Ray) -> RayTree {
     RayTree { rays }
 }
 
-fn lit(scene: &PreparedScene, surface: Surface) -> LitSurface {
+fn lit(scene: &PreparedScene, arrived: &Ray, surface: Surface) -> LitSurface {
     let material = scene.material(surface.hit.slot);
     let reach = |light| {
-        let Some(shadow) = shadow_ray(scene, &surface, light) else {
+        let Some(shadow) = shadow_ray(scene, arrived, &surface, light) else {
             return LightReach::NotAsked;
         };
         match hidden_by(scene, &shadow.ray, shadow.limit, light.own_shape) {
             Some(slot) => LightReach::Hidden(slot),
-            None => LightReach::Reaches(diffuse(material, light, shadow.cosine)),
+            None => LightReach::Reaches(shadow.color),
         }
     };
     let lights = scene.lights.iter().map(reach).collect();

@@ -1,5 +1,5 @@
-//! The light that a surface point sends towards the ray that found it: ambient plus diffuse. Reflected light is added by
-//! the rays themselves.
+//! The light that a surface point sends towards the ray that found it: ambient plus, light by light, diffuse and specular.
+//! Reflected light is added by the rays themselves.
 
 use glam::DVec3;
 
@@ -13,8 +13,19 @@ pub struct SurfaceMaterial {
     pub ambient: Rgb,
     /// Diffuse coefficient times colour.
     pub diffuse: Rgb,
+    /// Specular coefficient, 0..=1; 0 where there are no highlights.
+    pub specular: f32,
+    /// The exponent of N.H in highlights, 0 or more.
+    pub shininess: f32,
     /// Share of the mirrored ray, 0..=1; 0 where nothing is mirrored.
     pub reflected: f32,
+}
+
+impl SurfaceMaterial {
+    /// Is anything of lights sent on?
+    pub(super) fn scatters(&self) -> bool {
+        self.diffuse != Rgb::ZERO || self.specular > 0.0
+    }
 }
 
 /// A ray that asks whether a light reaches a point.
@@ -23,8 +34,8 @@ pub(super) struct ShadowRay {
     pub(super) ray: Ray,
     /// Where the light is.
     pub(super) limit: f64,
-    /// N.L, greater than 0.
-    pub(super) cosine: f32,
+    /// What the light adds if nothing stands in its way, not black.
+    pub(super) color: Rgb,
 }
 
 /// C_a = k_a c I_a.
@@ -32,15 +43,17 @@ pub(super) fn ambient(scene: &PreparedScene, material: &SurfaceMaterial) -> Rgb 
     material.ambient * scene.ambient
 }
 
-/// k_d c I_j (N.L_j) for a light that is not hidden.
-pub(super) fn diffuse(material: &SurfaceMaterial, light: &Light, cosine: f32) -> Rgb {
-    material.diffuse * light.intensity * cosine
-}
-
 /// The shadow ray to a light; `None` where the light could add nothing: it is off, behind the surface or at the very
-/// point, or the surface scatters none.
-pub(super) fn shadow_ray(scene: &PreparedScene, surface: &Surface, light: &Light) -> Option<ShadowRay> {
-    if scene.material(surface.hit.slot).diffuse * light.intensity == Rgb::ZERO {
+/// point, or the surface scatters none towards where `arrived` came from.
+pub(super) fn shadow_ray(
+    scene: &PreparedScene,
+    arrived: &Ray,
+    surface: &Surface,
+    light: &Light,
+) -> Option<ShadowRay> {
+    let material = scene.material(surface.hit.slot);
+    let intensity = light.intensity;
+    if material.diffuse * intensity == Rgb::ZERO && intensity * material.specular == Rgb::ZERO {
         return None;
     }
     // Normals face the ray that arrived, and so does the side that is left.
@@ -49,9 +62,37 @@ pub(super) fn shadow_ray(scene: &PreparedScene, surface: &Surface, light: &Light
         LightSource::Point(point) => Ray::leaving_to(surface, outward, point)?,
         LightSource::Towards(direction) => (Ray::leaving(surface, outward, direction)?, f64::INFINITY),
     };
-    let direction = ray.direction();
-    let cosine = surface.facing_normal().dot(direction) / direction.dot(direction).sqrt();
-    (cosine > 0.0).then_some(ShadowRay { ray, limit, cosine: to_f32(cosine) })
+    let normal = surface.facing_normal();
+    let to_light = ray.direction();
+    let cosine = Some(normal.dot(to_light) / length(to_light)).filter(|cosine| *cosine > 0.0)?;
+    let mut color = diffuse(material, intensity, cosine);
+    if material.specular > 0.0 {
+        color += specular(material, intensity, half_cosine(normal, to_light, -arrived.direction()));
+    }
+    (color != Rgb::ZERO).then_some(ShadowRay { ray, limit, color })
+}
+
+/// k_d c I_j (N.L_j).
+fn diffuse(material: &SurfaceMaterial, intensity: Rgb, cosine: f64) -> Rgb {
+    material.diffuse * intensity * to_f32(cosine)
+}
+
+/// k_s I_j (N.H_j)^shininess.
+fn specular(material: &SurfaceMaterial, intensity: Rgb, half_cosine: f64) -> Rgb {
+    let highlight = libm::pow(half_cosine, f64::from(material.shininess));
+    intensity * (material.specular * to_f32(highlight))
+}
+
+/// max(0, N.H), at most 1, for the half vector H between two directions of any length but zero.
+fn half_cosine(normal: DVec3, to_light: DVec3, back: DVec3) -> f64 {
+    let between = to_light / length(to_light) + back / length(back);
+    let cosine = normal.dot(between) / length(between);
+    // Opposite directions have nothing between them.
+    if cosine > 0.0 { cosine.min(1.0) } else { 0.0 }
+}
+
+fn length(vector: DVec3) -> f64 {
+    vector.dot(vector).sqrt()
 }
 
 /// The mirrored ray: d - 2 (d.N) N.

@@ -27,6 +27,8 @@ pub(crate) enum ChannelDocument {
     Kd,
     Color,
     AmbientColor,
+    Ks,
+    Shininess,
     Kr,
     Intensity,
     Direction,
@@ -138,7 +140,9 @@ impl<'de> Deserialize<'de> for AnimationDocument {
 fn tracks<'de, A: MapAccess<'de>>(channel: ChannelDocument, map: &mut A) -> Result<TracksDocument, A::Error> {
     use ChannelDocument as Channel;
     match channel {
-        Channel::Ka | Channel::Kd | Channel::Kr => map.next_value().map(TracksDocument::Number),
+        Channel::Ka | Channel::Kd | Channel::Ks | Channel::Shininess | Channel::Kr => {
+            map.next_value().map(TracksDocument::Number)
+        }
         Channel::Scale => map.next_value().map(TracksDocument::Scale),
         Channel::Rotation => map.next_value().map(TracksDocument::Rotation),
         Channel::Color | Channel::AmbientColor => map.next_value().map(TracksDocument::Color),

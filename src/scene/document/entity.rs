@@ -15,11 +15,20 @@ pub(crate) struct MaterialDocument {
     #[serde(default = "white")]
     pub(crate) color: ColorDocument,
     pub(crate) ambient_color: Option<ColorDocument>,
+    pub(crate) specular: Option<SpecularDocument>,
     pub(crate) reflective: Option<ReflectiveDocument>,
 }
 
 fn white() -> ColorDocument {
     ColorDocument([255.0; 3])
+}
+
+/// Highlights.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Specular")]
+pub(crate) struct SpecularDocument {
+    pub(crate) k_s: f64,
+    pub(crate) shininess: f64,
 }
 
 /// A mirror.

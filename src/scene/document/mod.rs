@@ -17,6 +17,6 @@ pub(super) use values::{ColorDocument, Entries, RateDocument, ScaleDocument, Tri
 
 #[cfg(test)]
 pub(super) use {
-    entity::ReflectiveDocument,
+    entity::{ReflectiveDocument, SpecularDocument},
     settings::{QualityDocument, ScreenDocument},
 };

@@ -37,9 +37,9 @@ fn target(
     at: &At<'_>,
     problems: &mut Problems,
 ) {
-    let mirrors = |name: &str| {
-        document.materials.0.iter().any(|(known, material)| known == name && material.reflective.is_some())
-    };
+    let material = |name: &str| document.materials.0.iter().find(|(known, _)| known == name);
+    let mirrors = |name: &str| material(name).is_some_and(|(_, material)| material.reflective.is_some());
+    let shines = |name: &str| material(name).is_some_and(|(_, material)| material.specular.is_some());
     match (&animation.target, &animation.material) {
         (Some(_), Some(_)) => {
             problems.add(
@@ -59,7 +59,7 @@ fn target(
         }
         (None, Some(name)) => {
             let at = at.field("material");
-            if !document.materials.0.iter().any(|(known, _)| known == name) {
+            if material(name).is_none() {
                 let known = || document.materials.0.iter().map(|(name, _)| name.as_str());
                 problems.add_unknown(&at, Named::Material, name, known);
             } else if !of_material(animation.channel) {
@@ -70,6 +70,13 @@ fn target(
                     "a material that does not mirror has no k_r",
                     "not reflective",
                     "add `reflective: (k_r: ..)` to the material",
+                );
+            } else if of_highlights(animation.channel) && !shines(name) {
+                problems.add(
+                    &at,
+                    "a material that is not specular has neither k_s nor shininess",
+                    "not specular",
+                    "add `specular: (k_s: .., shininess: ..)` to the material",
                 );
             }
         }
@@ -103,6 +110,11 @@ fn target(
                 ChannelDocument::Kr => {
                     unfit(animation.channel, "an entity that does not mirror", &at, problems);
                 }
+                channel if of_highlights(channel) => {
+                    if !entity.material.as_deref().is_some_and(shines) {
+                        unfit(channel, "an entity that is not specular", &at, problems);
+                    }
+                }
                 _ if entity.shape.is_some() => {}
                 _ => unfit(animation.channel, "an entity without a shape", &at, problems),
             }
@@ -112,7 +124,12 @@ fn target(
 
 fn of_material(channel: ChannelDocument) -> bool {
     use ChannelDocument as Channel;
-    matches!(channel, Channel::Ka | Channel::Kd | Channel::Color | Channel::AmbientColor | Channel::Kr)
+    of_highlights(channel)
+        || matches!(channel, Channel::Ka | Channel::Kd | Channel::Color | Channel::AmbientColor | Channel::Kr)
+}
+
+fn of_highlights(channel: ChannelDocument) -> bool {
+    matches!(channel, ChannelDocument::Ks | ChannelDocument::Shininess)
 }
 
 fn unfit(channel: ChannelDocument, what: &str, at: &At<'_>, problems: &mut Problems) {
@@ -125,6 +142,7 @@ fn unfit(channel: ChannelDocument, what: &str, at: &At<'_>, problems: &mut Probl
             "the camera has it: target: \"camera\"; entities have Translation"
         }
         Channel::Intensity | Channel::Direction => "entities with a light have it",
+        Channel::Ks | Channel::Shininess => "materials that are specular have it, and entities made of them",
         Channel::Ka | Channel::Kd | Channel::Color | Channel::AmbientColor | Channel::Kr => {
             "materials have it, and entities with a shape"
         }
@@ -135,8 +153,9 @@ fn unfit(channel: ChannelDocument, what: &str, at: &At<'_>, problems: &mut Probl
 fn tracks(animation: &AnimationDocument, at: &At<'_>, problems: &mut Problems) {
     let channel = animation.channel;
     match &animation.track {
-        TracksDocument::Number(track) => keys(track, at, problems, |value, at, problems| {
-            check::coefficient(*value, "a coefficient", at, problems);
+        TracksDocument::Number(track) => keys(track, at, problems, |value, at, problems| match channel {
+            ChannelDocument::Shininess => check::shininess(*value, at, problems),
+            _ => check::coefficient(*value, "a coefficient", at, problems),
         }),
         TracksDocument::Vector(track) => keys(track, at, problems, |value, at, problems| match channel {
             ChannelDocument::Intensity => check::intensity(*value, "the intensity", at, problems),

@@ -82,6 +82,11 @@ fn material(material: &MaterialDocument, at: &At<'_>, problems: &mut Problems) {
     if let Some(color) = material.ambient_color {
         check::color(color.0, &at.field("ambient_color"), problems);
     }
+    if let Some(specular) = material.specular {
+        let at = at.field("specular");
+        check::coefficient(specular.k_s, "k_s", &at.field("k_s"), problems);
+        check::shininess(specular.shininess, &at.field("shininess"), problems);
+    }
     if let Some(reflective) = material.reflective {
         check::coefficient(reflective.k_r, "k_r", &at.field("reflective").field("k_r"), problems);
     }

@@ -125,6 +125,7 @@ impl Problems {
 pub(super) mod check {
     use super::super::{LARGEST, SMALLEST};
     use super::{At, Problems};
+    use crate::components::Specular;
     use crate::scene::document::Triple;
 
     /// Finite, and not beyond all measure.
@@ -190,6 +191,15 @@ pub(super) mod check {
         if !(0.0..=1.0).contains(&value) {
             let message = format!("{what} must be from 0 to 1, not {value}");
             problems.add(at, message, "out of range", "write the share of the light, as 0.7");
+        }
+    }
+
+    /// An exponent of highlights.
+    pub(crate) fn shininess(value: f64, at: &At<'_>, problems: &mut Problems) {
+        let largest = f64::from(Specular::LARGEST_SHININESS);
+        if !(0.0..=largest).contains(&value) {
+            let message = format!("shininess must be from 0 to {largest:e}, not {value}");
+            problems.add(at, message, "out of range", "write 10 for a dull surface, 100 for a polished one");
         }
     }
 

@@ -18,7 +18,7 @@ pub(super) fn run(scene: &PreparedScene, leaves: &impl Leaves, buffers: &mut Til
         };
         let material = scene.material(closest.hit.slot);
         let local = ambient(scene, material);
-        if (lit && material.diffuse != Rgb::ZERO) || material.reflected > 0.0 {
+        if (lit && material.scatters()) || material.reflected > 0.0 {
             let surface = scene.surface(leaves, &queued.ray, closest, &mut scratch.guards);
             found.push(Found { ray: index, surface, local });
         } else {

@@ -3,19 +3,19 @@
 use super::buffers::TileBuffers;
 use crate::trace::PreparedScene;
 use crate::trace::geometry::Leaves;
-use crate::trace::shade::{diffuse, shadow_ray};
+use crate::trace::shade::shadow_ray;
 
 pub(super) fn run(scene: &PreparedScene, leaves: &impl Leaves, buffers: &mut TileBuffers) {
     let TileBuffers { rays, found, pixels, scratch, counts, .. } = buffers;
     for light in &scene.lights {
         for point in found.iter_mut() {
-            let material = scene.material(point.surface.hit.slot);
-            let Some(shadow) = shadow_ray(scene, &point.surface, light) else {
+            let arrived = &rays[point.ray].ray;
+            let Some(shadow) = shadow_ray(scene, arrived, &point.surface, light) else {
                 continue;
             };
             counts.shadow += 1;
             if !scene.is_hidden(leaves, &shadow.ray, shadow.limit, light.own_shape, scratch) {
-                point.local += diffuse(material, light, shadow.cosine);
+                point.local += shadow.color;
             }
         }
     }
