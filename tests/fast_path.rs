@@ -75,7 +75,15 @@ fn things() -> impl Strategy<Value = Vec<Thing>> {
     prop::collection::vec(thing, 0..40)
 }
 
-fn world(things: &[Thing], lights: &[(DVec3, bool)], eye: DVec3) -> World {
+/// A light, and where it is.
+fn light() -> impl Strategy<Value = (Light, DVec3)> {
+    (point(), any::<bool>(), prop::bool::weighted(0.8)).prop_map(|(place, directional, casts_shadows)| {
+        let kind = if directional { LightKind::Directional { direction: place } } else { LightKind::Point };
+        (Light { casts_shadows, ..Light::new(kind, Rgb::splat(0.6)) }, place)
+    })
+}
+
+fn world(things: &[Thing], lights: &[(Light, DVec3)], eye: DVec3) -> World {
     let mut world = World::new();
     for Thing { shape, transform, color, diffuse, specular, mirror } in things {
         let color = Rgb::from_array(*color);
@@ -88,9 +96,8 @@ fn world(things: &[Thing], lights: &[(DVec3, bool)], eye: DVec3) -> World {
             world.insert_one(entity, Reflective { k_r: 0.5 }).unwrap();
         }
     }
-    for (place, directional) in lights {
-        let kind = if *directional { LightKind::Directional { direction: *place } } else { LightKind::Point };
-        world.spawn((Light { kind, intensity: Rgb::splat(0.6) }, Transform::from_translation(*place)));
+    for (light, place) in lights {
+        world.spawn((*light, Transform::from_translation(*place)));
     }
     let projection = Projection::FieldOfView { vertical: 1.2 };
     world.spawn((Camera {
@@ -124,7 +131,7 @@ proptest! {
     #[test]
     fn fast_and_reference_paths_agree(
         things in things(),
-        lights in prop::collection::vec((point(), any::<bool>()), 0..4),
+        lights in prop::collection::vec(light(), 0..4),
         eye in point(),
     ) {
         let mut engine = Engine::new(world(&things, &lights, eye));

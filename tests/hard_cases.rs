@@ -226,7 +226,7 @@ fn world(shape: Shape, transform: Transform, light: DVec3) -> World {
     let material = Material { k_a: 0.2, k_d: 0.8, color: Rgb::new(0.9, 0.6, 0.3), ambient_color: None };
     world.spawn((shape, transform, material));
     let kind = LightKind::Directional { direction: light };
-    world.spawn((Light { kind, intensity: Rgb::ONE }, Transform::IDENTITY));
+    world.spawn((Light::new(kind, Rgb::ONE), Transform::IDENTITY));
     world.spawn((Camera::default(),));
     let film = FilmSettings { width: 24, height: 14, ..FilmSettings::default() };
     world.spawn((film, Ambient(Rgb::ONE), Background(Rgb::new(0.1, 0.2, 0.3)), Quality { depth: 2 }));
@@ -548,7 +548,7 @@ fn heap_of_spheres(radii: impl Iterator<Item = f64>) -> Film {
     world
         .spawn_batch(radii.map(|radius| (Shape::Sphere { radius }, Transform::IDENTITY, material, mirror)))
         .for_each(drop);
-    let lamp = Light { kind: LightKind::Point, intensity: Rgb::ONE };
+    let lamp = Light::new(LightKind::Point, Rgb::ONE);
     world.spawn((lamp, Transform::from_translation(DVec3::new(-3.0, 4.0, -5.0))));
     world.spawn((Camera { view: View::Direction(DVec3::Z), ..Camera::default() },));
     let film = FilmSettings { width: 5, height: 3, ..FilmSettings::default() };

@@ -170,6 +170,9 @@ fn only_lights_that_can_add_something_are_asked() {
     ] {
         assert_eq!(asked(material, light), expected, "{material}");
     }
+    let everywhere =
+        "(light: Point(intensity: (1, 1, 1), casts_shadows: false), transform: (translation: (0, 0, -9)))";
+    assert_eq!(asked("(k_d: 1)", everywhere), 0);
     let side = "(light: Point(intensity: (1, 1, 1)), transform: (translation: (0, 9, -4)))";
     assert_eq!(asked("(specular: (k_s: 0.5, shininess: 1e6))", side), 0, "far from any highlight");
     assert_eq!(asked("(k_d: 1, specular: (k_s: 0.5, shininess: 1e6))", side), 1);
@@ -188,6 +191,23 @@ fn what_stands_before_a_light_hides_it() {
     assert_eq!(look_at("Sphere(radius: 1)", matte, &wall(4.0, -5.0)), [0; 3], "half-way");
     assert_eq!(look_at("Sphere(radius: 1)", matte, &wall(9.0, -10.0)), [cosine; 3], "behind the light");
     assert_eq!(look_at("Sphere(radius: 1)", matte, &wall(4.0, -2.0)), [cosine; 3], "beside");
+}
+
+#[test]
+fn a_light_that_casts_no_shadows_reaches_what_faces_it() {
+    let matte = "(k_d: 1, color: (100, 100, 100))";
+    let lit = |light: &str, z: f64| {
+        let wall = r#"(shape: Box(size: (9, 9, 0.1)), material: "m", transform: (translation: (0, 0, -7)))"#;
+        let at = format!("transform: (translation: (0, 0, {z:?}))");
+        look_at("Sphere(radius: 1)", matte, &format!("(light: {light}, {at}), {wall}]"))
+    };
+    let (sun, lamp) = ("Directional(intensity: (1, 1, 1)", "Point(intensity: (1, 1, 1)");
+    for light in [sun, lamp] {
+        assert_eq!(lit(&format!("{light})"), -9.0), [0; 3]);
+        assert_eq!(lit(&format!("{light}, casts_shadows: true)"), -9.0), [0; 3]);
+        assert_eq!(lit(&format!("{light}, casts_shadows: false)"), -9.0), [100; 3]);
+    }
+    assert_eq!(lit(&format!("{lamp}, casts_shadows: false)"), 9.0), [0; 3], "it is behind the surface");
 }
 
 #[test]

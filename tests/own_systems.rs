@@ -19,10 +19,7 @@ fn ball(place: DVec3) -> (Shape, Material, Transform) {
 
 fn stage() -> World {
     let mut world = World::new();
-    world.spawn((
-        Light { kind: LightKind::Point, intensity: Rgb::ONE },
-        Transform::from_translation(DVec3::splat(9.0)),
-    ));
+    world.spawn((Light::new(LightKind::Point, Rgb::ONE), Transform::from_translation(DVec3::splat(9.0))));
     world.spawn((Camera { position: DVec3::new(0.0, 1.0, -12.0), ..Camera::default() },));
     world.spawn((FilmSettings { width: 32, height: 18, ..FilmSettings::default() },));
     world

@@ -365,7 +365,9 @@ fn entity() -> impl Strategy<Value = String> {
     let shape =
         (shape, 0..3).prop_map(|(shape, material)| format!("shape: {shape}, material: \"m{material}\", "));
     let light = prop_oneof![
-        intensity().prop_map(|intensity| format!("light: Point(intensity: {intensity}), ")),
+        (intensity(), any::<bool>()).prop_map(|(intensity, shadows)| format!(
+            "light: Point(intensity: {intensity}, casts_shadows: {shadows}), "
+        )),
         (intensity(), point()).prop_map(|(intensity, direction)| format!(
             "light: Directional(intensity: {intensity}, direction: {direction}), "
         )),

@@ -11,6 +11,16 @@ pub struct Light {
     pub kind: LightKind,
     /// RGB, 0 or more; 1 lights a white, facing, fully diffuse surface to full.
     pub intensity: Rgb,
+    /// Can anything stand in its way? A light without shadows reaches every surface that faces it, and costs no shadow rays.
+    pub casts_shadows: bool,
+}
+
+impl Light {
+    /// A light that casts shadows.
+    #[must_use]
+    pub const fn new(kind: LightKind, intensity: Rgb) -> Self {
+        Self { kind, intensity, casts_shadows: true }
+    }
 }
 
 /// From where the light comes.

@@ -57,7 +57,7 @@ use crate::trace::{self, Film, Precision};
 ///     Transform::from_translation(DVec3::new(0.0, 4.0, 0.0)),
 ///     Velocity(DVec3::X),
 /// ));
-/// world.spawn((Light { kind: LightKind::Point, intensity: Rgb::ONE }, Transform::from_translation(DVec3::splat(9.0))));
+/// world.spawn((Light::new(LightKind::Point, Rgb::ONE), Transform::from_translation(DVec3::splat(9.0))));
 /// world.spawn((Camera { position: DVec3::new(0.0, 2.0, -12.0), ..Camera::default() },));
 /// world.spawn((FilmSettings { width: 32, height: 18, ..FilmSettings::default() },));
 ///

@@ -189,13 +189,13 @@ fn shape(document: &ShapeDocument) -> Shape {
 
 fn light(document: &LightDocument) -> Light {
     match *document {
-        LightDocument::Point { intensity } => {
-            Light { kind: LightKind::Point, intensity: self::intensity(intensity) }
+        LightDocument::Point { intensity, casts_shadows } => {
+            Light { casts_shadows, ..Light::new(LightKind::Point, self::intensity(intensity)) }
         }
-        LightDocument::Directional { intensity, direction } => Light {
-            kind: LightKind::Directional { direction: direction.into() },
-            intensity: self::intensity(intensity),
-        },
+        LightDocument::Directional { intensity, direction, casts_shadows } => {
+            let kind = LightKind::Directional { direction: direction.into() };
+            Light { casts_shadows, ..Light::new(kind, self::intensity(intensity)) }
+        }
     }
 }
 

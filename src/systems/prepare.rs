@@ -278,7 +278,12 @@ fn prepared_light(
         }
     };
     let (LightSource::Point(place) | LightSource::Towards(place)) = source;
-    place.is_finite().then_some(trace::Light { source, intensity: sane(light.intensity), own_shape })
+    place.is_finite().then_some(trace::Light {
+        source,
+        intensity: sane(light.intensity),
+        casts_shadows: light.casts_shadows,
+        own_shape,
+    })
 }
 
 fn prepared_camera(world: &World, film: FilmSettings) -> trace::Camera {

@@ -12,6 +12,8 @@ pub struct Light {
     pub source: LightSource,
     /// RGB, 0 or more.
     pub intensity: Rgb,
+    /// Is it asked whether anything stands in its way?
+    pub casts_shadows: bool,
     /// The light's own shape, which does not stand in its way.
     pub own_shape: Option<Slot>,
 }

@@ -2,7 +2,7 @@
 //! definition of the picture in the fewest words, and, as it keeps the whole tree of a pixel's rays, its explanation.
 
 use super::geometry::Leaves;
-use super::shade::{ambient, mirrored, shadow_ray};
+use super::shade::{ambient, incidence, mirrored};
 use super::{Camera, Closest, Film, Guards, PreparedScene, Ray, Slot, Surface};
 use crate::color::Rgb;
 
@@ -51,7 +51,7 @@ pub struct LitSurface {
 /// What comes of a light at a surface point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightReach {
-    /// It is off, or behind the surface, or the surface scatters none of it: no shadow ray is sent.
+    /// It can add nothing: it is off, or behind the surface, or the surface scatters none of it. No shadow ray is sent.
     NotAsked,
     /// Something stands in its way; the first in document order of all that do.
     Hidden(Slot),
@@ -124,12 +124,13 @@ pub fn ray_tree(scene: &PreparedScene, camera_ray: Ray) -> RayTree {
 fn lit(scene: &PreparedScene, arrived: &Ray, surface: Surface) -> LitSurface {
     let material = scene.material(surface.hit.slot);
     let reach = |light| {
-        let Some(shadow) = shadow_ray(scene, arrived, &surface, light) else {
+        let Some(incidence) = incidence(scene, arrived, &surface, light) else {
             return LightReach::NotAsked;
         };
-        match hidden_by(scene, &shadow.ray, shadow.limit, light.own_shape) {
+        let hidden = || hidden_by(scene, &incidence.ray, incidence.limit, light.own_shape);
+        match light.casts_shadows.then(hidden).flatten() {
             Some(slot) => LightReach::Hidden(slot),
-            None => LightReach::Reaches(shadow.color),
+            None => LightReach::Reaches(incidence.color),
         }
     };
     let lights = scene.lights.iter().map(reach).collect();

@@ -28,13 +28,14 @@ impl SurfaceMaterial {
     }
 }
 
-/// A ray that asks whether a light reaches a point.
+/// A light as it comes to a surface point, unless something stands in its way.
 #[derive(Clone, Debug)]
-pub(super) struct ShadowRay {
+pub(super) struct Incidence {
+    /// The shadow ray: towards the light.
     pub(super) ray: Ray,
     /// Where the light is.
     pub(super) limit: f64,
-    /// What the light adds if nothing stands in its way, not black.
+    /// What it adds, not black.
     pub(super) color: Rgb,
 }
 
@@ -43,14 +44,14 @@ pub(super) fn ambient(scene: &PreparedScene, material: &SurfaceMaterial) -> Rgb 
     material.ambient * scene.ambient
 }
 
-/// The shadow ray to a light; `None` where the light could add nothing: it is off, behind the surface or at the very
+/// How a light comes to a surface point; `None` where it could add nothing: it is off, behind the surface or at the very
 /// point, or the surface scatters none towards where `arrived` came from.
-pub(super) fn shadow_ray(
+pub(super) fn incidence(
     scene: &PreparedScene,
     arrived: &Ray,
     surface: &Surface,
     light: &Light,
-) -> Option<ShadowRay> {
+) -> Option<Incidence> {
     let material = scene.material(surface.hit.slot);
     let intensity = light.intensity;
     if material.diffuse * intensity == Rgb::ZERO && intensity * material.specular == Rgb::ZERO {
@@ -69,7 +70,7 @@ pub(super) fn shadow_ray(
     if material.specular > 0.0 {
         color += specular(material, intensity, half_cosine(normal, to_light, -arrived.direction()));
     }
-    (color != Rgb::ZERO).then_some(ShadowRay { ray, limit, color })
+    (color != Rgb::ZERO).then_some(Incidence { ray, limit, color })
 }
 
 /// k_d c I_j (N.L_j).

@@ -94,12 +94,20 @@ pub(crate) enum ShapeDocument {
 pub(crate) enum LightDocument {
     Point {
         intensity: Triple,
+        #[serde(default = "yes")]
+        casts_shadows: bool,
     },
     Directional {
         intensity: Triple,
         #[serde(default = "forward")]
         direction: Triple,
+        #[serde(default = "yes")]
+        casts_shadows: bool,
     },
+}
+
+fn yes() -> bool {
+    true
 }
 
 fn forward() -> Triple {

@@ -237,10 +237,10 @@ fn box_size(size: Triple, at: &At<'_>, problems: &mut Problems) {
 
 fn light(light: &LightDocument, at: &At<'_>, problems: &mut Problems) {
     match *light {
-        LightDocument::Point { intensity } => {
+        LightDocument::Point { intensity, .. } => {
             check::intensity(intensity, "the intensity", &at.field("intensity"), problems);
         }
-        LightDocument::Directional { intensity, direction } => {
+        LightDocument::Directional { intensity, direction, .. } => {
             check::intensity(intensity, "the intensity", &at.field("intensity"), problems);
             check::direction(direction, "the direction", &at.field("direction"), problems);
         }
