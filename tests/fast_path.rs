@@ -8,8 +8,8 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 use rayreel::components::{
-    Ambient, Background, Camera, FilmSettings, Light, LightKind, Material, Projection, Quality, Reflective,
-    Shape, Specular, Transform, View,
+    Ambient, Background, Camera, Falloff, FilmSettings, Light, LightKind, Material, Projection, Quality,
+    Reflective, Shape, Specular, Transform, View,
 };
 use rayreel::{Engine, Rgb, Time, World};
 
@@ -77,9 +77,13 @@ fn things() -> impl Strategy<Value = Vec<Thing>> {
 
 /// A light, and where it is.
 fn light() -> impl Strategy<Value = (Light, DVec3)> {
-    (point(), any::<bool>(), prop::bool::weighted(0.8)).prop_map(|(place, directional, casts_shadows)| {
+    let falloff =
+        prop_oneof![Just((1.0, 0.0, 0.0)), Just((1e-300, 0.0, 0.0)), (0.1..1.0, 0.0..1.0, 0.0..1.0f64)]
+            .prop_map(|(constant, linear, quadratic)| Falloff { constant, linear, quadratic });
+    let options = (prop::bool::weighted(0.8), prop::option::of(falloff));
+    (point(), any::<bool>(), options).prop_map(|(place, directional, (casts_shadows, falloff))| {
         let kind = if directional { LightKind::Directional { direction: place } } else { LightKind::Point };
-        (Light { casts_shadows, ..Light::new(kind, Rgb::splat(0.6)) }, place)
+        (Light { casts_shadows, falloff, ..Light::new(kind, Rgb::splat(0.6)) }, place)
     })
 }
 

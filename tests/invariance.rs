@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use rayreel::components::{Camera, FilmSettings, Parent, Transform, View};
+use rayreel::components::{Camera, FilmSettings, Light, Parent, Transform, View};
 use rayreel::{Engine, Film};
 
 fn scenes() -> Vec<PathBuf> {
@@ -26,6 +26,12 @@ fn picture(path: &Path, scale: f64, offset: DVec3) -> Film {
         for transform in context.world.query_mut::<hecs::Without<&mut Transform, &Parent>>() {
             transform.translation = transform.translation * scale + offset;
             transform.scale *= scale;
+        }
+        for light in context.world.query_mut::<&mut Light>() {
+            if let Some(falloff) = &mut light.falloff {
+                falloff.linear /= scale;
+                falloff.quadratic /= scale * scale;
+            }
         }
         for camera in context.world.query_mut::<&mut Camera>() {
             camera.position = camera.position * scale + offset;

@@ -211,6 +211,28 @@ fn a_light_that_casts_no_shadows_reaches_what_faces_it() {
 }
 
 #[test]
+fn falloff_weakens_a_light_with_distance() {
+    let lit = |falloff: &str, distance: f64| {
+        let light = format!(
+            "(light: Point(intensity: (1, 0.5, 0), falloff: {falloff}), transform: (translation: (0, 0, {:?})))]",
+            -1.0 - distance
+        );
+        look_at("Sphere(radius: 1)", "(k_d: 1, color: (200, 200, 200))", &light)
+    };
+    assert_eq!(lit("(1, 0, 0)", 4.0), [200, 100, 0]);
+    assert_eq!(lit("(2, 0, 0)", 4.0), [100, 50, 0]);
+    assert_eq!(lit("(1, 1, 0)", 4.0), [40, 20, 0]);
+    assert_eq!(lit("(1, 0, 1)", 3.0), [20, 10, 0]);
+    assert_eq!(lit("(2, 3, 0.5)", 4.0), [9, 5, 0]); // 2 + 12 + 8: 200 / 22 = 9.09
+    assert_eq!(lit("(1e-60, 0, 1)", 1.0), [200, 100, 0]);
+    assert_eq!(lit("(1, 0, 1e60)", 1e30), [0; 3]);
+    // Distances are the world's, however large the light's own units are; highlights weaken too.
+    let scaled = "(light: Point(intensity: (1, 1, 1), falloff: (1, 1, 0)), transform: (translation: (0, 0, -5), scale: 9))]";
+    assert_eq!(look_at("Sphere(radius: 1)", "(k_d: 1, color: (200, 200, 200))", scaled), [40; 3]);
+    assert_eq!(look_at("Sphere(radius: 1)", "(specular: (k_s: 1, shininess: 99))", scaled), [51; 3]);
+}
+
+#[test]
 fn a_lamps_own_shape_does_not_stand_in_its_light() {
     let matte = "(k_d: 1, color: (100, 100, 100))";
     let lamp = r#"(shape: Sphere(radius: 0.5), material: "m", light: Point(intensity: (1, 1, 1)),

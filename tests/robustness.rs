@@ -355,6 +355,13 @@ fn material() -> impl Strategy<Value = String> {
     )
 }
 
+fn falloff() -> impl Strategy<Value = String> {
+    let some = (size(), 0.0..2.0f64, prop_oneof![Just(0.0), 0.0..2.0, Just(1e60)]);
+    prop::option::of(some).prop_map(|some| {
+        some.map_or_else(String::new, |(c0, c1, c2)| format!(", falloff: ({c0}, {c1:?}, {c2:?})"))
+    })
+}
+
 /// What is between an entity's brackets besides its name and parent.
 fn entity() -> impl Strategy<Value = String> {
     let shape = prop_oneof![
@@ -365,8 +372,8 @@ fn entity() -> impl Strategy<Value = String> {
     let shape =
         (shape, 0..3).prop_map(|(shape, material)| format!("shape: {shape}, material: \"m{material}\", "));
     let light = prop_oneof![
-        (intensity(), any::<bool>()).prop_map(|(intensity, shadows)| format!(
-            "light: Point(intensity: {intensity}, casts_shadows: {shadows}), "
+        (intensity(), any::<bool>(), falloff()).prop_map(|(intensity, shadows, falloff)| format!(
+            "light: Point(intensity: {intensity}, casts_shadows: {shadows}{falloff}), "
         )),
         (intensity(), point()).prop_map(|(intensity, direction)| format!(
             "light: Directional(intensity: {intensity}, direction: {direction}), "

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::color::Rgb;
 
-/// A light source. It never weakens with distance.
+/// A light source. It does not weaken with distance unless it has a falloff.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
     /// From where or which way.
@@ -13,13 +13,26 @@ pub struct Light {
     pub intensity: Rgb,
     /// Can anything stand in its way? A light without shadows reaches every surface that faces it, and costs no shadow rays.
     pub casts_shadows: bool,
+    /// How it weakens with distance, if it does; nothing for directional lights, which are infinitely far away.
+    pub falloff: Option<Falloff>,
+}
+
+/// How a light weakens: at distance d, in scene units of the world, 1 / (c0 + c1 d + c2 d^2) of the intensity is left.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Falloff {
+    /// c0, greater than 0.
+    pub constant: f64,
+    /// c1, 0 or more.
+    pub linear: f64,
+    /// c2, 0 or more.
+    pub quadratic: f64,
 }
 
 impl Light {
-    /// A light that casts shadows.
+    /// A light that casts shadows and does not weaken.
     #[must_use]
     pub const fn new(kind: LightKind, intensity: Rgb) -> Self {
-        Self { kind, intensity, casts_shadows: true }
+        Self { kind, intensity, casts_shadows: true, falloff: None }
     }
 }
 

@@ -25,7 +25,7 @@ mod transform;
 pub use animated::{Animated, Channel};
 pub use camera::{Camera, Projection, View};
 pub use identity::{Name, Order};
-pub use light::{Light, LightKind};
+pub use light::{Falloff, Light, LightKind};
 pub use material::{Material, Reflective, Specular};
 pub use settings::{Ambient, Background, FilmSettings, Quality};
 pub use shape::Shape;

@@ -16,8 +16,8 @@ use super::document::{
 };
 use crate::color::{Rgb, Transfer};
 use crate::components::{
-    Ambient, Animated, Background, Camera, Channel, FilmSettings, Light, LightKind, Material, Name, Order,
-    Parent, Projection, Quality, Reflective, Shape, Specular, Transform, View, WorldTransform,
+    Ambient, Animated, Background, Camera, Channel, Falloff, FilmSettings, Light, LightKind, Material, Name,
+    Order, Parent, Projection, Quality, Reflective, Shape, Specular, Transform, View, WorldTransform,
 };
 use crate::time::{FrameRate, Timeline};
 use crate::timeline::{Easing, Interpolate, Key, Rotation, Track};
@@ -189,14 +189,20 @@ fn shape(document: &ShapeDocument) -> Shape {
 
 fn light(document: &LightDocument) -> Light {
     match *document {
-        LightDocument::Point { intensity, casts_shadows } => {
-            Light { casts_shadows, ..Light::new(LightKind::Point, self::intensity(intensity)) }
-        }
-        LightDocument::Directional { intensity, direction, casts_shadows } => {
+        LightDocument::Point { intensity, casts_shadows, falloff } => Light {
+            casts_shadows,
+            falloff: falloff.map(self::falloff),
+            ..Light::new(LightKind::Point, self::intensity(intensity))
+        },
+        LightDocument::Directional { intensity, direction, casts_shadows, .. } => {
             let kind = LightKind::Directional { direction: direction.into() };
             Light { casts_shadows, ..Light::new(kind, self::intensity(intensity)) }
         }
     }
+}
+
+fn falloff([constant, linear, quadratic]: Triple) -> Falloff {
+    Falloff { constant, linear, quadratic }
 }
 
 /// The channels of every animated entity, in the order of the file. A material's track goes to all entities made of it.

@@ -7,8 +7,8 @@ use super::Changes;
 use super::order::order_newcomers;
 use crate::color::Rgb;
 use crate::components::{
-    Ambient, Background, Camera, FilmSettings, Light, LightKind, Material, Order, Projection, Quality,
-    Reflective, Shape, Specular, View, WorldTransform,
+    Ambient, Background, Camera, Falloff, FilmSettings, Light, LightKind, Material, Order, Projection,
+    Quality, Reflective, Shape, Specular, View, WorldTransform,
 };
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 use crate::trace::{
@@ -278,12 +278,24 @@ fn prepared_light(
         }
     };
     let (LightSource::Point(place) | LightSource::Towards(place)) = source;
+    let falloff = match light.falloff {
+        Some(falloff) if matches!(source, LightSource::Point(_)) => Some(prepared_falloff(falloff)?),
+        _ => None,
+    };
     place.is_finite().then_some(trace::Light {
         source,
         intensity: sane(light.intensity),
+        falloff,
         casts_shadows: light.casts_shadows,
         own_shape,
     })
+}
+
+/// `None` where it is none: a light must not brighten without bounds.
+fn prepared_falloff(falloff: Falloff) -> Option<trace::Falloff> {
+    let Falloff { constant, linear, quadratic } = falloff;
+    let sane = [constant, linear, quadratic].iter().all(|part| (0.0..=f64::MAX).contains(part));
+    (sane && constant > 0.0).then_some(trace::Falloff { constant, linear, quadratic })
 }
 
 fn prepared_camera(world: &World, film: FilmSettings) -> trace::Camera {

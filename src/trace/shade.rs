@@ -53,8 +53,8 @@ pub(super) fn incidence(
     light: &Light,
 ) -> Option<Incidence> {
     let material = scene.material(surface.hit.slot);
-    let intensity = light.intensity;
-    if material.diffuse * intensity == Rgb::ZERO && intensity * material.specular == Rgb::ZERO {
+    let full = light.intensity;
+    if material.diffuse * full == Rgb::ZERO && full * material.specular == Rgb::ZERO {
         return None;
     }
     // Normals face the ray that arrived, and so does the side that is left.
@@ -65,12 +65,19 @@ pub(super) fn incidence(
     };
     let normal = surface.facing_normal();
     let to_light = ray.direction();
-    let cosine = Some(normal.dot(to_light) / length(to_light)).filter(|cosine| *cosine > 0.0)?;
+    let length_to_light = length(to_light);
+    let cosine = Some(normal.dot(to_light) / length_to_light).filter(|cosine| *cosine > 0.0)?;
+    let intensity = light.falloff.map_or(full, |falloff| dimmed(full, falloff.at(length_to_light * limit)));
     let mut color = diffuse(material, intensity, cosine);
     if material.specular > 0.0 {
         color += specular(material, intensity, half_cosine(normal, to_light, -arrived.direction()));
     }
     (color != Rgb::ZERO).then_some(Incidence { ray, limit, color })
+}
+
+/// Some times the intensity, never more than a number can hold.
+fn dimmed(intensity: Rgb, share: f64) -> Rgb {
+    (intensity * to_f32(share.min(f64::from(f32::MAX)))).min(Rgb::splat(f32::MAX))
 }
 
 /// k_d c I_j (N.L_j).

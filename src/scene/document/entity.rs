@@ -96,6 +96,7 @@ pub(crate) enum LightDocument {
         intensity: Triple,
         #[serde(default = "yes")]
         casts_shadows: bool,
+        falloff: Option<Triple>,
     },
     Directional {
         intensity: Triple,
@@ -103,6 +104,8 @@ pub(crate) enum LightDocument {
         direction: Triple,
         #[serde(default = "yes")]
         casts_shadows: bool,
+        /// Refused, with a reason.
+        falloff: Option<Triple>,
     },
 }
 

@@ -237,12 +237,39 @@ fn box_size(size: Triple, at: &At<'_>, problems: &mut Problems) {
 
 fn light(light: &LightDocument, at: &At<'_>, problems: &mut Problems) {
     match *light {
-        LightDocument::Point { intensity, .. } => {
+        LightDocument::Point { intensity, falloff, .. } => {
             check::intensity(intensity, "the intensity", &at.field("intensity"), problems);
+            if let Some(coefficients) = falloff {
+                self::falloff(coefficients, &at.field("falloff"), problems);
+            }
         }
-        LightDocument::Directional { intensity, direction, .. } => {
+        LightDocument::Directional { intensity, direction, falloff, .. } => {
+            if falloff.is_some() {
+                problems.add(
+                    &at.field("falloff"),
+                    "a directional light cannot weaken with distance",
+                    "it is infinitely far away",
+                    "remove `falloff`, or make it a Point light",
+                );
+            }
             check::intensity(intensity, "the intensity", &at.field("intensity"), problems);
             check::direction(direction, "the direction", &at.field("direction"), problems);
+        }
+    }
+}
+
+fn falloff(coefficients: Triple, at: &At<'_>, problems: &mut Problems) {
+    for (index, value) in coefficients.into_iter().enumerate() {
+        let at = at.index(index);
+        if !check::number(value, &at, problems) {
+            continue;
+        }
+        let (wrong, range) =
+            if index == 0 { (value < super::SMALLEST, "greater than 0") } else { (value < 0.0, "0 or more") };
+        if wrong {
+            let message = format!("c{index} of a falloff must be {range}, not {value}");
+            let help = "1 / (c0 + c1 d + c2 d^2) of the light is left at distance d; (1, 0, 0) never weakens";
+            problems.add(&at, message, "out of range", help);
         }
     }
 }
