@@ -76,18 +76,23 @@ fn things() -> impl Strategy<Value = Vec<Thing>> {
 }
 
 /// A light, and where it is.
-fn light() -> impl Strategy<Value = (Light, DVec3)> {
+fn light() -> impl Strategy<Value = (Light, Transform)> {
     let falloff =
         prop_oneof![Just((1.0, 0.0, 0.0)), Just((1e-300, 0.0, 0.0)), (0.1..1.0, 0.0..1.0, 0.0..1.0f64)]
             .prop_map(|(constant, linear, quadratic)| Falloff { constant, linear, quadratic });
     let options = (prop::bool::weighted(0.8), prop::option::of(falloff));
-    (point(), any::<bool>(), options).prop_map(|(place, directional, (casts_shadows, falloff))| {
-        let kind = if directional { LightKind::Directional { direction: place } } else { LightKind::Point };
-        (Light { casts_shadows, falloff, ..Light::new(kind, Rgb::splat(0.6)) }, place)
+    let kind = prop_oneof![
+        Just(LightKind::Point),
+        point().prop_map(|direction| LightKind::Directional { direction }),
+        (0.1..3.2f64, prop_oneof![Just(0.0), Just(1.0), 0.0..1.0])
+            .prop_map(|(angle, softness)| LightKind::Spot { angle, softness }),
+    ];
+    (kind, options, transform()).prop_map(|(kind, (casts_shadows, falloff), transform)| {
+        (Light { casts_shadows, falloff, ..Light::new(kind, Rgb::splat(0.6)) }, transform)
     })
 }
 
-fn world(things: &[Thing], lights: &[(Light, DVec3)], eye: DVec3) -> World {
+fn world(things: &[Thing], lights: &[(Light, Transform)], eye: DVec3) -> World {
     let mut world = World::new();
     for Thing { shape, transform, color, diffuse, specular, mirror } in things {
         let color = Rgb::from_array(*color);
@@ -100,8 +105,8 @@ fn world(things: &[Thing], lights: &[(Light, DVec3)], eye: DVec3) -> World {
             world.insert_one(entity, Reflective { k_r: 0.5 }).unwrap();
         }
     }
-    for (light, place) in lights {
-        world.spawn((*light, Transform::from_translation(*place)));
+    for light in lights {
+        world.spawn(*light);
     }
     let projection = Projection::FieldOfView { vertical: 1.2 };
     world.spawn((Camera {

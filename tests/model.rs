@@ -173,6 +173,13 @@ fn only_lights_that_can_add_something_are_asked() {
     let everywhere =
         "(light: Point(intensity: (1, 1, 1), casts_shadows: false), transform: (translation: (0, 0, -9)))";
     assert_eq!(asked("(k_d: 1)", everywhere), 0);
+    let turned = |degrees: u32| {
+        format!(
+            "(light: Spot(intensity: (1, 1, 1), angle: 60), transform: (translation: (0, 0, -9), rotation: Euler({degrees}, 0, 0)))"
+        )
+    };
+    assert_eq!(asked("(k_d: 1)", &turned(29)), 1);
+    assert_eq!(asked("(k_d: 1)", &turned(31)), 0);
     let side = "(light: Point(intensity: (1, 1, 1)), transform: (translation: (0, 9, -4)))";
     assert_eq!(asked("(specular: (k_s: 0.5, shininess: 1e6))", side), 0, "far from any highlight");
     assert_eq!(asked("(k_d: 1, specular: (k_s: 0.5, shininess: 1e6))", side), 1);
@@ -230,6 +237,37 @@ fn falloff_weakens_a_light_with_distance() {
     let scaled = "(light: Point(intensity: (1, 1, 1), falloff: (1, 1, 0)), transform: (translation: (0, 0, -5), scale: 9))]";
     assert_eq!(look_at("Sphere(radius: 1)", "(k_d: 1, color: (200, 200, 200))", scaled), [40; 3]);
     assert_eq!(look_at("Sphere(radius: 1)", "(specular: (k_s: 1, shininess: 99))", scaled), [51; 3]);
+}
+
+#[test]
+fn a_spot_shines_into_a_cone_about_its_forward_axis() {
+    let lit = |spot: &str, turned: &str| {
+        let light = format!(
+            "(light: Spot(intensity: (1, 0.5, 0), {spot}), transform: (translation: (0, 0, -9), rotation: {turned}))]"
+        );
+        look_at("Sphere(radius: 1)", "(k_d: 1, color: (200, 200, 200))", &light)
+    };
+    for axis in ["(1, 0, 0)", "(0, 1, 0)", "(1, 2, 0)"] {
+        let by = |degrees: f64| format!("AxisAngle({axis}, {degrees:?})");
+        for (degrees, expected) in [(0.0, 200), (29.9, 200), (30.1, 0), (-29.9, 200), (-30.1, 0), (180.0, 0)]
+        {
+            assert_eq!(lit("angle: 60", &by(degrees)), [expected, expected / 2, 0], "{degrees} about {axis}");
+        }
+        // Half-way between the cosines of 15 and of 30 degrees; a quarter of the way, 5/32.
+        let (inner, outer) = (libm::cos(15_f64.to_radians()), libm::cos(30_f64.to_radians()));
+        for (way, expected) in [(-0.1, 0), (0.25, 31), (0.5, 100), (0.75, 169), (1.1, 200)] {
+            let degrees = libm::acos(outer + way * (inner - outer)).to_degrees();
+            assert_eq!(lit("angle: 60, softness: 0.5", &by(degrees))[0], expected, "{way}");
+        }
+        assert_eq!(lit("angle: 180", &by(89.9))[0], 200);
+        assert_eq!(lit("angle: 180", &by(90.1))[0], 0);
+        assert_eq!(lit("angle: 180, softness: 1", &by(60.0))[0], 100);
+    }
+    // At distance 8: 200 / 5; a wall in between hides it.
+    assert_eq!(lit("angle: 60, falloff: (1, 0.5, 0)", "Euler(0, 0, 0)"), [40, 20, 0]);
+    let wall = r#"(shape: Box(size: (1, 1, 0.1)), material: "m", transform: (translation: (0, 0, -7)))"#;
+    let spot = "(light: Spot(intensity: (1, 1, 1), angle: 9), transform: (translation: (0, 0, -9)))";
+    assert_eq!(look_at("Sphere(radius: 1)", "(k_d: 1)", &format!("{spot}, {wall}]")), [0; 3]);
 }
 
 #[test]

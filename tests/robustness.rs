@@ -375,6 +375,11 @@ fn entity() -> impl Strategy<Value = String> {
         (intensity(), any::<bool>(), falloff()).prop_map(|(intensity, shadows, falloff)| format!(
             "light: Point(intensity: {intensity}, casts_shadows: {shadows}{falloff}), "
         )),
+        (intensity(), 0.001..180.0f64, coefficient(), falloff()).prop_map(
+            |(intensity, angle, softness, falloff)| format!(
+                "light: Spot(intensity: {intensity}, angle: {angle:?}, softness: {softness}{falloff}), "
+            )
+        ),
         (intensity(), point()).prop_map(|(intensity, direction)| format!(
             "light: Directional(intensity: {intensity}, direction: {direction}), "
         )),

@@ -41,6 +41,17 @@ impl Light {
 pub enum LightKind {
     /// From the entity's position, in all directions.
     Point,
+    /// From the entity's position, in a cone about its own +z axis, as its world transform turns it.
+    ///
+    /// With h half the angle and c the cosine between the axis and the direction in which the light leaves, x is
+    /// (c - cos h) / (cos((1 - softness) h) - cos h), held to 0..=1, and 3 x^2 - 2 x^3 of the intensity leaves: all of it
+    /// up to (1 - softness) h from the axis, nothing from h on, save that the rim itself is lit where the softness is 0.
+    Spot {
+        /// From rim to rim, radians, greater than 0, at most pi.
+        angle: f64,
+        /// Share of the way from the rim to the axis in which the light fades, 0..=1.
+        softness: f64,
+    },
     /// From infinitely far away.
     Directional {
         /// The way the light travels, in the entity's own space; any length but zero.

@@ -194,6 +194,11 @@ fn light(document: &LightDocument) -> Light {
             falloff: falloff.map(self::falloff),
             ..Light::new(LightKind::Point, self::intensity(intensity))
         },
+        LightDocument::Spot { intensity, angle, softness, casts_shadows, falloff } => Light {
+            casts_shadows,
+            falloff: falloff.map(self::falloff),
+            ..Light::new(LightKind::Spot { angle: radians(angle), softness }, self::intensity(intensity))
+        },
         LightDocument::Directional { intensity, direction, casts_shadows, .. } => {
             let kind = LightKind::Directional { direction: direction.into() };
             Light { casts_shadows, ..Light::new(kind, self::intensity(intensity)) }

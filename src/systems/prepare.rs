@@ -1,5 +1,7 @@
 //! The only bridge from the world to the kernel.
 
+use std::f64::consts::PI;
+
 use glam::{DMat3, DVec3};
 use hecs::{Entity, World};
 
@@ -12,7 +14,7 @@ use crate::components::{
 };
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 use crate::trace::{
-    self, Geometry, LightSource, Precision, PreparedScene, PreparedShape, Slot, SurfaceMaterial,
+    self, Cone, Geometry, LightSource, Precision, PreparedScene, PreparedShape, Slot, SurfaceMaterial,
 };
 
 /// The kernel's arrays, and which entity each of their slots stands for.
@@ -273,14 +275,18 @@ fn prepared_light(
 ) -> Option<trace::Light> {
     let source = match light.kind {
         LightKind::Point => LightSource::Point(transform.affine.translation),
+        LightKind::Spot { angle, softness } => {
+            LightSource::Spot(transform.affine.translation, prepared_cone(angle, softness, transform)?)
+        }
         LightKind::Directional { direction } => {
             LightSource::Towards(-transform.affine.transform_vector3(direction))
         }
     };
-    let (LightSource::Point(place) | LightSource::Towards(place)) = source;
+    let (LightSource::Point(place) | LightSource::Spot(place, _) | LightSource::Towards(place)) = source;
     let falloff = match light.falloff {
-        Some(falloff) if matches!(source, LightSource::Point(_)) => Some(prepared_falloff(falloff)?),
-        _ => None,
+        None => None,
+        Some(_) if matches!(source, LightSource::Towards(_)) => None,
+        Some(falloff) => Some(prepared_falloff(falloff)?),
     };
     place.is_finite().then_some(trace::Light {
         source,
@@ -289,6 +295,15 @@ fn prepared_light(
         casts_shadows: light.casts_shadows,
         own_shape,
     })
+}
+
+/// The cone about +z as the transform turns it. `None` where it is none.
+fn prepared_cone(angle: f64, softness: f64, transform: &WorldTransform) -> Option<Cone> {
+    let forward = transform.affine.matrix3.z_axis;
+    let axis = (forward * towards_one(forward.abs().max_element())).try_normalize()?;
+    let half = 0.5 * angle.min(PI);
+    let sane = half > 0.0 && (0.0..=1.0).contains(&softness);
+    sane.then(|| Cone { axis, inner: libm::cos((1.0 - softness) * half), outer: libm::cos(half) })
 }
 
 /// `None` where it is none: a light must not brighten without bounds.

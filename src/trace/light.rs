@@ -45,6 +45,66 @@ impl Falloff {
 pub enum LightSource {
     /// A point.
     Point(DVec3),
+    /// A point, into a cone.
+    Spot(DVec3, Cone),
     /// Infinitely far away, in this direction from everywhere; any length but zero.
     Towards(DVec3),
+}
+
+/// Which way a spot light shines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cone {
+    /// The middle; of length 1.
+    pub axis: DVec3,
+    /// Cosine of the angle from the axis up to which all of the light is seen.
+    pub inner: f64,
+    /// Cosine of the angle from which on nothing is; not greater than `inner`.
+    pub outer: f64,
+}
+
+impl Cone {
+    /// What share of the light leaves in a direction with this cosine to the axis: 3 x^2 - 2 x^3 between the angles, where x
+    /// goes with the cosine.
+    pub(super) fn at(&self, cosine: f64) -> f64 {
+        if cosine >= self.inner {
+            1.0
+        } else if cosine > self.outer {
+            let x = (cosine - self.outer) / (self.inner - self.outer);
+            x * x * (3.0 - 2.0 * x)
+        } else {
+            0.0
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cone_fades_between_its_cosines() {
+        let cone = Cone { axis: DVec3::Z, inner: 0.75, outer: 0.25 };
+        for (cosine, share) in [
+            (1.0, 1.0),
+            (0.75, 1.0),
+            (0.625, 0.84375),
+            (0.5, 0.5),
+            (0.375, 0.15625),
+            (0.25, 0.0),
+            (-1.0, 0.0),
+        ] {
+            assert_eq!(cone.at(cosine), share, "{cosine}");
+        }
+        let hard = Cone { axis: DVec3::Z, inner: 0.5, outer: 0.5 };
+        assert_eq!([0.6, 0.5, 0.499].map(|cosine| hard.at(cosine)), [1.0, 1.0, 0.0]);
+    }
+
+    #[test]
+    fn falloff_is_a_number_at_every_distance() {
+        let falloff = |constant, linear, quadratic| Falloff { constant, linear, quadratic };
+        assert_eq!(falloff(1.0, 2.0, 3.0).at(2.0), 1.0 / 17.0);
+        assert_eq!(falloff(0.5, 0.0, 0.0).at(f64::INFINITY), 2.0);
+        assert_eq!(falloff(1.0, 1.0, 1.0).at(f64::MAX), 0.0);
+        assert_eq!(falloff(1.0, 1.0, 1.0).at(0.0), 1.0);
+    }
 }

@@ -40,7 +40,7 @@ pub use dielectric::Boundary;
 pub use film::Film;
 pub use geometry::{Geometry, Precision, PreparedShape, Slot};
 pub use guards::Guards;
-pub use light::{Falloff, Light, LightSource};
+pub use light::{Cone, Falloff, Light, LightSource};
 pub use prepared::{Closest, Hit, PreparedScene, Surface};
 pub use ray::Ray;
 pub use render::{Effort, RayCounts, render};

@@ -45,7 +45,7 @@ pub(super) fn ambient(scene: &PreparedScene, material: &SurfaceMaterial) -> Rgb 
 }
 
 /// How a light comes to a surface point; `None` where it could add nothing: it is off, behind the surface or at the very
-/// point, or the surface scatters none towards where `arrived` came from.
+/// point, or shines elsewhere, or the surface scatters none towards where `arrived` came from.
 pub(super) fn incidence(
     scene: &PreparedScene,
     arrived: &Ray,
@@ -60,14 +60,23 @@ pub(super) fn incidence(
     // Normals face the ray that arrived, and so does the side that is left.
     let outward = surface.from_outside;
     let (ray, limit) = match light.source {
-        LightSource::Point(point) => Ray::leaving_to(surface, outward, point)?,
+        LightSource::Point(point) | LightSource::Spot(point, _) => Ray::leaving_to(surface, outward, point)?,
         LightSource::Towards(direction) => (Ray::leaving(surface, outward, direction)?, f64::INFINITY),
     };
     let normal = surface.facing_normal();
     let to_light = ray.direction();
     let length_to_light = length(to_light);
     let cosine = Some(normal.dot(to_light) / length_to_light).filter(|cosine| *cosine > 0.0)?;
-    let intensity = light.falloff.map_or(full, |falloff| dimmed(full, falloff.at(length_to_light * limit)));
+    let mut intensity = full;
+    if let LightSource::Spot(_, cone) = &light.source {
+        intensity = dimmed(intensity, cone.at(-cone.axis.dot(to_light) / length_to_light));
+    }
+    if let Some(falloff) = &light.falloff {
+        intensity = dimmed(intensity, falloff.at(length_to_light * limit));
+    }
+    if intensity == Rgb::ZERO {
+        return None;
+    }
     let mut color = diffuse(material, intensity, cosine);
     if material.specular > 0.0 {
         color += specular(material, intensity, half_cosine(normal, to_light, -arrived.direction()));

@@ -175,7 +175,7 @@ impl Seen<'_> {
             let told = match reach {
                 LightReach::Reaches(color) => adds(*color),
                 LightReach::NotAsked => {
-                    "no shadow ray: off, behind the surface or nothing to scatter".to_owned()
+                    "no shadow ray: off, behind, aimed elsewhere or not scattered".to_owned()
                 }
                 LightReach::Hidden(slot) => {
                     format!("hidden by {}", self.places.text(self.probe.entity(*slot)))

@@ -98,6 +98,15 @@ pub(crate) enum LightDocument {
         casts_shadows: bool,
         falloff: Option<Triple>,
     },
+    Spot {
+        intensity: Triple,
+        angle: f64,
+        #[serde(default)]
+        softness: f64,
+        #[serde(default = "yes")]
+        casts_shadows: bool,
+        falloff: Option<Triple>,
+    },
     Directional {
         intensity: Triple,
         #[serde(default = "forward")]

@@ -243,13 +243,34 @@ fn light(light: &LightDocument, at: &At<'_>, problems: &mut Problems) {
                 self::falloff(coefficients, &at.field("falloff"), problems);
             }
         }
+        LightDocument::Spot { intensity, angle, softness, falloff, .. } => {
+            check::intensity(intensity, "the intensity", &at.field("intensity"), problems);
+            if !(angle > 0.0 && angle <= 180.0) {
+                let message =
+                    format!("the angle of a spot light must be above 0, at most 180 degrees, not {angle}");
+                problems.add(
+                    &at.field("angle"),
+                    message,
+                    "out of range",
+                    "write the angle from rim to rim, as 40",
+                );
+            }
+            if !(0.0..=1.0).contains(&softness) {
+                let message = format!("the softness of a spot light must be from 0 to 1, not {softness}");
+                let help = "0 is a hard rim, 1 fades all the way from the middle";
+                problems.add(&at.field("softness"), message, "out of range", help);
+            }
+            if let Some(coefficients) = falloff {
+                self::falloff(coefficients, &at.field("falloff"), problems);
+            }
+        }
         LightDocument::Directional { intensity, direction, falloff, .. } => {
             if falloff.is_some() {
                 problems.add(
                     &at.field("falloff"),
                     "a directional light cannot weaken with distance",
                     "it is infinitely far away",
-                    "remove `falloff`, or make it a Point light",
+                    "remove `falloff`, or make it a Point or a Spot light",
                 );
             }
             check::intensity(intensity, "the intensity", &at.field("intensity"), problems);
