@@ -51,7 +51,8 @@ pub struct LitSurface {
 /// What comes of a light at a surface point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightReach {
-    /// It can add nothing: it is off, or behind the surface, or shines elsewhere, or the surface scatters none of it. No shadow ray is sent.
+    /// It can add nothing: it is off, or behind the surface, or shines elsewhere, or the surface scatters none of it. No
+    /// shadow ray is sent.
     NotAsked,
     /// Something stands in its way; the first in document order of all that do.
     Hidden(Slot),
