@@ -29,6 +29,7 @@ mod ray;
 pub mod reference;
 mod render;
 mod root;
+pub mod sampler;
 mod shade;
 pub mod shapes;
 mod stages;
