@@ -9,7 +9,7 @@ use proptest::test_runner::RngSeed;
 
 use rayreel::components::{
     Ambient, Background, Camera, Falloff, FilmSettings, Light, LightKind, Material, Projection, Quality,
-    Reflective, Shape, Specular, Transform, View,
+    Reflective, Sampling, Shape, Specular, Transform, View,
 };
 use rayreel::{Engine, Rgb, Time, World};
 
@@ -92,7 +92,7 @@ fn light() -> impl Strategy<Value = (Light, Transform)> {
     })
 }
 
-fn world(things: &[Thing], lights: &[(Light, Transform)], eye: DVec3) -> World {
+fn world(things: &[Thing], lights: &[(Light, Transform)], eye: DVec3, samples: u32) -> World {
     let mut world = World::new();
     for Thing { shape, transform, color, diffuse, specular, mirror } in things {
         let color = Rgb::from_array(*color);
@@ -120,6 +120,7 @@ fn world(things: &[Thing], lights: &[(Light, Transform)], eye: DVec3) -> World {
         Ambient(Rgb::splat(0.4)),
         Background(Rgb::new(0.1, 0.2, 0.3)),
         Quality { depth: 4 },
+        Sampling { samples, ..Sampling::default() },
     ));
     world
 }
@@ -142,8 +143,9 @@ proptest! {
         things in things(),
         lights in prop::collection::vec(light(), 0..4),
         eye in point(),
+        samples in prop_oneof![3 => Just(1), 1 => 2..=4u32],
     ) {
-        let mut engine = Engine::new(world(&things, &lights, eye));
+        let mut engine = Engine::new(world(&things, &lights, eye, samples));
         let fast = engine.render_at(Time::ZERO).unwrap();
         let reference = engine.render_reference(Time::ZERO).unwrap();
         prop_assert!(fast.pixels().iter().all(|pixel| pixel.is_finite()));

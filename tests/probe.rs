@@ -332,6 +332,11 @@ fn wrong_wishes_are_answered_with_what_would_be_right() {
             "error: there is no pixel 5,1: the film of 5x3 has columns 0 to 4 and rows 0 to 2\n".to_owned(),
         ),
         (
+            vec!["corner.ron", "--pixel", "0,0", "--sample", "1"],
+            1,
+            "error: there is no sample 1: pixels of this scene have one, 0\n".to_owned(),
+        ),
+        (
             vec![light, "--pixel", "0,36", "--size", "64x36"],
             1,
             "error: there is no pixel 0,36: the film of 64x36 has columns 0 to 63 and rows 0 to 35\n"

@@ -129,6 +129,7 @@ pub(super) struct CheckArguments {
 
 A pixel is answered with the tree of its rays. What a ray finds gives light, the sum of what stands
 below it; times the ray's throughput it goes to the pixel, whose colour is the sum over all rays.
+Where pixels have several samples, this is one of them, and the pixel is the mean of all.
 
 A ray is a line ox,oy,oz,dx,dy,dz, its origin and its direction, which may have any length but zero;
 a first line with just these names is skipped. It is answered with a line
@@ -142,6 +143,9 @@ pub(super) struct ProbeArguments {
     /// Tell everything about this pixel: column and row from 0 at the top left
     #[arg(long, value_name = "COLUMN,ROW", value_parser = parse_pixel, allow_hyphen_values = true)]
     pub(super) pixel: Option<(u32, u32)>,
+    /// Tell this sample of the pixel, from 0 [default: 0]
+    #[arg(long, value_name = "INDEX", conflicts_with = "rays")]
+    pub(super) sample: Option<u32>,
     /// Tell what the rays in this CSV file meet; - is standard input
     #[arg(long, value_name = "FILE")]
     pub(super) rays: Option<PathBuf>,

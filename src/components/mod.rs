@@ -8,7 +8,7 @@
 //! | [`Reflective`] | its surface mirrors |
 //! | [`Light`] | it gives light |
 //! | [`Camera`], [`FilmSettings`] | from where and on what the picture is taken |
-//! | [`Ambient`], [`Background`], [`Quality`] | settings of the whole scene; one of each in a world |
+//! | [`Ambient`], [`Background`], [`Quality`], [`Sampling`] | settings of the whole scene; one of each in a world |
 //! | [`Animated`] | tracks that drive the values above |
 //! | [`Name`], [`Order`] | how people and sums refer to it |
 //! | [`WorldTransform`] | derived by [`systems::propagate`](crate::systems::propagate); never written by hand |
@@ -27,6 +27,6 @@ pub use camera::{Camera, Projection, View};
 pub use identity::{Name, Order};
 pub use light::{Falloff, Light, LightKind};
 pub use material::{Material, Reflective, Specular};
-pub use settings::{Ambient, Background, FilmSettings, Quality};
+pub use settings::{Ambient, Background, FilmSettings, Noise, Quality, Sampling};
 pub use shape::Shape;
 pub use transform::{Parent, Transform, WorldTransform};

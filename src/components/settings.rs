@@ -34,6 +34,40 @@ impl Default for FilmSettings {
     }
 }
 
+/// How many samples a pixel has, and which.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sampling {
+    /// 1..=[`Self::LARGEST_COUNT`]. A single sample is in the pixel's centre; several are spread over the pixel, which is
+    /// their mean.
+    pub samples: u32,
+    /// Another seed gives other samples.
+    pub seed: u64,
+    /// What the samples of different frames have to do with each other.
+    pub noise: Noise,
+}
+
+/// What the noise of different frames has to do with each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Noise {
+    /// The samples of all frames lie alike: what does not change does not flicker.
+    #[default]
+    Fixed,
+    /// Every moment has samples of its own, so that noise averages out to the eye. They are a function of the seed and the
+    /// exact time.
+    PerFrame,
+}
+
+impl Sampling {
+    /// The most samples in a pixel.
+    pub const LARGEST_COUNT: u32 = 65_536;
+}
+
+impl Default for Sampling {
+    fn default() -> Self {
+        Self { samples: 1, seed: 0, noise: Noise::Fixed }
+    }
+}
+
 /// How far light is followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Quality {

@@ -1,4 +1,4 @@
-//! What one pixel sees.
+//! What one sample of a pixel sees.
 
 use hecs::Entity;
 
@@ -7,7 +7,7 @@ use crate::systems::Preparation;
 use crate::trace::reference::{RayEnd, RayTree, ray_tree};
 use crate::trace::{self, Slot};
 
-/// Everything that goes into a pixel: its rays, what they find, and what that adds to the colour.
+/// Everything that goes into a sample of a pixel: its rays, what they find, and what that adds to the colour.
 #[derive(Clone, Debug)]
 pub struct Probe<'a> {
     preparation: &'a Preparation,
@@ -20,13 +20,14 @@ impl<'a> Probe<'a> {
         Self { preparation, tree: ray_tree(preparation.scene(), camera_ray) }
     }
 
-    /// The pixel's colour, as it is in the film, or would be if it had not overflowed.
+    /// The sample's colour. Where pixels have one sample it is the pixel's, as it is in the film, or would be if it had not
+    /// overflowed; where they have more the pixel is the mean of all.
     #[must_use]
     pub fn color(&self) -> Rgb {
         self.tree.color(self.preparation.scene())
     }
 
-    /// The light that comes back from what a ray finds. Times the ray's throughput it is what the ray adds to the pixel.
+    /// The light that comes back from what a ray finds. Times the ray's throughput it is what the ray adds to the sample.
     #[must_use]
     pub fn light(&self, end: &RayEnd) -> Rgb {
         end.light(self.preparation.scene())

@@ -215,7 +215,8 @@ impl Engine {
             return Ok(None);
         };
         let start = Instant::now();
-        let rendered = trace::render(preparation.scene(), preparation.camera(), cancelled);
+        let sampling = preparation.sampling(time);
+        let rendered = trace::render(preparation.scene(), preparation.camera(), sampling, cancelled);
         self.report.trace = start.elapsed();
         Ok(rendered.map(|(film, effort)| {
             self.report.rays = effort.rays;
@@ -232,8 +233,9 @@ impl Engine {
     /// As [`Engine::render_frame`].
     pub fn render_reference(&mut self, time: Time) -> Result<Film, EngineError> {
         self.seek(time)?;
-        let render =
-            |preparation: &Preparation| trace::reference::render(preparation.scene(), preparation.camera());
+        let render = |preparation: &Preparation| {
+            trace::reference::render(preparation.scene(), preparation.camera(), preparation.sampling(time))
+        };
         Ok(self.preparation.as_ref().map_or_else(|| Film::new(0, 0), render))
     }
 
@@ -319,13 +321,30 @@ impl Engine {
             .collect()
     }
 
-    /// Everything that goes into the pixel in column `i` and row `j`, at the moment of the last frame or
-    /// [`seek`](Engine::seek), by the reference path. `None` before the first of them, and outside the film.
+    /// Everything that goes into the first sample of the pixel in column `i` and row `j`: the only one, unless
+    /// [`Sampling`](crate::components::Sampling) asks for more. As [`probe_sample`](Engine::probe_sample).
     #[must_use]
     pub fn probe(&self, i: u32, j: u32) -> Option<Probe<'_>> {
+        self.probe_sample(i, j, 0)
+    }
+
+    /// Everything that goes into sample `index` of the pixel in column `i` and row `j`, at the moment of the last frame or
+    /// [`seek`](Engine::seek), by the reference path. `None` before the first of them, outside the film, and for a sample
+    /// that the pixel does not have.
+    #[must_use]
+    pub fn probe_sample(&self, i: u32, j: u32, index: u32) -> Option<Probe<'_>> {
         let preparation = self.preparation.as_ref()?;
-        let (columns, rows) = preparation.camera().resolution();
-        let ray = (i < columns && j < rows).then(|| preparation.camera().ray(i, j))??;
+        let (camera, sampling) = (preparation.camera(), preparation.sampling(self.report.time));
+        let (columns, rows) = camera.resolution();
+        let exists = i < columns && j < rows && index < sampling.samples;
+        let ray = exists.then(|| camera.sample_ray(sampling, i, j, index))??;
         Some(Probe::new(preparation, ray))
+    }
+
+    /// How many samples every pixel has, and which, at the moment of the last frame or [`seek`](Engine::seek). `None` before
+    /// the first of them.
+    #[must_use]
+    pub fn sampling(&self) -> Option<trace::Sampling> {
+        Some(self.preparation.as_ref()?.sampling(self.report.time))
     }
 }

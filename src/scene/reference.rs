@@ -9,9 +9,9 @@ mod tests {
 
     use crate::scene::document::{
         AnimationDocument, CameraDocument, ChannelDocument, EasingDocument, EntityDocument, FilmDocument,
-        LightDocument, MaterialDocument, QualityDocument, ReflectiveDocument, RotationDocument,
-        SceneDocument, ScreenDocument, ShapeDocument, SpecularDocument, TimelineDocument, TrackDocument,
-        TransferDocument, TransformDocument, Triple,
+        LightDocument, MaterialDocument, NoiseDocument, QualityDocument, ReflectiveDocument,
+        RotationDocument, SamplingDocument, SceneDocument, ScreenDocument, ShapeDocument, SpecularDocument,
+        TimelineDocument, TrackDocument, TransferDocument, TransformDocument, Triple,
     };
     use crate::scene::parse::options;
 
@@ -105,6 +105,7 @@ mod tests {
         check_fields::<TimelineDocument>("Timeline", all);
         check_fields::<FilmDocument>("Film", all);
         check_fields::<QualityDocument>("Quality", all);
+        check_fields::<SamplingDocument>("Sampling", all);
         check_fields::<CameraDocument>("Camera", all);
         check_fields::<ScreenDocument>("Screen", all);
         check_fields::<MaterialDocument>("Material", all);
@@ -114,6 +115,7 @@ mod tests {
         check_fields::<TransformDocument>("Transform", all);
         check_fields::<AnimationDocument>("Animation", all);
         check_variants::<TransferDocument>("Transfer", all);
+        check_variants::<NoiseDocument>("Noise", all);
         check_variants::<RotationDocument>("Rotation", all);
         check_variants::<ChannelDocument>("Channel", all);
         check_variants::<EasingDocument>("Easing", all);

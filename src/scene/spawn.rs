@@ -10,14 +10,15 @@ use hecs::{Entity, EntityBuilder, World};
 use super::Scene;
 use super::document::{
     AnimationDocument, CameraDocument, ChannelDocument, ColorDocument, EasingDocument, EntityDocument,
-    FilmDocument, LightDocument, MaterialDocument, RotationDocument, ScaleDocument, SceneDocument,
-    ShapeDocument, TimelineDocument, TrackDocument, TracksDocument, TransferDocument, TransformDocument,
-    Triple,
+    FilmDocument, LightDocument, MaterialDocument, NoiseDocument, RotationDocument, SamplingDocument,
+    ScaleDocument, SceneDocument, ShapeDocument, TimelineDocument, TrackDocument, TracksDocument,
+    TransferDocument, TransformDocument, Triple,
 };
 use crate::color::{Rgb, Transfer};
 use crate::components::{
     Ambient, Animated, Background, Camera, Channel, Falloff, FilmSettings, Light, LightKind, Material, Name,
-    Order, Parent, Projection, Quality, Reflective, Shape, Specular, Transform, View, WorldTransform,
+    Noise, Order, Parent, Projection, Quality, Reflective, Sampling, Shape, Specular, Transform, View,
+    WorldTransform,
 };
 use crate::time::{FrameRate, Timeline};
 use crate::timeline::{Easing, Interpolate, Key, Rotation, Track};
@@ -49,6 +50,7 @@ pub(super) fn spawn(document: &SceneDocument) -> Scene {
         Ambient(intensity(document.ambient)),
         Background(transfer.decode(document.background.0)),
         Quality { depth: u32::try_from(document.quality.depth).unwrap_or(u32::MAX) },
+        sampling(&document.sampling),
     ));
 
     let mut names: HashMap<&str, Entity> = document
@@ -122,6 +124,14 @@ fn film(document: &FilmDocument) -> FilmSettings {
         height: side(document.height),
         transfer: transfer(document.transfer),
     }
+}
+
+fn sampling(document: &SamplingDocument) -> Sampling {
+    let noise = match document.noise {
+        NoiseDocument::Fixed => Noise::Fixed,
+        NoiseDocument::PerFrame => Noise::PerFrame,
+    };
+    Sampling { samples: u32::try_from(document.samples).unwrap_or(u32::MAX), seed: document.seed, noise }
 }
 
 fn camera(document: &CameraDocument) -> Camera {

@@ -9,9 +9,10 @@ use super::Changes;
 use super::order::order_newcomers;
 use crate::color::Rgb;
 use crate::components::{
-    Ambient, Background, Camera, Falloff, FilmSettings, Light, LightKind, Material, Order, Projection,
-    Quality, Reflective, Shape, Specular, View, WorldTransform,
+    Ambient, Background, Camera, Falloff, FilmSettings, Light, LightKind, Material, Noise, Order, Projection,
+    Quality, Reflective, Sampling, Shape, Specular, View, WorldTransform,
 };
+use crate::time::Time;
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 use crate::trace::{
     self, Cone, Geometry, LightSource, Precision, PreparedScene, PreparedShape, Slot, SurfaceMaterial,
@@ -26,6 +27,7 @@ pub struct Preparation {
     scene: PreparedScene,
     camera: trace::Camera,
     film: FilmSettings,
+    sampling: Sampling,
     entities: Vec<Entity>,
     lights: Vec<Entity>,
     slots: SlotTable,
@@ -83,7 +85,8 @@ impl Preparation {
         let film = film_settings(world);
         let scene = PreparedScene::new(geometry, materials);
         let camera = prepared_camera(world, film);
-        let mut preparation = Self { scene, camera, film, entities, lights: Vec::new(), slots };
+        let sampling = Sampling::default();
+        let mut preparation = Self { scene, camera, film, sampling, entities, lights: Vec::new(), slots };
         preparation.read_settings(world);
         preparation
     }
@@ -127,6 +130,16 @@ impl Preparation {
     #[must_use]
     pub fn film(&self) -> FilmSettings {
         self.film
+    }
+
+    /// How many samples every pixel has at this moment, and which.
+    #[must_use]
+    pub fn sampling(&self, time: Time) -> trace::Sampling {
+        let sampling = trace::Sampling { samples: self.sampling.samples, seed: self.sampling.seed };
+        match self.sampling.noise {
+            Noise::Fixed => sampling,
+            Noise::PerFrame => sampling.reseeded(time.lowest_terms().into()),
+        }
     }
 
     /// The entity whose shape is in a slot.
@@ -175,6 +188,8 @@ impl Preparation {
             lights.into_iter().map(|(_, entity, light)| (entity, light)).unzip();
         self.scene.ambient = sane(first::<Ambient>(world).0);
         self.scene.background = sane(first::<Background>(world).0);
+        let sampling = first::<Sampling>(world);
+        self.sampling = Sampling { samples: sampling.samples.clamp(1, Sampling::LARGEST_COUNT), ..sampling };
         self.scene.depth = first::<Quality>(world).depth.clamp(1, Quality::LARGEST_DEPTH);
     }
 }

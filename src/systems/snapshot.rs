@@ -6,7 +6,7 @@ use hecs::{BuiltEntityClone, Component, Entity, EntityBuilderClone, EntityRef, W
 
 use crate::components::{
     Ambient, Animated, Background, Camera, FilmSettings, Light, Material, Name, Order, Parent, Quality,
-    Reflective, Shape, Specular, Transform, WorldTransform,
+    Reflective, Sampling, Shape, Specular, Transform, WorldTransform,
 };
 
 /// The component types that a snapshot copies.
@@ -51,6 +51,7 @@ impl Default for Registry {
         registry.register::<Ambient>();
         registry.register::<Background>();
         registry.register::<Quality>();
+        registry.register::<Sampling>();
         registry.register::<Animated>();
         registry
     }

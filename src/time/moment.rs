@@ -79,6 +79,21 @@ impl Time {
         self.numerator as f64 / self.denominator as f64
     }
 
+    /// Numerator and denominator without a common divisor: the same for equal moments, however they were given.
+    ///
+    /// ```
+    /// use rayreel::time::FrameRate;
+    /// assert_eq!(FrameRate::new(24, 1).unwrap().time_of(36).lowest_terms(), (3, 2));
+    /// ```
+    #[must_use]
+    pub fn lowest_terms(self) -> (u64, u64) {
+        let (mut divisor, mut rest) = (self.denominator, self.numerator);
+        while rest != 0 {
+            (divisor, rest) = (rest, divisor % rest);
+        }
+        (self.numerator / divisor, self.denominator / divisor)
+    }
+
     /// How many whole steps of the given length fit between the start and this moment, counted in integers.
     #[must_use]
     pub fn whole_steps(self, step: Self) -> u64 {

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::Ray;
 use super::exact::Double;
 use super::ray::scaled;
+use super::sampler::{Dimension, PixelSamples, Sampling};
 
 /// The camera, ready to make rays: an eye and a grid of pixels on a screen before it.
 ///
@@ -63,15 +64,20 @@ impl Camera {
     /// From the eye to the centre of pixel (i, j): P1 - P0.
     #[must_use]
     pub fn towards(&self, i: u32, j: u32) -> DVec3 {
+        self.through(f64::from(i), f64::from(j))
+    }
+
+    /// From the eye to a place on the screen, in columns from the centre of the first and rows from the centre of the first.
+    fn through(&self, column: f64, row: f64) -> DVec3 {
         let across = if self.columns > 1 {
-            -0.5 * self.width + self.width * f64::from(i) / f64::from(self.columns - 1)
+            -0.5 * self.width + self.width * column / f64::from(self.columns - 1)
         } else {
-            0.0
+            self.width * column
         };
         let upwards = if self.rows > 1 {
-            0.5 * self.height - self.height * f64::from(j) / f64::from(self.rows - 1)
+            0.5 * self.height - self.height * row / f64::from(self.rows - 1)
         } else {
-            0.0
+            0.0 - self.height * row
         };
         self.right * across + self.up * upwards + self.forward
     }
@@ -80,6 +86,21 @@ impl Camera {
     #[must_use]
     pub fn ray(&self, i: u32, j: u32) -> Option<Ray> {
         Ray::new(self.eye, self.towards(i, j))
+    }
+
+    /// The ray of sample `index` of pixel (i, j). A single sample is in the pixel's centre; several are spread evenly over
+    /// the square of half a pitch around it. The pitch is W/(columns-1), or W where there is one column: pixels border on
+    /// each other, and the outermost reach beyond the screen's edges by half a pitch.
+    ///
+    /// `None` only if the eye or the screen is not finite.
+    #[must_use]
+    pub fn sample_ray(&self, sampling: Sampling, i: u32, j: u32, index: u32) -> Option<Ray> {
+        if sampling.samples <= 1 {
+            return self.ray(i, j);
+        }
+        let samples = PixelSamples::new(sampling.seed, i, j);
+        let [right, down] = samples.pair(Dimension::Pixel, index).map(|place| place - 0.5);
+        Ray::new(self.eye, self.through(f64::from(i) + right, f64::from(j) + down))
     }
 
     /// Columns and rows.
@@ -125,6 +146,28 @@ mod tests {
     fn a_resolution_of_one_is_the_middle() {
         let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 2.0, (4.0, 1.0), (1, 1));
         assert_eq!(camera.towards(0, 0), DVec3::new(0.0, 0.0, 2.0));
+    }
+
+    #[test]
+    fn samples_cover_half_a_pitch_around_the_pixels() {
+        for (resolution, pitch) in [((1, 1), (4.0, 1.0)), ((3, 2), (2.0, 1.0))] {
+            let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.0, (4.0, 1.0), resolution);
+            let (i, j) = (resolution.0 - 1, resolution.1 - 1);
+            let centre = camera.towards(i, j);
+            assert_eq!(camera.sample_ray(Sampling::default(), i, j, 0), camera.ray(i, j));
+            let sampling = Sampling { samples: 1024, seed: 3 };
+            let (mut least, mut most) = (DVec3::MAX, DVec3::MIN);
+            for index in 0..sampling.samples {
+                let direction = camera.sample_ray(sampling, i, j, index).unwrap().direction();
+                let offset = direction / direction.z - centre;
+                least = least.min(offset);
+                most = most.max(offset);
+            }
+            // The outermost of n numbers, one in each n-th, are within an n-th of the ends.
+            for (low, high, pitch) in [(least.x, most.x, pitch.0), (least.y, most.y, pitch.1)] {
+                assert!((-0.5..-0.499).contains(&(low / pitch)) && (0.499..0.5).contains(&(high / pitch)));
+            }
+        }
     }
 
     #[test]

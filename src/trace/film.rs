@@ -1,5 +1,7 @@
 //! Linear pixels of one frame.
 
+use glam::DVec3;
+
 use crate::color::Rgb;
 
 /// One frame's pixels in linear light, row by row from the top. Every value is finite and 0 or more.
@@ -61,6 +63,22 @@ impl Film {
             *stored = Rgb::from_array(pixel.to_array().map(saturated));
         }
         overflowed
+    }
+}
+
+/// What the samples of a pixel add up to. In `f64`, so that the mean of equal samples is exactly their value, and that of
+/// 2^16 samples is as good as that of two.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PixelSum(DVec3);
+
+impl PixelSum {
+    pub(super) fn add(&mut self, sample: Rgb) {
+        self.0 += sample.as_dvec3();
+    }
+
+    /// Divided by the number of samples, and rounded to `f32` once.
+    pub(super) fn mean(self, samples: u32) -> Rgb {
+        (self.0 / f64::from(samples)).as_vec3()
     }
 }
 

@@ -8,7 +8,10 @@
 //! ```
 //!
 //! The picture is made tile by tile, each tile in waves: every stage runs over all rays of the tile before the next
-//! stage starts, and what a wave's surfaces reflect is the next wave's rays. Nothing recurses, and no ray allocates.
+//! stage starts, and what a wave's surfaces reflect is the next wave's rays. Nothing recurses, and no ray allocates. Where
+//! pixels have several samples, a tile goes through all that once for each of them: memory does not grow with their number.
+//! Samples are added up in the order of their indices, in `f64`, in which the mean of equal samples is exactly their value.
+//! Where samples lie is in [`mod@sampler`].
 //!
 //! Two paths answer what a ray meets: [`PreparedScene`]'s tree of bounding boxes, and the linear scan in
 //! [`mod@reference`]. Both ask the same shapes the same questions, so that both make the same picture, bit for bit.
@@ -46,5 +49,6 @@ pub use prepared::{Closest, Hit, PreparedScene, Surface};
 pub use ray::Ray;
 pub use render::{Effort, RayCounts, render};
 pub use root::{Refined, Root};
+pub use sampler::Sampling;
 pub use shade::SurfaceMaterial;
 pub use ties::Ties;

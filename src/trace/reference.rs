@@ -1,12 +1,13 @@
 //! The slow path: every ray asks every shape. It is the oracle that the fast path is held against, bit for bit, the
 //! definition of the picture in the fewest words, and, as it keeps the whole tree of a pixel's rays, its explanation.
 
+use super::film::PixelSum;
 use super::geometry::Leaves;
 use super::shade::{ambient, incidence, mirrored};
-use super::{Camera, Closest, Film, Guards, PreparedScene, Ray, Slot, Surface};
+use super::{Camera, Closest, Film, Guards, PreparedScene, Ray, Sampling, Slot, Surface};
 use crate::color::Rgb;
 
-/// All rays of one pixel, breadth first.
+/// All rays of one sample of a pixel, breadth first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RayTree {
     /// The camera ray is the first; every ray comes after the one it continues.
@@ -20,7 +21,7 @@ pub struct TracedRay {
     pub parent: Option<usize>,
     /// The ray.
     pub ray: Ray,
-    /// What share of the light along it reaches the pixel.
+    /// What share of the light along it reaches the pixel, before the mean over samples is taken.
     pub throughput: Rgb,
     /// What it finds.
     pub end: RayEnd,
@@ -61,7 +62,7 @@ pub enum LightReach {
 }
 
 impl RayTree {
-    /// The pixel's colour: throughput times light, ray after ray.
+    /// The sample's colour: throughput times light, ray after ray.
     #[must_use]
     pub fn color(&self, scene: &PreparedScene) -> Rgb {
         self.rays.iter().fold(Rgb::ZERO, |sum, traced| sum + traced.throughput * traced.end.light(scene))
@@ -82,16 +83,19 @@ impl RayEnd {
     }
 }
 
-/// Makes the picture, pixel after pixel.
+/// Makes the picture, pixel after pixel, and in a pixel sample after sample.
 #[must_use]
-pub fn render(scene: &PreparedScene, camera: &Camera) -> Film {
+pub fn render(scene: &PreparedScene, camera: &Camera, sampling: Sampling) -> Film {
     let (columns, rows) = camera.resolution();
     let mut film = Film::new(columns, rows);
     for j in 0..rows {
         for i in 0..columns {
-            let ray = camera.ray(i, j);
-            let color = ray.map_or(scene.background, |ray| ray_tree(scene, ray).color(scene));
-            film.store(i, j, &[color]);
+            let mut sum = PixelSum::default();
+            for sample in 0..sampling.samples {
+                let ray = camera.sample_ray(sampling, i, j, sample);
+                sum.add(ray.map_or(scene.background, |ray| ray_tree(scene, ray).color(scene)));
+            }
+            film.store(i, j, &[sum.mean(sampling.samples)]);
         }
     }
     film

@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::geometry::{Leaves, with_leaves};
-use super::stages::{TILE, Tile, TileBuffers, render_tile};
-use super::{Camera, Film, Guards, PreparedScene};
+use super::stages::{TILE, Tile, TileBuffers, render_sample};
+use super::{Camera, Film, Guards, PreparedScene, Sampling};
 use crate::color::Rgb;
 
 /// What a picture took.
@@ -50,14 +50,20 @@ impl AddAssign for RayCounts {
 ///
 /// `None` if `cancelled` became true before the picture was whole.
 #[must_use]
-pub fn render(scene: &PreparedScene, camera: &Camera, cancelled: &AtomicBool) -> Option<(Film, Effort)> {
-    with_leaves!(scene, leaves => render_with(scene, leaves, camera, cancelled))
+pub fn render(
+    scene: &PreparedScene,
+    camera: &Camera,
+    sampling: Sampling,
+    cancelled: &AtomicBool,
+) -> Option<(Film, Effort)> {
+    with_leaves!(scene, leaves => render_with(scene, leaves, camera, sampling, cancelled))
 }
 
 fn render_with(
     scene: &PreparedScene,
     leaves: &impl Leaves,
     camera: &Camera,
+    sampling: Sampling,
     cancelled: &AtomicBool,
 ) -> Option<(Film, Effort)> {
     let (columns, rows) = camera.resolution();
@@ -69,10 +75,14 @@ fn render_with(
     let finished: Option<Vec<(Vec<Rgb>, Effort)>> = tiles
         .par_iter()
         .map_init(TileBuffers::default, |buffers, tile| {
-            if cancelled.load(Ordering::Relaxed) {
-                return None;
+            buffers.begin(*tile);
+            for sample in 0..sampling.samples {
+                if cancelled.load(Ordering::Relaxed) {
+                    return None;
+                }
+                render_sample(scene, leaves, camera, sampling, (*tile, sample), buffers);
             }
-            render_tile(scene, leaves, camera, *tile, buffers);
+            buffers.finish(sampling.samples);
             let rays = std::mem::take(&mut buffers.counts);
             let guards = std::mem::take(&mut buffers.scratch.guards);
             Some((buffers.pixels.clone(), Effort { rays, guards }))

@@ -11,6 +11,30 @@
 //!
 //! All is integer arithmetic, and one exact conversion at the end: the bits are the same everywhere.
 
+/// How many samples every pixel has, and which.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sampling {
+    /// Samples in a pixel, 1 or more. A single one is in the pixel's centre; several are spread over it, and the pixel is
+    /// their mean.
+    pub samples: u32,
+    /// Another seed gives other samples, that are as good.
+    pub seed: u64,
+}
+
+impl Default for Sampling {
+    fn default() -> Self {
+        Self { samples: 1, seed: 0 }
+    }
+}
+
+impl Sampling {
+    /// The same number of samples, with a seed that depends on these numbers too.
+    #[must_use]
+    pub fn reseeded(self, numbers: [u64; 2]) -> Self {
+        Self { seed: numbers.into_iter().fold(self.seed, mixed), ..self }
+    }
+}
+
 /// What a sample's numbers are for. Each purpose has numbers of its own: leaving one out, or adding one, does not move the
 /// others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

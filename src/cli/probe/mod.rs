@@ -34,6 +34,14 @@ pub(super) fn run(arguments: &ProbeArguments) -> Result<(), Failure> {
     if let Some(rays) = &arguments.rays {
         return rays::run(rays, &engine, arguments.json);
     }
-    let at = pixel::At { file: &file, text: &text, pixel: arguments.pixel.unwrap_or((0, 0)), frame, time };
+    let at = pixel::At {
+        file: &file,
+        text: &text,
+        pixel: arguments.pixel.unwrap_or((0, 0)),
+        sample: arguments.sample.unwrap_or(0),
+        samples: engine.sampling().map_or(1, |sampling| sampling.samples),
+        frame,
+        time,
+    };
     pixel::run(&at, &engine, arguments.json)
 }

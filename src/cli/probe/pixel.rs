@@ -23,6 +23,10 @@ pub(super) struct At<'a> {
     pub(super) text: &'a str,
     /// Column and row.
     pub(super) pixel: (u32, u32),
+    /// Which of the pixel's samples.
+    pub(super) sample: u32,
+    /// How many it has.
+    pub(super) samples: u32,
     /// `None` for a moment that is no frame.
     pub(super) frame: Option<u32>,
     pub(super) time: Time,
@@ -32,8 +36,9 @@ pub(super) fn run(at: &At<'_>, engine: &Engine, json: bool) -> Result<(), Failur
     let film = engine.film_settings();
     let (column, row) = at.pixel;
     ensure_pixel(at.pixel, (film.width, film.height))?;
+    ensure_sample(at.sample, at.samples)?;
     let probe = engine
-        .probe(column, row)
+        .probe_sample(column, row, at.sample)
         .context("the camera is not in a finite place at this moment: all pixels show the background")?;
     let mut entities = probe.lights().to_vec();
     entities.extend(probe.tree.rays.iter().flat_map(|traced| met(&probe, traced)));
@@ -54,6 +59,15 @@ fn ensure_pixel((column, row): (u32, u32), (width, height): (u32, u32)) -> anyho
         width - 1,
         height - 1
     );
+    Ok(())
+}
+
+fn ensure_sample(sample: u32, samples: u32) -> anyhow::Result<()> {
+    let pixels_have = match samples {
+        1 => "one, 0".to_owned(),
+        _ => format!("samples 0 to {}", samples - 1),
+    };
+    ensure!(sample < samples, "there is no sample {sample}: pixels of this scene have {pixels_have}");
     Ok(())
 }
 
@@ -88,8 +102,12 @@ impl Seen<'_> {
             Some(frame) => format!("frame {frame} at {time} s"),
             None => format!("the moment {time} s"),
         };
+        let sample = match self.at.samples {
+            1 => String::new(),
+            samples => format!(" sample {} of {samples},", self.at.sample),
+        };
         let mut text = format!(
-            "Pixel {column},{row} of {}x{}, {moment}, camera ({}:{})\n",
+            "Pixel {column},{row} of {}x{},{sample} {moment}, camera ({}:{})\n",
             film.width,
             film.height,
             self.at.file,
@@ -196,6 +214,8 @@ impl Seen<'_> {
             "width": film.width,
             "height": film.height,
             "pixel": [self.at.pixel.0, self.at.pixel.1],
+            "sample": self.at.sample,
+            "samples": self.at.samples,
             "frame": self.at.frame,
             "time": self.at.time.seconds(),
             "camera_line": camera_line(self.at.text),

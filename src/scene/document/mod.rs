@@ -12,7 +12,10 @@ pub(super) use animation::{
 pub(super) use entity::{
     EntityDocument, LightDocument, MaterialDocument, RotationDocument, ShapeDocument, TransformDocument,
 };
-pub(super) use settings::{CameraDocument, FilmDocument, SceneDocument, TimelineDocument, TransferDocument};
+pub(super) use settings::{
+    CameraDocument, FilmDocument, NoiseDocument, SamplingDocument, SceneDocument, TimelineDocument,
+    TransferDocument,
+};
 pub(super) use values::{ColorDocument, Entries, RateDocument, ScaleDocument, Triple};
 
 #[cfg(test)]

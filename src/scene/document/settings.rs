@@ -16,6 +16,8 @@ pub(crate) struct SceneDocument {
     pub(crate) film: FilmDocument,
     #[serde(default)]
     pub(crate) quality: QualityDocument,
+    #[serde(default)]
+    pub(crate) sampling: SamplingDocument,
     pub(crate) camera: CameraDocument,
     #[serde(default)]
     pub(crate) ambient: Triple,
@@ -81,6 +83,29 @@ impl Default for QualityDocument {
     fn default() -> Self {
         Self { depth: 5 }
     }
+}
+
+/// Samples in pixels.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Sampling")]
+pub(crate) struct SamplingDocument {
+    pub(crate) samples: u64,
+    pub(crate) seed: u64,
+    pub(crate) noise: NoiseDocument,
+}
+
+impl Default for SamplingDocument {
+    fn default() -> Self {
+        Self { samples: 1, seed: 0, noise: NoiseDocument::Fixed }
+    }
+}
+
+/// From frame to frame.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(rename = "Noise")]
+pub(crate) enum NoiseDocument {
+    Fixed,
+    PerFrame,
 }
 
 /// From where the picture is taken.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::{At, Problems, check};
-use crate::components::{FilmSettings, Quality};
+use crate::components::{FilmSettings, Quality, Sampling};
 use crate::scene::document::{CameraDocument, FilmDocument, SceneDocument, TimelineDocument};
 use crate::time::{FrameRate, Timeline};
 
@@ -22,6 +22,17 @@ pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut 
             message,
             "out of range",
             "1 traces camera rays alone, 5 adds four reflections",
+        );
+    }
+    let samples = document.sampling.samples;
+    if !(1..=u64::from(Sampling::LARGEST_COUNT)).contains(&samples) {
+        let at = scene.field("sampling");
+        let message = format!("samples must be from 1 to {}, not {samples}", Sampling::LARGEST_COUNT);
+        problems.add(
+            &at.field("samples"),
+            message,
+            "out of range",
+            "1 is the pixel's centre alone, 16 gives smooth edges",
         );
     }
 }

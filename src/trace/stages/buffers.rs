@@ -1,6 +1,7 @@
 //! A tile's working memory. One per thread, reused from tile to tile, so that no ray allocates.
 
 use crate::color::Rgb;
+use crate::trace::film::PixelSum;
 use crate::trace::prepared::Scratch;
 use crate::trace::render::RayCounts;
 use crate::trace::{Closest, Ray, Surface};
@@ -41,7 +42,8 @@ pub(super) struct Found {
     pub(super) local: Rgb,
 }
 
-/// Queues between the stages, and the tile's pixels.
+/// Queues between the stages, and the tile's pixels. Between [`begin`](Self::begin) and [`finish`](Self::finish) a tile's
+/// samples go through, one of every pixel at a time.
 #[derive(Debug, Default)]
 pub(in crate::trace) struct TileBuffers {
     /// This wave's rays.
@@ -53,17 +55,37 @@ pub(in crate::trace) struct TileBuffers {
     /// The next wave's rays.
     pub(super) next: Vec<QueuedRay>,
     pub(in crate::trace) scratch: Scratch,
-    /// Row by row.
+    /// Row by row: what the sample brings, and in the end the mean of all.
     pub(in crate::trace) pixels: Vec<Rgb>,
+    /// The samples so far, row by row.
+    sums: Vec<PixelSum>,
     /// Rays since the buffers were made.
     pub(in crate::trace) counts: RayCounts,
 }
 
 impl TileBuffers {
-    pub(super) fn begin(&mut self, tile: Tile) {
-        self.pixels.clear();
-        self.pixels.resize((tile.width * tile.height) as usize, Rgb::ZERO);
+    pub(in crate::trace) fn begin(&mut self, tile: Tile) {
+        let count = (tile.width * tile.height) as usize;
+        self.pixels.resize(count, Rgb::ZERO);
+        self.sums.clear();
+        self.sums.resize(count, PixelSum::default());
+    }
+
+    pub(super) fn begin_sample(&mut self) {
+        self.pixels.fill(Rgb::ZERO);
         self.rays.clear();
         self.next.clear();
+    }
+
+    pub(super) fn end_sample(&mut self) {
+        for (sum, sample) in self.sums.iter_mut().zip(&self.pixels) {
+            sum.add(*sample);
+        }
+    }
+
+    pub(in crate::trace) fn finish(&mut self, samples: u32) {
+        for (pixel, sum) in self.pixels.iter_mut().zip(&self.sums) {
+            *pixel = sum.mean(samples);
+        }
     }
 }

@@ -10,21 +10,22 @@ mod shading;
 pub(super) use buffers::{TILE, Tile, TileBuffers};
 
 use super::geometry::Leaves;
-use super::{Camera, PreparedScene};
+use super::{Camera, PreparedScene, Sampling};
 
-/// Makes one tile of the picture; its pixels are in the buffers afterwards.
-pub(super) fn render_tile(
+/// Follows one sample of every pixel of a tile, and adds it to the pixels' sums in the buffers.
+pub(super) fn render_sample(
     scene: &PreparedScene,
     leaves: &impl Leaves,
     camera: &Camera,
-    tile: Tile,
+    sampling: Sampling,
+    (tile, sample): (Tile, u32),
     buffers: &mut TileBuffers,
 ) {
-    buffers.begin(tile);
-    camera_rays::run(scene, camera, tile, buffers);
+    buffers.begin_sample();
+    camera_rays::run(scene, camera, sampling, (tile, sample), buffers);
     for _ in 0..scene.depth {
         if buffers.rays.is_empty() {
-            return;
+            break;
         }
         closest_hits::run(scene, leaves, buffers);
         refine::run(scene, leaves, buffers);
@@ -32,4 +33,5 @@ pub(super) fn render_tile(
         next_rays::run(scene, buffers);
     }
     next_rays::give_up(scene, buffers);
+    buffers.end_sample();
 }
