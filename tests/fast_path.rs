@@ -8,8 +8,8 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 use rayreel::components::{
-    Ambient, Background, Camera, Falloff, FilmSettings, Light, LightKind, Material, Projection, Quality,
-    Reflective, Sampling, Shape, Specular, Transform, View,
+    Ambient, Background, Camera, Falloff, FilmSettings, Lens, Light, LightKind, Material, Projection,
+    Quality, Reflective, Sampling, Shape, Specular, Transform, View,
 };
 use rayreel::{Engine, Rgb, Time, World};
 
@@ -114,6 +114,7 @@ fn world(things: &[Thing], lights: &[(Light, Transform)], eye: DVec3, samples: u
         view: View::Target(DVec3::new(0.0, 0.5, 0.0)),
         up: DVec3::Y,
         projection,
+        lens: (samples > 2).then_some(Lens { aperture: 0.3, focus: 4.0 }),
     },));
     world.spawn((
         FilmSettings { width: 32, height: 18, ..FilmSettings::default() },

@@ -125,6 +125,7 @@ fn trees_look_as_they_always_did() {
         ("corner.touching", vec!["corner.ron", "--pixel", "2,1"]),
         ("corner.background", vec!["corner.ron", "--pixel", "239,0", "--size", "240x1"]),
         ("mirrors.deep", vec!["mirrors.ron", "--pixel", "2,3", "--frame", "2"]),
+        ("lens.sample", vec!["lens.ron", "--pixel", "2,1", "--sample", "3"]),
         ("mirrors.moment", vec!["mirrors.ron", "--pixel", "8,8", "--at", "0.3s"]),
     ] {
         let found = told(&arguments, "");

@@ -5,7 +5,8 @@
 use glam::DVec3;
 
 use rayreel::components::{
-    Ambient, Background, Camera, FilmSettings, Material, Noise, Projection, Sampling, Shape, Transform, View,
+    Ambient, Background, Camera, FilmSettings, Lens, Material, Noise, Projection, Sampling, Shape, Transform,
+    View,
 };
 use rayreel::{Engine, Entity, Film, Rgb, Time, World};
 
@@ -22,6 +23,7 @@ fn engine(shape: Shape, place: DVec3, sampling: Sampling) -> (Engine, Entity) {
         view: View::Direction(DVec3::Z),
         up: DVec3::Y,
         projection: Projection::Screen { distance: 1.0, width: Some(extent), height: extent },
+        lens: None,
     },));
     let film = FilmSettings { width: SIDE, height: SIDE, ..FilmSettings::default() };
     world.spawn((film, Ambient(Rgb::ONE), Background::default(), sampling));
@@ -35,6 +37,12 @@ fn sampling(samples: u32) -> Sampling {
 fn set(engine: &mut Engine, sampling: Sampling) {
     for current in engine.world_mut().query_mut::<&mut Sampling>() {
         *current = sampling;
+    }
+}
+
+fn set_lens(engine: &mut Engine, aperture: f64, focus: f64) {
+    for camera in engine.world_mut().query_mut::<&mut Camera>() {
+        camera.lens = Some(Lens { aperture, focus });
     }
 }
 
@@ -176,4 +184,80 @@ fn noise_is_fixed_or_a_function_of_the_moment_and_the_seed() {
     // A single sample is in the centre, and has no noise.
     set(&mut engine, Sampling { noise: Noise::PerFrame, ..sampling(1) });
     assert_eq!(engine.render_frame(12).unwrap(), engine.render_frame(0).unwrap());
+}
+
+#[test]
+fn a_point_out_of_focus_is_a_disc_of_the_size_that_the_lens_equation_says() {
+    const APERTURE: f64 = 2.0;
+    // Beyond the plane in focus, and before it.
+    for (focus, place) in [(4.0, DVec3::new(1.0, -0.5, 8.0)), (10.0, DVec3::new(0.3, 0.4, 4.0))] {
+        let radius = 0.03 * place.z;
+        let (mut engine, _) = engine(Shape::Sphere { radius }, place, sampling(1));
+        set_lens(&mut engine, APERTURE, focus);
+        let film = render(&mut engine, 1024);
+
+        // On the screen at distance 1: a point of the lens sees the sphere's middle there, moved by so much times its own
+        // distance from the lens's middle.
+        let confusion = 0.5 * APERTURE * (1.0 / focus - 1.0 / place.z).abs();
+        let (x, y) = (place.x / place.z, place.y / place.z);
+        let pixel = 1.0 / f64::from(SIDE);
+        let (mut light, mut middle, mut moment) = (0.0, [0.0; 2], 0.0);
+        let (mut inside, mut inside_count) = (0.0, 0.0);
+        for j in 0..SIDE {
+            for i in 0..SIDE {
+                let value = f64::from(film.pixel(i, j).x);
+                let (right, up) = self::place(i, j);
+                let (right, up) = (right - x, up - y);
+                let distance = libm::hypot(right, up);
+                if distance > confusion + 0.04 + pixel {
+                    assert_eq!(value, 0.0, "pixel ({i}, {j})");
+                }
+                if distance < confusion - 0.04 - pixel {
+                    inside += value;
+                    inside_count += 1.0;
+                }
+                light += value;
+                middle[0] += value * right;
+                middle[1] += value * up;
+                moment += value * distance * distance;
+            }
+        }
+        let near = |found: f64, expected: f64| (found / expected - 1.0).abs() < 0.05;
+        // The light of the sphere's image is spread over the disc, evenly.
+        let image = std::f64::consts::PI * 0.03 * 0.03;
+        assert!(near(light * pixel * pixel, image), "{} {image}", light * pixel * pixel);
+        let (density, expected) = (inside / inside_count, 0.03 * 0.03 / (confusion * confusion));
+        assert!(inside_count > 20.0 && near(density, expected), "{density} {expected}");
+        // The mean square of distances from the middle of a disc is half its radius squared.
+        let expected = 0.5 * (confusion * confusion + 0.03 * 0.03);
+        assert!(near(moment / light, expected), "{} {expected}", moment / light);
+        assert!(middle.iter().all(|part| (part / light).abs() < 0.03 * confusion), "{middle:?} {light}");
+    }
+}
+
+#[test]
+fn what_is_in_focus_stays_sharp() {
+    // A thin plate in the plane in focus: all points of the lens see through a place on the screen the same place of it.
+    let plate = Shape::Box { size: DVec3::new(1.3, 2.1, 1e-9) };
+    let (mut engine, _) = engine(plate, DVec3::new(0.2, 0.1, 5.0), sampling(1));
+    let sharp = render(&mut engine, 16);
+    set_lens(&mut engine, 0.7, 5.0);
+    assert_eq!(render(&mut engine, 16), sharp);
+    set_lens(&mut engine, 0.7, 4.0);
+    assert_ne!(render(&mut engine, 16), sharp);
+}
+
+#[test]
+fn a_lens_without_an_aperture_and_a_single_sample_change_nothing() {
+    let (mut engine, _) = engine(Shape::Sphere { radius: 1.0 }, DVec3::new(0.1, 0.2, 3.0), sampling(1));
+    let (single, several) = (render(&mut engine, 1), render(&mut engine, 4));
+    for (aperture, focus) in [(0.0, 2.0), (-1.0, 2.0), (f64::NAN, 2.0), (0.5, 0.0), (f64::INFINITY, 2.0)] {
+        set_lens(&mut engine, aperture, focus);
+        assert_eq!(render(&mut engine, 4), several, "{aperture} {focus}");
+    }
+    set_lens(&mut engine, 0.5, 2.0);
+    assert_eq!(render(&mut engine, 1), single);
+    let blurred = render(&mut engine, 4);
+    assert_ne!(blurred, several);
+    assert_eq!(engine.render_reference(Time::ZERO).unwrap(), blurred);
 }

@@ -13,6 +13,8 @@ pub struct Camera {
     pub up: DVec3,
     /// The screen's size and distance.
     pub projection: Projection,
+    /// `None` is a pinhole: everything is sharp.
+    pub lens: Option<Lens>,
 }
 
 impl Default for Camera {
@@ -23,6 +25,7 @@ impl Default for Camera {
             view: View::Target(DVec3::ZERO),
             up: DVec3::Y,
             projection: Projection::FieldOfView { vertical: std::f64::consts::FRAC_PI_4 },
+            lens: None,
         }
     }
 }
@@ -34,6 +37,16 @@ pub enum View {
     Direction(DVec3),
     /// Towards a point.
     Target(DVec3),
+}
+
+/// A thin lens around the eye: what is not in focus is blurred. It shows where [`Sampling`](super::Sampling) asks for more
+/// than one sample in a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lens {
+    /// Its diameter in scene units; 0 is no lens.
+    pub aperture: f64,
+    /// How far from the eye things are sharp, along the view direction, > 0.
+    pub focus: f64,
 }
 
 /// The screen before the camera. The first and the last pixel's centres lie on the screen's edges.

@@ -23,7 +23,7 @@ mod shape;
 mod transform;
 
 pub use animated::{Animated, Channel};
-pub use camera::{Camera, Projection, View};
+pub use camera::{Camera, Lens, Projection, View};
 pub use identity::{Name, Order};
 pub use light::{Falloff, Light, LightKind};
 pub use material::{Material, Reflective, Specular};

@@ -9,7 +9,7 @@ mod tests {
 
     use crate::scene::document::{
         AnimationDocument, CameraDocument, ChannelDocument, EasingDocument, EntityDocument, FilmDocument,
-        LightDocument, MaterialDocument, NoiseDocument, QualityDocument, ReflectiveDocument,
+        LensDocument, LightDocument, MaterialDocument, NoiseDocument, QualityDocument, ReflectiveDocument,
         RotationDocument, SamplingDocument, SceneDocument, ScreenDocument, ShapeDocument, SpecularDocument,
         TimelineDocument, TrackDocument, TransferDocument, TransformDocument, Triple,
     };
@@ -108,6 +108,7 @@ mod tests {
         check_fields::<SamplingDocument>("Sampling", all);
         check_fields::<CameraDocument>("Camera", all);
         check_fields::<ScreenDocument>("Screen", all);
+        check_fields::<LensDocument>("Lens", all);
         check_fields::<MaterialDocument>("Material", all);
         check_fields::<SpecularDocument>("Specular", all);
         check_fields::<ReflectiveDocument>("Reflective", all);

@@ -16,8 +16,8 @@ use super::document::{
 };
 use crate::color::{Rgb, Transfer};
 use crate::components::{
-    Ambient, Animated, Background, Camera, Channel, Falloff, FilmSettings, Light, LightKind, Material, Name,
-    Noise, Order, Parent, Projection, Quality, Reflective, Sampling, Shape, Specular, Transform, View,
+    Ambient, Animated, Background, Camera, Channel, Falloff, FilmSettings, Lens, Light, LightKind, Material,
+    Name, Noise, Order, Parent, Projection, Quality, Reflective, Sampling, Shape, Specular, Transform, View,
     WorldTransform,
 };
 use crate::time::{FrameRate, Timeline};
@@ -148,7 +148,8 @@ fn camera(document: &CameraDocument) -> Camera {
         (None, Some(degrees)) => Projection::FieldOfView { vertical: radians(degrees) },
         (None, None) => defaults.projection,
     };
-    Camera { position: document.position.into(), view, up: document.up.into(), projection }
+    let lens = document.lens.as_ref().map(|lens| Lens { aperture: lens.aperture, focus: lens.focus });
+    Camera { position: document.position.into(), view, up: document.up.into(), projection, lens }
 }
 
 fn material(document: &MaterialDocument, transfer: Transfer) -> MaterialComponents {

@@ -346,7 +346,9 @@ fn prepared_camera(world: &World, film: FilmSettings) -> trace::Camera {
             (1.0, (pitch * across, pitch * down))
         }
     };
-    trace::Camera::new(camera.position, view, camera.up, distance, size, (film.width, film.height))
+    let resolution = (film.width, film.height);
+    let pinhole = trace::Camera::new(camera.position, view, camera.up, distance, size, resolution);
+    camera.lens.map_or(pinhole, |lens| pinhole.with_lens(lens.aperture, lens.focus))
 }
 
 /// Finite and not negative.

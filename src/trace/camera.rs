@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::Ray;
 use super::exact::Double;
 use super::ray::scaled;
-use super::sampler::{Dimension, PixelSamples, Sampling};
+use super::sampler::{Dimension, PixelSamples, Sampling, disc};
 
 /// The camera, ready to make rays: an eye and a grid of pixels on a screen before it.
 ///
@@ -21,8 +21,18 @@ pub struct Camera {
     forward: DVec3,
     width: f64,
     height: f64,
+    distance: f64,
     columns: u32,
     rows: u32,
+    lens: Option<Lens>,
+}
+
+/// A thin lens in the eye, across the view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Lens {
+    radius: f64,
+    /// The distance of the plane in focus, in distances of the screen.
+    focus: f64,
 }
 
 impl Camera {
@@ -56,9 +66,23 @@ impl Camera {
             forward: forward * distance,
             width: size.0,
             height: size.1,
+            distance,
             columns: resolution.0,
             rows: resolution.1,
+            lens: None,
         }
+    }
+
+    /// The same camera with a thin lens around the eye, `aperture` in diameter. What is at `focus` from the eye along the
+    /// view direction is sharp; at z the blur is as large as a disc of diameter aperture |focus - z| / focus there would
+    /// look. Without an aperture, or with numbers that are not finite or not positive, there is no lens.
+    ///
+    /// A lens shows where pixels have several samples: a single one passes through its centre.
+    #[must_use]
+    pub fn with_lens(self, aperture: f64, focus: f64) -> Self {
+        let lens = Lens { radius: 0.5 * aperture, focus: focus / self.distance };
+        let exists = [lens.radius, lens.focus].into_iter().all(|part| part > 0.0 && part.is_finite());
+        Self { lens: exists.then_some(lens), ..self }
     }
 
     /// From the eye to the centre of pixel (i, j): P1 - P0.
@@ -90,7 +114,8 @@ impl Camera {
 
     /// The ray of sample `index` of pixel (i, j). A single sample is in the pixel's centre; several are spread evenly over
     /// the square of half a pitch around it. The pitch is W/(columns-1), or W where there is one column: pixels border on
-    /// each other, and the outermost reach beyond the screen's edges by half a pitch.
+    /// each other, and the outermost reach beyond the screen's edges by half a pitch. With a lens, several samples start all
+    /// over it, towards the place in the plane in focus that the eye sees through theirs on the screen.
     ///
     /// `None` only if the eye or the screen is not finite.
     #[must_use]
@@ -100,7 +125,13 @@ impl Camera {
         }
         let samples = PixelSamples::new(sampling.seed, i, j);
         let [right, down] = samples.pair(Dimension::Pixel, index).map(|place| place - 0.5);
-        Ray::new(self.eye, self.through(f64::from(i) + right, f64::from(j) + down))
+        let towards = self.through(f64::from(i) + right, f64::from(j) + down);
+        let Some(lens) = self.lens else {
+            return Ray::new(self.eye, towards);
+        };
+        let [right, up] = disc(samples.pair(Dimension::Lens, index)).map(|place| lens.radius * place);
+        let place = self.right * right + self.up * up;
+        Ray::new(self.eye + place, towards * lens.focus - place)
     }
 
     /// Columns and rows.

@@ -11,6 +11,8 @@
 //!
 //! All is integer arithmetic, and one exact conversion at the end: the bits are the same everywhere.
 
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
 /// How many samples every pixel has, and which.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampling {
@@ -93,6 +95,20 @@ impl PixelSamples {
     pub fn number(&self, dimension: Dimension, index: u32) -> f64 {
         self.pair(dimension, index)[0]
     }
+}
+
+/// From the unit square to the unit disc around 0, keeping areas in proportion and neighbours together: the concentric map
+/// of Shirley and Chiu, "A Low Distortion Map Between Disk and Square", Journal of Graphics Tools 2(3), 1997.
+#[must_use]
+pub fn disc(square: [f64; 2]) -> [f64; 2] {
+    let [x, y] = square.map(|place| 2.0 * place - 1.0);
+    if x == 0.0 && y == 0.0 {
+        return [0.0; 2];
+    }
+    let (radius, angle) =
+        if x.abs() > y.abs() { (x, FRAC_PI_4 * (y / x)) } else { (y, FRAC_PI_2 - FRAC_PI_4 * (x / y)) };
+    let (sine, cosine) = libm::sincos(angle);
+    [radius * cosine, radius * sine]
 }
 
 /// The digits of the second dimension of Sobol's sequence: those of the index times Pascal's triangle modulo 2. The
@@ -219,6 +235,25 @@ mod tests {
         }
         // The second point is in the other half.
         assert!((correlations[3] + 0.75).abs() < 5.0 / 256.0, "{correlations:?}");
+    }
+
+    #[test]
+    fn the_disc_is_covered_evenly() {
+        let samples = PixelSamples::new(0, 0, 0);
+        let (mut rings, mut sectors) = ([0; 8], [0; 8]);
+        for index in 0..8192 {
+            let [x, y] = disc(samples.pair(Dimension::Lens, index));
+            let square = x * x + y * y;
+            assert!(square < 1.0 + 1e-15);
+            rings[((8.0 * square) as usize).min(7)] += 1;
+            let turn = 0.5 + libm::atan2(y, x) / (4.0 * FRAC_PI_2);
+            sectors[((8.0 * turn) as usize).min(7)] += 1;
+        }
+        for count in rings.into_iter().chain(sectors) {
+            assert!((1004..=1044).contains(&count), "{rings:?} {sectors:?}");
+        }
+        assert_eq!(disc([0.5, 0.5]), [0.0, 0.0]);
+        assert_eq!(disc([0.0, 0.5]), [-1.0, 0.0]);
     }
 
     #[test]

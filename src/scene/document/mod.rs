@@ -21,5 +21,5 @@ pub(super) use values::{ColorDocument, Entries, RateDocument, ScaleDocument, Tri
 #[cfg(test)]
 pub(super) use {
     entity::{ReflectiveDocument, SpecularDocument},
-    settings::{QualityDocument, ScreenDocument},
+    settings::{LensDocument, QualityDocument, ScreenDocument},
 };

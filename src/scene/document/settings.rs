@@ -119,10 +119,19 @@ pub(crate) struct CameraDocument {
     pub(crate) up: Triple,
     pub(crate) screen: Option<ScreenDocument>,
     pub(crate) fov: Option<f64>,
+    pub(crate) lens: Option<LensDocument>,
 }
 
 fn upwards() -> Triple {
     [0.0, 1.0, 0.0]
+}
+
+/// What is sharp.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Lens")]
+pub(crate) struct LensDocument {
+    pub(crate) aperture: f64,
+    pub(crate) focus: f64,
 }
 
 /// The screen before the camera.

@@ -153,6 +153,23 @@ fn camera(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
         }
     }
     projection(document, at, problems);
+    lens(document, at, problems);
+}
+
+fn lens(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
+    let Some(lens) = &document.lens else { return };
+    let at = at.field("lens");
+    let aperture_at = at.field("aperture");
+    if check::number(lens.aperture, &aperture_at, problems) && lens.aperture < 0.0 {
+        let message = format!("the lens's aperture must not be negative, but is {}", lens.aperture);
+        problems.add(
+            &aperture_at,
+            message,
+            "below 0",
+            "write the lens's diameter in scene units, as 0.1; 0 is no lens",
+        );
+    }
+    check::size(lens.focus, "the distance in focus", &at.field("focus"), problems);
 }
 
 fn projection(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
