@@ -229,7 +229,12 @@ fn world(shape: Shape, transform: Transform, light: DVec3) -> World {
     world.spawn((Light::new(kind, Rgb::ONE), Transform::IDENTITY));
     world.spawn((Camera::default(),));
     let film = FilmSettings { width: 24, height: 14, ..FilmSettings::default() };
-    world.spawn((film, Ambient(Rgb::ONE), Background(Rgb::new(0.1, 0.2, 0.3)), Quality { depth: 2 }));
+    world.spawn((
+        film,
+        Ambient(Rgb::ONE),
+        Background::Flat(Rgb::new(0.1, 0.2, 0.3)),
+        Quality { depth: 2, ..Quality::default() },
+    ));
     world
 }
 
@@ -552,7 +557,12 @@ fn heap_of_spheres(radii: impl Iterator<Item = f64>) -> Film {
     world.spawn((lamp, Transform::from_translation(DVec3::new(-3.0, 4.0, -5.0))));
     world.spawn((Camera { view: View::Direction(DVec3::Z), ..Camera::default() },));
     let film = FilmSettings { width: 5, height: 3, ..FilmSettings::default() };
-    world.spawn((film, Ambient(Rgb::ONE), Background(Rgb::new(0.1, 0.2, 0.3)), Quality { depth: 3 }));
+    world.spawn((
+        film,
+        Ambient(Rgb::ONE),
+        Background::Flat(Rgb::new(0.1, 0.2, 0.3)),
+        Quality { depth: 3, ..Quality::default() },
+    ));
     let mut engine = Engine::new(world);
     let film = engine.render_at(Time::ZERO).unwrap();
     assert!(!is_blank(&film));

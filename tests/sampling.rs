@@ -24,6 +24,7 @@ fn engine(shape: Shape, place: DVec3, sampling: Sampling) -> (Engine, Entity) {
         up: DVec3::Y,
         projection: Projection::Screen { distance: 1.0, width: Some(extent), height: extent },
         lens: None,
+        shutter: None,
     },));
     let film = FilmSettings { width: SIDE, height: SIDE, ..FilmSettings::default() };
     world.spawn((film, Ambient(Rgb::ONE), Background::default(), sampling));

@@ -15,6 +15,9 @@ pub struct Camera {
     pub projection: Projection,
     /// `None` is a pinhole: everything is sharp.
     pub lens: Option<Lens>,
+    /// The share of the time from frame to frame during which the shutter is open, > 0, at most 1, centred on the frame's
+    /// time: what moves is blurred. `None` is an instant: everything is sharp.
+    pub shutter: Option<f64>,
 }
 
 impl Default for Camera {
@@ -26,6 +29,7 @@ impl Default for Camera {
             up: DVec3::Y,
             projection: Projection::FieldOfView { vertical: std::f64::consts::FRAC_PI_4 },
             lens: None,
+            shutter: None,
         }
     }
 }

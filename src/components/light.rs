@@ -57,4 +57,37 @@ pub enum LightKind {
         /// The way the light travels, in the entity's own space; any length but zero.
         direction: DVec3,
     },
+    /// From a surface around the entity's position, which itself is not seen: shadows are soft.
+    ///
+    /// Every lit point takes the mean of the light from several points of the surface, each of which shines as a point light
+    /// does. The size does not change the intensity.
+    Area {
+        /// The surface.
+        shape: AreaShape,
+        /// How many of its points each lit point takes, 1..=[`AreaShape::LARGEST_SAMPLES`].
+        samples: u32,
+    },
+}
+
+/// What an area light looks like from the points that it lights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AreaShape {
+    /// A sphere about the entity's position, taken as the disc that faces the lit point.
+    Sphere {
+        /// Scene units, > 0; the world transform scales it by the cube root of what it does to volumes.
+        radius: f64,
+    },
+    /// A rectangle about the entity's position, in the entity's own xy-plane, which shines both ways. The world transform
+    /// scales and turns it.
+    Rectangle {
+        /// Along the own x axis, > 0.
+        width: f64,
+        /// Along the own y axis, > 0.
+        height: f64,
+    },
+}
+
+impl AreaShape {
+    /// The most points of an area light that a lit point takes.
+    pub const LARGEST_SAMPLES: u32 = 4096;
 }

@@ -6,9 +6,11 @@
 //! | [`Shape`] with [`Material`] | something to be seen |
 //! | [`Specular`] | its surface shows highlights |
 //! | [`Reflective`] | its surface mirrors |
+//! | [`Refractive`] | light goes through it |
+//! | [`Checker`] | its surface has squares of two colours |
 //! | [`Light`] | it gives light |
 //! | [`Camera`], [`FilmSettings`] | from where and on what the picture is taken |
-//! | [`Ambient`], [`Background`], [`Quality`], [`Sampling`] | settings of the whole scene; one of each in a world |
+//! | [`Ambient`], [`Background`], [`Fog`], [`Quality`], [`Sampling`] | settings of the whole scene; one of each in a world |
 //! | [`Animated`] | tracks that drive the values above |
 //! | [`Name`], [`Order`] | how people and sums refer to it |
 //! | [`WorldTransform`] | derived by [`systems::propagate`](crate::systems::propagate); never written by hand |
@@ -25,8 +27,8 @@ mod transform;
 pub use animated::{Animated, Channel};
 pub use camera::{Camera, Lens, Projection, View};
 pub use identity::{Name, Order};
-pub use light::{Falloff, Light, LightKind};
-pub use material::{Material, Reflective, Specular};
-pub use settings::{Ambient, Background, FilmSettings, Noise, Quality, Sampling};
+pub use light::{AreaShape, Falloff, Light, LightKind};
+pub use material::{Checker, Material, Reflective, Refractive, Specular};
+pub use settings::{Ambient, Background, FilmSettings, Fog, Noise, Quality, Sampling};
 pub use shape::Shape;
 pub use transform::{Parent, Transform, WorldTransform};

@@ -48,8 +48,8 @@ pub(super) fn spawn(document: &SceneDocument) -> Scene {
     world.spawn((
         film(&document.film),
         Ambient(intensity(document.ambient)),
-        Background(transfer.decode(document.background.0)),
-        Quality { depth: u32::try_from(document.quality.depth).unwrap_or(u32::MAX) },
+        Background::Flat(transfer.decode(document.background.0)),
+        Quality { depth: u32::try_from(document.quality.depth).unwrap_or(u32::MAX), ..Quality::default() },
         sampling(&document.sampling),
     ));
 
@@ -131,7 +131,12 @@ fn sampling(document: &SamplingDocument) -> Sampling {
         NoiseDocument::Fixed => Noise::Fixed,
         NoiseDocument::PerFrame => Noise::PerFrame,
     };
-    Sampling { samples: u32::try_from(document.samples).unwrap_or(u32::MAX), seed: document.seed, noise }
+    Sampling {
+        samples: u32::try_from(document.samples).unwrap_or(u32::MAX),
+        seed: document.seed,
+        noise,
+        ..Sampling::default()
+    }
 }
 
 fn camera(document: &CameraDocument) -> Camera {
@@ -149,7 +154,14 @@ fn camera(document: &CameraDocument) -> Camera {
         (None, None) => defaults.projection,
     };
     let lens = document.lens.as_ref().map(|lens| Lens { aperture: lens.aperture, focus: lens.focus });
-    Camera { position: document.position.into(), view, up: document.up.into(), projection, lens }
+    Camera {
+        position: document.position.into(),
+        view,
+        up: document.up.into(),
+        projection,
+        lens,
+        shutter: None,
+    }
 }
 
 fn material(document: &MaterialDocument, transfer: Transfer) -> MaterialComponents {

@@ -187,7 +187,8 @@ impl Preparation {
         (self.lights, self.scene.lights) =
             lights.into_iter().map(|(_, entity, light)| (entity, light)).unzip();
         self.scene.ambient = sane(first::<Ambient>(world).0);
-        self.scene.background = sane(first::<Background>(world).0);
+        let (Background::Flat(background) | Background::Gradient { bottom: background, .. }) = first(world);
+        self.scene.background = sane(background);
         let sampling = first::<Sampling>(world);
         self.sampling = Sampling { samples: sampling.samples.clamp(1, Sampling::LARGEST_COUNT), ..sampling };
         self.scene.depth = first::<Quality>(world).depth.clamp(1, Quality::LARGEST_DEPTH);
@@ -289,7 +290,7 @@ fn prepared_light(
     own_shape: Option<Slot>,
 ) -> Option<trace::Light> {
     let source = match light.kind {
-        LightKind::Point => LightSource::Point(transform.affine.translation),
+        LightKind::Point | LightKind::Area { .. } => LightSource::Point(transform.affine.translation),
         LightKind::Spot { angle, softness } => {
             LightSource::Spot(transform.affine.translation, prepared_cone(angle, softness, transform)?)
         }

@@ -5,8 +5,8 @@ use std::any::{TypeId, type_name};
 use hecs::{BuiltEntityClone, Component, Entity, EntityBuilderClone, EntityRef, World};
 
 use crate::components::{
-    Ambient, Animated, Background, Camera, FilmSettings, Light, Material, Name, Order, Parent, Quality,
-    Reflective, Sampling, Shape, Specular, Transform, WorldTransform,
+    Ambient, Animated, Background, Camera, Checker, FilmSettings, Fog, Light, Material, Name, Order, Parent,
+    Quality, Reflective, Refractive, Sampling, Shape, Specular, Transform, WorldTransform,
 };
 
 /// The component types that a snapshot copies.
@@ -45,11 +45,14 @@ impl Default for Registry {
         registry.register::<Material>();
         registry.register::<Specular>();
         registry.register::<Reflective>();
+        registry.register::<Refractive>();
+        registry.register::<Checker>();
         registry.register::<Light>();
         registry.register::<Camera>();
         registry.register::<FilmSettings>();
         registry.register::<Ambient>();
         registry.register::<Background>();
+        registry.register::<Fog>();
         registry.register::<Quality>();
         registry.register::<Sampling>();
         registry.register::<Animated>();
