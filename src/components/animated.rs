@@ -34,6 +34,12 @@ pub enum Channel {
     Shininess(Arc<Track<f64>>),
     /// [`Reflective::k_r`](super::Reflective::k_r).
     Kr(Arc<Track<f64>>),
+    /// [`Refractive::k_t`](super::Refractive::k_t).
+    Kt(Arc<Track<f64>>),
+    /// [`Refractive::ior`](super::Refractive::ior).
+    Ior(Arc<Track<f64>>),
+    /// [`Refractive::absorption`](super::Refractive::absorption).
+    Absorption(Arc<Track<Rgb>>),
     /// [`Light::intensity`](super::Light::intensity).
     Intensity(Arc<Track<Rgb>>),
     /// [`LightKind::Directional::direction`](super::LightKind).

@@ -8,10 +8,11 @@ mod tests {
     use serde::de::DeserializeOwned;
 
     use crate::scene::document::{
-        AnimationDocument, CameraDocument, ChannelDocument, EasingDocument, EntityDocument, FilmDocument,
-        LensDocument, LightDocument, MaterialDocument, NoiseDocument, QualityDocument, ReflectiveDocument,
-        RotationDocument, SamplingDocument, SceneDocument, ScreenDocument, ShapeDocument, SpecularDocument,
-        TimelineDocument, TrackDocument, TransferDocument, TransformDocument, Triple,
+        AnimationDocument, CameraDocument, ChannelDocument, CheckerDocument, EasingDocument, EntityDocument,
+        FilmDocument, LensDocument, LightDocument, MaterialDocument, NoiseDocument, QualityDocument,
+        ReflectiveDocument, RefractiveDocument, RotationDocument, SamplingDocument, SceneDocument,
+        ScreenDocument, ShapeDocument, SpecularDocument, TimelineDocument, TrackDocument, TransferDocument,
+        TransformDocument, Triple,
     };
     use crate::scene::parse::options;
 
@@ -112,6 +113,8 @@ mod tests {
         check_fields::<MaterialDocument>("Material", all);
         check_fields::<SpecularDocument>("Specular", all);
         check_fields::<ReflectiveDocument>("Reflective", all);
+        check_fields::<RefractiveDocument>("Refractive", all);
+        check_fields::<CheckerDocument>("Checker", all);
         check_fields::<EntityDocument>("Entity", all);
         check_fields::<TransformDocument>("Transform", all);
         check_fields::<AnimationDocument>("Animation", all);

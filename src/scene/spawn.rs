@@ -16,15 +16,40 @@ use super::document::{
 };
 use crate::color::{Rgb, Transfer};
 use crate::components::{
-    Ambient, Animated, Background, Camera, Channel, Falloff, FilmSettings, Lens, Light, LightKind, Material,
-    Name, Noise, Order, Parent, Projection, Quality, Reflective, Sampling, Shape, Specular, Transform, View,
-    WorldTransform,
+    Ambient, Animated, Background, Camera, Channel, Checker, Falloff, FilmSettings, Lens, Light, LightKind,
+    Material, Name, Noise, Order, Parent, Projection, Quality, Reflective, Refractive, Sampling, Shape,
+    Specular, Transform, View, WorldTransform,
 };
 use crate::time::{FrameRate, Timeline};
 use crate::timeline::{Easing, Interpolate, Key, Rotation, Track};
 
 /// What a material of the file gives to the entities made of it.
-type MaterialComponents = (Material, Option<Specular>, Option<Reflective>);
+#[derive(Clone, Copy, Debug)]
+struct Surface {
+    material: Material,
+    specular: Option<Specular>,
+    reflective: Option<Reflective>,
+    refractive: Option<Refractive>,
+    checker: Option<Checker>,
+}
+
+impl Surface {
+    fn add_to(&self, builder: &mut EntityBuilder) {
+        builder.add(self.material);
+        if let Some(specular) = self.specular {
+            builder.add(specular);
+        }
+        if let Some(reflective) = self.reflective {
+            builder.add(reflective);
+        }
+        if let Some(refractive) = self.refractive {
+            builder.add(refractive);
+        }
+        if let Some(checker) = self.checker {
+            builder.add(checker);
+        }
+    }
+}
 
 /// Makes the world that a validated document describes. Entities get their places in document order.
 pub(super) fn spawn(document: &SceneDocument) -> Scene {
@@ -32,22 +57,22 @@ pub(super) fn spawn(document: &SceneDocument) -> Scene {
     let timeline = timeline(&document.timeline);
     let mut world = World::new();
 
-    let materials: HashMap<&str, MaterialComponents> = document
+    let surfaces: HashMap<&str, Surface> = document
         .materials
         .0
         .iter()
-        .map(|(name, material)| (name.as_str(), self::material(material, transfer)))
+        .map(|(name, material)| (name.as_str(), surface(material, transfer)))
         .collect();
     let entities: Vec<Entity> = document
         .entities
         .iter()
         .zip(0..)
-        .map(|(entity, order)| spawn_entity(&mut world, entity, Order(order), &materials))
+        .map(|(entity, order)| spawn_entity(&mut world, entity, Order(order), &surfaces))
         .collect();
     let camera = world.spawn((Name("camera".to_owned()), camera(&document.camera)));
     world.spawn((
         film(&document.film),
-        Ambient(intensity(document.ambient)),
+        Ambient(rgb(document.ambient)),
         Background::Flat(transfer.decode(document.background.0)),
         Quality { depth: u32::try_from(document.quality.depth).unwrap_or(u32::MAX), ..Quality::default() },
         sampling(&document.sampling),
@@ -77,7 +102,7 @@ fn spawn_entity(
     world: &mut World,
     document: &EntityDocument,
     order: Order,
-    materials: &HashMap<&str, MaterialComponents>,
+    surfaces: &HashMap<&str, Surface>,
 ) -> Entity {
     let mut builder = EntityBuilder::new();
     builder.add_bundle((order, transform(&document.transform), WorldTransform::default()));
@@ -87,16 +112,8 @@ fn spawn_entity(
     if let Some(shape) = &document.shape {
         builder.add(self::shape(shape));
     }
-    if let Some((material, specular, reflective)) =
-        document.material.as_deref().and_then(|name| materials.get(name))
-    {
-        builder.add(*material);
-        if let Some(specular) = specular {
-            builder.add(*specular);
-        }
-        if let Some(reflective) = reflective {
-            builder.add(*reflective);
-        }
+    if let Some(surface) = document.material.as_deref().and_then(|name| surfaces.get(name)) {
+        surface.add_to(&mut builder);
     }
     if let Some(light) = &document.light {
         builder.add(self::light(light));
@@ -164,7 +181,7 @@ fn camera(document: &CameraDocument) -> Camera {
     }
 }
 
-fn material(document: &MaterialDocument, transfer: Transfer) -> MaterialComponents {
+fn surface(document: &MaterialDocument, transfer: Transfer) -> Surface {
     let material = Material {
         k_a: single(document.k_a),
         k_d: single(document.k_d),
@@ -175,7 +192,16 @@ fn material(document: &MaterialDocument, transfer: Transfer) -> MaterialComponen
         .specular
         .map(|specular| Specular { k_s: single(specular.k_s), shininess: single(specular.shininess) });
     let reflective = document.reflective.map(|reflective| Reflective { k_r: single(reflective.k_r) });
-    (material, specular, reflective)
+    let refractive = document.refractive.map(|refractive| Refractive {
+        k_t: single(refractive.k_t),
+        ior: refractive.ior,
+        absorption: rgb(refractive.absorption),
+        fresnel: refractive.fresnel,
+    });
+    let checker = document
+        .checker
+        .map(|checker| Checker { color: transfer.decode(checker.color.0), size: checker.size });
+    Surface { material, specular, reflective, refractive, checker }
 }
 
 fn transform(document: &TransformDocument) -> Transform {
@@ -215,16 +241,16 @@ fn light(document: &LightDocument) -> Light {
         LightDocument::Point { intensity, casts_shadows, falloff } => Light {
             casts_shadows,
             falloff: falloff.map(self::falloff),
-            ..Light::new(LightKind::Point, self::intensity(intensity))
+            ..Light::new(LightKind::Point, rgb(intensity))
         },
         LightDocument::Spot { intensity, angle, softness, casts_shadows, falloff } => Light {
             casts_shadows,
             falloff: falloff.map(self::falloff),
-            ..Light::new(LightKind::Spot { angle: radians(angle), softness }, self::intensity(intensity))
+            ..Light::new(LightKind::Spot { angle: radians(angle), softness }, rgb(intensity))
         },
         LightDocument::Directional { intensity, direction, casts_shadows, .. } => {
             let kind = LightKind::Directional { direction: direction.into() };
-            Light { casts_shadows, ..Light::new(kind, self::intensity(intensity)) }
+            Light { casts_shadows, ..Light::new(kind, rgb(intensity)) }
         }
     }
 }
@@ -278,6 +304,11 @@ fn channel(animation: &AnimationDocument, transfer: Transfer) -> Option<Channel>
         (Kind::Ks, TracksDocument::Number(keys)) => Channel::Ks(track(keys, |value| *value)?),
         (Kind::Shininess, TracksDocument::Number(keys)) => Channel::Shininess(track(keys, |value| *value)?),
         (Kind::Kr, TracksDocument::Number(keys)) => Channel::Kr(track(keys, |value| *value)?),
+        (Kind::Kt, TracksDocument::Number(keys)) => Channel::Kt(track(keys, |value| *value)?),
+        (Kind::Ior, TracksDocument::Number(keys)) => Channel::Ior(track(keys, |value| *value)?),
+        (Kind::Absorption, TracksDocument::Vector(keys)) => {
+            Channel::Absorption(track(keys, |value| rgb(*value))?)
+        }
         (Kind::Scale, TracksDocument::Scale(keys)) => Channel::Scale(track(keys, |value| scale(*value))?),
         (Kind::Rotation, TracksDocument::Rotation(keys)) => {
             Channel::Rotation(track(keys, |value| rotation(*value))?)
@@ -287,7 +318,7 @@ fn channel(animation: &AnimationDocument, transfer: Transfer) -> Option<Channel>
             Channel::AmbientColor(track(keys, decoded(transfer))?)
         }
         (Kind::Intensity, TracksDocument::Vector(keys)) => {
-            Channel::Intensity(track(keys, |value| intensity(*value))?)
+            Channel::Intensity(track(keys, |value| rgb(*value))?)
         }
         (Kind::Translation, TracksDocument::Vector(keys)) => Channel::Translation(track(keys, vector)?),
         (Kind::Direction, TracksDocument::Vector(keys)) => Channel::Direction(track(keys, vector)?),
@@ -336,6 +367,6 @@ fn single(value: f64) -> f32 {
     value as f32
 }
 
-fn intensity(document: Triple) -> Rgb {
+fn rgb(document: Triple) -> Rgb {
     Vec3::from_array(document.map(single))
 }

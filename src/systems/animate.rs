@@ -3,8 +3,9 @@
 use hecs::{Entity, World};
 
 use super::Changes;
+use crate::color::Rgb;
 use crate::components::{
-    Animated, Camera, Channel, Light, LightKind, Material, Reflective, Specular, Transform, View,
+    Animated, Camera, Channel, Light, LightKind, Material, Reflective, Refractive, Specular, Transform, View,
 };
 use crate::time::Time;
 
@@ -16,6 +17,7 @@ type Targets<'a> = (
     Option<&'a mut Material>,
     Option<&'a mut Specular>,
     Option<&'a mut Reflective>,
+    Option<&'a mut Refractive>,
     Option<&'a mut Light>,
     Option<&'a mut Camera>,
 );
@@ -32,13 +34,18 @@ pub fn animate(world: &mut World, time: Time, changes: &mut Changes) {
         mut material,
         mut specular,
         mut reflective,
+        mut refractive,
         mut light,
         mut camera,
     ) in world.query_mut::<Targets<'_>>()
     {
         let placed = transform.as_deref().copied();
-        let painted =
-            (material.as_deref().copied(), specular.as_deref().copied(), reflective.as_deref().copied());
+        let painted = (
+            material.as_deref().copied(),
+            specular.as_deref().copied(),
+            reflective.as_deref().copied(),
+            refractive.as_deref().copied(),
+        );
         for channel in &animated.0 {
             if let Some(transform) = transform.as_deref_mut() {
                 move_entity(transform, channel, seconds);
@@ -52,6 +59,9 @@ pub fn animate(world: &mut World, time: Time, changes: &mut Changes) {
             if let (Some(reflective), Channel::Kr(track)) = (reflective.as_deref_mut(), channel) {
                 reflective.k_r = coefficient(track.at(seconds));
             }
+            if let Some(refractive) = refractive.as_deref_mut() {
+                clear(refractive, channel, seconds);
+            }
             if let Some(light) = light.as_deref_mut() {
                 shine(light, channel, seconds);
             }
@@ -62,9 +72,13 @@ pub fn animate(world: &mut World, time: Time, changes: &mut Changes) {
         if transform.as_deref().copied() != placed {
             changes.transform(entity);
         }
-        if (material.as_deref().copied(), specular.as_deref().copied(), reflective.as_deref().copied())
-            != painted
-        {
+        let repainted = (
+            material.as_deref().copied(),
+            specular.as_deref().copied(),
+            reflective.as_deref().copied(),
+            refractive.as_deref().copied(),
+        );
+        if repainted != painted {
             changes.material(entity);
         }
     }
@@ -93,6 +107,17 @@ fn polish(specular: &mut Specular, channel: &Channel, seconds: f64) {
     match channel {
         Channel::Ks(track) => specular.k_s = coefficient(track.at(seconds)),
         Channel::Shininess(track) => specular.shininess = shininess(track.at(seconds)),
+        _ => {}
+    }
+}
+
+fn clear(refractive: &mut Refractive, channel: &Channel, seconds: f64) {
+    match channel {
+        Channel::Kt(track) => refractive.k_t = coefficient(track.at(seconds)),
+        Channel::Ior(track) => {
+            refractive.ior = track.at(seconds).clamp(Refractive::SMALLEST_IOR, Refractive::LARGEST_IOR);
+        }
+        Channel::Absorption(track) => refractive.absorption = track.at(seconds).max(Rgb::ZERO),
         _ => {}
     }
 }

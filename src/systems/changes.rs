@@ -35,7 +35,8 @@ impl Changes {
     }
 
     /// Declares a write to an entity's [`Material`](crate::components::Material),
-    /// [`Specular`](crate::components::Specular) or [`Reflective`](crate::components::Reflective).
+    /// [`Specular`](crate::components::Specular), [`Reflective`](crate::components::Reflective),
+    /// [`Refractive`](crate::components::Refractive) or [`Checker`](crate::components::Checker).
     pub fn material(&mut self, entity: Entity) {
         self.declared = true;
         self.materials.push(entity);

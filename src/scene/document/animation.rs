@@ -30,6 +30,9 @@ pub(crate) enum ChannelDocument {
     Ks,
     Shininess,
     Kr,
+    Kt,
+    Ior,
+    Absorption,
     Intensity,
     Direction,
     Position,
@@ -140,13 +143,18 @@ impl<'de> Deserialize<'de> for AnimationDocument {
 fn tracks<'de, A: MapAccess<'de>>(channel: ChannelDocument, map: &mut A) -> Result<TracksDocument, A::Error> {
     use ChannelDocument as Channel;
     match channel {
-        Channel::Ka | Channel::Kd | Channel::Ks | Channel::Shininess | Channel::Kr => {
-            map.next_value().map(TracksDocument::Number)
-        }
+        Channel::Ka
+        | Channel::Kd
+        | Channel::Ks
+        | Channel::Shininess
+        | Channel::Kr
+        | Channel::Kt
+        | Channel::Ior => map.next_value().map(TracksDocument::Number),
         Channel::Scale => map.next_value().map(TracksDocument::Scale),
         Channel::Rotation => map.next_value().map(TracksDocument::Rotation),
         Channel::Color | Channel::AmbientColor => map.next_value().map(TracksDocument::Color),
         Channel::Translation
+        | Channel::Absorption
         | Channel::Intensity
         | Channel::Direction
         | Channel::Position

@@ -17,6 +17,8 @@ pub(crate) struct MaterialDocument {
     pub(crate) ambient_color: Option<ColorDocument>,
     pub(crate) specular: Option<SpecularDocument>,
     pub(crate) reflective: Option<ReflectiveDocument>,
+    pub(crate) refractive: Option<RefractiveDocument>,
+    pub(crate) checker: Option<CheckerDocument>,
 }
 
 fn white() -> ColorDocument {
@@ -36,6 +38,26 @@ pub(crate) struct SpecularDocument {
 #[serde(deny_unknown_fields, rename = "Reflective")]
 pub(crate) struct ReflectiveDocument {
     pub(crate) k_r: f64,
+}
+
+/// Glass.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Refractive")]
+pub(crate) struct RefractiveDocument {
+    pub(crate) k_t: f64,
+    pub(crate) ior: f64,
+    #[serde(default)]
+    pub(crate) absorption: Triple,
+    #[serde(default)]
+    pub(crate) fresnel: bool,
+}
+
+/// Squares.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Checker")]
+pub(crate) struct CheckerDocument {
+    pub(crate) color: ColorDocument,
+    pub(crate) size: f64,
 }
 
 /// A thing in the scene.

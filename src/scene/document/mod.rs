@@ -20,6 +20,6 @@ pub(super) use values::{ColorDocument, Entries, RateDocument, ScaleDocument, Tri
 
 #[cfg(test)]
 pub(super) use {
-    entity::{ReflectiveDocument, SpecularDocument},
+    entity::{CheckerDocument, ReflectiveDocument, RefractiveDocument, SpecularDocument},
     settings::{LensDocument, QualityDocument, ScreenDocument},
 };

@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use super::entities::{CAMERA, rotation, scale};
 use super::{At, Named, Problems, check};
 use crate::scene::document::{
-    AnimationDocument, ChannelDocument, EntityDocument, LightDocument, SceneDocument, TrackDocument,
-    TracksDocument,
+    AnimationDocument, ChannelDocument, EntityDocument, LightDocument, MaterialDocument, SceneDocument,
+    TrackDocument, TracksDocument,
 };
 
 pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut Problems) {
@@ -38,8 +38,7 @@ fn target(
     problems: &mut Problems,
 ) {
     let material = |name: &str| document.materials.0.iter().find(|(known, _)| known == name);
-    let mirrors = |name: &str| material(name).is_some_and(|(_, material)| material.reflective.is_some());
-    let shines = |name: &str| material(name).is_some_and(|(_, material)| material.specular.is_some());
+    let lacks = |name: &str, part: Part| material(name).is_none_or(|(_, material)| !part.is_of(material));
     match (&animation.target, &animation.material) {
         (Some(_), Some(_)) => {
             problems.add(
@@ -64,20 +63,9 @@ fn target(
                 problems.add_unknown(&at, Named::Material, name, known);
             } else if !of_material(animation.channel) {
                 unfit(animation.channel, "a material", &at, problems);
-            } else if animation.channel == ChannelDocument::Kr && !mirrors(name) {
-                problems.add(
-                    &at,
-                    "a material that does not mirror has no k_r",
-                    "not reflective",
-                    "add `reflective: (k_r: ..)` to the material",
-                );
-            } else if of_highlights(animation.channel) && !shines(name) {
-                problems.add(
-                    &at,
-                    "a material that is not specular has neither k_s nor shininess",
-                    "not specular",
-                    "add `specular: (k_s: .., shininess: ..)` to the material",
-                );
+            } else if let Some(part) = Part::with(animation.channel).filter(|part| lacks(name, *part)) {
+                let (message, label, help) = part.missing();
+                problems.add(&at, message, label, help);
             }
         }
         (Some(name), None) if name == CAMERA => {
@@ -106,30 +94,82 @@ fn target(
                 ChannelDocument::Direction => {
                     unfit(animation.channel, "an entity without a directional light", &at, problems);
                 }
-                ChannelDocument::Kr if entity.material.as_deref().is_some_and(mirrors) => {}
-                ChannelDocument::Kr => {
-                    unfit(animation.channel, "an entity that does not mirror", &at, problems);
-                }
-                channel if of_highlights(channel) => {
-                    if !entity.material.as_deref().is_some_and(shines) {
-                        unfit(channel, "an entity that is not specular", &at, problems);
+                channel => match Part::with(channel) {
+                    Some(part) if entity.material.as_deref().is_none_or(|name| lacks(name, part)) => {
+                        unfit(channel, part.entity_without(), &at, problems);
                     }
-                }
-                _ if entity.shape.is_some() => {}
-                _ => unfit(animation.channel, "an entity without a shape", &at, problems),
+                    None if entity.shape.is_none() => {
+                        unfit(channel, "an entity without a shape", &at, problems);
+                    }
+                    _ => {}
+                },
             }
+        }
+    }
+}
+
+/// What not every material has.
+#[derive(Clone, Copy, Debug)]
+enum Part {
+    Specular,
+    Reflective,
+    Refractive,
+}
+
+impl Part {
+    /// The part that has a channel's value, if it is in one.
+    fn with(channel: ChannelDocument) -> Option<Self> {
+        use ChannelDocument as Channel;
+        match channel {
+            Channel::Ks | Channel::Shininess => Some(Self::Specular),
+            Channel::Kr => Some(Self::Reflective),
+            Channel::Kt | Channel::Ior | Channel::Absorption => Some(Self::Refractive),
+            _ => None,
+        }
+    }
+
+    fn is_of(self, material: &MaterialDocument) -> bool {
+        match self {
+            Self::Specular => material.specular.is_some(),
+            Self::Reflective => material.reflective.is_some(),
+            Self::Refractive => material.refractive.is_some(),
+        }
+    }
+
+    /// Message, label and help for a material that lacks it.
+    fn missing(self) -> (&'static str, &'static str, &'static str) {
+        match self {
+            Self::Specular => (
+                "a material that is not specular has neither k_s nor shininess",
+                "not specular",
+                "add `specular: (k_s: .., shininess: ..)` to the material",
+            ),
+            Self::Reflective => (
+                "a material that does not mirror has no k_r",
+                "not reflective",
+                "add `reflective: (k_r: ..)` to the material",
+            ),
+            Self::Refractive => (
+                "a material that is not refractive has neither k_t, ior nor absorption",
+                "not refractive",
+                "add `refractive: (k_t: .., ior: ..)` to the material",
+            ),
+        }
+    }
+
+    fn entity_without(self) -> &'static str {
+        match self {
+            Self::Specular => "an entity that is not specular",
+            Self::Reflective => "an entity that does not mirror",
+            Self::Refractive => "an entity that is not refractive",
         }
     }
 }
 
 fn of_material(channel: ChannelDocument) -> bool {
     use ChannelDocument as Channel;
-    of_highlights(channel)
-        || matches!(channel, Channel::Ka | Channel::Kd | Channel::Color | Channel::AmbientColor | Channel::Kr)
-}
-
-fn of_highlights(channel: ChannelDocument) -> bool {
-    matches!(channel, ChannelDocument::Ks | ChannelDocument::Shininess)
+    Part::with(channel).is_some()
+        || matches!(channel, Channel::Ka | Channel::Kd | Channel::Color | Channel::AmbientColor)
 }
 
 fn unfit(channel: ChannelDocument, what: &str, at: &At<'_>, problems: &mut Problems) {
@@ -143,6 +183,9 @@ fn unfit(channel: ChannelDocument, what: &str, at: &At<'_>, problems: &mut Probl
         }
         Channel::Intensity | Channel::Direction => "entities with a light have it",
         Channel::Ks | Channel::Shininess => "materials that are specular have it, and entities made of them",
+        Channel::Kt | Channel::Ior | Channel::Absorption => {
+            "materials that are refractive have it, and entities made of them"
+        }
         Channel::Ka | Channel::Kd | Channel::Color | Channel::AmbientColor | Channel::Kr => {
             "materials have it, and entities with a shape"
         }
@@ -155,10 +198,12 @@ fn tracks(animation: &AnimationDocument, at: &At<'_>, problems: &mut Problems) {
     match &animation.track {
         TracksDocument::Number(track) => keys(track, at, problems, |value, at, problems| match channel {
             ChannelDocument::Shininess => check::shininess(*value, at, problems),
+            ChannelDocument::Ior => check::ior(*value, at, problems),
             _ => check::coefficient(*value, "a coefficient", at, problems),
         }),
         TracksDocument::Vector(track) => keys(track, at, problems, |value, at, problems| match channel {
             ChannelDocument::Intensity => check::intensity(*value, "the intensity", at, problems),
+            ChannelDocument::Absorption => check::absorption(*value, at, problems),
             ChannelDocument::Direction => {
                 check::direction(*value, "the direction", at, problems);
             }

@@ -1,6 +1,6 @@
-//! Materials and entities.
+//! Entities.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 use super::{At, Named, Problems, check};
 use crate::scene::document::{
@@ -12,10 +12,10 @@ use crate::scene::document::{
 pub(super) const CAMERA: &str = "camera";
 
 pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut Problems) {
-    materials(document, &scene.field("materials"), problems);
     let at = scene.field("entities");
     let names = names(&document.entities, &at, problems);
-    let material_names: HashSet<&str> = document.materials.0.iter().map(|(name, _)| name.as_str()).collect();
+    let materials: HashMap<&str, &MaterialDocument> =
+        document.materials.0.iter().map(|(name, material)| (name.as_str(), material)).collect();
     for (index, entity) in document.entities.iter().enumerate() {
         let at = at.index(index);
         transform(&entity.transform, &at.field("transform"), problems);
@@ -44,11 +44,23 @@ pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut 
             }
             (None, None) => {}
         }
-        if let Some(name) = &entity.material
-            && !material_names.contains(name.as_str())
-        {
-            let known = || document.materials.0.iter().map(|(name, _)| name.as_str());
-            problems.add_unknown(&at.field("material"), Named::Material, name, known);
+        if let Some(name) = &entity.material {
+            let at = at.field("material");
+            match (materials.get(name.as_str()), &entity.shape) {
+                (None, _) => {
+                    let known = || document.materials.0.iter().map(|(name, _)| name.as_str());
+                    problems.add_unknown(&at, Named::Material, name, known);
+                }
+                (Some(MaterialDocument { checker: Some(_), .. }), Some(ShapeDocument::Sphere { .. })) => {
+                    problems.add(
+                        &at,
+                        "a sphere cannot have a chequered material",
+                        "`checker` is two-dimensional",
+                        "give it a material without `checker`; planes and boxes can have squares",
+                    );
+                }
+                _ => {}
+            }
         }
         if let Some(parent) = &entity.parent
             && !names.contains_key(parent.as_str())
@@ -58,38 +70,6 @@ pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut 
         }
     }
     cycles(&document.entities, &names, &at, problems);
-}
-
-fn materials(document: &SceneDocument, at: &At<'_>, problems: &mut Problems) {
-    let mut seen = HashMap::new();
-    for (index, (name, material)) in document.materials.0.iter().enumerate() {
-        if seen.insert(name.as_str(), index).is_some() {
-            problems.add(
-                &at.key(index),
-                format!("two materials are called \"{name}\""),
-                "again here",
-                "give each its own name",
-            );
-        }
-        self::material(material, &at.index(index), problems);
-    }
-}
-
-fn material(material: &MaterialDocument, at: &At<'_>, problems: &mut Problems) {
-    check::coefficient(material.k_a, "k_a", &at.field("k_a"), problems);
-    check::coefficient(material.k_d, "k_d", &at.field("k_d"), problems);
-    check::color(material.color.0, &at.field("color"), problems);
-    if let Some(color) = material.ambient_color {
-        check::color(color.0, &at.field("ambient_color"), problems);
-    }
-    if let Some(specular) = material.specular {
-        let at = at.field("specular");
-        check::coefficient(specular.k_s, "k_s", &at.field("k_s"), problems);
-        check::shininess(specular.shininess, &at.field("shininess"), problems);
-    }
-    if let Some(reflective) = material.reflective {
-        check::coefficient(reflective.k_r, "k_r", &at.field("reflective").field("k_r"), problems);
-    }
 }
 
 /// Entities by name; reports names that are taken.

@@ -2,6 +2,7 @@
 
 mod animation;
 mod entities;
+mod materials;
 mod problems;
 mod settings;
 
@@ -19,6 +20,7 @@ pub(super) fn validate(document: &SceneDocument) -> Problems {
     let mut problems = Problems::default();
     let scene = At::scene();
     settings::validate(document, &scene, &mut problems);
+    materials::validate(document, &scene, &mut problems);
     entities::validate(document, &scene, &mut problems);
     animation::validate(document, &scene, &mut problems);
     problems

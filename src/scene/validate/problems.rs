@@ -125,8 +125,11 @@ impl Problems {
 pub(super) mod check {
     use super::super::{LARGEST, SMALLEST};
     use super::{At, Problems};
-    use crate::components::Specular;
+    use crate::components::{Refractive, Specular};
     use crate::scene::document::Triple;
+
+    /// The most light or absorption, well within single precision.
+    const MOST: f64 = 1e30;
 
     /// Finite, and not beyond all measure.
     pub(crate) fn number(value: f64, at: &At<'_>, problems: &mut Problems) -> bool {
@@ -203,6 +206,38 @@ pub(super) mod check {
         }
     }
 
+    /// A refractive index.
+    pub(crate) fn ior(value: f64, at: &At<'_>, problems: &mut Problems) {
+        let (smallest, largest) = (Refractive::SMALLEST_IOR, Refractive::LARGEST_IOR);
+        if !(smallest..=largest).contains(&value) {
+            let message = format!("ior must be from {smallest} to {largest}, not {value}");
+            problems.add(
+                at,
+                message,
+                "out of range",
+                "write the refractive index, as 1.33 for water, 1.5 for glass",
+            );
+        }
+    }
+
+    /// Absorption per channel, 0 or more.
+    pub(crate) fn absorption(value: Triple, at: &At<'_>, problems: &mut Problems) {
+        for (index, value) in value.into_iter().enumerate() {
+            let at = at.index(index);
+            if !number(value, &at, problems) {
+                continue;
+            }
+            if value < 0.0 {
+                let message = format!("absorption must not be negative, but is {value}");
+                let help = "exp(-absorption l) is left after a length l inside; 0 is perfectly clear";
+                problems.add(&at, message, "below 0", help);
+            } else if value > MOST {
+                let message = format!("absorption of {value:e} is too much");
+                problems.add(&at, message, "out of range", format!("write at most {MOST:e}"));
+            }
+        }
+    }
+
     /// Light per channel, 0 or more.
     pub(crate) fn intensity(value: Triple, what: &str, at: &At<'_>, problems: &mut Problems) {
         for (index, value) in value.into_iter().enumerate() {
@@ -214,12 +249,12 @@ pub(super) mod check {
                     "below 0",
                     "write 0 or more; 1 is full light",
                 );
-            } else if value > 1e30 {
+            } else if value > MOST {
                 problems.add(
                     &at,
                     format!("{what} of {value:e} is too much light"),
                     "out of range",
-                    "write at most 1e30",
+                    format!("write at most {MOST:e}"),
                 );
             }
         }

@@ -1,0 +1,50 @@
+//! Materials.
+
+use std::collections::HashMap;
+
+use super::{At, Problems, check};
+use crate::scene::document::{MaterialDocument, SceneDocument};
+
+pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut Problems) {
+    let at = scene.field("materials");
+    let mut seen = HashMap::new();
+    for (index, (name, material)) in document.materials.0.iter().enumerate() {
+        if seen.insert(name.as_str(), index).is_some() {
+            problems.add(
+                &at.key(index),
+                format!("two materials are called \"{name}\""),
+                "again here",
+                "give each its own name",
+            );
+        }
+        self::material(material, &at.index(index), problems);
+    }
+}
+
+fn material(material: &MaterialDocument, at: &At<'_>, problems: &mut Problems) {
+    check::coefficient(material.k_a, "k_a", &at.field("k_a"), problems);
+    check::coefficient(material.k_d, "k_d", &at.field("k_d"), problems);
+    check::color(material.color.0, &at.field("color"), problems);
+    if let Some(color) = material.ambient_color {
+        check::color(color.0, &at.field("ambient_color"), problems);
+    }
+    if let Some(specular) = material.specular {
+        let at = at.field("specular");
+        check::coefficient(specular.k_s, "k_s", &at.field("k_s"), problems);
+        check::shininess(specular.shininess, &at.field("shininess"), problems);
+    }
+    if let Some(reflective) = material.reflective {
+        check::coefficient(reflective.k_r, "k_r", &at.field("reflective").field("k_r"), problems);
+    }
+    if let Some(refractive) = material.refractive {
+        let at = at.field("refractive");
+        check::coefficient(refractive.k_t, "k_t", &at.field("k_t"), problems);
+        check::ior(refractive.ior, &at.field("ior"), problems);
+        check::absorption(refractive.absorption, &at.field("absorption"), problems);
+    }
+    if let Some(checker) = material.checker {
+        let at = at.field("checker");
+        check::color(checker.color.0, &at.field("color"), problems);
+        check::size(checker.size, "the side of a square", &at.field("size"), problems);
+    }
+}

@@ -1,0 +1,77 @@
+//! What a scene file says is what the world's components hold, then and at every moment.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
+use rayreel::components::{Checker, Name, Refractive};
+use rayreel::{Engine, Rgb, Scene, World};
+
+/// The scene with a camera and, in its brackets, whatever else.
+fn scene(body: &str) -> Scene {
+    let text = format!("Scene(camera: (position: (0, 0, -5), view: (0, 0, 1)), {body})");
+    Scene::from_text("test.ron", text).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A component of the entity with a name.
+fn of<T: hecs::Component + Clone>(world: &World, name: &str) -> Option<T> {
+    let mut query = world.query::<(&Name, Option<&T>)>();
+    let found = query.iter().find(|(known, _)| known.0 == name);
+    found.unwrap_or_else(|| panic!("no {name}")).1.cloned()
+}
+
+#[test]
+fn what_is_clear_or_chequered_is_so_on_every_entity_made_of_it() {
+    let world = scene(
+        r##"film: (transfer: Classic), materials: {
+            "glass": (refractive: (k_t: 0.75, ior: 1.5, absorption: (0.5, 0.25, 0), fresnel: true)),
+            "haze": (refractive: (k_t: 0.5, ior: 1)),
+            "board": (checker: (color: "#ff0033", size: 0.125)),
+        },
+        entities: [
+            (name: "lens", shape: Sphere(radius: 1), material: "glass"),
+            (name: "pane", shape: Box(size: (1, 1, 1)), material: "glass"),
+            (name: "cloud", shape: Sphere(radius: 1), material: "haze"),
+            (name: "floor", shape: Plane(normal: (0, 1, 0)), material: "board"),
+        ]"##,
+    )
+    .world;
+    let glass = Refractive { k_t: 0.75, ior: 1.5, absorption: Rgb::new(0.5, 0.25, 0.0), fresnel: true };
+    assert_eq!(of(&world, "lens"), Some(glass));
+    assert_eq!(of(&world, "pane"), Some(glass));
+    let haze = Refractive { k_t: 0.5, ior: 1.0, absorption: Rgb::ZERO, fresnel: false };
+    assert_eq!(of(&world, "cloud"), Some(haze));
+    assert_eq!(of(&world, "floor"), Some(Checker { color: Rgb::new(1.0, 0.0, 0.2), size: 0.125 }));
+    assert_eq!(of::<Checker>(&world, "lens"), None);
+    assert_eq!(of::<Refractive>(&world, "floor"), None);
+}
+
+#[test]
+fn what_is_clear_changes_over_time_and_stays_in_range() {
+    let mut engine = Engine::from_scene(scene(
+        r#"timeline: (fps: 1, duration: 5), film: (width: 1, height: 1),
+        materials: { "glass": (refractive: (k_t: 0.5, ior: 1.5)) },
+        entities: [
+            (name: "lens", shape: Sphere(radius: 1), material: "glass"),
+            (name: "pane", shape: Box(size: (1, 1, 1)), material: "glass"),
+        ],
+        animate: [
+            (material: "glass", channel: Kt, track: Keys([(0, 0), (1, 0.5), (2, 1, Cubic), (4, 1, Cubic), (5, 0)])),
+            (material: "glass", channel: Ior, track: Keys([(0, 1), (2, 2)])),
+            (target: "lens", channel: Ior, track: Keys([(0, 900), (2, 1000, Cubic), (4, 1000, Cubic), (5, 1)])),
+            (material: "glass", channel: Absorption,
+                track: Keys([(0, (1, 2, 4)), (2, (0, 0, 0), Cubic), (4, (0, 0, 0), Cubic), (5, (9, 9, 9))])),
+        ]"#,
+    ));
+    let mut at = |frame: u32, name: &str| {
+        engine.render_frame(frame).unwrap();
+        of::<Refractive>(engine.world(), name).unwrap()
+    };
+    assert_eq!(
+        at(1, "pane"),
+        Refractive { k_t: 0.5, ior: 1.5, absorption: Rgb::new(0.5, 1.0, 2.0), fresnel: false }
+    );
+    assert_eq!(at(1, "lens").ior, 950.0);
+    // The curve overshoots between two keys at the limit.
+    let held = at(3, "lens");
+    assert_eq!((held.k_t, held.ior, held.absorption), (1.0, Refractive::LARGEST_IOR, Rgb::ZERO));
+    assert_eq!(at(4, "pane").ior, 2.0);
+}
