@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
-use rayreel::components::{Checker, Name, Refractive};
+use rayreel::components::{AreaShape, Checker, Falloff, Light, LightKind, Name, Refractive};
 use rayreel::{Engine, Rgb, Scene, World};
 
 /// The scene with a camera and, in its brackets, whatever else.
@@ -42,6 +42,24 @@ fn what_is_clear_or_chequered_is_so_on_every_entity_made_of_it() {
     assert_eq!(of(&world, "floor"), Some(Checker { color: Rgb::new(1.0, 0.0, 0.2), size: 0.125 }));
     assert_eq!(of::<Checker>(&world, "lens"), None);
     assert_eq!(of::<Refractive>(&world, "floor"), None);
+}
+
+#[test]
+fn lights_have_an_extent() {
+    let world = scene(
+        r#"entities: [
+            (name: "lamp", light: Area(shape: Sphere(radius: 0.25), intensity: (1, 2, 3))),
+            (name: "sheet", light: Area(shape: Rectangle(width: 2, height: 0.5), intensity: (1, 1, 1), samples: 64,
+                casts_shadows: false, falloff: (1, 0, 0.5))),
+        ]"#,
+    )
+    .world;
+    let lamp = LightKind::Area { shape: AreaShape::Sphere { radius: 0.25 }, samples: 16 };
+    assert_eq!(of(&world, "lamp"), Some(Light::new(lamp, Rgb::new(1.0, 2.0, 3.0))));
+    let sheet = LightKind::Area { shape: AreaShape::Rectangle { width: 2.0, height: 0.5 }, samples: 64 };
+    let falloff = Some(Falloff { constant: 1.0, linear: 0.0, quadratic: 0.5 });
+    let sheet = Light { casts_shadows: false, falloff, ..Light::new(sheet, Rgb::ONE) };
+    assert_eq!(of(&world, "sheet"), Some(sheet));
 }
 
 #[test]

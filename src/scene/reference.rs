@@ -8,11 +8,11 @@ mod tests {
     use serde::de::DeserializeOwned;
 
     use crate::scene::document::{
-        AnimationDocument, CameraDocument, ChannelDocument, CheckerDocument, EasingDocument, EntityDocument,
-        FilmDocument, LensDocument, LightDocument, MaterialDocument, NoiseDocument, QualityDocument,
-        ReflectiveDocument, RefractiveDocument, RotationDocument, SamplingDocument, SceneDocument,
-        ScreenDocument, ShapeDocument, SpecularDocument, TimelineDocument, TrackDocument, TransferDocument,
-        TransformDocument, Triple,
+        AnimationDocument, AreaShapeDocument, CameraDocument, ChannelDocument, CheckerDocument,
+        EasingDocument, EntityDocument, FilmDocument, LensDocument, LightDocument, MaterialDocument,
+        NoiseDocument, QualityDocument, ReflectiveDocument, RefractiveDocument, RotationDocument,
+        SamplingDocument, SceneDocument, ScreenDocument, ShapeDocument, SpecularDocument, TimelineDocument,
+        TrackDocument, TransferDocument, TransformDocument, Triple,
     };
     use crate::scene::parse::options;
 
@@ -129,6 +129,9 @@ mod tests {
         }
         for (variant, inside) in check_variants::<LightDocument>("Light", all).variants {
             assert_eq!(inside, known::<LightDocument>(&format!("{variant}(nobody_knows: 0)")).join(", "));
+        }
+        for (variant, inside) in check_variants::<AreaShapeDocument>("AreaShape", all).variants {
+            assert_eq!(inside, known::<AreaShapeDocument>(&format!("{variant}(nobody_knows: 0)")).join(", "));
         }
         assert!(
             sections.is_empty(),

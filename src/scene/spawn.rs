@@ -9,16 +9,16 @@ use hecs::{Entity, EntityBuilder, World};
 
 use super::Scene;
 use super::document::{
-    AnimationDocument, CameraDocument, ChannelDocument, ColorDocument, EasingDocument, EntityDocument,
-    FilmDocument, LightDocument, MaterialDocument, NoiseDocument, RotationDocument, SamplingDocument,
-    ScaleDocument, SceneDocument, ShapeDocument, TimelineDocument, TrackDocument, TracksDocument,
-    TransferDocument, TransformDocument, Triple,
+    AnimationDocument, AreaShapeDocument, CameraDocument, ChannelDocument, ColorDocument, EasingDocument,
+    EntityDocument, FilmDocument, LightDocument, MaterialDocument, NoiseDocument, RotationDocument,
+    SamplingDocument, ScaleDocument, SceneDocument, ShapeDocument, TimelineDocument, TrackDocument,
+    TracksDocument, TransferDocument, TransformDocument, Triple,
 };
 use crate::color::{Rgb, Transfer};
 use crate::components::{
-    Ambient, Animated, Background, Camera, Channel, Checker, Falloff, FilmSettings, Lens, Light, LightKind,
-    Material, Name, Noise, Order, Parent, Projection, Quality, Reflective, Refractive, Sampling, Shape,
-    Specular, Transform, View, WorldTransform,
+    Ambient, Animated, AreaShape, Background, Camera, Channel, Checker, Falloff, FilmSettings, Lens, Light,
+    LightKind, Material, Name, Noise, Order, Parent, Projection, Quality, Reflective, Refractive, Sampling,
+    Shape, Specular, Transform, View, WorldTransform,
 };
 use crate::time::{FrameRate, Timeline};
 use crate::timeline::{Easing, Interpolate, Key, Rotation, Track};
@@ -252,6 +252,18 @@ fn light(document: &LightDocument) -> Light {
             let kind = LightKind::Directional { direction: direction.into() };
             Light { casts_shadows, ..Light::new(kind, rgb(intensity)) }
         }
+        LightDocument::Area { shape, intensity, samples, casts_shadows, falloff } => {
+            let samples = u32::try_from(samples).unwrap_or(u32::MAX);
+            let kind = LightKind::Area { shape: area_shape(shape), samples };
+            Light { casts_shadows, falloff: falloff.map(self::falloff), ..Light::new(kind, rgb(intensity)) }
+        }
+    }
+}
+
+fn area_shape(document: AreaShapeDocument) -> AreaShape {
+    match document {
+        AreaShapeDocument::Sphere { radius } => AreaShape::Sphere { radius },
+        AreaShapeDocument::Rectangle { width, height } => AreaShape::Rectangle { width, height },
     }
 }
 

@@ -138,6 +138,27 @@ pub(crate) enum LightDocument {
         /// Refused, with a reason.
         falloff: Option<Triple>,
     },
+    Area {
+        shape: AreaShapeDocument,
+        intensity: Triple,
+        #[serde(default = "sixteen")]
+        samples: u64,
+        #[serde(default = "yes")]
+        casts_shadows: bool,
+        falloff: Option<Triple>,
+    },
+}
+
+/// What a light with an extent looks like.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Shape")]
+pub(crate) enum AreaShapeDocument {
+    Sphere { radius: f64 },
+    Rectangle { width: f64, height: f64 },
+}
+
+fn sixteen() -> u64 {
+    16
 }
 
 fn yes() -> bool {

@@ -10,16 +10,17 @@ pub(super) use animation::{
     AnimationDocument, ChannelDocument, EasingDocument, KeyDocument, TrackDocument, TracksDocument,
 };
 pub(super) use entity::{
-    EntityDocument, LightDocument, MaterialDocument, RotationDocument, ShapeDocument, TransformDocument,
+    AreaShapeDocument, EntityDocument, LightDocument, MaterialDocument, RotationDocument, ShapeDocument,
+    TransformDocument,
 };
 pub(super) use settings::{
-    CameraDocument, FilmDocument, NoiseDocument, SamplingDocument, SceneDocument, TimelineDocument,
-    TransferDocument,
+    CameraDocument, FilmDocument, NoiseDocument, QualityDocument, SamplingDocument, SceneDocument,
+    TimelineDocument, TransferDocument,
 };
 pub(super) use values::{ColorDocument, Entries, RateDocument, ScaleDocument, Triple};
 
 #[cfg(test)]
 pub(super) use {
     entity::{CheckerDocument, ReflectiveDocument, RefractiveDocument, SpecularDocument},
-    settings::{LensDocument, QualityDocument, ScreenDocument},
+    settings::{LensDocument, ScreenDocument},
 };

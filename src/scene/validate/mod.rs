@@ -2,6 +2,7 @@
 
 mod animation;
 mod entities;
+mod lights;
 mod materials;
 mod problems;
 mod settings;

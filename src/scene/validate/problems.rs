@@ -189,6 +189,14 @@ pub(super) mod check {
         true
     }
 
+    /// A whole number from 1 on.
+    pub(crate) fn count(value: u64, most: u32, what: &str, help: &str, at: &At<'_>, problems: &mut Problems) {
+        if !(1..=u64::from(most)).contains(&value) {
+            let message = format!("{what} must be from 1 to {most}, not {value}");
+            problems.add(at, message, "out of range", help);
+        }
+    }
+
     /// A coefficient in 0..=1.
     pub(crate) fn coefficient(value: f64, what: &str, at: &At<'_>, problems: &mut Problems) {
         if !(0.0..=1.0).contains(&value) {

@@ -4,7 +4,9 @@ use glam::DVec3;
 
 use super::{At, Problems, check};
 use crate::components::{FilmSettings, Quality, Sampling};
-use crate::scene::document::{CameraDocument, FilmDocument, SceneDocument, TimelineDocument};
+use crate::scene::document::{
+    CameraDocument, FilmDocument, QualityDocument, SamplingDocument, SceneDocument, TimelineDocument,
+};
 use crate::time::{FrameRate, Timeline};
 
 pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut Problems) {
@@ -13,28 +15,19 @@ pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut 
     camera(&document.camera, &scene.field("camera"), problems);
     check::intensity(document.ambient, "ambient light", &scene.field("ambient"), problems);
     check::color(document.background.0, &scene.field("background"), problems);
-    let depth = document.quality.depth;
-    if !(1..=u64::from(Quality::LARGEST_DEPTH)).contains(&depth) {
-        let at = scene.field("quality");
-        let message = format!("depth must be from 1 to {}, not {depth}", Quality::LARGEST_DEPTH);
-        problems.add(
-            &at.field("depth"),
-            message,
-            "out of range",
-            "1 traces camera rays alone, 5 adds four reflections",
-        );
-    }
-    let samples = document.sampling.samples;
-    if !(1..=u64::from(Sampling::LARGEST_COUNT)).contains(&samples) {
-        let at = scene.field("sampling");
-        let message = format!("samples must be from 1 to {}, not {samples}", Sampling::LARGEST_COUNT);
-        problems.add(
-            &at.field("samples"),
-            message,
-            "out of range",
-            "1 is the pixel's centre alone, 16 gives smooth edges",
-        );
-    }
+    quality(&document.quality, &scene.field("quality"), problems);
+    sampling(&document.sampling, &scene.field("sampling"), problems);
+}
+
+fn quality(document: &QualityDocument, at: &At<'_>, problems: &mut Problems) {
+    let help = "1 traces camera rays alone, 5 adds four reflections";
+    check::count(document.depth, Quality::LARGEST_DEPTH, "depth", help, &at.field("depth"), problems);
+}
+
+fn sampling(document: &SamplingDocument, at: &At<'_>, problems: &mut Problems) {
+    let help = "1 is the pixel's centre alone, 16 gives smooth edges";
+    let most = Sampling::LARGEST_COUNT;
+    check::count(document.samples, most, "samples", help, &at.field("samples"), problems);
 }
 
 fn timeline(document: &TimelineDocument, at: &At<'_>, problems: &mut Problems) {

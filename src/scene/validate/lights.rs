@@ -1,0 +1,87 @@
+//! Lights.
+
+use super::{At, Problems, check};
+use crate::components::AreaShape;
+use crate::scene::document::{AreaShapeDocument, LightDocument, Triple};
+
+pub(super) fn validate(light: &LightDocument, at: &At<'_>, problems: &mut Problems) {
+    match *light {
+        LightDocument::Point { intensity, falloff, .. } => {
+            check::intensity(intensity, "the intensity", &at.field("intensity"), problems);
+            if let Some(coefficients) = falloff {
+                self::falloff(coefficients, &at.field("falloff"), problems);
+            }
+        }
+        LightDocument::Spot { intensity, angle, softness, falloff, .. } => {
+            check::intensity(intensity, "the intensity", &at.field("intensity"), problems);
+            if !(angle > 0.0 && angle <= 180.0) {
+                let message =
+                    format!("the angle of a spot light must be above 0, at most 180 degrees, not {angle}");
+                problems.add(
+                    &at.field("angle"),
+                    message,
+                    "out of range",
+                    "write the angle from rim to rim, as 40",
+                );
+            }
+            if !(0.0..=1.0).contains(&softness) {
+                let message = format!("the softness of a spot light must be from 0 to 1, not {softness}");
+                let help = "0 is a hard rim, 1 fades all the way from the middle";
+                problems.add(&at.field("softness"), message, "out of range", help);
+            }
+            if let Some(coefficients) = falloff {
+                self::falloff(coefficients, &at.field("falloff"), problems);
+            }
+        }
+        LightDocument::Directional { intensity, direction, falloff, .. } => {
+            if falloff.is_some() {
+                problems.add(
+                    &at.field("falloff"),
+                    "a directional light cannot weaken with distance",
+                    "it is infinitely far away",
+                    "remove `falloff`, or make it a Point or a Spot light",
+                );
+            }
+            check::intensity(intensity, "the intensity", &at.field("intensity"), problems);
+            check::direction(direction, "the direction", &at.field("direction"), problems);
+        }
+        LightDocument::Area { shape, intensity, samples, falloff, .. } => {
+            area_shape(shape, &at.field("shape"), problems);
+            check::intensity(intensity, "the intensity", &at.field("intensity"), problems);
+            let help = "1 is a single point, 16 gives soft shadows";
+            let most = AreaShape::LARGEST_SAMPLES;
+            check::count(samples, most, "samples", help, &at.field("samples"), problems);
+            if let Some(coefficients) = falloff {
+                self::falloff(coefficients, &at.field("falloff"), problems);
+            }
+        }
+    }
+}
+
+fn area_shape(shape: AreaShapeDocument, at: &At<'_>, problems: &mut Problems) {
+    match shape {
+        AreaShapeDocument::Sphere { radius } => {
+            check::size(radius, "the radius", &at.field("radius"), problems);
+        }
+        AreaShapeDocument::Rectangle { width, height } => {
+            check::size(width, "the rectangle's width", &at.field("width"), problems);
+            check::size(height, "the rectangle's height", &at.field("height"), problems);
+        }
+    }
+}
+
+fn falloff(coefficients: Triple, at: &At<'_>, problems: &mut Problems) {
+    for (index, value) in coefficients.into_iter().enumerate() {
+        let at = at.index(index);
+        if !check::number(value, &at, problems) {
+            continue;
+        }
+        let (wrong, range) =
+            if index == 0 { (value < super::SMALLEST, "greater than 0") } else { (value < 0.0, "0 or more") };
+        if wrong {
+            let message = format!("c{index} of a falloff must be {range}, not {value}");
+            let help = "1 / (c0 + c1 d + c2 d^2) of the light is left at distance d; (1, 0, 0) never weakens";
+            problems.add(&at, message, "out of range", help);
+        }
+    }
+}
