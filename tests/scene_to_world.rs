@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
-use rayreel::components::{AreaShape, Checker, Falloff, Light, LightKind, Name, Refractive};
+use rayreel::components::{AreaShape, Background, Checker, Falloff, Fog, Light, LightKind, Name, Refractive};
 use rayreel::{Engine, Rgb, Scene, World};
 
 /// The scene with a camera and, in its brackets, whatever else.
@@ -16,6 +16,15 @@ fn of<T: hecs::Component + Clone>(world: &World, name: &str) -> Option<T> {
     let mut query = world.query::<(&Name, Option<&T>)>();
     let found = query.iter().find(|(known, _)| known.0 == name);
     found.unwrap_or_else(|| panic!("no {name}")).1.cloned()
+}
+
+/// The only component of its kind.
+fn setting<T: hecs::Component + Clone>(world: &World) -> Option<T> {
+    let mut query = world.query::<&T>();
+    let mut found = query.iter().cloned();
+    let setting = found.next();
+    assert_eq!(found.count(), 0);
+    setting
 }
 
 #[test]
@@ -60,6 +69,28 @@ fn lights_have_an_extent() {
     let falloff = Some(Falloff { constant: 1.0, linear: 0.0, quadratic: 0.5 });
     let sheet = Light { casts_shadows: false, falloff, ..Light::new(sheet, Rgb::ONE) };
     assert_eq!(of(&world, "sheet"), Some(sheet));
+}
+
+#[test]
+fn a_background_is_a_colour_or_two() {
+    let background = |body: &str| setting::<Background>(&scene(body).world);
+    let blue = Rgb::new(0.0, 0.2, 1.0);
+    assert_eq!(background(""), Some(Background::Flat(Rgb::ZERO)));
+    assert_eq!(background("background: (0, 51, 255)"), Some(Background::Flat(blue)));
+    assert_eq!(background("background: \"#0033ff\""), Some(Background::Flat(blue)));
+    let gradient = Background::Gradient { bottom: Rgb::ONE, top: blue };
+    assert_eq!(background("background: (bottom: \"#ffffff\", top: (0, 51, 255))"), Some(gradient));
+    assert_eq!(background("background: (top: (0, 51, 255), bottom: (255, 255, 255))"), Some(gradient));
+}
+
+#[test]
+fn fog_is_there_where_it_is_called_for() {
+    let fog = |body: &str| setting::<Fog>(&scene(body).world);
+    assert_eq!(fog(""), None);
+    assert_eq!(
+        fog("fog: (color: (255, 51, 0), density: 0.05)"),
+        Some(Fog { color: Rgb::new(1.0, 0.2, 0.0), density: 0.05 })
+    );
 }
 
 #[test]

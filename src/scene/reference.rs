@@ -8,11 +8,11 @@ mod tests {
     use serde::de::DeserializeOwned;
 
     use crate::scene::document::{
-        AnimationDocument, AreaShapeDocument, CameraDocument, ChannelDocument, CheckerDocument,
-        EasingDocument, EntityDocument, FilmDocument, LensDocument, LightDocument, MaterialDocument,
-        NoiseDocument, QualityDocument, ReflectiveDocument, RefractiveDocument, RotationDocument,
-        SamplingDocument, SceneDocument, ScreenDocument, ShapeDocument, SpecularDocument, TimelineDocument,
-        TrackDocument, TransferDocument, TransformDocument, Triple,
+        AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument, ChannelDocument,
+        CheckerDocument, EasingDocument, EntityDocument, FilmDocument, FogDocument, LensDocument,
+        LightDocument, MaterialDocument, NoiseDocument, QualityDocument, ReflectiveDocument,
+        RefractiveDocument, RotationDocument, SamplingDocument, SceneDocument, ScreenDocument, ShapeDocument,
+        SpecularDocument, TimelineDocument, TrackDocument, TransferDocument, TransformDocument, Triple,
     };
     use crate::scene::parse::options;
 
@@ -71,9 +71,19 @@ mod tests {
         name: &str,
         sections: &mut BTreeMap<String, Section>,
     ) {
+        check_named::<T>(name, sections, &known::<T>("(nobody_knows: 0)"));
+    }
+
+    /// Likewise, where the names of the fields are known.
+    fn check_named<T: DeserializeOwned + PartialEq + Debug>(
+        name: &str,
+        sections: &mut BTreeMap<String, Section>,
+        known: &[impl AsRef<str>],
+    ) {
         let section = sections.remove(name).unwrap_or_else(|| panic!("the reference has no section {name}"));
         let named: Vec<String> = section.fields.iter().map(|(field, ..)| field.clone()).collect();
-        assert_eq!(named, known::<T>("(nobody_knows: 0)"), "{name}");
+        let known: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
+        assert_eq!(named, known, "{name}");
         let required = section.fields.iter().filter(|(.., required)| *required);
         let needed: String = required.map(|(field, example, _)| format!("{field}: {example}, ")).collect();
         let left_out: T = read(&format!("({needed})"));
@@ -103,6 +113,8 @@ mod tests {
         let mut sections = sections();
         let all = &mut sections;
         check_fields::<SceneDocument>("Scene", all);
+        check_named::<BackgroundDocument>("Gradient", all, BackgroundDocument::FIELDS);
+        check_fields::<FogDocument>("Fog", all);
         check_fields::<TimelineDocument>("Timeline", all);
         check_fields::<FilmDocument>("Film", all);
         check_fields::<QualityDocument>("Quality", all);

@@ -9,16 +9,16 @@ use hecs::{Entity, EntityBuilder, World};
 
 use super::Scene;
 use super::document::{
-    AnimationDocument, AreaShapeDocument, CameraDocument, ChannelDocument, ColorDocument, EasingDocument,
-    EntityDocument, FilmDocument, LightDocument, MaterialDocument, NoiseDocument, RotationDocument,
-    SamplingDocument, ScaleDocument, SceneDocument, ShapeDocument, TimelineDocument, TrackDocument,
-    TracksDocument, TransferDocument, TransformDocument, Triple,
+    AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument, ChannelDocument, ColorDocument,
+    EasingDocument, EntityDocument, FilmDocument, LightDocument, MaterialDocument, NoiseDocument,
+    RotationDocument, SamplingDocument, ScaleDocument, SceneDocument, ShapeDocument, TimelineDocument,
+    TrackDocument, TracksDocument, TransferDocument, TransformDocument, Triple,
 };
 use crate::color::{Rgb, Transfer};
 use crate::components::{
-    Ambient, Animated, AreaShape, Background, Camera, Channel, Checker, Falloff, FilmSettings, Lens, Light,
-    LightKind, Material, Name, Noise, Order, Parent, Projection, Quality, Reflective, Refractive, Sampling,
-    Shape, Specular, Transform, View, WorldTransform,
+    Ambient, Animated, AreaShape, Background, Camera, Channel, Checker, Falloff, FilmSettings, Fog, Lens,
+    Light, LightKind, Material, Name, Noise, Order, Parent, Projection, Quality, Reflective, Refractive,
+    Sampling, Shape, Specular, Transform, View, WorldTransform,
 };
 use crate::time::{FrameRate, Timeline};
 use crate::timeline::{Easing, Interpolate, Key, Rotation, Track};
@@ -70,13 +70,7 @@ pub(super) fn spawn(document: &SceneDocument) -> Scene {
         .map(|(entity, order)| spawn_entity(&mut world, entity, Order(order), &surfaces))
         .collect();
     let camera = world.spawn((Name("camera".to_owned()), camera(&document.camera)));
-    world.spawn((
-        film(&document.film),
-        Ambient(rgb(document.ambient)),
-        Background::Flat(transfer.decode(document.background.0)),
-        Quality { depth: u32::try_from(document.quality.depth).unwrap_or(u32::MAX), ..Quality::default() },
-        sampling(&document.sampling),
-    ));
+    spawn_settings(&mut world, document, transfer);
 
     let mut names: HashMap<&str, Entity> = document
         .entities
@@ -119,6 +113,30 @@ fn spawn_entity(
         builder.add(self::light(light));
     }
     world.spawn(builder.build())
+}
+
+fn spawn_settings(world: &mut World, document: &SceneDocument, transfer: Transfer) {
+    let mut builder = EntityBuilder::new();
+    builder.add_bundle((
+        film(&document.film),
+        Ambient(rgb(document.ambient)),
+        background(document.background, transfer),
+        Quality { depth: u32::try_from(document.quality.depth).unwrap_or(u32::MAX), ..Quality::default() },
+        sampling(&document.sampling),
+    ));
+    if let Some(fog) = document.fog {
+        builder.add(Fog { color: transfer.decode(fog.color.0), density: fog.density });
+    }
+    world.spawn(builder.build());
+}
+
+fn background(document: BackgroundDocument, transfer: Transfer) -> Background {
+    match document {
+        BackgroundDocument::Flat(color) => Background::Flat(transfer.decode(color.0)),
+        BackgroundDocument::Gradient { bottom, top } => {
+            Background::Gradient { bottom: transfer.decode(bottom.0), top: transfer.decode(top.0) }
+        }
+    }
 }
 
 fn timeline(document: &TimelineDocument) -> Timeline {

@@ -14,10 +14,10 @@ pub(super) use entity::{
     TransformDocument,
 };
 pub(super) use settings::{
-    CameraDocument, FilmDocument, NoiseDocument, QualityDocument, SamplingDocument, SceneDocument,
-    TimelineDocument, TransferDocument,
+    CameraDocument, FilmDocument, FogDocument, NoiseDocument, QualityDocument, SamplingDocument,
+    SceneDocument, TimelineDocument, TransferDocument,
 };
-pub(super) use values::{ColorDocument, Entries, RateDocument, ScaleDocument, Triple};
+pub(super) use values::{BackgroundDocument, ColorDocument, Entries, RateDocument, ScaleDocument, Triple};
 
 #[cfg(test)]
 pub(super) use {

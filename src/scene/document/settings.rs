@@ -3,7 +3,8 @@
 use serde::Deserialize;
 
 use super::{
-    AnimationDocument, ColorDocument, EntityDocument, Entries, MaterialDocument, RateDocument, Triple,
+    AnimationDocument, BackgroundDocument, ColorDocument, EntityDocument, Entries, MaterialDocument,
+    RateDocument, Triple,
 };
 
 /// The whole file.
@@ -22,7 +23,8 @@ pub(crate) struct SceneDocument {
     #[serde(default)]
     pub(crate) ambient: Triple,
     #[serde(default = "black")]
-    pub(crate) background: ColorDocument,
+    pub(crate) background: BackgroundDocument,
+    pub(crate) fog: Option<FogDocument>,
     #[serde(default)]
     pub(crate) materials: Entries<MaterialDocument>,
     #[serde(default)]
@@ -31,8 +33,16 @@ pub(crate) struct SceneDocument {
     pub(crate) animate: Vec<AnimationDocument>,
 }
 
-fn black() -> ColorDocument {
-    ColorDocument([0.0; 3])
+fn black() -> BackgroundDocument {
+    BackgroundDocument::Flat(ColorDocument([0.0; 3]))
+}
+
+/// What dims the view.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Fog")]
+pub(crate) struct FogDocument {
+    pub(crate) color: ColorDocument,
+    pub(crate) density: f64,
 }
 
 /// When it plays.

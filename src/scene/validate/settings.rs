@@ -5,7 +5,8 @@ use glam::DVec3;
 use super::{At, Problems, check};
 use crate::components::{FilmSettings, Quality, Sampling};
 use crate::scene::document::{
-    CameraDocument, FilmDocument, QualityDocument, SamplingDocument, SceneDocument, TimelineDocument,
+    BackgroundDocument, CameraDocument, FilmDocument, FogDocument, QualityDocument, SamplingDocument,
+    SceneDocument, TimelineDocument,
 };
 use crate::time::{FrameRate, Timeline};
 
@@ -14,9 +15,32 @@ pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut 
     film(&document.film, &scene.field("film"), problems);
     camera(&document.camera, &scene.field("camera"), problems);
     check::intensity(document.ambient, "ambient light", &scene.field("ambient"), problems);
-    check::color(document.background.0, &scene.field("background"), problems);
+    background(&document.background, &scene.field("background"), problems);
+    if let Some(fog) = &document.fog {
+        self::fog(fog, &scene.field("fog"), problems);
+    }
     quality(&document.quality, &scene.field("quality"), problems);
     sampling(&document.sampling, &scene.field("sampling"), problems);
+}
+
+fn background(document: &BackgroundDocument, at: &At<'_>, problems: &mut Problems) {
+    match document {
+        BackgroundDocument::Flat(color) => check::color(color.0, at, problems),
+        BackgroundDocument::Gradient { bottom, top } => {
+            check::color(bottom.0, &at.field("bottom"), problems);
+            check::color(top.0, &at.field("top"), problems);
+        }
+    }
+}
+
+fn fog(document: &FogDocument, at: &At<'_>, problems: &mut Problems) {
+    check::color(document.color.0, &at.field("color"), problems);
+    let at = at.field("density");
+    if check::number(document.density, &at, problems) && document.density < 0.0 {
+        let message = format!("the fog's density must not be negative, but is {}", document.density);
+        let help = "write how fast it thickens per scene unit of length, as 0.05; 0 is no fog";
+        problems.add(&at, message, "below 0", help);
+    }
 }
 
 fn quality(document: &QualityDocument, at: &At<'_>, problems: &mut Problems) {
