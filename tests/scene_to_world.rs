@@ -2,7 +2,10 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
-use rayreel::components::{AreaShape, Background, Checker, Falloff, Fog, Light, LightKind, Name, Refractive};
+use rayreel::components::{
+    AreaShape, Background, Camera, Checker, Falloff, Fog, Light, LightKind, Name, Noise, Quality, Refractive,
+    Sampling,
+};
 use rayreel::{Engine, Rgb, Scene, World};
 
 /// The scene with a camera and, in its brackets, whatever else.
@@ -91,6 +94,29 @@ fn fog_is_there_where_it_is_called_for() {
         fog("fog: (color: (255, 51, 0), density: 0.05)"),
         Some(Fog { color: Rgb::new(1.0, 0.2, 0.0), density: 0.05 })
     );
+}
+
+#[test]
+fn shutter_instants_and_cutoff_are_what_is_written() {
+    let world = scene("").world;
+    assert_eq!(setting::<Quality>(&world), Some(Quality { depth: 5, cutoff: 0.25 }));
+    assert_eq!(setting::<Sampling>(&world), Some(Sampling::default()));
+    assert_eq!(setting::<Camera>(&world).unwrap().shutter, None);
+    let text =
+        "Scene(camera: (position: (0, 0, -5), view: (0, 0, 1), shutter: 0.5), quality: (depth: 3, cutoff: 2),
+        sampling: (samples: 64, instants: 8, seed: 5, noise: PerFrame))";
+    let world = Scene::from_text("test.ron", text.to_owned()).unwrap().world;
+    assert_eq!(setting::<Quality>(&world), Some(Quality { depth: 3, cutoff: 2.0 }));
+    let sampling = Sampling { samples: 64, seed: 5, noise: Noise::PerFrame, instants: 8 };
+    assert_eq!(setting::<Sampling>(&world), Some(sampling));
+    assert_eq!(setting::<Camera>(&world).unwrap().shutter, Some(0.5));
+}
+
+#[test]
+fn a_single_sample_may_have_a_shutter_and_glass_may_add_light() {
+    let text = "Scene(camera: (position: (0, 0, -5), view: (0, 0, 1), shutter: 1), sampling: (samples: 1),
+        materials: { \"m\": (reflective: (k_r: 1), refractive: (k_t: 1, ior: 1000)) })";
+    assert!(Scene::from_text("test.ron", text.to_owned()).is_ok());
 }
 
 #[test]

@@ -79,6 +79,11 @@ fn explain(text: &str, error: &SpannedError) -> Diagnostic {
             "here".to_owned(),
             Some("no scene needs this: is a bracket written too often?".to_owned()),
         ),
+        Ron::ExpectedComma if is_fraction(text, span.start) => (
+            "expected a whole number".to_owned(),
+            "this makes it a fraction".to_owned(),
+            Some("write a whole number, as 16".to_owned()),
+        ),
         Ron::TrailingCharacters => (
             "there is text after the end of the scene".to_owned(),
             "the scene is already complete here".to_owned(),
@@ -148,6 +153,11 @@ fn punctuation_help(error: &ron::Error) -> Option<String> {
         _ => return None,
     };
     Some(help.to_owned())
+}
+
+/// Does a number go on here, with its point?
+fn is_fraction(text: &str, at: usize) -> bool {
+    text[..at].ends_with(|character: char| character.is_ascii_digit()) && text[at..].starts_with('.')
 }
 
 /// What was found, without the names of number types.

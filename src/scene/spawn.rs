@@ -11,8 +11,8 @@ use super::Scene;
 use super::document::{
     AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument, ChannelDocument, ColorDocument,
     EasingDocument, EntityDocument, FilmDocument, LightDocument, MaterialDocument, NoiseDocument,
-    RotationDocument, SamplingDocument, ScaleDocument, SceneDocument, ShapeDocument, TimelineDocument,
-    TrackDocument, TracksDocument, TransferDocument, TransformDocument, Triple,
+    QualityDocument, RotationDocument, SamplingDocument, ScaleDocument, SceneDocument, ShapeDocument,
+    TimelineDocument, TrackDocument, TracksDocument, TransferDocument, TransformDocument, Triple,
 };
 use crate::color::{Rgb, Transfer};
 use crate::components::{
@@ -121,7 +121,7 @@ fn spawn_settings(world: &mut World, document: &SceneDocument, transfer: Transfe
         film(&document.film),
         Ambient(rgb(document.ambient)),
         background(document.background, transfer),
-        Quality { depth: u32::try_from(document.quality.depth).unwrap_or(u32::MAX), ..Quality::default() },
+        quality(&document.quality),
         sampling(&document.sampling),
     ));
     if let Some(fog) = document.fog {
@@ -161,16 +161,21 @@ fn film(document: &FilmDocument) -> FilmSettings {
     }
 }
 
+fn quality(document: &QualityDocument) -> Quality {
+    Quality { depth: u32::try_from(document.depth).unwrap_or(u32::MAX), cutoff: single(document.cutoff) }
+}
+
 fn sampling(document: &SamplingDocument) -> Sampling {
     let noise = match document.noise {
         NoiseDocument::Fixed => Noise::Fixed,
         NoiseDocument::PerFrame => Noise::PerFrame,
     };
+    let count = |count: u64| u32::try_from(count).unwrap_or(u32::MAX);
     Sampling {
-        samples: u32::try_from(document.samples).unwrap_or(u32::MAX),
+        samples: count(document.samples),
         seed: document.seed,
         noise,
-        ..Sampling::default()
+        instants: count(document.instants),
     }
 }
 
@@ -195,7 +200,7 @@ fn camera(document: &CameraDocument) -> Camera {
         up: document.up.into(),
         projection,
         lens,
-        shutter: None,
+        shutter: document.shutter,
     }
 }
 

@@ -87,11 +87,12 @@ pub(crate) enum TransferDocument {
 #[serde(deny_unknown_fields, default, rename = "Quality")]
 pub(crate) struct QualityDocument {
     pub(crate) depth: u64,
+    pub(crate) cutoff: f64,
 }
 
 impl Default for QualityDocument {
     fn default() -> Self {
-        Self { depth: 5 }
+        Self { depth: 5, cutoff: 0.25 }
     }
 }
 
@@ -100,13 +101,14 @@ impl Default for QualityDocument {
 #[serde(deny_unknown_fields, default, rename = "Sampling")]
 pub(crate) struct SamplingDocument {
     pub(crate) samples: u64,
+    pub(crate) instants: u64,
     pub(crate) seed: u64,
     pub(crate) noise: NoiseDocument,
 }
 
 impl Default for SamplingDocument {
     fn default() -> Self {
-        Self { samples: 1, seed: 0, noise: NoiseDocument::Fixed }
+        Self { samples: 1, instants: 16, seed: 0, noise: NoiseDocument::Fixed }
     }
 }
 
@@ -130,6 +132,7 @@ pub(crate) struct CameraDocument {
     pub(crate) screen: Option<ScreenDocument>,
     pub(crate) fov: Option<f64>,
     pub(crate) lens: Option<LensDocument>,
+    pub(crate) shutter: Option<f64>,
 }
 
 fn upwards() -> Triple {

@@ -46,12 +46,21 @@ fn fog(document: &FogDocument, at: &At<'_>, problems: &mut Problems) {
 fn quality(document: &QualityDocument, at: &At<'_>, problems: &mut Problems) {
     let help = "1 traces camera rays alone, 5 adds four reflections";
     check::count(document.depth, Quality::LARGEST_DEPTH, "depth", help, &at.field("depth"), problems);
+    let largest = f64::from(Quality::LARGEST_CUTOFF);
+    if !(0.0..=largest).contains(&document.cutoff) {
+        let message = format!("cutoff must be from 0 to {largest}, not {}", document.cutoff);
+        let help = "write how many steps of 8-bit output may be left out, as 0.25; 0 leaves nothing out";
+        problems.add(&at.field("cutoff"), message, "out of range", help);
+    }
 }
 
 fn sampling(document: &SamplingDocument, at: &At<'_>, problems: &mut Problems) {
     let help = "1 is the pixel's centre alone, 16 gives smooth edges";
     let most = Sampling::LARGEST_COUNT;
     check::count(document.samples, most, "samples", help, &at.field("samples"), problems);
+    let help = "write at how many moments, at most, things are drawn while the shutter is open, as 16";
+    let most = Sampling::LARGEST_INSTANTS;
+    check::count(document.instants, most, "instants", help, &at.field("instants"), problems);
 }
 
 fn timeline(document: &TimelineDocument, at: &At<'_>, problems: &mut Problems) {
@@ -171,6 +180,17 @@ fn camera(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
     }
     projection(document, at, problems);
     lens(document, at, problems);
+    if let Some(share) = document.shutter {
+        shutter(share, &at.field("shutter"), problems);
+    }
+}
+
+fn shutter(share: f64, at: &At<'_>, problems: &mut Problems) {
+    if !(share > 0.0 && share <= 1.0) {
+        let message = format!("shutter must be above 0, at most 1, not {share}");
+        let help = "write the share of the time from frame to frame during which it is open, as 0.5";
+        problems.add(at, message, "out of range", help);
+    }
 }
 
 fn lens(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
