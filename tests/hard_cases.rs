@@ -17,7 +17,7 @@
 //! | numbers that are not finite | refused, wherever they stand |
 //!
 //! Rays against single shapes are in `numerics.rs` and `oracle.rs`, flush faces in `model.rs` and `goldens.rs`, the words of
-//! refusals in `messages.rs`, and random input in `robustness.rs`. `RAYREEL_CASES=1000000` asks for larger heaps.
+//! refusals in `messages.rs`, and random input in `robustness`. `RAYREEL_CASES=1000000` asks for larger heaps.
 
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
@@ -37,6 +37,8 @@ use rayreel::{Engine, Film, Rgb, Scene, Time, World, trace};
 /// The smallest number, numbers near the ends of what squares can hold, the ends themselves, and what is between.
 const LENGTHS: [f64; 10] =
     [5e-324, 1e-310, f64::MIN_POSITIVE, 1e-300, 1e-160, 1.0, 1e160, 1e300, 8.9e307, f64::MAX];
+
+const BLUE: Background = Background::Flat(Rgb::new(0.1, 0.2, 0.3));
 
 fn refusal(text: &str) -> String {
     let error = Scene::from_text("hard.ron", text.to_owned()).err();
@@ -229,12 +231,7 @@ fn world(shape: Shape, transform: Transform, light: DVec3) -> World {
     world.spawn((Light::new(kind, Rgb::ONE), Transform::IDENTITY));
     world.spawn((Camera::default(),));
     let film = FilmSettings { width: 24, height: 14, ..FilmSettings::default() };
-    world.spawn((
-        film,
-        Ambient(Rgb::ONE),
-        Background::Flat(Rgb::new(0.1, 0.2, 0.3)),
-        Quality { depth: 2, ..Quality::default() },
-    ));
+    world.spawn((film, Ambient(Rgb::ONE), BLUE, Quality { depth: 2, ..Quality::default() }));
     world
 }
 
@@ -557,12 +554,7 @@ fn heap_of_spheres(radii: impl Iterator<Item = f64>) -> Film {
     world.spawn((lamp, Transform::from_translation(DVec3::new(-3.0, 4.0, -5.0))));
     world.spawn((Camera { view: View::Direction(DVec3::Z), ..Camera::default() },));
     let film = FilmSettings { width: 5, height: 3, ..FilmSettings::default() };
-    world.spawn((
-        film,
-        Ambient(Rgb::ONE),
-        Background::Flat(Rgb::new(0.1, 0.2, 0.3)),
-        Quality { depth: 3, ..Quality::default() },
-    ));
+    world.spawn((film, Ambient(Rgb::ONE), BLUE, Quality { depth: 3, ..Quality::default() }));
     let mut engine = Engine::new(world);
     let film = engine.render_at(Time::ZERO).unwrap();
     assert!(!is_blank(&film));
