@@ -66,8 +66,8 @@ impl Refractive {
 
 /// Every second square of the surface has another colour.
 ///
-/// The squares are counted in the entity's own units, before its transform: on a plane from the entity's origin, on every face
-/// of a box from the face's lower corner. The pattern is two-dimensional: it does not show on spheres.
+/// The squares are counted in the entity's own units, before its transform: on a plane from the entity's origin, on every
+/// face of a box from the face's lower corner. The pattern is two-dimensional: it does not show on spheres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Checker {
     /// The colour in place of [`Material::color`], in diffuse light and, unless there is a [`Material::ambient_color`], in
