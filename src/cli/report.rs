@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-use rayreel::trace::{Guards, RayCounts};
+use rayreel::trace::{Guards, RayCounts, TreeEnds};
 use rayreel::{Engine, FrameReport};
 
 use super::args::RenderArguments;
@@ -101,7 +101,8 @@ impl ShotReport {
     }
 
     fn to_json(&self) -> Value {
-        let RayCounts { camera, shadow, reflection } = self.cost.rays;
+        let RayCounts { camera, shadow, reflection, refraction } = self.cost.rays;
+        let TreeEnds { depth, cutoff } = self.cost.ends;
         let Guards { open, contested, rough, overflowed } = self.cost.guards;
         json!({
             "frame": self.frame,
@@ -113,7 +114,13 @@ impl ShotReport {
                 "trace": self.cost.trace.as_secs_f64(),
                 "write": self.write.as_secs_f64(),
             },
-            "rays": { "camera": camera, "shadow": shadow, "reflection": reflection },
+            "rays": {
+                "camera": camera,
+                "shadow": shadow,
+                "reflection": reflection,
+                "refraction": refraction,
+            },
+            "not_followed": { "depth": depth, "cutoff": cutoff },
             "guards": { "open": open, "contested": contested, "rough": rough, "overflowed": overflowed },
         })
     }

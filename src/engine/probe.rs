@@ -4,8 +4,8 @@ use hecs::Entity;
 
 use crate::color::Rgb;
 use crate::systems::Preparation;
-use crate::trace::reference::{RayEnd, RayTree, ray_tree};
-use crate::trace::{self, Slot};
+use crate::trace::Slot;
+use crate::trace::reference::RayTree;
 
 /// Everything that goes into a sample of a pixel: its rays, what they find, and what that adds to the colour.
 #[derive(Clone, Debug)]
@@ -16,27 +16,15 @@ pub struct Probe<'a> {
 }
 
 impl<'a> Probe<'a> {
-    pub(super) fn new(preparation: &'a Preparation, camera_ray: trace::Ray) -> Self {
-        Self { preparation, tree: ray_tree(preparation.scene(), camera_ray) }
+    pub(super) fn new(preparation: &'a Preparation, tree: RayTree) -> Self {
+        Self { preparation, tree }
     }
 
     /// The sample's colour. Where pixels have one sample it is the pixel's, as it is in the film, or would be if it had not
     /// overflowed; where they have more the pixel is the mean of all.
     #[must_use]
     pub fn color(&self) -> Rgb {
-        self.tree.color(self.preparation.scene())
-    }
-
-    /// The light that comes back from what a ray finds. Times the ray's throughput it is what the ray adds to the sample.
-    #[must_use]
-    pub fn light(&self, end: &RayEnd) -> Rgb {
-        end.light(self.preparation.scene())
-    }
-
-    /// The colour of what rays see that find nothing.
-    #[must_use]
-    pub fn background(&self) -> Rgb {
-        self.preparation.scene().background
+        self.tree.color()
     }
 
     /// Whose shape is in a slot.
@@ -49,5 +37,11 @@ impl<'a> Probe<'a> {
     #[must_use]
     pub fn lights(&self) -> &[Entity] {
         self.preparation.lights()
+    }
+
+    /// How many samples a light takes at every point: 1 unless it has a size.
+    #[must_use]
+    pub fn light_samples(&self, index: usize) -> u32 {
+        self.preparation.scene().lights.get(index).map_or(1, |light| light.samples)
     }
 }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use crate::time::Time;
-use crate::trace::{Guards, RayCounts};
+use crate::trace::{Guards, RayCounts, TreeEnds};
 
 /// What the last frame cost, phase by phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +18,8 @@ pub struct FrameReport {
     pub trace: Duration,
     /// How many of them.
     pub rays: RayCounts,
+    /// How many were not traced, though a surface sent them on.
+    pub ends: TreeEnds,
     /// How often arithmetic had to be helped.
     pub guards: Guards,
 }
@@ -31,6 +33,7 @@ impl Default for FrameReport {
             prepare: none,
             trace: none,
             rays: RayCounts::default(),
+            ends: TreeEnds::default(),
             guards: Guards::default(),
         }
     }

@@ -7,6 +7,7 @@
 //! - [`animate()`] writes what tracks say about this moment.
 //! - [`OwnSystems`] runs what the program that uses the library has added, pure or stepped.
 //! - [`propagate()`] turns transforms into world transforms, parents first.
+//! - [`Plan`] says which effects the moment calls for, and why.
 //! - [`Preparation`] is the only bridge from the world to the kernel: it carries shapes, materials, lights and the camera
 //!   over into arrays, in document order, and only what has changed.
 //!
@@ -17,6 +18,7 @@ mod changes;
 mod context;
 mod order;
 mod own;
+mod plan;
 mod prepare;
 mod propagate;
 mod snapshot;
@@ -25,6 +27,8 @@ pub use animate::animate;
 pub use changes::Changes;
 pub use context::Context;
 pub use own::{OwnSystems, Step};
+pub use plan::{Effect, Plan, Verdict};
 pub use prepare::{Preparation, film_settings};
+pub(crate) use prepare::{Shutter, shutter};
 pub use propagate::propagate;
 pub use snapshot::{Registry, Snapshot, UnknownComponent};

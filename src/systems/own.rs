@@ -59,6 +59,12 @@ pub struct OwnSystems {
 }
 
 impl OwnSystems {
+    /// Are there none?
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.pure.is_empty() && self.stepped.is_empty()
+    }
+
     /// Adds a pure system.
     pub fn add(&mut self, system: impl Fn(&mut Context<'_>) + Send + 'static) {
         self.pure.push(Box::new(system));

@@ -6,16 +6,19 @@ use glam::{DMat3, DVec3};
 use hecs::{Entity, World};
 
 use super::Changes;
+use super::Plan;
 use super::order::order_newcomers;
-use crate::color::Rgb;
+use crate::color::{Rgb, Transfer};
 use crate::components::{
-    Ambient, Background, Camera, Falloff, FilmSettings, Light, LightKind, Material, Noise, Order, Projection,
-    Quality, Reflective, Sampling, Shape, Specular, View, WorldTransform,
+    Ambient, AreaShape, Background, Camera, Checker, Falloff, FilmSettings, Fog, Light, LightKind, Material,
+    Noise, Order, Projection, Quality, Reflective, Refractive, Sampling, Shape, Specular, View,
+    WorldTransform,
 };
 use crate::time::Time;
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 use crate::trace::{
-    self, Cone, Geometry, LightSource, Precision, PreparedScene, PreparedShape, Slot, SurfaceMaterial,
+    self, Cone, Geometry, LightSource, Precision, PreparedScene, PreparedShape, Refraction, Slot, Squares,
+    SurfaceMaterial,
 };
 
 /// The kernel's arrays, and which entity each of their slots stands for.
@@ -33,8 +36,16 @@ pub struct Preparation {
     slots: SlotTable,
 }
 
-/// The components that say what a surface looks like.
-type Surfaced<'a> = (&'a Material, Option<&'a Specular>, Option<&'a Reflective>);
+/// The components that say what a surface looks like, and where its squares are.
+type Surfaced<'a> = (
+    &'a Shape,
+    &'a WorldTransform,
+    &'a Material,
+    Option<&'a Specular>,
+    Option<&'a Reflective>,
+    Option<&'a Refractive>,
+    Option<&'a Checker>,
+);
 
 /// Slots by entity. Ids are small and dense, so that a list does.
 #[derive(Clone, Debug, Default)]
@@ -60,7 +71,6 @@ impl Preparation {
     #[must_use]
     pub fn of(world: &mut World) -> Self {
         order_newcomers(world, &[]);
-        type Drawn<'a> = (&'a Shape, &'a WorldTransform, Surfaced<'a>);
         let mut drawn: Vec<(Order, Entity)> = world
             .query_mut::<hecs::With<(Entity, &Order), (&Shape, &WorldTransform, &Material)>>()
             .into_iter()
@@ -72,10 +82,10 @@ impl Preparation {
         let mut materials = Vec::with_capacity(drawn.len());
         let mut entities = Vec::with_capacity(drawn.len());
         let mut slots = SlotTable::default();
-        let view = world.view_mut::<Drawn<'_>>();
+        let view = world.view_mut::<Surfaced<'_>>();
         for (_, entity) in drawn {
-            if let Some((shape, transform, surface)) = view.get(entity)
-                && let Some(shape) = prepared_shape(shape, transform)
+            if let Some(surface) = view.get(entity)
+                && let Some(shape) = prepared_shape(surface.0, surface.1)
             {
                 slots.insert(entity, geometry.push(shape));
                 entities.push(entity);
@@ -83,30 +93,37 @@ impl Preparation {
             }
         }
         let film = film_settings(world);
-        let scene = PreparedScene::new(geometry, materials);
-        let camera = prepared_camera(world, film);
-        let sampling = Sampling::default();
-        let mut preparation = Self { scene, camera, film, sampling, entities, lights: Vec::new(), slots };
+        let mut preparation = Self {
+            scene: PreparedScene::new(geometry, materials),
+            camera: prepared_camera(world, film),
+            film,
+            sampling: Sampling::default(),
+            entities,
+            lights: Vec::new(),
+            slots,
+        };
         preparation.read_settings(world);
         preparation
     }
 
-    /// Reads what has changed. `moved` are the entities whose world transform changed.
-    pub fn update(&mut self, world: &mut World, changes: &Changes, moved: &[Entity]) {
-        if changes.is_everything() || !self.update_shapes(world, moved) {
+    /// Reads what has changed. `moved` are the entities whose world transform changed. Is anything different?
+    pub fn update(&mut self, world: &mut World, changes: &Changes, moved: &[Entity]) -> bool {
+        if changes.is_everything() {
             *self = Self::of(world);
-            return;
+            return true;
         }
-        for entity in changes.materials() {
-            if let Some(slot) = self.slots.get(*entity)
-                && let Ok(surface) = world.query_one_mut::<Surfaced<'_>>(*entity)
-            {
-                self.scene.set_material(slot, surface_material(surface));
-            }
-        }
-        self.film = film_settings(world);
-        self.camera = prepared_camera(world, self.film);
-        self.read_settings(world);
+        let Some(shapes_differ) = self.update_shapes(world, moved) else {
+            *self = Self::of(world);
+            return true;
+        };
+        let repainted = changes.materials().iter().chain(moved);
+        let materials = repainted.filter_map(|entity| {
+            let slot = self.slots.get(*entity)?;
+            Some((slot, surface_material(world.query_one_mut::<Surfaced<'_>>(*entity).ok()?)))
+        });
+        let surfaces_differ = self.scene.replace_materials(materials);
+        let settings_differ = self.read_settings(world);
+        shapes_differ || surfaces_differ || settings_differ
     }
 
     /// The kernel's scene.
@@ -154,8 +171,21 @@ impl Preparation {
         &self.lights
     }
 
-    /// Puts moved shapes into their slots; `false` if slots no longer fit and all must be read again.
-    fn update_shapes(&mut self, world: &mut World, moved: &[Entity]) -> bool {
+    /// What this moment calls for, and why.
+    #[must_use]
+    pub fn plan(&self, world: &World) -> Plan {
+        Plan::of(world, self)
+    }
+
+    /// How many samples every pixel has.
+    #[must_use]
+    pub fn samples(&self) -> u32 {
+        self.sampling.samples
+    }
+
+    /// Puts moved shapes into their slots, and says whether any has changed; `None` if slots no longer fit and all must be read
+    /// again.
+    fn update_shapes(&mut self, world: &mut World, moved: &[Entity]) -> Option<bool> {
         let mut replacements = Vec::new();
         for entity in moved {
             let Ok((shape, transform)) =
@@ -167,14 +197,15 @@ impl Preparation {
                 (Some(slot), Some(shape)) if self.scene.geometry().holds(slot, &shape) => {}
                 (Some(slot), Some(shape)) => replacements.push((slot, shape)),
                 (None, None) => {}
-                _ => return false,
+                _ => return None,
             }
         }
-        self.scene.replace_shapes(&replacements)
+        let fits = self.scene.replace_shapes(&replacements);
+        fits.then_some(!replacements.is_empty())
     }
 
-    /// Lights and the settings of the whole scene are few: they are read for every frame.
-    fn read_settings(&mut self, world: &mut World) {
+    /// The camera, lights and the settings of the whole scene are few: they are read for every frame. Is anything different?
+    fn read_settings(&mut self, world: &mut World) -> bool {
         let mut lights: Vec<(Order, Entity, trace::Light)> = world
             .query_mut::<(Entity, &Order, &Light, &WorldTransform)>()
             .into_iter()
@@ -184,15 +215,89 @@ impl Preparation {
             })
             .collect();
         lights.sort_unstable_by_key(|(order, entity, _)| (*order, entity.id()));
-        (self.lights, self.scene.lights) =
+        let lights: (Vec<Entity>, Vec<trace::Light>) =
             lights.into_iter().map(|(_, entity, light)| (entity, light)).unzip();
-        self.scene.ambient = sane(first::<Ambient>(world).0);
-        let (Background::Flat(background) | Background::Gradient { bottom: background, .. }) = first(world);
-        self.scene.background = sane(background);
-        let sampling = first::<Sampling>(world);
-        self.sampling = Sampling { samples: sampling.samples.clamp(1, Sampling::LARGEST_COUNT), ..sampling };
-        self.scene.depth = first::<Quality>(world).depth.clamp(1, Quality::LARGEST_DEPTH);
+        let film = film_settings(world);
+        let camera = prepared_camera(world, film);
+        let sampling = sane_sampling(first(world));
+        let quality = first::<Quality>(world);
+        let ambient = sane(first::<Ambient>(world).0);
+        let background = prepared_background(first(world));
+        let fog = prepared_fog(first(world));
+        let depth = quality.depth.clamp(1, Quality::LARGEST_DEPTH);
+        let cutoff = linear_cutoff(quality.cutoff, film.transfer);
+
+        let scene = &mut self.scene;
+        let differ = set(&mut scene.lights, lights.1)
+            | set(&mut scene.ambient, ambient)
+            | set(&mut scene.background, background)
+            | set(&mut scene.fog, fog)
+            | set(&mut scene.depth, depth)
+            | set(&mut scene.cutoff, cutoff)
+            | set(&mut self.camera, camera)
+            | set(&mut self.film, film)
+            | set(&mut self.sampling, sampling);
+        self.lights = lights.0;
+        differ
     }
+}
+
+/// Is it different from what it was?
+fn set<T: PartialEq>(place: &mut T, value: T) -> bool {
+    let differs = *place != value;
+    *place = value;
+    differs
+}
+
+fn sane_sampling(sampling: Sampling) -> Sampling {
+    let samples = sampling.samples.clamp(1, Sampling::LARGEST_COUNT);
+    let instants = sampling.instants.clamp(1, Sampling::LARGEST_INSTANTS).min(samples);
+    Sampling { samples, instants, ..sampling }
+}
+
+/// How a frame is exposed, from the world as it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Shutter {
+    /// At one instant: the camera has none.
+    None,
+    /// At one instant: no more are asked for, or a pixel has no more samples.
+    OneInstant,
+    /// Open for a share of the time from frame to frame, at this many instants, more than one.
+    Open(f64, u32),
+}
+
+/// How a frame is exposed.
+#[must_use]
+pub(crate) fn shutter(world: &World) -> Shutter {
+    let instants = sane_sampling(first(world)).instants;
+    match first::<Camera>(world).shutter {
+        Some(open) if open > 0.0 && instants > 1 => Shutter::Open(open.min(1.0), instants),
+        Some(open) if open > 0.0 => Shutter::OneInstant,
+        _ => Shutter::None,
+    }
+}
+
+/// From steps of 8 bits to linear light. Where output is encoded as sRGB, steps are finest near black.
+fn linear_cutoff(codes: f32, transfer: Transfer) -> f32 {
+    let steepest = match transfer {
+        Transfer::Classic => 1.0,
+        Transfer::Srgb => 12.92,
+    };
+    if codes > 0.0 { codes.min(Quality::LARGEST_CUTOFF) / (255.0 * steepest) } else { 0.0 }
+}
+
+fn prepared_background(background: Background) -> trace::Background {
+    match background {
+        Background::Flat(color) => trace::Background::Flat(sane(color)),
+        Background::Gradient { bottom, top } => {
+            trace::Background::Gradient { bottom: sane(bottom), top: sane(top) }
+        }
+    }
+}
+
+fn prepared_fog(fog: Fog) -> trace::Fog {
+    let density = if fog.density > 0.0 { fog.density.min(f64::MAX) } else { 0.0 };
+    trace::Fog { color: sane(fog.color), density }
 }
 
 /// The first in document order of a component that a world has at most one of, or its default.
@@ -272,15 +377,54 @@ pub fn film_settings(world: &World) -> FilmSettings {
     FilmSettings { width, height, ..film }
 }
 
-fn surface_material((material, specular, reflective): Surfaced<'_>) -> SurfaceMaterial {
-    let coefficient = |value: f32| if value > 0.0 { value.min(1.0) } else { 0.0 };
+fn surface_material(
+    (shape, transform, material, specular, reflective, refractive, checker): Surfaced<'_>,
+) -> SurfaceMaterial {
     let shininess = |value: f32| if value > 0.0 { value.min(Specular::LARGEST_SHININESS) } else { 0.0 };
+    let (k_a, k_d) = (coefficient(material.k_a), coefficient(material.k_d));
+    let checker = checker.and_then(|checker| {
+        let squares = prepared_squares(checker, shape, transform)?;
+        let color = sane(checker.color);
+        let ambient = material.ambient_color.map_or(color, sane);
+        Some(Box::new(trace::Checker { ambient: ambient * k_a, diffuse: color * k_d, squares }))
+    });
     SurfaceMaterial {
-        ambient: sane(material.ambient_color.unwrap_or(material.color)) * coefficient(material.k_a),
-        diffuse: sane(material.color) * coefficient(material.k_d),
+        ambient: sane(material.ambient_color.unwrap_or(material.color)) * k_a,
+        diffuse: sane(material.color) * k_d,
         specular: specular.map_or(0.0, |specular| coefficient(specular.k_s)),
         shininess: specular.map_or(0.0, |specular| shininess(specular.shininess)),
         reflected: reflective.map_or(0.0, |reflective| coefficient(reflective.k_r)),
+        refraction: refractive.and_then(prepared_refraction),
+        checker,
+    }
+}
+
+/// 0..=1.
+fn coefficient(value: f32) -> f32 {
+    if value > 0.0 { value.min(1.0) } else { 0.0 }
+}
+
+fn prepared_refraction(refractive: &Refractive) -> Option<Refraction> {
+    let transmitted = coefficient(refractive.k_t);
+    let sane_ior = refractive.ior > 0.0;
+    (transmitted > 0.0 && sane_ior).then(|| Refraction {
+        transmitted,
+        ior: refractive.ior.clamp(Refractive::SMALLEST_IOR, Refractive::LARGEST_IOR),
+        absorption: sane(refractive.absorption),
+        fresnel: refractive.fresnel,
+    })
+}
+
+/// `None` where there are none: on spheres, and where squares have no size.
+fn prepared_squares(checker: &Checker, shape: &Shape, transform: &WorldTransform) -> Option<Squares> {
+    let (map, size) = (transform.affine, checker.size);
+    if size.is_nan() || size <= 0.0 {
+        return None;
+    }
+    match *shape {
+        Shape::Sphere { .. } => None,
+        Shape::Plane { normal } => Some(Squares::on_plane(map, normal, size)),
+        Shape::Box { size: edges } => Some(Squares::on_box(map, edges * 0.5, size)),
     }
 }
 
@@ -289,16 +433,21 @@ fn prepared_light(
     transform: &WorldTransform,
     own_shape: Option<Slot>,
 ) -> Option<trace::Light> {
+    let center = transform.affine.translation;
     let source = match light.kind {
-        LightKind::Point | LightKind::Area { .. } => LightSource::Point(transform.affine.translation),
+        LightKind::Point => LightSource::Point(center),
+        LightKind::Area { shape, .. } => prepared_area(shape, transform)?,
         LightKind::Spot { angle, softness } => {
-            LightSource::Spot(transform.affine.translation, prepared_cone(angle, softness, transform)?)
+            LightSource::Spot(center, prepared_cone(angle, softness, transform)?)
         }
         LightKind::Directional { direction } => {
             LightSource::Towards(-transform.affine.transform_vector3(direction))
         }
     };
-    let (LightSource::Point(place) | LightSource::Spot(place, _) | LightSource::Towards(place)) = source;
+    let place = match source {
+        LightSource::Towards(direction) => direction,
+        _ => center,
+    };
     let falloff = match light.falloff {
         None => None,
         Some(_) if matches!(source, LightSource::Towards(_)) => None,
@@ -308,9 +457,29 @@ fn prepared_light(
         source,
         intensity: sane(light.intensity),
         falloff,
+        samples: match light.kind {
+            LightKind::Area { samples, .. } => samples.clamp(1, AreaShape::LARGEST_SAMPLES),
+            _ => 1,
+        },
         casts_shadows: light.casts_shadows,
         own_shape,
     })
+}
+
+/// What shines of an area light. `None` where that is not a finite size.
+fn prepared_area(shape: AreaShape, transform: &WorldTransform) -> Option<LightSource> {
+    let (center, linear) = (transform.affine.translation, transform.affine.matrix3);
+    match shape {
+        AreaShape::Sphere { radius } => {
+            let scale = transform.uniform_scale.unwrap_or_else(|| libm::cbrt(linear.determinant().abs()));
+            let radius = radius * scale;
+            (0.0..=f64::MAX).contains(&radius).then_some(LightSource::Ball { center, radius })
+        }
+        AreaShape::Rectangle { width, height } => {
+            let halves = [linear.x_axis * (0.5 * width), linear.y_axis * (0.5 * height)];
+            halves.iter().all(|half| half.is_finite()).then_some(LightSource::Panel { center, halves })
+        }
+    }
 }
 
 /// The cone about +z as the transform turns it. `None` where it is none.

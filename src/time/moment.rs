@@ -37,6 +37,12 @@ impl FrameRate {
         }
     }
 
+    /// The ratio's numerator and denominator.
+    #[must_use]
+    pub fn parts(self) -> (u32, u32) {
+        (self.numerator, self.denominator)
+    }
+
     /// Frames per second, rounded to `f64`.
     #[must_use]
     pub fn per_second(self) -> f64 {
@@ -92,6 +98,29 @@ impl Time {
             (divisor, rest) = (rest, divisor % rest);
         }
         (self.numerator / divisor, self.denominator / divisor)
+    }
+
+    /// This moment moved by `numerator / denominator` seconds, but not before the start. `None` past the range of
+    /// [`Time::from_ratio`].
+    ///
+    /// ```
+    /// use rayreel::time::Time;
+    /// let half = Time::from_ratio(1, 2).unwrap();
+    /// assert_eq!(half.moved((-1, 3)), Time::from_ratio(1, 6));
+    /// assert_eq!(half.moved((-2, 3)), Some(Time::ZERO));
+    /// ```
+    #[must_use]
+    pub fn moved(self, (numerator, denominator): (i128, u64)) -> Option<Self> {
+        let way = numerator.checked_mul(i128::from(self.denominator))?;
+        let sum = i128::from(self.numerator).checked_mul(i128::from(denominator))?.checked_add(way)?;
+        let sum = u128::try_from(sum.max(0)).ok()?;
+        let product = u128::from(self.denominator) * u128::from(denominator);
+        let (mut divisor, mut rest) = (product, sum);
+        while rest != 0 {
+            (divisor, rest) = (rest, divisor % rest);
+        }
+        let divisor = divisor.max(1);
+        Self::from_ratio((sum / divisor).try_into().ok()?, (product / divisor).try_into().ok()?)
     }
 
     /// How many whole steps of the given length fit between the start and this moment, counted in integers.

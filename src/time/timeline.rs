@@ -51,6 +51,30 @@ impl Timeline {
         count
     }
 
+    /// The instants at which a frame is drawn: the middles of `count` equal parts of the time in which the shutter is open, a
+    /// share `open` of the time from frame to frame, in ten thousandths, around the frame's moment. Those before the start are at
+    /// the start.
+    ///
+    /// ```
+    /// use rayreel::time::{FrameRate, Time, Timeline};
+    /// let timeline = Timeline { rate: FrameRate::new(10, 1).unwrap(), duration: 1.0 };
+    /// let instants = timeline.instants(timeline.time_of(1), 0.5, 2);
+    /// assert_eq!(instants, ["0.0875", "0.1125"].map(|time| time.parse().unwrap()));
+    /// ```
+    #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "a share of 10 000")]
+    pub fn instants(&self, time: Time, open: f64, count: u32) -> Vec<Time> {
+        const PARTS: f64 = 10_000.0;
+        let open = (open.clamp(0.0, 1.0) * PARTS).round() as i128;
+        let (frames, seconds) = self.rate.parts();
+        let parts = 2 * u64::from(count) * 10_000 * u64::from(frames);
+        let offset = |index: u32| {
+            let middle = 2 * i128::from(index) + 1 - i128::from(count);
+            (middle * open * i128::from(seconds), parts)
+        };
+        (0..count).map(|index| time.moved(offset(index)).unwrap_or(time)).collect()
+    }
+
     /// The moment of frame `index`.
     #[must_use]
     pub fn time_of(&self, index: u32) -> Time {

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-use super::Ray;
 use super::exact::Double;
 use super::ray::scaled;
 use super::sampler::{Dimension, PixelSamples, Sampling, disc};
+use super::{Bounds, Ray};
 
 /// The camera, ready to make rays: an eye and a grid of pixels on a screen before it.
 ///
@@ -132,6 +132,43 @@ impl Camera {
         let [right, up] = disc(samples.pair(Dimension::Lens, index)).map(|place| lens.radius * place);
         let place = self.right * right + self.up * up;
         Ray::new(self.eye + place, towards * lens.focus - place)
+    }
+
+    /// Where rays come together, and how far from there they may start.
+    pub(super) fn eye(&self) -> (DVec3, f64) {
+        (self.eye, self.lens.map_or(0.0, |lens| lens.radius))
+    }
+
+    /// Has it a lens, so that what is out of focus may be blurred?
+    #[must_use]
+    pub fn has_lens(&self) -> bool {
+        self.lens.is_some()
+    }
+
+    /// May a ray of the camera meet something in the box? `false` only where none can.
+    #[must_use]
+    pub fn may_see(&self, bounds: &Bounds) -> bool {
+        if self.lens.is_some() {
+            return true;
+        }
+        let pitch = |size: f64, pixels: u32| size / f64::from(pixels.saturating_sub(1).max(1));
+        // From the middle to half a pitch beyond the outermost pixels, and as much again to be safe.
+        let across = 0.5 * self.width + pitch(self.width, self.columns);
+        let upwards = 0.5 * self.height + pitch(self.height, self.rows);
+        let ahead = self.forward / self.distance;
+        let normals = [
+            ahead,
+            ahead * across + self.right * self.distance,
+            ahead * across - self.right * self.distance,
+            ahead * upwards + self.up * self.distance,
+            ahead * upwards - self.up * self.distance,
+        ];
+        let beyond = |normal: DVec3| {
+            let farthest = DVec3::select(normal.cmpgt(DVec3::ZERO), bounds.max, bounds.min) - self.eye;
+            let height = farthest.dot(normal);
+            height < -1e-9 * normal.length() * (farthest.length() + self.eye.length())
+        };
+        !normals.into_iter().any(beyond)
     }
 
     /// Columns and rows.

@@ -55,10 +55,10 @@ impl Film {
 
     /// Stores pixels of row `j` from column `i` on, and says how many had overflowed: those are saturated, so that a film is
     /// always finite.
-    pub(super) fn store(&mut self, i: u32, j: u32, pixels: &[Rgb]) -> u64 {
+    pub(super) fn store(&mut self, i: u32, j: u32, pixels: impl Iterator<Item = Rgb>) -> u64 {
         let start = j as usize * self.width as usize + i as usize;
         let mut overflowed = 0;
-        for (stored, pixel) in self.pixels[start..start + pixels.len()].iter_mut().zip(pixels) {
+        for (stored, pixel) in self.pixels[start..].iter_mut().zip(pixels) {
             overflowed += u64::from(!pixel.is_finite());
             *stored = Rgb::from_array(pixel.to_array().map(saturated));
         }

@@ -3,6 +3,8 @@
 use glam::DVec3;
 
 use super::Slot;
+use super::ray::scaled;
+use super::sampler::disc;
 use crate::color::Rgb;
 
 /// A light in world space.
@@ -14,6 +16,8 @@ pub struct Light {
     pub intensity: Rgb,
     /// How it weakens with distance, if it does.
     pub falloff: Option<Falloff>,
+    /// How many of its places light a point; 1 unless it is extended.
+    pub samples: u32,
     /// Is it asked whether anything stands in its way?
     pub casts_shadows: bool,
     /// The light's own shape, which does not stand in its way.
@@ -49,6 +53,61 @@ pub enum LightSource {
     Spot(DVec3, Cone),
     /// Infinitely far away, in this direction from everywhere; any length but zero.
     Towards(DVec3),
+    /// A ball, seen from everywhere as the disc that faces there.
+    Ball {
+        /// Its middle.
+        center: DVec3,
+        /// 0 or more.
+        radius: f64,
+    },
+    /// A parallelogram that shines both ways.
+    Panel {
+        /// Its middle.
+        center: DVec3,
+        /// From the middle to the middles of two neighbouring edges.
+        halves: [DVec3; 2],
+    },
+}
+
+impl LightSource {
+    /// Has it a size?
+    #[must_use]
+    pub fn is_extended(&self) -> bool {
+        matches!(self, Self::Ball { .. } | Self::Panel { .. })
+    }
+
+    /// The place of an extended light that a point of the unit square stands for, as it is seen from `lit`.
+    pub(super) fn place(&self, lit: DVec3, square: [f64; 2]) -> DVec3 {
+        match *self {
+            Self::Point(place) | Self::Spot(place, _) | Self::Towards(place) => place,
+            Self::Ball { center, radius } => {
+                let Some((towards, _)) = scaled(center - lit) else {
+                    return center;
+                };
+                let [x, y] = disc(square);
+                let (right, up) = across(towards.normalize());
+                center + right * (radius * x) + up * (radius * y)
+            }
+            Self::Panel { center, halves: [right, up] } => {
+                let [x, y] = square.map(|place| 2.0 * place - 1.0);
+                center + right * x + up * y
+            }
+        }
+    }
+}
+
+/// Two unit vectors that are perpendicular to a third one and to each other.
+fn across(forward: DVec3) -> (DVec3, DVec3) {
+    let size = forward.abs();
+    let axis = if size.x <= size.y && size.x <= size.z {
+        DVec3::X
+    } else if size.y <= size.z {
+        DVec3::Y
+    } else {
+        DVec3::Z
+    };
+    let right = axis.cross(forward).normalize();
+    (right, forward.cross(right))
 }
 
 /// Which way a spot light shines.

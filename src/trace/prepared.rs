@@ -8,10 +8,12 @@ use rayon::prelude::*;
 use super::bvh::{Stack, Tree};
 use super::exact::{Double, Double3};
 use super::geometry::{Leaves, with_leaves};
+use super::media::Nesting;
+use super::shadow::{Crossing, Filter};
 use super::ties::Tie;
 use super::{
-    Bounds, Geometry, Guards, Light, Precision, PreparedShape, Ray, Refined, Root, Slot, SurfaceMaterial,
-    Ties,
+    Background, Bounds, Fog, Geometry, Guards, Light, Precision, PreparedShape, Ray, Refined, Root, Slot,
+    SurfaceMaterial, Surfaces, Ties,
 };
 use crate::color::Rgb;
 
@@ -23,14 +25,20 @@ pub struct PreparedScene {
     tree: Tree,
     /// Shapes without bounds, as planes, and shapes so much larger than the rest that they would spoil the tree.
     beside: Vec<Slot>,
+    surfaces: Surfaces,
     /// In document order.
     pub lights: Vec<Light>,
     /// I_a.
     pub ambient: Rgb,
     /// What rays see that meet nothing.
-    pub background: Rgb,
+    pub background: Background,
+    /// What is between things.
+    pub fog: Fog,
     /// Generations of rays that are traced, 1 or more.
     pub depth: u32,
+    /// How much of a sample's light may be left out, in linear light, by not following rays that bring little; 0 follows all
+    /// that bring anything.
+    pub cutoff: f32,
     /// How shapes are asked.
     pub precision: Precision,
 }
@@ -40,6 +48,11 @@ pub struct PreparedScene {
 pub(super) struct Scratch {
     pub(super) stack: Stack,
     pub(super) guards: Guards,
+    /// Clear solids that rays of this tile are inside of.
+    pub(super) nesting: Nesting,
+    /// What a shadow ray crosses.
+    pub(super) crossings: Vec<Crossing>,
+    pub(super) filters: Vec<Filter>,
 }
 
 /// Where a ray meets a shape.
@@ -123,13 +136,16 @@ impl PreparedScene {
     pub fn new(geometry: Geometry, materials: Vec<SurfaceMaterial>) -> Self {
         let mut scene = Self {
             geometry,
+            surfaces: Surfaces::of(&materials),
             materials,
             tree: Tree::build(&[], &[]),
             beside: Vec::new(),
             lights: Vec::new(),
             ambient: Rgb::ZERO,
-            background: Rgb::ZERO,
+            background: Background::default(),
+            fog: Fog::default(),
             depth: 1,
+            cutoff: 0.0,
             precision: Precision::default(),
         };
         scene.rebuild_tree();
@@ -158,9 +174,26 @@ impl PreparedScene {
         &self.materials[slot.index()]
     }
 
-    /// Replaces the surface of a slot.
-    pub fn set_material(&mut self, slot: Slot, material: SurfaceMaterial) {
-        self.materials[slot.index()] = material;
+    /// What there is among the surfaces.
+    #[must_use]
+    pub fn surfaces(&self) -> &Surfaces {
+        &self.surfaces
+    }
+
+    /// Replaces the surfaces of slots. Is any of them different?
+    pub fn replace_materials(
+        &mut self,
+        replacements: impl IntoIterator<Item = (Slot, SurfaceMaterial)>,
+    ) -> bool {
+        let mut any = false;
+        for (slot, material) in replacements {
+            any |= self.materials[slot.index()] != material;
+            self.materials[slot.index()] = material;
+        }
+        if any {
+            self.surfaces = Surfaces::of(&self.materials);
+        }
+        any
     }
 
     fn rebuild_tree(&mut self) {
@@ -179,7 +212,7 @@ impl PreparedScene {
     /// The nearest surface that the ray meets; of several at the same place the first in document order.
     #[must_use]
     pub(super) fn closest(&self, leaves: &impl Leaves, ray: &Ray, scratch: &mut Scratch) -> Option<Closest> {
-        let Scratch { stack, guards } = scratch;
+        let Scratch { stack, guards, .. } = scratch;
         let mut best: Option<Closest> = None;
         let mut consider = |slot: Slot| {
             if let Some(hit) = leaves.first_hit(slot, ray, guards) {
@@ -205,12 +238,75 @@ impl PreparedScene {
         except: Option<Slot>,
         scratch: &mut Scratch,
     ) -> bool {
-        let Scratch { stack, guards } = scratch;
+        let Scratch { stack, guards, .. } = scratch;
         let mut hides = |slot: Slot| Some(slot) != except && leaves.stands_before(slot, ray, limit, guards);
         self.beside.iter().any(|slot| hides(*slot)) || self.tree.visit_any(ray, limit, stack, hides)
     }
 
-    /// The point that the ray found, with its normal.
+    /// Does anything opaque but `except` stand between the ray's origin and `limit`? If not, `scratch.crossings` are the surfaces
+    /// of clear shapes that the ray crosses there, in any order.
+    #[must_use]
+    pub(super) fn is_hidden_or_filtered(
+        &self,
+        leaves: &impl Leaves,
+        ray: &Ray,
+        limit: f64,
+        except: Option<Slot>,
+        scratch: &mut Scratch,
+    ) -> bool {
+        let Scratch { stack, guards, crossings, .. } = scratch;
+        crossings.clear();
+        let mut hides = |slot: Slot| {
+            Some(slot) != except && self.hides_or_filters(leaves, slot, ray, limit, crossings, guards)
+        };
+        self.beside.iter().any(|slot| hides(*slot)) || self.tree.visit_any(ray, limit, stack, hides)
+    }
+
+    /// Does the shape stand in the ray's way? A clear one never does, but adds where the ray crosses its surface.
+    pub(super) fn hides_or_filters(
+        &self,
+        leaves: &impl Leaves,
+        slot: Slot,
+        ray: &Ray,
+        limit: f64,
+        crossings: &mut Vec<Crossing>,
+        guards: &mut Guards,
+    ) -> bool {
+        if self.material(slot).refraction.is_none() {
+            return leaves.stands_before(slot, ray, limit, guards);
+        }
+        if let Some(hit) = leaves.first_hit(slot, ray, guards)
+            && leaves.is_before(&hit, ray, limit, guards)
+        {
+            self.cross(leaves, ray, &hit, limit, crossings, guards);
+        }
+        false
+    }
+
+    /// Where a ray crosses the surface of a shape that it first meets at `hit`.
+    fn cross(
+        &self,
+        leaves: &impl Leaves,
+        ray: &Ray,
+        hit: &Hit,
+        limit: f64,
+        crossings: &mut Vec<Crossing>,
+        guards: &mut Guards,
+    ) {
+        let Refined { t, point, normal } = leaves.refined(ray, hit, guards);
+        let (t, slot) = (t.rounded(), hit.slot);
+        let entering = !hit.far && ray.direction().dot(normal) < 0.0;
+        crossings.push(Crossing { t, slot, entering });
+        if entering && let Some(on) = self.geometry.far_side(slot, point, ray.direction()) {
+            let t = t + on;
+            if t < limit {
+                crossings.push(Crossing { t, slot, entering: false });
+            }
+        }
+    }
+
+    /// The point that the ray found, with its normal. Of several surfaces at the same place it is the first in document order,
+    /// save that a clear one that the ray leaves gives way to the first opaque one: what a glass stands on is seen through it.
     #[must_use]
     pub(super) fn surface(
         &self,
@@ -219,6 +315,21 @@ impl PreparedScene {
         closest: &Closest,
         guards: &mut Guards,
     ) -> Surface {
+        let first = self.surface_at(leaves, ray, closest, guards);
+        if closest.ties.is_empty() || first.from_outside {
+            return first;
+        }
+        let clear = |hit: &Hit| self.material(hit.slot).refraction.is_some();
+        let opaque = closest.ties.iter().filter(|tied| !clear(tied)).min_by_key(|tied| tied.slot);
+        let Some(opaque) = opaque.filter(|_| clear(&closest.hit)) else {
+            return first;
+        };
+        let others = closest.ties.iter().filter(|tied| tied.slot != opaque.slot);
+        let ties = others.chain([&closest.hit]).copied().collect();
+        self.surface_at(leaves, ray, &Closest { hit: *opaque, ties }, guards)
+    }
+
+    fn surface_at(&self, leaves: &impl Leaves, ray: &Ray, closest: &Closest, guards: &mut Guards) -> Surface {
         let hit = closest.hit;
         let Refined { t, point, normal } = leaves.refined(ray, &hit, guards);
         let ties = closest.ties.iter().map(|tied| {

@@ -65,6 +65,15 @@ impl Ray {
         Self { origin, direction, inverse_square: direction.dot(direction).recip(), departure }
     }
 
+    /// The same ray, leaving its surface on the other side.
+    #[must_use]
+    pub(super) fn through(mut self) -> Self {
+        if let Some(departure) = &mut self.departure {
+            departure.outward = !departure.outward;
+        }
+        self
+    }
+
     /// Where the ray starts.
     #[must_use]
     #[inline]

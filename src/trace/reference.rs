@@ -1,10 +1,18 @@
 //! The slow path: every ray asks every shape. It is the oracle that the fast path is held against, bit for bit, the
 //! definition of the picture in the fewest words, and, as it keeps the whole tree of a pixel's rays, its explanation.
 
+use super::branch::{Branches, LARGEST_TREE, TreeRay, branches};
+use super::direct::{Lit, from_light};
+use super::effects::FullKernel;
 use super::film::PixelSum;
 use super::geometry::Leaves;
-use super::shade::{ambient, incidence, mirrored};
-use super::{Camera, Closest, Film, Guards, PreparedScene, Ray, Sampling, Slot, Surface};
+use super::moment::Moment;
+use super::prepared::Scratch;
+use super::sampler::PixelSamples;
+use super::shade::{Incidence, ambient};
+use super::shadow::filtered;
+use super::surroundings::Passage;
+use super::{Camera, Closest, Film, Guards, Light, PreparedScene, Ray, Sampling, Slot, Surface};
 use crate::color::Rgb;
 
 /// All rays of one sample of a pixel, breadth first.
@@ -17,23 +25,42 @@ pub struct RayTree {
 /// One of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TracedRay {
+    /// Where it comes from.
+    pub kind: RayKind,
     /// Index of the ray that this one continues; `None` for a camera ray.
     pub parent: Option<usize>,
     /// The ray.
     pub ray: Ray,
     /// What share of the light along it reaches the pixel, before the mean over samples is taken.
     pub throughput: Rgb,
+    /// The clear solids that it is inside of, the last entered first.
+    pub inside: Vec<Slot>,
+    /// What happens to light on the way.
+    pub passage: Passage,
     /// What it finds.
     pub end: RayEnd,
+    /// How many continuations are not followed, as they could not show.
+    pub cut: u64,
+}
+
+/// Where a ray comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RayKind {
+    /// The camera.
+    Camera,
+    /// A mirror, or total internal reflection.
+    Reflection,
+    /// The surface of a clear medium.
+    Refraction,
 }
 
 /// What a ray finds.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RayEnd {
-    /// Nothing: it sees the background.
-    Background,
-    /// Nobody looks: it is beyond the last generation, and sees the background.
-    BeyondDepth,
+    /// Nothing: it sees the background, of this colour.
+    Background(Rgb),
+    /// Nobody looks: it is beyond the last generation, and sees the background, of this colour.
+    BeyondDepth(Rgb),
     /// A surface.
     Surface(Box<LitSurface>),
 }
@@ -55,91 +82,230 @@ pub enum LightReach {
     /// It can add nothing: it is off, or behind the surface, or shines elsewhere, or the surface scatters none of it. No
     /// shadow ray is sent.
     NotAsked,
-    /// Something stands in its way; the first in document order of all that do.
+    /// Something stands in its way, wherever it is asked; the first in document order of all that stand in the way of the first
+    /// shadow ray.
     Hidden(Slot),
     /// It is sent back along the ray with this colour.
-    Reaches(Rgb),
+    Reaches {
+        /// The mean over the light's samples.
+        color: Rgb,
+        /// How many of them are hidden.
+        hidden: u32,
+    },
 }
 
 impl RayTree {
     /// The sample's colour: throughput times light, ray after ray.
     #[must_use]
-    pub fn color(&self, scene: &PreparedScene) -> Rgb {
-        self.rays.iter().fold(Rgb::ZERO, |sum, traced| sum + traced.throughput * traced.end.light(scene))
+    pub fn color(&self) -> Rgb {
+        self.rays.iter().fold(Rgb::ZERO, |sum, traced| sum + traced.contribution())
+    }
+}
+
+impl TracedRay {
+    /// What the ray adds to the sample.
+    #[must_use]
+    pub fn contribution(&self) -> Rgb {
+        self.throughput * self.passage.of(self.end.light())
     }
 }
 
 impl RayEnd {
     /// The light that comes back from here.
     #[must_use]
-    pub fn light(&self, scene: &PreparedScene) -> Rgb {
+    pub fn light(&self) -> Rgb {
         match self {
-            Self::Background | Self::BeyondDepth => scene.background,
+            Self::Background(color) | Self::BeyondDepth(color) => *color,
             Self::Surface(lit) => lit.lights.iter().fold(lit.ambient, |sum, reach| match reach {
-                LightReach::Reaches(color) => sum + *color,
+                LightReach::Reaches { color, .. } => sum + *color,
                 LightReach::NotAsked | LightReach::Hidden(_) => sum,
             }),
         }
     }
 }
 
-/// Makes the picture, pixel after pixel, and in a pixel sample after sample.
+/// Makes samples of pixels, one ray tree after the other.
+pub struct Reference<'a> {
+    moment: Moment<'a>,
+    scratch: Scratch,
+}
+
+impl<'a> Reference<'a> {
+    /// For a scene at one moment.
+    #[must_use]
+    pub fn new(scene: &'a PreparedScene, camera: &'a Camera, sampling: Sampling) -> Self {
+        Self { moment: Moment::new(scene, camera, sampling), scratch: Scratch::default() }
+    }
+
+    /// Adds samples `from..to` of every pixel to the sums, which are in rows from the top.
+    pub fn add(&mut self, sums: &mut ReferenceSums, (from, to): (u32, u32)) {
+        let (columns, rows) = self.moment.camera.resolution();
+        let pixels = (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j)));
+        for ((i, j), sum) in pixels.zip(&mut sums.sums) {
+            for sample in from..to {
+                let tree = self.sample(i, j, sample);
+                sum.add(tree.map_or_else(|| self.moment.nowhere(), |tree| tree.color()));
+            }
+        }
+    }
+
+    /// The rays of sample `index` of the pixel in column `i` and row `j`. `None` if the camera is not in a finite place.
+    #[must_use]
+    pub fn sample(&mut self, i: u32, j: u32, index: u32) -> Option<RayTree> {
+        let Self { moment, scratch } = self;
+        let ray = moment.camera.sample_ray(moment.sampling, i, j, index)?;
+        scratch.nesting.clear();
+        let inside = moment.inside(ray.origin(), &mut scratch.nesting);
+        let pixel = PixelSamples::new(moment.sampling.seed, i, j);
+        let mut tree = Vec::new();
+        let mut wave = vec![(RayKind::Camera, None, TreeRay::from_camera(ray, moment.scene, inside))];
+        let (mut beyond, mut size) = (Vec::new(), 1);
+        for generations in (0..moment.scene.depth).rev() {
+            for (kind, parent, mut ray) in std::mem::take(&mut wave) {
+                let mut traced = trace(moment, scratch, kind, parent, &ray, (pixel, index));
+                ray.throughput *= traced.passage.transmitted;
+                if let RayEnd::Surface(lit) = &traced.end {
+                    let nesting = &mut scratch.nesting;
+                    let Branches { reflected, refracted, cut } =
+                        branches::<FullKernel>(moment, nesting, &ray, &lit.surface, generations);
+                    traced.cut = cut;
+                    let parent = Some(tree.len());
+                    for (kind, ray) in [(RayKind::Reflection, reflected), (RayKind::Refraction, refracted)] {
+                        let Some(ray) = ray else { continue };
+                        if generations > 0 && size < LARGEST_TREE {
+                            size += 1;
+                            wave.push((kind, parent, ray));
+                        } else {
+                            beyond.push((kind, parent, ray));
+                        }
+                    }
+                }
+                tree.push(traced);
+            }
+        }
+        let beyond = beyond.into_iter().map(|(kind, parent, ray)| {
+            let background = moment.scene.background.towards(ray.ray.direction());
+            traced(kind, parent, &ray, scratch, Passage::CLEAR, RayEnd::BeyondDepth(background))
+        });
+        tree.extend(beyond);
+        Some(RayTree { rays: tree })
+    }
+}
+
+/// The samples of all pixels so far.
+pub struct ReferenceSums {
+    resolution: (u32, u32),
+    sums: Vec<PixelSum>,
+}
+
+impl ReferenceSums {
+    /// Of no light so far.
+    #[must_use]
+    pub fn new(resolution: (u32, u32)) -> Self {
+        let (columns, rows) = resolution;
+        Self { resolution, sums: vec![PixelSum::default(); columns as usize * rows as usize] }
+    }
+
+    /// The picture, of this many samples in a pixel.
+    #[must_use]
+    pub fn develop(&self, samples: u32) -> Film {
+        let (columns, rows) = self.resolution;
+        let mut film = Film::new(columns, rows);
+        film.store(0, 0, self.sums.iter().map(|sum| sum.mean(samples)));
+        film
+    }
+}
+
+/// A picture of one moment, pixel after pixel, and in a pixel sample after sample.
 #[must_use]
 pub fn render(scene: &PreparedScene, camera: &Camera, sampling: Sampling) -> Film {
-    let (columns, rows) = camera.resolution();
-    let mut film = Film::new(columns, rows);
-    for j in 0..rows {
-        for i in 0..columns {
-            let mut sum = PixelSum::default();
-            for sample in 0..sampling.samples {
-                let ray = camera.sample_ray(sampling, i, j, sample);
-                sum.add(ray.map_or(scene.background, |ray| ray_tree(scene, ray).color(scene)));
-            }
-            film.store(i, j, &[sum.mean(sampling.samples)]);
-        }
-    }
-    film
+    let mut sums = ReferenceSums::new(camera.resolution());
+    Reference::new(scene, camera, sampling).add(&mut sums, (0, sampling.samples));
+    sums.develop(sampling.samples)
 }
 
-/// Follows a camera ray from mirror to mirror.
-#[must_use]
-pub fn ray_tree(scene: &PreparedScene, camera_ray: Ray) -> RayTree {
-    let mut rays = Vec::new();
-    let mut next = Some((None, camera_ray, Rgb::ONE));
-    let mut generation = 0;
-    while let Some((parent, ray, throughput)) = next.take() {
-        generation += 1;
-        let end = if generation > scene.depth {
-            RayEnd::BeyondDepth
-        } else if let Some(closest) = closest(scene, &ray) {
-            let surface = scene.surface(scene.geometry(), &ray, &closest, &mut Guards::default());
-            let throughput = throughput * scene.material(surface.hit.slot).reflected;
-            if throughput != Rgb::ZERO {
-                next = mirrored(&ray, &surface).map(|ray| (Some(rays.len()), ray, throughput));
-            }
-            RayEnd::Surface(Box::new(lit(scene, &ray, surface)))
-        } else {
-            RayEnd::Background
-        };
-        rays.push(TracedRay { parent, ray, throughput, end });
-    }
-    RayTree { rays }
-}
-
-fn lit(scene: &PreparedScene, arrived: &Ray, surface: Surface) -> LitSurface {
-    let material = scene.material(surface.hit.slot);
-    let reach = |light| {
-        let Some(incidence) = incidence(scene, arrived, &surface, light) else {
-            return LightReach::NotAsked;
-        };
-        let hidden = || hidden_by(scene, &incidence.ray, incidence.limit, light.own_shape);
-        match light.casts_shadows.then(hidden).flatten() {
-            Some(slot) => LightReach::Hidden(slot),
-            None => LightReach::Reaches(incidence.color),
-        }
+fn trace(
+    moment: &Moment<'_>,
+    scratch: &mut Scratch,
+    kind: RayKind,
+    parent: Option<usize>,
+    ray: &TreeRay,
+    sample: (PixelSamples, u32),
+) -> TracedRay {
+    let scene = moment.scene;
+    let Some(closest) = closest(scene, &ray.ray) else {
+        let passage = ray.passage::<FullKernel>(scene, &scratch.nesting, f64::INFINITY);
+        let background = scene.background.towards(ray.ray.direction());
+        return traced(kind, parent, ray, scratch, passage, RayEnd::Background(background));
     };
-    let lights = scene.lights.iter().map(reach).collect();
-    LitSurface { ambient: ambient(scene, material), lights, surface }
+    let surface = scene.surface(scene.geometry(), &ray.ray, &closest, &mut Guards::default());
+    let passage = ray.passage::<FullKernel>(scene, &scratch.nesting, surface.distance(&ray.ray));
+    let lit = lit(scene, scratch, ray, surface, sample);
+    traced(kind, parent, ray, scratch, passage, RayEnd::Surface(Box::new(lit)))
+}
+
+fn traced(
+    kind: RayKind,
+    parent: Option<usize>,
+    ray: &TreeRay,
+    scratch: &Scratch,
+    passage: Passage,
+    end: RayEnd,
+) -> TracedRay {
+    let inside = scratch.nesting.solids(ray.inside).collect();
+    TracedRay { kind, parent, ray: ray.ray.clone(), throughput: ray.throughput, inside, passage, end, cut: 0 }
+}
+
+fn lit(
+    scene: &PreparedScene,
+    scratch: &mut Scratch,
+    arrived: &TreeRay,
+    surface: Surface,
+    (pixel, sample): (PixelSamples, u32),
+) -> LitSurface {
+    let (ambient_color, diffuse) = scene.material(surface.hit.slot).colors_at(&surface);
+    let point = Lit { arrived, surface: &surface, diffuse, pixel, sample };
+    let lights = scene.lights.iter().enumerate().map(|light| reach(scene, scratch, light, &point)).collect();
+    LitSurface { ambient: ambient(scene, ambient_color), lights, surface }
+}
+
+fn reach(scene: &PreparedScene, scratch: &mut Scratch, light: (usize, &Light), lit: &Lit<'_>) -> LightReach {
+    let (mut first, mut hidden) = (None, 0);
+    let own_shape = light.1.own_shape;
+    let color = from_light::<FullKernel>(scene, light, lit, |incidence| {
+        let share = visibility(scene, scratch, incidence, own_shape, lit);
+        if let Err(slot) = share {
+            first.get_or_insert(slot);
+            hidden += 1;
+        }
+        share.ok()
+    });
+    match first {
+        Some(slot) if color == Rgb::ZERO => LightReach::Hidden(slot),
+        None if color == Rgb::ZERO => LightReach::NotAsked,
+        _ => LightReach::Reaches { color, hidden },
+    }
+}
+
+/// What share of a light comes through, or what opaque shape hides it.
+fn visibility(
+    scene: &PreparedScene,
+    scratch: &mut Scratch,
+    incidence: &Incidence,
+    own_shape: Option<Slot>,
+    lit: &Lit<'_>,
+) -> Result<Rgb, Slot> {
+    let Incidence { ray, limit, .. } = incidence;
+    scratch.crossings.clear();
+    let geometry = scene.geometry();
+    let hides = |slot: &Slot| {
+        let Scratch { crossings, guards, .. } = scratch;
+        Some(*slot) != own_shape && scene.hides_or_filters(geometry, *slot, ray, *limit, crossings, guards)
+    };
+    match geometry.slots().find(hides) {
+        Some(slot) => Err(slot),
+        None => Ok(filtered(scene, incidence, lit.surface, lit.arrived.inside, scratch)),
+    }
 }
 
 /// The nearest surface; of several at the same place the first in document order.
@@ -154,13 +320,4 @@ pub fn closest(scene: &PreparedScene, ray: &Ray) -> Option<Closest> {
         }
     }
     best
-}
-
-/// What but `except` stands between the ray's origin and `limit`, the first in document order.
-#[must_use]
-pub fn hidden_by(scene: &PreparedScene, ray: &Ray, limit: f64, except: Option<Slot>) -> Option<Slot> {
-    let geometry = scene.geometry();
-    geometry.slots().find(|slot| {
-        Some(*slot) != except && geometry.stands_before(*slot, ray, limit, &mut Guards::default())
-    })
 }

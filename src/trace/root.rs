@@ -35,6 +35,12 @@ impl Root {
         Self { t: t.rounded(), error: t.rest().abs() * (1.0 + f64::EPSILON) }
     }
 
+    /// With a bound that is so many times larger.
+    #[must_use]
+    pub(super) fn rougher(self, roughness: f64) -> Self {
+        Self { error: self.error * roughness, ..self }
+    }
+
     /// The value, rounded.
     #[must_use]
     pub fn t(&self) -> f64 {

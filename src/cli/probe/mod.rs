@@ -29,7 +29,7 @@ pub(super) fn run(arguments: &ProbeArguments) -> Result<(), Failure> {
         resize(&mut engine, size);
     }
     let time = arguments.at.unwrap_or_else(|| engine.timeline().time_of(frame.unwrap_or(0)));
-    engine.seek(time)?;
+    engine.seek_sample(time, arguments.sample.unwrap_or(0))?;
 
     if let Some(rays) = &arguments.rays {
         return rays::run(rays, &engine, arguments.json);

@@ -5,7 +5,8 @@ use serde_json::{Value, json};
 
 use rayreel::engine::Probe;
 use rayreel::scene::camera_line;
-use rayreel::trace::reference::{LightReach, LitSurface, RayEnd, TracedRay};
+use rayreel::trace::Passage;
+use rayreel::trace::reference::{LightReach, LitSurface, RayEnd, RayKind, TracedRay};
 use rayreel::{Engine, Entity, Rgb, Time};
 
 use super::super::exit::Failure;
@@ -76,7 +77,7 @@ fn met(probe: &Probe<'_>, traced: &TracedRay) -> Vec<Entity> {
     let RayEnd::Surface(lit) = &traced.end else { return Vec::new() };
     let hiding = lit.lights.iter().filter_map(|reach| match reach {
         LightReach::Hidden(slot) => Some(*slot),
-        LightReach::NotAsked | LightReach::Reaches(_) => None,
+        LightReach::NotAsked | LightReach::Reaches { .. } => None,
     });
     let slots = std::iter::once(lit.surface.hit.slot).chain(lit.surface.ties.slots()).chain(hiding);
     slots.map(|slot| probe.entity(slot)).collect()
@@ -141,7 +142,8 @@ impl Seen<'_> {
             let index = nodes.len();
             if let Some(parent) = rays[index].parent {
                 if generations[index].is_multiple_of(NESTED) {
-                    let below = Node::leaf(format!("{} is below", ray_name(generations[index])));
+                    let below =
+                        Node::leaf(format!("{} is below", ray_name(rays[index].kind, generations[index])));
                     roots.push(std::mem::replace(&mut node, below));
                 }
                 nodes[parent].children.push(node);
@@ -154,13 +156,13 @@ impl Seen<'_> {
     }
 
     fn node(&self, traced: &TracedRay, generation: usize) -> Node {
-        let name = ray_name(generation);
-        let light = self.probe.light(&traced.end);
+        let name = ray_name(traced.kind, generation);
+        let light = traced.end.light();
         let mut facts =
             vec![("origin", vector(traced.ray.origin())), ("direction", vector(traced.ray.direction()))];
         let (found, children) = match &traced.end {
-            RayEnd::Background => ("sees the background".to_owned(), Vec::new()),
-            RayEnd::BeyondDepth => {
+            RayEnd::Background(_) => ("sees the background".to_owned(), Vec::new()),
+            RayEnd::BeyondDepth(_) => {
                 (format!("is beyond the depth of {generation} and sees the background"), Vec::new())
             }
             RayEnd::Surface(lit) => {
@@ -179,28 +181,41 @@ impl Seen<'_> {
                 (format!("meets {entity} from {side}"), self.contributions(lit))
             }
         };
-        facts.extend([
-            ("light", color(light)),
-            ("throughput", color(traced.throughput)),
-            ("to pixel", color(traced.throughput * light)),
-        ]);
+        for slot in &traced.inside {
+            facts.push(("inside", format!(" {}", self.places.text(self.probe.entity(*slot)))));
+        }
+        facts.push(("light", color(light)));
+        if traced.passage != Passage::CLEAR {
+            facts.push(("let through", color(traced.passage.transmitted)));
+            facts.push(("added", color(traced.passage.added)));
+        }
+        facts.push(("throughput", color(traced.throughput)));
+        facts.push(("to pixel", color(traced.contribution())));
+        if traced.cut > 0 {
+            facts.push(("not followed", format!(" {} too faint to show", rays(traced.cut))));
+        }
         Node { title: format!("{name} {found}"), facts, children }
     }
 
     /// Everything that makes up the light from a surface.
     fn contributions(&self, lit: &LitSurface) -> Vec<Node> {
-        let lights = self.probe.lights().iter().zip(&lit.lights).map(|(entity, reach)| {
-            let told = match reach {
-                LightReach::Reaches(color) => adds(*color),
-                LightReach::NotAsked => {
-                    "no shadow ray: off, behind, aimed elsewhere or not scattered".to_owned()
-                }
-                LightReach::Hidden(slot) => {
-                    format!("hidden by {}", self.places.text(self.probe.entity(*slot)))
-                }
-            };
-            (self.places.text(*entity), told)
-        });
+        let lights =
+            self.probe.lights().iter().zip(&lit.lights).enumerate().map(|(index, (entity, reach))| {
+                let told = match reach {
+                    LightReach::Reaches { color, hidden: 0 } => adds(*color),
+                    LightReach::Reaches { color, hidden } => {
+                        let samples = self.probe.light_samples(index);
+                        format!("{} ({hidden} of {samples} samples are hidden)", adds(*color))
+                    }
+                    LightReach::NotAsked => {
+                        "no shadow ray: off, behind, aimed elsewhere or not scattered".to_owned()
+                    }
+                    LightReach::Hidden(slot) => {
+                        format!("hidden by {}", self.places.text(self.probe.entity(*slot)))
+                    }
+                };
+                (self.places.text(*entity), told)
+            });
         let mut all = vec![("ambient".to_owned(), adds(lit.ambient))];
         all.extend(lights);
         let width = all.iter().map(|(source, _)| source.chars().count()).max().unwrap_or(0);
@@ -226,22 +241,26 @@ impl Seen<'_> {
     }
 
     fn ray_json(&self, traced: &TracedRay) -> Value {
-        let light = self.probe.light(&traced.end);
+        let entity = |slot: &_| self.places.json(self.probe.entity(*slot));
         let (found, surface) = match &traced.end {
-            RayEnd::Background => ("background", Value::Null),
-            RayEnd::BeyondDepth => ("depth limit", Value::Null),
+            RayEnd::Background(_) => ("background", Value::Null),
+            RayEnd::BeyondDepth(_) => ("depth limit", Value::Null),
             RayEnd::Surface(lit) => ("surface", self.surface_json(traced, lit)),
         };
         json!({
-            "kind": if traced.parent.is_none() { "camera" } else { "reflection" },
+            "kind": kind(traced.kind),
             "parent": traced.parent,
             "origin": traced.ray.origin().to_array(),
             "direction": traced.ray.direction().to_array(),
             "finds": found,
             "surface": surface,
-            "light": light.to_array(),
+            "inside": traced.inside.iter().map(entity).collect::<Vec<_>>(),
+            "light": traced.end.light().to_array(),
+            "let_through": traced.passage.transmitted.to_array(),
+            "added": traced.passage.added.to_array(),
             "throughput": traced.throughput.to_array(),
-            "to_pixel": (traced.throughput * light).to_array(),
+            "to_pixel": traced.contribution().to_array(),
+            "not_followed": traced.cut,
         })
     }
 
@@ -249,15 +268,18 @@ impl Seen<'_> {
         let surface = &lit.surface;
         let entity = |slot| self.places.json(self.probe.entity(slot));
         let lights = self.probe.lights().iter().zip(&lit.lights).map(|(light, reach)| {
-            let (outcome, adds, hidden_by) = match reach {
-                LightReach::Reaches(color) => ("reaches", Some(color.to_array()), None),
-                LightReach::NotAsked => ("no shadow ray", None, None),
-                LightReach::Hidden(slot) => ("hidden", None, Some(entity(*slot))),
+            let (outcome, adds, hidden_samples, hidden_by) = match reach {
+                LightReach::Reaches { color, hidden } => {
+                    ("reaches", Some(color.to_array()), Some(*hidden), None)
+                }
+                LightReach::NotAsked => ("no shadow ray", None, None, None),
+                LightReach::Hidden(slot) => ("hidden", None, None, Some(entity(*slot))),
             };
             json!({
                 "entity": self.places.json(*light),
                 "outcome": outcome,
                 "adds": adds,
+                "hidden_samples": hidden_samples,
                 "hidden_by": hidden_by,
             })
         });
@@ -275,8 +297,24 @@ impl Seen<'_> {
     }
 }
 
-fn ray_name(generation: usize) -> String {
-    if generation == 0 { "camera ray".to_owned() } else { format!("reflection {generation}") }
+fn ray_name(kind: RayKind, generation: usize) -> String {
+    match kind {
+        RayKind::Camera => "camera ray".to_owned(),
+        RayKind::Reflection => format!("reflection {generation}"),
+        RayKind::Refraction => format!("refraction {generation}"),
+    }
+}
+
+fn kind(kind: RayKind) -> &'static str {
+    match kind {
+        RayKind::Camera => "camera",
+        RayKind::Reflection => "reflection",
+        RayKind::Refraction => "refraction",
+    }
+}
+
+fn rays(count: u64) -> String {
+    if count == 1 { "1 ray".to_owned() } else { format!("{count} rays") }
 }
 
 /// Signs and points of ordinary numbers stand in columns, and there is always a space after them.

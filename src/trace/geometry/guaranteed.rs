@@ -2,10 +2,16 @@
 
 use std::cmp::Ordering;
 
+use glam::DVec3;
+
 use super::{Geometry, Kind, Leaves, Place, Slot};
 use crate::trace::exact::Double;
 use crate::trace::shapes::Verdict;
 use crate::trace::{Guards, Hit, Ray, Refined, Root};
+
+/// 2^-90: surfaces that a ray meets nearer to each other than so, compared with how far they are, are in the same place. Faces
+/// are flush then that would be but for the rounding of a hundred bits.
+const SAME: f64 = f64::from_bits((1023 - 90) << 52);
 
 /// Evaluates an expression with `$shape` bound to the shape at a slot, whatever its kind.
 macro_rules! ask {
@@ -59,27 +65,30 @@ impl Leaves for Geometry {
             return hit.root.t().total_cmp(&other.root.t());
         }
         guards.contested += 1;
-        self.exact_t(hit, ray).partial_cmp(&self.exact_t(other, ray)).unwrap_or(Ordering::Equal)
+        let difference = self.exact_t(hit, ray) - self.exact_t(other, ray);
+        let scale = hit.root.t() + ray.origin().abs().max_element();
+        if difference.rounded().abs() <= SAME * scale { Ordering::Equal } else { difference.sign() }
     }
 
     #[inline]
-    fn stands_before(&self, slot: Slot, ray: &Ray, limit: f64, guards: &mut Guards) -> bool {
-        let Some(hit) = self.first_hit(slot, ray, guards) else {
-            return false;
-        };
+    fn is_before(&self, hit: &Hit, ray: &Ray, limit: f64, guards: &mut Guards) -> bool {
         if hit.root.latest() < limit || hit.root.earliest() >= limit {
             return hit.root.latest() < limit;
         }
         guards.contested += 1;
-        self.exact_t(&hit, ray) < Double::from(limit)
+        self.exact_t(hit, ray) < Double::from(limit)
     }
 
     #[inline]
     fn refined(&self, ray: &Ray, hit: &Hit, guards: &mut Guards) -> Refined {
         let (origin, direction, t) = (ray.origin(), ray.direction(), hit.root.t());
-        if hit.far || hit.root.is_rounded() {
+        if hit.far {
+            // As exact as the point that the ray starts from.
+            return ask!(self, hit.slot, shape => shape.surface_at(origin, direction, t.into(), true));
+        }
+        if hit.root.is_rounded() {
             let t = self.exact_t(hit, ray);
-            return ask!(self, hit.slot, shape => shape.surface_at(origin, direction, t, hit.far));
+            return ask!(self, hit.slot, shape => shape.surface_at(origin, direction, t, false));
         }
         if hit.root.is_rough() {
             guards.rough += 1;
@@ -90,6 +99,18 @@ impl Leaves for Geometry {
 }
 
 impl Geometry {
+    /// Is the point inside the shape, as solids go?
+    #[must_use]
+    pub(in crate::trace) fn contains(&self, slot: Slot, point: DVec3) -> bool {
+        ask!(self, slot, shape => shape.contains(point))
+    }
+
+    /// How far on a line leaves a shape that it enters at a point of its surface. `None` where it never does.
+    #[must_use]
+    pub(in crate::trace) fn far_side(&self, slot: Slot, point: DVec3, direction: DVec3) -> Option<f64> {
+        ask!(self, slot, shape => shape.far_hit(point, direction)).map(|root| root.t())
+    }
+
     #[inline]
     fn near_hit(&self, slot: Slot, ray: &Ray, guards: &mut Guards) -> Option<Hit> {
         // The ray is read by each kind of shape for itself: copied here, it would go through memory a second time.
@@ -116,12 +137,14 @@ impl Geometry {
         ask!(self, slot, shape => shape.exact_hit(ray.origin(), ray.direction()))
     }
 
-    /// A hit's `t` with a hundred bits. A far side's is as exact as the point that the ray starts from.
+    /// A hit's `t` with a hundred bits.
     fn exact_t(&self, hit: &Hit, ray: &Ray) -> Double {
-        let inexact = || hit.root.t().into();
-        if hit.far {
-            return inexact();
-        }
-        self.exact_hit(hit.slot, ray).unwrap_or_else(inexact)
+        let (slot, origin, direction) = (hit.slot, ray.origin(), ray.direction());
+        let exact = if hit.far {
+            ask!(self, slot, shape => shape.exact_far_hit(origin, direction))
+        } else {
+            self.exact_hit(slot, ray)
+        };
+        exact.unwrap_or_else(|| hit.root.t().into())
     }
 }

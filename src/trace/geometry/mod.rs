@@ -18,8 +18,14 @@ pub(super) trait Leaves: Sync {
     /// Which of a ray's hits is nearer.
     fn compare(&self, ray: &Ray, hit: &Hit, other: &Hit, guards: &mut Guards) -> Ordering;
 
+    /// Is the hit nearer than `limit`?
+    fn is_before(&self, hit: &Hit, ray: &Ray, limit: f64, guards: &mut Guards) -> bool;
+
     /// Does the shape stand in the ray's way before `limit`?
-    fn stands_before(&self, slot: Slot, ray: &Ray, limit: f64, guards: &mut Guards) -> bool;
+    #[inline]
+    fn stands_before(&self, slot: Slot, ray: &Ray, limit: f64, guards: &mut Guards) -> bool {
+        self.first_hit(slot, ray, guards).is_some_and(|hit| self.is_before(&hit, ray, limit, guards))
+    }
 
     /// What the hit found.
     fn refined(&self, ray: &Ray, hit: &Hit, guards: &mut Guards) -> Refined;
@@ -179,6 +185,12 @@ impl Geometry {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.places.is_empty()
+    }
+
+    /// How many of them are planes.
+    #[must_use]
+    pub fn planes(&self) -> usize {
+        self.planes.len()
     }
 
     /// All slots, in document order.

@@ -274,8 +274,8 @@ impl<T: Number> Leaves for Textbook<T> {
     }
 
     #[inline]
-    fn stands_before(&self, slot: Slot, ray: &Ray, limit: f64, guards: &mut Guards) -> bool {
-        self.first_hit(slot, ray, guards).is_some_and(|hit| hit.root.t() < limit)
+    fn is_before(&self, hit: &Hit, _ray: &Ray, limit: f64, _guards: &mut Guards) -> bool {
+        hit.root.t() < limit
     }
 
     #[inline]

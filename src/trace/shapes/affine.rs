@@ -4,10 +4,10 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::aligned_box::{Face, exact_first_crossing, outward};
-use super::sphere::{exact_first_root, first_root, newton_step};
+use super::aligned_box::{Face, exact_exit, exact_first_crossing, outward};
+use super::sphere::{exact_first_root, exact_roots, first_root, newton_step};
 use super::{AlignedBox, Sphere, Verdict};
-use crate::trace::exact::{Compensated3, Double, Double3};
+use crate::trace::exact::{Compensated3, Double, Double3, square_difference};
 use crate::trace::{Bounds, Ray, Refined, Root};
 
 /// A sphere under an affine map: an ellipsoid.
@@ -201,7 +201,15 @@ impl SphereImage {
     /// Where a ray that starts on the ellipsoid and goes inwards comes out.
     #[must_use]
     pub fn far_hit(&self, origin: DVec3, direction: DVec3) -> Option<Root> {
-        self.sphere.far_hit(self.map.point_back(origin), self.map.direction_back(direction))
+        let root = self.sphere.far_hit(self.map.point_back(origin), self.map.direction_back(direction))?;
+        Some(root.rougher(self.map.roughness()))
+    }
+
+    /// As [`SphereImage::far_hit`], with a hundred bits, of the line through the origin.
+    #[must_use]
+    pub fn exact_far_hit(&self, origin: DVec3, direction: DVec3) -> Option<Double> {
+        let (own, way) = (self.map.exact_point_back(origin), self.map.exact_direction_back(direction));
+        Some(exact_roots(-own, way, self.sphere.radius)?.1)
     }
 
     /// The meeting at `t`.
@@ -210,6 +218,12 @@ impl SphereImage {
         let place = Compensated3::along(origin, direction, t.rounded());
         let own = self.map.place_back(place).moved(self.map.direction_back(direction) * t.rest());
         Refined { t, point: place.moved(direction * t.rest()), normal: self.map.normal(own) }
+    }
+
+    /// Is the point within, not on the surface?
+    #[must_use]
+    pub fn contains(&self, point: DVec3) -> bool {
+        square_difference(self.map.exact_point_back(point), self.sphere.radius).sign().is_lt()
     }
 
     /// A box around it, unless its own numbers are too rough to say where it ends.
@@ -284,7 +298,16 @@ impl BoxImage {
     /// Where a ray that starts on the box and goes inwards comes out.
     #[must_use]
     pub fn far_hit(&self, origin: DVec3, direction: DVec3) -> Option<Root> {
-        self.aligned.far_hit(self.map.point_back(origin), self.map.direction_back(direction))
+        let root = self.aligned.far_hit(self.map.point_back(origin), self.map.direction_back(direction))?;
+        Some(root.rougher(self.map.roughness()))
+    }
+
+    /// As [`BoxImage::far_hit`], with a hundred bits.
+    #[must_use]
+    pub fn exact_far_hit(&self, origin: DVec3, direction: DVec3) -> Option<Double> {
+        let (own, way) = (self.map.exact_point_back(origin), self.map.exact_direction_back(direction));
+        let (low, high) = (Double3::from(self.aligned.min) - own, Double3::from(self.aligned.max) - own);
+        exact_exit(low, high, way)
     }
 
     /// The meeting at `t`. `far` says that `t` is from [`BoxImage::far_hit`].
@@ -301,6 +324,17 @@ impl BoxImage {
 
     fn met(&self, t: Double, point: DVec3, face: Face) -> Refined {
         Refined { t, point, normal: self.map.normal(outward(face)) }
+    }
+
+    /// Is the point within, not on the surface?
+    #[must_use]
+    pub fn contains(&self, point: DVec3) -> bool {
+        let own = self.map.exact_point_back(point);
+        let within = |place: Double, half: f64| {
+            (place - half.into()).sign().is_lt() && (place + half.into()).sign().is_gt()
+        };
+        let half = self.aligned.max;
+        within(own.x, half.x) && within(own.y, half.y) && within(own.z, half.z)
     }
 
     /// A box around it, unless its own numbers are too rough to say where it ends.

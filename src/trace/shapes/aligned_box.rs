@@ -91,6 +91,18 @@ pub(super) fn exact_first_crossing(
         .find(|(t, _)| t.sign().is_ge())
 }
 
+/// The nearest of the planes ahead, where an [`exact_crossing`] ends.
+pub(super) fn exact_exit(low: Double3, high: Double3, direction: Double3) -> Option<Double> {
+    let axes = [(low.x, high.x, direction.x), (low.y, high.y, direction.y), (low.z, high.z, direction.z)];
+    let planes = axes.into_iter().enumerate().filter_map(|(axis, (low, high, speed))| match speed.sign() {
+        Ordering::Less => Some(Meeting::new(low, speed, Face { axis, upper: false })),
+        Ordering::Equal => None,
+        Ordering::Greater => Some(Meeting::new(high, speed, Face { axis, upper: true })),
+    });
+    let nearest = planes.min_by(Meeting::compare)?;
+    Some(nearest.height / nearest.speed)
+}
+
 /// A face's outward normal.
 #[inline]
 pub(super) fn outward(face: Face) -> DVec3 {
@@ -276,6 +288,13 @@ impl AlignedBox {
         t.is_finite().then_some(Root::within(t, 16.0 * U * t))
     }
 
+    /// As [`AlignedBox::far_hit`], with a hundred bits.
+    #[must_use]
+    pub fn exact_far_hit(&self, origin: DVec3, direction: DVec3) -> Option<Double> {
+        let (low, high) = (Double3::difference(self.min, origin), Double3::difference(self.max, origin));
+        exact_exit(low, high, direction.into())
+    }
+
     /// The nearest face ahead.
     pub(super) fn exit(&self, origin: DVec3, direction: DVec3) -> (f64, Face) {
         let mut nearest = (f64::INFINITY, Face { axis: 0, upper: false });
@@ -313,6 +332,12 @@ impl AlignedBox {
     #[inline]
     pub(super) fn plane(&self, face: Face) -> f64 {
         if face.upper { self.max[face.axis] } else { self.min[face.axis] }
+    }
+
+    /// Is the point within, not on the surface?
+    #[must_use]
+    pub fn contains(&self, point: DVec3) -> bool {
+        point.cmpgt(self.min).all() && point.cmplt(self.max).all()
     }
 
     /// A box around it.

@@ -9,8 +9,10 @@
 //! - `refined`: from a `t` that is nearly right, one that is right to the last bit of an `f64`, with the point and the outward
 //!   unit normal there.
 //! - `far_hit`: the ray starts on the surface and goes into the shape; where does it come out?
+//! - `exact_far_hit`: the same with a hundred bits, for comparisons too close to call.
 //! - `solved`: the same from a `t` that is so rough that one Newton step would not do.
 //! - `surface_at`: the same at a `t` that is right already, from `exact_hit` or, as `far` says, from `far_hit`.
+//! - `contains`: is a point inside, as solids go? Behind, of a plane.
 //! - `bounds`: a box around it, for shapes that have one.
 
 mod affine;

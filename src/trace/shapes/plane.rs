@@ -68,9 +68,21 @@ impl Plane {
         self.surface_at(origin, direction, t, false)
     }
 
+    /// Is the point in the half-space behind it, not on it?
+    #[must_use]
+    pub fn contains(&self, point: DVec3) -> bool {
+        dot(Double3::difference(point, self.point), self.normal).sign().is_lt()
+    }
+
     /// A straight ray never meets the plane that it leaves again.
     #[must_use]
     pub fn far_hit(&self, _origin: DVec3, _direction: DVec3) -> Option<Root> {
+        None
+    }
+
+    /// Likewise.
+    #[must_use]
+    pub fn exact_far_hit(&self, _origin: DVec3, _direction: DVec3) -> Option<Double> {
         None
     }
 

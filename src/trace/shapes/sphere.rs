@@ -74,6 +74,12 @@ pub(super) fn first_root(
 
 /// As [`first_root`], with a hundred bits.
 pub(super) fn exact_first_root(to_center: Double3, direction: Double3, radius: f64) -> Option<Double> {
+    let (near, far) = exact_roots(to_center, direction, radius)?;
+    [near, far].into_iter().find(|t| t.sign().is_ge())
+}
+
+/// Both roots, the nearer one first.
+pub(super) fn exact_roots(to_center: Double3, direction: Double3, radius: f64) -> Option<(Double, Double)> {
     let a = direction.dot(direction);
     let b = to_center.dot(direction);
     let squared_radius = Double::product(radius, radius);
@@ -85,11 +91,10 @@ pub(super) fn exact_first_root(to_center: Double3, direction: Double3, radius: f
     let root = (a * q).sqrt();
     let s = if b.sign().is_lt() { b - root } else { b + root };
     if s.sign().is_eq() {
-        return Some(Double::ZERO);
+        return Some((Double::ZERO, Double::ZERO));
     }
     let (one, other) = (square_difference(to_center, radius) / s, s / a);
-    let (near, far) = if one < other { (one, other) } else { (other, one) };
-    [near, far].into_iter().find(|t| t.sign().is_ge())
+    Some(if one < other { (one, other) } else { (other, one) })
 }
 
 /// A Newton step, or none where the ray grazes so that it leads nowhere.
@@ -97,6 +102,11 @@ pub(super) fn exact_first_root(to_center: Double3, direction: Double3, radius: f
 pub(super) fn newton_step(residual: f64, slope: f64) -> f64 {
     let step = -residual / slope;
     if step.is_finite() { step } else { 0.0 }
+}
+
+/// How far off the far side may be of a line through a point that is rounded to the surface.
+fn far_error(t: f64, from_center: DVec3, direction: DVec3) -> f64 {
+    16.0 * U * (t + from_center.abs().max_element() / direction.abs().max_element())
 }
 
 impl Sphere {
@@ -138,7 +148,13 @@ impl Sphere {
     #[must_use]
     pub fn far_hit(&self, origin: DVec3, direction: DVec3) -> Option<Root> {
         let t = (-2.0 * direction.dot(origin - self.center) / direction.dot(direction)).max(0.0);
-        Some(Root::within(t, 16.0 * U * t))
+        Some(Root::within(t, far_error(t, origin - self.center, direction)))
+    }
+
+    /// As [`Sphere::far_hit`], with a hundred bits, of the line through the origin.
+    #[must_use]
+    pub fn exact_far_hit(&self, origin: DVec3, direction: DVec3) -> Option<Double> {
+        Some(exact_roots(Double3::difference(self.center, origin), direction.into(), self.radius)?.1)
     }
 
     /// The meeting at `t`.
@@ -153,6 +169,12 @@ impl Sphere {
     #[inline]
     fn met(t: Double, place: Compensated3, from_center: Compensated3, way: DVec3) -> Refined {
         Refined { t, point: place.moved(way), normal: from_center.moved(way).normalize_or(DVec3::Y) }
+    }
+
+    /// Is the point within, not on the surface?
+    #[must_use]
+    pub fn contains(&self, point: DVec3) -> bool {
+        square_difference(Double3::difference(point, self.center), self.radius).sign().is_lt()
     }
 
     /// A box around it.

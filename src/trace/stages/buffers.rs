@@ -1,10 +1,11 @@
 //! A tile's working memory. One per thread, reused from tile to tile, so that no ray allocates.
 
 use crate::color::Rgb;
-use crate::trace::film::PixelSum;
+use crate::trace::branch::TreeRay;
+use crate::trace::exposure::{Effort, RayCounts, TreeEnds};
 use crate::trace::prepared::Scratch;
-use crate::trace::render::RayCounts;
-use crate::trace::{Closest, Ray, Surface};
+use crate::trace::surroundings::Passage;
+use crate::trace::{Closest, Surface};
 
 /// Pixels along a tile's side.
 pub(in crate::trace) const TILE: u32 = 16;
@@ -22,14 +23,19 @@ pub(in crate::trace) struct Tile {
     pub(in crate::trace) height: u32,
 }
 
+impl Tile {
+    /// Column and row of a pixel by its index.
+    pub(super) fn pixel(&self, index: u32) -> (u32, u32) {
+        (self.i + index % self.width, self.j + index / self.width)
+    }
+}
+
 /// A ray on its way for a pixel.
 #[derive(Clone, Debug)]
 pub(super) struct QueuedRay {
-    pub(super) ray: Ray,
+    pub(super) tree: TreeRay,
     /// Index of the pixel in the tile.
-    pub(super) pixel: usize,
-    /// What share of the light along this ray reaches the pixel.
-    pub(super) throughput: Rgb,
+    pub(super) pixel: u32,
 }
 
 /// A surface point that a ray of the wave has found and that more than ambient light is asked of.
@@ -38,54 +44,58 @@ pub(super) struct Found {
     /// Index of the ray in the wave.
     pub(super) ray: usize,
     pub(super) surface: Surface,
-    /// Ambient and direct light sent back along the ray, summed light by light.
-    pub(super) local: Rgb,
+    /// The diffuse colour there.
+    pub(super) diffuse: Rgb,
 }
 
-/// Queues between the stages, and the tile's pixels. Between [`begin`](Self::begin) and [`finish`](Self::finish) a tile's
-/// samples go through, one of every pixel at a time.
+/// Queues between the stages, and what a sample brings to the tile's pixels.
 #[derive(Debug, Default)]
 pub(in crate::trace) struct TileBuffers {
     /// This wave's rays.
     pub(super) rays: Vec<QueuedRay>,
     /// What each of them meets.
     pub(super) hits: Vec<Option<Closest>>,
+    /// The light at the end of each of them.
+    pub(super) light: Vec<Rgb>,
+    /// What happens to it on the way; empty where nothing can.
+    pub(super) passages: Vec<Passage>,
     /// The surface points of those that meet something.
     pub(super) found: Vec<Found>,
     /// The next wave's rays.
     pub(super) next: Vec<QueuedRay>,
-    pub(in crate::trace) scratch: Scratch,
-    /// Row by row: what the sample brings, and in the end the mean of all.
-    pub(in crate::trace) pixels: Vec<Rgb>,
-    /// The samples so far, row by row.
-    sums: Vec<PixelSum>,
-    /// Rays since the buffers were made.
-    pub(in crate::trace) counts: RayCounts,
+    /// Rays that are not traced any more.
+    pub(super) beyond: Vec<QueuedRay>,
+    /// How many rays of each pixel are traced.
+    pub(super) tree_sizes: Vec<u32>,
+    pub(super) scratch: Scratch,
+    /// Row by row.
+    pub(super) pixels: Vec<Rgb>,
+    pub(super) rays_traced: RayCounts,
+    pub(super) trees_ended: TreeEnds,
 }
 
 impl TileBuffers {
-    pub(in crate::trace) fn begin(&mut self, tile: Tile) {
-        let count = (tile.width * tile.height) as usize;
-        self.pixels.resize(count, Rgb::ZERO);
-        self.sums.clear();
-        self.sums.resize(count, PixelSum::default());
-    }
-
-    pub(super) fn begin_sample(&mut self) {
-        self.pixels.fill(Rgb::ZERO);
+    pub(super) fn begin(&mut self, tile: Tile) {
+        self.pixels.clear();
+        self.pixels.resize((tile.width * tile.height) as usize, Rgb::ZERO);
+        self.tree_sizes.clear();
+        self.tree_sizes.resize(self.pixels.len(), 1);
         self.rays.clear();
         self.next.clear();
+        self.scratch.nesting.clear();
     }
 
-    pub(super) fn end_sample(&mut self) {
-        for (sum, sample) in self.sums.iter_mut().zip(&self.pixels) {
-            sum.add(*sample);
-        }
+    /// What the last sample brought, row by row.
+    pub(in crate::trace) fn pixels(&self) -> &[Rgb] {
+        &self.pixels
     }
 
-    pub(in crate::trace) fn finish(&mut self, samples: u32) {
-        for (pixel, sum) in self.pixels.iter_mut().zip(&self.sums) {
-            *pixel = sum.mean(samples);
+    /// What all samples since the last call took.
+    pub(in crate::trace) fn take_effort(&mut self) -> Effort {
+        Effort {
+            rays: std::mem::take(&mut self.rays_traced),
+            ends: std::mem::take(&mut self.trees_ended),
+            guards: std::mem::take(&mut self.scratch.guards),
         }
     }
 }

@@ -7,5 +7,5 @@ use crate::trace::geometry::Leaves;
 pub(super) fn run(scene: &PreparedScene, leaves: &impl Leaves, buffers: &mut TileBuffers) {
     let TileBuffers { rays, hits, scratch, .. } = buffers;
     hits.clear();
-    hits.extend(rays.iter().map(|queued| scene.closest(leaves, &queued.ray, scratch)));
+    hits.extend(rays.iter().map(|queued| scene.closest(leaves, &queued.tree.ray, scratch)));
 }

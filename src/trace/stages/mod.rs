@@ -3,35 +3,40 @@
 mod buffers;
 mod camera_rays;
 mod closest_hits;
+mod collect;
 mod next_rays;
 mod refine;
 mod shading;
 
 pub(super) use buffers::{TILE, Tile, TileBuffers};
 
+use super::effects::Effects;
 use super::geometry::Leaves;
-use super::{Camera, PreparedScene, Sampling};
+use super::moment::Moment;
 
-/// Follows one sample of every pixel of a tile, and adds it to the pixels' sums in the buffers.
-pub(super) fn render_sample(
-    scene: &PreparedScene,
+/// Follows one sample of every pixel of a tile: what it brings is in the buffers afterwards.
+pub(super) fn render_sample<E: Effects>(
+    moment: &Moment<'_>,
     leaves: &impl Leaves,
-    camera: &Camera,
-    sampling: Sampling,
     (tile, sample): (Tile, u32),
     buffers: &mut TileBuffers,
 ) {
-    buffers.begin_sample();
-    camera_rays::run(scene, camera, sampling, (tile, sample), buffers);
-    for _ in 0..scene.depth {
+    buffers.begin(tile);
+    camera_rays::run::<E>(moment, (tile, sample), buffers);
+    for generations in (0..moment.scene.depth).rev() {
+        closest_hits::run(moment.scene, leaves, buffers);
+        refine::run::<E>(moment, leaves, buffers);
+        if E::LIGHTS {
+            shading::run::<E>(moment, leaves, (tile, sample), buffers);
+        }
+        collect::run::<E>(buffers);
+        if !E::MIRRORS {
+            return;
+        }
+        next_rays::run::<E>(moment, generations, buffers);
         if buffers.rays.is_empty() {
             break;
         }
-        closest_hits::run(scene, leaves, buffers);
-        refine::run(scene, leaves, buffers);
-        shading::run(scene, leaves, buffers);
-        next_rays::run(scene, buffers);
     }
-    next_rays::give_up(scene, buffers);
-    buffers.end_sample();
+    next_rays::give_up(moment, buffers);
 }

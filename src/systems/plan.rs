@@ -1,0 +1,404 @@
+//! Which effects a moment calls for, and why, or why not.
+//!
+//! An effect that is left out would not have changed a bit of the picture: the kernel that has only what the plan says is
+//! held against the one that has everything compiled in.
+
+use std::fmt;
+
+use hecs::{Component, World};
+
+use super::Preparation;
+use crate::color::Rgb;
+use crate::components::{Checker, Fog, Light, Reflective, Refractive, Specular};
+use crate::trace::{self, Background, KernelChoice, LightSource, Lighting, Paths, Slot};
+
+/// Something that a picture may show or not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Effect {
+    /// Light from everywhere.
+    Ambient,
+    /// Light scattered by matt surfaces.
+    Diffuse,
+    /// Highlights.
+    Specular,
+    /// Shadows of what is opaque.
+    Shadows,
+    /// Shadows of what is clear.
+    ClearShadows,
+    /// Lights with a size, and soft shadows.
+    AreaLights,
+    /// Lights that shine into a cone.
+    SpotLights,
+    /// Lights that weaken with distance.
+    Falloff,
+    /// Mirrors.
+    Reflection,
+    /// Clear media.
+    Refraction,
+    /// Clear media that mirror as Fresnel's equations say.
+    Fresnel,
+    /// Clear media that are tinted.
+    Absorption,
+    /// Squares.
+    Checker,
+    /// Fog.
+    Fog,
+    /// A background that is not the same everywhere.
+    Gradient,
+    /// Several samples in a pixel.
+    Antialiasing,
+    /// A lens.
+    DepthOfField,
+    /// Several instants in a frame.
+    MotionBlur,
+}
+
+/// Whether an effect is needed, and why.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Verdict {
+    /// It is; what calls for it.
+    Needed(&'static str),
+    /// It is not; what is missing.
+    LeftOut(&'static str),
+}
+
+/// What one moment calls for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Plan {
+    verdicts: [Verdict; Effect::ALL.len()],
+    kernel: KernelChoice,
+}
+
+impl Effect {
+    /// All, in the order in which they are told.
+    pub const ALL: [Self; 18] = [
+        Self::Ambient,
+        Self::Diffuse,
+        Self::Specular,
+        Self::Shadows,
+        Self::ClearShadows,
+        Self::AreaLights,
+        Self::SpotLights,
+        Self::Falloff,
+        Self::Reflection,
+        Self::Refraction,
+        Self::Fresnel,
+        Self::Absorption,
+        Self::Checker,
+        Self::Fog,
+        Self::Gradient,
+        Self::Antialiasing,
+        Self::DepthOfField,
+        Self::MotionBlur,
+    ];
+
+    /// Its name in words.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ambient => "ambient light",
+            Self::Diffuse => "diffuse light",
+            Self::Specular => "highlights",
+            Self::Shadows => "shadows",
+            Self::ClearShadows => "clear shadows",
+            Self::AreaLights => "area lights",
+            Self::SpotLights => "spot lights",
+            Self::Falloff => "falloff",
+            Self::Reflection => "reflection",
+            Self::Refraction => "refraction",
+            Self::Fresnel => "Fresnel",
+            Self::Absorption => "absorption",
+            Self::Checker => "checker",
+            Self::Fog => "fog",
+            Self::Gradient => "gradient",
+            Self::Antialiasing => "antialiasing",
+            Self::DepthOfField => "depth of field",
+            Self::MotionBlur => "motion blur",
+        }
+    }
+}
+
+impl fmt::Display for Effect {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.name())
+    }
+}
+
+impl Verdict {
+    /// Is it needed?
+    #[must_use]
+    pub fn is_needed(self) -> bool {
+        matches!(self, Self::Needed(_))
+    }
+
+    /// Why, or why not.
+    #[must_use]
+    pub fn reason(self) -> &'static str {
+        match self {
+            Self::Needed(reason) | Self::LeftOut(reason) => reason,
+        }
+    }
+}
+
+impl Plan {
+    /// What a moment calls for, as if it were drawn at one instant.
+    #[must_use]
+    pub(super) fn of(world: &World, preparation: &Preparation) -> Self {
+        let survey = Survey::new(world, preparation);
+        Self { verdicts: Effect::ALL.map(|effect| survey.verdict(effect)), kernel: survey.kernel() }
+    }
+
+    /// Is the effect needed, and why?
+    #[must_use]
+    pub fn verdict(&self, effect: Effect) -> Verdict {
+        self.verdicts[effect as usize]
+    }
+
+    /// Is the effect needed?
+    #[must_use]
+    pub fn needs(&self, effect: Effect) -> bool {
+        self.verdict(effect).is_needed()
+    }
+
+    /// The effects that are needed.
+    pub fn needed(&self) -> impl Iterator<Item = Effect> {
+        Effect::ALL.into_iter().filter(|effect| self.needs(*effect))
+    }
+
+    /// The kernel with these effects.
+    #[must_use]
+    pub fn kernel(&self) -> KernelChoice {
+        self.kernel
+    }
+
+    /// What two instants of a frame call for together.
+    pub(crate) fn join(&mut self, other: &Self) {
+        for (verdict, other) in self.verdicts.iter_mut().zip(&other.verdicts) {
+            if !verdict.is_needed() {
+                *verdict = *other;
+            }
+        }
+        let (one, other) = (self.kernel, other.kernel);
+        self.kernel = KernelChoice {
+            lighting: one.lighting.max(other.lighting),
+            paths: one.paths.max(other.paths),
+            rare: one.rare || other.rare,
+        };
+    }
+
+    /// Says what became of the shutter's instants.
+    pub(crate) fn set_motion_blur(&mut self, verdict: Verdict) {
+        self.verdicts[Effect::MotionBlur as usize] = verdict;
+    }
+}
+
+/// What the verdicts follow from.
+struct Survey<'a> {
+    world: &'a World,
+    preparation: &'a Preparation,
+    /// Can a camera ray meet a mirror or something clear?
+    continues: bool,
+}
+
+impl<'a> Survey<'a> {
+    fn new(world: &'a World, preparation: &'a Preparation) -> Self {
+        let mut survey = Self { world, preparation, continues: false };
+        survey.continues = survey.is_any_in_view();
+        survey
+    }
+
+    fn has<T: Component>(&self) -> bool {
+        self.world.archetypes().any(|archetype| !archetype.is_empty() && archetype.has::<T>())
+    }
+
+    /// Whether rays that surfaces send on can begin at all: what is met later is met from one that is met first.
+    fn is_any_in_view(&self) -> bool {
+        /// With more than these it takes longer to look than it could save.
+        const MOST: usize = 4096;
+        let scene = self.preparation.scene();
+        let surfaces = scene.surfaces();
+        if surfaces.mirrors.len() + surfaces.clear.len() > MOST {
+            return true;
+        }
+        let seen = |slot: &Slot| {
+            scene.geometry().bounds(*slot).is_none_or(|bounds| self.preparation.camera().may_see(&bounds))
+        };
+        surfaces.mirrors.iter().chain(&surfaces.clear).any(seen)
+    }
+
+    fn is_lit(&self) -> bool {
+        self.preparation.scene().lights.iter().any(|light| light.intensity != Rgb::ZERO)
+    }
+
+    fn scatters(&self) -> bool {
+        let surfaces = self.preparation.scene().surfaces();
+        self.is_lit() && (surfaces.diffuse > 0.0 || surfaces.specular > 0.0)
+    }
+
+    fn verdict(&self, effect: Effect) -> Verdict {
+        use Verdict::{LeftOut, Needed};
+        let scene = self.preparation.scene();
+        let surfaces = scene.surfaces();
+        match effect {
+            Effect::Ambient if scene.ambient == Rgb::ZERO => LeftOut("there is no ambient light"),
+            Effect::Ambient if surfaces.ambient == 0.0 => LeftOut("no surface answers it: k_a is 0"),
+            Effect::Ambient => Needed("k_a is above 0"),
+            Effect::Diffuse | Effect::Specular | Effect::Shadows | Effect::ClearShadows if !self.is_lit() => {
+                self.unlit()
+            }
+            Effect::Diffuse if surfaces.diffuse == 0.0 => LeftOut("no surface answers it: k_d is 0"),
+            Effect::Diffuse => Needed("k_d is above 0 and a light is on"),
+            Effect::Specular if !self.has::<Specular>() => LeftOut("no material has `specular`"),
+            Effect::Specular if surfaces.specular == 0.0 => LeftOut("k_s is 0 at this time"),
+            Effect::Specular => Needed("k_s is above 0 and a light is on"),
+            Effect::Shadows | Effect::ClearShadows => self.shadows(effect),
+            Effect::AreaLights => {
+                self.light_of(|light| light.source.is_extended(), "no light has a size", "a light has a size")
+            }
+            Effect::SpotLights => self.light_of(
+                |light| matches!(light.source, LightSource::Spot(..)),
+                "no light is a spot light",
+                "a light shines into a cone",
+            ),
+            Effect::Falloff => self.light_of(
+                |light| light.falloff.is_some(),
+                "no light has `falloff`",
+                "a light weakens with distance",
+            ),
+            Effect::Reflection | Effect::Refraction | Effect::Fresnel | Effect::Absorption => {
+                self.continued(effect)
+            }
+            Effect::Checker if !self.has::<Checker>() => LeftOut("no material has `checker`"),
+            Effect::Checker if !surfaces.checkered => LeftOut("no checkered surface is drawn"),
+            Effect::Checker => Needed("a surface has squares"),
+            Effect::Fog if scene.fog.density > 0.0 => Needed("its density is above 0"),
+            Effect::Fog if self.has::<Fog>() => LeftOut("its density is 0"),
+            Effect::Fog => LeftOut("the scene has no `fog`"),
+            Effect::Gradient => match scene.background {
+                Background::Flat(_) => LeftOut("the background is the same everywhere"),
+                Background::Gradient { .. } => Needed("the background is a gradient"),
+            },
+            Effect::Antialiasing if self.samples() == 1 => LeftOut("a pixel has one sample"),
+            Effect::Antialiasing => Needed("a pixel has several samples"),
+            Effect::DepthOfField if !self.preparation.camera().has_lens() => {
+                LeftOut("the camera has no lens")
+            }
+            Effect::DepthOfField if self.samples() == 1 => {
+                LeftOut("a pixel has one sample, through the middle of the lens")
+            }
+            Effect::DepthOfField => Needed("the camera has a lens"),
+            Effect::MotionBlur => LeftOut("the camera has no shutter"),
+        }
+    }
+
+    fn samples(&self) -> u32 {
+        self.preparation.samples()
+    }
+
+    fn unlit(&self) -> Verdict {
+        let none = !self.has::<Light>();
+        Verdict::LeftOut(if none { "there are no lights" } else { "all lights are off at this time" })
+    }
+
+    fn light_of(
+        &self,
+        kind: impl Fn(&trace::Light) -> bool,
+        missing: &'static str,
+        needed: &'static str,
+    ) -> Verdict {
+        let scene = self.preparation.scene();
+        let on = |light: &&trace::Light| light.intensity != Rgb::ZERO;
+        if !scene.lights.iter().any(&kind) {
+            Verdict::LeftOut(missing)
+        } else if !scene.lights.iter().filter(on).any(kind) {
+            Verdict::LeftOut("it is off at this time")
+        } else if !self.scatters() {
+            Verdict::LeftOut("no surface answers lights: k_d and k_s are 0")
+        } else {
+            Verdict::Needed(needed)
+        }
+    }
+
+    fn shadows(&self, effect: Effect) -> Verdict {
+        use Verdict::{LeftOut, Needed};
+        let scene = self.preparation.scene();
+        let surfaces = scene.surfaces();
+        let casts = scene.lights.iter().any(|light| light.casts_shadows && light.intensity != Rgb::ZERO);
+        let (clear, all) = (surfaces.clear.len(), scene.geometry().len());
+        match effect {
+            _ if !self.scatters() => LeftOut("no surface answers lights: k_d and k_s are 0"),
+            _ if !casts => LeftOut("no light that is on casts shadows"),
+            Effect::Shadows if clear == all => LeftOut("nothing is opaque"),
+            Effect::Shadows if !self.can_occlude() => LeftOut("nothing stands before anything"),
+            Effect::Shadows => Needed("a light casts shadows"),
+            _ if clear == 0 && !self.has::<Refractive>() => LeftOut("no material has `refractive`"),
+            _ if clear == 0 => LeftOut("k_t is 0 at this time"),
+            _ => Needed("a light casts shadows, and something is clear"),
+        }
+    }
+
+    /// A single plane hides nothing from itself. Anything else may, if only from a camera inside it.
+    fn can_occlude(&self) -> bool {
+        let geometry = self.preparation.scene().geometry();
+        geometry.len() > 1 || geometry.planes() < geometry.len()
+    }
+
+    fn continued(&self, effect: Effect) -> Verdict {
+        use Verdict::{LeftOut, Needed};
+        const OUT_OF_REACH: &str = "none can be seen, nor a mirror or glass that could show it";
+        let surfaces = self.preparation.scene().surfaces();
+        match effect {
+            Effect::Reflection => {
+                let total = !surfaces.clear.is_empty();
+                if !surfaces.mirrors.is_empty() {
+                    if self.continues { Needed("k_r is above 0") } else { LeftOut(OUT_OF_REACH) }
+                } else if total {
+                    if self.continues {
+                        Needed("inside of clear media, light may be reflected totally")
+                    } else {
+                        LeftOut(OUT_OF_REACH)
+                    }
+                } else if self.has::<Reflective>() {
+                    LeftOut("k_r is 0 at this time")
+                } else {
+                    LeftOut("no material has `reflective`")
+                }
+            }
+            _ if !self.has::<Refractive>() => LeftOut("no material has `refractive`"),
+            _ if surfaces.clear.is_empty() => LeftOut("k_t is 0 at this time"),
+            Effect::Absorption if !surfaces.absorbs => LeftOut("no medium absorbs"),
+            // Shadows are tinted wherever they are seen.
+            Effect::Absorption if self.verdict(Effect::ClearShadows).is_needed() => {
+                Needed("a medium absorbs")
+            }
+            _ if !self.continues => LeftOut(OUT_OF_REACH),
+            Effect::Fresnel if !surfaces.fresnel => LeftOut("no material asks for it"),
+            Effect::Fresnel => Needed("a clear material asks for it"),
+            Effect::Absorption => Needed("a medium absorbs"),
+            _ => Needed("k_t is above 0"),
+        }
+    }
+
+    fn kernel(&self) -> KernelChoice {
+        let needs = |effect| self.verdict(effect).is_needed();
+        let clear = !self.preparation.scene().surfaces().clear.is_empty();
+        let lighting = if !self.scatters() {
+            Lighting::None
+        } else if clear {
+            Lighting::ClearShadows
+        } else if needs(Effect::Shadows) {
+            Lighting::Shadows
+        } else {
+            Lighting::Unshadowed
+        };
+        let paths = if !self.continues {
+            Paths::Straight
+        } else if clear {
+            Paths::Media
+        } else {
+            Paths::Mirrors
+        };
+        let rare = needs(Effect::AreaLights) || needs(Effect::Checker) || needs(Effect::Fog);
+        KernelChoice { lighting, paths, rare }
+    }
+}
