@@ -8,7 +8,7 @@
 //!
 //! ```text
 //! RON text -> scene::document -> scene::spawn -> hecs World
-//!    each frame: animate(t) -> own systems -> propagate -> prepare -> trace::render -> Film
+//!    each frame: animate(t) -> own systems -> propagate -> prepare -> trace::Exposure -> Film
 //!    Film -> output (frame files)
 //! ```
 //!
@@ -79,6 +79,6 @@ pub use color::Rgb;
 pub use engine::{Engine, EngineError, FrameReport, Hit, Ray};
 pub use hecs::{Entity, World};
 pub use scene::Scene;
-pub use systems::{Changes, Context, Step};
+pub use systems::{Changes, Context, Effect, Plan, Step, Verdict};
 pub use time::Time;
 pub use trace::Film;

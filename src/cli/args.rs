@@ -6,6 +6,7 @@ use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
 use rayreel::Time;
+use rayreel::components::Quality;
 use rayreel::time::FrameList;
 use rayreel::trace::Precision;
 
@@ -17,6 +18,7 @@ use rayreel::trace::Precision;
   rayreel check ball.ron                   say what is wrong with it, if anything
   rayreel render ball.ron                  render all its frames into out/ball/
   rayreel render ball.ron --frames 0-47x4  every fourth frame of the first two seconds
+  rayreel explain ball.ron                 tell which effects it calls for, and what they cost
   rayreel probe ball.ron --pixel 320,180   tell what that pixel sees, and why it has its colour")]
 pub(super) struct Arguments {
     #[command(subcommand)]
@@ -29,6 +31,8 @@ pub(super) enum Command {
     Render(RenderArguments),
     /// Say what is wrong with scenes: file, line, column, cause and remedy
     Check(CheckArguments),
+    /// Tell which effects a scene calls for, why, and what each of them costs
+    Explain(ExplainArguments),
     /// Tell what a pixel sees, or what rays of one's own meet
     Probe(ProbeArguments),
     /// Write a small commented scene to start from
@@ -68,11 +72,18 @@ pub(super) struct RenderArguments {
     /// How rays and shapes are intersected
     #[arg(long, value_enum, default_value_t = PrecisionName::Guaranteed)]
     pub(super) precision: PrecisionName,
+    /// Follow no rays whose contributions to a pixel are together certainly less than so many steps of 8 bits, instead of the
+    /// scene's own; 0 follows all
+    #[arg(long, value_name = "STEPS", value_parser = parse_cutoff)]
+    pub(super) cutoff: Option<f32>,
+    /// Compile every effect in, whatever the scene calls for: slower, and the same bytes
+    #[arg(long)]
+    pub(super) full: bool,
     /// The files' format
     #[arg(long, value_enum, default_value_t = Format::Png)]
     pub(super) format: Format,
-    /// Print one JSON object at the end: for every frame seconds by phase, rays by kind and how often arithmetic had to be
-    /// helped, and peak memory
+    /// Print one JSON object at the end: for every frame seconds by phase, rays by kind, the effects that were needed and how
+    /// often arithmetic had to be helped, and peak memory
     #[arg(long)]
     pub(super) json: bool,
 }
@@ -115,6 +126,40 @@ pub(super) struct CheckArguments {
     #[arg(required = true)]
     pub(super) scenes: Vec<PathBuf>,
     /// Print a JSON list of mistakes, with line, column, cause and remedy
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  rayreel explain scenes/first_light.ron
+  rayreel explain scenes/first_light.ron --frames 0-47 --measure
+  rayreel explain scenes/first_light.ron --json
+
+What a frame does not call for is left out, and left out for a reason: no material has the effect,
+its coefficient is 0 at this time, the light is off, nothing moves while the shutter is open, or
+nothing that shows it can be seen. The picture is the same, bit for bit, as with everything in it
+(render --full).
+
+Rays and seconds are those of up to three of the frames, spread over the timeline. What an effect
+costs is what is saved by rendering without it, and what it is worth (--measure) is how far the
+picture is then off, in steps of 8 bits: at most, and as the root of the mean square.")]
+pub(super) struct ExplainArguments {
+    /// The scene file
+    pub(super) scene: PathBuf,
+    /// Only these frames: single ones, ranges and ranges with a stride, as in 10-20,30,40-80x5
+    #[arg(long, value_name = "LIST")]
+    pub(super) frames: Option<FrameList>,
+    /// Pixels, instead of the scene's own, as in 1280x720
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
+    pub(super) size: Option<(u32, u32)>,
+    /// Threads to render on [default: one a core]
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(super) threads: Option<u16>,
+    /// Tell too what the picture loses without each effect
+    #[arg(long)]
+    pub(super) measure: bool,
+    /// Print one JSON object
     #[arg(long)]
     pub(super) json: bool,
 }
@@ -183,6 +228,12 @@ fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let side = |digits: &str| digits.trim().parse::<u32>().ok();
     let size = text.split_once(['x', 'X']).and_then(|(width, height)| Some((side(width)?, side(height)?)));
     size.ok_or_else(|| "write width and height in pixels, as in 1280x720".to_owned())
+}
+
+fn parse_cutoff(text: &str) -> Result<f32, String> {
+    let steps = text.trim().parse::<f32>().ok();
+    let steps = steps.filter(|steps| (0.0..=Quality::LARGEST_CUTOFF).contains(steps));
+    steps.ok_or_else(|| format!("write a number of steps of 8 bits, from 0 to {}", Quality::LARGEST_CUTOFF))
 }
 
 fn parse_pixel(text: &str) -> Result<(u32, u32), String> {

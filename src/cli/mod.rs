@@ -7,6 +7,7 @@ mod args;
 mod check;
 mod completions;
 mod exit;
+mod explain;
 mod interrupt;
 mod new;
 mod print;
@@ -28,6 +29,7 @@ pub(crate) fn run() -> ExitCode {
     let result = match arguments.command {
         Command::Render(arguments) => render::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Explain(arguments) => explain::run(&arguments),
         Command::Probe(arguments) => probe::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),

@@ -15,7 +15,7 @@ use super::interrupt;
 use super::print;
 use super::progress::Progress;
 use super::report::{RenderReport, ShotReport};
-use super::settings::{RenderSettings, resize};
+use super::settings::{RenderSettings, resize, set_cutoff};
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let start = Instant::now();
@@ -23,6 +23,10 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let load = start.elapsed();
     let settings = RenderSettings::new(arguments, engine.timeline())?;
     engine.set_precision(arguments.precision.into());
+    engine.set_full(arguments.full);
+    if let Some(cutoff) = arguments.cutoff {
+        set_cutoff(&mut engine, cutoff);
+    }
     if let Some(size) = settings.size {
         resize(&mut engine, size);
     }
@@ -43,6 +47,9 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     report.finish(start.elapsed(), interrupted);
 
     if !arguments.json {
+        if !report.shots.is_empty() {
+            print::error_line(&report.plan());
+        }
         print::error_line(&report.summary(directory));
     }
     rendered?;
@@ -84,7 +91,7 @@ fn render_all(
         let Some(film) = engine.render_unless(shot.time, cancelled)? else {
             break;
         };
-        pending.push(ShotReport::new(&shot, engine.report()));
+        pending.push(ShotReport::new(&shot, engine.report(), engine.plan()));
         writer.submit(ticket, shot.path, film, transfer, format);
         let mut all_good = true;
         for written in writer.written() {

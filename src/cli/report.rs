@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use rayreel::trace::{Guards, RayCounts, TreeEnds};
-use rayreel::{Engine, FrameReport};
+use rayreel::{Effect, Engine, FrameReport, Plan};
 
 use super::args::RenderArguments;
 use super::settings::Shot;
@@ -30,6 +30,7 @@ pub(super) struct ShotReport {
     frame: Option<u32>,
     pub(super) path: PathBuf,
     cost: FrameReport,
+    needed: Vec<Effect>,
     write: Duration,
 }
 
@@ -68,6 +69,15 @@ impl RenderReport {
         format!("{report:#}")
     }
 
+    /// What was needed for any frame, and how much was not.
+    pub(super) fn plan(&self) -> String {
+        let needed = |effect: &Effect| self.shots.iter().any(|shot| shot.needed.contains(effect));
+        let (needed, left_out): (Vec<_>, Vec<_>) = Effect::ALL.into_iter().partition(needed);
+        let names: Vec<_> = needed.iter().map(|effect| effect.name()).collect();
+        let names = if names.is_empty() { "nothing".to_owned() } else { names.join(", ") };
+        format!("needed: {names}; {} other effects left out (`rayreel explain` says why)", left_out.len())
+    }
+
     /// One or two lines.
     pub(super) fn summary(&self, directory: &Path) -> String {
         let frames = match self.shots.len() {
@@ -82,8 +92,9 @@ impl RenderReport {
 }
 
 impl ShotReport {
-    pub(super) fn new(shot: &Shot, cost: &FrameReport) -> Self {
-        Self { frame: shot.frame, path: shot.path.clone(), cost: *cost, write: Duration::ZERO }
+    pub(super) fn new(shot: &Shot, cost: &FrameReport, plan: Option<&Plan>) -> Self {
+        let needed = plan.into_iter().flat_map(Plan::needed).collect();
+        Self { frame: shot.frame, path: shot.path.clone(), cost: *cost, needed, write: Duration::ZERO }
     }
 
     /// The same, with the time that writing took.
@@ -120,6 +131,7 @@ impl ShotReport {
                 "reflection": reflection,
                 "refraction": refraction,
             },
+            "needed": self.needed.iter().map(|effect| effect.name()).collect::<Vec<_>>(),
             "not_followed": { "depth": depth, "cutoff": cutoff },
             "guards": { "open": open, "contested": contested, "rough": rough, "overflowed": overflowed },
         })

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
 
-use rayreel::components::FilmSettings;
+use rayreel::components::{FilmSettings, Quality};
 use rayreel::output::{FrameFormat, Sequence};
 use rayreel::time::{FrameList, Timeline};
 use rayreel::{Engine, Time};
@@ -113,6 +113,13 @@ pub(super) fn require_size((width, height): (u32, u32)) -> anyhow::Result<()> {
 pub(super) fn resize(engine: &mut Engine, (width, height): (u32, u32)) {
     for film in engine.world_mut().query_mut::<&mut FilmSettings>() {
         *film = FilmSettings { width, height, ..*film };
+    }
+}
+
+/// Sets which rays are too faint to be followed, in steps of 8 bits.
+pub(super) fn set_cutoff(engine: &mut Engine, cutoff: f32) {
+    for quality in engine.world_mut().query_mut::<&mut Quality>() {
+        quality.cutoff = cutoff;
     }
 }
 

@@ -1,6 +1,7 @@
 //! World, systems and kernel put together.
 
 mod cast;
+mod frame;
 mod probe;
 mod report;
 mod run;

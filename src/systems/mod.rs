@@ -16,6 +16,7 @@
 mod animate;
 mod changes;
 mod context;
+mod left_out;
 mod order;
 mod own;
 mod plan;

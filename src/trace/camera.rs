@@ -85,6 +85,12 @@ impl Camera {
         Self { lens: exists.then_some(lens), ..self }
     }
 
+    /// The same camera with a pinhole.
+    #[must_use]
+    pub fn without_lens(self) -> Self {
+        Self { lens: None, ..self }
+    }
+
     /// From the eye to the centre of pixel (i, j): P1 - P0.
     #[must_use]
     pub fn towards(&self, i: u32, j: u32) -> DVec3 {

@@ -1,0 +1,108 @@
+//! `rayreel explain`
+//!
+//! [`timeline`] collects when each effect is needed and why, [`cost`] renders with and without each of them, [`table`] tells.
+
+mod cost;
+mod table;
+mod timeline;
+
+use anyhow::Context;
+use rayon::ThreadPool;
+use serde_json::{Value, json};
+
+use rayreel::Engine;
+use rayreel::time::FrameList;
+
+use super::args::ExplainArguments;
+use super::exit::Failure;
+use super::print;
+use super::settings::{require_frame, require_size, resize};
+use cost::Costs;
+use timeline::PlannedTimeline;
+
+pub(super) fn run(arguments: &ExplainArguments) -> Result<(), Failure> {
+    let mut engine = Engine::load(&arguments.scene)?;
+    let frames = match &arguments.frames {
+        Some(frames) => frames.clone(),
+        None => FrameList::all(engine.timeline().frame_count()),
+    };
+    require_frame(frames.last(), engine.timeline())?;
+    if let Some(size) = arguments.size {
+        require_size(size)?;
+        resize(&mut engine, size);
+    }
+    let threads = arguments.threads.map_or(0, usize::from);
+    let pool: ThreadPool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .context("cannot start the rendering threads")?;
+    let explanation = pool.install(|| Explanation::of(arguments, &mut engine, &frames))?;
+    if arguments.json {
+        print::result_line(&format!("{:#}", explanation.json()))?;
+    } else {
+        print::result(&explanation.text())?;
+    }
+    Ok(())
+}
+
+/// What is told.
+struct Explanation {
+    scene: String,
+    size: (u32, u32),
+    measure: bool,
+    timeline: PlannedTimeline,
+    costs: Costs,
+}
+
+impl Explanation {
+    fn of(
+        arguments: &ExplainArguments,
+        engine: &mut Engine,
+        frames: &FrameList,
+    ) -> Result<Self, rayreel::EngineError> {
+        let timeline = PlannedTimeline::of(engine, frames)?;
+        let costs = Costs::of(engine, &timeline)?;
+        let film = engine.film_settings();
+        Ok(Self {
+            scene: arguments.scene.display().to_string(),
+            size: (film.width, film.height),
+            measure: arguments.measure,
+            timeline,
+            costs,
+        })
+    }
+
+    fn text(&self) -> String {
+        let (width, height) = self.size;
+        let count = match self.timeline.count() {
+            1 => "1 frame".to_owned(),
+            count => format!("{count} frames"),
+        };
+        format!(
+            "{}: {count} of {width}x{height}\n\n{}\n{}\n{}",
+            self.scene,
+            self.timeline.in_words(),
+            self.costs.in_words(),
+            table::draw(&self.timeline, &self.costs, self.measure)
+        )
+    }
+
+    fn json(&self) -> Value {
+        json!({
+            "scene": self.scene,
+            "width": self.size.0,
+            "height": self.size.1,
+            "frames": self.timeline.count(),
+            "measured": self.costs.json(),
+            "effects": self.timeline.effects().map(|told| json!({
+                "effect": told.effect.name(),
+                "spans": told.spans.iter().map(|span| json!({
+                    "frames": span.frames(),
+                    "needed": span.verdict.is_needed(),
+                    "why": span.verdict.reason(),
+                })).collect::<Vec<_>>(),
+                "cost": self.costs.effect_json(told.effect, self.measure),
+            })).collect::<Vec<_>>(),
+        })
+    }
+}

@@ -1,0 +1,73 @@
+//! The verdicts and costs as a table.
+
+use rayreel::Effect;
+
+use super::super::report::in_millions;
+use super::cost::Costs;
+use super::timeline::PlannedTimeline;
+
+/// What is needed above, what is left out below.
+pub(super) fn draw(timeline: &PlannedTimeline, costs: &Costs, measure: bool) -> String {
+    let (mut needed, mut left_out) = (Vec::new(), Vec::new());
+    for told in timeline.effects() {
+        for span in &told.spans {
+            let mut row =
+                vec![told.effect.name().to_owned(), span.in_words(), span.verdict.reason().to_owned()];
+            if span.verdict.is_needed() {
+                row.extend(cost_cells(told.effect, costs, measure));
+                needed.push(row);
+            } else {
+                left_out.push(row);
+            }
+        }
+    }
+    let mut text = String::new();
+    if !needed.is_empty() {
+        let mut heads = vec!["needed", "frames", "why", "rays", "time"];
+        if measure {
+            heads.extend(["max error", "rms error"]);
+        }
+        text += &columns(&heads, &needed);
+    }
+    if !left_out.is_empty() {
+        text += "\n";
+        text += &columns(&["left out", "frames", "why"], &left_out);
+    }
+    text
+}
+
+fn cost_cells(effect: Effect, costs: &Costs, measure: bool) -> Vec<String> {
+    let Some(cost) = costs.effect(effect) else { return Vec::new() };
+    let rays = match cost.rays {
+        0.0 => "-".to_owned(),
+        saved if saved < 0.0 => format!("-{}", in_millions(-saved)),
+        spent => in_millions(spent),
+    };
+    let mut cells = vec![rays, format!("{:.0} %", 100.0 * cost.share)];
+    if measure {
+        cells.push(cost.max_error.to_string());
+        cells.push(format!("{:.2}", cost.rms_error));
+    }
+    cells
+}
+
+/// Words to the left and, from the fourth column on, numbers to the right.
+fn columns(heads: &[&str], rows: &[Vec<String>]) -> String {
+    const WORDS: usize = 3;
+    let width = |column: usize| {
+        let cells = rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count());
+        cells.chain([heads[column].len()]).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..heads.len()).map(width).collect();
+    let line = |cells: Vec<&str>| {
+        let cells = cells.iter().zip(&widths).enumerate().map(|(column, (cell, width))| {
+            if column < WORDS { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+        });
+        format!("{}\n", cells.collect::<Vec<_>>().join("  ").trim_end())
+    };
+    let mut text = line(heads.to_vec());
+    for row in rows {
+        text += &line(row.iter().map(String::as_str).collect());
+    }
+    text
+}

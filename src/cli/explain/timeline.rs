@@ -1,0 +1,131 @@
+//! When each effect is needed, and why.
+
+use rayreel::time::FrameList;
+use rayreel::{Effect, Engine, EngineError, Verdict};
+
+/// The verdicts on all effects over the chosen frames.
+pub(super) struct PlannedTimeline {
+    /// The chosen frames, ascending.
+    frames: Vec<u32>,
+    told: Vec<Told>,
+}
+
+/// The verdicts on one effect.
+pub(super) struct Told {
+    pub(super) effect: Effect,
+    /// One for each verdict, in the order in which they first appear.
+    pub(super) spans: Vec<Span>,
+}
+
+/// The frames with the same verdict.
+pub(super) struct Span {
+    pub(super) verdict: Verdict,
+    /// First and last frames of runs, each without a gap among the chosen ones.
+    runs: Vec<(u32, u32)>,
+    count: usize,
+    /// Are these all?
+    all: bool,
+}
+
+impl PlannedTimeline {
+    pub(super) fn of(engine: &mut Engine, list: &FrameList) -> Result<Self, EngineError> {
+        let mut told: Vec<Told> =
+            Effect::ALL.into_iter().map(|effect| Told { effect, spans: Vec::new() }).collect();
+        let mut frames: Vec<u32> = Vec::new();
+        for frame in list.frames() {
+            let before = frames.last().copied();
+            let time = engine.timeline().time_of(frame);
+            let Some(plan) = engine.plan_at(time)? else { continue };
+            for told in &mut told {
+                told.add(plan.verdict(told.effect), frame, before);
+            }
+            frames.push(frame);
+        }
+        for span in told.iter_mut().flat_map(|told| &mut told.spans) {
+            span.all = span.count == frames.len();
+        }
+        Ok(Self { frames, told })
+    }
+
+    /// How many frames there are.
+    pub(super) fn count(&self) -> usize {
+        self.frames.len()
+    }
+
+    pub(super) fn effects(&self) -> impl Iterator<Item = &Told> {
+        self.told.iter()
+    }
+
+    /// The first, the middle and the last frame.
+    pub(super) fn samples(&self) -> Vec<u32> {
+        let last = self.frames.len().saturating_sub(1);
+        let mut samples: Vec<u32> =
+            [0, last / 2, last].into_iter().filter_map(|index| self.frames.get(index).copied()).collect();
+        samples.dedup();
+        samples
+    }
+
+    /// Two or three sentences.
+    pub(super) fn in_words(&self) -> String {
+        let names = |chosen: &dyn Fn(&Told) -> bool| {
+            let names: Vec<_> =
+                self.told.iter().filter(|told| chosen(told)).map(|told| told.effect.name()).collect();
+            names.join(", ")
+        };
+        let always = names(&|told| told.is_always_needed());
+        let never = names(&|told| !told.is_ever_needed());
+        let at_times = names(&|told| told.is_ever_needed() && !told.is_always_needed());
+        let sentence = |start: &str, names: String| {
+            if names.is_empty() { String::new() } else { format!("{start} {names}.\n") }
+        };
+        sentence("Every frame needs", always)
+            + &sentence("Some need", at_times)
+            + &sentence("None needs", never)
+    }
+}
+
+impl Told {
+    fn add(&mut self, verdict: Verdict, frame: u32, before: Option<u32>) {
+        let index = self.spans.iter().position(|span| span.verdict == verdict).unwrap_or_else(|| {
+            self.spans.push(Span { verdict, runs: Vec::new(), count: 0, all: false });
+            self.spans.len() - 1
+        });
+        let span = &mut self.spans[index];
+        span.count += 1;
+        match span.runs.last_mut() {
+            Some((_, last)) if Some(*last) == before => *last = frame,
+            _ => span.runs.push((frame, frame)),
+        }
+    }
+
+    pub(super) fn is_ever_needed(&self) -> bool {
+        self.spans.iter().any(|span| span.verdict.is_needed())
+    }
+
+    fn is_always_needed(&self) -> bool {
+        self.spans.iter().all(|span| span.verdict.is_needed())
+    }
+}
+
+impl Span {
+    /// `all`, or `0-40, 60`, shortened where there are many runs.
+    pub(super) fn in_words(&self) -> String {
+        const MOST: usize = 3;
+        if self.all {
+            return "all".to_owned();
+        }
+        let run = |(first, last): &(u32, u32)| {
+            if first == last { first.to_string() } else { format!("{first}-{last}") }
+        };
+        let mut words: Vec<_> = self.runs.iter().take(MOST).map(run).collect();
+        if self.runs.len() > MOST {
+            words.push("..".to_owned());
+        }
+        words.join(", ")
+    }
+
+    /// First and last frames of all runs.
+    pub(super) fn frames(&self) -> &[(u32, u32)] {
+        &self.runs
+    }
+}

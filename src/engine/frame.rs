@@ -1,0 +1,220 @@
+//! Making frames: instant after instant while the shutter is open.
+
+use std::borrow::Cow;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+use super::report::FrameReport;
+use super::run::{Engine, EngineError};
+use crate::components::Animated;
+use crate::systems::{self, Effect, Plan, Preparation, Shutter, Verdict, propagate};
+use crate::time::Time;
+use crate::trace::reference::{Reference, ReferenceSums};
+use crate::trace::{Exposure, Film, KernelChoice, Lighting};
+
+impl Engine {
+    /// Renders frame `index` of the timeline. It does not matter which frames were rendered before.
+    ///
+    /// # Errors
+    ///
+    /// If systems of one's own need the world copied and it holds components that were not registered.
+    pub fn render_frame(&mut self, index: u32) -> Result<Film, EngineError> {
+        self.render_at(self.timeline.time_of(index))
+    }
+
+    /// Renders a moment.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn render_at(&mut self, time: Time) -> Result<Film, EngineError> {
+        let film = self.render_unless(time, &AtomicBool::new(false))?;
+        // Nobody could cancel it.
+        Ok(film.unwrap_or_else(|| Film::new(0, 0)))
+    }
+
+    /// Renders a moment unless `cancelled` becomes true on the way, then there is no film.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn render_unless(&mut self, time: Time, cancelled: &AtomicBool) -> Result<Option<Film>, EngineError> {
+        let instants = self.instants(time);
+        let (mut exposure, mut samples) = (None, 1);
+        let (mut trace, mut exposed) = (Duration::ZERO, true);
+        self.seek_all(time, &instants, |preparation, kernel, range| {
+            let start = Instant::now();
+            let (scene, camera) = (preparation.scene(), preparation.camera());
+            let sampling = preparation.sampling(time);
+            samples = sampling.samples;
+            let exposure = exposure.get_or_insert_with(|| Exposure::new(camera.resolution()));
+            exposed &= exposed && exposure.add(scene, camera, sampling, range, kernel, cancelled).is_some();
+            trace += start.elapsed();
+        })?;
+        let Some(exposure) = exposure.filter(|_| exposed) else {
+            return Ok(None);
+        };
+        let start = Instant::now();
+        let (film, effort) = exposure.develop(samples);
+        self.report.trace = trace + start.elapsed();
+        self.report.rays = effort.rays;
+        self.report.ends = effort.ends;
+        self.report.guards = effort.guards;
+        Ok(Some(film))
+    }
+
+    /// Renders a moment by the reference path, which asks every shape for every ray: slow, single-threaded, and the same
+    /// bits.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn render_reference(&mut self, time: Time) -> Result<Film, EngineError> {
+        let instants = self.instants(time);
+        let (mut sums, mut samples) = (None, 1);
+        self.seek_all(time, &instants, |preparation, _, range| {
+            let (scene, camera) = (preparation.scene(), preparation.camera());
+            let sampling = preparation.sampling(time);
+            samples = sampling.samples;
+            let sums = sums.get_or_insert_with(|| ReferenceSums::new(camera.resolution()));
+            Reference::new(scene, camera, sampling).add(sums, range);
+        })?;
+        Ok(sums.map_or_else(|| Film::new(0, 0), |sums| sums.develop(samples)))
+    }
+
+    /// What a moment calls for, and why, without making a picture: see [`Engine::plan`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn plan_at(&mut self, time: Time) -> Result<Option<&Plan>, EngineError> {
+        let instants = self.instants(time);
+        self.seek_all(time, &instants, |_, _, _| {})?;
+        Ok(self.plan.as_ref())
+    }
+
+    /// The instants at which a frame is drawn: its moment, or several while the shutter is open.
+    fn instants(&self, time: Time) -> Vec<Time> {
+        match systems::shutter(&self.world) {
+            _ if self.left_out == Some(Effect::MotionBlur) => vec![time],
+            Shutter::Open(open, count) if self.full || self.may_move() => {
+                self.timeline.instants(time, open, count)
+            }
+            _ => vec![time],
+        }
+    }
+
+    /// Is there anything that could move?
+    fn may_move(&self) -> bool {
+        let animated = |archetype: &hecs::Archetype| !archetype.is_empty() && archetype.has::<Animated>();
+        !self.systems.is_empty() || self.world.archetypes().any(animated)
+    }
+
+    /// Goes through the instants of the frame at `time`, and calls `each` with what the kernel knows at each, which kernel is to
+    /// be used, and which samples belong to it.
+    fn seek_all(
+        &mut self,
+        time: Time,
+        instants: &[Time],
+        mut each: impl FnMut(&Preparation, KernelChoice, (u32, u32)),
+    ) -> Result<(), EngineError> {
+        self.report = FrameReport { time, ..FrameReport::default() };
+        let mut plan: Option<Plan> = None;
+        let mut moves = false;
+        for (index, instant) in (0..).zip(instants) {
+            let differs = self.bring(*instant)?;
+            let Some(preparation) = &self.preparation else { continue };
+            moves |= differs && index > 0;
+            let shown = match self.left_out {
+                Some(effect) => Cow::Owned(preparation.without(effect)),
+                None => Cow::Borrowed(preparation),
+            };
+            let now = shown.plan(&self.world);
+            let mut kernel = if self.full { KernelChoice::FULL } else { now.kernel() };
+            if self.left_out == Some(Effect::ClearShadows) {
+                kernel.lighting = kernel.lighting.min(Lighting::Shadows);
+            }
+            match &mut plan {
+                Some(plan) => plan.join(&now),
+                None => plan = Some(now),
+            }
+            each(&shown, kernel, samples_of(index, instants.len(), shown.samples()));
+        }
+        if let Some(plan) = &mut plan {
+            plan.set_motion_blur(self.motion_blur(moves));
+        }
+        self.plan = plan;
+        Ok(())
+    }
+
+    fn motion_blur(&self, moves: bool) -> Verdict {
+        match systems::shutter(&self.world) {
+            Shutter::None => Verdict::LeftOut("the camera has no shutter"),
+            Shutter::OneInstant => Verdict::LeftOut("a pixel has one sample, at one instant"),
+            Shutter::Open(..) if moves => Verdict::Needed("something moves while the shutter is open"),
+            Shutter::Open(..) => Verdict::LeftOut("nothing moves while the shutter is open"),
+        }
+    }
+
+    /// Brings the world, and what the kernel knows of it, to a moment, without making a picture.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn seek(&mut self, time: Time) -> Result<(), EngineError> {
+        self.seek_all(time, &[time], |_, _, _| {})
+    }
+
+    /// As [`Engine::seek`], to the instant at which sample `index` of the frame at `time` is taken: while a shutter is open, not
+    /// all are taken at once.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn seek_sample(&mut self, time: Time, index: u32) -> Result<(), EngineError> {
+        let instants = self.instants(time);
+        let first = instants.first().copied().unwrap_or(time);
+        self.seek_all(time, &[first], |_, _, _| {})?;
+        let samples = self.preparation.as_ref().map_or(1, Preparation::samples);
+        let mut all = (0..).zip(&instants);
+        let holds = |at: u32| {
+            let (from, to) = samples_of(at, instants.len(), samples);
+            (from..to).contains(&index)
+        };
+        match all.find(|(at, _)| holds(*at)) {
+            Some((at, instant)) if at > 0 => self.seek_all(time, &[*instant], |_, _, _| {}),
+            _ => Ok(()),
+        }
+    }
+
+    /// Brings the world to an instant, and says whether anything that can be seen is different then.
+    fn bring(&mut self, instant: Time) -> Result<bool, EngineError> {
+        let start = Instant::now();
+        self.systems.advance(&mut self.world, instant, &mut self.changes)?;
+        let animated = Instant::now();
+        let changes = std::mem::take(&mut self.changes);
+        let moved = propagate(&mut self.world, &changes);
+        let differs = match &mut self.preparation {
+            Some(preparation) => preparation.update(&mut self.world, &changes, &moved),
+            None => {
+                self.preparation = Some(Preparation::of(&mut self.world));
+                true
+            }
+        };
+        if let Some(preparation) = &mut self.preparation {
+            preparation.set_precision(self.precision);
+        }
+        self.report.animate += animated - start;
+        self.report.prepare += animated.elapsed();
+        Ok(differs)
+    }
+}
+
+/// The samples, of so many in a pixel, that are taken at instant `index` of `instants`: sample s of n belongs to instant
+/// floor(s instants / n).
+fn samples_of(index: u32, instants: usize, samples: u32) -> (u32, u32) {
+    let instants = instants as u64;
+    let first =
+        |index: u64| u32::try_from((index * u64::from(samples)).div_ceil(instants)).unwrap_or(samples);
+    (first(index.into()), first(u64::from(index) + 1))
+}

@@ -1,0 +1,242 @@
+//! The only bridge from the world to the kernel.
+
+mod light;
+mod material;
+mod settings;
+mod shape;
+
+use hecs::{Entity, World};
+
+use super::order::order_newcomers;
+use super::{Changes, Plan};
+use crate::components::{
+    Ambient, FilmSettings, Light, Material, Noise, Order, Quality, Sampling, Shape, WorldTransform,
+};
+use crate::time::Time;
+use crate::trace::{self, Geometry, Precision, PreparedScene, Slot};
+use light::prepared_light;
+use material::{Surfaced, surface_material};
+use settings::{
+    first, linear_cutoff, prepared_background, prepared_camera, prepared_fog, sane, sane_sampling,
+};
+use shape::prepared_shape;
+
+pub use settings::film_settings;
+pub(crate) use settings::{Shutter, shutter};
+
+/// The kernel's arrays, and which entity each of their slots stands for.
+///
+/// Entities with a [`Shape`] and a [`Material`] are drawn. Values that cannot be drawn, such as a scale of zero halfway
+/// through an animation or a NaN from a system, leave the entity out of the picture; nothing non-finite gets to the kernel.
+#[derive(Clone, Debug)]
+pub struct Preparation {
+    pub(super) scene: PreparedScene,
+    pub(super) camera: trace::Camera,
+    film: FilmSettings,
+    pub(super) sampling: Sampling,
+    entities: Vec<Entity>,
+    lights: Vec<Entity>,
+    slots: SlotTable,
+}
+
+/// Slots by entity. Ids are small and dense, so that a list does.
+#[derive(Clone, Debug, Default)]
+struct SlotTable(Vec<Option<(Entity, Slot)>>);
+
+impl SlotTable {
+    fn insert(&mut self, entity: Entity, slot: Slot) {
+        let index = entity.id() as usize;
+        if self.0.len() <= index {
+            self.0.resize(index + 1, None);
+        }
+        self.0[index] = Some((entity, slot));
+    }
+
+    fn get(&self, entity: Entity) -> Option<Slot> {
+        let (found, slot) = self.0.get(entity.id() as usize).copied().flatten()?;
+        (found == entity).then_some(slot)
+    }
+}
+
+impl Preparation {
+    /// Reads the whole world.
+    #[must_use]
+    pub fn of(world: &mut World) -> Self {
+        order_newcomers(world, &[]);
+        let mut drawn: Vec<(Order, Entity)> = world
+            .query_mut::<hecs::With<(Entity, &Order), (&Shape, &WorldTransform, &Material)>>()
+            .into_iter()
+            .map(|(entity, order)| (*order, entity))
+            .collect();
+        drawn.sort_unstable_by_key(|(order, entity)| (*order, entity.id()));
+
+        let mut geometry = Geometry::default();
+        let mut materials = Vec::with_capacity(drawn.len());
+        let mut entities = Vec::with_capacity(drawn.len());
+        let mut slots = SlotTable::default();
+        let view = world.view_mut::<Surfaced<'_>>();
+        for (_, entity) in drawn {
+            if let Some(surface) = view.get(entity)
+                && let Some(shape) = prepared_shape(surface.0, surface.1)
+            {
+                slots.insert(entity, geometry.push(shape));
+                entities.push(entity);
+                materials.push(surface_material(surface));
+            }
+        }
+        let film = film_settings(world);
+        let mut preparation = Self {
+            scene: PreparedScene::new(geometry, materials),
+            camera: prepared_camera(world, film),
+            film,
+            sampling: Sampling::default(),
+            entities,
+            lights: Vec::new(),
+            slots,
+        };
+        preparation.read_settings(world);
+        preparation
+    }
+
+    /// Reads what has changed. `moved` are the entities whose world transform changed. Is anything different?
+    pub fn update(&mut self, world: &mut World, changes: &Changes, moved: &[Entity]) -> bool {
+        if changes.is_everything() {
+            *self = Self::of(world);
+            return true;
+        }
+        let Some(shapes_differ) = self.update_shapes(world, moved) else {
+            *self = Self::of(world);
+            return true;
+        };
+        let repainted = changes.materials().iter().chain(moved);
+        let materials = repainted.filter_map(|entity| {
+            let slot = self.slots.get(*entity)?;
+            Some((slot, surface_material(world.query_one_mut::<Surfaced<'_>>(*entity).ok()?)))
+        });
+        let surfaces_differ = self.scene.replace_materials(materials);
+        let settings_differ = self.read_settings(world);
+        shapes_differ || surfaces_differ || settings_differ
+    }
+
+    /// The kernel's scene.
+    #[must_use]
+    pub fn scene(&self) -> &PreparedScene {
+        &self.scene
+    }
+
+    /// Sets how precisely the kernel asks shapes.
+    pub fn set_precision(&mut self, precision: Precision) {
+        self.scene.precision = precision;
+    }
+
+    /// The kernel's camera.
+    #[must_use]
+    pub fn camera(&self) -> &trace::Camera {
+        &self.camera
+    }
+
+    /// The film's settings.
+    #[must_use]
+    pub fn film(&self) -> FilmSettings {
+        self.film
+    }
+
+    /// How many samples every pixel has at this moment, and which.
+    #[must_use]
+    pub fn sampling(&self, time: Time) -> trace::Sampling {
+        let sampling = trace::Sampling { samples: self.sampling.samples, seed: self.sampling.seed };
+        match self.sampling.noise {
+            Noise::Fixed => sampling,
+            Noise::PerFrame => sampling.reseeded(time.lowest_terms().into()),
+        }
+    }
+
+    /// The entity whose shape is in a slot.
+    #[must_use]
+    pub fn entity(&self, slot: Slot) -> Entity {
+        self.entities[slot.index()]
+    }
+
+    /// The entities of the scene's lights, in their order.
+    #[must_use]
+    pub fn lights(&self) -> &[Entity] {
+        &self.lights
+    }
+
+    /// What this moment calls for, and why.
+    #[must_use]
+    pub fn plan(&self, world: &World) -> Plan {
+        Plan::of(world, self)
+    }
+
+    /// How many samples every pixel has.
+    #[must_use]
+    pub fn samples(&self) -> u32 {
+        self.sampling.samples
+    }
+
+    /// Puts moved shapes into their slots, and says whether any has changed; `None` if slots no longer fit and all must be read
+    /// again.
+    fn update_shapes(&mut self, world: &mut World, moved: &[Entity]) -> Option<bool> {
+        let mut replacements = Vec::new();
+        for entity in moved {
+            let Ok((shape, transform)) =
+                world.query_one_mut::<hecs::With<(&Shape, &WorldTransform), &Material>>(*entity)
+            else {
+                continue;
+            };
+            match (self.slots.get(*entity), prepared_shape(shape, transform)) {
+                (Some(slot), Some(shape)) if self.scene.geometry().holds(slot, &shape) => {}
+                (Some(slot), Some(shape)) => replacements.push((slot, shape)),
+                (None, None) => {}
+                _ => return None,
+            }
+        }
+        let fits = self.scene.replace_shapes(&replacements);
+        fits.then_some(!replacements.is_empty())
+    }
+
+    /// The camera, lights and the settings of the whole scene are few: they are read for every frame. Is anything different?
+    fn read_settings(&mut self, world: &mut World) -> bool {
+        let mut lights: Vec<(Order, Entity, trace::Light)> = world
+            .query_mut::<(Entity, &Order, &Light, &WorldTransform)>()
+            .into_iter()
+            .filter_map(|(entity, order, light, transform)| {
+                let own_shape = self.slots.get(entity);
+                Some((*order, entity, prepared_light(light, transform, own_shape)?))
+            })
+            .collect();
+        lights.sort_unstable_by_key(|(order, entity, _)| (*order, entity.id()));
+        let lights: (Vec<Entity>, Vec<trace::Light>) =
+            lights.into_iter().map(|(_, entity, light)| (entity, light)).unzip();
+        let film = film_settings(world);
+        let camera = prepared_camera(world, film);
+        let sampling = sane_sampling(first(world));
+        let quality = first::<Quality>(world);
+        let ambient = sane(first::<Ambient>(world).0);
+        let background = prepared_background(first(world));
+        let fog = prepared_fog(first(world));
+        let depth = quality.depth.clamp(1, Quality::LARGEST_DEPTH);
+        let cutoff = linear_cutoff(quality.cutoff, film.transfer);
+
+        let scene = &mut self.scene;
+        let differ = set(&mut scene.lights, lights.1)
+            | set(&mut scene.ambient, ambient)
+            | set(&mut scene.background, background)
+            | set(&mut scene.fog, fog)
+            | set(&mut scene.depth, depth)
+            | set(&mut scene.cutoff, cutoff)
+            | set(&mut self.camera, camera)
+            | set(&mut self.film, film)
+            | set(&mut self.sampling, sampling);
+        self.lights = lights.0;
+        differ
+    }
+}
+
+/// Is it different from what it was?
+fn set<T: PartialEq>(place: &mut T, value: T) -> bool {
+    let differs = *place != value;
+    *place = value;
+    differs
+}
