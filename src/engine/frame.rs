@@ -40,14 +40,14 @@ impl Engine {
     /// As [`Engine::render_frame`].
     pub fn render_unless(&mut self, time: Time, cancelled: &AtomicBool) -> Result<Option<Film>, EngineError> {
         let instants = self.instants(time);
-        let (mut exposure, mut samples) = (None, 1);
+        let mut exposure = None;
         let (mut trace, mut exposed) = (Duration::ZERO, true);
         self.seek_all(time, &instants, |preparation, kernel, range| {
             let start = Instant::now();
             let (scene, camera) = (preparation.scene(), preparation.camera());
             let sampling = preparation.sampling(time);
-            samples = sampling.samples;
-            let exposure = exposure.get_or_insert_with(|| Exposure::new(camera.resolution()));
+            let exposure =
+                exposure.get_or_insert_with(|| Exposure::new(camera.resolution(), sampling.samples));
             exposed &= exposed && exposure.add(scene, camera, sampling, range, kernel, cancelled).is_some();
             trace += start.elapsed();
         })?;
@@ -55,7 +55,7 @@ impl Engine {
             return Ok(None);
         };
         let start = Instant::now();
-        let (film, effort) = exposure.develop(samples);
+        let (film, effort) = exposure.develop();
         self.report.trace = trace + start.elapsed();
         self.report.rays = effort.rays;
         self.report.ends = effort.ends;

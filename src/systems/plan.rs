@@ -182,7 +182,7 @@ impl Plan {
         self.kernel = KernelChoice {
             lighting: one.lighting.max(other.lighting),
             paths: one.paths.max(other.paths),
-            rare: one.rare || other.rare,
+            extras: one.extras || other.extras,
         };
     }
 
@@ -191,6 +191,10 @@ impl Plan {
         self.verdicts[Effect::MotionBlur as usize] = verdict;
     }
 }
+
+/// The effects that a kernel has all of or none of, beside those that it is named for.
+const EXTRAS: [Effect; 6] =
+    [Effect::Specular, Effect::SpotLights, Effect::Falloff, Effect::AreaLights, Effect::Checker, Effect::Fog];
 
 /// What the verdicts follow from.
 struct Survey<'a> {
@@ -398,7 +402,7 @@ impl<'a> Survey<'a> {
         } else {
             Paths::Mirrors
         };
-        let rare = needs(Effect::AreaLights) || needs(Effect::Checker) || needs(Effect::Fog);
-        KernelChoice { lighting, paths, rare }
+        let extras = EXTRAS.into_iter().any(needs);
+        KernelChoice { lighting, paths, extras }
     }
 }

@@ -26,6 +26,7 @@ pub(super) struct TreeRay {
 
 impl TreeRay {
     /// The root of a tree.
+    #[inline]
     pub(super) fn from_camera(ray: Ray, scene: &PreparedScene, inside: Inside) -> Self {
         Self { ray, throughput: Rgb::ONE, budget: scene.cutoff, inside, path: 1 }
     }
@@ -38,7 +39,7 @@ impl TreeRay {
         length: f64,
     ) -> Passage {
         let absorption = if E::NESTING { nesting.absorption(scene, self.inside) } else { Rgb::ZERO };
-        if absorption == Rgb::ZERO && (!E::RARE || scene.fog.density == 0.0) {
+        if absorption == Rgb::ZERO && (!E::EXTRAS || scene.fog.density == 0.0) {
             return Passage::CLEAR;
         }
         Passage::through(absorption, &scene.fog, length)
@@ -112,10 +113,9 @@ pub(super) fn branches<E: Effects>(
     branches
 }
 
-/// The error budgets of two continuations; `None` for one that is not followed. The one that can bring less is left out first,
-/// if half of the budget allows it, and the other one gets the rest. Two that are followed share as the roots of their sizes:
-/// in proportion to the sizes, no ray would ever come nearer to its budget than the one it continues, and in equal parts those
-/// that bring most would soon have none.
+/// The error budgets of two continuations; `None` for one that is not followed. They share as the roots of their sizes: in
+/// proportion to the sizes, no ray would ever come nearer to its budget than the one it continues, and in equal parts those
+/// that bring most would soon have none. What the lesser one does not need, because it is left out, the other one gets.
 fn shared<E: Effects>(
     brightest: &Brightest,
     throughput: [Rgb; 2],
@@ -137,16 +137,12 @@ fn shared<E: Effects>(
     }
     let sizes = throughput.map(Rgb::max_element);
     let (less, more) = if sizes[0] < sizes[1] { (0, 1) } else { (1, 0) };
+    let roots = sizes.map(f32::sqrt);
+    let share = budget * (roots[less] / (roots[less] + roots[more]));
     let mut budgets = [None; 2];
-    if alone(throughput[less], 0.5 * budget).is_none() {
-        let spent = sizes[less] * brightest.with_left(generations);
-        budgets[more] = alone(throughput[more], budget - spent);
-    } else {
-        let roots = sizes.map(f32::sqrt);
-        let share = roots[less] / (roots[less] + roots[more]);
-        budgets[less] = Some(budget * share);
-        budgets[more] = alone(throughput[more], budget - budget * share);
-    }
+    budgets[less] = alone(throughput[less], share);
+    let spent = if budgets[less].is_some() { share } else { sizes[less] * brightest.with_left(generations) };
+    budgets[more] = alone(throughput[more], budget - spent);
     budgets
 }
 

@@ -93,11 +93,13 @@ impl Camera {
 
     /// From the eye to the centre of pixel (i, j): P1 - P0.
     #[must_use]
+    #[inline]
     pub fn towards(&self, i: u32, j: u32) -> DVec3 {
         self.through(f64::from(i), f64::from(j))
     }
 
     /// From the eye to a place on the screen, in columns from the centre of the first and rows from the centre of the first.
+    #[inline]
     fn through(&self, column: f64, row: f64) -> DVec3 {
         let across = if self.columns > 1 {
             -0.5 * self.width + self.width * column / f64::from(self.columns - 1)
@@ -114,6 +116,7 @@ impl Camera {
 
     /// The ray through the centre of pixel (i, j). `None` only if the eye or the screen is not finite.
     #[must_use]
+    #[inline(always)]
     pub fn ray(&self, i: u32, j: u32) -> Option<Ray> {
         Ray::new(self.eye, self.towards(i, j))
     }
@@ -125,10 +128,15 @@ impl Camera {
     ///
     /// `None` only if the eye or the screen is not finite.
     #[must_use]
+    #[inline(always)]
     pub fn sample_ray(&self, sampling: Sampling, i: u32, j: u32, index: u32) -> Option<Ray> {
         if sampling.samples <= 1 {
             return self.ray(i, j);
         }
+        self.spread_ray(sampling, i, j, index)
+    }
+
+    fn spread_ray(&self, sampling: Sampling, i: u32, j: u32, index: u32) -> Option<Ray> {
         let samples = PixelSamples::new(sampling.seed, i, j);
         let [right, down] = samples.pair(Dimension::Pixel, index).map(|place| place - 0.5);
         let towards = self.through(f64::from(i) + right, f64::from(j) + down);

@@ -39,7 +39,7 @@ impl Brightest {
 
     /// Is all that a ray can bring within its budget?
     pub(super) fn is_negligible(&self, throughput: Rgb, generations: u32, budget: f32) -> bool {
-        throughput.max_element() * self.with_left(generations) <= budget
+        budget > 0.0 && throughput.max_element() * self.with_left(generations) <= budget
     }
 }
 

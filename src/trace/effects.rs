@@ -1,6 +1,6 @@
 //! Which effects a kernel has compiled in.
 //!
-//! Every combination of [`Lighting`], [`Paths`] and rare effects is a kernel of its own, in which the code of what is left
+//! Every combination of [`Lighting`], [`Paths`] and extras is a kernel of its own, in which the code of what is left
 //! out does not exist. What an effect computes does not depend on which others there are: a kernel that has more than a
 //! scene calls for makes the same picture, bit for bit.
 
@@ -35,13 +35,13 @@ pub struct KernelChoice {
     pub lighting: Lighting,
     /// Which rays follow camera rays.
     pub paths: Paths,
-    /// Extended lights, squares and fog.
-    pub rare: bool,
+    /// Highlights, lights into cones, lights that weaken with distance, lights with a size, squares and fog.
+    pub extras: bool,
 }
 
 impl KernelChoice {
     /// Everything.
-    pub const FULL: Self = Self { lighting: Lighting::ClearShadows, paths: Paths::Media, rare: true };
+    pub const FULL: Self = Self { lighting: Lighting::ClearShadows, paths: Paths::Media, extras: true };
 }
 
 /// What a kernel has compiled in.
@@ -51,24 +51,24 @@ pub(super) trait Effects {
     const CLEAR_SHADOWS: bool;
     const MIRRORS: bool;
     const MEDIA: bool;
-    const RARE: bool;
+    const EXTRAS: bool;
     /// Do rays carry the solids that they are inside of?
     const NESTING: bool = Self::CLEAR_SHADOWS || Self::MEDIA;
 }
 
-/// A kernel by its numbers: how much of [`Lighting`], how much of [`Paths`], and the rare effects or not.
-pub(super) struct Kernel<const LIGHTING: u8, const PATHS: u8, const RARE: bool>;
+/// A kernel by its numbers: how much of [`Lighting`], how much of [`Paths`], and the extras or not.
+pub(super) struct Kernel<const LIGHTING: u8, const PATHS: u8, const EXTRAS: bool>;
 
 /// The kernel with everything in it.
 pub(super) type FullKernel = Kernel<3, 2, true>;
 
-impl<const LIGHTING: u8, const PATHS: u8, const RARE: bool> Effects for Kernel<LIGHTING, PATHS, RARE> {
+impl<const LIGHTING: u8, const PATHS: u8, const EXTRAS: bool> Effects for Kernel<LIGHTING, PATHS, EXTRAS> {
     const LIGHTS: bool = LIGHTING > 0;
     const SHADOWS: bool = LIGHTING > 1;
     const CLEAR_SHADOWS: bool = LIGHTING > 2;
     const MIRRORS: bool = PATHS > 0;
     const MEDIA: bool = PATHS > 1;
-    const RARE: bool = RARE;
+    const EXTRAS: bool = EXTRAS;
 }
 
 /// Evaluates an expression with `$kernel` as the type of the chosen kernel.
@@ -77,7 +77,7 @@ macro_rules! with_kernel {
         use $crate::trace::effects::{Kernel, Lighting, Paths};
         macro_rules! paths {
             ($lighting:literal) => {
-                match ($choice.paths, $choice.rare) {
+                match ($choice.paths, $choice.extras) {
                     (Paths::Straight, false) => with_kernel!(@ Kernel<$lighting, 0, false>, $kernel, $work),
                     (Paths::Straight, true) => with_kernel!(@ Kernel<$lighting, 0, true>, $kernel, $work),
                     (Paths::Mirrors, false) => with_kernel!(@ Kernel<$lighting, 1, false>, $kernel, $work),

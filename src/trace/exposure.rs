@@ -9,8 +9,9 @@ use super::effects::{Effects, FullKernel, with_kernel};
 use super::film::PixelSum;
 use super::geometry::{Leaves, Textbook};
 use super::moment::Moment;
-use super::stages::{TILE, Tile, TileBuffers, render_sample};
+use super::tile::{TILE, Tile, TileBuffers, render_sample};
 use super::{Camera, Film, Guards, KernelChoice, Precision, PreparedScene, Sampling};
+use crate::color::Rgb;
 
 /// What a picture took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -82,21 +83,61 @@ impl AddAssign for Effort {
 pub struct Exposure {
     width: u32,
     height: u32,
-    tiles: Vec<(Tile, Vec<PixelSum>)>,
+    /// In a pixel.
+    samples: u32,
+    tiles: Vec<(Tile, TileLight)>,
     effort: Effort,
 }
 
+/// What has come to the pixels of a tile so far, row by row.
+#[derive(Clone, Debug)]
+enum TileLight {
+    /// Their only sample.
+    Sample(Vec<Rgb>),
+    /// All samples so far.
+    Sums(Vec<PixelSum>),
+}
+
+impl TileLight {
+    fn new(tile: Tile, samples: u32) -> Self {
+        let count = (tile.width * tile.height) as usize;
+        if samples == 1 { Self::Sample(Vec::new()) } else { Self::Sums(vec![PixelSum::default(); count]) }
+    }
+
+    fn add(&mut self, sample: &[Rgb]) {
+        match self {
+            Self::Sample(only) => sample.clone_into(only),
+            Self::Sums(sums) => sums.iter_mut().zip(sample).for_each(|(sum, pixel)| sum.add(*pixel)),
+        }
+    }
+
+    /// Into the film; says how many pixels had overflowed.
+    fn develop(&self, tile: Tile, samples: u32, film: &mut Film) -> u64 {
+        let width = tile.width as usize;
+        let rows = tile.j..;
+        match self {
+            Self::Sample(only) => {
+                rows.zip(only.chunks(width)).map(|(j, row)| film.store(tile.i, j, row.iter().copied())).sum()
+            }
+            Self::Sums(sums) => rows
+                .zip(sums.chunks(width))
+                .map(|(j, row)| film.store(tile.i, j, row.iter().map(|sum| sum.mean(samples))))
+                .sum(),
+        }
+    }
+}
+
 impl Exposure {
-    /// Of no light so far.
+    /// Of no light so far, to have this many samples in a pixel.
     #[must_use]
-    pub fn new((columns, rows): (u32, u32)) -> Self {
+    pub fn new((columns, rows): (u32, u32), samples: u32) -> Self {
         let tiles = (0..rows)
             .step_by(TILE as usize)
             .flat_map(|j| (0..columns).step_by(TILE as usize).map(move |i| (i, j)))
             .map(|(i, j)| Tile { i, j, width: TILE.min(columns - i), height: TILE.min(rows - j) })
-            .map(|tile| (tile, vec![PixelSum::default(); (tile.width * tile.height) as usize]))
+            .map(|tile| (tile, TileLight::new(tile, samples)))
             .collect();
-        Self { width: columns, height: rows, tiles, effort: Effort::default() }
+        Self { width: columns, height: rows, samples, tiles, effort: Effort::default() }
     }
 
     /// Adds samples `from..to` of every pixel on the current rayon pool's threads. The bits do not depend on how many there
@@ -141,15 +182,13 @@ impl Exposure {
         let efforts: Option<Vec<Effort>> = self
             .tiles
             .par_iter_mut()
-            .map_init(TileBuffers::default, |buffers, (tile, sums)| {
+            .map_init(TileBuffers::default, |buffers, (tile, light)| {
                 for sample in from..to {
                     if cancelled.load(Ordering::Relaxed) {
                         return None;
                     }
                     render_sample::<E>(moment, leaves, (*tile, sample), buffers);
-                    for (sum, pixel) in sums.iter_mut().zip(buffers.pixels()) {
-                        sum.add(*pixel);
-                    }
+                    light.add(buffers.pixels());
                 }
                 Some(buffers.take_effort())
             })
@@ -160,15 +199,13 @@ impl Exposure {
         Some(())
     }
 
-    /// The picture, of this many samples in a pixel, and what it took.
+    /// The picture, and what it took.
     #[must_use]
-    pub fn develop(self, samples: u32) -> (Film, Effort) {
+    pub fn develop(self) -> (Film, Effort) {
         let mut film = Film::new(self.width, self.height);
         let mut effort = self.effort;
-        for (tile, sums) in &self.tiles {
-            for (row, sums) in (tile.j..).zip(sums.chunks(tile.width as usize)) {
-                effort.guards.overflowed += film.store(tile.i, row, sums.iter().map(|sum| sum.mean(samples)));
-            }
+        for (tile, light) in &self.tiles {
+            effort.guards.overflowed += light.develop(*tile, self.samples, &mut film);
         }
         (film, effort)
     }

@@ -19,6 +19,19 @@ impl Film {
         Self { width, height, pixels: vec![Rgb::ZERO; width as usize * height as usize] }
     }
 
+    /// A film of these pixels, row by row from the top; they must not be more than fit, and where they are fewer the rest is black. Values that are not
+    /// finite or are negative are made so.
+    ///
+    /// # Panics
+    ///
+    /// With more pixels than fit.
+    #[must_use]
+    pub fn from_pixels(width: u32, height: u32, pixels: impl ExactSizeIterator<Item = Rgb>) -> Self {
+        let mut film = Self::new(width, height);
+        film.store(0, 0, pixels);
+        film
+    }
+
     /// Columns.
     #[must_use]
     pub fn width(&self) -> u32 {
@@ -55,12 +68,13 @@ impl Film {
 
     /// Stores pixels of row `j` from column `i` on, and says how many had overflowed: those are saturated, so that a film is
     /// always finite.
-    pub(super) fn store(&mut self, i: u32, j: u32, pixels: impl Iterator<Item = Rgb>) -> u64 {
+    #[inline]
+    pub(super) fn store(&mut self, i: u32, j: u32, pixels: impl ExactSizeIterator<Item = Rgb>) -> u64 {
         let start = j as usize * self.width as usize + i as usize;
         let mut overflowed = 0;
-        for (stored, pixel) in self.pixels[start..].iter_mut().zip(pixels) {
+        for (stored, pixel) in self.pixels[start..start + pixels.len()].iter_mut().zip(pixels) {
             overflowed += u64::from(!pixel.is_finite());
-            *stored = Rgb::from_array(pixel.to_array().map(saturated));
+            *stored = Rgb::new(saturated(pixel.x), saturated(pixel.y), saturated(pixel.z));
         }
         overflowed
     }
@@ -72,11 +86,13 @@ impl Film {
 pub(super) struct PixelSum(DVec3);
 
 impl PixelSum {
+    #[inline]
     pub(super) fn add(&mut self, sample: Rgb) {
         self.0 += sample.as_dvec3();
     }
 
     /// Divided by the number of samples, and rounded to `f32` once.
+    #[inline]
     pub(super) fn mean(self, samples: u32) -> Rgb {
         (self.0 / f64::from(samples)).as_vec3()
     }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::contribution::Brightest;
 use super::media::{Inside, Nesting};
-use super::{Bounds, Camera, PreparedScene, Sampling, Slot};
+use super::{Bounds, Camera, Light, PreparedScene, Sampling, Slot};
 use crate::color::Rgb;
 
 /// A scene, the camera, which samples to take, and what follows.
@@ -15,6 +15,8 @@ pub(super) struct Moment<'a> {
     pub(super) camera: &'a Camera,
     pub(super) sampling: Sampling,
     pub(super) brightest: Brightest,
+    /// Those that are on, with their indices in document order.
+    pub(super) lights: Vec<(usize, &'a Light)>,
     start: Start,
 }
 
@@ -23,7 +25,10 @@ struct Start(Vec<Slot>);
 
 impl<'a> Moment<'a> {
     pub(super) fn new(scene: &'a PreparedScene, camera: &'a Camera, sampling: Sampling) -> Self {
-        Self { scene, camera, sampling, brightest: Brightest::of(scene), start: Start::new(scene, camera) }
+        let lights = scene.lights.iter().enumerate();
+        let lights = lights.filter(|(_, light)| light.intensity != Rgb::ZERO).collect();
+        let (brightest, start) = (Brightest::of(scene), Start::new(scene, camera));
+        Self { scene, camera, sampling, brightest, lights, start }
     }
 
     /// What is seen where the camera is not in a finite place.

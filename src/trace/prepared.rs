@@ -77,7 +77,7 @@ pub struct Closest {
 
 impl Closest {
     /// Takes another hit of the ray into account.
-    #[inline]
+    #[inline(always)]
     pub(super) fn consider(
         best: &mut Option<Self>,
         hit: Hit,
@@ -308,6 +308,7 @@ impl PreparedScene {
     /// The point that the ray found, with its normal. Of several surfaces at the same place it is the first in document order,
     /// save that a clear one that the ray leaves gives way to the first opaque one: what a glass stands on is seen through it.
     #[must_use]
+    #[inline]
     pub(super) fn surface(
         &self,
         leaves: &impl Leaves,
@@ -315,31 +316,39 @@ impl PreparedScene {
         closest: &Closest,
         guards: &mut Guards,
     ) -> Surface {
-        let first = self.surface_at(leaves, ray, closest, guards);
-        if closest.ties.is_empty() || first.from_outside {
-            return first;
+        if closest.ties.is_empty() {
+            return surface_at(leaves, ray, closest.hit, Ties::default(), guards);
         }
-        let clear = |hit: &Hit| self.material(hit.slot).refraction.is_some();
-        let opaque = closest.ties.iter().filter(|tied| !clear(tied)).min_by_key(|tied| tied.slot);
-        let Some(opaque) = opaque.filter(|_| clear(&closest.hit)) else {
-            return first;
-        };
-        let others = closest.ties.iter().filter(|tied| tied.slot != opaque.slot);
-        let ties = others.chain([&closest.hit]).copied().collect();
-        self.surface_at(leaves, ray, &Closest { hit: *opaque, ties }, guards)
+        self.tied_surface(leaves, ray, closest, guards)
     }
 
-    fn surface_at(&self, leaves: &impl Leaves, ray: &Ray, closest: &Closest, guards: &mut Guards) -> Surface {
-        let hit = closest.hit;
-        let Refined { t, point, normal } = leaves.refined(ray, &hit, guards);
-        let ties = closest.ties.iter().map(|tied| {
-            let normal = leaves.refined(ray, tied, guards).normal;
-            Tie { slot: tied.slot, normal }
-        });
-        let ties = Ties::new(ties.collect());
-        // A far side is met from inside, however the last bits of a grazing ray fall.
-        let from_outside = !hit.far && ray.direction().dot(normal) <= 0.0;
-        Surface { hit, ties, t, point, normal, from_outside }
+    #[cold]
+    fn tied_surface(
+        &self,
+        leaves: &impl Leaves,
+        ray: &Ray,
+        closest: &Closest,
+        guards: &mut Guards,
+    ) -> Surface {
+        let first = closest.hit;
+        let clear = |hit: &Hit| self.material(hit.slot).refraction.is_some();
+        let tied = |hit: Hit, others: &mut dyn Iterator<Item = &Hit>, guards: &mut Guards| {
+            let ties = others.map(|tied| {
+                let normal = leaves.refined(ray, tied, guards).normal;
+                Tie { slot: tied.slot, normal }
+            });
+            let ties = Ties::new(ties.collect());
+            surface_at(leaves, ray, hit, ties, guards)
+        };
+        let seen = tied(first, &mut closest.ties.iter(), guards);
+        let opaque = closest.ties.iter().filter(|tied| !clear(tied)).min_by_key(|tied| tied.slot);
+        match opaque {
+            Some(opaque) if !seen.from_outside && clear(&first) => {
+                let others = closest.ties.iter().filter(|other| other.slot != opaque.slot);
+                tied(*opaque, &mut others.chain([&first]), guards)
+            }
+            _ => seen,
+        }
     }
 
     /// The nearest surface that the ray meets, by the renderer's own path.
@@ -359,9 +368,46 @@ impl PreparedScene {
         })
     }
 
+    /// For asking after many rays, one by one.
+    #[must_use]
+    pub fn search(&self) -> Search<'_> {
+        Search { scene: self, scratch: Scratch::default() }
+    }
+
     fn cast_at(&self, leaves: &impl Leaves, ray: &Ray, scratch: &mut Scratch) -> Option<Surface> {
         let closest = self.closest(leaves, ray, scratch)?;
         Some(self.surface(leaves, ray, &closest, &mut scratch.guards))
+    }
+}
+
+/// The renderer's own questions, with what they need kept from ray to ray: nothing is allocated for each. Always asked with
+/// [`Precision::Guaranteed`].
+#[derive(Debug)]
+pub struct Search<'a> {
+    scene: &'a PreparedScene,
+    scratch: Scratch,
+}
+
+impl Search<'_> {
+    /// What the ray meets first.
+    #[must_use]
+    #[inline]
+    pub fn closest(&mut self, ray: &Ray) -> Option<Closest> {
+        self.scene.closest(&self.scene.geometry, ray, &mut self.scratch)
+    }
+
+    /// The point that the ray found, with its normal.
+    #[must_use]
+    #[inline]
+    pub fn surface(&mut self, ray: &Ray, closest: &Closest) -> Surface {
+        self.scene.surface(&self.scene.geometry, ray, closest, &mut self.scratch.guards)
+    }
+
+    /// Does anything but `except` stand between the ray's origin and `limit`?
+    #[must_use]
+    #[inline]
+    pub fn is_hidden(&mut self, ray: &Ray, limit: f64, except: Option<Slot>) -> bool {
+        self.scene.is_hidden(&self.scene.geometry, ray, limit, except, &mut self.scratch)
     }
 }
 
@@ -379,6 +425,22 @@ impl Surface {
     pub fn leave_towards(&self, direction: DVec3) -> Option<Ray> {
         Ray::leaving(self, direction.dot(self.normal) >= 0.0, direction)
     }
+
+    /// A ray that leaves this surface towards a point, on the side that the ray came from which found it, and the `t` at which it
+    /// is there. `None` if the point is this one or not finite.
+    #[must_use]
+    #[inline]
+    pub fn leave_to(&self, point: DVec3) -> Option<(Ray, f64)> {
+        Ray::leaving_to(self, self.from_outside, point)
+    }
+}
+
+#[inline]
+fn surface_at(leaves: &impl Leaves, ray: &Ray, hit: Hit, ties: Ties, guards: &mut Guards) -> Surface {
+    let Refined { t, point, normal } = leaves.refined(ray, &hit, guards);
+    // A far side is met from inside, however the last bits of a grazing ray fall.
+    let from_outside = !hit.far && ray.direction().dot(normal) <= 0.0;
+    Surface { hit, ties, t, point, normal, from_outside }
 }
 
 /// Indices of at most 64 boxes whose longest edge is over 2^16 times the median of all that have one, ascending.

@@ -32,6 +32,7 @@ pub(super) struct Departure {
 impl Ray {
     /// A ray that starts anywhere. `None` if a number is not finite or the direction is zero.
     #[must_use]
+    #[inline]
     pub fn new(origin: DVec3, direction: DVec3) -> Option<Self> {
         let (direction, _) = scaled(direction)?;
         origin.is_finite().then(|| Self::scaled(origin, direction, None))
@@ -55,23 +56,21 @@ impl Ray {
     #[inline]
     fn leaving_scaled(surface: &Surface, outward: bool, direction: DVec3) -> Option<(Self, f64)> {
         let (direction, scale) = scaled(direction)?;
+        Some((Self::departing(surface, outward, direction)?, scale))
+    }
+
+    /// A ray that leaves a surface in a direction that is [`scaled`]. `None` from a point that is not finite.
+    #[must_use]
+    #[inline(always)]
+    pub(super) fn departing(surface: &Surface, outward: bool, direction: DVec3) -> Option<Self> {
         surface.point.is_finite().then_some(())?;
         let departure = Departure { slot: surface.hit.slot, outward, ties: surface.ties.clone() };
-        Some((Self::scaled(surface.point, direction, Some(departure)), scale))
+        Some(Self::scaled(surface.point, direction, Some(departure)))
     }
 
     #[inline]
     fn scaled(origin: DVec3, direction: DVec3, departure: Option<Departure>) -> Self {
         Self { origin, direction, inverse_square: direction.dot(direction).recip(), departure }
-    }
-
-    /// The same ray, leaving its surface on the other side.
-    #[must_use]
-    pub(super) fn through(mut self) -> Self {
-        if let Some(departure) = &mut self.departure {
-            departure.outward = !departure.outward;
-        }
-        self
     }
 
     /// Where the ray starts.
@@ -109,6 +108,7 @@ impl Ray {
 
 /// `direction` times a power of two that brings its largest component into 1..2, and that power of two. `None` where it
 /// is zero or not finite.
+#[inline]
 pub(super) fn scaled(direction: DVec3) -> Option<(DVec3, f64)> {
     /// Lifts every subnormal into the normal range.
     const LIFT: f64 = f64::from_bits((1023 + 600) << 52);

@@ -2,14 +2,13 @@
 //! definition of the picture in the fewest words, and, as it keeps the whole tree of a pixel's rays, its explanation.
 
 use super::branch::{Branches, LARGEST_TREE, TreeRay, branches};
-use super::direct::{Lit, from_light};
+use super::direct::{Lit, ShadowRay, from_light};
 use super::effects::FullKernel;
 use super::film::PixelSum;
 use super::geometry::Leaves;
 use super::moment::Moment;
 use super::prepared::Scratch;
-use super::sampler::PixelSamples;
-use super::shade::{Incidence, ambient};
+use super::shade::ambient;
 use super::shadow::filtered;
 use super::surroundings::Passage;
 use super::{Camera, Closest, Film, Guards, Light, PreparedScene, Ray, Sampling, Slot, Surface};
@@ -156,7 +155,7 @@ impl<'a> Reference<'a> {
         let ray = moment.camera.sample_ray(moment.sampling, i, j, index)?;
         scratch.nesting.clear();
         let inside = moment.inside(ray.origin(), &mut scratch.nesting);
-        let pixel = PixelSamples::new(moment.sampling.seed, i, j);
+        let pixel = (moment.sampling.seed, i, j);
         let mut tree = Vec::new();
         let mut wave = vec![(RayKind::Camera, None, TreeRay::from_camera(ray, moment.scene, inside))];
         let (mut beyond, mut size) = (Vec::new(), 1);
@@ -210,9 +209,7 @@ impl ReferenceSums {
     #[must_use]
     pub fn develop(&self, samples: u32) -> Film {
         let (columns, rows) = self.resolution;
-        let mut film = Film::new(columns, rows);
-        film.store(0, 0, self.sums.iter().map(|sum| sum.mean(samples)));
-        film
+        Film::from_pixels(columns, rows, self.sums.iter().map(|sum| sum.mean(samples)))
     }
 }
 
@@ -230,7 +227,7 @@ fn trace(
     kind: RayKind,
     parent: Option<usize>,
     ray: &TreeRay,
-    sample: (PixelSamples, u32),
+    sample: ((u64, u32, u32), u32),
 ) -> TracedRay {
     let scene = moment.scene;
     let Some(closest) = closest(scene, &ray.ray) else {
@@ -261,10 +258,11 @@ fn lit(
     scratch: &mut Scratch,
     arrived: &TreeRay,
     surface: Surface,
-    (pixel, sample): (PixelSamples, u32),
+    (pixel, sample): ((u64, u32, u32), u32),
 ) -> LitSurface {
-    let (ambient_color, diffuse) = scene.material(surface.hit.slot).colors_at(&surface);
-    let point = Lit { arrived, surface: &surface, diffuse, pixel, sample };
+    let material = scene.material(surface.hit.slot);
+    let (ambient_color, diffuse) = material.colors_at(&surface);
+    let point = Lit { arrived, surface: &surface, material, diffuse, pixel, sample };
     let lights = scene.lights.iter().enumerate().map(|light| reach(scene, scratch, light, &point)).collect();
     LitSurface { ambient: ambient(scene, ambient_color), lights, surface }
 }
@@ -272,8 +270,8 @@ fn lit(
 fn reach(scene: &PreparedScene, scratch: &mut Scratch, light: (usize, &Light), lit: &Lit<'_>) -> LightReach {
     let (mut first, mut hidden) = (None, 0);
     let own_shape = light.1.own_shape;
-    let color = from_light::<FullKernel>(scene, light, lit, |incidence| {
-        let share = visibility(scene, scratch, incidence, own_shape, lit);
+    let color = from_light::<FullKernel>(light, lit, |shadow_ray| {
+        let share = visibility(scene, scratch, shadow_ray, own_shape, lit);
         if let Err(slot) = share {
             first.get_or_insert(slot);
             hidden += 1;
@@ -291,20 +289,20 @@ fn reach(scene: &PreparedScene, scratch: &mut Scratch, light: (usize, &Light), l
 fn visibility(
     scene: &PreparedScene,
     scratch: &mut Scratch,
-    incidence: &Incidence,
+    shadow_ray: ShadowRay<'_>,
     own_shape: Option<Slot>,
     lit: &Lit<'_>,
 ) -> Result<Rgb, Slot> {
-    let Incidence { ray, limit, .. } = incidence;
+    let ShadowRay { ray, limit, .. } = shadow_ray;
     scratch.crossings.clear();
     let geometry = scene.geometry();
     let hides = |slot: &Slot| {
         let Scratch { crossings, guards, .. } = scratch;
-        Some(*slot) != own_shape && scene.hides_or_filters(geometry, *slot, ray, *limit, crossings, guards)
+        Some(*slot) != own_shape && scene.hides_or_filters(geometry, *slot, ray, limit, crossings, guards)
     };
     match geometry.slots().find(hides) {
         Some(slot) => Err(slot),
-        None => Ok(filtered(scene, incidence, lit.surface, lit.arrived.inside, scratch)),
+        None => Ok(filtered(scene, shadow_ray, lit.surface, lit.arrived.inside, scratch)),
     }
 }
 

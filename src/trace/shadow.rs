@@ -3,11 +3,11 @@
 //! Opaque shapes let nothing through. Clear ones let k_t through at each crossing of their surface, and exp(-absorption length)
 //! inside, without bending the ray: shadows of glass are tinted, and no light is gathered in them.
 
+use super::direct::ShadowRay;
 use super::effects::Effects;
 use super::geometry::Leaves;
 use super::media::{Inside, Nesting};
 use super::prepared::Scratch;
-use super::shade::Incidence;
 use super::surroundings::transmittance;
 use super::{PreparedScene, Slot, Surface};
 use crate::color::Rgb;
@@ -31,44 +31,44 @@ pub(super) struct Filter {
 
 /// What share of a light comes to a surface point, channel by channel; `None` where nothing does. `inside` are the solids that
 /// the surface is seen from.
-#[inline]
+#[inline(always)]
 pub(super) fn visibility<E: Effects>(
     scene: &PreparedScene,
     leaves: &impl Leaves,
-    incidence: &Incidence,
+    shadow_ray: ShadowRay<'_>,
     own_shape: Option<Slot>,
     (surface, inside): (&Surface, Inside),
     scratch: &mut Scratch,
 ) -> Option<Rgb> {
-    let Incidence { ray, limit, .. } = incidence;
+    let ShadowRay { ray, limit, .. } = shadow_ray;
     if !E::CLEAR_SHADOWS {
-        return (!scene.is_hidden(leaves, ray, *limit, own_shape, scratch)).then_some(Rgb::ONE);
+        return (!scene.is_hidden(leaves, ray, limit, own_shape, scratch)).then_some(Rgb::ONE);
     }
-    let hidden = scene.is_hidden_or_filtered(leaves, ray, *limit, own_shape, scratch);
-    (!hidden).then(|| filtered(scene, incidence, surface, inside, scratch))
+    let hidden = scene.is_hidden_or_filtered(leaves, ray, limit, own_shape, scratch);
+    (!hidden).then(|| filtered(scene, shadow_ray, surface, inside, scratch))
 }
 
 /// What clear shapes leave of the light, given in `scratch.crossings` where the ray crosses them: the product of k_t for every
 /// crossing and of what is absorbed in between, shape by shape in document order.
 pub(super) fn filtered(
     scene: &PreparedScene,
-    incidence: &Incidence,
+    shadow_ray: ShadowRay<'_>,
     surface: &Surface,
     inside: Inside,
     scratch: &mut Scratch,
 ) -> Rgb {
     let Scratch { crossings, nesting, filters, .. } = scratch;
-    if crossings.is_empty() && !incidence.from_behind && inside == Inside::NONE {
+    if crossings.is_empty() && !shadow_ray.from_behind && inside == Inside::NONE {
         return Rgb::ONE;
     }
     filters.clear();
     let mut inside = inside;
-    if incidence.from_behind {
-        inside = nesting.through(scene, inside, surface, incidence.ray.direction());
+    if shadow_ray.from_behind {
+        inside = nesting.through(scene, inside, surface, shadow_ray.ray.direction());
         filters.push(Filter { slot: surface.hit.slot, crossings: 1, length: 0.0 });
     }
     crossings.sort_unstable_by(|one, other| one.t.total_cmp(&other.t).then(one.slot.cmp(&other.slot)));
-    let per_t = incidence.ray.direction().length();
+    let per_t = shadow_ray.ray.direction().length();
     let mut from = 0.0;
     let mut passed = |nesting: &Nesting, inside: Inside, to: f64| {
         if let Some(slot) = nesting.solids(inside).next() {
@@ -85,7 +85,7 @@ pub(super) fn filtered(
             nesting.left(inside, crossing.slot)
         };
     }
-    passed(nesting, inside, incidence.limit);
+    passed(nesting, inside, shadow_ray.limit);
     filters.extend(crossings.iter().map(|crossing| Filter {
         slot: crossing.slot,
         crossings: 1,

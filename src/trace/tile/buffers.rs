@@ -2,10 +2,9 @@
 
 use crate::color::Rgb;
 use crate::trace::branch::TreeRay;
+use crate::trace::effects::Effects;
 use crate::trace::exposure::{Effort, RayCounts, TreeEnds};
 use crate::trace::prepared::Scratch;
-use crate::trace::surroundings::Passage;
-use crate::trace::{Closest, Surface};
 
 /// Pixels along a tile's side.
 pub(in crate::trace) const TILE: u32 = 16;
@@ -38,31 +37,13 @@ pub(super) struct QueuedRay {
     pub(super) pixel: u32,
 }
 
-/// A surface point that a ray of the wave has found and that more than ambient light is asked of.
-#[derive(Clone, Debug)]
-pub(super) struct Found {
-    /// Index of the ray in the wave.
-    pub(super) ray: usize,
-    pub(super) surface: Surface,
-    /// The diffuse colour there.
-    pub(super) diffuse: Rgb,
-}
-
-/// Queues between the stages, and what a sample brings to the tile's pixels.
+/// The queue of the next generation, and what a sample brings to the tile's pixels.
 #[derive(Debug, Default)]
 pub(in crate::trace) struct TileBuffers {
-    /// This wave's rays.
-    pub(super) rays: Vec<QueuedRay>,
-    /// What each of them meets.
-    pub(super) hits: Vec<Option<Closest>>,
-    /// The light at the end of each of them.
-    pub(super) light: Vec<Rgb>,
-    /// What happens to it on the way; empty where nothing can.
-    pub(super) passages: Vec<Passage>,
-    /// The surface points of those that meet something.
-    pub(super) found: Vec<Found>,
-    /// The next wave's rays.
+    /// The next generation's rays.
     pub(super) next: Vec<QueuedRay>,
+    /// Room for the one after it.
+    pub(super) spare: Vec<QueuedRay>,
     /// Rays that are not traced any more.
     pub(super) beyond: Vec<QueuedRay>,
     /// How many rays of each pixel are traced.
@@ -75,13 +56,13 @@ pub(in crate::trace) struct TileBuffers {
 }
 
 impl TileBuffers {
-    pub(super) fn begin(&mut self, tile: Tile) {
+    pub(super) fn begin<E: Effects>(&mut self, tile: Tile) {
         self.pixels.clear();
         self.pixels.resize((tile.width * tile.height) as usize, Rgb::ZERO);
-        self.tree_sizes.clear();
-        self.tree_sizes.resize(self.pixels.len(), 1);
-        self.rays.clear();
-        self.next.clear();
+        if E::MIRRORS {
+            self.tree_sizes.clear();
+            self.tree_sizes.resize(self.pixels.len(), 1);
+        }
         self.scratch.nesting.clear();
     }
 

@@ -1,0 +1,153 @@
+//! What effects cost: nothing when absent, and how much when present.
+//!
+//! `cargo bench --bench effects` prints a table of seconds. `benches/instructions` counts instructions under valgrind with the
+//! same program, by `count KERNEL SCENE FRAMES`, and says whether absent effects cost any.
+
+#![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a bench prints its table, and may fail loudly")]
+#![allow(clippy::cast_possible_truncation, reason = "colours are f32")]
+
+mod minimal;
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use rayreel::systems::{Changes, Preparation, propagate};
+use rayreel::{Engine, Scene};
+
+/// The scene that has only what every scene has, and lines to be put into it, each calling for one effect.
+const BASE: &str = include_str!("base.ron");
+
+/// Effects by name, with what is to be written in place of what.
+const EFFECTS: &[(&str, &[(&str, &str)])] = &[
+    ("ambient light only", &[("/* lights */", "")]),
+    ("point lights without shadows", &[("/* lights */", UNSHADOWED)]),
+    ("point lights with shadows", &[]),
+    ("highlights", &[("/* clay */", "specular: (k_s: 0.5, shininess: 50),")]),
+    ("spot lights", &[("/* lights */", SPOTS)]),
+    ("falloff", &[("/* lights */", FADING)]),
+    ("area lights, 4 samples", &[("/* lights */", BALLS)]),
+    ("mirrors", &[("/* metal */", "reflective: (k_r: 0.5),")]),
+    ("clear media", &[("/* metal */", "refractive: (k_t: 0.8, ior: 1.5),")]),
+    ("clear media, Fresnel", &[("/* metal */", "refractive: (k_t: 0.8, ior: 1.5, fresnel: true),")]),
+    (
+        "clear media, absorption",
+        &[("/* metal */", "refractive: (k_t: 0.8, ior: 1.5, absorption: (1, 0.5, 0.2)),")],
+    ),
+    ("checker", &[("/* clay */", "checker: (color: (20, 20, 20), size: 1),")]),
+    ("fog", &[("/* scene */", "fog: (color: (90, 90, 100), density: 0.05),")]),
+    ("gradient", &[("/* scene */", "background: (bottom: (20, 20, 20), top: (80, 120, 200)),")]),
+    ("4 samples a pixel", &[("/* scene */", "sampling: (samples: 4),")]),
+    (
+        "4 samples, a lens",
+        &[("/* scene */", "sampling: (samples: 4),"), ("/* camera */", "lens: (aperture: 0.2, focus: 8),")],
+    ),
+    (
+        "4 samples, motion blur",
+        &[
+            ("/* scene */", "sampling: (samples: 4, instants: 4),"),
+            ("/* camera */", "shutter: 0.5,"),
+            ("/* end */", MOVING),
+        ],
+    ),
+];
+
+const MOVING: &str = "animate: [(target: \"ball\", channel: Translation, track: Keys([(0, (1, 0.7, -1.5)), (1, (3, 0.7, -1.5))]))],";
+const UNSHADOWED: &str =
+    "(light: Point(intensity: (0.6, 0.6, 0.6), casts_shadows: false), transform: (translation: (-5, 8, -6))),
+    (light: Point(intensity: (0.3, 0.3, 0.3), casts_shadows: false), transform: (translation: (6, 5, -4))),";
+const POINTS: &str = "(light: Point(intensity: (0.6, 0.6, 0.6)), transform: (translation: (-5, 8, -6))),
+    (light: Point(intensity: (0.3, 0.3, 0.3)), transform: (translation: (6, 5, -4))),";
+const SPOTS: &str = "(light: Spot(intensity: (0.6, 0.6, 0.6), angle: 60, softness: 0.3), transform: (translation: (-5, 8, -6), rotation: Euler(45, 40, 0))),
+    (light: Spot(intensity: (0.3, 0.3, 0.3), angle: 60, softness: 0.3), transform: (translation: (6, 5, -4), rotation: Euler(35, -55, 0))),";
+const FADING: &str = "(light: Point(intensity: (0.9, 0.9, 0.9), falloff: (1, 0.05, 0.001)), transform: (translation: (-5, 8, -6))),
+    (light: Point(intensity: (0.5, 0.5, 0.5), falloff: (1, 0.05, 0.001)), transform: (translation: (6, 5, -4))),";
+const BALLS: &str = "(light: Area(shape: Sphere(radius: 0.5), samples: 4, intensity: (0.6, 0.6, 0.6)), transform: (translation: (-5, 8, -6))),
+    (light: Area(shape: Sphere(radius: 0.5), samples: 4, intensity: (0.3, 0.3, 0.3)), transform: (translation: (6, 5, -4))),";
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    pool.install(|| match &arguments[..] {
+        [command, kernel, scene, frames] if command == "count" => {
+            count(kernel, scene, frames.parse().unwrap());
+        }
+        [command] if command == "list" => EFFECTS.iter().for_each(|(name, _)| println!("{name}")),
+        _ => table(arguments.first().and_then(|rounds| rounds.parse().ok()).unwrap_or(7)),
+    });
+}
+
+/// The base scene with an effect's lines written into it.
+fn scene_text(lines: &[(&str, &str)]) -> String {
+    let with = |text: String, (mark, line): &(&str, &str)| text.replace(mark, line);
+    let text = lines.iter().fold(BASE.to_owned(), with);
+    text.replace("/* lights */", POINTS)
+}
+
+fn engine(lines: &[(&str, &str)]) -> Engine {
+    Engine::from_scene(Scene::from_text("base.ron", scene_text(lines)).unwrap())
+}
+
+fn prepared(lines: &[(&str, &str)]) -> Preparation {
+    let mut world = Scene::from_text("base.ron", scene_text(lines)).unwrap().world;
+    propagate(&mut world, &Changes::all());
+    Preparation::of(&mut world)
+}
+
+/// Renders some frames, to be counted from outside. What is the same for any number of frames cancels out.
+fn count(kernel: &str, scene: &str, frames: u32) {
+    let (_, lines) = EFFECTS.iter().find(|(name, _)| *name == scene).unwrap();
+    let (preparation, mut engine) = (prepared(lines), engine(lines));
+    engine.set_full(kernel == "full");
+    for _ in 0..frames {
+        match kernel {
+            "minimal ambient" => drop(black_box(minimal::ambient(preparation.scene(), preparation.camera()))),
+            "minimal diffuse" => drop(black_box(minimal::diffuse(preparation.scene(), preparation.camera()))),
+            _ => drop(black_box(engine.render_frame(0).unwrap())),
+        }
+    }
+}
+
+/// Are the pictures of the minimal kernels what they should be?
+fn check_minimal_kernels() {
+    for (name, minimal) in [
+        ("ambient light only", minimal::ambient as fn(&_, &_) -> _),
+        ("point lights with shadows", minimal::diffuse),
+    ] {
+        let (_, lines) = EFFECTS.iter().find(|(other, _)| *other == name).unwrap();
+        let preparation = prepared(lines);
+        let film = engine(lines).render_frame(0).unwrap();
+        assert!(
+            minimal(preparation.scene(), preparation.camera()) == film,
+            "the minimal kernel for {name} makes another picture"
+        );
+    }
+}
+
+/// Medians of rounds in turns, on one thread.
+fn table(rounds: usize) {
+    check_minimal_kernels();
+    let mut engines: Vec<_> = EFFECTS.iter().map(|(name, lines)| (name, engine(lines))).collect();
+    let mut times = vec![Vec::new(); engines.len()];
+    for _ in 0..rounds {
+        for ((_, engine), times) in engines.iter_mut().zip(&mut times) {
+            let mut time = |full| {
+                engine.set_full(full);
+                let start = Instant::now();
+                black_box(engine.render_frame(0).unwrap());
+                start.elapsed().as_secs_f64() * 1e3
+            };
+            times.push((time(false), time(true)));
+        }
+    }
+    let median = |mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        values[values.len() / 2]
+    };
+    println!("| 480 x 270, milliseconds | planned kernel | full kernel | full over planned |");
+    println!("|---|---|---|---|");
+    for ((name, _), times) in engines.iter().zip(times) {
+        let planned = median(times.iter().map(|time| time.0).collect());
+        let full = median(times.iter().map(|time| time.1).collect());
+        println!("| {name} | {planned:.1} | {full:.1} | {:.2} |", full / planned);
+    }
+}

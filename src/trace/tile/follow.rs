@@ -1,0 +1,155 @@
+//! A single ray: what it meets, the light there, and the rays that go on.
+
+use super::buffers::{QueuedRay, Tile, TileBuffers};
+use crate::color::Rgb;
+use crate::trace::branch::{Branches, LARGEST_TREE, TreeRay, branches};
+use crate::trace::direct::{Lit, from_light};
+use crate::trace::effects::Effects;
+use crate::trace::geometry::Leaves;
+use crate::trace::media::Inside;
+use crate::trace::moment::Moment;
+use crate::trace::shade::ambient;
+use crate::trace::shadow::visibility;
+use crate::trace::{Surface, SurfaceMaterial};
+
+/// What is the same for all rays of a tile's sample.
+pub(super) struct Follower<'a, L> {
+    pub(super) moment: &'a Moment<'a>,
+    pub(super) leaves: &'a L,
+    pub(super) tile: Tile,
+    pub(super) sample: u32,
+}
+
+impl<L: Leaves> Follower<'_, L> {
+    /// Adds what the ray brings to its pixel, and queues what goes on, for which `generations` are left.
+    #[inline]
+    pub(super) fn follow<E: Effects>(
+        &self,
+        mut tree: TreeRay,
+        pixel: u32,
+        generations: u32,
+        buffers: &mut TileBuffers,
+    ) {
+        let scene = self.moment.scene;
+        let Some(closest) = scene.closest(self.leaves, &tree.ray, &mut buffers.scratch) else {
+            let background = scene.background.towards(tree.ray.direction());
+            self.arrive::<E>(&mut tree, background, f64::INFINITY, pixel, buffers);
+            return;
+        };
+        let material = scene.material(closest.hit.slot);
+        if !self.needs_point::<E>(&tree, material) {
+            buffers.pixels[pixel as usize] += tree.throughput * ambient(scene, material.ambient);
+            return;
+        }
+        let surface = scene.surface(self.leaves, &tree.ray, &closest, &mut buffers.scratch.guards);
+        let light = self.light::<E>(&tree, &surface, pixel, buffers);
+        let length = if E::NESTING || E::EXTRAS { surface.distance(&tree.ray) } else { 0.0 };
+        self.arrive::<E>(&mut tree, light, length, pixel, buffers);
+        if E::MIRRORS && scene.material(surface.hit.slot).continues() {
+            self.send_on::<E>(&tree, &surface, pixel, generations, buffers);
+        }
+    }
+
+    /// Adds light that comes in at the end of a ray to its pixel, and what happens to it on the way to the ray's throughput.
+    #[inline(always)]
+    fn arrive<E: Effects>(
+        &self,
+        tree: &mut TreeRay,
+        light: Rgb,
+        length: f64,
+        pixel: u32,
+        buffers: &mut TileBuffers,
+    ) {
+        let pixel = &mut buffers.pixels[pixel as usize];
+        if !E::NESTING && !E::EXTRAS {
+            *pixel += tree.throughput * light;
+            return;
+        }
+        let passage = tree.passage::<E>(self.moment.scene, &buffers.scratch.nesting, length);
+        *pixel += tree.throughput * passage.of(light);
+        tree.throughput *= passage.transmitted;
+    }
+
+    /// Is more asked of what a ray meets than what it is made of?
+    #[inline]
+    fn needs_point<E: Effects>(&self, tree: &TreeRay, material: &SurfaceMaterial) -> bool {
+        let lit = E::LIGHTS && !self.moment.lights.is_empty() && material.scatters();
+        let continues =
+            (E::MIRRORS && material.reflected > 0.0) || (E::MEDIA && material.refraction.is_some());
+        let in_medium = E::NESTING && tree.inside != Inside::NONE;
+        let rare = E::EXTRAS && (self.moment.scene.fog.density > 0.0 || material.checker.is_some());
+        lit || continues || in_medium || rare
+    }
+
+    /// The light that a surface point sends back along the ray: ambient and, light by light, diffuse and specular.
+    #[inline]
+    fn light<E: Effects>(
+        &self,
+        tree: &TreeRay,
+        surface: &Surface,
+        pixel: u32,
+        buffers: &mut TileBuffers,
+    ) -> Rgb {
+        let scene = self.moment.scene;
+        // Among surfaces in the same place it may be another one that is seen than the first that was met.
+        let material = scene.material(surface.hit.slot);
+        let (color, diffuse) =
+            if E::EXTRAS { material.colors_at(surface) } else { (material.ambient, material.diffuse) };
+        let mut light = ambient(scene, color);
+        if !E::LIGHTS {
+            return light;
+        }
+        // Only lights with a size ask for it.
+        let (i, j) = if E::EXTRAS { self.tile.pixel(pixel) } else { (0, 0) };
+        let pixel = (self.moment.sampling.seed, i, j);
+        let lit = Lit { arrived: tree, surface, material, diffuse, pixel, sample: self.sample };
+        let TileBuffers { scratch, rays_traced, .. } = buffers;
+        for (index, source) in &self.moment.lights {
+            light += from_light::<E>((*index, source), &lit, |shadow_ray| {
+                rays_traced.shadow += 1;
+                let seen = (surface, tree.inside);
+                visibility::<E>(scene, self.leaves, shadow_ray, source.own_shape, seen, scratch)
+            });
+        }
+        light
+    }
+
+    /// Queues the rays that a surface sends on.
+    fn send_on<E: Effects>(
+        &self,
+        tree: &TreeRay,
+        surface: &Surface,
+        pixel: u32,
+        generations: u32,
+        buffers: &mut TileBuffers,
+    ) {
+        let TileBuffers { next, beyond, tree_sizes, scratch, rays_traced, trees_ended, .. } = buffers;
+        let Branches { reflected, refracted, cut } =
+            branches::<E>(self.moment, &mut scratch.nesting, tree, surface, generations);
+        trees_ended.cutoff += cut;
+        let size = &mut tree_sizes[pixel as usize];
+        let kinds = [(reflected, &mut rays_traced.reflection), (refracted, &mut rays_traced.refraction)];
+        for (tree, traced) in kinds {
+            let Some(tree) = tree else { continue };
+            let queued = QueuedRay { tree, pixel };
+            if generations > 0 && *size < LARGEST_TREE {
+                *size += 1;
+                *traced += 1;
+                next.push(queued);
+            } else {
+                beyond.push(queued);
+            }
+        }
+    }
+}
+
+/// Rays that are not traced see the background.
+pub(super) fn give_up(moment: &Moment<'_>, buffers: &mut TileBuffers) {
+    let TileBuffers { beyond, pixels, trees_ended, .. } = buffers;
+    for QueuedRay { tree, pixel } in beyond.iter() {
+        let background = moment.scene.background.towards(tree.ray.direction());
+        pixels[*pixel as usize] += tree.throughput * background;
+    }
+    trees_ended.depth += beyond.len() as u64;
+    beyond.clear();
+}
