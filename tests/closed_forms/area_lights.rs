@@ -1,0 +1,167 @@
+//! Lights with a size.
+
+use std::f64::consts::PI;
+
+use super::{assert_near, exponent, film, root_mean_square};
+
+/// Pixels of a row along x, on a floor at y = 0 that is seen from right above, and where they are.
+const COLUMNS: u32 = 256;
+
+/// `half` is what is seen of the floor to either side. Every pixel answers for its centre.
+fn row(half: f64, floor: &str, entities: &str) -> Vec<(f64, f64)> {
+    let film = film(&format!(
+        r#"film: (width: {COLUMNS}, height: 1), quality: (depth: 1),
+        camera: (position: (0, 1, 0), view: (0, -1, 0), up: (0, 0, 1), screen: (distance: 1, width: {:?}, height: 1)),
+        materials: {{ "floor": ({floor}), "wall": (k_a: 0) }},
+        entities: [(shape: Plane(normal: (0, 1, 0)), material: "floor"), {entities}]"#,
+        2.0 * half
+    ));
+    let place = |i: u32| -half + 2.0 * half * f64::from(i) / f64::from(COLUMNS - 1);
+    (0..COLUMNS).map(|i| (place(i), f64::from(film.pixel(i, 0).x))).collect()
+}
+
+/// The share of a disc beyond a chord at a distance from its middle, in radii; all of it at -1, nothing at 1.
+fn beyond_chord(distance: f64) -> f64 {
+    if distance.abs() >= 1.0 {
+        return if distance < 0.0 { 1.0 } else { 0.0 };
+    }
+    (libm::acos(distance) - distance * (1.0 - distance * distance).sqrt()) / PI
+}
+
+/// A ball at (0, 10, 0) of radius 2 is seen from (x, 0, 0) as the disc that faces there, and a wall that ends at x = 0, two above
+/// the floor, hides what is to the left of its edge: the disc is cut at its distance times the tangent of the angle between
+/// edge and middle. With k_s 1 and shininess 0, a surface shows how much of the light is seen, and nothing else.
+#[test]
+fn the_penumbra_of_a_ball_has_the_width_and_the_profile_of_a_covered_disc() {
+    const HEIGHT: f64 = 10.0;
+    const RADIUS: f64 = 2.0;
+    const EDGE: f64 = 2.0;
+    let expected = |x: f64| {
+        // Towards the middle (-x, 10) and the edge (-x, 2): the tangent is cross over dot.
+        let tangent = x * (HEIGHT - EDGE) / (x * x + HEIGHT * EDGE);
+        beyond_chord(-libm::hypot(x, HEIGHT) * tangent / RADIUS)
+    };
+    let mut errors = Vec::new();
+    for samples in [4, 16, 64, 256, 1024] {
+        let row = row(
+            0.8,
+            "specular: (k_s: 1, shininess: 0)",
+            &format!(
+                r#"(shape: Box(size: (50, 1e-9, 50)), material: "wall", transform: (translation: (-25, {EDGE:?}, 0))),
+                (light: Area(shape: Sphere(radius: {RADIUS:?}), intensity: (1, 1, 1), samples: {samples}),
+                    transform: (translation: (0, {HEIGHT:?}, 0)))"#
+            ),
+        );
+        let mut within = Vec::new();
+        for (x, found) in row {
+            let expected = expected(x);
+            if expected == 0.0 || expected == 1.0 {
+                assert_eq!(found, expected, "beside the penumbra, at {x}");
+            } else {
+                within.push(found - expected);
+            }
+        }
+        // Tangents to the disc from the edge: 2 r / (8/2) in all, if the disc did not turn.
+        assert!((120..240).contains(&within.len()), "{}", within.len());
+        errors.push((samples, root_mean_square(&within)));
+    }
+    println!("{errors:?}");
+    let slope = exponent(&errors);
+    assert!((-0.9..-0.65).contains(&slope), "n^{slope}: {errors:?}");
+    assert!(errors[1].1 < 0.06 && errors[4].1 < 0.003, "{errors:?}");
+}
+
+/// Where exactly the light begins to be seen, and where all of it is: the tangents from the edge to the disc.
+#[test]
+fn a_penumbra_ends_where_the_tangents_to_the_light_do() {
+    let shares = |x: f64| {
+        let lit = format!(
+            r#"film: (width: 1, height: 1), quality: (depth: 1),
+            camera: (position: ({x:?}, 1, 0), view: (0, -1, 0), up: (0, 0, 1)),
+            materials: {{ "floor": (specular: (k_s: 1, shininess: 0)), "wall": (k_a: 0) }},
+            entities: [(shape: Plane(normal: (0, 1, 0)), material: "floor"),
+                (shape: Box(size: (50, 1e-9, 50)), material: "wall", transform: (translation: (-25, 2, 0))),
+                (light: Area(shape: Sphere(radius: 2), intensity: (1, 1, 1), samples: 4096),
+                    transform: (translation: (0, 10, 0)))]"#
+        );
+        film(&lit).pixel(0, 0).x
+    };
+    // |x| (x^2 + 100)^(1/2) 8 / (x^2 + 20) = 2, by bisection.
+    let (mut low, mut high) = (0.0_f64, 2.0_f64);
+    for _ in 0..60 {
+        let x = 0.5 * (low + high);
+        if x * libm::hypot(x, 10.0) * 8.0 < 2.0 * (x * x + 20.0) { low = x } else { high = x }
+    }
+    // A chord that cuts off a part d of the radius cuts off about 0.6 d^(3/2) of the disc: 2 samples in 4096 for a hundredth.
+    let (inner, outer) = (0.98 * low, 1.0001 * low);
+    assert_eq!([shares(outer), shares(-outer)], [1.0, 0.0]);
+    assert!(shares(inner) < 1.0 && shares(inner) > 0.99);
+    assert!(shares(-inner) > 0.0 && shares(-inner) < 0.01);
+}
+
+/// The integral of 1/sqrt(x^2 + y^2 + h^2) over 0..a and 0..b, odd in a and b: the potential of an evenly charged rectangle
+/// above its corner.
+fn potential(a: f64, b: f64, h: f64) -> f64 {
+    let diagonal = (a * a + b * b + h * h).sqrt();
+    let part = |a: f64, b: f64| b * libm::asinh(a / libm::hypot(b, h));
+    part(a, b) + part(b, a) - h * libm::atan2(a * b, h * diagonal)
+}
+
+/// A point at (x, 0, 0) is lit by the mean of N.L = h / distance over the rectangle.
+#[test]
+fn a_rectangle_lights_by_the_mean_of_the_cosine() {
+    let (width, depth, height) = (3.0, 2.0, 1.5);
+    let expected = |x: f64| {
+        let corner = |right: f64, forward: f64| potential(right - x, forward, height);
+        let (right, forward) = (0.5 * width, 0.5 * depth);
+        let integral = corner(right, forward) - corner(-right, forward) - corner(right, -forward)
+            + corner(-right, -forward);
+        height * integral / (width * depth)
+    };
+    // By the middles of many small rectangles.
+    for x in [0.0, 0.4, 2.5] {
+        const PARTS: u32 = 400;
+        let place = |index: u32, size: f64| ((f64::from(index) + 0.5) / f64::from(PARTS) - 0.5) * size;
+        let cosine = |i: u32, j: u32| {
+            let (right, forward) = (place(i, width) - x, place(j, depth));
+            height / (right * right + forward * forward + height * height).sqrt()
+        };
+        let sum: f64 =
+            (0..PARTS).flat_map(|i| (0..PARTS).map(move |j| (i, j))).map(|(i, j)| cosine(i, j)).sum();
+        assert_near(sum / f64::from(PARTS * PARTS), expected(x), 1e-6);
+    }
+    let mut errors = Vec::new();
+    for samples in [4, 16, 64, 256] {
+        // A rectangle in the xy-plane of its entity, turned to lie above the floor.
+        let row = row(
+            2.0,
+            "k_d: 1",
+            &format!(
+                "(light: Area(shape: Rectangle(width: {width:?}, height: {depth:?}), intensity: (1, 1, 1), samples: {samples}),
+                transform: (translation: (0, {height:?}, 0), rotation: Euler(90, 0, 0)))"
+            ),
+        );
+        let differences: Vec<f64> = row.iter().map(|(x, found)| found - expected(*x)).collect();
+        errors.push((samples, root_mean_square(&differences)));
+    }
+    println!("{errors:?}");
+    let slope = exponent(&errors);
+    assert!((-1.8..-1.3).contains(&slope), "n^{slope}: {errors:?}");
+    assert!(errors[3].1 < 2e-4, "{errors:?}");
+}
+
+/// The size does not change the intensity: far away, any light is a point.
+#[test]
+fn far_away_a_light_with_a_size_is_a_point() {
+    let shown = |light: &str| {
+        row(0.5, "k_d: 1", &format!("(light: {light}, transform: (translation: (0, 3000, 4000)))"))
+    };
+    let point = shown("Point(intensity: (0.5, 0.5, 0.5))");
+    assert_near(point[0].1, 0.5 * 0.6, 1e-4);
+    for shape in ["Sphere(radius: 1)", "Rectangle(width: 1, height: 2)"] {
+        let found = shown(&format!("Area(shape: {shape}, intensity: (0.5, 0.5, 0.5), samples: 16)"));
+        for ((_, found), (_, point)) in found.iter().zip(&point) {
+            assert_near(*found, *point, 2e-5);
+        }
+    }
+}

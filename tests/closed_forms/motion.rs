@@ -1,0 +1,104 @@
+//! Motion blur: what moves at a constant speed is a trapezoid.
+
+use super::{engine, exponent, root_mean_square};
+
+const COLUMNS: u32 = 256;
+/// Of the box, in units of the way that it goes while the shutter is open.
+const WIDTH: f64 = 0.5;
+
+/// A white box of width 1/2 that passes the middle at speed 1, from right before it at a distance of 1, while the shutter is open
+/// for a second: where the pixels of a row are, and what they show.
+fn row(shutter: f64, sampling: &str) -> Vec<(f64, f64)> {
+    let mut engine = engine(&format!(
+        r#"timeline: (fps: 1, duration: 3), film: (width: {COLUMNS}, height: 1), ambient: (1, 1, 1),
+        sampling: ({sampling}), camera: (position: (0, 0, -1), view: (0, 0, 1), shutter: {shutter:?},
+            screen: (distance: 1, width: 2, height: 1)),
+        materials: {{ "m": (k_a: 1) }}, entities: [(name: "box", shape: Box(size: ({WIDTH:?}, 2, 1e-9)), material: "m")],
+        animate: [(target: "box", channel: Translation, track: Keys([(0, (-1, 0, 0)), (2, (1, 0, 0))]))]"#
+    ));
+    let film = engine.render_frame(1).unwrap();
+    let place = |i: u32| -1.0 + 2.0 * f64::from(i) / f64::from(COLUMNS - 1);
+    (0..COLUMNS).map(|i| (place(i), f64::from(film.pixel(i, 0).x))).collect()
+}
+
+/// The share of the times from -open/2 to open/2 at which the box is at x.
+fn trapezoid(x: f64, open: f64) -> f64 {
+    let (first, last) = ((x - 0.5 * WIDTH).max(-0.5 * open), (x + 0.5 * WIDTH).min(0.5 * open));
+    (last - first).max(0.0) / open
+}
+
+/// Instants lie in the middles of equal parts of the shutter's time; a pixel that no edge crosses at any of them shows how often the
+/// box is there.
+#[test]
+fn a_moving_box_is_drawn_at_so_many_instants() {
+    let pitch = 2.0 / f64::from(COLUMNS - 1);
+    for (instants, samples) in [(2, 2), (3, 60), (4, 64), (16, 64), (7, 50)] {
+        let times = (0..instants).map(|k| (f64::from(k) + 0.5) / f64::from(instants) - 0.5);
+        let times: Vec<f64> = times.collect();
+        // Sample s of n belongs to instant floor(s K / n).
+        let share = |index: usize| {
+            let of = |sample: u32| (sample * instants / samples) as usize == index;
+            f64::from((0..samples).map(|sample| u32::from(of(sample))).sum::<u32>()) / f64::from(samples)
+        };
+        let mut whole = 0;
+        for (x, found) in row(1.0, &format!("samples: {samples}, instants: {instants}")) {
+            let to_edge = |time: &f64| 0.5 * WIDTH - (x - time).abs();
+            if times.iter().any(|time| to_edge(time).abs() <= 0.5 * pitch) {
+                continue;
+            }
+            let expected: f64 = times
+                .iter()
+                .enumerate()
+                .filter(|(_, time)| to_edge(time) > 0.0)
+                .map(|(index, _)| share(index))
+                .sum();
+            assert!(
+                (found - expected).abs() < 1e-7,
+                "{instants} instants, at {x}: {found} is not {expected}"
+            );
+            whole += 1;
+        }
+        assert!(whole > 190, "{whole}");
+    }
+}
+
+/// Where there are fewer samples than instants, there are as many instants as samples.
+#[test]
+fn there_are_never_more_instants_than_samples() {
+    for samples in [2, 5, 8] {
+        let some = row(1.0, &format!("samples: {samples}, instants: {samples}"));
+        assert_eq!(row(1.0, &format!("samples: {samples}, instants: 256")), some);
+    }
+    let still = row(1.0, "samples: 64, instants: 1");
+    assert!(
+        still.iter().all(|(x, found)| (x.abs() - 0.5 * WIDTH).abs() < 0.01 || *found == trapezoid(*x, 1e-9))
+    );
+}
+
+/// Steps of a height of 1/K about a slope are off by up to half of that: on average, in the root of the mean square,
+/// by 1/(K sqrt 12).
+#[test]
+fn steps_converge_to_the_trapezoid() {
+    for open in [1.0, 0.5] {
+        let mut errors = Vec::new();
+        for instants in [2, 4, 8, 16] {
+            let (mut on_slopes, mut largest) = (Vec::new(), 0.0_f64);
+            for (x, found) in row(open, &format!("samples: 256, instants: {instants}")) {
+                let difference = found - trapezoid(x, open);
+                largest = largest.max(difference.abs());
+                if ((open - WIDTH).abs()..open + WIDTH).contains(&(2.0 * x.abs())) {
+                    on_slopes.push(difference);
+                }
+            }
+            let count = f64::from(instants);
+            assert!(largest < 0.55 / count, "{instants}: {largest}");
+            errors.push((instants, root_mean_square(&on_slopes)));
+        }
+        println!("{errors:?}");
+        let slope = exponent(&errors);
+        assert!((-1.1..-0.9).contains(&slope), "K^{slope}: {errors:?}");
+        let (count, error) = errors[1];
+        let ratio = error * f64::from(count) * 12.0_f64.sqrt();
+        assert!((0.8..1.2).contains(&ratio), "{ratio}");
+    }
+}

@@ -1,0 +1,255 @@
+//! Snell's law, Fresnel's equations, total internal reflection, and what a ball of glass gathers.
+
+use glam::DVec3;
+
+use rayreel::trace::reference::{RayKind, TracedRay};
+
+use super::{assert_near, film, first, seen, tilted, tree, triple, unit};
+
+/// Degrees from the normal.
+const ANGLES: [f64; 12] = [0.0, 0.1, 5.0, 15.0, 30.0, 41.0, 45.0, 60.0, 75.0, 85.0, 89.0, 89.9];
+
+/// What a ray does at the face of a half-space of glass at z = 0, which it comes to from the origin's side at this angle.
+fn at_the_face(angle: f64, material: &str, inside: bool) -> Vec<TracedRay> {
+    let normal = if inside { "(0, 0, 1)" } else { "(0, 0, -1)" };
+    tree(
+        DVec3::NEG_Z,
+        tilted(angle),
+        &format!(
+            r#"quality: (cutoff: 0), background: (255, 255, 255), materials: {{ "glass": ({material}) }},
+            entities: [(shape: Plane(normal: {normal}), material: "glass")]"#
+        ),
+    )
+}
+
+/// Snell: n1 sin(i) = n2 sin(t), in the plane of incidence.
+#[test]
+fn refracted_rays_obey_snell() {
+    for ior in [1.0003, 1.33, 1.5, 2.42, 0.75] {
+        for (degrees, inside) in ANGLES.into_iter().flat_map(|angle| [(angle, false), (angle, true)]) {
+            let angle = degrees.to_radians();
+            let ratio = if inside { ior } else { 1.0 / ior };
+            let sine = libm::sin(angle) * ratio;
+            let tree = at_the_face(angle, &format!("refractive: (k_t: 1, ior: {ior:?})"), inside);
+            let refracted = first(&tree, RayKind::Refraction);
+            assert_eq!(refracted.is_some(), sine < 1.0, "{degrees} degrees at {ior}");
+            let Some(refracted) = refracted else { continue };
+            let direction = unit(refracted);
+            assert_near(direction.x, sine, 1e-15);
+            assert_eq!(direction.y, 0.0);
+            // Where the sine is near 1, its last place is worth more of the angle.
+            let bent = libm::asin(sine);
+            assert_near(libm::atan2(direction.x, direction.z), bent, 1e-15 / libm::cos(bent));
+        }
+    }
+}
+
+/// The same in all directions of space: with unit vectors, n1 d1 x N = n2 d2 x N.
+#[test]
+fn refracted_rays_stay_in_the_plane_of_incidence() {
+    let ior = 1.5;
+    for (normal, towards) in [
+        (DVec3::new(0.3, -0.2, -0.9), DVec3::new(0.1, 0.4, 1.0)),
+        (DVec3::new(-3.0, 1.0, -1.0), DVec3::new(0.5, -0.5, 1.0)),
+        (DVec3::new(0.01, 1.0, -0.02), DVec3::new(0.9, -0.1, 0.3)),
+    ] {
+        let body = format!(
+            r#"quality: (cutoff: 0), background: (255, 255, 255),
+            materials: {{ "glass": (refractive: (k_t: 1, ior: {ior:?})) }},
+            entities: [(shape: Plane(normal: {}), material: "glass")]"#,
+            triple(normal)
+        );
+        let tree = tree(-2.0 * towards, towards, &body);
+        let refracted = first(&tree, RayKind::Refraction).unwrap();
+        let normal = normal.normalize();
+        let difference = unit(&tree[0]).cross(normal) - ior * unit(refracted).cross(normal);
+        assert!(difference.length() < 1e-15, "{difference}");
+    }
+}
+
+/// Fresnel's equations by the angles alone (Born and Wolf, "Principles of Optics", section 1.5.2, equation 21):
+/// (sin^2(i - t)/sin^2(i + t) + tan^2(i - t)/tan^2(i + t)) / 2.
+fn reflectance(angle: f64, ior: f64) -> f64 {
+    if angle == 0.0 {
+        let share = (ior - 1.0) / (ior + 1.0);
+        return share * share;
+    }
+    let bent = libm::asin(libm::sin(angle) / ior);
+    let (less, more) = (angle - bent, angle + bent);
+    let across = libm::sin(less) / libm::sin(more);
+    let along = libm::tan(less) / libm::tan(more);
+    0.5 * (across * across + along * along)
+}
+
+#[test]
+fn light_is_shared_as_fresnel_says() {
+    // For an index of 1.5, in per cent.
+    for (degrees, percent) in [(0.0, 4.0), (30.0, 4.15), (45.0, 5.02), (60.0, 8.92), (80.0, 38.8)] {
+        assert_near(100.0 * reflectance(f64::to_radians(degrees), 1.5), percent, 0.05);
+    }
+    let (k_r, k_t) = (0.125, 0.75);
+    for ior in [1.33, 1.5, 2.42] {
+        for degrees in ANGLES {
+            let angle = degrees.to_radians();
+            let share = reflectance(angle, ior);
+            let material = |fresnel: bool| {
+                format!(
+                    "reflective: (k_r: {k_r:?}), refractive: (k_t: {k_t:?}, ior: {ior:?}, fresnel: {fresnel})"
+                )
+            };
+            // From outside, and the other way on the same path.
+            let bent = libm::asin(libm::sin(angle) / ior);
+            for (angle, inside) in [(angle, false), (bent, true)] {
+                for (fresnel, share) in [(true, share), (false, 0.0)] {
+                    let tree = at_the_face(angle, &material(fresnel), inside);
+                    let of = |kind| f64::from(first(&tree, kind).unwrap().throughput.x);
+                    // Inside, an angle's last place is worth as much more of the share as it is worth outside of the angle.
+                    let tolerance = if inside { 1e-7 + 1e-15 / libm::cos(angle) } else { 1e-7 };
+                    assert_near(of(RayKind::Reflection), k_r + k_t * share, tolerance);
+                    assert_near(of(RayKind::Refraction), k_t * (1.0 - share), tolerance);
+                }
+            }
+        }
+    }
+}
+
+/// At Brewster's angle, tan i = n, the reflected and the refracted ray are at right angles, and light that swings in the plane of
+/// incidence is not reflected: what is left is ((n^2 - 1)/(n^2 + 1))^2 / 2.
+#[test]
+fn brewsters_angle() {
+    for ior in [1.33, 1.5, 2.42] {
+        let material = format!("refractive: (k_t: 1, ior: {ior:?}, fresnel: true)");
+        let tree = at_the_face(libm::atan(ior), &material, false);
+        let (reflected, refracted) =
+            (first(&tree, RayKind::Reflection).unwrap(), first(&tree, RayKind::Refraction).unwrap());
+        assert_near(unit(reflected).dot(unit(refracted)), 0.0, 1e-15);
+        let share = (ior * ior - 1.0) / (ior * ior + 1.0);
+        assert_near(f64::from(reflected.throughput.x), 0.5 * share * share, 1e-8);
+    }
+}
+
+/// A lake under a sky that goes from black, straight down, to white, straight up: (1 + y)/2. At an angle i from the vertical
+/// the picture is F (1 + cos i)/2 + (1 - F) (1 - cos t)/2.
+#[test]
+fn a_lake_shows_the_sky_and_the_deep() {
+    let ior = 1.33;
+    for degrees in [10.0, 30.0, 53.0, 70.0, 85.0, 89.0] {
+        let angle = f64::to_radians(degrees);
+        let (sine, cosine) = libm::sincos(angle);
+        let found = seen(
+            DVec3::new(0.0, 2.0, 0.0),
+            DVec3::new(sine, -cosine, 0.0),
+            r#"quality: (cutoff: 0), background: (bottom: (0, 0, 0), top: (255, 255, 255)),
+            materials: { "water": (refractive: (k_t: 1, ior: 1.33, fresnel: true)) },
+            entities: [(shape: Plane(normal: (0, 1, 0)), material: "water")]"#,
+        );
+        let share = reflectance(angle, ior);
+        let bent = libm::cos(libm::asin(sine / ior));
+        let expected = share * 0.5 * (1.0 + cosine) + (1.0 - share) * 0.5 * (1.0 - bent);
+        assert_near(f64::from(found.x), expected, 1e-6);
+    }
+}
+
+/// The critical angle is asin(1/n). A billionth of a radian below it, 1 - n^2 sin^2 is 1 - (cos d - cot c sin d)^2 and light comes
+/// through; a billionth above, all of it goes back.
+#[test]
+fn total_reflection_begins_at_the_critical_angle() {
+    const STEP: f64 = 1e-9;
+    for ior in [1.33, 1.5, 2.42] {
+        let critical = libm::asin(1.0 / ior);
+        for fresnel in [false, true] {
+            let material = format!("refractive: (k_t: 0.75, ior: {ior:?}, fresnel: {fresnel})");
+            let below = at_the_face(critical - STEP, &material, true);
+            let refracted = first(&below, RayKind::Refraction).unwrap();
+            let cosine = unit(refracted).z;
+            let sines = libm::cos(STEP) - (ior * ior - 1.0).sqrt() * libm::sin(STEP);
+            assert_near(cosine * cosine, 1.0 - sines * sines, 1e-15 * ior * ior);
+            assert_eq!(first(&below, RayKind::Reflection).is_some(), fresnel);
+            if !fresnel {
+                assert_eq!(refracted.throughput.x, 0.75);
+            }
+
+            let above = at_the_face(critical + STEP, &material, true);
+            assert!(first(&above, RayKind::Refraction).is_none());
+            assert_eq!(first(&above, RayKind::Reflection).unwrap().throughput.x, 0.75);
+        }
+    }
+}
+
+/// The same in a box, where what is reflected at one face comes to the next at 90 degrees less: beyond the critical angle of
+/// both, and so round and round without end.
+#[test]
+fn light_is_caught_in_a_box_of_glass() {
+    let caught = |degrees: f64| {
+        tree(
+            DVec3::new(0.1, 0.0, 0.0),
+            tilted(degrees.to_radians()),
+            r#"quality: (depth: 20, cutoff: 0), background: (255, 255, 255),
+            materials: { "glass": (refractive: (k_t: 1, ior: 1.5)) },
+            entities: [(shape: Box(size: (2, 2, 2)), material: "glass")]"#,
+        )
+    };
+    // asin(1/1.5) is 41.81 degrees: from there to 48.19.
+    for degrees in [42.0, 44.0, 48.0] {
+        let tree = caught(degrees);
+        assert_eq!(tree.len(), 21);
+        assert!(tree.iter().skip(1).all(|traced| traced.kind == RayKind::Reflection));
+    }
+    for degrees in [41.0, 49.0] {
+        assert_eq!(caught(degrees).last().unwrap().kind, RayKind::Refraction, "{degrees}");
+    }
+}
+
+/// Where a ray parallel to the axis of a ball of glass, so far from it, crosses the axis, in radii from the ball's middle.
+fn focus(height: f64) -> f64 {
+    let tree = tree(
+        DVec3::new(height, 0.0, -3.0),
+        DVec3::Z,
+        r#"background: (255, 255, 255), materials: { "glass": (refractive: (k_t: 1, ior: 1.5)) },
+        entities: [(shape: Sphere(radius: 1), material: "glass")]"#,
+    );
+    let out = &tree[2];
+    assert_eq!((tree.len(), out.kind), (3, RayKind::Refraction));
+    let (from, direction) = (out.ray.origin(), out.ray.direction());
+    from.z - from.x / direction.x * direction.z
+}
+
+/// A ray at height h comes in at i = asin h, goes on at t = asin(h/n), and leaves as it came in, turned by 2 (i - t) and again h
+/// from the middle: it crosses the axis at h / sin(2 (i - t)). For small h that is n / (2 (n - 1)), 1.5 here, and the error
+/// goes with the square of h.
+#[test]
+fn a_ball_of_glass_focuses() {
+    for height in [1e-3, 0.1, 0.3, 0.6, 0.9] {
+        let (arriving, inside) = (libm::asin(height), libm::asin(height / 1.5));
+        let expected = height / libm::sin(2.0 * (arriving - inside));
+        assert_near(focus(height), expected, 1e-14 / height);
+    }
+    let errors: Vec<(u32, f64)> =
+        (2..8).map(|halvings| (1 << halvings, 1.5 - focus(1.0 / f64::from(1 << halvings)))).collect();
+    println!("{errors:?}");
+    assert!((super::exponent(&errors) + 2.0).abs() < 0.01, "{errors:?}");
+}
+
+/// An empty ball in glass of the same index as what is around is not there: the picture is the same, bit for bit.
+#[test]
+fn glass_without_a_boundary_is_not_there() {
+    let scene = |entities: &str| {
+        film(&format!(
+            r#"film: (width: 40, height: 30), camera: (position: (0.3, 0.2, -3), view: (0, 0, 1)),
+            background: (bottom: (255, 128, 0), top: (0, 64, 255)), ambient: (1, 1, 1), quality: (depth: 12, cutoff: 0),
+            materials: {{ "m": (k_a: 1, color: (99, 140, 180)), "empty": (refractive: (k_t: 1, ior: 1, fresnel: true)),
+                "glass": (refractive: (k_t: 1, ior: 1.5, absorption: (0.1, 0.2, 0.3))) }},
+            entities: [(shape: Box(size: (1, 2, 0.5)), material: "m", transform: (translation: (0, 0, 4))), {entities}]"#
+        ))
+    };
+    let nothing = scene("");
+    let empty = r#"(shape: Sphere(radius: 1), material: "empty")"#;
+    assert_eq!(scene(empty), nothing);
+    assert_eq!(scene(&[empty, empty].join(", ")), nothing);
+    let rotated = "transform: (rotation: Euler(10, 20, 30))";
+    assert_eq!(scene(&format!(r#"(shape: Box(size: (1, 1, 1)), material: "empty", {rotated})"#)), nothing);
+    // Emptied by a bubble of the same size, which counts as it is the first.
+    let glass = r#"(shape: Sphere(radius: 1), material: "glass")"#;
+    assert_eq!(scene(&[empty, glass].join(", ")), nothing);
+    assert_ne!(scene(&[glass, empty].join(", ")), nothing);
+}

@@ -1,0 +1,214 @@
+//! Fog, squares and skies.
+
+use glam::{DQuat, DVec3};
+
+use super::{assert_near, film, seen, tilted};
+
+const FOG: [f64; 3] = [0.2, 0.4, 0.8];
+
+/// Fog of those channels, as a file's colour, and a density of 0.3.
+const FOG_TEXT: &str = "fog: (color: (51, 102, 204), density: 0.3)";
+
+/// exp(-density l) of the light, and fog for the rest.
+fn through_fog(light: [f64; 3], length: f64) -> [f64; 3] {
+    let share = libm::exp(-0.3 * length);
+    [0, 1, 2].map(|channel| share * light[channel] + (1.0 - share) * FOG[channel])
+}
+
+fn assert_color(found: glam::Vec3, expected: [f64; 3]) {
+    for (found, expected) in found.to_array().into_iter().zip(expected) {
+        assert_near(f64::from(found), expected, 1e-6);
+    }
+}
+
+#[test]
+fn fog_dims_camera_rays_and_not_lights() {
+    for degrees in [0.0, 40.0, 85.0] {
+        let angle = f64::to_radians(degrees);
+        let wall = seen(
+            DVec3::new(0.0, 0.0, -2.0),
+            tilted(angle),
+            &format!(
+                r#"{FOG_TEXT}, ambient: (0.5, 0.5, 0.5), materials: {{ "m": (k_a: 1, k_d: 0.5) }},
+                entities: [(shape: Plane(normal: (0, 0, 1)), material: "m"), (light: Directional(intensity: (0.2, 0.4, 0.6)))]"#
+            ),
+        );
+        assert_color(wall, through_fog([0.6, 0.7, 0.8], 2.0 / libm::cos(angle)));
+    }
+    let nothing = format!("{FOG_TEXT}, background: (255, 0, 0)");
+    assert_color(seen(DVec3::ZERO, DVec3::Z, &nothing), FOG);
+    let clear = "fog: (color: (51, 102, 204), density: 0), background: (255, 0, 0)";
+    assert_color(seen(DVec3::ZERO, DVec3::Z, clear), [1.0, 0.0, 0.0]);
+}
+
+/// There and back again: fog before the mirror on all that comes from there, and fog before what it shows on that alone.
+#[test]
+fn fog_lies_in_mirrors() {
+    let shown = |behind: &str| {
+        seen(
+            DVec3::ZERO,
+            DVec3::Z,
+            &format!(
+                r#"{FOG_TEXT}, background: (255, 0, 0), ambient: (1, 1, 1), quality: (cutoff: 0),
+                materials: {{ "mirror": (k_a: 1, color: (51, 51, 51), reflective: (k_r: 0.5)), "m": (k_a: 1, color: (0, 255, 102)) }},
+                entities: [(shape: Plane(normal: (0, 0, 1)), material: "mirror", transform: (translation: (0, 0, 2))), {behind}]"#
+            ),
+        )
+    };
+    let mirrored = |light: [f64; 3]| through_fog(light.map(|light| 0.2 + 0.5 * light), 2.0);
+    let wall = r#"(shape: Plane(normal: (0, 0, 1)), material: "m", transform: (translation: (0, 0, -1)))"#;
+    assert_color(shown(wall), mirrored(through_fog([0.0, 1.0, 0.4], 3.0)));
+    assert_color(shown(""), mirrored(FOG));
+}
+
+/// Before the glass, in it and behind it; in it, light is absorbed as well.
+#[test]
+fn fog_lies_behind_clear_surfaces() {
+    let absorption = [0.0, 0.5, 1.0];
+    for degrees in [0.0, 50.0] {
+        let angle = f64::to_radians(degrees);
+        let shown = |behind: &str| {
+            seen(
+                DVec3::new(0.0, 0.0, -2.0),
+                tilted(angle),
+                &format!(
+                    r#"{FOG_TEXT}, background: (255, 0, 0), ambient: (1, 1, 1), quality: (cutoff: 0),
+                    materials: {{ "glass": (refractive: (k_t: 0.8, ior: 1.5, absorption: (0, 0.5, 1))), "m": (k_a: 1, color: (0, 255, 102)) }},
+                    entities: [(shape: Box(size: (99, 99, 1)), material: "glass", transform: (translation: (0, 0, 0.5))), {behind}]"#
+                ),
+            )
+        };
+        let (outside, inside) = (libm::cos(angle), libm::cos(libm::asin(libm::sin(angle) / 1.5)));
+        let before = |behind: [f64; 3]| {
+            let leaving = through_fog(behind.map(|light| 0.8 * light), 1.0 / inside);
+            let absorbed: Vec<f64> = leaving
+                .iter()
+                .zip(absorption)
+                .map(|(light, absorption)| 0.8 * light * libm::exp(-absorption / inside))
+                .collect();
+            through_fog([absorbed[0], absorbed[1], absorbed[2]], 2.0 / outside)
+        };
+        let wall = r#"(shape: Plane(normal: (0, 0, 1)), material: "m", transform: (translation: (0, 0, 3)))"#;
+        assert_color(shown(wall), before(through_fog([0.0, 1.0, 0.4], 2.0 / outside)));
+        assert_color(shown(""), before(FOG));
+    }
+}
+
+/// Straight down 0 and straight up 1: (1 + y)/2, on camera rays and in mirrors.
+#[test]
+fn skies_go_with_the_height_of_the_direction() {
+    let sky = "background: (bottom: (255, 0, 51), top: (0, 255, 51)), quality: (cutoff: 0)";
+    for direction in
+        [DVec3::new(0.0, 1.0, 1e-9), DVec3::new(3.0, -4.0, 12.0), DVec3::X, DVec3::new(-1.0, 9.0, 1.0)]
+    {
+        let share = 0.5 * (1.0 + direction.normalize().y);
+        assert_color(seen(DVec3::ZERO, direction, sky), [1.0 - share, share, 0.2]);
+        // In a puddle below, y is upside down.
+        if direction.y < 0.0 {
+            let puddle = format!(
+                r#"{sky}, materials: {{ "m": (reflective: (k_r: 0.5)) }},
+                entities: [(shape: Plane(normal: (0, 1, 0)), material: "m", transform: (translation: (0, -1, 0)))]"#
+            );
+            let seen = seen(DVec3::ZERO, direction, &puddle);
+            assert_color(seen, [0.5 * share, 0.5 * (1.0 - share), 0.1]);
+        }
+    }
+}
+
+/// A point's own coordinates, for an entity's transform.
+fn own(point: DVec3, translation: DVec3, rotation: DQuat, scale: DVec3) -> DVec3 {
+    rotation.inverse() * (point - translation) / scale
+}
+
+fn is_second(x: f64, y: f64, size: f64) -> bool {
+    ((x / size).floor() + (y / size).floor()).rem_euclid(2.0) == 1.0
+}
+
+/// Is it in the middle of a square, rather than at its rim?
+fn is_clear_of_edges(x: f64, y: f64, size: f64) -> bool {
+    [x, y].into_iter().all(|place| (0.01..0.99).contains(&(place / size).rem_euclid(1.0)))
+}
+
+/// White squares and black ones, seen from right above (0.1, 0, 0.2), ten units wide: what is shown at points of the plane
+/// y = `height`.
+fn squares_from_above(height: f64, shape: &str, size: f64, transform: &str) -> Vec<(DVec3, bool)> {
+    const SIDE: u32 = 40;
+    let film = film(&format!(
+        r#"film: (width: {SIDE}, height: {SIDE}), ambient: (1, 1, 1),
+        camera: (position: (0.1, {:?}, 0.2), view: (0, -1, 0), up: (0, 0, 1), screen: (distance: 100, width: 10, height: 10)),
+        materials: {{ "m": (k_a: 1, checker: (color: (0, 0, 0), size: {size:?})) }},
+        entities: [(shape: {shape}, material: "m", transform: ({transform}))]"#,
+        height + 100.0
+    ));
+    let step = |index: u32| -5.0 + 10.0 * f64::from(index) / f64::from(SIDE - 1);
+    let pixels = (0..SIDE).flat_map(|j| (0..SIDE).map(move |i| (i, j)));
+    pixels
+        .map(|(i, j)| (DVec3::new(0.1 + step(i), height, 0.2 - step(j)), film.pixel(i, j).x == 0.0))
+        .collect()
+}
+
+/// Counted from the entity's origin, in its own units: floor(x / size) + floor(z / size) is even or odd.
+#[test]
+fn squares_on_a_plane_are_counted_from_its_origin() {
+    let turned = DQuat::from_rotation_y(30_f64.to_radians());
+    let place = DVec3::new(0.3, -0.7, 1.1);
+    for (size, transform, rotation, scale) in [
+        (0.5, "translation: (0.3, -0.7, 1.1)", DQuat::IDENTITY, DVec3::ONE),
+        (0.8, "translation: (0.3, -0.7, 1.1), rotation: Euler(0, 30, 0)", turned, DVec3::ONE),
+        (0.4, "translation: (0.3, -0.7, 1.1), scale: (2, 1, 3)", DQuat::IDENTITY, DVec3::new(2.0, 1.0, 3.0)),
+        (
+            0.4,
+            "translation: (0.3, -0.7, 1.1), scale: (-2, 1, 3)",
+            DQuat::IDENTITY,
+            DVec3::new(-2.0, 1.0, 3.0),
+        ),
+        (
+            1.0,
+            "translation: (0.3, -0.7, 1.1), rotation: Euler(0, 30, 0), scale: (1, 5, 0.5)",
+            turned,
+            DVec3::new(1.0, 5.0, 0.5),
+        ),
+    ] {
+        let mut counts = [0; 2];
+        for (point, black) in squares_from_above(-0.7, "Plane(normal: (0, 1, 0))", size, transform) {
+            let own = own(point, place, rotation, scale);
+            if is_clear_of_edges(own.x, own.z, size) {
+                assert_eq!(black, is_second(own.x, own.z, size), "{transform} at {point}");
+                counts[usize::from(black)] += 1;
+            }
+        }
+        assert!(counts.iter().all(|count| *count > 400), "{counts:?}");
+    }
+}
+
+/// On each face, from its lower corner: here the top of a box, and its sides when it is turned.
+#[test]
+fn squares_on_a_box_are_counted_from_the_lower_corners_of_its_faces() {
+    let half = DVec3::new(2.1, 1.5, 1.8);
+    let size = 0.7;
+    // Turned so that the box's own x, y or z is up, which face then is on top, and how high.
+    for (euler, rotation, height, across) in [
+        ("0, 0, 0", DQuat::IDENTITY, half.y, [0, 2]),
+        ("0, 30, 0", DQuat::from_rotation_y(30_f64.to_radians()), half.y, [0, 2]),
+        ("180, 0, 0", DQuat::from_rotation_x(180_f64.to_radians()), half.y, [0, 2]),
+        ("0, 0, 90", DQuat::from_rotation_z(90_f64.to_radians()), half.x, [1, 2]),
+        ("90, 0, 0", DQuat::from_rotation_x(90_f64.to_radians()), half.z, [0, 1]),
+        ("-90, 0, 0", DQuat::from_rotation_x(-90_f64.to_radians()), half.z, [0, 1]),
+    ] {
+        let place = DVec3::new(0.4, 3.0, -0.3);
+        let transform = format!("translation: (0.4, 3, -0.3), rotation: Euler({euler})");
+        let shape = "Box(size: (4.2, 3, 3.6))";
+        let mut counts = [0; 2];
+        for (point, black) in squares_from_above(3.0 + height, shape, size, &transform) {
+            let own = own(point, place, rotation, DVec3::ONE);
+            let from_corner = own + half;
+            let [x, y] = across.map(|axis| from_corner[axis]);
+            let on_face = across.iter().all(|axis| own[*axis].abs() < 0.99 * half[*axis]);
+            if on_face && is_clear_of_edges(x, y, size) {
+                assert_eq!(black, is_second(x, y, size), "{transform} at {point}");
+                counts[usize::from(black)] += 1;
+            }
+        }
+        assert!(counts.iter().all(|count| *count > 50), "{counts:?}");
+    }
+}
