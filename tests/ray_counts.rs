@@ -606,14 +606,14 @@ fn lens_and_shutter_are_left_out_where_they_could_not_show() {
             "samples: 1",
             moves,
             Effect::MotionBlur,
-            Verdict::LeftOut("a pixel has one sample, at one instant"),
+            Verdict::LeftOut("all samples are taken at one instant"),
         ),
         (
             "shutter: 1",
             "samples: 4, instants: 1",
             moves,
             Effect::MotionBlur,
-            Verdict::LeftOut("a pixel has one sample, at one instant"),
+            Verdict::LeftOut("all samples are taken at one instant"),
         ),
         (
             "shutter: 1",

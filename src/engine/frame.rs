@@ -150,7 +150,7 @@ impl Engine {
     fn motion_blur(&self, moves: bool) -> Verdict {
         match systems::shutter(&self.world) {
             Shutter::None => Verdict::LeftOut("the camera has no shutter"),
-            Shutter::OneInstant => Verdict::LeftOut("a pixel has one sample, at one instant"),
+            Shutter::OneInstant => Verdict::LeftOut("all samples are taken at one instant"),
             Shutter::Open(..) if moves => Verdict::Needed("something moves while the shutter is open"),
             Shutter::Open(..) => Verdict::LeftOut("nothing moves while the shutter is open"),
         }
