@@ -85,7 +85,10 @@ pub(super) fn branches<E: Effects>(
     let mut branches = Branches::default();
     let (of_reflected, of_refracted) = {
         let transmitted = refraction.as_ref().map_or(0.0, |(_, transmitted, _)| *transmitted);
-        let throughput = [arrived.throughput * reflected, arrived.throughput * transmitted];
+        // Where k_r + k_t is above 1, light may double without end. A number times no light is no light; infinity
+        // would be none.
+        let throughput =
+            [reflected, transmitted].map(|share| (arrived.throughput * share).min(Rgb::splat(f32::MAX)));
         let budgets = shared::<E>(brightest, throughput, generations, arrived.budget, &mut branches.cut);
         ((throughput[0], budgets[0]), (throughput[1], budgets[1]))
     };
