@@ -95,6 +95,13 @@ fn a_light_is_asked_once_for_every_point_that_it_may_light() {
             "(light: Point(intensity: (1, 1, 1), casts_shadows: false), transform: (translation: (0, 0, -3)))",
             0,
         ),
+        // One that casts shadows beside one that does not; and a highlight that is nowhere near.
+        (MATTE, &format!("{LAMP}, (light: Directional(intensity: (1, 1, 1), casts_shadows: false))"), 1),
+        (
+            "(specular: (k_s: 1, shininess: 1e6))",
+            "(light: Point(intensity: (1, 1, 1)), transform: (translation: (9000, 0, -3)))",
+            0,
+        ),
     ] {
         let engine = wall(material, &format!("{lights}]"));
         assert_eq!(rays(&engine), each(1, shadow, 0, 0), "{material} {lights}");

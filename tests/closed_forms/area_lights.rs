@@ -99,6 +99,36 @@ fn a_penumbra_ends_where_the_tangents_to_the_light_do() {
     assert!(shares(-inner) > 0.0 && shares(-inner) < 0.01);
 }
 
+/// From everywhere a ball is a disc of its radius, as wide as it is high. A wall half-way to it, across the view, covers what is beyond
+/// a chord: upwards, or to one side.
+#[test]
+fn a_ball_looks_the_same_from_everywhere() {
+    let (distance, radius) = (10.0, 1.5);
+    for degrees in [15.0, 40.0, 65.0, 90.0] {
+        let (sine, cosine) = libm::sincos(f64::to_radians(degrees));
+        for (chord, sideways) in [-0.8, -0.3, 0.0, 0.5, 0.9].into_iter().flat_map(|c| [(c, false), (c, true)])
+        {
+            // The wall is 40 high and wide. In its own axes x leads to the light, y up and z aside.
+            let edge = 0.5 * radius * chord + 20.0;
+            let (up, aside) = if sideways { (0.0, edge) } else { (edge, 0.0) };
+            let (x, y) = (0.5 * distance * cosine - up * sine, 0.5 * distance * sine + up * cosine);
+            let film = film(&format!(
+                r#"film: (width: 1, height: 1), quality: (depth: 1),
+                camera: (position: (0, 1e-3, -1e-2), target: (0, 0, 0)),
+                materials: {{ "floor": (specular: (k_s: 1, shininess: 0)), "wall": (k_a: 0) }},
+                entities: [(shape: Plane(normal: (0, 1, 0)), material: "floor"),
+                    (shape: Box(size: (1e-9, 40, 40)), material: "wall",
+                        transform: (translation: ({x:?}, {y:?}, {aside:?}), rotation: Euler(0, 0, {degrees:?}))),
+                    (light: Area(shape: Sphere(radius: {radius:?}), intensity: (1, 1, 1), samples: 4096),
+                        transform: (translation: ({:?}, {:?}, 0)))]"#,
+                distance * cosine,
+                distance * sine
+            ));
+            assert_near(f64::from(film.pixel(0, 0).x), 1.0 - beyond_chord(chord), 2e-3);
+        }
+    }
+}
+
 /// The integral of 1/sqrt(x^2 + y^2 + h^2) over 0..a and 0..b, odd in a and b: the potential of an evenly charged rectangle
 /// above its corner.
 fn potential(a: f64, b: f64, h: f64) -> f64 {
