@@ -13,6 +13,9 @@ use rayreel::trace::reference::{RayEnd, RayKind};
 use rayreel::trace::{RayCounts, TreeEnds};
 use rayreel::{Engine, Film, Scene, Time};
 
+/// Steps of 8 bits.
+const CUTOFFS: &[f32] = &[0.25, 2.0, 20.0, 100.0];
+
 const ROOM: &str = include_str!("room.ron");
 
 /// The most rays that are traced for a sample: camera rays, and what surfaces send on.
@@ -50,32 +53,40 @@ fn largest_difference(one: &Film, other: &Film) -> f64 {
 }
 
 /// A cutoff of c promises that no pixel is off by more than c steps of 8 bits: c/255 of linear light and, where output is sRGB,
-/// whose curve rises by 12.92 at black, so much less. Fewer rays are followed the larger it is.
+/// whose curve rises by 12.92 at black, so much less. The rays in trees are counted: without a cutoff, and with each.
 ///
 /// `depth` must be so small that no tree is as large as it may be.
-fn assert_cutoffs_hold(engine: &mut Engine, depth: u32, what: &str) {
+fn assert_cutoffs_hold(engine: &mut Engine, depth: u32, cutoffs: &[f32], what: &str) -> Vec<u64> {
+    let mut counts = Vec::new();
     for (transfer, steepest) in [(Transfer::Classic, 1.0), (Transfer::Srgb, 12.92)] {
         let settings = engine.film_settings();
         set_film(engine, FilmSettings { transfer, ..settings });
         let uncut = render(engine, depth, 0.0);
-        let mut more = in_trees(engine.report().rays);
         assert_eq!(engine.report().ends.cutoff, 0, "{what}");
-        for cutoff in [0.25, 2.0, 20.0, 100.0] {
+        counts = vec![in_trees(engine.report().rays)];
+        for cutoff in cutoffs.iter().copied() {
             let found = largest_difference(&uncut, &render(engine, depth, cutoff));
             let promised = f64::from(cutoff) / (255.0 * steepest);
             assert!(found <= promised, "{what}, cutoff {cutoff}, {transfer:?}: {found} is over {promised}");
-            let fewer = in_trees(engine.report().rays);
-            assert!(fewer <= more, "{what}, cutoff {cutoff}: {fewer} rays after {more}");
-            more = fewer;
+            counts.push(in_trees(engine.report().rays));
         }
     }
+    counts
+}
+
+/// The larger a cutoff is, the fewer rays are followed, for cutoffs that are far apart.
+fn assert_cutoffs_hold_and_pay(engine: &mut Engine, depth: u32, what: &str) {
+    let counts = assert_cutoffs_hold(engine, depth, CUTOFFS, what);
+    println!("{counts:?}");
+    assert!(counts.is_sorted_by(|more, fewer| more >= fewer), "{what}: {counts:?}");
+    assert!(counts[0] > counts[4], "{what}: {counts:?}");
 }
 
 #[test]
 fn a_room_of_mirrors_and_glass_is_finite_in_finite_time() {
     let start = Instant::now();
     let mut engine = engine(ROOM);
-    for (cutoff, width, height) in [(0.25, 48, 27), (0.0, 16, 9)] {
+    for (cutoff, width, height) in [(0.25, 32, 18), (0.0, 16, 9)] {
         set_film(&mut engine, FilmSettings { width, height, transfer: Transfer::Classic });
         render(&mut engine, 30, cutoff);
         let report = engine.report();
@@ -89,28 +100,51 @@ fn a_room_of_mirrors_and_glass_is_finite_in_finite_time() {
 /// Up to 2^10 - 1 rays a sample, and all are followed where nothing is cut.
 #[test]
 fn the_rooms_cutoffs_hold() {
-    assert_cutoffs_hold(&mut engine(ROOM), 10, "the room");
+    assert_cutoffs_hold_and_pay(&mut engine(ROOM), 10, "the room");
 }
 
 /// Where no surface sends on two rays, trees are long instead of wide.
 #[test]
 fn cutoffs_hold_in_deep_trees() {
     let text = ROOM.replace("fresnel: true", "fresnel: false");
-    assert_cutoffs_hold(&mut engine(&text), 30, "the room without Fresnel");
+    assert_cutoffs_hold_and_pay(&mut engine(&text), 30, "the room without Fresnel");
     let fewer = render(&mut engine(&text), 30, 0.0);
     assert_ne!(fewer, render(&mut engine(ROOM), 9, 0.0));
 }
 
 #[test]
 fn cutoffs_hold_in_random_rooms() {
-    let mut cut = 0;
+    let mut all = [0; 5];
     for seed in 0..40 {
         let text = random::room(seed);
-        let mut engine = engine(&text);
-        assert_cutoffs_hold(&mut engine, 7, &text);
-        cut += engine.report().ends.cutoff;
+        let counts = assert_cutoffs_hold(&mut engine(&text), 7, CUTOFFS, &text);
+        all.iter_mut().zip(counts).for_each(|(all, count)| *all += count);
     }
-    assert!(cut > 1000, "{cut}");
+    println!("{all:?}");
+    assert!(all.is_sorted_by(|more, fewer| more > fewer), "{all:?}");
+}
+
+/// Where all light is nearly as bright as it can be, what is cut is nearly all that may be: k_a/(1 - k_r) in a room of mirrors, and
+/// white all around a ball of glass.
+#[test]
+fn cutoffs_hold_where_all_is_bright() {
+    let many: Vec<f32> = (1..=50).map(|step| 5.0 * step as f32).collect();
+    for (k_a, k_r) in [(1.0, 0.5), (0.1, 0.9), (0.5, 0.75)] {
+        let mut engine = engine(&format!(
+            r#"Scene(film: (width: 4, height: 3), camera: (position: (0, 0, 0), view: (0, 0, 1)), ambient: (1, 1, 1),
+            background: (1, 1, 1), materials: {{ "m": (k_a: {k_a:?}, reflective: (k_r: {k_r:?})) }},
+            entities: [(shape: Box(size: (2, 3, 4)), material: "m")])"#
+        ));
+        assert_cutoffs_hold(&mut engine, 100, &many, &format!("k_a {k_a}, k_r {k_r}"));
+    }
+    for (k_r, k_t, fresnel) in [(0.2, 0.6, false), (0.4, 0.5, false), (0.3, 0.69, true), (0.05, 0.9, true)] {
+        let mut engine = engine(&format!(
+            r#"Scene(film: (width: 16, height: 9), camera: (position: (0, 0, -3), view: (0, 0, 1)), background: (254.9, 254.9, 254.9),
+            materials: {{ "m": (reflective: (k_r: {k_r:?}), refractive: (k_t: {k_t:?}, ior: 1.5, fresnel: {fresnel})) }},
+            entities: [(shape: Sphere(radius: 1), material: "m")])"#
+        ));
+        assert_cutoffs_hold(&mut engine, 9, &many, &format!("k_r {k_r}, k_t {k_t}, Fresnel {fresnel}"));
+    }
 }
 
 /// What is counted is what the trees of all samples say.

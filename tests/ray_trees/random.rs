@@ -33,12 +33,19 @@ pub(crate) fn room(seed: u64) -> String {
         random.number();
     }
     let (mut materials, mut entities) = (String::new(), String::new());
-    for index in 0..5 {
+    let _ = write!(
+        materials,
+        r#""wall": (k_a: {:?}, k_d: {:?}, reflective: (k_r: {:?})), "#,
+        0.3 * random.number(),
+        0.3 * random.number(),
+        random.between(0.3, 0.9)
+    );
+    for index in 0..4 {
         let _ = write!(materials, r#""{index}": {}, "#, material(&mut random));
     }
-    entities += r#"(shape: Box(size: (8, 6, 8)), material: "0"), "#;
+    entities += r#"(shape: Box(size: (8, 6, 8)), material: "wall"), "#;
     for index in 0..6 {
-        entities += &thing(&mut random, 1 + index % 4);
+        entities += &thing(&mut random, index % 4);
     }
     for _ in 0..3 {
         entities += &light(&mut random);
