@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use rayreel::components::{Camera, FilmSettings, Light, Parent, Transform, View};
+use rayreel::components::{Camera, FilmSettings, Fog, Light, Parent, Refractive, Transform, View};
 use rayreel::{Engine, Film};
 
 fn scenes() -> Vec<PathBuf> {
@@ -38,6 +38,16 @@ fn picture(path: &Path, scale: f64, offset: DVec3) -> Film {
             if let View::Target(target) = &mut camera.view {
                 *target = *target * scale + offset;
             }
+            if let Some(lens) = &mut camera.lens {
+                lens.aperture *= scale;
+                lens.focus *= scale;
+            }
+        }
+        for fog in context.world.query_mut::<&mut Fog>() {
+            fog.density /= scale;
+        }
+        for refractive in context.world.query_mut::<&mut Refractive>() {
+            refractive.absorption = (refractive.absorption.as_dvec3() / scale).as_vec3();
         }
     });
     let middle = engine.timeline().frame_count() / 2;
