@@ -218,9 +218,11 @@ fn mirrors_are_followed_while_they_can_show() {
         assert_eq!(rays(&engine), each(1, 0, followed, 0), "{cutoff}");
         assert_eq!(engine.report().ends, ends(0, 1), "{cutoff}");
     }
-    // In the dark nothing can show.
-    let dark = wall("(reflective: (k_r: 1))", "], quality: (cutoff: 0)");
-    assert_eq!((rays(&dark), dark.report().ends), (each(1, 0, 0, 0), ends(0, 1)));
+    // In the dark nothing can show; a cutoff of 0 follows even that.
+    let dark = |cutoff| wall("(reflective: (k_r: 1))", &format!("], quality: (cutoff: {cutoff})"));
+    let (least, none) = (dark("1e-9"), dark("0"));
+    assert_eq!((rays(&least), least.report().ends), (each(1, 0, 0, 0), ends(0, 1)));
+    assert_eq!((rays(&none), none.report().ends), (each(1, 0, 1, 0), ends(0, 0)));
 }
 
 #[test]

@@ -36,8 +36,8 @@ pub struct PreparedScene {
     pub fog: Fog,
     /// Generations of rays that are traced, 1 or more.
     pub depth: u32,
-    /// How much of a sample's light may be left out, in linear light, by not following rays that bring little; 0 follows all
-    /// that bring anything.
+    /// How much of a sample's light may be left out, in linear light, by not following rays that bring little; 0 follows
+    /// all.
     pub cutoff: f32,
     /// How shapes are asked.
     pub precision: Precision,

@@ -8,7 +8,7 @@ use super::film::PixelSum;
 use super::geometry::Leaves;
 use super::moment::Moment;
 use super::prepared::Scratch;
-use super::shade::ambient;
+use super::shade::{ambient, held};
 use super::shadow::filtered;
 use super::surroundings::Passage;
 use super::{Camera, Closest, Film, Guards, Light, PreparedScene, Ray, Sampling, Slot, Surface};
@@ -115,10 +115,10 @@ impl RayEnd {
     pub fn light(&self) -> Rgb {
         match self {
             Self::Background(color) | Self::BeyondDepth(color) => *color,
-            Self::Surface(lit) => lit.lights.iter().fold(lit.ambient, |sum, reach| match reach {
+            Self::Surface(lit) => held(lit.lights.iter().fold(lit.ambient, |sum, reach| match reach {
                 LightReach::Reaches { color, .. } => sum + *color,
                 LightReach::NotAsked | LightReach::Hidden(_) => sum,
-            }),
+            })),
         }
     }
 }

@@ -13,6 +13,12 @@ pub(super) fn ambient(scene: &PreparedScene, color: Rgb) -> Rgb {
     color * scene.ambient
 }
 
+/// Light that is too much for a number, held to the largest one.
+#[inline]
+pub(super) fn held(light: Rgb) -> Rgb {
+    if light.x + light.y + light.z < f32::INFINITY { light } else { light.min(Rgb::splat(f32::MAX)) }
+}
+
 /// I_j: what is left of a light's intensity in this direction, at this distance.
 #[inline(always)]
 pub(super) fn intensity<E: Effects>(light: &Light, to_light: DVec3, length: f64, limit: f64) -> Rgb {

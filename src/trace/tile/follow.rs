@@ -8,7 +8,7 @@ use crate::trace::effects::Effects;
 use crate::trace::geometry::Leaves;
 use crate::trace::media::Inside;
 use crate::trace::moment::Moment;
-use crate::trace::shade::ambient;
+use crate::trace::shade::{ambient, held};
 use crate::trace::shadow::visibility;
 use crate::trace::{Surface, SurfaceMaterial};
 
@@ -111,7 +111,7 @@ impl<L: Leaves> Follower<'_, L> {
                 visibility::<E>(scene, self.leaves, shadow_ray, source.own_shape, seen, scratch)
             });
         }
-        light
+        held(light)
     }
 
     /// Queues the rays that a surface sends on.
