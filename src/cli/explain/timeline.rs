@@ -65,7 +65,7 @@ impl PlannedTimeline {
         samples
     }
 
-    /// Two or three sentences.
+    /// Up to three sentences.
     pub(super) fn in_words(&self) -> String {
         let names = |chosen: &dyn Fn(&Told) -> bool| {
             let names: Vec<_> =
@@ -73,14 +73,17 @@ impl PlannedTimeline {
             names.join(", ")
         };
         let always = names(&|told| told.is_always_needed());
-        let never = names(&|told| !told.is_ever_needed());
+        let never = self.told.iter().filter(|told| !told.is_ever_needed()).count();
         let at_times = names(&|told| told.is_ever_needed() && !told.is_always_needed());
         let sentence = |start: &str, names: String| {
             if names.is_empty() { String::new() } else { format!("{start} {names}.\n") }
         };
         sentence("Every frame needs", always)
             + &sentence("Some need", at_times)
-            + &sentence("None needs", never)
+            + &sentence(
+                "No frame needs",
+                if never > 0 { format!("the other {never}") } else { String::new() },
+            )
     }
 }
 
