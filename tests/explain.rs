@@ -1,0 +1,298 @@
+//! `rayreel explain`, on a scene whose effects come and go over its timeline, and whose rays and colours can be counted by
+//! hand.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
+
+use std::fs;
+use std::process::Output;
+
+use assert_cmd::Command;
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+/// A floor that fills the picture, seen and lit from straight above, and a marble that nobody sees. Of full white, 0.2 is
+/// ambient, and more is added between two frames: 0.4 is diffuse from frame 3 on, 0.2 mirrored from 5 on, 0.2 a highlight as
+/// wide as the floor from 8 on.
+const COMING_AND_GOING: &str = r#"Scene(
+    timeline: (fps: 10, duration: 1),
+    film: (width: 64, height: 36),
+    sampling: (samples: 4, instants: 2),
+    camera: (position: (0, 5, 0), target: (0, 0, 0), up: (0, 0, 1), fov: 30, shutter: 0.5),
+    ambient: (1, 1, 1),
+    background: (255, 255, 255),
+    fog: (color: (255, 255, 255), density: 0),
+    materials: {
+        "floor": (k_a: 0.2, k_d: 0.4, color: (255, 255, 255), specular: (k_s: 0, shininess: 0), reflective: (k_r: 0)),
+        "glass": (k_a: 0, k_d: 0, color: (255, 255, 255), refractive: (k_t: 0, ior: 1.5)),
+    },
+    entities: [
+        (name: "floor", shape: Plane(normal: (0, 1, 0)), material: "floor"),
+        (name: "marble", shape: Sphere(radius: 1), transform: (translation: (1000, 1, 0)), material: "glass"),
+        (name: "sun", light: Directional(direction: (0, -1, 0), intensity: (0, 0, 0))),
+    ],
+    animate: [
+        (target: "sun", channel: Intensity, track: Keys([(0, (0, 0, 0), Hold), (0.25, (1, 1, 1))])),
+        (target: "floor", channel: Kr, track: Keys([(0, 0, Hold), (0.45, 0.2)])),
+        (target: "marble", channel: Kt, track: Keys([(0, 0, Hold), (0.55, 0.9)])),
+        (target: "marble", channel: Translation, track: Keys([(0.65, (1000, 1, 0)), (1, (1010, 1, 0))])),
+        (target: "floor", channel: Ks, track: Keys([(0, 0, Hold), (0.75, 0.2)])),
+    ],
+)
+"#;
+
+/// Camera rays of a frame: all pixels, four samples each.
+const CAMERA: f64 = 64.0 * 36.0 * 4.0;
+
+/// In a folder with the scene.
+fn explain(arguments: &[&str]) -> Output {
+    let folder: TempDir = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("scene.ron"), COMING_AND_GOING).unwrap();
+    fs::write(folder.path().join("broken.ron"), "Scene(camra: ())").unwrap();
+    let mut command = Command::cargo_bin("rayreel").unwrap();
+    command.current_dir(folder.path()).arg("explain").args(arguments).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn explained(arguments: &[&str]) -> Value {
+    let output = explain(&[&["scene.ron", "--json"], arguments].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// What is told of an effect.
+fn effect<'a>(told: &'a Value, name: &str) -> &'a Value {
+    told["effects"].as_array().unwrap().iter().find(|effect| effect["effect"] == name).unwrap()
+}
+
+/// When it is needed, and why, span by span.
+fn spans(told: &Value, name: &str) -> Vec<(Value, bool, String)> {
+    let all = effect(told, name)["spans"].as_array().unwrap();
+    let span = |span: &Value| {
+        (span["frames"].clone(), span["needed"].as_bool().unwrap(), span["why"].as_str().unwrap().to_owned())
+    };
+    all.iter().map(span).collect()
+}
+
+/// A table's cells without the column of seconds: cells are apart by two blanks or more, and have none inside.
+fn cells(line: &str) -> Vec<&str> {
+    let cells = line.split("  ").map(str::trim).filter(|cell| !cell.is_empty());
+    cells.filter(|cell| *cell != "time" && !cell.ends_with('%')).collect()
+}
+
+#[test]
+fn every_effect_has_its_frames_and_reasons() {
+    let told = explained(&[]);
+    assert_eq!((&told["scene"], &told["frames"]), (&json!("scene.ron"), &json!(10)));
+    assert_eq!((&told["width"], &told["height"]), (&json!(64), &json!(36)));
+    assert_eq!(told["measured"]["frames"], json!([0, 4, 9]));
+    let expected = [
+        ("ambient light", vec![(json!([[0, 9]]), true, "k_a is above 0")]),
+        (
+            "diffuse light",
+            vec![
+                (json!([[0, 2]]), false, "all lights are off at this time"),
+                (json!([[3, 9]]), true, "k_d is above 0 and a light is on"),
+            ],
+        ),
+        (
+            "highlights",
+            vec![
+                (json!([[0, 2]]), false, "all lights are off at this time"),
+                (json!([[3, 7]]), false, "k_s is 0 at this time"),
+                (json!([[8, 9]]), true, "k_s is above 0 and a light is on"),
+            ],
+        ),
+        (
+            "shadows",
+            vec![
+                (json!([[0, 2]]), false, "all lights are off at this time"),
+                (json!([[3, 9]]), true, "a light casts shadows"),
+            ],
+        ),
+        (
+            "clear shadows",
+            vec![
+                (json!([[0, 2]]), false, "all lights are off at this time"),
+                (json!([[3, 5]]), false, "k_t is 0 at this time"),
+                (json!([[6, 9]]), true, "a light casts shadows, and something is clear"),
+            ],
+        ),
+        ("area lights", vec![(json!([[0, 9]]), false, "no light has a size")]),
+        ("spot lights", vec![(json!([[0, 9]]), false, "no light is a spot light")]),
+        ("falloff", vec![(json!([[0, 9]]), false, "no light has `falloff`")]),
+        (
+            "reflection",
+            vec![
+                (json!([[0, 4]]), false, "k_r is 0 at this time"),
+                (json!([[5, 9]]), true, "k_r is above 0"),
+            ],
+        ),
+        // The floor, once it mirrors, could show the marble.
+        (
+            "refraction",
+            vec![
+                (json!([[0, 5]]), false, "k_t is 0 at this time"),
+                (json!([[6, 9]]), true, "k_t is above 0"),
+            ],
+        ),
+        (
+            "Fresnel",
+            vec![
+                (json!([[0, 5]]), false, "k_t is 0 at this time"),
+                (json!([[6, 9]]), false, "no material asks for it"),
+            ],
+        ),
+        (
+            "absorption",
+            vec![
+                (json!([[0, 5]]), false, "k_t is 0 at this time"),
+                (json!([[6, 9]]), false, "no medium absorbs"),
+            ],
+        ),
+        ("checker", vec![(json!([[0, 9]]), false, "no material has `checker`")]),
+        ("fog", vec![(json!([[0, 9]]), false, "its density is 0")]),
+        ("gradient", vec![(json!([[0, 9]]), false, "the background is the same everywhere")]),
+        ("antialiasing", vec![(json!([[0, 9]]), true, "a pixel has several samples")]),
+        ("depth of field", vec![(json!([[0, 9]]), false, "the camera has no lens")]),
+        (
+            "motion blur",
+            vec![
+                (json!([[0, 6]]), false, "nothing moves while the shutter is open"),
+                (json!([[7, 9]]), true, "something moves while the shutter is open"),
+            ],
+        ),
+    ];
+    assert_eq!(told["effects"].as_array().unwrap().len(), expected.len());
+    for (told_effect, (name, _)) in told["effects"].as_array().unwrap().iter().zip(&expected) {
+        assert_eq!(told_effect["effect"], *name);
+    }
+    for (name, expected) in expected {
+        let found = spans(&told, name);
+        let found: Vec<_> =
+            found.iter().map(|(frames, needed, why)| (frames.clone(), *needed, why.as_str())).collect();
+        assert_eq!(found, expected, "{name}");
+    }
+}
+
+#[test]
+fn costs_are_the_rays_and_bytes_that_effects_make() {
+    let told = explained(&["--measure"]);
+    // Frame 0 has camera rays, frame 4 shadow rays too, frame 9 mirrored ones besides.
+    assert_eq!(told["measured"]["rays"], json!(CAMERA * (1.0 + 2.0 + 3.0) / 3.0));
+    assert!(told["measured"]["seconds"].as_f64().unwrap() > 0.0);
+    // Rays in units of a frame's camera rays over the three frames, the largest error, and in how many of the three it is.
+    for (name, rays, max_error, frames) in [
+        ("ambient light", 0.0, 51, 3.0),
+        // In frame 9 the highlight asks the light too.
+        ("diffuse light", 1.0, 102, 2.0),
+        ("highlights", 0.0, 51, 1.0),
+        ("shadows", 2.0, 0, 0.0),
+        ("clear shadows", 0.0, 0, 0.0),
+        ("reflection", 1.0, 51, 1.0),
+        ("refraction", 0.0, 0, 0.0),
+        // Three of four samples.
+        ("antialiasing", 0.75 * 6.0, 0, 0.0),
+        ("motion blur", 0.0, 0, 0.0),
+    ] {
+        let cost = &effect(&told, name)["cost"];
+        assert_eq!(cost["rays"], json!(CAMERA * rays / 3.0), "{name}");
+        assert_eq!(cost["max_error"], max_error, "{name}");
+        let rms_error = f64::from(max_error) * (frames / 3.0_f64).sqrt();
+        assert!((cost["rms_error"].as_f64().unwrap() - rms_error).abs() < 1e-9, "{name}");
+        assert!((0.0..=1.0).contains(&cost["share"].as_f64().unwrap()), "{name}");
+    }
+    for name in ["area lights", "fog", "depth of field"] {
+        assert_eq!(effect(&told, name)["cost"], Value::Null, "{name}");
+    }
+    let unmeasured = explained(&["--frames", "0"]);
+    let cost = effect(&unmeasured, "ambient light")["cost"].as_object().unwrap().clone();
+    assert_eq!(cost.keys().collect::<Vec<_>>(), ["rays", "share"]);
+}
+
+#[test]
+fn the_text_tells_the_same_in_a_table() {
+    let output = explain(&["scene.ron", "--measure"]);
+    assert!(output.status.success() && output.stderr.is_empty());
+    let found = text(&output.stdout);
+    assert!(!found.contains('\u{1b}'));
+    let mut blocks = found.split("\n\n");
+    assert_eq!(blocks.next(), Some("scene.ron: 10 frames of 64x36"));
+    let sentences = [
+        "Every frame needs ambient light, antialiasing.",
+        "Some need diffuse light, highlights, shadows, clear shadows, reflection, refraction, motion blur.",
+        "None needs area lights, spot lights, falloff, Fresnel, absorption, checker, fog, gradient, depth of field.",
+    ];
+    assert_eq!(blocks.next(), Some(sentences.join("\n").as_str()));
+    let measured = blocks.next().unwrap();
+    assert!(measured.starts_with("Measured at frames 0, 4 and 9: 18 k rays in "), "{measured}");
+    assert!(measured.ends_with(" s, on average."), "{measured}");
+    let needed: Vec<_> = blocks.next().unwrap().lines().map(cells).collect();
+    let expected = [
+        ["needed", "frames", "why", "rays", "max error", "rms error"],
+        ["ambient light", "all", "k_a is above 0", "-", "51", "51.00"],
+        ["diffuse light", "3-9", "k_d is above 0 and a light is on", "3 k", "102", "83.28"],
+        ["highlights", "8-9", "k_s is above 0 and a light is on", "-", "51", "29.44"],
+        ["shadows", "3-9", "a light casts shadows", "6 k", "0", "0.00"],
+        ["clear shadows", "6-9", "a light casts shadows, and something is clear", "-", "0", "0.00"],
+        ["reflection", "5-9", "k_r is above 0", "3 k", "51", "29.44"],
+        ["refraction", "6-9", "k_t is above 0", "-", "0", "0.00"],
+        ["antialiasing", "all", "a pixel has several samples", "14 k", "0", "0.00"],
+        ["motion blur", "7-9", "something moves while the shutter is open", "-", "0", "0.00"],
+    ];
+    assert_eq!(needed, expected);
+    let left_out = blocks.next().unwrap();
+    for line in [
+        "left out        frames  why",
+        "highlights      0-2     all lights are off at this time",
+        "highlights      3-7     k_s is 0 at this time",
+        "fog             all     its density is 0",
+        "motion blur     0-6     nothing moves while the shutter is open",
+    ] {
+        assert!(left_out.lines().any(|told| told == line), "{line}\n{left_out}");
+    }
+    assert_eq!(left_out.lines().count(), 1 + 20);
+    assert_eq!(blocks.next(), None);
+}
+
+#[test]
+fn only_the_chosen_frames_are_told() {
+    let told = explained(&["--frames", "8,1-7x2", "--size", "8x2"]);
+    assert_eq!((&told["width"], &told["height"], &told["frames"]), (&json!(8), &json!(2), &json!(5)));
+    assert_eq!(told["measured"]["frames"], json!([1, 5, 8]));
+    // Runs have no gap among the chosen frames 1, 3, 5, 7 and 8.
+    assert_eq!(spans(&told, "highlights")[1].0, json!([[3, 7]]));
+    assert_eq!(spans(&told, "highlights")[2].0, json!([[8, 8]]));
+    let output = explain(&["scene.ron", "--frames", "2", "--size", "8x2"]);
+    let found = text(&output.stdout);
+    assert!(found.starts_with("scene.ron: 1 frame of 8x2\n"), "{found}");
+    assert!(found.contains("\nEvery frame needs ambient light, antialiasing.\nNone needs "), "{found}");
+    assert!(!found.contains("on average"), "{found}");
+}
+
+#[test]
+fn wrong_wishes_are_answered_with_what_would_be_right() {
+    for (arguments, code, told) in [
+        (
+            vec!["scene.ron", "--frames", "5-10"],
+            1,
+            "there is no frame 10: the timeline of 1 s at 10 frames a second has frames 0 to 9",
+        ),
+        (vec!["scene.ron", "--frames", "9-3"], 2, "`9-3` runs backwards"),
+        (vec!["scene.ron", "--size", "8"], 2, "write width and height in pixels, as in 1280x720"),
+        (vec!["scene.ron", "--size", "8x0"], 1, "--size 8x0: each side must be from 1 to 32768 pixels"),
+        (vec!["scene.ron", "--size", "32768x32768"], 1, "a film has at most 268435456 pixels"),
+        (vec!["scene.ron", "--threads", "0"], 2, "1..=1024"),
+        (vec!["nothing.ron"], 1, "there is no file `nothing.ron`"),
+        (vec!["broken.ron", "--json"], 1, "camra"),
+        (vec![], 2, "<SCENE>"),
+    ] {
+        let output = explain(&arguments);
+        let error = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}");
+        assert!(error.contains(told), "{arguments:?}: {error}");
+        assert!(output.stdout.is_empty(), "{arguments:?}");
+    }
+}
