@@ -5,8 +5,8 @@
 use glam::{DQuat, DVec3};
 
 use rayreel::components::{
-    Animated, Camera, Channel, FilmSettings, Light, LightKind, Material, Name, Order, Parent, Shape,
-    Transform, WorldTransform,
+    Animated, Camera, Channel, FilmSettings, Light, LightKind, Material, Name, Order, Parent, Sampling,
+    Shape, Transform, WorldTransform,
 };
 use rayreel::timeline::{Easing, Key, Track};
 use rayreel::{Context, Engine, Entity, Film, Rgb, Step, Time, World};
@@ -296,4 +296,38 @@ fn entities_that_are_each_others_parents_stay_where_they_are() {
         world.insert_one(mover, Parent(gone)).unwrap();
         Engine::new(world)
     });
+}
+
+#[test]
+fn frames_do_not_depend_on_what_a_system_did_to_the_shutter_before() {
+    let key = |time, value| Key { time, value, easing: Easing::Linear };
+    let track = Track::new(vec![key(0.0, DVec3::ZERO), key(1.0, DVec3::X * 5.0)]).unwrap();
+    let mut world = World::new();
+    let moving = Animated(vec![Channel::Translation(track.into())]);
+    world.spawn((Shape::Sphere { radius: 1.0 }, CLAY, Transform::default(), moving));
+    world.spawn((Light::new(LightKind::Point, Rgb::ONE), Transform::from_translation(DVec3::splat(9.0))));
+    world.spawn((Camera { shutter: Some(0.5), ..Camera::default() },));
+    world.spawn((FilmSettings { width: 32, height: 18, ..FilmSettings::default() },));
+    world.spawn((Sampling { samples: 8, ..Sampling::default() },));
+    let mut engine = Engine::new(world);
+    engine.add_system(|context: &mut Context<'_>| {
+        let late = context.time.seconds() > 0.2;
+        for camera in context.world.query_mut::<&mut Camera>() {
+            camera.shutter = None;
+        }
+        for sampling in context.world.query_mut::<&mut Sampling>() {
+            sampling.samples = if late { 4 } else { 8 };
+        }
+        for film in context.world.query_mut::<&mut FilmSettings>() {
+            film.width = if late { 16 } else { 32 };
+        }
+        context.changes.settings();
+    });
+    // Frame 5 begins before 0.2 s and ends after it.
+    let first = engine.render_frame(5).unwrap();
+    assert_eq!(engine.render_frame(5).unwrap(), first);
+    engine.render_frame(20).unwrap();
+    assert_eq!(engine.render_frame(5).unwrap(), first);
+    assert_eq!(engine.render_reference(engine.timeline().time_of(5)).unwrap(), first);
+    assert_eq!((first.width(), first.height()), (32, 18));
 }

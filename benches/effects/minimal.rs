@@ -52,7 +52,7 @@ pub(super) fn diffuse(scene: &PreparedScene, camera: &Camera) -> Film {
                     let Some((ray, limit)) = surface.leave_to(place) else { continue };
                     let to_light = ray.direction();
                     let cosine = normal.dot(to_light) / to_light.dot(to_light).sqrt();
-                    if cosine > 0.0 && !search.is_hidden(&ray, limit, light.own_shape) {
+                    if cosine > 0.0 && !search.is_hidden(&ray, &limit, light.own_shape) {
                         color += material.diffuse * light.intensity * cosine as f32;
                     }
                 }

@@ -75,7 +75,11 @@ impl RenderReport {
         let (needed, left_out): (Vec<_>, Vec<_>) = Effect::ALL.into_iter().partition(needed);
         let names: Vec<_> = needed.iter().map(|effect| effect.name()).collect();
         let names = if names.is_empty() { "nothing".to_owned() } else { names.join(", ") };
-        format!("needed: {names}; {} other effects left out (`rayreel explain` says why)", left_out.len())
+        let others = match left_out.len() {
+            1 => "1 other effect".to_owned(),
+            count => format!("{count} other effects"),
+        };
+        format!("needed: {names}; {others} left out (`rayreel explain` says why)")
     }
 
     /// One or two lines.

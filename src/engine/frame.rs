@@ -48,8 +48,9 @@ impl Engine {
             let sampling = preparation.sampling(time);
             let exposure =
                 exposure.get_or_insert_with(|| Exposure::new(camera.resolution(), sampling.samples));
-            exposed &= exposed && exposure.add(scene, camera, sampling, range, kernel, cancelled).is_some();
+            exposed = exposure.add(scene, camera, sampling, range, kernel, cancelled).is_some();
             trace += start.elapsed();
+            exposed
         })?;
         let Some(exposure) = exposure.filter(|_| exposed) else {
             return Ok(None);
@@ -78,6 +79,7 @@ impl Engine {
             samples = sampling.samples;
             let sums = sums.get_or_insert_with(|| ReferenceSums::new(camera.resolution()));
             Reference::new(scene, camera, sampling).add(sums, range);
+            true
         })?;
         Ok(sums.map_or_else(|| Film::new(0, 0), |sums| sums.develop(samples)))
     }
@@ -89,14 +91,21 @@ impl Engine {
     /// As [`Engine::render_frame`].
     pub fn plan_at(&mut self, time: Time) -> Result<Option<&Plan>, EngineError> {
         let instants = self.instants(time);
-        self.seek_all(time, &instants, |_, _, _| {})?;
+        self.seek_all(time, &instants, |_, _, _| true)?;
         Ok(self.plan.as_ref())
     }
 
+    /// How frames are exposed, from the world as it is before systems of one's own: when a frame begins cannot depend on what
+    /// is there then.
+    fn shutter(&mut self) -> Shutter {
+        *self.shutter.get_or_insert_with(|| systems::shutter(&self.world))
+    }
+
     /// The instants at which a frame is drawn: its moment, or several while the shutter is open.
-    fn instants(&self, time: Time) -> Vec<Time> {
-        match systems::shutter(&self.world) {
-            _ if self.left_out == Some(Effect::MotionBlur) => vec![time],
+    fn instants(&mut self, time: Time) -> Vec<Time> {
+        let single = [Some(Effect::MotionBlur), Some(Effect::Antialiasing)].contains(&self.left_out);
+        match self.shutter() {
+            _ if single => vec![time],
             Shutter::Open(open, count) if self.full || self.may_move() => {
                 self.timeline.instants(time, open, count)
             }
@@ -110,20 +119,24 @@ impl Engine {
         !self.systems.is_empty() || self.world.archetypes().any(animated)
     }
 
-    /// Goes through the instants of the frame at `time`, and calls `each` with what the kernel knows at each, which kernel is to
-    /// be used, and which samples belong to it.
+    /// Goes through the instants of the frame at `time`, and calls `each` with what the kernel knows at each, which kernel is
+    /// to be used, and which samples belong to it, until it is `false`. The film and the samples are those of the first instant
+    /// throughout.
     fn seek_all(
         &mut self,
         time: Time,
         instants: &[Time],
-        mut each: impl FnMut(&Preparation, KernelChoice, (u32, u32)),
+        mut each: impl FnMut(&Preparation, KernelChoice, (u32, u32)) -> bool,
     ) -> Result<(), EngineError> {
         self.report = FrameReport { time, ..FrameReport::default() };
         let mut plan: Option<Plan> = None;
         let mut moves = false;
+        let mut settings = None;
         for (index, instant) in (0..).zip(instants) {
             let differs = self.bring(*instant)?;
-            let Some(preparation) = &self.preparation else { continue };
+            let Some(preparation) = &mut self.preparation else { continue };
+            preparation.expose_with(*settings.get_or_insert(preparation.exposure_settings()), &self.world);
+            let preparation = &*preparation;
             moves |= differs && index > 0;
             let shown = match self.left_out {
                 Some(effect) => Cow::Owned(preparation.without(effect)),
@@ -138,17 +151,20 @@ impl Engine {
                 Some(plan) => plan.join(&now),
                 None => plan = Some(now),
             }
-            each(&shown, kernel, samples_of(index, instants.len(), shown.samples()));
+            if !each(&shown, kernel, samples_of(index, instants.len(), shown.samples())) {
+                break;
+            }
         }
+        let motion_blur = self.motion_blur(moves);
         if let Some(plan) = &mut plan {
-            plan.set_motion_blur(self.motion_blur(moves));
+            plan.set_motion_blur(motion_blur);
         }
         self.plan = plan;
         Ok(())
     }
 
-    fn motion_blur(&self, moves: bool) -> Verdict {
-        match systems::shutter(&self.world) {
+    fn motion_blur(&mut self, moves: bool) -> Verdict {
+        match self.shutter() {
             Shutter::None => Verdict::LeftOut("the camera has no shutter"),
             Shutter::OneInstant => Verdict::LeftOut("all samples are taken at one instant"),
             Shutter::Open(..) if moves => Verdict::Needed("something moves while the shutter is open"),
@@ -162,7 +178,8 @@ impl Engine {
     ///
     /// As [`Engine::render_frame`].
     pub fn seek(&mut self, time: Time) -> Result<(), EngineError> {
-        self.seek_all(time, &[time], |_, _, _| {})
+        self.report = FrameReport { time, ..FrameReport::default() };
+        self.bring(time).map(|_| ())
     }
 
     /// As [`Engine::seek`], to the instant at which sample `index` of the frame at `time` is taken: while a shutter is open, not
@@ -173,18 +190,18 @@ impl Engine {
     /// As [`Engine::render_frame`].
     pub fn seek_sample(&mut self, time: Time, index: u32) -> Result<(), EngineError> {
         let instants = self.instants(time);
-        let first = instants.first().copied().unwrap_or(time);
-        self.seek_all(time, &[first], |_, _, _| {})?;
-        let samples = self.preparation.as_ref().map_or(1, Preparation::samples);
-        let mut all = (0..).zip(&instants);
-        let holds = |at: u32| {
-            let (from, to) = samples_of(at, instants.len(), samples);
-            (from..to).contains(&index)
-        };
-        match all.find(|(at, _)| holds(*at)) {
-            Some((at, instant)) if at > 0 => self.seek_all(time, &[*instant], |_, _, _| {}),
-            _ => Ok(()),
+        self.report = FrameReport { time, ..FrameReport::default() };
+        let mut settings = None;
+        for (at, instant) in (0..).zip(&instants) {
+            self.bring(*instant)?;
+            let Some(preparation) = &mut self.preparation else { continue };
+            preparation.expose_with(*settings.get_or_insert(preparation.exposure_settings()), &self.world);
+            let (_, to) = samples_of(at, instants.len(), preparation.samples());
+            if index < to {
+                break;
+            }
         }
+        Ok(())
     }
 
     /// Brings the world to an instant, and says whether anything that can be seen is different then.

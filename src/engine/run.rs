@@ -9,7 +9,9 @@ use super::probe::Probe;
 use super::report::FrameReport;
 use crate::components::FilmSettings;
 use crate::scene::{LoadError, Scene};
-use crate::systems::{self, Changes, Context, Effect, OwnSystems, Plan, Preparation, Step, UnknownComponent};
+use crate::systems::{
+    self, Changes, Context, Effect, OwnSystems, Plan, Preparation, Shutter, Step, UnknownComponent,
+};
 use crate::time::Timeline;
 use crate::trace::reference::Reference;
 use crate::trace::{self, Precision};
@@ -86,6 +88,8 @@ pub struct Engine {
     pub(super) full: bool,
     /// Left out for a comparison.
     pub(super) left_out: Option<Effect>,
+    /// How frames are exposed, once it has been read.
+    pub(super) shutter: Option<Shutter>,
     pub(super) plan: Option<Plan>,
     pub(super) report: FrameReport,
 }
@@ -130,6 +134,7 @@ impl Engine {
             precision: Precision::default(),
             full: false,
             left_out: None,
+            shutter: None,
             plan: None,
             report: FrameReport::default(),
         }
@@ -139,6 +144,7 @@ impl Engine {
     pub fn add_system(&mut self, system: impl Fn(&mut Context<'_>) + Send + 'static) {
         self.systems.rewind(&mut self.world);
         self.changes.anything();
+        self.shutter = None;
         self.systems.add(system);
     }
 
@@ -147,6 +153,7 @@ impl Engine {
     pub fn add_stepped_system(&mut self, step: Step, system: impl Fn(&mut Context<'_>) + Send + 'static) {
         self.systems.rewind(&mut self.world);
         self.changes.anything();
+        self.shutter = None;
         self.systems.add_stepped(step, system);
     }
 
@@ -156,7 +163,8 @@ impl Engine {
         self.systems.registry_mut().register::<T>();
     }
 
-    /// The world at the moment of the last frame.
+    /// The world at the moment of the last frame, or, if its shutter was open, at the last of its instants;
+    /// [`seek`](Engine::seek) brings it to the frame's own moment.
     #[must_use]
     pub fn world(&self) -> &World {
         &self.world
@@ -166,6 +174,7 @@ impl Engine {
     pub fn world_mut(&mut self) -> &mut World {
         self.systems.rewind(&mut self.world);
         self.changes.anything();
+        self.shutter = None;
         &mut self.world
     }
 
@@ -214,8 +223,8 @@ impl Engine {
         &self.report
     }
 
-    /// The nearest surface that a ray meets, at the moment of the last frame or [`seek`](Engine::seek), exactly as the
-    /// renderer sees it. `None` before the first of them, for a ray that meets nothing, and for one without a direction.
+    /// The nearest surface that a ray meets, at the moment of the last frame (the last of its instants, if its shutter was open)
+    /// or [`seek`](Engine::seek), exactly as the renderer sees it. `None` before the first of them, for a ray that meets nothing, and for one without a direction.
     ///
     /// ```no_run
     /// use glam::DVec3;
@@ -270,8 +279,8 @@ impl Engine {
         self.probe_sample(i, j, 0)
     }
 
-    /// Everything that goes into sample `index` of the pixel in column `i` and row `j`, at the moment of the last frame or
-    /// [`seek`](Engine::seek), by the reference path. `None` before the first of them, outside the film, and for a sample
+    /// Everything that goes into sample `index` of the pixel in column `i` and row `j`, at the moment of the last
+    /// [`seek`](Engine::seek) or, where a shutter is open, [`seek_sample`](Engine::seek_sample), by the reference path. `None` before the first of them, outside the film, and for a sample
     /// that the pixel does not have.
     #[must_use]
     pub fn probe_sample(&self, i: u32, j: u32, index: u32) -> Option<Probe<'_>> {

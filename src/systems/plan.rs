@@ -352,22 +352,18 @@ impl<'a> Survey<'a> {
         const OUT_OF_REACH: &str = "none can be seen, nor a mirror or glass that could show it";
         let surfaces = self.preparation.scene().surfaces();
         match effect {
-            Effect::Reflection => {
-                let total = !surfaces.clear.is_empty();
-                if !surfaces.mirrors.is_empty() {
-                    if self.continues { Needed("k_r is above 0") } else { LeftOut(OUT_OF_REACH) }
-                } else if total {
-                    if self.continues {
-                        Needed("inside of clear media, light may be reflected totally")
-                    } else {
-                        LeftOut(OUT_OF_REACH)
-                    }
-                } else if self.has::<Reflective>() {
-                    LeftOut("k_r is 0 at this time")
+            Effect::Reflection if !surfaces.mirrors.is_empty() => {
+                if self.continues {
+                    Needed("k_r is above 0")
                 } else {
-                    LeftOut("no material has `reflective`")
+                    LeftOut(OUT_OF_REACH)
                 }
             }
+            Effect::Reflection if !surfaces.clear.is_empty() && self.continues => {
+                Needed("inside of clear media, light may be reflected totally")
+            }
+            Effect::Reflection if self.has::<Reflective>() => LeftOut("k_r is 0 at this time"),
+            Effect::Reflection => LeftOut("no material has `reflective`"),
             _ if !self.has::<Refractive>() => LeftOut("no material has `refractive`"),
             _ if surfaces.clear.is_empty() => LeftOut("k_t is 0 at this time"),
             Effect::Absorption if !surfaces.absorbs => LeftOut("no medium absorbs"),

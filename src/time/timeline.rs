@@ -52,7 +52,7 @@ impl Timeline {
     }
 
     /// The instants at which a frame is drawn: the middles of `count` equal parts of the time in which the shutter is open, a
-    /// share `open` of the time from frame to frame, in ten thousandths, around the frame's moment. Those before the start are at
+    /// share `open` of the time from frame to frame, in millionths, around the frame's moment. Those before the start are at
     /// the start.
     ///
     /// ```
@@ -62,12 +62,12 @@ impl Timeline {
     /// assert_eq!(instants, ["0.0875", "0.1125"].map(|time| time.parse().unwrap()));
     /// ```
     #[must_use]
-    #[expect(clippy::cast_possible_truncation, reason = "a share of 10 000")]
+    #[expect(clippy::cast_possible_truncation, reason = "a share of a million")]
     pub fn instants(&self, time: Time, open: f64, count: u32) -> Vec<Time> {
-        const PARTS: f64 = 10_000.0;
+        const PARTS: f64 = 1e6;
         let open = (open.clamp(0.0, 1.0) * PARTS).round() as i128;
         let (frames, seconds) = self.rate.parts();
-        let parts = 2 * u64::from(count) * 10_000 * u64::from(frames);
+        let parts = (2_000_000 * u64::from(count)).saturating_mul(frames.into());
         let offset = |index: u32| {
             let middle = 2 * i128::from(index) + 1 - i128::from(count);
             (middle * open * i128::from(seconds), parts)

@@ -162,13 +162,14 @@ impl Camera {
     /// May a ray of the camera meet something in the box? `false` only where none can.
     #[must_use]
     pub fn may_see(&self, bounds: &Bounds) -> bool {
-        if self.lens.is_some() {
+        if self.lens.is_some() || self.distance.is_nan() || self.distance <= 0.0 {
             return true;
         }
         let pitch = |size: f64, pixels: u32| size / f64::from(pixels.saturating_sub(1).max(1));
         // From the middle to half a pitch beyond the outermost pixels, and as much again to be safe.
-        let across = 0.5 * self.width + pitch(self.width, self.columns);
-        let upwards = 0.5 * self.height + pitch(self.height, self.rows);
+        let (width, height) = (self.width.abs(), self.height.abs());
+        let across = 0.5 * width + pitch(width, self.columns);
+        let upwards = 0.5 * height + pitch(height, self.rows);
         let ahead = self.forward / self.distance;
         let normals = [
             ahead,

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::branch::TreeRay;
 use super::effects::Effects;
-use super::ray::scaled;
+use super::ray::{Limit, scaled};
 use super::sampler::{Dimension, PixelSamples};
 use super::shade::{diffuse, intensity, length, specular};
 use super::{Light, LightSource, Ray, Surface, SurfaceMaterial};
@@ -29,7 +29,7 @@ pub(super) struct Lit<'a> {
 pub(super) struct ShadowRay<'a> {
     pub(super) ray: &'a Ray,
     /// Where the light is.
-    pub(super) limit: f64,
+    pub(super) limit: Limit,
     /// Does the light come from the other side, through the clear medium behind the surface?
     pub(super) from_behind: bool,
 }
@@ -76,7 +76,7 @@ fn from_place<E: Effects>(
     let Some((to_light, scale)) = scaled(if is_towards { place } else { place - surface.point }) else {
         return Rgb::ZERO;
     };
-    let limit = if is_towards { f64::INFINITY } else { scale.recip() };
+    let limit = if is_towards { Limit::NONE } else { Limit::new(scale.recip(), place) };
     let (normal, length) = (surface.facing_normal(), length(to_light));
     let cosine = normal.dot(to_light) / length;
     let material = lit.material;
@@ -84,13 +84,13 @@ fn from_place<E: Effects>(
     if !(cosine > 0.0 || from_behind) {
         return Rgb::ZERO;
     }
-    let intensity = intensity::<E>(light, to_light, length, limit);
+    let intensity = intensity::<E>(light, to_light, length, limit.t());
     let mut color = diffuse(lit.diffuse, intensity, cosine.abs());
     if E::EXTRAS && material.specular > 0.0 && !from_behind && intensity != Rgb::ZERO {
         color += specular(material, intensity, normal, to_light, -lit.arrived.ray.direction());
     }
     if color == Rgb::ZERO || !(E::SHADOWS && light.casts_shadows) {
-        return color;
+        return if surface.point.is_finite() { color } else { Rgb::ZERO };
     }
     // Normals face the ray that arrived, and so does the side that is left.
     let Some(ray) = Ray::departing(surface, surface.from_outside != from_behind, to_light) else {

@@ -23,6 +23,16 @@ impl Nesting {
         self.0.clear();
     }
 
+    /// A mark to go back to.
+    pub(super) fn mark(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Forgets all places that were made since a mark.
+    pub(super) fn truncate(&mut self, mark: usize) {
+        self.0.truncate(mark);
+    }
+
     /// The list, the last entered first.
     pub(super) fn solids(&self, mut inside: Inside) -> impl Iterator<Item = Slot> {
         std::iter::from_fn(move || {
@@ -41,6 +51,11 @@ impl Nesting {
         if self.solids(inside).any(|other| other == slot) {
             return inside;
         }
+        self.added(inside, slot)
+    }
+
+    /// With a solid before the others, among which it is not.
+    pub(super) fn added(&mut self, inside: Inside, slot: Slot) -> Inside {
         self.0.push((slot, inside));
         Inside(u32::try_from(self.0.len()).unwrap_or(0))
     }
@@ -55,7 +70,7 @@ impl Nesting {
         for _ in 0..=depth {
             rest = self.node(rest).map_or(Inside::NONE, |(_, outer)| outer);
         }
-        later.into_iter().rev().fold(rest, |inside, slot| self.entered(inside, slot))
+        later.into_iter().rev().fold(rest, |inside, slot| self.added(inside, slot))
     }
 
     /// After a ray with this direction has gone through a surface and through all that is tied with it there. What is entered at once is entered

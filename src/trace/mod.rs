@@ -94,7 +94,7 @@ pub use guards::Guards;
 pub use light::{Cone, Falloff, Light, LightSource};
 pub use material::{Checker, Refraction, Squares, SurfaceMaterial};
 pub use prepared::{Closest, Hit, PreparedScene, Search, Surface};
-pub use ray::Ray;
+pub use ray::{Limit, Ray};
 pub use root::{Refined, Root};
 pub use sampler::Sampling;
 pub use surfaces::Surfaces;

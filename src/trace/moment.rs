@@ -39,7 +39,7 @@ impl<'a> Moment<'a> {
     /// The solids that a ray from here is inside of.
     pub(super) fn inside(&self, origin: DVec3, nesting: &mut Nesting) -> Inside {
         let around = self.start.0.iter().filter(|slot| self.scene.geometry().contains(**slot, origin));
-        around.fold(Inside::NONE, |inside, slot| nesting.entered(inside, *slot))
+        around.fold(Inside::NONE, |inside, slot| nesting.added(inside, *slot))
     }
 }
 

@@ -12,8 +12,8 @@ use super::media::Nesting;
 use super::shadow::{Crossing, Filter};
 use super::ties::Tie;
 use super::{
-    Background, Bounds, Fog, Geometry, Guards, Light, Precision, PreparedShape, Ray, Refined, Root, Slot,
-    SurfaceMaterial, Surfaces, Ties,
+    Background, Bounds, Fog, Geometry, Guards, Light, Limit, Precision, PreparedShape, Ray, Refined, Root,
+    Slot, SurfaceMaterial, Surfaces, Ties,
 };
 use crate::color::Rgb;
 
@@ -234,13 +234,13 @@ impl PreparedScene {
         &self,
         leaves: &impl Leaves,
         ray: &Ray,
-        limit: f64,
+        limit: &Limit,
         except: Option<Slot>,
         scratch: &mut Scratch,
     ) -> bool {
         let Scratch { stack, guards, .. } = scratch;
         let mut hides = |slot: Slot| Some(slot) != except && leaves.stands_before(slot, ray, limit, guards);
-        self.beside.iter().any(|slot| hides(*slot)) || self.tree.visit_any(ray, limit, stack, hides)
+        self.beside.iter().any(|slot| hides(*slot)) || self.tree.visit_any(ray, limit.t(), stack, hides)
     }
 
     /// Does anything opaque but `except` stand between the ray's origin and `limit`? If not, `scratch.crossings` are the surfaces
@@ -250,7 +250,7 @@ impl PreparedScene {
         &self,
         leaves: &impl Leaves,
         ray: &Ray,
-        limit: f64,
+        limit: &Limit,
         except: Option<Slot>,
         scratch: &mut Scratch,
     ) -> bool {
@@ -259,7 +259,7 @@ impl PreparedScene {
         let mut hides = |slot: Slot| {
             Some(slot) != except && self.hides_or_filters(leaves, slot, ray, limit, crossings, guards)
         };
-        self.beside.iter().any(|slot| hides(*slot)) || self.tree.visit_any(ray, limit, stack, hides)
+        self.beside.iter().any(|slot| hides(*slot)) || self.tree.visit_any(ray, limit.t(), stack, hides)
     }
 
     /// Does the shape stand in the ray's way? A clear one never does, but adds where the ray crosses its surface.
@@ -268,7 +268,7 @@ impl PreparedScene {
         leaves: &impl Leaves,
         slot: Slot,
         ray: &Ray,
-        limit: f64,
+        limit: &Limit,
         crossings: &mut Vec<Crossing>,
         guards: &mut Guards,
     ) -> bool {
@@ -289,7 +289,7 @@ impl PreparedScene {
         leaves: &impl Leaves,
         ray: &Ray,
         hit: &Hit,
-        limit: f64,
+        limit: &Limit,
         crossings: &mut Vec<Crossing>,
         guards: &mut Guards,
     ) {
@@ -299,7 +299,7 @@ impl PreparedScene {
         crossings.push(Crossing { t, slot, entering });
         if entering && let Some(on) = self.geometry.far_side(slot, point, ray.direction()) {
             let t = t + on;
-            if t < limit {
+            if t < limit.t() {
                 crossings.push(Crossing { t, slot, entering: false });
             }
         }
@@ -406,7 +406,7 @@ impl Search<'_> {
     /// Does anything but `except` stand between the ray's origin and `limit`?
     #[must_use]
     #[inline]
-    pub fn is_hidden(&mut self, ray: &Ray, limit: f64, except: Option<Slot>) -> bool {
+    pub fn is_hidden(&mut self, ray: &Ray, limit: &Limit, except: Option<Slot>) -> bool {
         self.scene.is_hidden(&self.scene.geometry, ray, limit, except, &mut self.scratch)
     }
 }
@@ -426,11 +426,11 @@ impl Surface {
         Ray::leaving(self, direction.dot(self.normal) >= 0.0, direction)
     }
 
-    /// A ray that leaves this surface towards a point, on the side that the ray came from which found it, and the `t` at which it
-    /// is there. `None` if the point is this one or not finite.
+    /// A ray that leaves this surface towards a point, on the side that the ray came from which found it, and where that
+    /// is on it. `None` if the point is this one or not finite.
     #[must_use]
     #[inline]
-    pub fn leave_to(&self, point: DVec3) -> Option<(Ray, f64)> {
+    pub fn leave_to(&self, point: DVec3) -> Option<(Ray, Limit)> {
         Ray::leaving_to(self, self.from_outside, point)
     }
 }

@@ -29,6 +29,38 @@ pub(super) struct Departure {
     pub(super) ties: Ties,
 }
 
+/// How far a shadow ray is followed: as far as the light is.
+#[derive(Clone, Copy, Debug)]
+pub struct Limit {
+    t: f64,
+    /// The light's exact place; the ray's own direction is rounded. Not finite where the light is infinitely far away.
+    place: DVec3,
+}
+
+impl Limit {
+    /// Without end.
+    pub const NONE: Self = Self { t: f64::INFINITY, place: DVec3::INFINITY };
+
+    /// Where a ray is at `t`, as far as its direction's rounding allows.
+    #[must_use]
+    #[inline]
+    pub(super) fn new(t: f64, place: DVec3) -> Self {
+        Self { t, place }
+    }
+
+    /// The ray's `t` there.
+    #[must_use]
+    #[inline]
+    pub fn t(&self) -> f64 {
+        self.t
+    }
+
+    /// The light's place.
+    pub(super) fn place(&self) -> DVec3 {
+        self.place
+    }
+}
+
 impl Ray {
     /// A ray that starts anywhere. `None` if a number is not finite or the direction is zero.
     #[must_use]
@@ -45,12 +77,12 @@ impl Ray {
         Some(Self::leaving_scaled(surface, outward, direction)?.0)
     }
 
-    /// A ray that leaves a surface towards a point, and the `t` at which it is there.
+    /// A ray that leaves a surface towards a point, and where that is on it.
     #[must_use]
     #[inline]
-    pub(super) fn leaving_to(surface: &Surface, outward: bool, point: DVec3) -> Option<(Self, f64)> {
+    pub(super) fn leaving_to(surface: &Surface, outward: bool, point: DVec3) -> Option<(Self, Limit)> {
         let (ray, scale) = Self::leaving_scaled(surface, outward, point - surface.point)?;
-        Some((ray, scale.recip()))
+        Some((ray, Limit::new(scale.recip(), point)))
     }
 
     #[inline]

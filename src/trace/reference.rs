@@ -268,9 +268,10 @@ fn lit(
 }
 
 fn reach(scene: &PreparedScene, scratch: &mut Scratch, light: (usize, &Light), lit: &Lit<'_>) -> LightReach {
-    let (mut first, mut hidden) = (None, 0);
+    let (mut first, mut hidden, mut asked) = (None, 0, false);
     let own_shape = light.1.own_shape;
     let color = from_light::<FullKernel>(light, lit, |shadow_ray| {
+        asked = true;
         let share = visibility(scene, scratch, shadow_ray, own_shape, lit);
         if let Err(slot) = share {
             first.get_or_insert(slot);
@@ -280,7 +281,7 @@ fn reach(scene: &PreparedScene, scratch: &mut Scratch, light: (usize, &Light), l
     });
     match first {
         Some(slot) if color == Rgb::ZERO => LightReach::Hidden(slot),
-        None if color == Rgb::ZERO => LightReach::NotAsked,
+        None if color == Rgb::ZERO && !asked => LightReach::NotAsked,
         _ => LightReach::Reaches { color, hidden },
     }
 }
@@ -298,11 +299,11 @@ fn visibility(
     let geometry = scene.geometry();
     let hides = |slot: &Slot| {
         let Scratch { crossings, guards, .. } = scratch;
-        Some(*slot) != own_shape && scene.hides_or_filters(geometry, *slot, ray, limit, crossings, guards)
+        Some(*slot) != own_shape && scene.hides_or_filters(geometry, *slot, ray, &limit, crossings, guards)
     };
     match geometry.slots().find(hides) {
         Some(slot) => Err(slot),
-        None => Ok(filtered(scene, shadow_ray, lit.surface, lit.arrived.inside, scratch)),
+        None => Ok(filtered(scene, shadow_ray, own_shape, (lit.surface, lit.arrived.inside), scratch)),
     }
 }
 

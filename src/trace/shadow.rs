@@ -42,10 +42,10 @@ pub(super) fn visibility<E: Effects>(
 ) -> Option<Rgb> {
     let ShadowRay { ray, limit, .. } = shadow_ray;
     if !E::CLEAR_SHADOWS {
-        return (!scene.is_hidden(leaves, ray, limit, own_shape, scratch)).then_some(Rgb::ONE);
+        return (!scene.is_hidden(leaves, ray, &limit, own_shape, scratch)).then_some(Rgb::ONE);
     }
-    let hidden = scene.is_hidden_or_filtered(leaves, ray, limit, own_shape, scratch);
-    (!hidden).then(|| filtered(scene, shadow_ray, surface, inside, scratch))
+    let hidden = scene.is_hidden_or_filtered(leaves, ray, &limit, own_shape, scratch);
+    (!hidden).then(|| filtered(scene, shadow_ray, own_shape, (surface, inside), scratch))
 }
 
 /// What clear shapes leave of the light, given in `scratch.crossings` where the ray crosses them: the product of k_t for every
@@ -53,8 +53,8 @@ pub(super) fn visibility<E: Effects>(
 pub(super) fn filtered(
     scene: &PreparedScene,
     shadow_ray: ShadowRay<'_>,
-    surface: &Surface,
-    inside: Inside,
+    own_shape: Option<Slot>,
+    (surface, inside): (&Surface, Inside),
     scratch: &mut Scratch,
 ) -> Rgb {
     let Scratch { crossings, nesting, filters, .. } = scratch;
@@ -62,6 +62,8 @@ pub(super) fn filtered(
         return Rgb::ONE;
     }
     filters.clear();
+    // Places in the nesting that are made here are of no use to anybody else.
+    let mark = nesting.mark();
     let mut inside = inside;
     if shadow_ray.from_behind {
         inside = nesting.through(scene, inside, surface, shadow_ray.ray.direction());
@@ -71,7 +73,7 @@ pub(super) fn filtered(
     let per_t = shadow_ray.ray.direction().length();
     let mut from = 0.0;
     let mut passed = |nesting: &Nesting, inside: Inside, to: f64| {
-        if let Some(slot) = nesting.solids(inside).next() {
+        if let Some(slot) = nesting.solids(inside).find(|slot| Some(*slot) != own_shape) {
             let length = (to - from) * per_t;
             filters.push(Filter { slot, crossings: 0, length: length.max(0.0) });
         }
@@ -85,12 +87,14 @@ pub(super) fn filtered(
             nesting.left(inside, crossing.slot)
         };
     }
-    passed(nesting, inside, shadow_ray.limit);
+    passed(nesting, inside, shadow_ray.limit.t());
     filters.extend(crossings.iter().map(|crossing| Filter {
         slot: crossing.slot,
         crossings: 1,
         length: 0.0,
     }));
+    nesting.truncate(mark);
+    filters.retain(|filter| Some(filter.slot) != own_shape);
     product(scene, filters)
 }
 

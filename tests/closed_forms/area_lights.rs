@@ -195,3 +195,27 @@ fn far_away_a_light_with_a_size_is_a_point() {
         }
     }
 }
+
+#[test]
+fn a_light_in_a_ceiling_is_not_hidden_by_it() {
+    // Flush, as in a box that a panel lights; turned too, so that no coordinate is simple.
+    for turn in [0.0, -7.0] {
+        let room = |ceiling: &str| {
+            film(&format!(
+                r#"film: (width: 32, height: 18), camera: (position: (0, 0, -6), target: (0, 0, 0), fov: 16),
+                materials: {{ "m": (k_d: 1) }}, entities: [
+                (name: "room", transform: (translation: (0.3, 0.1, -0.7), rotation: Euler({turn:?}, 11, 5))),
+                (shape: Sphere(radius: 0.8), material: "m"), {ceiling}
+                (parent: "room", light: Area(shape: Rectangle(width: 1.3, height: 1.1), intensity: (1, 1, 1), samples: 5),
+                    transform: (translation: (0, 1.7, 0), rotation: Euler(90, 0, 0)))]"#
+            ))
+        };
+        let ceiling = r#"(parent: "room", shape: Plane(normal: (0, 1, 0)), material: "m", transform: (translation: (0, 1.7, 0))),"#;
+        let (without, with) = (room(""), room(ceiling));
+        let lit = without.pixels().iter().filter(|pixel| pixel.max_element() > 0.0).count();
+        assert!(lit > 20, "{lit}");
+        for (without, with) in without.pixels().iter().zip(with.pixels()) {
+            assert!(without.max_element() == 0.0 || without == with, "{without} {with}");
+        }
+    }
+}

@@ -170,3 +170,26 @@ fn a_clear_surface_is_lit_from_behind() {
         assert_near(found, 0.5 * cosine * 0.64 * libm::exp(-absorption * 2.0 / cosine), 1e-6);
     }
 }
+
+#[test]
+fn a_lamp_shines_through_its_own_shape_undimmed() {
+    // Whether the lamp's own glass absorbs or not, and from wherever its light comes.
+    for (lamp, seen_from) in
+        [("radius: 2", DVec3::new(0.0, 0.5, 0.0)), ("radius: 0.1", DVec3::new(0.0, 0.5, 0.0))]
+    {
+        let lit = |absorption: f64| {
+            let tree = super::tree(
+                seen_from,
+                DVec3::NEG_Y,
+                &format!(
+                    r#"materials: {{ "m": (k_d: 1), "glass": (refractive: (k_t: 1, ior: 1, absorption: ({absorption:?}, 2, 0))) }}, entities: [
+                    (shape: Plane(normal: (0, 1, 0)), material: "m", transform: (translation: (0, -1, 0))),
+                    (shape: Sphere({lamp}), material: "glass", light: Point(intensity: (1, 1, 1)), transform: (translation: (0.5, 0, 0)))]"#
+                ),
+            );
+            tree.last().unwrap().end.light()
+        };
+        assert_eq!(lit(3.0), lit(0.0), "{lamp}");
+        assert!(lit(3.0).max_element() > 0.1);
+    }
+}

@@ -45,16 +45,13 @@ impl Costs {
         let (mut rays, mut seconds) = (0.0, 0.0);
         let mut squares = vec![0.0; effects.len()];
         for frame in &frames {
-            render(engine, *frame, None)?; // for the caches
-            let mut whole = render(engine, *frame, None)?;
-            let parts = effects
-                .iter()
-                .map(|(effect, _)| render(engine, *frame, Some(*effect)))
-                .collect::<Result<Vec<_>, _>>()?;
-            whole.seconds = whole.seconds.min(render(engine, *frame, None)?.seconds);
+            // Caches are warm from the second time on.
+            render(engine, *frame, None)?;
+            let whole = render(engine, *frame, None)?;
             rays += whole.rays;
             seconds += whole.seconds;
-            for (((_, cost), squares), part) in effects.iter_mut().zip(&mut squares).zip(parts) {
+            for ((effect, cost), squares) in effects.iter_mut().zip(&mut squares) {
+                let part = render(engine, *frame, Some(*effect))?;
                 let (max_error, square) = difference(engine, &whole.film, &part.film);
                 cost.rays += whole.rays - part.rays;
                 cost.share += whole.seconds - part.seconds;

@@ -40,6 +40,7 @@ fn cost_cells(effect: Effect, costs: &Costs, measure: bool) -> Vec<String> {
     let Some(cost) = costs.effect(effect) else { return Vec::new() };
     let rays = match cost.rays {
         0.0 => "-".to_owned(),
+        few if few.abs() < 1000.0 => format!("{few:.0}"),
         saved if saved < 0.0 => format!("-{}", in_millions(-saved)),
         spent => in_millions(spent),
     };

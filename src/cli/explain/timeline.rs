@@ -56,11 +56,19 @@ impl PlannedTimeline {
         self.told.iter()
     }
 
-    /// The first, the middle and the last frame.
+    /// The first, the middle and the last frame, and such that every effect that is needed is needed in one of them.
     pub(super) fn samples(&self) -> Vec<u32> {
         let last = self.frames.len().saturating_sub(1);
         let mut samples: Vec<u32> =
             [0, last / 2, last].into_iter().filter_map(|index| self.frames.get(index).copied()).collect();
+        for told in &self.told {
+            let needed: Vec<&Span> = told.spans.iter().filter(|span| span.verdict.is_needed()).collect();
+            let measured = needed.iter().any(|span| samples.iter().any(|frame| span.holds(*frame)));
+            if let (false, Some(span)) = (measured, needed.first()) {
+                samples.push(span.runs[0].0);
+            }
+        }
+        samples.sort_unstable();
         samples.dedup();
         samples
     }
@@ -125,6 +133,10 @@ impl Span {
             words.push("..".to_owned());
         }
         words.join(", ")
+    }
+
+    fn holds(&self, frame: u32) -> bool {
+        self.runs.iter().any(|(first, last)| (*first..=*last).contains(&frame))
     }
 
     /// First and last frames of all runs.

@@ -29,11 +29,11 @@ pub(super) fn run(arguments: &ProbeArguments) -> Result<(), Failure> {
         resize(&mut engine, size);
     }
     let time = arguments.at.unwrap_or_else(|| engine.timeline().time_of(frame.unwrap_or(0)));
-    engine.seek_sample(time, arguments.sample.unwrap_or(0))?;
-
     if let Some(rays) = &arguments.rays {
+        engine.seek(time)?;
         return rays::run(rays, &engine, arguments.json);
     }
+    engine.seek_sample(time, arguments.sample.unwrap_or(0))?;
     let at = pixel::At {
         file: &file,
         text: &text,

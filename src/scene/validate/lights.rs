@@ -39,7 +39,7 @@ pub(super) fn validate(light: &LightDocument, at: &At<'_>, problems: &mut Proble
                     &at.field("falloff"),
                     "a directional light cannot weaken with distance",
                     "it is infinitely far away",
-                    "remove `falloff`, or make it a Point or a Spot light",
+                    "remove `falloff`, or make it a Point, Spot or Area light",
                 );
             }
             check::intensity(intensity, "the intensity", &at.field("intensity"), problems);

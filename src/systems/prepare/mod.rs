@@ -169,6 +169,19 @@ impl Preparation {
         Plan::of(world, self)
     }
 
+    /// The film and the samples of a frame: all its instants have the same.
+    pub(crate) fn exposure_settings(&self) -> (FilmSettings, Sampling) {
+        (self.film, self.sampling)
+    }
+
+    /// Sets them.
+    pub(crate) fn expose_with(&mut self, (film, sampling): (FilmSettings, Sampling), world: &World) {
+        self.sampling = sampling;
+        if set(&mut self.film, film) {
+            self.camera = prepared_camera(world, film);
+        }
+    }
+
     /// How many samples every pixel has.
     #[must_use]
     pub fn samples(&self) -> u32 {

@@ -5,13 +5,20 @@ use std::cmp::Ordering;
 use glam::DVec3;
 
 use super::{Geometry, Kind, Leaves, Place, Slot};
-use crate::trace::exact::Double;
+use crate::trace::exact::{Double, Double3};
 use crate::trace::shapes::Verdict;
-use crate::trace::{Guards, Hit, Ray, Refined, Root};
+use crate::trace::{Guards, Hit, Limit, Ray, Refined, Root};
 
 /// 2^-90: surfaces that a ray meets nearer to each other than so, compared with how far they are, are in the same place. Faces
 /// are flush then that would be but for the rounding of a hundred bits.
 const SAME: f64 = f64::from_bits((1023 - 90) << 52);
+
+/// 2^-36: nearer to a light than so, compared with its distance, what a ray meets is compared with the light's exact place, which
+/// the ray, of a rounded direction, passes by.
+const NEAR: f64 = f64::from_bits((1023 - 36) << 52);
+
+/// 2^-44: some units in the last place of a light's place, which is rounded too: a panel flush with a ceiling is on it.
+const ROUNDED: f64 = f64::from_bits((1023 - 44) << 52);
 
 /// Evaluates an expression with `$shape` bound to the shape at a slot, whatever its kind.
 macro_rules! ask {
@@ -71,12 +78,13 @@ impl Leaves for Geometry {
     }
 
     #[inline]
-    fn is_before(&self, hit: &Hit, ray: &Ray, limit: f64, guards: &mut Guards) -> bool {
-        if hit.root.latest() < limit || hit.root.earliest() >= limit {
-            return hit.root.latest() < limit;
+    fn is_before(&self, hit: &Hit, ray: &Ray, limit: &Limit, guards: &mut Guards) -> bool {
+        let (nearer, farther) = (limit.t() * (1.0 - NEAR), limit.t() * (1.0 + NEAR));
+        if hit.root.latest() < nearer || hit.root.earliest() > farther {
+            return hit.root.latest() < nearer;
         }
         guards.contested += 1;
-        self.exact_t(hit, ray) < Double::from(limit)
+        self.exactly_before(hit, ray, limit)
     }
 
     #[inline]
@@ -135,6 +143,22 @@ impl Geometry {
     #[cold]
     fn exact_hit(&self, slot: Slot, ray: &Ray) -> Option<Double> {
         ask!(self, slot, shape => shape.exact_hit(ray.origin(), ray.direction()))
+    }
+
+    /// Does the shape stand between the ray's origin and the light's very place? A shape that the light lies
+    /// on, as far as its place is known, does not.
+    #[cold]
+    fn exactly_before(&self, hit: &Hit, ray: &Ray, limit: &Limit) -> bool {
+        let (slot, origin) = (hit.slot, ray.origin());
+        let way = Double3::difference(limit.place(), origin);
+        let met = if hit.far {
+            ask!(self, slot, shape => shape.exact_far_hit(origin, way))
+        } else {
+            ask!(self, slot, shape => shape.exact_hit(origin, way))
+        };
+        let sizes = origin.abs().max_element() + limit.place().abs().max_element();
+        let rounding = ROUNDED * sizes / way.rounded().abs().max_element();
+        met.is_some_and(|t| (t - Double::from(1.0)).rounded() < -rounding)
     }
 
     /// A hit's `t` with a hundred bits.

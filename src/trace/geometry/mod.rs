@@ -6,7 +6,7 @@ mod textbook;
 use std::cmp::Ordering;
 
 use super::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
-use super::{Bounds, Guards, Hit, Ray, Refined};
+use super::{Bounds, Guards, Hit, Limit, Ray, Refined};
 
 pub(super) use textbook::Textbook;
 
@@ -19,11 +19,11 @@ pub(super) trait Leaves: Sync {
     fn compare(&self, ray: &Ray, hit: &Hit, other: &Hit, guards: &mut Guards) -> Ordering;
 
     /// Is the hit nearer than `limit`?
-    fn is_before(&self, hit: &Hit, ray: &Ray, limit: f64, guards: &mut Guards) -> bool;
+    fn is_before(&self, hit: &Hit, ray: &Ray, limit: &Limit, guards: &mut Guards) -> bool;
 
     /// Does the shape stand in the ray's way before `limit`?
     #[inline]
-    fn stands_before(&self, slot: Slot, ray: &Ray, limit: f64, guards: &mut Guards) -> bool {
+    fn stands_before(&self, slot: Slot, ray: &Ray, limit: &Limit, guards: &mut Guards) -> bool {
         self.first_hit(slot, ray, guards).is_some_and(|hit| self.is_before(&hit, ray, limit, guards))
     }
 

@@ -10,7 +10,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use super::{Geometry, Kind, Leaves, Place, Slot};
 use crate::trace::exact::Double;
-use crate::trace::{Guards, Hit, Ray, Refined, Root};
+use crate::trace::{Guards, Hit, Limit, Ray, Refined, Root};
 
 /// `f64` or `f32`.
 pub(in crate::trace) trait Number:
@@ -274,8 +274,8 @@ impl<T: Number> Leaves for Textbook<T> {
     }
 
     #[inline]
-    fn is_before(&self, hit: &Hit, _ray: &Ray, limit: f64, _guards: &mut Guards) -> bool {
-        hit.root.t() < limit
+    fn is_before(&self, hit: &Hit, _ray: &Ray, limit: &Limit, _guards: &mut Guards) -> bool {
+        hit.root.t() < limit.t()
     }
 
     #[inline]

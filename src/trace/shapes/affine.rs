@@ -69,7 +69,7 @@ impl Map {
         self.exactly_back(Double3::difference(point, self.forward.translation))
     }
 
-    fn exact_direction_back(&self, direction: DVec3) -> Double3 {
+    fn exact_direction_back(&self, direction: impl Into<Double3>) -> Double3 {
         self.exactly_back(direction.into())
     }
 
@@ -173,7 +173,7 @@ impl SphereImage {
 
     /// As [`SphereImage::first_hit`], with a hundred bits throughout.
     #[must_use]
-    pub fn exact_hit(&self, origin: DVec3, direction: DVec3) -> Option<Double> {
+    pub fn exact_hit(&self, origin: DVec3, direction: impl Into<Double3>) -> Option<Double> {
         let (own, way) = (self.map.exact_point_back(origin), self.map.exact_direction_back(direction));
         exact_first_root(-own, way, self.sphere.radius)
     }
@@ -207,7 +207,7 @@ impl SphereImage {
 
     /// As [`SphereImage::far_hit`], with a hundred bits, of the line through the origin.
     #[must_use]
-    pub fn exact_far_hit(&self, origin: DVec3, direction: DVec3) -> Option<Double> {
+    pub fn exact_far_hit(&self, origin: DVec3, direction: impl Into<Double3>) -> Option<Double> {
         let (own, way) = (self.map.exact_point_back(origin), self.map.exact_direction_back(direction));
         Some(exact_roots(-own, way, self.sphere.radius)?.1)
     }
@@ -262,12 +262,12 @@ impl BoxImage {
 
     /// As [`BoxImage::first_hit`], with a hundred bits throughout.
     #[must_use]
-    pub fn exact_hit(&self, origin: DVec3, direction: DVec3) -> Option<Double> {
+    pub fn exact_hit(&self, origin: DVec3, direction: impl Into<Double3>) -> Option<Double> {
         Some(self.exact_meeting(origin, direction)?.0)
     }
 
     /// [`BoxImage::exact_hit`], with the face.
-    fn exact_meeting(&self, origin: DVec3, direction: DVec3) -> Option<(Double, Face)> {
+    fn exact_meeting(&self, origin: DVec3, direction: impl Into<Double3>) -> Option<(Double, Face)> {
         let (own, way) = (self.map.exact_point_back(origin), self.map.exact_direction_back(direction));
         let (low, high) = (Double3::from(self.aligned.min) - own, Double3::from(self.aligned.max) - own);
         exact_first_crossing(low, high, way)
@@ -304,7 +304,7 @@ impl BoxImage {
 
     /// As [`BoxImage::far_hit`], with a hundred bits.
     #[must_use]
-    pub fn exact_far_hit(&self, origin: DVec3, direction: DVec3) -> Option<Double> {
+    pub fn exact_far_hit(&self, origin: DVec3, direction: impl Into<Double3>) -> Option<Double> {
         let (own, way) = (self.map.exact_point_back(origin), self.map.exact_direction_back(direction));
         let (low, high) = (Double3::from(self.aligned.min) - own, Double3::from(self.aligned.max) - own);
         exact_exit(low, high, way)

@@ -187,12 +187,12 @@ impl AlignedBox {
 
     /// As [`AlignedBox::first_hit`], with a hundred bits throughout.
     #[must_use]
-    pub fn exact_hit(&self, origin: DVec3, direction: DVec3) -> Option<Double> {
+    pub fn exact_hit(&self, origin: DVec3, direction: impl Into<Double3>) -> Option<Double> {
         Some(self.exact_meeting(origin, direction)?.0)
     }
 
     /// [`AlignedBox::exact_hit`], with the face.
-    fn exact_meeting(&self, origin: DVec3, direction: DVec3) -> Option<(Double, Face)> {
+    fn exact_meeting(&self, origin: DVec3, direction: impl Into<Double3>) -> Option<(Double, Face)> {
         let (low, high) = (Double3::difference(self.min, origin), Double3::difference(self.max, origin));
         exact_first_crossing(low, high, direction.into())
     }
@@ -290,7 +290,7 @@ impl AlignedBox {
 
     /// As [`AlignedBox::far_hit`], with a hundred bits.
     #[must_use]
-    pub fn exact_far_hit(&self, origin: DVec3, direction: DVec3) -> Option<Double> {
+    pub fn exact_far_hit(&self, origin: DVec3, direction: impl Into<Double3>) -> Option<Double> {
         let (low, high) = (Double3::difference(self.min, origin), Double3::difference(self.max, origin));
         exact_exit(low, high, direction.into())
     }

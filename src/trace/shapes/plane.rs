@@ -42,7 +42,7 @@ impl Plane {
 
     /// As [`Plane::first_hit`], with a hundred bits throughout.
     #[must_use]
-    pub fn exact_hit(&self, origin: DVec3, direction: DVec3) -> Option<Double> {
+    pub fn exact_hit(&self, origin: DVec3, direction: impl Into<Double3>) -> Option<Double> {
         let speed = dot(direction.into(), self.normal);
         if speed.sign().is_eq() {
             return None;
@@ -82,7 +82,7 @@ impl Plane {
 
     /// Likewise.
     #[must_use]
-    pub fn exact_far_hit(&self, _origin: DVec3, _direction: DVec3) -> Option<Double> {
+    pub fn exact_far_hit(&self, _origin: DVec3, _direction: impl Into<Double3>) -> Option<Double> {
         None
     }
 

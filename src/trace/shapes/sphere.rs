@@ -119,7 +119,7 @@ impl Sphere {
 
     /// As [`Sphere::first_hit`], with a hundred bits throughout.
     #[must_use]
-    pub fn exact_hit(&self, origin: DVec3, direction: DVec3) -> Option<Double> {
+    pub fn exact_hit(&self, origin: DVec3, direction: impl Into<Double3>) -> Option<Double> {
         exact_first_root(Double3::difference(self.center, origin), direction.into(), self.radius)
     }
 
@@ -153,7 +153,7 @@ impl Sphere {
 
     /// As [`Sphere::far_hit`], with a hundred bits, of the line through the origin.
     #[must_use]
-    pub fn exact_far_hit(&self, origin: DVec3, direction: DVec3) -> Option<Double> {
+    pub fn exact_far_hit(&self, origin: DVec3, direction: impl Into<Double3>) -> Option<Double> {
         Some(exact_roots(Double3::difference(self.center, origin), direction.into(), self.radius)?.1)
     }
 

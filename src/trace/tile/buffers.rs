@@ -1,4 +1,4 @@
-//! A tile's working memory. One per thread, reused from tile to tile, so that no ray allocates.
+//! A tile's working memory. One per thread, reused from tile to tile.
 
 use crate::color::Rgb;
 use crate::trace::branch::TreeRay;

@@ -38,7 +38,7 @@ impl<L: Leaves> Follower<'_, L> {
         };
         let material = scene.material(closest.hit.slot);
         if !self.needs_point::<E>(&tree, material) {
-            buffers.pixels[pixel as usize] += tree.throughput * ambient(scene, material.ambient);
+            buffers.pixels[pixel as usize] += tree.throughput * held(ambient(scene, material.ambient));
             return;
         }
         let surface = scene.surface(self.leaves, &tree.ray, &closest, &mut buffers.scratch.guards);
@@ -97,7 +97,7 @@ impl<L: Leaves> Follower<'_, L> {
             if E::EXTRAS { material.colors_at(surface) } else { (material.ambient, material.diffuse) };
         let mut light = ambient(scene, color);
         if !E::LIGHTS {
-            return light;
+            return held(light);
         }
         // Only lights with a size ask for it.
         let (i, j) = if E::EXTRAS { self.tile.pixel(pixel) } else { (0, 0) };

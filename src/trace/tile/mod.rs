@@ -1,7 +1,7 @@
 //! A tile of the picture: one sample of each of its pixels, followed generation by generation.
 //!
 //! Camera rays are followed as they are made; what their surfaces send on is queued, and is the next generation. So a pixel's
-//! rays are traced, and their light is added up, breadth first, nothing recurses, and no ray allocates.
+//! rays are traced, and their light is added up, breadth first, and nothing recurses. Memory is kept from tile to tile.
 
 mod buffers;
 mod follow;
