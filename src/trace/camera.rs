@@ -101,17 +101,25 @@ impl Camera {
     /// From the eye to a place on the screen, in columns from the centre of the first and rows from the centre of the first.
     #[inline]
     fn through(&self, column: f64, row: f64) -> DVec3 {
-        let across = if self.columns > 1 {
+        self.right * self.across(column) + self.up * self.upwards(row) + self.forward
+    }
+
+    #[inline]
+    fn across(&self, column: f64) -> f64 {
+        if self.columns > 1 {
             -0.5 * self.width + self.width * column / f64::from(self.columns - 1)
         } else {
             self.width * column
-        };
-        let upwards = if self.rows > 1 {
+        }
+    }
+
+    #[inline]
+    fn upwards(&self, row: f64) -> f64 {
+        if self.rows > 1 {
             0.5 * self.height - self.height * row / f64::from(self.rows - 1)
         } else {
             0.0 - self.height * row
-        };
-        self.right * across + self.up * upwards + self.forward
+        }
     }
 
     /// The ray through the centre of pixel (i, j). `None` only if the eye or the screen is not finite.
@@ -121,6 +129,12 @@ impl Camera {
         Ray::new(self.eye, self.towards(i, j))
     }
 
+    /// What the rays through the centres of row `j` have in common.
+    #[inline]
+    pub(super) fn row(&self, j: u32) -> Row<'_> {
+        Row { camera: self, upwards: self.up * self.upwards(f64::from(j)) }
+    }
+
     /// The ray of sample `index` of pixel (i, j). A single sample is in the pixel's centre; several are spread evenly over
     /// the square of half a pitch around it. The pitch is W/(columns-1), or W where there is one column: pixels border on
     /// each other, and the outermost reach beyond the screen's edges by half a pitch. With a lens, several samples start all
@@ -128,7 +142,7 @@ impl Camera {
     ///
     /// `None` only if the eye or the screen is not finite.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub fn sample_ray(&self, sampling: Sampling, i: u32, j: u32, index: u32) -> Option<Ray> {
         if sampling.samples <= 1 {
             return self.ray(i, j);
@@ -136,7 +150,8 @@ impl Camera {
         self.spread_ray(sampling, i, j, index)
     }
 
-    fn spread_ray(&self, sampling: Sampling, i: u32, j: u32, index: u32) -> Option<Ray> {
+    /// As [`Camera::sample_ray`], where there are several.
+    pub(super) fn spread_ray(&self, sampling: Sampling, i: u32, j: u32, index: u32) -> Option<Ray> {
         let samples = PixelSamples::new(sampling.seed, i, j);
         let [right, down] = samples.pair(Dimension::Pixel, index).map(|place| place - 0.5);
         let towards = self.through(f64::from(i) + right, f64::from(j) + down);
@@ -190,6 +205,21 @@ impl Camera {
     #[must_use]
     pub fn resolution(&self) -> (u32, u32) {
         (self.columns, self.rows)
+    }
+}
+
+/// A row of pixels.
+pub(super) struct Row<'a> {
+    camera: &'a Camera,
+    upwards: DVec3,
+}
+
+impl Row<'_> {
+    /// As [`Camera::ray`].
+    #[inline(always)]
+    pub(super) fn ray(&self, i: u32) -> Option<Ray> {
+        let Camera { eye, right, forward, .. } = self.camera;
+        Ray::new(*eye, *right * self.camera.across(f64::from(i)) + self.upwards + *forward)
     }
 }
 

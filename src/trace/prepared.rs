@@ -76,6 +76,21 @@ pub struct Closest {
 }
 
 impl Closest {
+    /// Takes another shape into account, and says from which `t` on nothing is of interest any more.
+    #[inline(always)]
+    fn meet(
+        best: &mut Option<Self>,
+        slot: Slot,
+        leaves: &impl Leaves,
+        ray: &Ray,
+        guards: &mut Guards,
+    ) -> f64 {
+        if let Some(hit) = leaves.first_hit(slot, ray, guards) {
+            Self::consider(best, hit, leaves, ray, guards);
+        }
+        best.as_ref().map_or(f64::INFINITY, |best| best.hit.root.latest())
+    }
+
     /// Takes another hit of the ray into account.
     #[inline(always)]
     pub(super) fn consider(
@@ -214,17 +229,12 @@ impl PreparedScene {
     pub(super) fn closest(&self, leaves: &impl Leaves, ray: &Ray, scratch: &mut Scratch) -> Option<Closest> {
         let Scratch { stack, guards, .. } = scratch;
         let mut best: Option<Closest> = None;
-        let mut consider = |slot: Slot| {
-            if let Some(hit) = leaves.first_hit(slot, ray, guards) {
-                Closest::consider(&mut best, hit, leaves, ray, guards);
-            }
-            best.as_ref().map_or(f64::INFINITY, |best| best.hit.root.latest())
-        };
         let mut limit = f64::INFINITY;
         for slot in &self.beside {
-            limit = consider(*slot);
+            limit = Closest::meet(&mut best, *slot, leaves, ray, guards);
         }
-        self.tree.visit_nearest(ray, limit, stack, consider);
+        self.tree
+            .visit_nearest(ray, limit, stack, |slot| Closest::meet(&mut best, slot, leaves, ray, guards));
         best
     }
 

@@ -57,11 +57,12 @@ pub(in crate::trace) struct TileBuffers {
 
 impl TileBuffers {
     pub(super) fn begin<E: Effects>(&mut self, tile: Tile) {
-        self.pixels.clear();
-        self.pixels.resize((tile.width * tile.height) as usize, Rgb::ZERO);
+        let count = (tile.width * tile.height) as usize;
+        self.pixels.resize(count, Rgb::ZERO);
         if E::MIRRORS {
+            self.pixels.fill(Rgb::ZERO);
             self.tree_sizes.clear();
-            self.tree_sizes.resize(self.pixels.len(), 1);
+            self.tree_sizes.resize(count, 1);
         }
         self.scratch.nesting.clear();
     }

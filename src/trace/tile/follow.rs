@@ -25,7 +25,7 @@ impl<L: Leaves> Follower<'_, L> {
     #[inline]
     pub(super) fn follow<E: Effects>(
         &self,
-        mut tree: TreeRay,
+        tree: &mut TreeRay,
         pixel: u32,
         generations: u32,
         buffers: &mut TileBuffers,
@@ -33,20 +33,21 @@ impl<L: Leaves> Follower<'_, L> {
         let scene = self.moment.scene;
         let Some(closest) = scene.closest(self.leaves, &tree.ray, &mut buffers.scratch) else {
             let background = scene.background.towards(tree.ray.direction());
-            self.arrive::<E>(&mut tree, background, f64::INFINITY, pixel, buffers);
+            self.arrive::<E>(tree, background, f64::INFINITY, pixel, buffers);
             return;
         };
         let material = scene.material(closest.hit.slot);
-        if !self.needs_point::<E>(&tree, material) {
-            buffers.pixels[pixel as usize] += tree.throughput * held(ambient(scene, material.ambient));
+        if !self.needs_point::<E>(tree, material) {
+            let light = held(ambient(scene, material.ambient));
+            deposit::<E>(&mut buffers.pixels[pixel as usize], tree.throughput, light);
             return;
         }
         let surface = scene.surface(self.leaves, &tree.ray, &closest, &mut buffers.scratch.guards);
-        let light = self.light::<E>(&tree, &surface, pixel, buffers);
+        let light = self.light::<E>(tree, &surface, pixel, buffers);
         let length = if E::NESTING || E::EXTRAS { surface.distance(&tree.ray) } else { 0.0 };
-        self.arrive::<E>(&mut tree, light, length, pixel, buffers);
+        self.arrive::<E>(tree, light, length, pixel, buffers);
         if E::MIRRORS && scene.material(surface.hit.slot).continues() {
-            self.send_on::<E>(&tree, &surface, pixel, generations, buffers);
+            self.send_on::<E>(tree, &surface, pixel, generations, buffers);
         }
     }
 
@@ -62,11 +63,11 @@ impl<L: Leaves> Follower<'_, L> {
     ) {
         let pixel = &mut buffers.pixels[pixel as usize];
         if !E::NESTING && !E::EXTRAS {
-            *pixel += tree.throughput * light;
+            deposit::<E>(pixel, tree.throughput, light);
             return;
         }
         let passage = tree.passage::<E>(self.moment.scene, &buffers.scratch.nesting, length);
-        *pixel += tree.throughput * passage.of(light);
+        deposit::<E>(pixel, tree.throughput, passage.of(light));
         tree.throughput *= passage.transmitted;
     }
 
@@ -140,6 +141,16 @@ impl<L: Leaves> Follower<'_, L> {
                 beyond.push(queued);
             }
         }
+    }
+}
+
+/// Adds what a ray brings to its pixel. Where no rays go on, it is all that comes to the pixel, and undiminished.
+#[inline(always)]
+fn deposit<E: Effects>(pixel: &mut Rgb, throughput: Rgb, light: Rgb) {
+    if E::MIRRORS {
+        *pixel += throughput * light;
+    } else {
+        *pixel = light;
     }
 }
 

@@ -27,13 +27,17 @@ pub(super) fn render_sample<E: Effects>(
     let follower = Follower { moment, leaves, tile, sample };
     buffers.begin::<E>(tile);
     let mut pixel = 0;
+    let single = moment.sampling.samples <= 1;
     for j in tile.j..tile.j + tile.height {
+        let row = moment.camera.row(j);
         for i in tile.i..tile.i + tile.width {
-            if let Some(ray) = moment.camera.sample_ray(moment.sampling, i, j, sample) {
+            let ray =
+                if single { row.ray(i) } else { moment.camera.spread_ray(moment.sampling, i, j, sample) };
+            if let Some(ray) = ray {
                 let nesting = &mut buffers.scratch.nesting;
                 let inside = if E::NESTING { moment.inside(ray.origin(), nesting) } else { Inside::NONE };
-                let tree = TreeRay::from_camera(ray, moment.scene, inside);
-                follower.follow::<E>(tree, pixel, generations, buffers);
+                let mut tree = TreeRay::from_camera(ray, moment.scene, inside);
+                follower.follow::<E>(&mut tree, pixel, generations, buffers);
             } else {
                 buffers.pixels[pixel as usize] = moment.nowhere();
                 missing += 1;
@@ -48,8 +52,8 @@ pub(super) fn render_sample<E: Effects>(
     while !buffers.next.is_empty() {
         generations -= 1;
         let mut rays = std::mem::replace(&mut buffers.next, std::mem::take(&mut buffers.spare));
-        for queued in rays.drain(..) {
-            follower.follow::<E>(queued.tree, queued.pixel, generations, buffers);
+        for mut queued in rays.drain(..) {
+            follower.follow::<E>(&mut queued.tree, queued.pixel, generations, buffers);
         }
         buffers.spare = rays;
     }
