@@ -31,7 +31,7 @@ use rayreel::components::{
     Ambient, Background, Camera, FilmSettings, Light, LightKind, Material, Quality, Reflective, Shape,
     Transform, View,
 };
-use rayreel::timeline::{Easing, Key, Rotation, Track, slerp};
+use rayreel::timeline::{Ease, Easing, Key, Rotation, Track, slerp};
 use rayreel::{Engine, Film, Rgb, Scene, Time, World, trace};
 
 /// The smallest number, numbers near the ends of what squares can hold, the ends themselves, and what is between.
@@ -465,8 +465,22 @@ fn track(keys: &[(f64, f64, Easing)]) -> Option<Track<f64>> {
     Track::new(keys.iter().map(|&(time, value, easing)| Key { time, value, easing }).collect())
 }
 
-const EASINGS: [Easing; 6] =
-    [Easing::Hold, Easing::Linear, Easing::EaseIn, Easing::EaseOut, Easing::EaseInOut, Easing::Cubic];
+const EASINGS: [Easing; 14] = [
+    Easing::Hold,
+    Easing::Linear,
+    Easing::EaseIn,
+    Easing::EaseOut,
+    Easing::EaseInOut,
+    Easing::In(Ease::Circ),
+    Easing::Out(Ease::Expo),
+    Easing::InOut(Ease::Back),
+    Easing::Out(Ease::Elastic),
+    Easing::Steps(3),
+    Easing::Bezier(0.3, -0.6, 0.7, 1.6),
+    Easing::Cubic,
+    Easing::CatmullRom,
+    Easing::Monotone,
+];
 
 #[test]
 fn keys_at_the_same_time_are_refused_and_neighbouring_instants_are_a_jump() {

@@ -1,50 +1,153 @@
 //! How a segment between two keys is walked.
 
+use super::Ease;
+use super::timing::bezier;
+
 /// How the value moves from one key to the next. It belongs to the key at which the segment starts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+///
+/// All but the last three go straight, and differ in the progress that they have made after a fraction u of the
+/// segment's time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Easing {
     /// Stay at this key's value until the next key.
     Hold,
-    /// Straight and at constant speed.
+    /// At constant speed.
     #[default]
     Linear,
-    /// Straight, starting at rest: u^2.
+    /// Starting at rest: u^2.
     EaseIn,
-    /// Straight, coming to rest: 1 - (1-u)^2.
+    /// Coming to rest: 1 - (1-u)^2.
     EaseOut,
-    /// Straight, starting and coming to rest: 3u^2 - 2u^3.
+    /// Starting and coming to rest: 3u^2 - 2u^3.
     EaseInOut,
-    /// A smooth curve through the keys: cubic Hermite with tangents from the neighbouring keys.
+    /// As the family says: slow at first.
+    In(Ease),
+    /// The same backwards: slow at last.
+    Out(Ease),
+    /// Both, half the way each: slow at first and at last.
+    InOut(Ease),
+    /// So many equal jumps, at the ends of equal shares of the time, the last one at the next key; 0 is taken for 1.
+    Steps(u32),
+    /// The curve from (0, 0) to (1, 1), x being time and y progress, with handles (x1, y1) and (x2, y2), as
+    /// `cubic-bezier` in CSS. Times beyond 0..=1 are held to it; progress may leave it, and then the value swings
+    /// beyond the keys.
+    Bezier(f64, f64, f64, f64),
+    /// A smooth curve through the keys: cubic Hermite with slopes from the neighbouring keys and their times.
     Cubic,
+    /// A smooth curve through the keys that keeps close to the straight way, without loops or cusps: centripetal
+    /// Catmull-Rom.
+    CatmullRom,
+    /// A smooth curve through the keys, each component of which stays between the keys' values.
+    Monotone,
 }
 
 impl Easing {
-    /// Progress along the segment for elapsed fraction `u` in 0..=1. `Cubic` bends the path itself, at even progress.
+    /// Progress along the segment for elapsed fraction `u` in 0..=1: 0 at 0, and 1 at 1 for all but `Hold`. The smooth
+    /// curves bend the path itself, at even progress.
     #[must_use]
     pub fn progress(self, u: f64) -> f64 {
         match self {
             Self::Hold => 0.0,
-            Self::Linear | Self::Cubic => u,
+            // The ends, whatever rounding says.
+            _ if u <= 0.0 => 0.0,
+            _ if u >= 1.0 => 1.0,
+            Self::Linear | Self::Cubic | Self::CatmullRom | Self::Monotone => u,
             Self::EaseIn => u * u,
             Self::EaseOut => u * (2.0 - u),
             Self::EaseInOut => u * u * (3.0 - 2.0 * u),
+            Self::In(ease) => ease.rise(u),
+            Self::Out(ease) => 1.0 - ease.rise(1.0 - u),
+            Self::InOut(ease) if u < 0.5 => 0.5 * ease.half_rise(2.0 * u),
+            Self::InOut(ease) => 1.0 - 0.5 * ease.half_rise(2.0 - 2.0 * u),
+            Self::Steps(count) => {
+                let count = f64::from(count.max(1));
+                (u * count).floor() / count
+            }
+            Self::Bezier(x1, y1, x2, y2) => bezier([x1, y1, x2, y2], u),
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Easing;
+    use super::*;
+
+    /// Those that never go back.
+    fn steady() -> Vec<Easing> {
+        let mut all = vec![Easing::Linear, Easing::EaseIn, Easing::EaseOut, Easing::EaseInOut];
+        all.extend([Easing::Steps(1), Easing::Steps(7), Easing::Bezier(0.25, 0.1, 0.25, 1.0)]);
+        all.extend([Easing::Cubic, Easing::CatmullRom, Easing::Monotone]);
+        let swings = |ease: &Ease| matches!(ease, Ease::Back | Ease::Elastic | Ease::Bounce);
+        for ease in Ease::ALL.into_iter().filter(|ease| !swings(ease)) {
+            all.extend([Easing::In(ease), Easing::Out(ease), Easing::InOut(ease)]);
+        }
+        all
+    }
+
+    fn swinging() -> Vec<Easing> {
+        let mut all = vec![Easing::Bezier(0.3, -0.6, 0.7, 1.6)];
+        for ease in [Ease::Back, Ease::Elastic, Ease::Bounce] {
+            all.extend([Easing::In(ease), Easing::Out(ease), Easing::InOut(ease)]);
+        }
+        all
+    }
+
+    fn walk(easing: Easing) -> Vec<f64> {
+        (0..=1000).map(|step| easing.progress(f64::from(step) / 1000.0)).collect()
+    }
 
     #[test]
     fn every_easing_starts_at_0_and_all_but_hold_end_at_1() {
-        for easing in [Easing::Linear, Easing::EaseIn, Easing::EaseOut, Easing::EaseInOut, Easing::Cubic] {
+        for easing in steady().into_iter().chain(swinging()) {
             assert_eq!(easing.progress(0.0), 0.0, "{easing:?}");
             assert_eq!(easing.progress(1.0), 1.0, "{easing:?}");
-            let steps: Vec<f64> = (0..=100).map(|step| easing.progress(f64::from(step) / 100.0)).collect();
-            assert!(steps.is_sorted(), "{easing:?} never goes back");
         }
         assert_eq!(Easing::Hold.progress(0.999), 0.0);
+    }
+
+    #[test]
+    fn progress_goes_forward_but_for_what_swings() {
+        for easing in steady() {
+            assert!(walk(easing).is_sorted(), "{easing:?}");
+        }
+        for easing in swinging() {
+            assert!(!walk(easing).is_sorted(), "{easing:?}");
+        }
+    }
+
+    /// A thousandth of the time never makes more than a tenth of the way, and the ends are no exception: nothing jumps.
+    #[test]
+    fn progress_is_continuous_up_to_the_ends() {
+        for easing in steady().into_iter().chain(swinging()) {
+            let largest = walk(easing).windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+            assert_eq!(largest < 0.1, !matches!(easing, Easing::Steps(_)), "{easing:?}: {largest}");
+            if matches!(easing, Easing::Steps(_)) {
+                continue;
+            }
+            let (first, last) = (easing.progress(1e-9), easing.progress(f64::next_down(1.0)));
+            assert!(first.abs() < 1e-4 && (last - 1.0).abs() < 1e-7, "{easing:?}: {first} {last}");
+        }
+    }
+
+    #[test]
+    fn out_is_in_backwards_and_in_out_is_its_own_reverse() {
+        for ease in Ease::ALL {
+            for step in 0..=64 {
+                let u = f64::from(step) / 64.0;
+                assert_eq!(Easing::Out(ease).progress(u), 1.0 - Easing::In(ease).progress(1.0 - u));
+                let both = Easing::InOut(ease).progress(u) + Easing::InOut(ease).progress(1.0 - u);
+                assert!((both - 1.0).abs() < 1e-15, "{ease:?} at {u}");
+            }
+            assert!((Easing::InOut(ease).progress(0.5) - 0.5).abs() < 1e-15, "{ease:?}");
+        }
         assert_eq!(Easing::EaseInOut.progress(0.5), 0.5);
+        assert_eq!(Easing::EaseIn.progress(0.3), Easing::In(Ease::Quad).progress(0.3));
+    }
+
+    #[test]
+    fn steps_jump_at_the_ends_of_equal_shares() {
+        let found = [0.1, 0.25, 0.49, 0.5, 0.75, 0.99, 1.0].map(|u| Easing::Steps(4).progress(u));
+        assert_eq!(found, [0.0, 0.25, 0.25, 0.5, 0.75, 0.75, 1.0]);
+        assert_eq!(Easing::Steps(0).progress(0.5), 0.0);
     }
 }

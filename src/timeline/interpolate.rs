@@ -2,16 +2,23 @@
 
 use glam::{DVec3, Vec3};
 
+use super::curve::hermite;
+
 /// A value that can stand between others.
 pub trait Interpolate: Clone {
-    /// The value at fraction `u` in 0..=1 of the straight way. Exactly `from` at 0 and exactly `to` at 1.
+    /// The value at fraction `u` of the straight way, and on beyond its ends for `u` outside 0..=1. Exactly `from` at 0
+    /// and exactly `to` at 1.
     #[must_use]
     fn between(from: &Self, to: &Self, u: f64) -> Self;
 
-    /// `sum weights[i] * values[i]`, where the weights sum to 1: a point of a curve through the values. Summed as
-    /// differences from `values[1]`: between keys that crowd, weights are huge and of opposite sign.
+    /// The straight way from one value to the other; a number's is along x.
     #[must_use]
-    fn blend(values: [&Self; 4], weights: [f64; 4]) -> Self;
+    fn difference(from: &Self, to: &Self) -> DVec3;
+
+    /// The value at fraction `u` in 0..=1 of a smooth curve that leaves `from` and arrives at `to` with these slopes:
+    /// differences that they would make over the whole segment.
+    #[must_use]
+    fn curve(from: &Self, to: &Self, slopes: [DVec3; 2], u: f64) -> Self;
 }
 
 impl Interpolate for f64 {
@@ -19,9 +26,12 @@ impl Interpolate for f64 {
         from * (1.0 - u) + to * u
     }
 
-    fn blend(values: [&Self; 4], weights: [f64; 4]) -> Self {
-        let [a, b, c, d] = values;
-        b + (a - b) * weights[0] + (c - b) * weights[2] + (d - b) * weights[3]
+    fn difference(from: &Self, to: &Self) -> DVec3 {
+        DVec3::new(to - from, 0.0, 0.0)
+    }
+
+    fn curve(from: &Self, to: &Self, slopes: [DVec3; 2], u: f64) -> Self {
+        from + hermite(Self::difference(from, to), slopes, u).x
     }
 }
 
@@ -30,19 +40,31 @@ impl Interpolate for DVec3 {
         *from * (1.0 - u) + *to * u
     }
 
-    fn blend(values: [&Self; 4], weights: [f64; 4]) -> Self {
-        let [a, b, c, d] = values;
-        *b + (*a - *b) * weights[0] + (*c - *b) * weights[2] + (*d - *b) * weights[3]
+    fn difference(from: &Self, to: &Self) -> DVec3 {
+        *to - *from
+    }
+
+    fn curve(from: &Self, to: &Self, slopes: [DVec3; 2], u: f64) -> Self {
+        *from + hermite(*to - *from, slopes, u)
     }
 }
 
-/// Linear light; a curve that dips below zero is cut there.
+/// Linear light; what would swing below zero is cut there.
 impl Interpolate for Vec3 {
     fn between(from: &Self, to: &Self, u: f64) -> Self {
-        DVec3::between(&from.as_dvec3(), &to.as_dvec3(), u).as_vec3()
+        light(DVec3::between(&from.as_dvec3(), &to.as_dvec3(), u))
     }
 
-    fn blend(values: [&Self; 4], weights: [f64; 4]) -> Self {
-        DVec3::blend(values.map(|value| value.as_dvec3()).each_ref(), weights).max(DVec3::ZERO).as_vec3()
+    fn difference(from: &Self, to: &Self) -> DVec3 {
+        to.as_dvec3() - from.as_dvec3()
     }
+
+    fn curve(from: &Self, to: &Self, slopes: [DVec3; 2], u: f64) -> Self {
+        light(DVec3::curve(&from.as_dvec3(), &to.as_dvec3(), slopes, u))
+    }
+}
+
+/// Nearest in single precision, and finite.
+fn light(value: DVec3) -> Vec3 {
+    value.clamp(DVec3::ZERO, DVec3::splat(f64::from(f32::MAX))).as_vec3()
 }

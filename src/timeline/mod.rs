@@ -3,13 +3,27 @@
 //! A [`Track`] answers "what is the value at this second" and remembers nothing between questions. Which component a
 //! track drives is said in [`components::Channel`](crate::components::Channel); when it is asked is the business of
 //! [`systems::animate`](crate::systems::animate).
+//!
+//! ```text
+//! seconds -> Playback: the keys' time -> Track: the segment and the fraction u of it
+//!     -> straight: Easing's progress, Interpolate::between
+//!     -> smooth:   slopes from neighbouring keys, Interpolate::curve
+//! ```
+//!
+//! Only basic operations and libm's functions are used, so that values have the same bits on every platform.
 
+mod curve;
+mod ease;
 mod easing;
 mod interpolate;
+mod playback;
 mod rotation;
+mod timing;
 mod track;
 
+pub use ease::Ease;
 pub use easing::Easing;
 pub use interpolate::Interpolate;
+pub use playback::{Playback, Repeat};
 pub use rotation::{Rotation, slerp};
 pub use track::{Key, Track};

@@ -1,5 +1,7 @@
 //! Rotations: how they are written, and the way between two of them.
 
+use std::f64::consts::TAU;
+
 use glam::{DQuat, DVec3};
 
 use super::Interpolate;
@@ -49,7 +51,8 @@ fn unit(quaternion: DQuat) -> DQuat {
     DQuat::from_xyzw(x, y, z, w).normalize()
 }
 
-/// Spherical linear interpolation between two unit quaternions, the short way, at fraction `u` in 0..=1.
+/// Spherical linear interpolation between two unit quaternions, the short way, at fraction `u`; outside 0..=1 it turns
+/// on beyond the ends.
 ///
 /// Exact at both ends; equal, opposite and sign-flipped rotations are all finite (Shoemake, Animating Rotation with
 /// Quaternion Curves, 1985).
@@ -63,10 +66,10 @@ fn unit(quaternion: DQuat) -> DQuat {
 /// ```
 #[must_use]
 pub fn slerp(from: DQuat, to: DQuat, u: f64) -> DQuat {
-    if u <= 0.0 {
+    if u == 0.0 {
         return from;
     }
-    if u >= 1.0 {
+    if u == 1.0 {
         return to;
     }
     let cosine = from.dot(to);
@@ -81,27 +84,55 @@ pub fn slerp(from: DQuat, to: DQuat, u: f64) -> DQuat {
     unit(from * (libm::sin((1.0 - u) * angle) / sine) + to * (libm::sin(u * angle) / sine))
 }
 
+/// The rotation by a rotation vector: its direction is the axis, its length the angle.
+fn turn(vector: DVec3) -> DQuat {
+    let angle = vector.length();
+    let (sine, cosine) = libm::sincos(0.5 * angle);
+    // Of short vectors the sine is half the length.
+    let ratio = if angle > 1e-9 { sine / angle } else { 0.5 };
+    DQuat::from_vec4((vector * ratio).extend(cosine))
+}
+
+/// The rotation vector of a unit quaternion, at most half a turn long. Of an exact half turn, the sign says which way.
+fn rotation_vector(rotation: DQuat) -> DVec3 {
+    let rotation = if rotation.w < 0.0 { -rotation } else { rotation };
+    let sine = rotation.xyz().length();
+    let ratio = if sine > 1e-9 { 2.0 * libm::atan2(sine, rotation.w) / sine } else { 2.0 };
+    rotation.xyz() * ratio
+}
+
+/// As [`rotation_vector`], but with whole turns more or less, to be as near to `expected` as may be.
+fn rotation_vector_near(rotation: DQuat, expected: DVec3) -> DVec3 {
+    let vector = rotation_vector(rotation);
+    let reference = if vector.length() > 1e-9 { vector } else { expected };
+    let Some(axis) = reference.try_normalize() else {
+        return vector;
+    };
+    vector + axis * (((expected - vector).dot(axis) / TAU).round() * TAU)
+}
+
 impl Interpolate for DQuat {
     fn between(from: &Self, to: &Self, u: f64) -> Self {
         slerp(*from, *to, u)
     }
 
-    /// Blends on the side of the second value's hemisphere and returns to unit length.
-    fn blend(values: [&Self; 4], weights: [f64; 4]) -> Self {
-        let mut previous = *values[1];
-        let mut near = |value: Self| {
-            let aligned = if previous.dot(value) < 0.0 { -value } else { value };
-            previous = aligned;
-            aligned
-        };
-        let start = near(*values[1]);
-        let end = near(*values[2]);
-        let after = near(*values[3]);
-        let before = if start.dot(*values[0]) < 0.0 { -*values[0] } else { *values[0] };
-        let sum =
-            start + (before - start) * weights[0] + (end - start) * weights[2] + (after - start) * weights[3];
-        // Opposite rotations may cancel; the straight way never does.
-        if sum.length_squared() < 1e-6 { slerp(start, end, weights[2] + weights[3]) } else { unit(sum) }
+    /// The short way as a rotation vector, in the own axes, which are the same ones at both ends of it.
+    fn difference(from: &Self, to: &Self) -> DVec3 {
+        rotation_vector(from.conjugate() * *to)
+    }
+
+    /// Three turns about fixed axes after one another: off with the first slope, over, and into the last slope (Kim,
+    /// Kim, Shin, A General Construction Scheme for Unit Quaternion Curves with Simple High Order Derivatives, 1995).
+    /// About a single axis this is cubic Hermite of the angle.
+    fn curve(from: &Self, to: &Self, [start, end]: [DVec3; 2], u: f64) -> Self {
+        let (off, into) = (start / 3.0, end / 3.0);
+        let over = rotation_vector_near(
+            turn(-off) * from.conjugate() * *to * turn(-into),
+            Self::difference(from, to) - off - into,
+        );
+        let rest = 1.0 - u;
+        let (first, second, third) = (1.0 - rest * rest * rest, u * u * (3.0 - 2.0 * u), u * u * u);
+        unit(*from * turn(off * first) * turn(over * second) * turn(into * third))
     }
 }
 
