@@ -4,7 +4,7 @@
 
 use rayreel::components::{
     AreaShape, Background, Camera, Checker, Falloff, Fog, Light, LightKind, Name, Noise, Quality, Refractive,
-    Sampling,
+    Sampling, Transform,
 };
 use rayreel::{Engine, Rgb, Scene, World};
 
@@ -149,4 +149,33 @@ fn what_is_clear_changes_over_time_and_stays_in_range() {
     let held = at(3, "lens");
     assert_eq!((held.k_t, held.ior, held.absorption), (1.0, Refractive::LARGEST_IOR, Rgb::ZERO));
     assert_eq!(at(4, "pane").ior, 2.0);
+}
+
+#[test]
+fn tracks_ease_repeat_shift_and_scale_as_written() {
+    let mut engine = Engine::from_scene(scene(
+        r#"timeline: (fps: 4, duration: 10), film: (width: 1, height: 1),
+        entities: [(name: "eased"), (name: "looped"), (name: "turning"), (name: "late")],
+        animate: [
+            (target: "eased", channel: Translation, track: Keys([
+                (0, (0, 0, 0), InCubic), (1, (8, 0, 0), Steps(2)), (2, (0, 0, 0), Bezier(0.5, 0.5, 0.5, 0.5)),
+                (3, (8, 0, 0), CatmullRom), (4, (8, 8, 0), Monotone), (5, (8, 8, 8)),
+            ])),
+            (target: "looped", channel: Translation, track: Keys([(0, (0, 0, 0)), (2, (8, 0, 0))]), repeat: Loop),
+            (repeat: PingPong, target: "turning", channel: Translation, track: Keys([(1, (0, 0, 0)), (2, (8, 0, 0))])),
+            (target: "late", channel: Translation, track: Keys([(0, (0, 0, 0)), (2, (8, 0, 0))]), offset: 1, speed: -0.5,
+                repeat: Loop),
+        ]"#,
+    ));
+    let mut x = |frame: u32, name: &str| {
+        engine.render_frame(frame).unwrap();
+        of::<Transform>(engine.world(), name).unwrap().translation.x
+    };
+    let eased = [(2, 1.0), (4, 8.0), (5, 8.0), (6, 4.0), (9, 2.0), (12, 8.0), (20, 8.0)];
+    for (frame, expected) in eased {
+        assert!((x(frame, "eased") - expected).abs() < 1e-14, "frame {frame}");
+    }
+    assert_eq!([0, 7, 8, 9, 36].map(|frame| x(frame, "looped")), [0.0, 7.0, 0.0, 1.0, 4.0]);
+    assert_eq!([0, 4, 7, 8, 9, 12].map(|frame| x(frame, "turning")), [8.0, 0.0, 6.0, 8.0, 6.0, 0.0]);
+    assert_eq!([0, 4, 8, 12, 20].map(|frame| x(frame, "late")), [2.0, 0.0, 6.0, 4.0, 0.0]);
 }

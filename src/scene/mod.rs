@@ -17,6 +17,7 @@ mod document;
 mod lines;
 mod load;
 mod parse;
+mod playback;
 pub mod reference;
 mod spans;
 mod spawn;

@@ -11,8 +11,9 @@ mod tests {
         AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument, ChannelDocument,
         CheckerDocument, EasingDocument, EntityDocument, FilmDocument, FogDocument, LensDocument,
         LightDocument, MaterialDocument, NoiseDocument, QualityDocument, ReflectiveDocument,
-        RefractiveDocument, RotationDocument, SamplingDocument, SceneDocument, ScreenDocument, ShapeDocument,
-        SpecularDocument, TimelineDocument, TrackDocument, TransferDocument, TransformDocument, Triple,
+        RefractiveDocument, RepeatDocument, RotationDocument, SamplingDocument, SceneDocument,
+        ScreenDocument, ShapeDocument, SpecularDocument, TimelineDocument, TrackDocument, TransferDocument,
+        TransformDocument, Triple,
     };
     use crate::scene::parse::options;
 
@@ -136,6 +137,7 @@ mod tests {
         check_variants::<ChannelDocument>("Channel", all);
         check_variants::<EasingDocument>("Easing", all);
         check_variants::<TrackDocument<Triple>>("Track", all);
+        check_variants::<RepeatDocument>("Repeat", all);
         for (variant, inside) in check_variants::<ShapeDocument>("Shape", all).variants {
             assert_eq!(inside, known::<ShapeDocument>(&format!("{variant}(nobody_knows: 0)")).join(", "));
         }

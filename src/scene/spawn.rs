@@ -10,10 +10,11 @@ use hecs::{Entity, EntityBuilder, World};
 use super::Scene;
 use super::document::{
     AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument, ChannelDocument, ColorDocument,
-    EasingDocument, EntityDocument, FilmDocument, LightDocument, MaterialDocument, NoiseDocument,
-    QualityDocument, RotationDocument, SamplingDocument, ScaleDocument, SceneDocument, ShapeDocument,
-    TimelineDocument, TrackDocument, TracksDocument, TransferDocument, TransformDocument, Triple,
+    EntityDocument, FilmDocument, LightDocument, MaterialDocument, NoiseDocument, QualityDocument,
+    RotationDocument, SamplingDocument, ScaleDocument, SceneDocument, ShapeDocument, TimelineDocument,
+    TrackDocument, TracksDocument, TransferDocument, TransformDocument, Triple,
 };
+use super::playback::{easing, playback};
 use crate::color::{Rgb, Transfer};
 use crate::components::{
     Ambient, Animated, AreaShape, Background, Camera, Channel, Checker, Falloff, FilmSettings, Fog, Lens,
@@ -21,7 +22,7 @@ use crate::components::{
     Sampling, Shape, Specular, Transform, View, WorldTransform,
 };
 use crate::time::{FrameRate, Timeline};
-use crate::timeline::{Easing, Interpolate, Key, Rotation, Track};
+use crate::timeline::{Interpolate, Key, Playback, Rotation, Track};
 
 /// What a material of the file gives to the entities made of it.
 #[derive(Clone, Copy, Debug)]
@@ -333,56 +334,58 @@ fn animated(
 
 fn channel(animation: &AnimationDocument, transfer: Transfer) -> Option<Channel> {
     use ChannelDocument as Kind;
+    let playback = playback(animation);
     Some(match (animation.channel, &animation.track) {
-        (Kind::Ka, TracksDocument::Number(keys)) => Channel::Ka(track(keys, |value| *value)?),
-        (Kind::Kd, TracksDocument::Number(keys)) => Channel::Kd(track(keys, |value| *value)?),
-        (Kind::Ks, TracksDocument::Number(keys)) => Channel::Ks(track(keys, |value| *value)?),
-        (Kind::Shininess, TracksDocument::Number(keys)) => Channel::Shininess(track(keys, |value| *value)?),
-        (Kind::Kr, TracksDocument::Number(keys)) => Channel::Kr(track(keys, |value| *value)?),
-        (Kind::Kt, TracksDocument::Number(keys)) => Channel::Kt(track(keys, |value| *value)?),
-        (Kind::Ior, TracksDocument::Number(keys)) => Channel::Ior(track(keys, |value| *value)?),
+        (Kind::Ka, TracksDocument::Number(keys)) => Channel::Ka(track(keys, playback, |value| *value)?),
+        (Kind::Kd, TracksDocument::Number(keys)) => Channel::Kd(track(keys, playback, |value| *value)?),
+        (Kind::Ks, TracksDocument::Number(keys)) => Channel::Ks(track(keys, playback, |value| *value)?),
+        (Kind::Shininess, TracksDocument::Number(keys)) => {
+            Channel::Shininess(track(keys, playback, |value| *value)?)
+        }
+        (Kind::Kr, TracksDocument::Number(keys)) => Channel::Kr(track(keys, playback, |value| *value)?),
+        (Kind::Kt, TracksDocument::Number(keys)) => Channel::Kt(track(keys, playback, |value| *value)?),
+        (Kind::Ior, TracksDocument::Number(keys)) => Channel::Ior(track(keys, playback, |value| *value)?),
         (Kind::Absorption, TracksDocument::Vector(keys)) => {
-            Channel::Absorption(track(keys, |value| rgb(*value))?)
+            Channel::Absorption(track(keys, playback, |value| rgb(*value))?)
         }
-        (Kind::Scale, TracksDocument::Scale(keys)) => Channel::Scale(track(keys, |value| scale(*value))?),
+        (Kind::Scale, TracksDocument::Scale(keys)) => {
+            Channel::Scale(track(keys, playback, |value| scale(*value))?)
+        }
         (Kind::Rotation, TracksDocument::Rotation(keys)) => {
-            Channel::Rotation(track(keys, |value| rotation(*value))?)
+            Channel::Rotation(track(keys, playback, |value| rotation(*value))?)
         }
-        (Kind::Color, TracksDocument::Color(keys)) => Channel::Color(track(keys, decoded(transfer))?),
+        (Kind::Color, TracksDocument::Color(keys)) => {
+            Channel::Color(track(keys, playback, decoded(transfer))?)
+        }
         (Kind::AmbientColor, TracksDocument::Color(keys)) => {
-            Channel::AmbientColor(track(keys, decoded(transfer))?)
+            Channel::AmbientColor(track(keys, playback, decoded(transfer))?)
         }
         (Kind::Intensity, TracksDocument::Vector(keys)) => {
-            Channel::Intensity(track(keys, |value| rgb(*value))?)
+            Channel::Intensity(track(keys, playback, |value| rgb(*value))?)
         }
-        (Kind::Translation, TracksDocument::Vector(keys)) => Channel::Translation(track(keys, vector)?),
-        (Kind::Direction, TracksDocument::Vector(keys)) => Channel::Direction(track(keys, vector)?),
-        (Kind::Position, TracksDocument::Vector(keys)) => Channel::Position(track(keys, vector)?),
-        (Kind::Target, TracksDocument::Vector(keys)) => Channel::Target(track(keys, vector)?),
+        (Kind::Translation, TracksDocument::Vector(keys)) => {
+            Channel::Translation(track(keys, playback, vector)?)
+        }
+        (Kind::Direction, TracksDocument::Vector(keys)) => Channel::Direction(track(keys, playback, vector)?),
+        (Kind::Position, TracksDocument::Vector(keys)) => Channel::Position(track(keys, playback, vector)?),
+        (Kind::Target, TracksDocument::Vector(keys)) => Channel::Target(track(keys, playback, vector)?),
         // The reader of the file pairs channels with their kind of track.
         _ => return None,
     })
 }
 
-fn track<D, T: Interpolate>(document: &TrackDocument<D>, value: impl Fn(&D) -> T) -> Option<Arc<Track<T>>> {
+fn track<D, T: Interpolate>(
+    document: &TrackDocument<D>,
+    playback: Playback,
+    value: impl Fn(&D) -> T,
+) -> Option<Arc<Track<T>>> {
     let TrackDocument::Keys(keys) = document;
     let key = |key: &super::document::KeyDocument<D>| Key {
         time: key.time,
         value: value(&key.value),
         easing: easing(key.easing),
     };
-    Track::new(keys.iter().map(key).collect()).map(Arc::new)
-}
-
-fn easing(document: EasingDocument) -> Easing {
-    match document {
-        EasingDocument::Hold => Easing::Hold,
-        EasingDocument::Linear => Easing::Linear,
-        EasingDocument::EaseIn => Easing::EaseIn,
-        EasingDocument::EaseOut => Easing::EaseOut,
-        EasingDocument::EaseInOut => Easing::EaseInOut,
-        EasingDocument::Cubic => Easing::Cubic,
-    }
+    Track::new(keys.iter().map(key).collect()).map(|track| Arc::new(track.played(playback)))
 }
 
 fn vector(document: &Triple) -> DVec3 {

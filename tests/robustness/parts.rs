@@ -238,8 +238,20 @@ fn effort() -> impl Strategy<Value = (String, String)> {
 }
 
 fn keys(value: impl Strategy<Value = String>) -> impl Strategy<Value = String> {
-    let easing =
-        prop::sample::select(vec!["Hold", "Linear", "EaseIn", "EaseOut", "EaseInOut", "Cubic", "Cubic"]);
+    let easing = prop::sample::select(vec![
+        "Hold",
+        "Linear",
+        "EaseInOut",
+        "OutExpo",
+        "InOutBack",
+        "InElastic",
+        "OutBounce",
+        "Steps(3)",
+        "Bezier(1, -1000, 0, 1000)",
+        "Cubic",
+        "CatmullRom",
+        "Monotone",
+    ]);
     let gap =
         prop_oneof![6 => 0.1..1.0f64, 1 => prop::sample::select(vec![5e-324, 1e-300, 1e-16, 1e-9, 1e9])];
     prop::collection::vec((gap, value, easing), 1..5).prop_map(|keys| {
@@ -257,7 +269,13 @@ fn animation() -> impl Strategy<Value = String> {
     let of = |targets: &'static str, channel: &'static str, keys: BoxedStrategy<String>| {
         (0..6u32, keys).prop_map(move |(index, keys)| {
             let target = targets.replace('#', &index.to_string());
-            format!("({target}, channel: {channel}, track: {keys})")
+            let played = match index {
+                1 => ", repeat: Loop",
+                2 => ", repeat: PingPong, speed: -1e60",
+                3 => ", repeat: Loop, offset: 0.3, speed: 7",
+                _ => "",
+            };
+            format!("({target}, channel: {channel}, track: {keys}{played})")
         })
     };
     let (entity, camera, material) = ("target: \"e#\"", "target: \"camera\"", "material: \"m#\"");

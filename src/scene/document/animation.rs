@@ -14,6 +14,9 @@ pub(crate) struct AnimationDocument {
     pub(crate) material: Option<String>,
     pub(crate) channel: ChannelDocument,
     pub(crate) track: TracksDocument,
+    pub(crate) repeat: RepeatDocument,
+    pub(crate) offset: f64,
+    pub(crate) speed: f64,
 }
 
 /// Which value moves.
@@ -65,7 +68,7 @@ pub(crate) struct KeyDocument<T> {
 }
 
 /// How to get from a key to the next.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(rename = "Easing")]
 pub(crate) enum EasingDocument {
     Hold,
@@ -74,11 +77,56 @@ pub(crate) enum EasingDocument {
     EaseIn,
     EaseOut,
     EaseInOut,
+    InSine,
+    OutSine,
+    InOutSine,
+    InQuad,
+    OutQuad,
+    InOutQuad,
+    InCubic,
+    OutCubic,
+    InOutCubic,
+    InQuart,
+    OutQuart,
+    InOutQuart,
+    InQuint,
+    OutQuint,
+    InOutQuint,
+    InExpo,
+    OutExpo,
+    InOutExpo,
+    InCirc,
+    OutCirc,
+    InOutCirc,
+    InBack,
+    OutBack,
+    InOutBack,
+    InElastic,
+    OutElastic,
+    InOutElastic,
+    InBounce,
+    OutBounce,
+    InOutBounce,
+    Steps(u64),
+    Bezier(f64, f64, f64, f64),
     Cubic,
+    CatmullRom,
+    Monotone,
+}
+
+/// How a track goes on beyond its keys.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename = "Repeat")]
+pub(crate) enum RepeatDocument {
+    #[default]
+    Clamp,
+    Loop,
+    PingPong,
 }
 
 impl AnimationDocument {
-    pub(crate) const FIELDS: &'static [&'static str] = &["target", "material", "channel", "track"];
+    pub(crate) const FIELDS: &'static [&'static str] =
+        &["target", "material", "channel", "track", "repeat", "offset", "speed"];
 }
 
 /// By hand, because what may stand in `track` depends on `channel`.
@@ -93,6 +141,9 @@ impl<'de> Deserialize<'de> for AnimationDocument {
             Material,
             Channel,
             Track,
+            Repeat,
+            Offset,
+            Speed,
         }
 
         impl<'de> Visitor<'de> for AnimationVisitor {
@@ -106,12 +157,16 @@ impl<'de> Deserialize<'de> for AnimationDocument {
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<AnimationDocument, A::Error> {
                 let (mut target, mut material, mut channel, mut track) = (None, None, None, None);
+                let (mut repeat, mut offset, mut speed) = (None, None, None);
                 while let Some(field) = map.next_key()? {
                     let twice = match field {
                         Field::Target => target.is_some().then_some("target"),
                         Field::Material => material.is_some().then_some("material"),
                         Field::Channel => channel.is_some().then_some("channel"),
                         Field::Track => track.is_some().then_some("track"),
+                        Field::Repeat => repeat.is_some().then_some("repeat"),
+                        Field::Offset => offset.is_some().then_some("offset"),
+                        Field::Speed => speed.is_some().then_some("speed"),
                     };
                     if let Some(name) = twice {
                         return Err(A::Error::duplicate_field(name));
@@ -128,11 +183,16 @@ impl<'de> Deserialize<'de> for AnimationDocument {
                             };
                             track = Some(tracks(channel, &mut map)?);
                         }
+                        Field::Repeat => repeat = Some(map.next_value::<RepeatDocument>()?),
+                        Field::Offset => offset = Some(map.next_value::<f64>()?),
+                        Field::Speed => speed = Some(map.next_value::<f64>()?),
                     }
                 }
                 let channel = channel.ok_or_else(|| A::Error::missing_field("channel"))?;
                 let track = track.ok_or_else(|| A::Error::missing_field("track"))?;
-                Ok(AnimationDocument { target, material, channel, track })
+                let (repeat, offset) = (repeat.unwrap_or_default(), offset.unwrap_or(0.0));
+                let speed = speed.unwrap_or(1.0);
+                Ok(AnimationDocument { target, material, channel, track, repeat, offset, speed })
             }
         }
 

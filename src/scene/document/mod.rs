@@ -7,7 +7,8 @@ mod settings;
 mod values;
 
 pub(super) use animation::{
-    AnimationDocument, ChannelDocument, EasingDocument, KeyDocument, TrackDocument, TracksDocument,
+    AnimationDocument, ChannelDocument, EasingDocument, KeyDocument, RepeatDocument, TrackDocument,
+    TracksDocument,
 };
 pub(super) use entity::{
     AreaShapeDocument, EntityDocument, LightDocument, MaterialDocument, RotationDocument, ShapeDocument,

@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use super::entities::{CAMERA, rotation, scale};
 use super::{At, Named, Problems, check};
 use crate::scene::document::{
-    AnimationDocument, ChannelDocument, EntityDocument, LightDocument, MaterialDocument, SceneDocument,
-    TrackDocument, TracksDocument,
+    AnimationDocument, ChannelDocument, EasingDocument, EntityDocument, LightDocument, MaterialDocument,
+    SceneDocument, TrackDocument, TracksDocument,
 };
 
 pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut Problems) {
@@ -27,6 +27,16 @@ pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut 
         }
         self::target(document, &entities, animation, &at, problems);
         self::tracks(animation, &at.field("track"), problems);
+        playback(animation, &at, problems);
+    }
+}
+
+fn playback(animation: &AnimationDocument, at: &At<'_>, problems: &mut Problems) {
+    check::number(animation.offset, &at.field("offset"), problems);
+    let at = at.field("speed");
+    if check::number(animation.speed, &at, problems) && animation.speed == 0.0 {
+        let help = "2 plays at double speed, 0.5 at half of it, -1 backwards";
+        problems.add(&at, "at a speed of 0 nothing moves", "zero", help);
     }
 }
 
@@ -246,5 +256,36 @@ fn keys<T>(
             previous = key.time;
         }
         value(&key.value, &at.index(1), problems);
+        easing(key.easing, &at.index(2), problems);
+    }
+}
+
+fn easing(easing: EasingDocument, at: &At<'_>, problems: &mut Problems) {
+    /// So that values stay far from overflow.
+    const FARTHEST: f64 = 1000.0;
+    match easing {
+        EasingDocument::Steps(count) => {
+            let help = "write how many equal jumps to make, as Steps(8)";
+            check::count(count, u32::MAX, "the number of steps", help, &at.index(0), problems);
+        }
+        EasingDocument::Bezier(x1, y1, x2, y2) => {
+            for (index, x) in [(0, x1), (2, x2)] {
+                if !(0.0..=1.0).contains(&x) {
+                    let message = format!("a handle's time must be from 0 to 1, not {x}");
+                    let help =
+                        "write Bezier(x1, y1, x2, y2), x being shares of the time, as in cubic-bezier of CSS";
+                    problems.add(&at.index(index), message, "out of range", help);
+                }
+            }
+            for (index, y) in [(1, y1), (3, y2)] {
+                if !(-FARTHEST..=FARTHEST).contains(&y) {
+                    let message =
+                        format!("a handle's progress must be from -{FARTHEST} to {FARTHEST}, not {y}");
+                    let help = "0 is at this key, 1 at the next; a little below or above swings beyond them";
+                    problems.add(&at.index(index), message, "out of range", help);
+                }
+            }
+        }
+        _ => {}
     }
 }
