@@ -6,6 +6,7 @@ use super::contribution::Brightest;
 use super::effects::Effects;
 use super::media::{Inside, Nesting};
 use super::moment::Moment;
+use super::shade::to_f32;
 use super::surroundings::Passage;
 use super::{Boundary, PreparedScene, Ray, Refraction, Surface};
 use crate::color::Rgb;
@@ -183,9 +184,4 @@ impl Refracted {
 /// d - 2 (d.N) N.
 fn mirrored(direction: DVec3, normal: DVec3) -> DVec3 {
     direction - normal * (2.0 * direction.dot(normal))
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "colour is f32")]
-fn to_f32(value: f64) -> f32 {
-    value as f32
 }

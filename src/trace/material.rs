@@ -3,6 +3,7 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::Surface;
+use super::shapes::inverse;
 use crate::color::Rgb;
 
 /// How a slot's surface answers light.
@@ -144,11 +145,4 @@ impl Squares {
         let square = |place: f64| (place / self.size).floor();
         (square(x) + square(y)).rem_euclid(2.0) == 1.0
     }
-}
-
-/// By a power of two into the middle of the range first: a determinant is a product of three lengths.
-fn inverse(matrix: DMat3) -> DMat3 {
-    let largest = matrix.to_cols_array().into_iter().fold(0.0, |largest: f64, part| largest.max(part.abs()));
-    let scale = libm::ldexp(1.0, -libm::ilogb(largest).clamp(-1000, 1000));
-    (matrix * scale).inverse() * scale
 }

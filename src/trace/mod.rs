@@ -18,13 +18,13 @@
 //! [plan](crate::systems::Plan) says. What an effect computes does not depend on which others are compiled in, so that the
 //! planned kernel, the full one and the reference path make the same bits.
 //!
-//! Absent effects cost next to nothing: planned kernels take 2.4 % (ambient) and 4.3 % (diffuse) more instructions than minimal
+//! Absent effects cost next to nothing: planned kernels take 3.7 % (ambient) and 4.3 % (diffuse) more instructions than minimal
 //! ones, written in `benches/effects` for just that. The full one is beside them, in million instructions for a frame of 480 x 270 (`benches/instructions`), and in milliseconds on one thread
 //! (`cargo bench --bench effects`):
 //!
 //! | | minimal | planned | full | milliseconds |
 //! |---|---|---|---|---|
-//! | ambient light only | 198.9 | 203.6 | 213.1 | 20.9 |
+//! | ambient light only | 196.4 | 203.6 | 213.1 | 20.9 |
 //! | point lights without shadows |  | 282.0 | 357.6 | 30.0 |
 //! | point lights with shadows | 500.6 | 522.4 | 633.5 | 59.7 |
 //! | highlights |  | 620.8 | 702.2 | 83.5 |

@@ -70,6 +70,6 @@ pub(super) fn length(vector: DVec3) -> f64 {
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "colour is f32")]
-fn to_f32(value: f64) -> f32 {
+pub(super) fn to_f32(value: f64) -> f32 {
     value as f32
 }

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::shade::to_f32;
 use crate::color::Rgb;
 
 /// What a ray sees that meets nothing.
@@ -91,11 +92,6 @@ pub(super) fn transmittance(absorption: Rgb, length: f64) -> Rgb {
 /// exp(-coefficient length); 1 where the coefficient is 0, however long the way is.
 fn share(coefficient: f64, length: f64) -> f32 {
     if coefficient == 0.0 { 1.0 } else { to_f32(libm::exp(-coefficient * length)) }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "colour is f32")]
-fn to_f32(value: f64) -> f32 {
-    value as f32
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use hecs::{Entity, World};
 use super::order::order_newcomers;
 use super::{Changes, Plan};
 use crate::components::{
-    Ambient, FilmSettings, Light, Material, Noise, Order, Quality, Sampling, Shape, WorldTransform,
+    Ambient, Checker, FilmSettings, Light, Material, Noise, Order, Quality, Sampling, Shape, WorldTransform,
 };
 use crate::time::Time;
 use crate::trace::{self, Geometry, Precision, PreparedScene, Slot};
@@ -108,7 +108,10 @@ impl Preparation {
             *self = Self::of(world);
             return true;
         };
-        let repainted = changes.materials().iter().chain(moved);
+        // Squares move with what they are on.
+        let checkered: Vec<Entity> =
+            moved.iter().copied().filter(|entity| world.satisfies::<&Checker>(*entity)).collect();
+        let repainted = changes.materials().iter().chain(&checkered);
         let materials = repainted.filter_map(|entity| {
             let slot = self.slots.get(*entity)?;
             Some((slot, surface_material(world.query_one_mut::<Surfaced<'_>>(*entity).ok()?)))

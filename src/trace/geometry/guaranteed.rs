@@ -87,7 +87,7 @@ impl Leaves for Geometry {
         self.exactly_before(hit, ray, limit)
     }
 
-    #[inline(never)]
+    #[inline]
     fn refined(&self, ray: &Ray, hit: &Hit, guards: &mut Guards) -> Refined {
         let (origin, direction, t) = (ray.origin(), ray.direction(), hit.root.t());
         if hit.far {

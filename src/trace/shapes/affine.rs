@@ -38,14 +38,7 @@ struct Map {
 
 impl Map {
     fn new(forward: DAffine3) -> Self {
-        // By a power of two into the middle of the range first: a determinant is a product of three lengths.
-        let largest = forward
-            .matrix3
-            .to_cols_array()
-            .into_iter()
-            .fold(0.0, |largest: f64, part| largest.max(part.abs()));
-        let scale = libm::ldexp(1.0, -libm::ilogb(largest).clamp(-1000, 1000));
-        let inverse = (forward.matrix3 * scale).inverse() * scale;
+        let inverse = inverse(forward.matrix3);
         let norm = |matrix: DMat3| matrix.x_axis.length() + matrix.y_axis.length() + matrix.z_axis.length();
         let mut condition = norm(forward.matrix3) * norm(inverse);
         // Where all digits are lost the inverse is none, and says nothing of the condition.
@@ -113,6 +106,13 @@ impl Map {
             reach * (1.0 + PAD) + self.forward.translation.abs() * PAD,
         ))
     }
+}
+
+/// A rounded inverse. By a power of two into the middle of the range first: a determinant is a product of three lengths.
+pub(in crate::trace) fn inverse(matrix: DMat3) -> DMat3 {
+    let largest = matrix.to_cols_array().into_iter().fold(0.0, |largest: f64, part| largest.max(part.abs()));
+    let scale = libm::ldexp(1.0, -libm::ilogb(largest).clamp(-1000, 1000));
+    (matrix * scale).inverse() * scale
 }
 
 /// An inverse with a hundred bits, by two Newton steps X + X (1 - M X) from a rounded one.

@@ -22,6 +22,7 @@ mod sphere;
 
 use super::Root;
 
+pub(in crate::trace) use affine::inverse;
 pub use affine::{BoxImage, SphereImage};
 pub use aligned_box::AlignedBox;
 pub use plane::Plane;
