@@ -9,8 +9,8 @@ use proptest::test_runner::RngSeed;
 
 use rayreel::components::{
     Ambient, Animated, AreaShape, Background, Camera, Channel, Checker, Falloff, FilmSettings, Fog, Lens,
-    Light, LightKind, Material, Projection, Quality, Reflective, Refractive, Sampling, Shape, Specular,
-    Transform, View,
+    Light, LightKind, Material, Projection, Property, Quality, Reflective, Refractive, Sampling, Shape,
+    Specular, Transform, View,
 };
 use rayreel::timeline::{Easing, Key, Track};
 use rayreel::{Engine, Film, Rgb, Time, World};
@@ -173,7 +173,9 @@ fn world(
         if effects.motion {
             let key = |time, value| Key { time, value, easing: Easing::Linear };
             let track = Track::new(vec![key(0.0, thing.transform.translation), key(1.0, thing.later)]);
-            world.insert_one(entity, Animated(vec![Channel::Translation(track.unwrap().into())])).unwrap();
+            world
+                .insert_one(entity, Animated(vec![Channel::new(Property::Translation, track.unwrap())]))
+                .unwrap();
         }
     }
     for (light, transform) in lights.iter().filter(|_| effects.lights) {

@@ -5,8 +5,8 @@
 use glam::{DQuat, DVec3};
 
 use rayreel::components::{
-    Animated, Camera, Channel, FilmSettings, Light, LightKind, Material, Name, Order, Parent, Sampling,
-    Shape, Transform, WorldTransform,
+    Animated, Camera, Channel, FilmSettings, Light, LightKind, Material, Name, Order, Parent, Property,
+    Sampling, Shape, Transform, WorldTransform,
 };
 use rayreel::timeline::{Easing, Key, Track};
 use rayreel::{Context, Engine, Entity, Film, Rgb, Step, Time, World};
@@ -136,7 +136,7 @@ fn steps_see_tracks_at_their_own_time() {
     let track = Track::new(vec![key(0.0, 0.0), key(10.0, 10.0)]).unwrap();
     let (shape, material, transform) = ball(DVec3::ZERO);
     let leader =
-        world.spawn((shape, material, transform, Animated(vec![Channel::Translation(track.into())])));
+        world.spawn((shape, material, transform, Animated(vec![Channel::new(Property::Translation, track)])));
     let follower = world.spawn(ball(DVec3::new(0.0, 3.0, 0.0)));
     let mut engine = Engine::new(world);
     engine.add_stepped_system(Step::per_second(10), move |context| {
@@ -185,7 +185,8 @@ fn children_follow_their_parents_and_only_what_moves_is_read_again() {
     let mut world = stage();
     let key = |time, x| Key { time, value: DVec3::new(x, 0.0, 0.0), easing: Easing::Linear };
     let track = Track::new(vec![key(0.0, 0.0), key(1.0, 1.0)]).unwrap();
-    let parent = world.spawn((Transform::IDENTITY, Animated(vec![Channel::Translation(track.into())])));
+    let parent =
+        world.spawn((Transform::IDENTITY, Animated(vec![Channel::new(Property::Translation, track)])));
     let arm = world.spawn((Transform::from_translation(DVec3::Y), Parent(parent)));
     let (shape, material, transform) = ball(DVec3::new(0.0, 1.0, 0.0));
     let hand = world.spawn((shape, material, transform, Parent(arm), Name("hand".to_owned()), Order(7)));
@@ -283,8 +284,12 @@ fn entities_that_are_each_others_parents_stay_where_they_are() {
         let key = |time, x| Key { time, value: DVec3::new(x, 0.0, 0.0), easing: Easing::Linear };
         let track = Track::new(vec![key(0.0, 0.0), key(10.0, 10.0)]).unwrap();
         let (shape, material, transform) = ball(DVec3::ZERO);
-        let mover =
-            world.spawn((shape, material, transform, Animated(vec![Channel::Translation(track.into())])));
+        let mover = world.spawn((
+            shape,
+            material,
+            transform,
+            Animated(vec![Channel::new(Property::Translation, track)]),
+        ));
         let first = world.spawn(ball(DVec3::new(1.0, 2.0, 0.0)));
         let second = world.spawn(ball(DVec3::new(2.0, -2.0, 0.0)));
         let third = world.spawn(ball(DVec3::new(0.0, 1.5, 0.0)));
@@ -303,7 +308,7 @@ fn frames_do_not_depend_on_what_a_system_did_to_the_shutter_before() {
     let key = |time, value| Key { time, value, easing: Easing::Linear };
     let track = Track::new(vec![key(0.0, DVec3::ZERO), key(1.0, DVec3::X * 5.0)]).unwrap();
     let mut world = World::new();
-    let moving = Animated(vec![Channel::Translation(track.into())]);
+    let moving = Animated(vec![Channel::new(Property::Translation, track)]);
     world.spawn((Shape::Sphere { radius: 1.0 }, CLAY, Transform::default(), moving));
     world.spawn((Light::new(LightKind::Point, Rgb::ONE), Transform::from_translation(DVec3::splat(9.0))));
     world.spawn((Camera { shutter: Some(0.5), ..Camera::default() },));

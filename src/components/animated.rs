@@ -4,48 +4,77 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
+use super::Property;
 use crate::color::Rgb;
-use crate::timeline::Track;
+use crate::timeline::{Track, Value};
 
-/// The tracks that drive this entity's values.
+/// The motions that drive this entity's values, in the order in which they are applied.
 #[derive(Clone, Debug, Default)]
 pub struct Animated(pub Vec<Channel>);
 
-/// A value of an entity that a track can drive, with the track. Shared materials share their track.
+/// A value of an entity, and how it moves.
 #[derive(Clone, Debug)]
-pub enum Channel {
-    /// [`Transform::translation`](super::Transform::translation).
-    Translation(Arc<Track<DVec3>>),
-    /// [`Transform::rotation`](super::Transform::rotation).
+pub struct Channel {
+    /// Which value.
+    pub property: Property,
+    /// How it moves: of the property's [`kind`](Property::kind), or nothing moves.
+    pub motion: Motion,
+}
+
+impl Channel {
+    /// A value that moves like this.
+    #[must_use]
+    pub fn new(property: Property, motion: impl Into<Motion>) -> Self {
+        Self { property, motion: motion.into() }
+    }
+}
+
+/// A value as a function of time. Cheap to clone: entities that are made of one material share its motions.
+#[derive(Clone, Debug)]
+pub enum Motion {
+    /// Keyed numbers.
+    Number(Arc<Track<f64>>),
+    /// Keyed vectors.
+    Vector(Arc<Track<DVec3>>),
+    /// Keyed rotations.
     Rotation(Arc<Track<DQuat>>),
-    /// [`Transform::scale`](super::Transform::scale).
-    Scale(Arc<Track<DVec3>>),
-    /// [`Material::k_a`](super::Material::k_a).
-    Ka(Arc<Track<f64>>),
-    /// [`Material::k_d`](super::Material::k_d).
-    Kd(Arc<Track<f64>>),
-    /// [`Material::color`](super::Material::color).
+    /// Keyed light.
     Color(Arc<Track<Rgb>>),
-    /// [`Material::ambient_color`](super::Material::ambient_color).
-    AmbientColor(Arc<Track<Rgb>>),
-    /// [`Specular::k_s`](super::Specular::k_s).
-    Ks(Arc<Track<f64>>),
-    /// [`Specular::shininess`](super::Specular::shininess).
-    Shininess(Arc<Track<f64>>),
-    /// [`Reflective::k_r`](super::Reflective::k_r).
-    Kr(Arc<Track<f64>>),
-    /// [`Refractive::k_t`](super::Refractive::k_t).
-    Kt(Arc<Track<f64>>),
-    /// [`Refractive::ior`](super::Refractive::ior).
-    Ior(Arc<Track<f64>>),
-    /// [`Refractive::absorption`](super::Refractive::absorption).
-    Absorption(Arc<Track<Rgb>>),
-    /// [`Light::intensity`](super::Light::intensity).
-    Intensity(Arc<Track<Rgb>>),
-    /// [`LightKind::Directional::direction`](super::LightKind).
-    Direction(Arc<Track<DVec3>>),
-    /// [`Camera::position`](super::Camera::position).
-    Position(Arc<Track<DVec3>>),
-    /// [`View::Target`](super::View::Target).
-    Target(Arc<Track<DVec3>>),
+}
+
+impl Motion {
+    /// The value at `seconds`. `None` where there is none.
+    #[must_use]
+    pub fn at(&self, seconds: f64) -> Option<Value> {
+        Some(match self {
+            Self::Number(track) => Value::Number(track.at(seconds)),
+            Self::Vector(track) => Value::Vector(track.at(seconds)),
+            Self::Rotation(track) => Value::Rotation(track.at(seconds)),
+            Self::Color(track) => Value::Color(track.at(seconds)),
+        })
+    }
+}
+
+impl From<Track<f64>> for Motion {
+    fn from(track: Track<f64>) -> Self {
+        Self::Number(Arc::new(track))
+    }
+}
+
+impl From<Track<DVec3>> for Motion {
+    fn from(track: Track<DVec3>) -> Self {
+        Self::Vector(Arc::new(track))
+    }
+}
+
+impl From<Track<DQuat>> for Motion {
+    fn from(track: Track<DQuat>) -> Self {
+        Self::Rotation(Arc::new(track))
+    }
+}
+
+impl From<Track<Rgb>> for Motion {
+    fn from(track: Track<Rgb>) -> Self {
+        Self::Color(Arc::new(track))
+    }
 }

@@ -11,7 +11,7 @@
 //! | [`Light`] | it gives light |
 //! | [`Camera`], [`FilmSettings`] | from where and on what the picture is taken |
 //! | [`Ambient`], [`Background`], [`Fog`], [`Quality`], [`Sampling`] | settings of the whole scene; one of each in a world |
-//! | [`Animated`] | tracks that drive the values above |
+//! | [`Animated`] | motions of the values above: a [`Property`] and a [`Motion`] each |
 //! | [`Name`], [`Order`] | how people and sums refer to it |
 //! | [`WorldTransform`] | derived by [`systems::propagate`](crate::systems::propagate); never written by hand |
 
@@ -20,15 +20,17 @@ mod camera;
 mod identity;
 mod light;
 mod material;
+mod property;
 mod settings;
 mod shape;
 mod transform;
 
-pub use animated::{Animated, Channel};
+pub use animated::{Animated, Channel, Motion};
 pub use camera::{Camera, Lens, Projection, View};
 pub use identity::{Name, Order};
 pub use light::{AreaShape, Falloff, Light, LightKind};
 pub use material::{Checker, Material, Reflective, Refractive, Specular};
+pub use property::Property;
 pub use settings::{Ambient, Background, FilmSettings, Fog, Noise, Quality, Sampling};
 pub use shape::Shape;
 pub use transform::{Parent, Transform, WorldTransform};

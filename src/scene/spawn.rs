@@ -2,24 +2,23 @@
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 use glam::{DQuat, DVec3, Vec3};
 use hecs::{Entity, EntityBuilder, World};
 
 use super::Scene;
 use super::document::{
-    AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument, ChannelDocument, ColorDocument,
-    EntityDocument, FilmDocument, LightDocument, MaterialDocument, NoiseDocument, QualityDocument,
-    RotationDocument, SamplingDocument, ScaleDocument, SceneDocument, ShapeDocument, TimelineDocument,
-    TrackDocument, TracksDocument, TransferDocument, TransformDocument, Triple,
+    AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument, EntityDocument, FilmDocument,
+    KeyDocument, LightDocument, MaterialDocument, NoiseDocument, Notation, QualityDocument, RotationDocument,
+    SamplingDocument, ScaleDocument, SceneDocument, ShapeDocument, TimelineDocument, TrackDocument,
+    TracksDocument, TransferDocument, TransformDocument, Triple,
 };
 use super::playback::{easing, playback};
 use crate::color::{Rgb, Transfer};
 use crate::components::{
     Ambient, Animated, AreaShape, Background, Camera, Channel, Checker, Falloff, FilmSettings, Fog, Lens,
-    Light, LightKind, Material, Name, Noise, Order, Parent, Projection, Quality, Reflective, Refractive,
-    Sampling, Shape, Specular, Transform, View, WorldTransform,
+    Light, LightKind, Material, Motion, Name, Noise, Order, Parent, Projection, Quality, Reflective,
+    Refractive, Sampling, Shape, Specular, Transform, View, WorldTransform,
 };
 use crate::time::{FrameRate, Timeline};
 use crate::timeline::{Interpolate, Key, Playback, Rotation, Track};
@@ -333,67 +332,34 @@ fn animated(
 }
 
 fn channel(animation: &AnimationDocument, transfer: Transfer) -> Option<Channel> {
-    use ChannelDocument as Kind;
+    let motion = motion(animation, transfer)?;
+    Some(Channel { property: animation.channel.0, motion })
+}
+
+fn motion(animation: &AnimationDocument, transfer: Transfer) -> Option<Motion> {
     let playback = playback(animation);
-    Some(match (animation.channel, &animation.track) {
-        (Kind::Ka, TracksDocument::Number(keys)) => Channel::Ka(track(keys, playback, |value| *value)?),
-        (Kind::Kd, TracksDocument::Number(keys)) => Channel::Kd(track(keys, playback, |value| *value)?),
-        (Kind::Ks, TracksDocument::Number(keys)) => Channel::Ks(track(keys, playback, |value| *value)?),
-        (Kind::Shininess, TracksDocument::Number(keys)) => {
-            Channel::Shininess(track(keys, playback, |value| *value)?)
-        }
-        (Kind::Kr, TracksDocument::Number(keys)) => Channel::Kr(track(keys, playback, |value| *value)?),
-        (Kind::Kt, TracksDocument::Number(keys)) => Channel::Kt(track(keys, playback, |value| *value)?),
-        (Kind::Ior, TracksDocument::Number(keys)) => Channel::Ior(track(keys, playback, |value| *value)?),
-        (Kind::Absorption, TracksDocument::Vector(keys)) => {
-            Channel::Absorption(track(keys, playback, |value| rgb(*value))?)
-        }
-        (Kind::Scale, TracksDocument::Scale(keys)) => {
-            Channel::Scale(track(keys, playback, |value| scale(*value))?)
-        }
-        (Kind::Rotation, TracksDocument::Rotation(keys)) => {
-            Channel::Rotation(track(keys, playback, |value| rotation(*value))?)
-        }
-        (Kind::Color, TracksDocument::Color(keys)) => {
-            Channel::Color(track(keys, playback, decoded(transfer))?)
-        }
-        (Kind::AmbientColor, TracksDocument::Color(keys)) => {
-            Channel::AmbientColor(track(keys, playback, decoded(transfer))?)
-        }
-        (Kind::Intensity, TracksDocument::Vector(keys)) => {
-            Channel::Intensity(track(keys, playback, |value| rgb(*value))?)
-        }
-        (Kind::Translation, TracksDocument::Vector(keys)) => {
-            Channel::Translation(track(keys, playback, vector)?)
-        }
-        (Kind::Direction, TracksDocument::Vector(keys)) => Channel::Direction(track(keys, playback, vector)?),
-        (Kind::Position, TracksDocument::Vector(keys)) => Channel::Position(track(keys, playback, vector)?),
-        (Kind::Target, TracksDocument::Vector(keys)) => Channel::Target(track(keys, playback, vector)?),
-        // The reader of the file pairs channels with their kind of track.
-        _ => return None,
-    })
+    match (&animation.track, animation.channel.notation()) {
+        (TracksDocument::Number(keys), _) => track(keys, playback, |value| *value),
+        (TracksDocument::Vector(keys), Notation::Light) => track(keys, playback, |value| rgb(*value)),
+        (TracksDocument::Vector(keys), _) => track(keys, playback, |value| DVec3::from(*value)),
+        (TracksDocument::Scale(keys), _) => track(keys, playback, |value| scale(*value)),
+        (TracksDocument::Rotation(keys), _) => track(keys, playback, |value| rotation(*value)),
+        (TracksDocument::Color(keys), _) => track(keys, playback, |value| transfer.decode(value.0)),
+    }
 }
 
 fn track<D, T: Interpolate>(
     document: &TrackDocument<D>,
     playback: Playback,
     value: impl Fn(&D) -> T,
-) -> Option<Arc<Track<T>>> {
+) -> Option<Motion>
+where
+    Motion: From<Track<T>>,
+{
     let TrackDocument::Keys(keys) = document;
-    let key = |key: &super::document::KeyDocument<D>| Key {
-        time: key.time,
-        value: value(&key.value),
-        easing: easing(key.easing),
-    };
-    Track::new(keys.iter().map(key).collect()).map(|track| Arc::new(track.played(playback)))
-}
-
-fn vector(document: &Triple) -> DVec3 {
-    DVec3::from(*document)
-}
-
-fn decoded(transfer: Transfer) -> impl Fn(&ColorDocument) -> Rgb {
-    move |color| transfer.decode(color.0)
+    let key =
+        |key: &KeyDocument<D>| Key { time: key.time, value: value(&key.value), easing: easing(key.easing) };
+    Track::new(keys.iter().map(key).collect()).map(|track| track.played(playback).into())
 }
 
 fn radians(degrees: f64) -> f64 {

@@ -4,7 +4,7 @@
 //! animate -> own systems -> propagate -> prepare   (-> trace)
 //! ```
 //!
-//! - [`animate()`] writes what tracks say about this moment.
+//! - [`animate()`] writes what motions say about this moment.
 //! - [`OwnSystems`] runs what the program that uses the library has added, pure or stepped.
 //! - [`propagate()`] turns transforms into world transforms, parents first.
 //! - [`Plan`] says which effects the moment calls for, and why.
@@ -14,6 +14,7 @@
 //! hecs keeps no record of changes, so systems say what they write: see [`Changes`].
 
 mod animate;
+mod batches;
 mod changes;
 mod context;
 mod left_out;
@@ -22,6 +23,7 @@ mod own;
 mod plan;
 mod prepare;
 mod propagate;
+mod property;
 mod snapshot;
 
 pub use animate::animate;
@@ -32,4 +34,5 @@ pub use plan::{Effect, Plan, Verdict};
 pub use prepare::{Preparation, film_settings};
 pub(crate) use prepare::{Shutter, shutter};
 pub use propagate::propagate;
+pub use property::value;
 pub use snapshot::{Registry, Snapshot, UnknownComponent};

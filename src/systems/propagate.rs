@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use hecs::{Entity, World};
 
 use super::Changes;
+use super::batches::{BATCH, in_batches};
 use crate::components::{Light, Parent, Shape, Transform, WorldTransform};
 
 /// Brings [`WorldTransform`] up to date, and returns the entities for which it may have changed: those that were written,
@@ -14,9 +15,7 @@ use crate::components::{Light, Parent, Shape, Transform, WorldTransform};
 pub fn propagate(world: &mut World, changes: &Changes) -> Vec<Entity> {
     if changes.is_everything() {
         complete(world);
-        for (transform, world_transform) in world.query_mut::<(&Transform, &mut WorldTransform)>() {
-            *world_transform = WorldTransform::from_root(transform);
-        }
+        propagate_roots(world);
         propagate_children(world);
         return Vec::new();
     }
@@ -24,14 +23,30 @@ pub fn propagate(world: &mut World, changes: &Changes) -> Vec<Entity> {
         return Vec::new();
     }
     let mut moved = changes.transforms().to_vec();
-    for entity in &moved {
-        let parts = world.query_one_mut::<hecs::Without<(&Transform, &mut WorldTransform), &Parent>>(*entity);
-        if let Ok((transform, world_transform)) = parts {
-            *world_transform = WorldTransform::from_root(transform);
+    // One after another as they are stored is faster than here and there, unless they are few.
+    if moved.len() > world.len() as usize / 4 {
+        propagate_roots(world);
+    } else {
+        for entity in &moved {
+            if let Ok((transform, world_transform)) = world.query_one_mut::<Root<'_>>(*entity) {
+                *world_transform = WorldTransform::from_root(transform);
+            }
         }
     }
     moved.extend(propagate_children(world));
     moved
+}
+
+type Root<'a> = hecs::Without<(&'a Transform, &'a mut WorldTransform), &'a Parent>;
+
+/// Sets the world transforms of all entities that have no parent.
+fn propagate_roots(world: &mut World) {
+    let (count, roots) = (world.len(), world.query_mut::<Root<'_>>().into_iter_batched(BATCH));
+    in_batches(count, roots, |batch| {
+        for (transform, world_transform) in batch {
+            *world_transform = WorldTransform::from_root(transform);
+        }
+    });
 }
 
 /// Gives transforms to entities that need them and lack them.

@@ -20,6 +20,7 @@ mod playback;
 mod rotation;
 mod timing;
 mod track;
+mod value;
 
 pub use ease::Ease;
 pub use easing::Easing;
@@ -27,3 +28,4 @@ pub use interpolate::Interpolate;
 pub use playback::{Playback, Repeat};
 pub use rotation::{Rotation, slerp};
 pub use track::{Key, Track};
+pub use value::{Kind, Value};

@@ -5,7 +5,7 @@ use std::fmt;
 use serde::de::{Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use super::{ColorDocument, RotationDocument, ScaleDocument, Triple};
+use super::{ChannelDocument, ColorDocument, Notation, RotationDocument, ScaleDocument, Triple};
 
 /// One animated value.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,29 +17,6 @@ pub(crate) struct AnimationDocument {
     pub(crate) repeat: RepeatDocument,
     pub(crate) offset: f64,
     pub(crate) speed: f64,
-}
-
-/// Which value moves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize)]
-#[serde(rename = "Channel")]
-pub(crate) enum ChannelDocument {
-    Translation,
-    Rotation,
-    Scale,
-    Ka,
-    Kd,
-    Color,
-    AmbientColor,
-    Ks,
-    Shininess,
-    Kr,
-    Kt,
-    Ior,
-    Absorption,
-    Intensity,
-    Direction,
-    Position,
-    Target,
 }
 
 /// A track of the kind of value that its channel has.
@@ -201,24 +178,12 @@ impl<'de> Deserialize<'de> for AnimationDocument {
 }
 
 fn tracks<'de, A: MapAccess<'de>>(channel: ChannelDocument, map: &mut A) -> Result<TracksDocument, A::Error> {
-    use ChannelDocument as Channel;
-    match channel {
-        Channel::Ka
-        | Channel::Kd
-        | Channel::Ks
-        | Channel::Shininess
-        | Channel::Kr
-        | Channel::Kt
-        | Channel::Ior => map.next_value().map(TracksDocument::Number),
-        Channel::Scale => map.next_value().map(TracksDocument::Scale),
-        Channel::Rotation => map.next_value().map(TracksDocument::Rotation),
-        Channel::Color | Channel::AmbientColor => map.next_value().map(TracksDocument::Color),
-        Channel::Translation
-        | Channel::Absorption
-        | Channel::Intensity
-        | Channel::Direction
-        | Channel::Position
-        | Channel::Target => map.next_value().map(TracksDocument::Vector),
+    match channel.notation() {
+        Notation::Number => map.next_value().map(TracksDocument::Number),
+        Notation::Vector | Notation::Light => map.next_value().map(TracksDocument::Vector),
+        Notation::Scale => map.next_value().map(TracksDocument::Scale),
+        Notation::Rotation => map.next_value().map(TracksDocument::Rotation),
+        Notation::Color => map.next_value().map(TracksDocument::Color),
     }
 }
 

@@ -2,14 +2,15 @@
 //! defaults, in the [reference](super::reference), which a test holds against these types.
 
 mod animation;
+mod channel;
 mod entity;
 mod settings;
 mod values;
 
 pub(super) use animation::{
-    AnimationDocument, ChannelDocument, EasingDocument, KeyDocument, RepeatDocument, TrackDocument,
-    TracksDocument,
+    AnimationDocument, EasingDocument, KeyDocument, RepeatDocument, TrackDocument, TracksDocument,
 };
+pub(super) use channel::{ChannelDocument, Notation};
 pub(super) use entity::{
     AreaShapeDocument, EntityDocument, LightDocument, MaterialDocument, RotationDocument, ShapeDocument,
     TransformDocument,

@@ -4,9 +4,10 @@ use std::collections::HashMap;
 
 use super::entities::{CAMERA, rotation, scale};
 use super::{At, Named, Problems, check};
+use crate::components::Property;
 use crate::scene::document::{
-    AnimationDocument, ChannelDocument, EasingDocument, EntityDocument, LightDocument, MaterialDocument,
-    SceneDocument, TrackDocument, TracksDocument,
+    AnimationDocument, EasingDocument, EntityDocument, LightDocument, MaterialDocument, SceneDocument,
+    TrackDocument, TracksDocument,
 };
 
 pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut Problems) {
@@ -16,7 +17,7 @@ pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut 
     let list = scene.field("animate");
     for (index, animation) in document.animate.iter().enumerate() {
         let at = list.index(index);
-        let target = (animation.target.as_deref(), animation.material.as_deref(), animation.channel);
+        let target = (animation.target.as_deref(), animation.material.as_deref(), animation.channel.0);
         if seen.insert(target, index).is_some() {
             problems.add(
                 &at.field("channel"),
@@ -71,16 +72,16 @@ fn target(
             if material(name).is_none() {
                 let known = || document.materials.0.iter().map(|(name, _)| name.as_str());
                 problems.add_unknown(&at, Named::Material, name, known);
-            } else if !of_material(animation.channel) {
-                unfit(animation.channel, "a material", &at, problems);
-            } else if let Some(part) = Part::with(animation.channel).filter(|part| lacks(name, *part)) {
+            } else if !of_material(animation.channel.0) {
+                unfit(animation.channel.0, "a material", &at, problems);
+            } else if let Some(part) = Part::with(animation.channel.0).filter(|part| lacks(name, *part)) {
                 let (message, label, help) = part.missing();
                 problems.add(&at, message, label, help);
             }
         }
         (Some(name), None) if name == CAMERA => {
-            if !matches!(animation.channel, ChannelDocument::Position | ChannelDocument::Target) {
-                unfit(animation.channel, "the camera", &at.field("channel"), problems);
+            if !matches!(animation.channel.0, Property::Position | Property::Target) {
+                unfit(animation.channel.0, "the camera", &at.field("channel"), problems);
             }
         }
         (Some(name), None) => {
@@ -90,26 +91,25 @@ fn target(
                 return;
             };
             let at = at.field("channel");
-            match animation.channel {
-                ChannelDocument::Translation | ChannelDocument::Rotation | ChannelDocument::Scale => {}
-                ChannelDocument::Position | ChannelDocument::Target => {
-                    unfit(animation.channel, "an entity", &at, problems);
+            match animation.channel.0 {
+                Property::Translation | Property::Rotation | Property::Scale => {}
+                Property::Position | Property::Target => {
+                    unfit(animation.channel.0, "an entity", &at, problems);
                 }
-                ChannelDocument::Intensity if entity.light.is_some() => {}
-                ChannelDocument::Direction
-                    if matches!(entity.light, Some(LightDocument::Directional { .. })) => {}
-                ChannelDocument::Intensity => {
-                    unfit(animation.channel, "an entity without a light", &at, problems);
+                Property::Intensity if entity.light.is_some() => {}
+                Property::Direction if matches!(entity.light, Some(LightDocument::Directional { .. })) => {}
+                Property::Intensity => {
+                    unfit(animation.channel.0, "an entity without a light", &at, problems);
                 }
-                ChannelDocument::Direction => {
-                    unfit(animation.channel, "an entity without a directional light", &at, problems);
+                Property::Direction => {
+                    unfit(animation.channel.0, "an entity without a directional light", &at, problems);
                 }
-                channel => match Part::with(channel) {
+                property => match Part::with(property) {
                     Some(part) if entity.material.as_deref().is_none_or(|name| lacks(name, part)) => {
-                        unfit(channel, part.entity_without(), &at, problems);
+                        unfit(property, part.entity_without(), &at, problems);
                     }
                     None if entity.shape.is_none() => {
-                        unfit(channel, "an entity without a shape", &at, problems);
+                        unfit(property, "an entity without a shape", &at, problems);
                     }
                     _ => {}
                 },
@@ -128,12 +128,11 @@ enum Part {
 
 impl Part {
     /// The part that has a channel's value, if it is in one.
-    fn with(channel: ChannelDocument) -> Option<Self> {
-        use ChannelDocument as Channel;
-        match channel {
-            Channel::Ks | Channel::Shininess => Some(Self::Specular),
-            Channel::Kr => Some(Self::Reflective),
-            Channel::Kt | Channel::Ior | Channel::Absorption => Some(Self::Refractive),
+    fn with(property: Property) -> Option<Self> {
+        match property {
+            Property::Ks | Property::Shininess => Some(Self::Specular),
+            Property::Kr => Some(Self::Reflective),
+            Property::Kt | Property::Ior | Property::Absorption => Some(Self::Refractive),
             _ => None,
         }
     }
@@ -176,45 +175,45 @@ impl Part {
     }
 }
 
-fn of_material(channel: ChannelDocument) -> bool {
-    use ChannelDocument as Channel;
-    Part::with(channel).is_some()
-        || matches!(channel, Channel::Ka | Channel::Kd | Channel::Color | Channel::AmbientColor)
+fn of_material(property: Property) -> bool {
+    Part::with(property).is_some()
+        || matches!(property, Property::Ka | Property::Kd | Property::Color | Property::AmbientColor)
 }
 
-fn unfit(channel: ChannelDocument, what: &str, at: &At<'_>, problems: &mut Problems) {
-    use ChannelDocument as Channel;
-    let help = match channel {
-        Channel::Translation | Channel::Rotation | Channel::Scale => {
+fn unfit(property: Property, what: &str, at: &At<'_>, problems: &mut Problems) {
+    let help = match property {
+        Property::Translation | Property::Rotation | Property::Scale => {
             "entities have it; the camera has Position and Target"
         }
-        Channel::Position | Channel::Target => {
+        Property::Position | Property::Target => {
             "the camera has it: target: \"camera\"; entities have Translation"
         }
-        Channel::Intensity | Channel::Direction => "entities with a light have it",
-        Channel::Ks | Channel::Shininess => "materials that are specular have it, and entities made of them",
-        Channel::Kt | Channel::Ior | Channel::Absorption => {
+        Property::Intensity | Property::Direction => "entities with a light have it",
+        Property::Ks | Property::Shininess => {
+            "materials that are specular have it, and entities made of them"
+        }
+        Property::Kt | Property::Ior | Property::Absorption => {
             "materials that are refractive have it, and entities made of them"
         }
-        Channel::Ka | Channel::Kd | Channel::Color | Channel::AmbientColor | Channel::Kr => {
+        Property::Ka | Property::Kd | Property::Color | Property::AmbientColor | Property::Kr => {
             "materials have it, and entities with a shape"
         }
     };
-    problems.add(at, format!("{what} has no {channel:?}"), "not here", help);
+    problems.add(at, format!("{what} has no {}", property.name()), "not here", help);
 }
 
 fn tracks(animation: &AnimationDocument, at: &At<'_>, problems: &mut Problems) {
-    let channel = animation.channel;
+    let property = animation.channel.0;
     match &animation.track {
-        TracksDocument::Number(track) => keys(track, at, problems, |value, at, problems| match channel {
-            ChannelDocument::Shininess => check::shininess(*value, at, problems),
-            ChannelDocument::Ior => check::ior(*value, at, problems),
+        TracksDocument::Number(track) => keys(track, at, problems, |value, at, problems| match property {
+            Property::Shininess => check::shininess(*value, at, problems),
+            Property::Ior => check::ior(*value, at, problems),
             _ => check::coefficient(*value, "a coefficient", at, problems),
         }),
-        TracksDocument::Vector(track) => keys(track, at, problems, |value, at, problems| match channel {
-            ChannelDocument::Intensity => check::intensity(*value, "the intensity", at, problems),
-            ChannelDocument::Absorption => check::absorption(*value, at, problems),
-            ChannelDocument::Direction => {
+        TracksDocument::Vector(track) => keys(track, at, problems, |value, at, problems| match property {
+            Property::Intensity => check::intensity(*value, "the intensity", at, problems),
+            Property::Absorption => check::absorption(*value, at, problems),
+            Property::Direction => {
                 check::direction(*value, "the direction", at, problems);
             }
             _ => {

@@ -1,0 +1,91 @@
+//! Which value moves, and how its values are written.
+
+use std::fmt;
+
+use serde::de::{EnumAccess, Error, VariantAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+
+use crate::components::Property;
+
+/// A property by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct ChannelDocument(pub(crate) Property);
+
+/// How the values of a property are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Notation {
+    Number,
+    Vector,
+    /// Three numbers, RGB.
+    Light,
+    Scale,
+    Rotation,
+    Color,
+}
+
+impl ChannelDocument {
+    const NAMES: &'static [&'static str] = &{
+        let mut names = [""; Property::ALL.len()];
+        let mut index = 0;
+        while index < names.len() {
+            names[index] = Property::ALL[index].name();
+            index += 1;
+        }
+        names
+    };
+
+    /// How its values are written.
+    pub(crate) fn notation(self) -> Notation {
+        match self.0 {
+            Property::Ka
+            | Property::Kd
+            | Property::Ks
+            | Property::Shininess
+            | Property::Kr
+            | Property::Kt
+            | Property::Ior => Notation::Number,
+            Property::Translation | Property::Direction | Property::Position | Property::Target => {
+                Notation::Vector
+            }
+            Property::Absorption | Property::Intensity => Notation::Light,
+            Property::Scale => Notation::Scale,
+            Property::Rotation => Notation::Rotation,
+            Property::Color | Property::AmbientColor => Notation::Color,
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for ChannelDocument {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct ChannelVisitor;
+
+        struct Name(Property);
+
+        impl<'de> Deserialize<'de> for Name {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                deserializer.deserialize_identifier(ChannelVisitor).map(Self)
+            }
+        }
+
+        impl<'de> Visitor<'de> for ChannelVisitor {
+            type Value = Property;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter.write_str("a channel, as Translation")
+            }
+
+            fn visit_str<E: Error>(self, name: &str) -> Result<Property, E> {
+                let named = Property::ALL.into_iter().find(|property| property.name() == name);
+                named.ok_or_else(|| E::unknown_variant(name, ChannelDocument::NAMES))
+            }
+
+            fn visit_enum<A: EnumAccess<'de>>(self, data: A) -> Result<Property, A::Error> {
+                let (Name(property), rest) = data.variant()?;
+                rest.unit_variant()?;
+                Ok(property)
+            }
+        }
+
+        deserializer.deserialize_enum("Channel", Self::NAMES, ChannelVisitor).map(Self)
+    }
+}
