@@ -15,6 +15,12 @@ use crate::color::Rgb;
 #[derive(Clone, Debug)]
 pub(super) struct TreeRay {
     pub(super) ray: Ray,
+    pub(super) state: PathState,
+}
+
+/// What a sample's rays carry from the camera to here.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PathState {
     /// What share of the light along this ray reaches the pixel.
     pub(super) throughput: Rgb,
     /// Up to how much of the pixel's light may be left out beyond.
@@ -25,11 +31,11 @@ pub(super) struct TreeRay {
     pub(super) path: u64,
 }
 
-impl TreeRay {
-    /// The root of a tree.
+impl PathState {
+    /// At the root of a tree.
     #[inline]
-    pub(super) fn from_camera(ray: Ray, scene: &PreparedScene, inside: Inside) -> Self {
-        Self { ray, throughput: Rgb::ONE, budget: scene.cutoff, inside, path: 1 }
+    pub(super) fn at_camera(scene: &PreparedScene, inside: Inside) -> Self {
+        Self { throughput: Rgb::ONE, budget: scene.cutoff, inside, path: 1 }
     }
 
     /// What happens to light along the ray, over a length.
@@ -65,7 +71,7 @@ pub(super) struct Branches {
 pub(super) fn branches<E: Effects>(
     moment: &Moment<'_>,
     nesting: &mut Nesting,
-    arrived: &TreeRay,
+    (ray, arrived): (&Ray, &PathState),
     surface: &Surface,
     generations: u32,
 ) -> Branches {
@@ -76,9 +82,9 @@ pub(super) fn branches<E: Effects>(
     if E::MEDIA
         && let Some(medium) = &material.refraction
     {
-        let beyond = nesting.through(scene, arrived.inside, surface, arrived.ray.direction());
+        let beyond = nesting.through(scene, arrived.inside, surface, ray.direction());
         let (from, into) = (nesting.ior(scene, arrived.inside), nesting.ior(scene, beyond));
-        let refracted = Refracted::at(medium, Boundary { from, into }, &arrived.ray, surface);
+        let refracted = Refracted::at(medium, Boundary { from, into }, ray, surface);
         reflected += refracted.reflected;
         refraction = refracted.direction.map(|direction| (direction, refracted.transmitted, beyond));
     }
@@ -94,13 +100,15 @@ pub(super) fn branches<E: Effects>(
         ((throughput[0], budgets[0]), (throughput[1], budgets[1]))
     };
     if let (throughput, Some(budget)) = of_reflected {
-        let direction = mirrored(arrived.ray.direction(), surface.normal);
+        let direction = mirrored(ray.direction(), surface.normal);
         branches.reflected = Ray::leaving(surface, surface.from_outside, direction).map(|ray| TreeRay {
             ray,
-            throughput,
-            budget,
-            inside: arrived.inside,
-            path: arrived.path.wrapping_mul(2),
+            state: PathState {
+                throughput,
+                budget,
+                inside: arrived.inside,
+                path: arrived.path.wrapping_mul(2),
+            },
         });
     }
     if E::MEDIA
@@ -108,10 +116,12 @@ pub(super) fn branches<E: Effects>(
     {
         branches.refracted = Ray::leaving(surface, !surface.from_outside, direction).map(|ray| TreeRay {
             ray,
-            throughput,
-            budget,
-            inside,
-            path: arrived.path.wrapping_mul(2).wrapping_add(1),
+            state: PathState {
+                throughput,
+                budget,
+                inside,
+                path: arrived.path.wrapping_mul(2).wrapping_add(1),
+            },
         });
     }
     branches

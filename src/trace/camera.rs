@@ -1,5 +1,7 @@
 //! Camera rays.
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use super::exact::Double;
@@ -129,10 +131,11 @@ impl Camera {
         Ray::new(self.eye, self.towards(i, j))
     }
 
-    /// What the rays through the centres of row `j` have in common.
-    #[inline]
-    pub(super) fn row(&self, j: u32) -> Row<'_> {
-        Row { camera: self, upwards: self.up * self.upwards(f64::from(j)) }
+    /// The centres of all pixels.
+    pub(super) fn pixel_centers(&self) -> PixelCenters {
+        let columns = (0..self.columns).map(|i| self.right * self.across(f64::from(i))).collect();
+        let rows = (0..self.rows).map(|j| self.up * self.upwards(f64::from(j))).collect();
+        PixelCenters { eye: self.eye, forward: self.forward, columns, rows }
     }
 
     /// The ray of sample `index` of pixel (i, j). A single sample is in the pixel's centre; several are spread evenly over
@@ -208,18 +211,22 @@ impl Camera {
     }
 }
 
-/// A row of pixels.
-pub(super) struct Row<'a> {
-    camera: &'a Camera,
-    upwards: DVec3,
+/// The centres of all pixels: what those of a column, and those of a row, have in common.
+pub(super) struct PixelCenters {
+    eye: DVec3,
+    forward: DVec3,
+    columns: Vec<DVec3>,
+    rows: Vec<DVec3>,
 }
 
-impl Row<'_> {
-    /// As [`Camera::ray`].
-    #[inline(always)]
-    pub(super) fn ray(&self, i: u32) -> Option<Ray> {
-        let Camera { eye, right, forward, .. } = self.camera;
-        Ray::new(*eye, *right * self.camera.across(f64::from(i)) + self.upwards + *forward)
+impl PixelCenters {
+    /// [`Camera::ray`] of some columns' pixels in row `j`.
+    #[inline]
+    pub(super) fn rays(&self, columns: Range<u32>, j: u32) -> impl Iterator<Item = Option<Ray>> {
+        let Self { eye, forward, .. } = *self;
+        let upwards = self.rows[j as usize];
+        let columns = &self.columns[columns.start as usize..columns.end as usize];
+        columns.iter().map(move |across| Ray::new(eye, *across + upwards + forward))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::branch::TreeRay;
+use super::branch::PathState;
 use super::effects::Effects;
 use super::ray::{Limit, scaled};
 use super::sampler::{Dimension, PixelSamples};
@@ -13,13 +13,24 @@ use crate::color::Rgb;
 /// A surface point to be lit.
 pub(super) struct Lit<'a> {
     /// The ray that found it.
-    pub(super) arrived: &'a TreeRay,
+    pub(super) ray: &'a Ray,
+    /// What it carries.
+    pub(super) state: &'a PathState,
     pub(super) surface: &'a Surface,
     pub(super) material: &'a SurfaceMaterial,
     /// The diffuse colour there.
     pub(super) diffuse: Rgb,
-    /// Seed, column and row of the pixel that asks.
-    pub(super) pixel: (u64, u32, u32),
+    pub(super) asker: Asker,
+    /// The unit normal on the side that the ray came from.
+    pub(super) normal: DVec3,
+}
+
+/// For which sample the light is asked.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Asker {
+    pub(super) seed: u64,
+    /// The pixel's column and row.
+    pub(super) pixel: (u32, u32),
     /// Index of the pixel's sample.
     pub(super) sample: u32,
 }
@@ -34,73 +45,86 @@ pub(super) struct ShadowRay<'a> {
     pub(super) from_behind: bool,
 }
 
-/// What light number `index` adds: of an extended one, the mean over its samples. `visible` answers what share of it comes
-/// through, if any.
+/// What light number `index` adds, if anything: of an extended one, the mean over its samples. `visible` answers what share of the
+/// light comes through, if any.
 #[inline(always)]
 pub(super) fn from_light<E: Effects>(
     (index, light): (usize, &Light),
     lit: &Lit<'_>,
     mut visible: impl FnMut(ShadowRay<'_>) -> Option<Rgb>,
-) -> Rgb {
-    let mut from = |place| from_place::<E>(light, lit, place, &mut visible);
+) -> Option<Rgb> {
     match light.source {
-        LightSource::Point(place) | LightSource::Spot(place, _) | LightSource::Towards(place) => from(place),
-        LightSource::Ball { .. } | LightSource::Panel { .. } if !E::EXTRAS => Rgb::ZERO,
+        LightSource::Point(place) | LightSource::Spot(place, _) => {
+            from_place::<E>(light, lit, place, &mut visible)
+        }
+        LightSource::Towards(direction) => {
+            // From a place that is not finite there is no way to any other light by itself.
+            let (to_light, _) = lit.surface.point.is_finite().then(|| scaled(direction))??;
+            arriving::<E>(light, lit, to_light, Limit::NONE, &mut visible)
+        }
+        LightSource::Ball { .. } | LightSource::Panel { .. } if !E::EXTRAS => None,
         LightSource::Ball { .. } | LightSource::Panel { .. } => {
-            let dimension = Dimension::Light { light: to_u32(index), path: lit.arrived.path };
-            let (seed, i, j) = lit.pixel;
+            let dimension = Dimension::Light { light: to_u32(index), path: lit.state.path };
+            let Asker { seed, pixel: (i, j), sample } = lit.asker;
             let samples = PixelSamples::new(seed, i, j);
-            let first = lit.sample.wrapping_mul(light.samples);
+            let first = sample.wrapping_mul(light.samples);
             let sum: DVec3 = (0..light.samples)
-                .map(|sample| {
+                .filter_map(|sample| {
                     let square = samples.pair(dimension, first.wrapping_add(sample));
-                    from(light.source.place(lit.surface.point, square)).as_dvec3()
+                    let place = light.source.place(lit.surface.point, square);
+                    from_place::<E>(light, lit, place, &mut visible)
                 })
+                .map(Rgb::as_dvec3)
                 .sum();
-            (sum / f64::from(light.samples)).as_vec3()
+            Some((sum / f64::from(light.samples)).as_vec3())
         }
     }
 }
 
-/// What a light adds from one of its places. It adds nothing, and no ray is sent, if it is behind what is opaque or at the very
-/// point, if it shines elsewhere, or if the surface scatters none of it back along the ray that found it.
+/// What a light adds from one of its places. It adds nothing at the very point.
 #[inline(always)]
 fn from_place<E: Effects>(
     light: &Light,
     lit: &Lit<'_>,
     place: DVec3,
     visible: &mut impl FnMut(ShadowRay<'_>) -> Option<Rgb>,
-) -> Rgb {
-    let surface = lit.surface;
-    let is_towards = matches!(light.source, LightSource::Towards(_));
-    let Some((to_light, scale)) = scaled(if is_towards { place } else { place - surface.point }) else {
-        return Rgb::ZERO;
-    };
-    let limit = if is_towards { Limit::NONE } else { Limit::new(scale.recip(), place) };
-    let (normal, length) = (surface.facing_normal(), length(to_light));
+) -> Option<Rgb> {
+    let (to_light, scale) = scaled(place - lit.surface.point)?;
+    arriving::<E>(light, lit, to_light, Limit::new(scale.recip(), place), visible)
+}
+
+/// What a light adds that is as far as `limit` in a direction that is [`scaled`]. It adds nothing, and no ray is sent, if it is behind
+/// what is opaque, if it shines elsewhere, or if the surface scatters none of it back along the ray that found it.
+#[inline(always)]
+fn arriving<E: Effects>(
+    light: &Light,
+    lit: &Lit<'_>,
+    to_light: DVec3,
+    limit: Limit,
+    visible: &mut impl FnMut(ShadowRay<'_>) -> Option<Rgb>,
+) -> Option<Rgb> {
+    let Lit { surface, material, normal, .. } = *lit;
+    let length = length(to_light);
     let cosine = normal.dot(to_light) / length;
-    let material = lit.material;
     let from_behind = E::CLEAR_SHADOWS && cosine < 0.0 && material.refraction.is_some();
     if !(cosine > 0.0 || from_behind) {
-        return Rgb::ZERO;
+        return None;
     }
     let intensity = intensity::<E>(light, to_light, length, limit.t());
     let mut color = diffuse(lit.diffuse, intensity, cosine.abs());
     if E::EXTRAS && material.specular > 0.0 && !from_behind && intensity != Rgb::ZERO {
-        color += specular(material, intensity, normal, to_light, -lit.arrived.ray.direction());
+        color += specular(material, intensity, normal, to_light, -lit.ray.direction());
     }
-    if color == Rgb::ZERO || !(E::SHADOWS && light.casts_shadows) {
-        return if surface.point.is_finite() { color } else { Rgb::ZERO };
+    if color == Rgb::ZERO {
+        return None;
     }
-    // Normals face the ray that arrived, and so does the side that is left.
-    let Some(ray) = Ray::departing(surface, surface.from_outside != from_behind, to_light) else {
-        return Rgb::ZERO;
-    };
-    match visible(ShadowRay { ray: &ray, limit, from_behind }) {
-        Some(share) if E::CLEAR_SHADOWS => color * share,
-        Some(_) => color,
-        None => Rgb::ZERO,
+    if !(E::SHADOWS && light.casts_shadows) {
+        return Some(color);
     }
+    // Normals face the ray that arrived, and so does the side that is left. The point is finite, as there is a way to the light.
+    let ray = Ray::departing(surface, surface.from_outside != from_behind, to_light);
+    let share = visible(ShadowRay { ray: &ray, limit, from_behind })?;
+    Some(if E::CLEAR_SHADOWS { color * share } else { color })
 }
 
 fn to_u32(index: usize) -> u32 {

@@ -73,8 +73,8 @@ impl Film {
         let start = j as usize * self.width as usize + i as usize;
         let mut overflowed = 0;
         for (stored, pixel) in self.pixels[start..start + pixels.len()].iter_mut().zip(pixels) {
-            overflowed += u64::from(!pixel.is_finite());
             *stored = Rgb::new(saturated(pixel.x), saturated(pixel.y), saturated(pixel.z));
+            overflowed += u64::from(*stored != pixel);
         }
         overflowed
     }
@@ -99,5 +99,6 @@ impl PixelSum {
 }
 
 fn saturated(channel: f32) -> f32 {
-    if channel.is_nan() { 0.0 } else { channel.clamp(0.0, f32::MAX) }
+    let positive = if channel > 0.0 { channel } else { 0.0 };
+    if positive < f32::MAX { positive } else { f32::MAX }
 }

@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 
 use glam::DVec3;
 
+use super::camera::PixelCenters;
 use super::contribution::Brightest;
 use super::media::{Inside, Nesting};
 use super::{Bounds, Camera, Light, PreparedScene, Sampling, Slot};
@@ -15,6 +16,7 @@ pub(super) struct Moment<'a> {
     pub(super) camera: &'a Camera,
     pub(super) sampling: Sampling,
     pub(super) brightest: Brightest,
+    pub(super) pixel_centers: PixelCenters,
     /// Those that are on, with their indices in document order.
     pub(super) lights: Vec<(usize, &'a Light)>,
     start: Start,
@@ -28,7 +30,8 @@ impl<'a> Moment<'a> {
         let lights = scene.lights.iter().enumerate();
         let lights = lights.filter(|(_, light)| light.intensity != Rgb::ZERO).collect();
         let (brightest, start) = (Brightest::of(scene), Start::new(scene, camera));
-        Self { scene, camera, sampling, brightest, lights, start }
+        let pixel_centers = camera.pixel_centers();
+        Self { scene, camera, sampling, brightest, pixel_centers, lights, start }
     }
 
     /// What is seen where the camera is not in a finite place.

@@ -445,7 +445,7 @@ impl Surface {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn surface_at(leaves: &impl Leaves, ray: &Ray, hit: Hit, ties: Ties, guards: &mut Guards) -> Surface {
     let Refined { t, point, normal } = leaves.refined(ray, &hit, guards);
     // A far side is met from inside, however the last bits of a grazing ray fall.

@@ -87,17 +87,17 @@ impl Ray {
 
     #[inline]
     fn leaving_scaled(surface: &Surface, outward: bool, direction: DVec3) -> Option<(Self, f64)> {
+        surface.point.is_finite().then_some(())?;
         let (direction, scale) = scaled(direction)?;
-        Some((Self::departing(surface, outward, direction)?, scale))
+        Some((Self::departing(surface, outward, direction), scale))
     }
 
-    /// A ray that leaves a surface in a direction that is [`scaled`]. `None` from a point that is not finite.
+    /// A ray that leaves a surface at a finite point, in a direction that is [`scaled`].
     #[must_use]
     #[inline(always)]
-    pub(super) fn departing(surface: &Surface, outward: bool, direction: DVec3) -> Option<Self> {
-        surface.point.is_finite().then_some(())?;
+    pub(super) fn departing(surface: &Surface, outward: bool, direction: DVec3) -> Self {
         let departure = Departure { slot: surface.hit.slot, outward, ties: surface.ties.clone() };
-        Some(Self::scaled(surface.point, direction, Some(departure)))
+        Self::scaled(surface.point, direction, Some(departure))
     }
 
     #[inline]

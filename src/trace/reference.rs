@@ -1,11 +1,12 @@
 //! The slow path: every ray asks every shape. It is the oracle that the fast path is held against, bit for bit, the
 //! definition of the picture in the fewest words, and, as it keeps the whole tree of a pixel's rays, its explanation.
 
-use super::branch::{Branches, LARGEST_TREE, TreeRay, branches};
-use super::direct::{Lit, ShadowRay, from_light};
+use super::branch::{Branches, LARGEST_TREE, PathState, TreeRay, branches};
+use super::direct::{Asker, Lit, ShadowRay, from_light};
 use super::effects::FullKernel;
 use super::film::PixelSum;
 use super::geometry::Leaves;
+use super::media::Inside;
 use super::moment::Moment;
 use super::prepared::Scratch;
 use super::shade::{ambient, held};
@@ -155,18 +156,24 @@ impl<'a> Reference<'a> {
         let ray = moment.camera.sample_ray(moment.sampling, i, j, index)?;
         scratch.nesting.clear();
         let inside = moment.inside(ray.origin(), &mut scratch.nesting);
-        let pixel = (moment.sampling.seed, i, j);
+        let asker = Asker { seed: moment.sampling.seed, pixel: (i, j), sample: index };
         let mut tree = Vec::new();
-        let mut wave = vec![(RayKind::Camera, None, TreeRay::from_camera(ray, moment.scene, inside))];
+        let state = PathState::at_camera(moment.scene, inside);
+        let mut wave = vec![(RayKind::Camera, None, TreeRay { ray, state })];
         let (mut beyond, mut size) = (Vec::new(), 1);
         for generations in (0..moment.scene.depth).rev() {
             for (kind, parent, mut ray) in std::mem::take(&mut wave) {
-                let mut traced = trace(moment, scratch, kind, parent, &ray, (pixel, index));
-                ray.throughput *= traced.passage.transmitted;
+                let mut traced = trace(moment, scratch, kind, parent, &ray, asker);
+                ray.state.throughput *= traced.passage.transmitted;
                 if let RayEnd::Surface(lit) = &traced.end {
                     let nesting = &mut scratch.nesting;
-                    let Branches { reflected, refracted, cut } =
-                        branches::<FullKernel>(moment, nesting, &ray, &lit.surface, generations);
+                    let Branches { reflected, refracted, cut } = branches::<FullKernel>(
+                        moment,
+                        nesting,
+                        (&ray.ray, &ray.state),
+                        &lit.surface,
+                        generations,
+                    );
                     traced.cut = cut;
                     let parent = Some(tree.len());
                     for (kind, ray) in [(RayKind::Reflection, reflected), (RayKind::Refraction, refracted)] {
@@ -227,17 +234,17 @@ fn trace(
     kind: RayKind,
     parent: Option<usize>,
     ray: &TreeRay,
-    sample: ((u64, u32, u32), u32),
+    asker: Asker,
 ) -> TracedRay {
     let scene = moment.scene;
     let Some(closest) = closest(scene, &ray.ray) else {
-        let passage = ray.passage::<FullKernel>(scene, &scratch.nesting, f64::INFINITY);
+        let passage = ray.state.passage::<FullKernel>(scene, &scratch.nesting, f64::INFINITY);
         let background = scene.background.towards(ray.ray.direction());
         return traced(kind, parent, ray, scratch, passage, RayEnd::Background(background));
     };
     let surface = scene.surface(scene.geometry(), &ray.ray, &closest, &mut Guards::default());
-    let passage = ray.passage::<FullKernel>(scene, &scratch.nesting, surface.distance(&ray.ray));
-    let lit = lit(scene, scratch, ray, surface, sample);
+    let passage = ray.state.passage::<FullKernel>(scene, &scratch.nesting, surface.distance(&ray.ray));
+    let lit = lit(scene, scratch, ray, surface, asker);
     traced(kind, parent, ray, scratch, passage, RayEnd::Surface(Box::new(lit)))
 }
 
@@ -249,8 +256,17 @@ fn traced(
     passage: Passage,
     end: RayEnd,
 ) -> TracedRay {
-    let inside = scratch.nesting.solids(ray.inside).collect();
-    TracedRay { kind, parent, ray: ray.ray.clone(), throughput: ray.throughput, inside, passage, end, cut: 0 }
+    let inside = scratch.nesting.solids(ray.state.inside).collect();
+    TracedRay {
+        kind,
+        parent,
+        ray: ray.ray.clone(),
+        throughput: ray.state.throughput,
+        inside,
+        passage,
+        end,
+        cut: 0,
+    }
 }
 
 fn lit(
@@ -258,27 +274,31 @@ fn lit(
     scratch: &mut Scratch,
     arrived: &TreeRay,
     surface: Surface,
-    (pixel, sample): ((u64, u32, u32), u32),
+    asker: Asker,
 ) -> LitSurface {
     let material = scene.material(surface.hit.slot);
     let (ambient_color, diffuse) = material.colors_at(&surface);
-    let point = Lit { arrived, surface: &surface, material, diffuse, pixel, sample };
-    let lights = scene.lights.iter().enumerate().map(|light| reach(scene, scratch, light, &point)).collect();
+    let TreeRay { ray, state } = arrived;
+    let normal = surface.facing_normal();
+    let lit = Lit { ray, state, surface: &surface, material, diffuse, asker, normal };
+    let lights = scene.lights.iter().enumerate().map(|light| reach(scene, scratch, light, &lit)).collect();
     LitSurface { ambient: ambient(scene, ambient_color), lights, surface }
 }
 
 fn reach(scene: &PreparedScene, scratch: &mut Scratch, light: (usize, &Light), lit: &Lit<'_>) -> LightReach {
     let (mut first, mut hidden, mut asked) = (None, 0, false);
     let own_shape = light.1.own_shape;
-    let color = from_light::<FullKernel>(light, lit, |shadow_ray| {
+    let seen = (lit.surface, lit.state.inside);
+    let added = from_light::<FullKernel>(light, lit, |shadow_ray| {
         asked = true;
-        let share = visibility(scene, scratch, shadow_ray, own_shape, lit);
+        let share = visibility(scene, scratch, shadow_ray, own_shape, seen);
         if let Err(slot) = share {
             first.get_or_insert(slot);
             hidden += 1;
         }
         share.ok()
     });
+    let color = added.unwrap_or(Rgb::ZERO);
     match first {
         Some(slot) if color == Rgb::ZERO => LightReach::Hidden(slot),
         None if color == Rgb::ZERO && !asked => LightReach::NotAsked,
@@ -292,7 +312,7 @@ fn visibility(
     scratch: &mut Scratch,
     shadow_ray: ShadowRay<'_>,
     own_shape: Option<Slot>,
-    lit: &Lit<'_>,
+    seen: (&Surface, Inside),
 ) -> Result<Rgb, Slot> {
     let ShadowRay { ray, limit, .. } = shadow_ray;
     scratch.crossings.clear();
@@ -303,7 +323,7 @@ fn visibility(
     };
     match geometry.slots().find(hides) {
         Some(slot) => Err(slot),
-        None => Ok(filtered(scene, shadow_ray, own_shape, (lit.surface, lit.arrived.inside), scratch)),
+        None => Ok(filtered(scene, shadow_ray, own_shape, seen, scratch)),
     }
 }
 

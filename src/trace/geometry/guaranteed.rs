@@ -87,8 +87,20 @@ impl Leaves for Geometry {
         self.exactly_before(hit, ray, limit)
     }
 
-    #[inline]
+    #[inline(always)]
     fn refined(&self, ray: &Ray, hit: &Hit, guards: &mut Guards) -> Refined {
+        if hit.far || hit.root.is_rounded() || hit.root.is_rough() {
+            return self.refined_specially(ray, hit, guards);
+        }
+        let (origin, direction, t) = (ray.origin(), ray.direction(), hit.root.t());
+        ask!(self, hit.slot, shape => shape.refined(origin, direction, t))
+    }
+}
+
+impl Geometry {
+    /// What a hit found whose `t` is not just a few roundings off.
+    #[cold]
+    fn refined_specially(&self, ray: &Ray, hit: &Hit, guards: &mut Guards) -> Refined {
         let (origin, direction, t) = (ray.origin(), ray.direction(), hit.root.t());
         if hit.far {
             // As exact as the point that the ray starts from.
@@ -98,15 +110,10 @@ impl Leaves for Geometry {
             let t = self.exact_t(hit, ray);
             return ask!(self, hit.slot, shape => shape.surface_at(origin, direction, t, false));
         }
-        if hit.root.is_rough() {
-            guards.rough += 1;
-            return ask!(self, hit.slot, shape => shape.solved(origin, direction, t));
-        }
-        ask!(self, hit.slot, shape => shape.refined(origin, direction, t))
+        guards.rough += 1;
+        ask!(self, hit.slot, shape => shape.solved(origin, direction, t))
     }
-}
 
-impl Geometry {
     /// Is the point inside the shape, as solids go?
     #[must_use]
     pub(in crate::trace) fn contains(&self, slot: Slot, point: DVec3) -> bool {

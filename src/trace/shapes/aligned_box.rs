@@ -199,7 +199,7 @@ impl AlignedBox {
 
     /// The meeting near an inexact `t`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn refined(&self, origin: DVec3, direction: DVec3, t: f64) -> Refined {
         /// Quotients of smaller numbers might lose digits.
         const TINY: f64 = 1e-140;
@@ -320,7 +320,7 @@ impl AlignedBox {
     }
 
     /// The meeting at `t` with a face: the point has the face's own coordinate.
-    #[inline]
+    #[inline(always)]
     fn met(&self, origin: DVec3, direction: DVec3, t: Double, face: Face) -> Refined {
         let place = Compensated3::along(origin, direction, t.rounded()).moved(direction * t.rest());
         let mut point = place.clamp(self.min, self.max);

@@ -53,7 +53,7 @@ impl Plane {
 
     /// The meeting near an inexact `t`: one Newton step from the height that is left there, in twice the working precision.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn refined(&self, origin: DVec3, direction: DVec3, t: f64) -> Refined {
         let place = Compensated3::along(origin, direction, t);
         let height = place.minus(self.point).dot(self.normal).rounded();

@@ -126,7 +126,7 @@ impl Sphere {
     /// The meeting near an inexact `t`: one Newton step for |from_center|^2 = radius^2, from a residual in twice the working
     /// precision.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn refined(&self, origin: DVec3, direction: DVec3, t: f64) -> Refined {
         let place = Compensated3::along(origin, direction, t);
         let from_center = place.minus(self.center);

@@ -2,15 +2,15 @@
 
 use super::buffers::{QueuedRay, Tile, TileBuffers};
 use crate::color::Rgb;
-use crate::trace::branch::{Branches, LARGEST_TREE, TreeRay, branches};
-use crate::trace::direct::{Lit, from_light};
+use crate::trace::branch::{Branches, LARGEST_TREE, PathState, branches};
+use crate::trace::direct::{Asker, Lit, from_light};
 use crate::trace::effects::Effects;
 use crate::trace::geometry::Leaves;
 use crate::trace::media::Inside;
 use crate::trace::moment::Moment;
 use crate::trace::shade::{ambient, held};
 use crate::trace::shadow::visibility;
-use crate::trace::{Surface, SurfaceMaterial};
+use crate::trace::{Ray, Surface, SurfaceMaterial};
 
 /// What is the same for all rays of a tile's sample.
 pub(super) struct Follower<'a, L> {
@@ -21,33 +21,66 @@ pub(super) struct Follower<'a, L> {
 }
 
 impl<L: Leaves> Follower<'_, L> {
+    /// Follows a pixel's camera ray; without one, the camera is not in a finite place.
+    #[inline(always)]
+    pub(super) fn start<E: Effects>(
+        &self,
+        ray: Option<Ray>,
+        pixel: u32,
+        generations: u32,
+        buffers: &mut TileBuffers,
+    ) {
+        let Some(ray) = ray else {
+            buffers.pixels[pixel as usize] = self.moment.nowhere();
+            return;
+        };
+        buffers.rays_traced.camera += 1;
+        let nesting = &mut buffers.scratch.nesting;
+        let inside = if E::NESTING { self.moment.inside(ray.origin(), nesting) } else { Inside::NONE };
+        let mut state = PathState::at_camera(self.moment.scene, inside);
+        self.follow::<E>(&ray, &mut state, pixel, generations, buffers);
+    }
+
+    /// As [`Follower::start`], not inlined: its code is long, and only where pixels have a single sample is a call worth saving.
+    #[inline(never)]
+    pub(super) fn start_apart<E: Effects>(
+        &self,
+        ray: Option<Ray>,
+        pixel: u32,
+        generations: u32,
+        buffers: &mut TileBuffers,
+    ) {
+        self.start::<E>(ray, pixel, generations, buffers);
+    }
+
     /// Adds what the ray brings to its pixel, and queues what goes on, for which `generations` are left.
-    #[inline]
+    #[inline(always)]
     pub(super) fn follow<E: Effects>(
         &self,
-        tree: &mut TreeRay,
+        ray: &Ray,
+        state: &mut PathState,
         pixel: u32,
         generations: u32,
         buffers: &mut TileBuffers,
     ) {
         let scene = self.moment.scene;
-        let Some(closest) = scene.closest(self.leaves, &tree.ray, &mut buffers.scratch) else {
-            let background = scene.background.towards(tree.ray.direction());
-            self.arrive::<E>(tree, background, f64::INFINITY, pixel, buffers);
+        let Some(closest) = scene.closest(self.leaves, ray, &mut buffers.scratch) else {
+            let background = scene.background.towards(ray.direction());
+            self.arrive::<E>(state, background, f64::INFINITY, pixel, buffers);
             return;
         };
         let material = scene.material(closest.hit.slot);
-        if !self.needs_point::<E>(tree, material) {
+        if !self.needs_point::<E>(state, material) {
             let light = held(ambient(scene, material.ambient));
-            deposit::<E>(&mut buffers.pixels[pixel as usize], tree.throughput, light);
+            deposit::<E>(&mut buffers.pixels[pixel as usize], state.throughput, light);
             return;
         }
-        let surface = scene.surface(self.leaves, &tree.ray, &closest, &mut buffers.scratch.guards);
-        let light = self.light::<E>(tree, &surface, pixel, buffers);
-        let length = if E::NESTING || E::EXTRAS { surface.distance(&tree.ray) } else { 0.0 };
-        self.arrive::<E>(tree, light, length, pixel, buffers);
+        let surface = scene.surface(self.leaves, ray, &closest, &mut buffers.scratch.guards);
+        let light = self.light::<E>(ray, state, &surface, pixel, buffers);
+        let length = if E::NESTING || E::EXTRAS { surface.distance(ray) } else { 0.0 };
+        self.arrive::<E>(state, light, length, pixel, buffers);
         if E::MIRRORS && scene.material(surface.hit.slot).continues() {
-            self.send_on::<E>(tree, &surface, pixel, generations, buffers);
+            self.send_on::<E>((ray, state), &surface, pixel, generations, buffers);
         }
     }
 
@@ -55,7 +88,7 @@ impl<L: Leaves> Follower<'_, L> {
     #[inline(always)]
     fn arrive<E: Effects>(
         &self,
-        tree: &mut TreeRay,
+        state: &mut PathState,
         light: Rgb,
         length: f64,
         pixel: u32,
@@ -63,30 +96,31 @@ impl<L: Leaves> Follower<'_, L> {
     ) {
         let pixel = &mut buffers.pixels[pixel as usize];
         if !E::NESTING && !E::EXTRAS {
-            deposit::<E>(pixel, tree.throughput, light);
+            deposit::<E>(pixel, state.throughput, light);
             return;
         }
-        let passage = tree.passage::<E>(self.moment.scene, &buffers.scratch.nesting, length);
-        deposit::<E>(pixel, tree.throughput, passage.of(light));
-        tree.throughput *= passage.transmitted;
+        let passage = state.passage::<E>(self.moment.scene, &buffers.scratch.nesting, length);
+        deposit::<E>(pixel, state.throughput, passage.of(light));
+        state.throughput *= passage.transmitted;
     }
 
     /// Is more asked of what a ray meets than what it is made of?
     #[inline]
-    fn needs_point<E: Effects>(&self, tree: &TreeRay, material: &SurfaceMaterial) -> bool {
+    fn needs_point<E: Effects>(&self, state: &PathState, material: &SurfaceMaterial) -> bool {
         let lit = E::LIGHTS && !self.moment.lights.is_empty() && material.scatters();
         let continues =
             (E::MIRRORS && material.reflected > 0.0) || (E::MEDIA && material.refraction.is_some());
-        let in_medium = E::NESTING && tree.inside != Inside::NONE;
+        let in_medium = E::NESTING && state.inside != Inside::NONE;
         let rare = E::EXTRAS && (self.moment.scene.fog.density > 0.0 || material.checker.is_some());
         lit || continues || in_medium || rare
     }
 
     /// The light that a surface point sends back along the ray: ambient and, light by light, diffuse and specular.
-    #[inline]
+    #[inline(always)]
     fn light<E: Effects>(
         &self,
-        tree: &TreeRay,
+        ray: &Ray,
+        state: &PathState,
         surface: &Surface,
         pixel: u32,
         buffers: &mut TileBuffers,
@@ -101,16 +135,20 @@ impl<L: Leaves> Follower<'_, L> {
             return held(light);
         }
         // Only lights with a size ask for it.
-        let (i, j) = if E::EXTRAS { self.tile.pixel(pixel) } else { (0, 0) };
-        let pixel = (self.moment.sampling.seed, i, j);
-        let lit = Lit { arrived: tree, surface, material, diffuse, pixel, sample: self.sample };
+        let pixel = if E::EXTRAS { self.tile.pixel(pixel) } else { (0, 0) };
+        let asker = Asker { seed: self.moment.sampling.seed, pixel, sample: self.sample };
+        let normal = surface.facing_normal();
+        let lit = Lit { ray, state, surface, material, diffuse, asker, normal };
         let TileBuffers { scratch, rays_traced, .. } = buffers;
         for (index, source) in &self.moment.lights {
-            light += from_light::<E>((*index, source), &lit, |shadow_ray| {
+            let added = from_light::<E>((*index, source), &lit, |shadow_ray| {
                 rays_traced.shadow += 1;
-                let seen = (surface, tree.inside);
+                let seen = (surface, state.inside);
                 visibility::<E>(scene, self.leaves, shadow_ray, source.own_shape, seen, scratch)
             });
+            if let Some(added) = added {
+                light += added;
+            }
         }
         held(light)
     }
@@ -118,7 +156,7 @@ impl<L: Leaves> Follower<'_, L> {
     /// Queues the rays that a surface sends on.
     fn send_on<E: Effects>(
         &self,
-        tree: &TreeRay,
+        arrived: (&Ray, &PathState),
         surface: &Surface,
         pixel: u32,
         generations: u32,
@@ -126,7 +164,7 @@ impl<L: Leaves> Follower<'_, L> {
     ) {
         let TileBuffers { next, beyond, tree_sizes, scratch, rays_traced, trees_ended, .. } = buffers;
         let Branches { reflected, refracted, cut } =
-            branches::<E>(self.moment, &mut scratch.nesting, tree, surface, generations);
+            branches::<E>(self.moment, &mut scratch.nesting, arrived, surface, generations);
         trees_ended.cutoff += cut;
         let size = &mut tree_sizes[pixel as usize];
         let kinds = [(reflected, &mut rays_traced.reflection), (refracted, &mut rays_traced.refraction)];
@@ -159,7 +197,7 @@ pub(super) fn give_up(moment: &Moment<'_>, buffers: &mut TileBuffers) {
     let TileBuffers { beyond, pixels, trees_ended, .. } = buffers;
     for QueuedRay { tree, pixel } in beyond.iter() {
         let background = moment.scene.background.towards(tree.ray.direction());
-        pixels[*pixel as usize] += tree.throughput * background;
+        pixels[*pixel as usize] += tree.state.throughput * background;
     }
     trees_ended.depth += beyond.len() as u64;
     beyond.clear();

@@ -11,7 +11,6 @@ pub(super) use buffers::{TILE, Tile, TileBuffers};
 use super::branch::TreeRay;
 use super::effects::Effects;
 use super::geometry::Leaves;
-use super::media::Inside;
 use super::moment::Moment;
 use follow::{Follower, give_up};
 
@@ -23,29 +22,24 @@ pub(super) fn render_sample<E: Effects>(
     buffers: &mut TileBuffers,
 ) {
     let mut generations = moment.scene.depth - 1;
-    let mut missing = 0;
     let follower = Follower { moment, leaves, tile, sample };
     buffers.begin::<E>(tile);
+    let (columns, rows) = (tile.i..tile.i + tile.width, tile.j..tile.j + tile.height);
     let mut pixel = 0;
-    let single = moment.sampling.samples <= 1;
-    for j in tile.j..tile.j + tile.height {
-        let row = moment.camera.row(j);
-        for i in tile.i..tile.i + tile.width {
-            let ray =
-                if single { row.ray(i) } else { moment.camera.spread_ray(moment.sampling, i, j, sample) };
-            if let Some(ray) = ray {
-                let nesting = &mut buffers.scratch.nesting;
-                let inside = if E::NESTING { moment.inside(ray.origin(), nesting) } else { Inside::NONE };
-                let mut tree = TreeRay::from_camera(ray, moment.scene, inside);
-                follower.follow::<E>(&mut tree, pixel, generations, buffers);
-            } else {
-                buffers.pixels[pixel as usize] = moment.nowhere();
-                missing += 1;
+    if moment.sampling.samples <= 1 {
+        for j in rows {
+            for ray in moment.pixel_centers.rays(columns.clone(), j) {
+                follower.start::<E>(ray, pixel, generations, buffers);
+                pixel += 1;
             }
+        }
+    } else {
+        for (j, i) in rows.flat_map(|j| columns.clone().map(move |i| (j, i))) {
+            let ray = moment.camera.spread_ray(moment.sampling, i, j, sample);
+            follower.start_apart::<E>(ray, pixel, generations, buffers);
             pixel += 1;
         }
     }
-    buffers.rays_traced.camera += buffers.pixels.len() as u64 - missing;
     if !E::MIRRORS {
         return;
     }
@@ -53,7 +47,8 @@ pub(super) fn render_sample<E: Effects>(
         generations -= 1;
         let mut rays = std::mem::replace(&mut buffers.next, std::mem::take(&mut buffers.spare));
         for mut queued in rays.drain(..) {
-            follower.follow::<E>(&mut queued.tree, queued.pixel, generations, buffers);
+            let TreeRay { ray, state } = &mut queued.tree;
+            follower.follow::<E>(ray, state, queued.pixel, generations, buffers);
         }
         buffers.spare = rays;
     }
