@@ -59,20 +59,27 @@ pub enum WriteError {
 ///
 /// If the encoder refuses the film's size.
 pub fn encode(film: &Film, transfer: Transfer, format: FrameFormat) -> Result<Vec<u8>, image::ImageError> {
-    let mut rgb = Vec::with_capacity(film.pixels().len() * 3);
-    for pixel in film.pixels() {
-        rgb.extend(transfer.encode(*pixel));
-    }
-    let (width, height) = (film.width(), film.height());
+    let pixels: Vec<_> = film.pixels().iter().map(|pixel| transfer.encode(*pixel)).collect();
+    encode_pixels(&pixels, film.width(), film.height(), format)
+}
+
+/// The bytes of a file of these pixels, row by row from the top.
+pub(super) fn encode_pixels(
+    pixels: &[[u8; 3]],
+    width: u32,
+    height: u32,
+    format: FrameFormat,
+) -> Result<Vec<u8>, image::ImageError> {
+    let rgb = pixels.as_flattened();
     let mut bytes = Vec::new();
     match format {
         FrameFormat::Png => {
             PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Adaptive)
-                .write_image(&rgb, width, height, ExtendedColorType::Rgb8)?;
+                .write_image(rgb, width, height, ExtendedColorType::Rgb8)?;
         }
         FrameFormat::Ppm => PnmEncoder::new(&mut bytes)
             .with_subtype(PnmSubtype::Pixmap(SampleEncoding::Binary))
-            .write_image(&rgb, width, height, ExtendedColorType::Rgb8)?,
+            .write_image(rgb, width, height, ExtendedColorType::Rgb8)?,
     }
     Ok(bytes)
 }
@@ -83,8 +90,15 @@ pub fn encode(film: &Film, transfer: Transfer, format: FrameFormat) -> Result<Ve
 ///
 /// If the file system or the encoder refuses; nothing is left behind.
 pub fn write(path: &Path, film: &Film, transfer: Transfer, format: FrameFormat) -> Result<(), WriteError> {
-    let bytes = encode(film, transfer, format)
-        .map_err(|source| WriteError::Encoding { path: path.to_owned(), source })?;
+    write_encoded(path, encode(film, transfer, format))
+}
+
+/// Writes what the encoder made: whole, or not at all.
+pub(super) fn write_encoded(
+    path: &Path,
+    encoded: Result<Vec<u8>, image::ImageError>,
+) -> Result<(), WriteError> {
+    let bytes = encoded.map_err(|source| WriteError::Encoding { path: path.to_owned(), source })?;
     write_whole(path, &bytes).map_err(|source| WriteError::File { path: path.to_owned(), source })
 }
 

@@ -1,12 +1,15 @@
-//! Films to files.
+//! Films to files: frame files, and sheets of many frames.
 //!
-//! A frame file is whole or absent: it is written under a temporary name beside its place, and renamed when every byte is
+//! Files are whole or absent: each is written under a temporary name beside its place, and renamed when every byte is
 //! on the disk.
 
 mod frame_file;
+mod label;
 mod sequence;
+mod sheet;
 mod writer;
 
 pub use frame_file::{FrameFormat, WriteError, encode, write};
 pub use sequence::Sequence;
+pub use sheet::{Sheet, SheetTooLarge};
 pub use writer::{FrameWriter, Written};

@@ -34,6 +34,12 @@ impl Sequence {
         self.directory.join(format!("{}.at-{}s.{}", self.name, time.seconds(), self.format.extension()))
     }
 
+    /// The file of a sheet of frames.
+    #[must_use]
+    pub fn sheet(&self) -> PathBuf {
+        self.directory.join(format!("{}.sheet.{}", self.name, self.format.extension()))
+    }
+
     /// Where the files go.
     #[must_use]
     pub fn directory(&self) -> &std::path::Path {
@@ -57,5 +63,6 @@ mod tests {
         assert_eq!(sequence(95).frame(7), PathBuf::from("out/sun.0007.png"));
         assert_eq!(sequence(123_456).frame(7), PathBuf::from("out/sun.000007.png"));
         assert_eq!(sequence(95).moment("1.5s".parse().unwrap()), PathBuf::from("out/sun.at-1.5s.png"));
+        assert_eq!(sequence(95).sheet(), PathBuf::from("out/sun.sheet.png"));
     }
 }

@@ -65,6 +65,29 @@ impl FrameList {
             _ => self.frames().count(),
         }
     }
+
+    /// So many of the selected frames, spread evenly over them: the first and the last are among them, where there is more
+    /// than one. All of them, where there are no more.
+    ///
+    /// ```
+    /// use rayreel::time::FrameList;
+    /// assert!(FrameList::all(96).spread(4).frames().eq([0, 31, 63, 95]));
+    /// assert!(FrameList::all(3).spread(4).frames().eq([0, 1, 2]));
+    /// ```
+    #[must_use]
+    pub fn spread(&self, count: u32) -> Self {
+        let (selected, count) = (self.count() as u64, u64::from(count));
+        if count >= selected {
+            return self.clone();
+        }
+        let mut frames = (0..).zip(self.frames());
+        let chosen = (0..count).filter_map(|index| {
+            let place = index * (selected - 1) / (count - 1).max(1);
+            frames.find(|(at, _)| *at == place)
+        });
+        let single = |(_, frame)| FrameRange { first: frame, last: frame, stride: 1 };
+        Self { ranges: chosen.map(single).collect() }
+    }
 }
 
 impl FrameRange {
@@ -134,6 +157,23 @@ mod tests {
         assert_eq!(list.count(), expected.len());
         assert_eq!(list.last(), 80);
         assert_eq!(list.to_string(), "10-20,30,40-80x5,12");
+    }
+
+    #[test]
+    fn spread_frames_are_as_far_apart_as_whole_frames_can_be() {
+        let list: FrameList = "10-20,30,40-80x5".parse().unwrap();
+        let all: Vec<u32> = list.frames().collect();
+        for count in 2..all.len() {
+            let spread: Vec<u32> = list.spread(u32::try_from(count).unwrap()).frames().collect();
+            assert_eq!((spread.len(), spread[0], spread[count - 1]), (count, 10, 80));
+            let places: Vec<usize> =
+                spread.iter().map(|frame| all.iter().position(|one| one == frame).unwrap()).collect();
+            let steps: Vec<usize> = places.windows(2).map(|pair| pair[1] - pair[0]).collect();
+            assert!(steps.iter().max().unwrap() - steps.iter().min().unwrap() <= 1, "{places:?}");
+        }
+        assert!(list.spread(1).frames().eq([10]));
+        assert_eq!(list.spread(21), list);
+        assert!(FrameList::all(1).spread(9).frames().eq([0]));
     }
 
     #[test]

@@ -1,0 +1,294 @@
+//! Many frames in one picture: a contact sheet.
+
+use std::path::Path;
+
+use super::frame_file::{encode_pixels, write_encoded};
+use super::label;
+use super::{FrameFormat, WriteError};
+use crate::color::Transfer;
+use crate::time::Time;
+use crate::trace::Film;
+
+/// Pixels around tiles.
+const GAP: u32 = 8;
+/// Pixels between a tile and its label.
+const LABEL_GAP: u32 = 5;
+/// A label's dots are a pixel wide and high for every so many columns of a tile.
+const COLUMNS_PER_DOT: u32 = 400;
+
+const BACKGROUND: [u8; 3] = [28; 3];
+const INK: [u8; 3] = [200; 3];
+
+/// Frames side by side, row after row, with frame number and time under each where there is room.
+///
+/// A tile has exactly the bytes of the frame's own file.
+#[derive(Clone, Debug)]
+pub struct Sheet {
+    columns: u32,
+    tile: (u32, u32),
+    transfer: Transfer,
+    width: u32,
+    /// Row by row from the top.
+    pixels: Vec<[u8; 3]>,
+    /// Tiles so far.
+    count: u32,
+}
+
+/// A sheet would be larger than a picture may be.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{columns}x{rows} tiles of {}x{} pixels make a sheet of {width}x{height}: it may have at most {} pixels, and {} on a side",
+    tile.0,
+    tile.1,
+    Sheet::LARGEST_AREA,
+    Sheet::LARGEST_SIDE
+)]
+pub struct SheetTooLarge {
+    columns: u32,
+    rows: u32,
+    tile: (u32, u32),
+    width: u64,
+    height: u64,
+}
+
+impl Sheet {
+    /// The most columns of tiles, and the most rows.
+    pub const LARGEST_COUNT: u32 = 100;
+    /// The most pixels on a side.
+    pub const LARGEST_SIDE: u32 = 32_768;
+    /// The most pixels, 2^28: 805 MB of them.
+    pub const LARGEST_AREA: u64 = 1 << 28;
+    /// Pixels that a sheet is at most wide with tiles of [`Sheet::fitting_tile`].
+    pub const FITTING_WIDTH: u32 = 1920;
+
+    /// An empty sheet of so many columns and rows of tiles, each of which is so many pixels wide and high.
+    ///
+    /// # Errors
+    ///
+    /// If it would be too large.
+    pub fn new(columns: u32, rows: u32, tile: (u32, u32), transfer: Transfer) -> Result<Self, SheetTooLarge> {
+        let pixels =
+            |count: u32, side: u32| u64::from(count) * (u64::from(side) + u64::from(GAP)) + u64::from(GAP);
+        let (width, height) =
+            (pixels(columns, tile.0), pixels(rows, tile.1.saturating_add(label_height(tile))));
+        let side = |side: u64| u32::try_from(side).ok().filter(|side| *side <= Self::LARGEST_SIDE);
+        match (side(width), side(height)) {
+            (Some(columns_in_all), Some(_)) if width * height <= Self::LARGEST_AREA => Ok(Self {
+                columns,
+                tile,
+                transfer,
+                width: columns_in_all,
+                pixels: vec![BACKGROUND; width as usize * height as usize],
+                count: 0,
+            }),
+            _ => Err(SheetTooLarge { columns, rows, tile, width, height }),
+        }
+    }
+
+    /// The size of tiles with which a sheet of so many columns is at most [`Sheet::FITTING_WIDTH`] pixels wide; never larger
+    /// than the film, and of exactly its proportions where whole pixels allow that without halving the tile.
+    #[must_use]
+    pub fn fitting_tile(columns: u32, (width, height): (u32, u32)) -> (u32, u32) {
+        let (columns, width, height) = (columns.max(1), width.max(1), height.max(1));
+        let room = (Self::FITTING_WIDTH.saturating_sub(GAP) / columns).saturating_sub(GAP).max(1);
+        if width <= room {
+            return (width, height);
+        }
+        let step = width / greatest_common_divisor(width, height);
+        let exact = room - room % step;
+        let fitting = if 2 * exact > room { exact } else { room };
+        let rows = (2 * u64::from(fitting) * u64::from(height) + u64::from(width)) / (2 * u64::from(width));
+        (fitting, u32::try_from(rows).unwrap_or(u32::MAX).max(1))
+    }
+
+    /// Puts a frame on the next tile. What is outside of the tile, and outside of the sheet, is cut off.
+    pub fn add(&mut self, film: &Film, frame: u32, time: Time) {
+        let (left, top) = self.next_place();
+        let columns = film.width().min(self.tile.0) as usize;
+        let rows = film.pixels().chunks_exact(film.width().max(1) as usize).take(self.tile.1 as usize);
+        let transfer = self.transfer;
+        for (y, row) in (top..).zip(rows) {
+            for (pixel, linear) in self.row_from(left, y).iter_mut().zip(&row[..columns]) {
+                *pixel = transfer.encode(*linear);
+            }
+        }
+        self.label(&format!("#{frame}"), &format!("{:.3} s", time.seconds()), left, top);
+    }
+
+    /// Columns of pixels.
+    #[must_use]
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Rows of pixels.
+    #[must_use]
+    pub fn height(&self) -> u32 {
+        // There are no more than [`Sheet::LARGEST_SIDE`].
+        u32::try_from(self.pixels.len() / self.width as usize).unwrap_or(u32::MAX)
+    }
+
+    /// Writes the sheet: whole, or not at all.
+    ///
+    /// # Errors
+    ///
+    /// If the file system or the encoder refuses; nothing is left behind.
+    pub fn write(&self, path: &Path, format: FrameFormat) -> Result<(), WriteError> {
+        write_encoded(path, encode_pixels(&self.pixels, self.width, self.height(), format))
+    }
+
+    /// Left and top of the next tile.
+    fn next_place(&mut self) -> (u32, u32) {
+        let (column, row) = (self.count % self.columns, self.count / self.columns);
+        self.count = self.count.saturating_add(1);
+        let (across, down) = (self.tile.0 + GAP, self.tile.1 + label_height(self.tile) + GAP);
+        (GAP + column * across, row.saturating_mul(down).saturating_add(GAP))
+    }
+
+    /// The pixels of row `y` from column `x` on; none outside of the sheet.
+    fn row_from(&mut self, x: u32, y: u32) -> &mut [[u8; 3]] {
+        let width = self.width as usize;
+        let row = self.pixels.chunks_exact_mut(width).nth(y as usize);
+        row.and_then(|row| row.get_mut(x as usize..)).unwrap_or_default()
+    }
+
+    /// Writes a number at the left end and another at the right end below the tile at `left` and `top`; the first alone, or
+    /// nothing, where it is too narrow.
+    fn label(&mut self, first: &str, last: &str, left: u32, top: u32) {
+        let (dot, room) = (dot(self.tile), self.tile.0);
+        let (first_width, last_width) = (dot * label::width(first), dot * label::width(last));
+        let space = dot * label::width("  ");
+        let top = top.saturating_add(self.tile.1 + LABEL_GAP);
+        if first_width <= room {
+            self.write_text(first, left, top);
+        }
+        if first_width + space + last_width <= room {
+            self.write_text(last, left + room - last_width, top);
+        }
+    }
+
+    fn write_text(&mut self, text: &str, left: u32, top: u32) {
+        let dot = dot(self.tile);
+        for (column, row) in label::dots(text) {
+            for y in 0..dot {
+                let pixels = self.row_from(left + column * dot, top.saturating_add(row * dot + y));
+                pixels.iter_mut().take(dot as usize).for_each(|pixel| *pixel = INK);
+            }
+        }
+    }
+}
+
+/// Pixels of a label's dots on a side.
+fn dot((columns, _): (u32, u32)) -> u32 {
+    (columns / COLUMNS_PER_DOT).max(1)
+}
+
+/// Rows of pixels below a tile for its label.
+fn label_height(tile: (u32, u32)) -> u32 {
+    LABEL_GAP + dot(tile) * label::HEIGHT
+}
+
+fn greatest_common_divisor(mut one: u32, mut other: u32) -> u32 {
+    while other != 0 {
+        (one, other) = (other, one % other);
+    }
+    one
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::Rgb;
+
+    fn film(size: (u32, u32), color: Rgb) -> Film {
+        Film::from_pixels(size.0, size.1, std::iter::repeat_n(color, size.0 as usize * size.1 as usize))
+    }
+
+    #[test]
+    fn tiles_fit_and_keep_their_proportions() {
+        for ((columns, film), tile) in [
+            ((6, (960, 540)), (304, 171)),
+            ((6, (160, 90)), (160, 90)),
+            ((1, (1920, 1080)), (1904, 1071)),
+            ((1, (1904, 1071)), (1904, 1071)),
+            ((4, (641, 359)), (470, 263)),
+            ((6, (1000, 562)), (310, 174)),
+            ((100, (960, 540)), (11, 6)),
+            ((6, (32_768, 1)), (310, 1)),
+            ((6, (7, 32_768)), (7, 32_768)),
+        ] {
+            assert_eq!(Sheet::fitting_tile(columns, film), tile, "{columns} {film:?}");
+        }
+        for columns in 1..=Sheet::LARGEST_COUNT {
+            for film in [(960, 540), (641, 359), (333, 333), (2000, 13)] {
+                let (width, height) = Sheet::fitting_tile(columns, film);
+                let sheet = Sheet::new(columns, 1, (width, height), Transfer::Classic).unwrap();
+                assert!(sheet.width() <= Sheet::FITTING_WIDTH && width <= film.0 && height <= film.1);
+            }
+        }
+    }
+
+    #[test]
+    fn sheets_have_limits() {
+        let new = |columns, rows, tile| Sheet::new(columns, rows, tile, Transfer::Classic);
+        assert_eq!(
+            new(1, 1, (32_752, 100)).map(|sheet| (sheet.width(), sheet.height())).ok(),
+            Some((32_768, 850))
+        );
+        assert!(new(1, 1, (32_753, 100)).is_err());
+        let error = new(100, 100, (320, 180)).unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "100x100 tiles of 320x180 pixels make a sheet of 32808x20208: it may have at most 268435456 pixels, and 32768 on a side"
+        );
+        assert!(new(100, 100, (u32::MAX, u32::MAX)).is_err());
+    }
+
+    #[test]
+    fn tiles_lie_side_by_side_and_nothing_is_written_beyond() {
+        let tile = (90, 3);
+        let mut sheet = Sheet::new(2, 2, tile, Transfer::Classic).unwrap();
+        let colors = [Rgb::X, Rgb::Y, Rgb::Z];
+        for (index, color) in (0..).zip(colors) {
+            // Larger than the tile, the second time.
+            sheet.add(&film((90 + index % 2, 3 + index % 2), color), index, Time::ZERO);
+        }
+        let count = |sheet: &Sheet, bytes| sheet.pixels.iter().filter(|pixel| **pixel == bytes).count();
+        for bytes in [[255, 0, 0], [0, 255, 0], [0, 0, 255]] {
+            assert_eq!(count(&sheet, bytes), 270);
+        }
+        let pixel = |x: u32, y: u32| sheet.pixels[(y * sheet.width() + x) as usize];
+        let (right, below) = (GAP + 90 + GAP, GAP + 3 + LABEL_GAP + label::HEIGHT + GAP);
+        assert_eq!(
+            [pixel(GAP, GAP), pixel(right, GAP), pixel(GAP, below)],
+            [[255, 0, 0], [0, 255, 0], [0, 0, 255]]
+        );
+        assert_eq!(pixel(right, below), BACKGROUND);
+
+        sheet.add(&film(tile, Rgb::ONE), 3, Time::ZERO);
+        let full = sheet.clone();
+        sheet.add(&film(tile, Rgb::X), 4, Time::ZERO);
+        assert!(full.pixels == sheet.pixels);
+    }
+
+    #[test]
+    fn labels_stay_below_their_tiles_and_narrow_tiles_have_less_of_them() {
+        // "#17" and "0.000 s" with two spaces between them are 20 + 13 + 48 wide.
+        for (columns, dots) in [(19, 0), (20, label::dots("#17").count()), (80, label::dots("#17").count())] {
+            assert_eq!(inked(columns), dots, "{columns}");
+        }
+        assert_eq!(inked(81), label::dots("#170.000s").count());
+        assert_eq!(inked(800), 4 * inked(81));
+    }
+
+    /// How many pixels of a tile's label have ink.
+    fn inked(columns: u32) -> usize {
+        let mut sheet = Sheet::new(1, 1, (columns, 1), Transfer::Classic).unwrap();
+        sheet.add(&film((columns, 1), Rgb::ONE), 17, Time::ZERO);
+        let width = sheet.width as usize;
+        let (above, below) = sheet.pixels.split_at(width * (GAP + 1 + LABEL_GAP) as usize);
+        assert!(above.iter().all(|pixel| *pixel != INK));
+        let inked = below.iter().enumerate().filter(|(_, pixel)| **pixel == INK);
+        inked.inspect(|(at, _)| assert!((GAP as usize..width - GAP as usize).contains(&(at % width)))).count()
+    }
+}
