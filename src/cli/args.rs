@@ -7,6 +7,7 @@ use clap_complete::Shell;
 
 use rayreel::Time;
 use rayreel::components::Quality;
+use rayreel::output::Sheet;
 use rayreel::time::FrameList;
 use rayreel::trace::Precision;
 
@@ -18,6 +19,7 @@ use rayreel::trace::Precision;
   rayreel check ball.ron                   say what is wrong with it, if anything
   rayreel render ball.ron                  render all its frames into out/ball/
   rayreel render ball.ron --frames 0-47x4  every fourth frame of the first two seconds
+  rayreel render ball.ron --sheet 6x4      24 of its frames in one picture
   rayreel explain ball.ron                 tell which effects it calls for, and what they cost
   rayreel probe ball.ron --pixel 320,180   tell what that pixel sees, and why it has its colour")]
 pub(super) struct Arguments {
@@ -46,11 +48,13 @@ pub(super) enum Command {
   rayreel render scenes/first_light.ron
   rayreel render scenes/first_light.ron --frames 10-20,30,40-80x5 --size 1920x1080
   rayreel render scenes/first_light.ron --at 1.5s --out stills
+  rayreel render scenes/first_light.ron --sheet 6x4
+  rayreel render scenes/first_light.ron --draft
   rayreel render scenes/first_light.ron --json > report.json
 
 Every frame is a function of the scene and its index: it has the same bytes whether it is rendered
 alone or with the others, with one thread or many. Ctrl-C keeps the frames that are written, drops
-the one being rendered, and exits with 130.")]
+the one being rendered, and exits with 130; of a sheet it leaves nothing.")]
 pub(super) struct RenderArguments {
     /// The scene file
     pub(super) scene: PathBuf,
@@ -66,6 +70,14 @@ pub(super) struct RenderArguments {
     /// Pixels, instead of the scene's own, as in 1280x720
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
     pub(super) size: Option<(u32, u32)>,
+    /// One picture, <scene>.sheet.png, of so many of the frames, spread evenly from the first to the last, each with its
+    /// number and its time below. --size is that of one of them, and else such that the sheet is at most 1920 pixels wide
+    #[arg(long, value_name = "COLUMNSxROWS", value_parser = parse_sheet, conflicts_with = "at")]
+    pub(super) sheet: Option<(u32, u32)>,
+    /// Quick pictures to look at, in a folder draft within the other: a third of the film's width and height, unless --size
+    /// says otherwise, one sample a pixel, sharp throughout, a depth of 5 at most, and 4 samples of an area light at most
+    #[arg(long)]
+    pub(super) draft: bool,
     /// Threads to render on [default: one a core]
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(super) threads: Option<u16>,
@@ -228,6 +240,13 @@ fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let side = |digits: &str| digits.trim().parse::<u32>().ok();
     let size = text.split_once(['x', 'X']).and_then(|(width, height)| Some((side(width)?, side(height)?)));
     size.ok_or_else(|| "write width and height in pixels, as in 1280x720".to_owned())
+}
+
+fn parse_sheet(text: &str) -> Result<(u32, u32), String> {
+    let most = Sheet::LARGEST_COUNT;
+    let sheet = parse_size(text).ok();
+    let sheet = sheet.filter(|(columns, rows)| (1..=most).contains(columns) && (1..=most).contains(rows));
+    sheet.ok_or_else(|| format!("write columns and rows, each from 1 to {most}, as in 6x4"))
 }
 
 fn parse_cutoff(text: &str) -> Result<f32, String> {

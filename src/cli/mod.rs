@@ -6,6 +6,7 @@
 mod args;
 mod check;
 mod completions;
+mod draft;
 mod exit;
 mod explain;
 mod interrupt;
@@ -16,6 +17,7 @@ mod progress;
 mod render;
 mod report;
 mod settings;
+mod sheet;
 
 use std::process::ExitCode;
 

@@ -29,7 +29,7 @@ impl Progress {
         Self { total, bar }
     }
 
-    /// One more is written; `count` so far.
+    /// One more is done; `count` so far.
     pub(super) fn done(&self, shot: &ShotReport, count: usize) {
         let rate = in_millions(shot.rays_per_second());
         match &self.bar {
@@ -40,7 +40,7 @@ impl Progress {
             None => print::error_line(&format!(
                 "{count}/{} {}: {:.3} s, {rate} rays/s",
                 self.total,
-                shot.path.display(),
+                shot.name(),
                 shot.seconds()
             )),
         }

@@ -10,18 +10,23 @@ use rayreel::Engine;
 use rayreel::output::{FrameWriter, Written};
 
 use super::args::RenderArguments;
+use super::draft;
 use super::exit::Failure;
 use super::interrupt;
 use super::print;
 use super::progress::Progress;
 use super::report::{RenderReport, ShotReport};
 use super::settings::{RenderSettings, resize, set_cutoff};
+use super::sheet;
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let start = Instant::now();
     let mut engine = Engine::load(&arguments.scene)?;
     let load = start.elapsed();
-    let settings = RenderSettings::new(arguments, engine.timeline())?;
+    if arguments.draft {
+        draft::apply(&mut engine);
+    }
+    let settings = RenderSettings::new(arguments, engine.timeline(), engine.film_settings())?;
     engine.set_precision(arguments.precision.into());
     engine.set_full(arguments.full);
     if let Some(cutoff) = arguments.cutoff {
@@ -30,6 +35,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     if let Some(size) = settings.size {
         resize(&mut engine, size);
     }
+    let sheet = settings.sheet.map(|tiles| sheet::empty(tiles, engine.film_settings())).transpose()?;
     let directory = settings.sequence.directory();
     fs::create_dir_all(directory)
         .with_context(|| format!("cannot make the folder `{}`", directory.display()))?;
@@ -40,7 +46,10 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         .build()
         .context("cannot start the rendering threads")?;
     let mut report = RenderReport::new(arguments, &engine, load, pool.current_num_threads());
-    let rendered = pool.install(|| render_all(&mut engine, &settings, &cancelled, &mut report));
+    let rendered = pool.install(|| match sheet {
+        Some(sheet) => sheet::render(&mut engine, &settings, sheet, &cancelled, &mut report),
+        None => render_all(&mut engine, &settings, &cancelled, &mut report),
+    });
     // Ctrl-C after the last frame interrupts nothing.
     let complete = report.shots.len() == settings.count();
     let interrupted = cancelled.load(Ordering::Relaxed) && !complete;
@@ -50,7 +59,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         if !report.shots.is_empty() {
             print::error_line(&report.plan());
         }
-        print::error_line(&report.summary(directory));
+        print::error_line(&report.summary(&settings));
     }
     rendered?;
     if arguments.json {
@@ -91,8 +100,9 @@ fn render_all(
         let Some(film) = engine.render_unless(shot.time, cancelled)? else {
             break;
         };
-        pending.push(ShotReport::new(&shot, engine.report(), engine.plan()));
-        writer.submit(ticket, shot.path, film, transfer, format);
+        let path = settings.file_of(&shot);
+        pending.push(ShotReport::new(&shot, Some(path.clone()), engine));
+        writer.submit(ticket, path, film, transfer, format);
         let mut all_good = true;
         for written in writer.written() {
             all_good &= written.result.is_ok();

@@ -1,6 +1,6 @@
 //! What a rendering cost, for people and for machines.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use serde_json::{Value, json};
@@ -9,7 +9,7 @@ use rayreel::trace::{Guards, RayCounts, TreeEnds};
 use rayreel::{Effect, Engine, FrameReport, Plan};
 
 use super::args::RenderArguments;
-use super::settings::Shot;
+use super::settings::{RenderSettings, Shot};
 
 /// All frames of one call.
 #[derive(Debug)]
@@ -18,17 +18,32 @@ pub(super) struct RenderReport {
     size: (u32, u32),
     threads: usize,
     load: Duration,
-    /// Written, in order.
+    /// Written, or put on the sheet, in order.
     pub(super) shots: Vec<ShotReport>,
+    /// Once it is written.
+    pub(super) sheet: Option<SheetReport>,
     total: Duration,
     interrupted: bool,
+}
+
+/// The file that holds all frames.
+#[derive(Clone, Debug)]
+pub(super) struct SheetReport {
+    pub(super) path: PathBuf,
+    /// Columns and rows of tiles.
+    pub(super) tiles: (u32, u32),
+    /// Pixels.
+    pub(super) size: (u32, u32),
+    /// Encoding and writing.
+    pub(super) write: Duration,
 }
 
 /// One frame.
 #[derive(Clone, Debug)]
 pub(super) struct ShotReport {
     frame: Option<u32>,
-    pub(super) path: PathBuf,
+    /// `None` on a sheet.
+    path: Option<PathBuf>,
     cost: FrameReport,
     needed: Vec<Effect>,
     write: Duration,
@@ -43,6 +58,7 @@ impl RenderReport {
             threads,
             load,
             shots: Vec::new(),
+            sheet: None,
             total: Duration::ZERO,
             interrupted: false,
         }
@@ -64,6 +80,7 @@ impl RenderReport {
             "total_seconds": self.total.as_secs_f64(),
             "peak_memory_bytes": peak_memory(),
             "interrupted": self.interrupted,
+            "sheet": self.sheet.as_ref().map(SheetReport::to_json),
             "frames": self.shots.iter().map(ShotReport::to_json).collect::<Vec<_>>(),
         });
         format!("{report:#}")
@@ -82,23 +99,54 @@ impl RenderReport {
         format!("needed: {names}; {others} left out (`rayreel explain` says why)")
     }
 
-    /// One or two lines.
-    pub(super) fn summary(&self, directory: &Path) -> String {
+    /// One line.
+    pub(super) fn summary(&self, settings: &RenderSettings) -> String {
         let frames = match self.shots.len() {
             1 => "1 frame".to_owned(),
             count => format!("{count} frames"),
         };
         let rays: u64 = self.shots.iter().map(|shot| shot.cost.rays.total()).sum();
-        let (seconds, place) = (self.total.as_secs_f64(), directory.display());
-        let written = format!("{frames} in {seconds:.2} s, {} rays, in {place}", in_millions(rays as f64));
-        if self.interrupted { format!("interrupted: {written}; all of them are whole") } else { written }
+        let (seconds, rays) = (self.total.as_secs_f64(), in_millions(rays as f64));
+        let rendered = format!("{frames} in {seconds:.2} s, {rays} rays");
+        let rendered = if self.interrupted { format!("interrupted: {rendered}") } else { rendered };
+        match (&self.sheet, settings.sheet) {
+            (Some(sheet), _) => format!("{rendered}, in {}", sheet.path.display()),
+            (None, Some(_)) => format!("{rendered}; no sheet was written"),
+            (None, None) => {
+                let whole = if self.interrupted { "; all of them are whole" } else { "" };
+                format!("{rendered}, in {}{whole}", settings.sequence.directory().display())
+            }
+        }
+    }
+}
+
+impl SheetReport {
+    fn to_json(&self) -> Value {
+        json!({
+            "file": self.path.display().to_string(),
+            "columns": self.tiles.0,
+            "rows": self.tiles.1,
+            "width": self.size.0,
+            "height": self.size.1,
+            "write_seconds": self.write.as_secs_f64(),
+        })
     }
 }
 
 impl ShotReport {
-    pub(super) fn new(shot: &Shot, cost: &FrameReport, plan: Option<&Plan>) -> Self {
-        let needed = plan.into_iter().flat_map(Plan::needed).collect();
-        Self { frame: shot.frame, path: shot.path.clone(), cost: *cost, needed, write: Duration::ZERO }
+    /// What the engine's last frame cost. On a sheet it has no file of its own.
+    pub(super) fn new(shot: &Shot, path: Option<PathBuf>, engine: &Engine) -> Self {
+        let needed = engine.plan().into_iter().flat_map(Plan::needed).collect();
+        Self { frame: shot.frame, path, cost: *engine.report(), needed, write: Duration::ZERO }
+    }
+
+    /// The frame's file or, on a sheet, its number.
+    pub(super) fn name(&self) -> String {
+        match (&self.path, self.frame) {
+            (Some(path), _) => path.display().to_string(),
+            (None, Some(frame)) => format!("frame {frame}"),
+            (None, None) => format!("{} s", self.cost.time.seconds()),
+        }
     }
 
     /// The same, with the time that writing took.
@@ -122,7 +170,7 @@ impl ShotReport {
         json!({
             "frame": self.frame,
             "time": self.cost.time.seconds(),
-            "file": self.path.display().to_string(),
+            "file": self.path.as_ref().map(|path| path.display().to_string()),
             "seconds": {
                 "animate": self.cost.animate.as_secs_f64(),
                 "prepare": self.cost.prepare.as_secs_f64(),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, ensure};
 
 use rayreel::components::{FilmSettings, Quality};
-use rayreel::output::{FrameFormat, Sequence};
+use rayreel::output::{FrameFormat, Sequence, Sheet};
 use rayreel::time::{FrameList, Timeline};
 use rayreel::{Engine, Time};
 
@@ -17,7 +17,6 @@ pub(super) struct Shot {
     /// `None` for a moment that is no frame.
     pub(super) frame: Option<u32>,
     pub(super) time: Time,
-    pub(super) path: PathBuf,
 }
 
 /// Which pictures to make.
@@ -32,16 +31,25 @@ enum Selection {
 pub(super) struct RenderSettings {
     selection: Selection,
     pub(super) sequence: Sequence,
+    /// Columns and rows of the one sheet that all pictures go to.
+    pub(super) sheet: Option<(u32, u32)>,
     pub(super) size: Option<(u32, u32)>,
     pub(super) threads: Option<usize>,
 }
 
 impl RenderSettings {
-    /// What the arguments mean for a scene with this timeline.
-    pub(super) fn new(arguments: &RenderArguments, timeline: Timeline) -> anyhow::Result<Self> {
+    /// What the arguments mean for a scene with this timeline and this film.
+    pub(super) fn new(
+        arguments: &RenderArguments,
+        timeline: Timeline,
+        film: FilmSettings,
+    ) -> anyhow::Result<Self> {
         let last = timeline.frame_count() - 1;
         let name = scene_name(&arguments.scene)?;
-        let directory = arguments.out.clone().unwrap_or_else(|| Path::new("out").join(&name));
+        let mut directory = arguments.out.clone().unwrap_or_else(|| Path::new("out").join(&name));
+        if arguments.draft {
+            directory.push("draft");
+        }
         let format = match arguments.format {
             Format::Png => FrameFormat::Png,
             Format::Ppm => FrameFormat::Ppm,
@@ -52,39 +60,59 @@ impl RenderSettings {
             None => {
                 let frames = arguments.frames.clone().unwrap_or_else(|| FrameList::all(last + 1));
                 require_frame(frames.last(), timeline)?;
-                Selection::Frames(frames, timeline)
+                let most = arguments.sheet.map(|(columns, rows)| columns * rows);
+                Selection::Frames(most.map_or_else(|| frames.clone(), |most| frames.spread(most)), timeline)
             }
         };
         if let Some(size) = arguments.size {
             require_size(size)?;
         }
-        Ok(Self { selection, sequence, size: arguments.size, threads: arguments.threads.map(usize::from) })
+        let sheet = arguments.sheet.map(|(columns, _)| filled(columns, selection.count()));
+        let fitting = sheet.map(|(columns, _)| Sheet::fitting_tile(columns, (film.width, film.height)));
+        let size = arguments.size.or(fitting);
+        Ok(Self { selection, sequence, sheet, size, threads: arguments.threads.map(usize::from) })
     }
 }
 
 impl RenderSettings {
     /// All pictures, one after the other.
     pub(super) fn shots(&self) -> Box<dyn Iterator<Item = Shot> + '_> {
-        let sequence = &self.sequence;
         match &self.selection {
-            Selection::Moment(time) => {
-                Box::new(std::iter::once(Shot { frame: None, time: *time, path: sequence.moment(*time) }))
-            }
-            Selection::Frames(frames, timeline) => Box::new(frames.frames().map(|index| Shot {
-                frame: Some(index),
-                time: timeline.time_of(index),
-                path: sequence.frame(index),
-            })),
+            Selection::Moment(time) => Box::new(std::iter::once(Shot { frame: None, time: *time })),
+            Selection::Frames(frames, timeline) => Box::new(
+                frames.frames().map(|index| Shot { frame: Some(index), time: timeline.time_of(index) }),
+            ),
         }
     }
 
     /// How many pictures.
     pub(super) fn count(&self) -> usize {
-        match &self.selection {
-            Selection::Moment(_) => 1,
-            Selection::Frames(frames, _) => frames.count(),
+        self.selection.count()
+    }
+
+    /// The file of a picture that has one of its own.
+    pub(super) fn file_of(&self, shot: &Shot) -> PathBuf {
+        match shot.frame {
+            Some(index) => self.sequence.frame(index),
+            None => self.sequence.moment(shot.time),
         }
     }
+}
+
+impl Selection {
+    fn count(&self) -> usize {
+        match self {
+            Self::Moment(_) => 1,
+            Self::Frames(frames, _) => frames.count(),
+        }
+    }
+}
+
+/// The columns and rows that so many pictures fill.
+fn filled(columns: u32, count: usize) -> (u32, u32) {
+    // A sheet has no more than 10 000.
+    let count = u32::try_from(count).unwrap_or(u32::MAX);
+    (columns.min(count), count.div_ceil(columns))
 }
 
 /// An error for a frame that the timeline does not have.

@@ -71,17 +71,14 @@ impl Sheet {
             |count: u32, side: u32| u64::from(count) * (u64::from(side) + u64::from(GAP)) + u64::from(GAP);
         let (width, height) =
             (pixels(columns, tile.0), pixels(rows, tile.1.saturating_add(label_height(tile))));
+        let too_large = SheetTooLarge { columns, rows, tile, width, height };
         let side = |side: u64| u32::try_from(side).ok().filter(|side| *side <= Self::LARGEST_SIDE);
         match (side(width), side(height)) {
-            (Some(columns_in_all), Some(_)) if width * height <= Self::LARGEST_AREA => Ok(Self {
-                columns,
-                tile,
-                transfer,
-                width: columns_in_all,
-                pixels: vec![BACKGROUND; width as usize * height as usize],
-                count: 0,
-            }),
-            _ => Err(SheetTooLarge { columns, rows, tile, width, height }),
+            (Some(width), Some(height)) if u64::from(width) * u64::from(height) <= Self::LARGEST_AREA => {
+                let pixels = vec![BACKGROUND; width as usize * height as usize];
+                Ok(Self { columns: columns.max(1), tile, transfer, width, pixels, count: 0 })
+            }
+            _ => Err(too_large),
         }
     }
 
@@ -112,7 +109,8 @@ impl Sheet {
                 *pixel = transfer.encode(*linear);
             }
         }
-        self.label(&format!("#{frame}"), &format!("{:.3} s", time.seconds()), left, top);
+        let label = format!("#{frame}  {:.3} s", time.seconds());
+        self.label(&label, left, top.saturating_add(self.tile.1 + LABEL_GAP));
     }
 
     /// Columns of pixels.
@@ -152,24 +150,12 @@ impl Sheet {
         row.and_then(|row| row.get_mut(x as usize..)).unwrap_or_default()
     }
 
-    /// Writes a number at the left end and another at the right end below the tile at `left` and `top`; the first alone, or
-    /// nothing, where it is too narrow.
-    fn label(&mut self, first: &str, last: &str, left: u32, top: u32) {
+    /// Writes a label below a tile: only its first word, or nothing, where the tile is too narrow.
+    fn label(&mut self, label: &str, left: u32, top: u32) {
         let (dot, room) = (dot(self.tile), self.tile.0);
-        let (first_width, last_width) = (dot * label::width(first), dot * label::width(last));
-        let space = dot * label::width("  ");
-        let top = top.saturating_add(self.tile.1 + LABEL_GAP);
-        if first_width <= room {
-            self.write_text(first, left, top);
-        }
-        if first_width + space + last_width <= room {
-            self.write_text(last, left + room - last_width, top);
-        }
-    }
-
-    fn write_text(&mut self, text: &str, left: u32, top: u32) {
-        let dot = dot(self.tile);
-        for (column, row) in label::dots(text) {
+        let first_word = label.split(' ').next().unwrap_or_default();
+        let fitting = [label, first_word].into_iter().find(|text| dot * label::width(text) <= room);
+        for (column, row) in label::dots(fitting.unwrap_or_default()) {
             for y in 0..dot {
                 let pixels = self.row_from(left + column * dot, top.saturating_add(row * dot + y));
                 pixels.iter_mut().take(dot as usize).for_each(|pixel| *pixel = INK);
@@ -273,12 +259,12 @@ mod tests {
 
     #[test]
     fn labels_stay_below_their_tiles_and_narrow_tiles_have_less_of_them() {
-        // "#17" and "0.000 s" with two spaces between them are 20 + 13 + 48 wide.
-        for (columns, dots) in [(19, 0), (20, label::dots("#17").count()), (80, label::dots("#17").count())] {
+        // "#17  0.000 s" has 12 characters.
+        for (columns, dots) in [(19, 0), (20, label::dots("#17").count()), (82, label::dots("#17").count())] {
             assert_eq!(inked(columns), dots, "{columns}");
         }
-        assert_eq!(inked(81), label::dots("#170.000s").count());
-        assert_eq!(inked(800), 4 * inked(81));
+        assert_eq!(inked(83), label::dots("#170.000s").count());
+        assert_eq!(inked(800), 4 * inked(83));
     }
 
     /// How many pixels of a tile's label have ink.

@@ -1,0 +1,54 @@
+//! `rayreel render --sheet`: all pictures in one.
+
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use rayreel::Engine;
+use rayreel::components::FilmSettings;
+use rayreel::output::Sheet;
+
+use super::exit::Failure;
+use super::progress::Progress;
+use super::report::{RenderReport, SheetReport, ShotReport};
+use super::settings::RenderSettings;
+
+/// A sheet with room for so many columns and rows of such films.
+pub(super) fn empty((columns, rows): (u32, u32), film: FilmSettings) -> anyhow::Result<Sheet> {
+    Ok(Sheet::new(columns, rows, (film.width, film.height), film.transfer)?)
+}
+
+/// Renders every shot, puts it on the sheet, and writes that at the end; not if it is cancelled before.
+pub(super) fn render(
+    engine: &mut Engine,
+    settings: &RenderSettings,
+    mut sheet: Sheet,
+    cancelled: &AtomicBool,
+    report: &mut RenderReport,
+) -> Result<(), Failure> {
+    let progress = Progress::start(settings.count());
+    for shot in settings.shots() {
+        let Some(film) = engine.render_unless(shot.time, cancelled)? else {
+            progress.finish();
+            return Ok(());
+        };
+        sheet.add(&film, shot.frame.unwrap_or(0), shot.time);
+        let shot = ShotReport::new(&shot, None, engine);
+        progress.done(&shot, report.shots.len() + 1);
+        report.shots.push(shot);
+    }
+    progress.finish();
+    report.sheet = Some(write(&sheet, settings)?);
+    Ok(())
+}
+
+fn write(sheet: &Sheet, settings: &RenderSettings) -> anyhow::Result<SheetReport> {
+    let start = Instant::now();
+    let path = settings.sequence.sheet();
+    sheet.write(&path, settings.sequence.format())?;
+    Ok(SheetReport {
+        path,
+        tiles: settings.sheet.unwrap_or_default(),
+        size: (sheet.width(), sheet.height()),
+        write: start.elapsed(),
+    })
+}

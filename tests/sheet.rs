@@ -1,0 +1,258 @@
+//! Sheets of frames, and drafts, as a person or a script asks for them.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use assert_cmd::Command;
+use image::RgbImage;
+use image::imageops::crop_imm;
+use serde_json::Value;
+use tempfile::TempDir;
+
+const FIRST_LIGHT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/first_light.ron");
+const NEWTONS_CRADLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/newtons_cradle.ron");
+
+/// Pixels around tiles.
+const GAP: u32 = 8;
+/// Rows of pixels from a tile to the one below, where tiles are less than 800 pixels wide.
+const BETWEEN_ROWS: u32 = 5 + 9 + GAP;
+
+fn rayreel(folder: &TempDir, arguments: &[&str]) -> Output {
+    Command::cargo_bin("rayreel").unwrap().current_dir(folder.path()).args(arguments).output().unwrap()
+}
+
+/// The JSON report of a rendering that succeeds.
+fn render(folder: &TempDir, scene: &str, arguments: &[&str]) -> Value {
+    let output = rayreel(folder, &[&["render", scene, "--json"], arguments].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn picture(path: &Path) -> RgbImage {
+    image::open(path).unwrap().to_rgb8()
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.unwrap().file_name().to_str().unwrap().to_owned()).collect();
+    names.sort();
+    names
+}
+
+fn frames(report: &Value) -> Vec<u64> {
+    report["frames"].as_array().unwrap().iter().map(|frame| frame["frame"].as_u64().unwrap()).collect()
+}
+
+/// Holds every tile of the sheet in `out` against the frame file that the same arguments make without `--sheet`.
+fn assert_tiles_are_frames(folder: &TempDir, scene: &str, report: &Value, arguments: &[&str], out: &str) {
+    let side = |value: &Value| u32::try_from(value.as_u64().unwrap()).unwrap();
+    let sheet = picture(&folder.path().join(report["sheet"]["file"].as_str().unwrap()));
+    assert_eq!(sheet.dimensions(), (side(&report["sheet"]["width"]), side(&report["sheet"]["height"])));
+    let (width, height) = (side(&report["width"]), side(&report["height"]));
+    let size = format!("{width}x{height}");
+    let list = frames(report).iter().map(u64::to_string).collect::<Vec<_>>().join(",");
+    render(
+        folder,
+        scene,
+        &[&["--frames", &list, "--size", &size, "--format", "ppm", "--out", "alone"], arguments].concat(),
+    );
+    let columns = side(&report["sheet"]["columns"]);
+    for (index, frame) in (0..).zip(frames(report)) {
+        let name = format!("{}.{frame:04}.ppm", Path::new(scene).file_stem().unwrap().to_str().unwrap());
+        let (column, row) = (index % columns, index / columns);
+        let (left, top) = (GAP + column * (width + GAP), GAP + row * (height + BETWEEN_ROWS));
+        let tile = crop_imm(&sheet, left, top, width, height).to_image();
+        assert!(tile == picture(&folder.path().join(out).join(name)), "frame {frame}");
+    }
+}
+
+#[test]
+fn a_sheet_shows_frames_from_the_first_to_the_last_with_their_own_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let report = render(&folder, FIRST_LIGHT, &["--sheet", "6x4"]);
+    assert_eq!(files(&folder.path().join("out/first_light")), ["first_light.sheet.png"]);
+    assert_eq!((&report["width"], &report["height"]), (&304.into(), &171.into()));
+    let sheet = &report["sheet"];
+    assert_eq!((&sheet["columns"], &sheet["rows"]), (&6.into(), &4.into()));
+    assert_eq!((&sheet["width"], &sheet["height"]), (&1880.into(), &780.into()));
+    assert!(sheet["write_seconds"].as_f64().unwrap() > 0.0);
+    let expected: Vec<u64> = (0..24).map(|index| index * 95 / 23).collect();
+    assert_eq!(frames(&report), expected);
+    assert_eq!(report["frames"][3]["file"], Value::Null);
+    assert_tiles_are_frames(&folder, FIRST_LIGHT, &report, &[], "alone");
+}
+
+#[test]
+fn a_sheet_of_few_frames_is_as_large_as_they_need() {
+    let folder = tempfile::tempdir().unwrap();
+    let report = render(&folder, FIRST_LIGHT, &["--sheet", "3x9", "--frames", "7-9,50", "--size", "40x30"]);
+    assert_eq!(frames(&report), [7, 8, 9, 50]);
+    let sheet = &report["sheet"];
+    assert_eq!((&sheet["columns"], &sheet["rows"]), (&3.into(), &2.into()));
+    assert_eq!((&sheet["width"], &sheet["height"]), (&152.into(), &112.into()));
+    assert_tiles_are_frames(&folder, FIRST_LIGHT, &report, &[], "alone");
+
+    let report =
+        render(&folder, FIRST_LIGHT, &["--sheet", "9x9", "--frames", "7", "--format", "ppm", "--out", "o"]);
+    assert_eq!(
+        (&report["sheet"]["file"], &report["width"]),
+        (&"o/first_light.sheet.ppm".into(), &960.into())
+    );
+    assert_eq!(files(&folder.path().join("o")), ["first_light.sheet.ppm"]);
+}
+
+#[test]
+fn sheets_have_the_same_bytes_on_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let sheets = ["1", "2", "8"].map(|threads| {
+        let arguments = ["--sheet", "3x2", "--size", "80x45", "--out", threads, "--threads", threads];
+        render(&folder, FIRST_LIGHT, &arguments);
+        fs::read(folder.path().join(threads).join("first_light.sheet.png")).unwrap()
+    });
+    assert!(sheets[0] == sheets[1] && sheets[1] == sheets[2]);
+}
+
+#[test]
+fn drafts_are_small_and_lie_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let report = render(&folder, NEWTONS_CRADLE, &["--draft", "--frames", "3"]);
+    assert_eq!((&report["width"], &report["height"]), (&213.into(), &120.into()));
+    let out = folder.path().join("out/newtons_cradle");
+    assert_eq!(files(&out), ["draft"]);
+    assert_eq!(files(&out.join("draft")), ["newtons_cradle.0003.png"]);
+    let frame = &report["frames"][0];
+    assert_eq!(frame["rays"]["camera"], 213 * 120, "one sample a pixel");
+    let needed = frame["needed"].as_array().unwrap();
+    assert!(
+        !needed.contains(&"motion blur".into()) && !needed.contains(&"antialiasing".into()),
+        "{needed:?}"
+    );
+
+    render(&folder, NEWTONS_CRADLE, &["--draft", "--frames", "3", "--out", "o", "--size", "33x44"]);
+    assert_eq!(picture(&folder.path().join("o/draft/newtons_cradle.0003.png")).dimensions(), (33, 44));
+}
+
+#[test]
+fn a_draft_is_the_scene_with_less_of_what_costs_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = |quality: &str, samples: u32, light: u32, film: &str| {
+        format!(
+            r#"Scene(
+                film: ({film}),
+                camera: (position: (0, 1, -6), target: (0, 1, 0), lens: (aperture: 0.5, focus: 3)),
+                quality: ({quality}),
+                sampling: (samples: {samples}),
+                materials: {{
+                    "floor": (k_a: 0.2, k_d: 0.8, color: (200, 180, 160)),
+                    "glass": (color: (255, 255, 255), refractive: (k_t: 0.9, ior: 1.5), reflective: (k_r: 0.1)),
+                }},
+                entities: [
+                    (shape: Plane(normal: (0, 1, 0)), material: "floor"),
+                    (shape: Sphere(radius: 1), material: "glass", transform: (translation: (0, 1, 0))),
+                    (light: Area(shape: Sphere(radius: 1), samples: {light}, intensity: (1, 1, 1)),
+                     transform: (translation: (3, 6, -3))),
+                ],
+            )"#
+        )
+    };
+    fs::write(
+        folder.path().join("whole.ron"),
+        scene("depth: 9, cutoff: 0.5", 8, 16, "width: 100, height: 80"),
+    )
+    .unwrap();
+    fs::write(folder.path().join("less.ron"), scene("depth: 5, cutoff: 0.5", 1, 4, "width: 33, height: 26"))
+        .unwrap();
+    fs::write(folder.path().join("faint.ron"), scene("depth: 5, cutoff: 0", 1, 4, "width: 33, height: 26"))
+        .unwrap();
+    fs::write(folder.path().join("tiny.ron"), scene("depth: 1, cutoff: 9", 1, 1, "width: 2, height: 1"))
+        .unwrap();
+    let pixels = |name: &str, arguments: &[&str]| {
+        let report = render(&folder, &format!("{name}.ron"), arguments);
+        picture(&folder.path().join(report["frames"][0]["file"].as_str().unwrap()))
+    };
+    let draft = pixels("whole", &["--draft"]);
+    assert!(draft == pixels("less", &[]));
+    assert!(pixels("whole", &["--draft", "--cutoff", "0"]) == pixels("faint", &[]));
+    assert!(draft != pixels("whole", &["--size", "33x26"]));
+    assert!(pixels("tiny", &["--draft"]) == pixels("tiny", &["--size", "1x1"]), "nothing is raised");
+}
+
+#[test]
+fn a_sheet_may_be_of_drafts() {
+    let folder = tempfile::tempdir().unwrap();
+    let report = render(&folder, NEWTONS_CRADLE, &["--draft", "--sheet", "3x1"]);
+    assert_eq!(report["sheet"]["file"], "out/newtons_cradle/draft/newtons_cradle.sheet.png");
+    assert_eq!((&report["width"], &report["height"]), (&213.into(), &120.into()));
+    assert_tiles_are_frames(&folder, NEWTONS_CRADLE, &report, &["--draft"], "alone/draft");
+}
+
+#[test]
+fn wrong_wishes_are_answered_with_what_would_be_right() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, code, told) in [
+        (vec!["--sheet", "6"], 2, "write columns and rows, each from 1 to 100, as in 6x4"),
+        (vec!["--sheet", "0x4"], 2, "write columns and rows, each from 1 to 100, as in 6x4"),
+        (vec!["--sheet", "101x1"], 2, "write columns and rows, each from 1 to 100, as in 6x4"),
+        (vec!["--sheet", "2x2", "--at", "1s"], 2, "cannot be used with"),
+        (vec!["--sheet", "2x2", "--frames", "96"], 1, "there is no frame 96"),
+        (
+            vec!["--sheet", "90x1", "--size", "400x400"],
+            1,
+            "90x1 tiles of 400x400 pixels make a sheet of 36728x430: it may have at most 268435456 pixels, and 32768 on a side",
+        ),
+    ] {
+        let output = rayreel(&folder, &[vec!["render", FIRST_LIGHT], arguments.clone()].concat());
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {error}");
+        assert!(error.contains(told), "{arguments:?}: {error}");
+    }
+    assert!(files(folder.path()).is_empty());
+}
+
+#[test]
+fn a_sheet_that_cannot_be_written_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir_all(folder.path().join("o/first_light.sheet.png")).unwrap();
+    let output = rayreel(&folder, &["render", FIRST_LIGHT, "--sheet", "2x1", "--size", "8x8", "--out", "o"]);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        error.contains("; no sheet was written\nerror: cannot write `o/first_light.sheet.png`"),
+        "{error}"
+    );
+    assert_eq!(files(&folder.path().join("o")), ["first_light.sheet.png"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interruption_leaves_no_sheet_and_exits_with_130() {
+    use std::io::{BufRead, BufReader, Read};
+    use std::process::Stdio;
+
+    let folder = tempfile::tempdir().unwrap();
+    let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("rayreel"))
+        .current_dir(folder.path())
+        .args(["render", FIRST_LIGHT, "--sheet", "10x9", "--size", "960x540", "--json"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut told = BufReader::new(child.stderr.take().unwrap());
+    let mut line = String::new();
+    told.read_line(&mut line).unwrap();
+    assert!(line.starts_with("1/90 frame 0: "), "{line}");
+    let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    let mut rest = String::new();
+    told.read_to_string(&mut rest).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{rest}");
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&report["interrupted"], &report["sheet"]), (&true.into(), &Value::Null));
+    assert!(frames(&report).len() < 90);
+    assert_eq!(files(&PathBuf::from(folder.path()).join("out/first_light")), Vec::<String>::new());
+}
