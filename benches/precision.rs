@@ -64,6 +64,7 @@ fn frames(rounds: usize) {
     println!("|---|---|---|---|---|");
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     let mut scenes: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    scenes.retain(|path| path.is_file());
     scenes.sort();
     let mut logarithms = 0.0;
     for path in &scenes {

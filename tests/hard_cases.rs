@@ -43,11 +43,8 @@ const BLUE: Background = Background::Flat(Rgb::new(0.1, 0.2, 0.3));
 fn refusal(text: &str) -> String {
     let error = Scene::from_text("hard.ron", text.to_owned()).err();
     let error = error.unwrap_or_else(|| panic!("not refused: {text}"));
-    assert!(
-        error.diagnostics().iter().all(|diagnostic| error.place(diagnostic).is_some()),
-        "{text}: {error}"
-    );
-    error.diagnostics()[0].message.clone()
+    assert!(error.mistakes().all(|mistake| mistake.place.is_some()), "{text}: {error}");
+    error.mistakes().next().unwrap().diagnostic.message.clone()
 }
 
 fn engine(text: &str) -> Engine {
@@ -605,7 +602,7 @@ fn numbers_that_are_not_finite_are_refused_wherever_they_stand() {
             let broken = format!("{}{number}{}", &text[..begin], &text[end..]);
             let error = Scene::from_text("hard.ron", broken).err();
             let error = error.unwrap_or_else(|| panic!("{number} at byte {begin} is not refused"));
-            let diagnostic = &error.diagnostics()[0];
+            let diagnostic = error.mistakes().next().unwrap().diagnostic;
             assert!(
                 (begin..begin + number.len()).contains(&diagnostic.span.as_ref().unwrap().start),
                 "{error}"

@@ -1,4 +1,5 @@
-//! Every scene under `tests/bad_scenes/` against the exact message it must produce, which stands beside it.
+//! Every scene under `tests/bad_scenes/`, and every scene of several files under `tests/bad_includes/`, against the exact
+//! message it must produce, which stands beside it.
 //!
 //! `RAYREEL_BLESS=1 cargo test --test messages` writes the messages anew; look at what changed before you keep it.
 
@@ -9,13 +10,23 @@ use std::path::{Path, PathBuf};
 
 use rayreel::Scene;
 
+fn paths_in(folder: &str) -> Vec<PathBuf> {
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let mut paths: Vec<PathBuf> =
+        fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    paths
+}
+
 fn bad_scenes() -> Vec<PathBuf> {
-    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad_scenes");
-    let entries = fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().path());
-    let mut scenes: Vec<PathBuf> =
-        entries.filter(|path| path.extension().is_some_and(|end| end == "ron")).collect();
-    scenes.sort();
+    let mut scenes = paths_in("tests/bad_scenes");
+    scenes.retain(|path| path.extension().is_some_and(|end| end == "ron"));
     scenes
+}
+
+/// Each in a folder of its own, with the files it includes.
+fn bad_includes() -> Vec<PathBuf> {
+    paths_in("tests/bad_includes").into_iter().map(|folder| folder.join("scene.ron")).collect()
 }
 
 /// The message for a path, with the path as a reader of the repository would write it.
@@ -27,11 +38,11 @@ fn message(path: &Path) -> String {
 
 #[test]
 fn every_bad_scene_says_what_is_wrong_with_it() {
-    let scenes = bad_scenes();
-    assert!(scenes.len() >= 30);
+    let (scenes, of_several_files) = (bad_scenes(), bad_includes());
+    assert!(scenes.len() >= 30 && of_several_files.len() >= 7);
     let bless = std::env::var_os("RAYREEL_BLESS").is_some();
     let mut wrong = Vec::new();
-    for path in scenes {
+    for path in scenes.into_iter().chain(of_several_files) {
         let found = message(&path);
         let expected_path = path.with_extension("message");
         if bless {
@@ -49,10 +60,9 @@ fn every_bad_scene_says_what_is_wrong_with_it() {
 fn five_mistakes_of_meaning_are_reported_at_once() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad_scenes/five_mistakes.ron");
     let error = Scene::load(&path).err().unwrap();
-    let lines: Vec<usize> =
-        error.diagnostics().iter().map(|diagnostic| error.place(diagnostic).unwrap().line).collect();
+    let lines: Vec<usize> = error.mistakes().map(|mistake| mistake.place.unwrap().line).collect();
     assert_eq!(lines, [2, 3, 5, 6, 6]);
-    assert!(error.diagnostics().iter().all(|diagnostic| diagnostic.help.is_some()));
+    assert!(error.mistakes().all(|mistake| mistake.diagnostic.help.is_some()));
 }
 
 #[test]

@@ -102,7 +102,9 @@ fn with_one_sample(path: &Path, folder: &Path) -> PathBuf {
     let scene = fs::read_to_string(path).unwrap();
     let kept: Vec<&str> = scene.lines().filter(|line| !line.trim().starts_with("sampling:")).collect();
     let copy = folder.join(path.file_name().unwrap());
-    fs::write(&copy, kept.join("\n")).unwrap();
+    // What it includes stays where it is.
+    let beside = format!("(file: \"{}/", path.parent().unwrap().display());
+    fs::write(&copy, kept.join("\n").replace("(file: \"", &beside)).unwrap();
     copy
 }
 
@@ -186,8 +188,14 @@ fn json_tells_what_the_tree_tells() {
         ]
     );
     let surface = &rays[0]["surface"];
-    assert_eq!(surface["entity"], json!({ "name": "wall, left", "order": 0, "line": 13 }));
-    assert_eq!(surface["also_there"], json!([{ "name": null, "order": 1, "line": 14 }]));
+    assert_eq!(
+        surface["entity"],
+        json!({ "name": "wall, left", "order": 0, "file": "corner.ron", "line": 13 })
+    );
+    assert_eq!(
+        surface["also_there"],
+        json!([{ "name": null, "order": 1, "file": "corner.ron", "line": 14 }])
+    );
     assert_eq!((&surface["t"], &surface["from_outside"]), (&json!(4.0), &json!(true)));
     let outcomes: Vec<_> = surface["lights"]
         .as_array()
@@ -196,7 +204,10 @@ fn json_tells_what_the_tree_tells() {
         .map(|light| light["outcome"].as_str().unwrap())
         .collect();
     assert_eq!(outcomes, ["reaches", "hidden", "no shadow ray"]);
-    assert_eq!(surface["lights"][1]["hidden_by"], json!({ "name": "curtain", "order": 4, "line": 17 }));
+    assert_eq!(
+        surface["lights"][1]["hidden_by"],
+        json!({ "name": "curtain", "order": 4, "file": "corner.ron", "line": 17 })
+    );
 
     // What goes to the pixel adds up to its colour.
     let sum = rays.iter().fold([0.0_f32; 3], |sum, ray| {

@@ -26,7 +26,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
             Err(error) if arguments.json => results.push(mistakes(&error)),
             Err(error) => {
                 print::error_line(&format!("{}\n", error.render(print::is_colorful())));
-                let count = error.diagnostics().len() + error.unlisted();
+                let count = error.mistakes().count() + error.unlisted();
                 print::error_line(&format!(
                     "{file}: {count} {}",
                     if count == 1 { "mistake" } else { "mistakes" }
@@ -46,16 +46,16 @@ fn frames(count: u32) -> String {
 
 fn mistakes(error: &LoadError) -> Value {
     let mistakes: Vec<Value> = error
-        .diagnostics()
-        .iter()
-        .map(|diagnostic| {
-            let place = error.place(diagnostic);
+        .mistakes()
+        .map(|mistake| {
             json!({
-                "line": place.map(|place| place.line),
-                "column": place.map(|place| place.column),
-                "message": diagnostic.message,
-                "label": diagnostic.label,
-                "help": diagnostic.help,
+                "file": mistake.file,
+                "line": mistake.place.map(|place| place.line),
+                "column": mistake.place.map(|place| place.column),
+                "message": mistake.diagnostic.message,
+                "label": mistake.diagnostic.label,
+                "help": mistake.diagnostic.help,
+                "included_from": mistake.included_from.iter().map(ToString::to_string).collect::<Vec<_>>(),
             })
         })
         .collect();

@@ -42,6 +42,10 @@ impl Diagnostic {
     /// The mistake as a compiler would show it: message, file, line and column, the line with the place marked, and help.
     #[must_use]
     pub fn render(&self, file: &str, text: &str, color: bool) -> String {
+        self.render_with_notes(file, text, &[], color)
+    }
+
+    pub(super) fn render_with_notes(&self, file: &str, text: &str, notes: &[String], color: bool) -> String {
         let mut group = Group::with_title(Level::ERROR.primary_title(&self.message));
         match &self.span {
             Some(span) => {
@@ -61,6 +65,9 @@ impl Diagnostic {
         }
         if let Some(help) = &self.help {
             group = group.element(Level::HELP.message(help));
+        }
+        for note in notes {
+            group = group.element(Level::NOTE.message(note));
         }
         let renderer = if color { Renderer::styled() } else { Renderer::plain() };
         renderer.render(&[group])

@@ -9,8 +9,8 @@ mod tests {
 
     use crate::scene::document::{
         AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument, ChannelDocument,
-        CheckerDocument, EasingDocument, EntityDocument, FilmDocument, FogDocument, LensDocument,
-        LightDocument, MaterialDocument, NoiseDocument, QualityDocument, ReflectiveDocument,
+        CheckerDocument, EasingDocument, EntityDocument, FilmDocument, FogDocument, IncludeDocument,
+        LensDocument, LightDocument, MaterialDocument, NoiseDocument, QualityDocument, ReflectiveDocument,
         RefractiveDocument, RepeatDocument, RotationDocument, SamplingDocument, SceneDocument,
         ScreenDocument, ShapeDocument, SpecularDocument, TimelineDocument, TrackDocument, TransferDocument,
         TransformDocument, Triple,
@@ -114,6 +114,7 @@ mod tests {
         let mut sections = sections();
         let all = &mut sections;
         check_fields::<SceneDocument>("Scene", all);
+        check_fields::<IncludeDocument>("Include", all);
         check_named::<BackgroundDocument>("Gradient", all, BackgroundDocument::FIELDS);
         check_fields::<FogDocument>("Fog", all);
         check_fields::<TimelineDocument>("Timeline", all);
@@ -161,6 +162,7 @@ mod tests {
         for source in [
             include_str!("document/animation.rs"),
             include_str!("document/entity.rs"),
+            include_str!("document/include.rs"),
             include_str!("document/settings.rs"),
         ] {
             for line in source.lines() {

@@ -13,6 +13,7 @@ use super::document::{
     SamplingDocument, ScaleDocument, SceneDocument, ShapeDocument, TimelineDocument, TrackDocument,
     TracksDocument, TransferDocument, TransformDocument, Triple,
 };
+use super::include::Merged;
 use super::playback::{easing, playback};
 use crate::color::{Rgb, Transfer};
 use crate::components::{
@@ -52,7 +53,7 @@ impl Surface {
 }
 
 /// Makes the world that a validated document describes. Entities get their places in document order.
-pub(super) fn spawn(document: &SceneDocument) -> Scene {
+pub(super) fn spawn(Merged { document, parents }: &Merged) -> Scene {
     let transfer = transfer(document.film.transfer);
     let timeline = timeline(&document.timeline);
     let mut world = World::new();
@@ -69,7 +70,8 @@ pub(super) fn spawn(document: &SceneDocument) -> Scene {
         .zip(0..)
         .map(|(entity, order)| spawn_entity(&mut world, entity, Order(order), &surfaces))
         .collect();
-    let camera = world.spawn((Name("camera".to_owned()), camera(&document.camera)));
+    let camera = document.camera.as_ref().map(camera).unwrap_or_default();
+    let camera = world.spawn((Name("camera".to_owned()), camera));
     spawn_settings(&mut world, document, transfer);
 
     let mut names: HashMap<&str, Entity> = document
@@ -85,11 +87,15 @@ pub(super) fn spawn(document: &SceneDocument) -> Scene {
             let _ = world.insert_one(*id, Parent(*parent));
         }
     }
+    for (entity, parent) in parents {
+        // As above.
+        let _ = world.insert_one(entities[*entity], Parent(entities[*parent]));
+    }
     for (entity, channels) in animated(document, &entities, &names, transfer) {
         // The entity exists: it was spawned above.
         let _ = world.insert_one(entity, Animated(channels));
     }
-    Scene { world, timeline }
+    Scene { world, timeline, files: Vec::new() }
 }
 
 fn spawn_entity(

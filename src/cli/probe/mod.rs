@@ -17,9 +17,9 @@ use super::settings::{require_frame, require_size, resize};
 
 pub(super) fn run(arguments: &ProbeArguments) -> Result<(), Failure> {
     // Read once: it may be a pipe, and lines are looked up in it later.
-    let text = Scene::read(&arguments.scene)?;
+    let (scene, sources) = Scene::load_with_sources(&arguments.scene)?;
     let file = arguments.scene.display().to_string();
-    let mut engine = Engine::from_scene(Scene::from_text(&file, text.clone())?);
+    let mut engine = Engine::from_scene(scene);
     let frame = arguments.at.is_none().then(|| arguments.frame.unwrap_or(0));
     if let Some(frame) = frame {
         require_frame(frame, engine.timeline())?;
@@ -36,7 +36,7 @@ pub(super) fn run(arguments: &ProbeArguments) -> Result<(), Failure> {
     engine.seek_sample(time, arguments.sample.unwrap_or(0))?;
     let at = pixel::At {
         file: &file,
-        text: &text,
+        sources: &sources,
         pixel: arguments.pixel.unwrap_or((0, 0)),
         sample: arguments.sample.unwrap_or(0),
         samples: engine.sampling().map_or(1, |sampling| sampling.samples),

@@ -1,11 +1,11 @@
-//! What entities are called, and where in the scene file they are.
+//! What entities are called, and where in the scene's files they are.
 
 use std::collections::HashMap;
 
 use serde_json::{Value, json};
 
 use rayreel::components::{Name, Order};
-use rayreel::scene::entity_lines;
+use rayreel::scene::{SourceLine, Sources};
 use rayreel::{Entity, World};
 
 /// An entity's name, or `#17` with its place in document order.
@@ -26,17 +26,16 @@ fn order(world: &World, entity: Entity) -> Option<u64> {
 /// Some entities, with the lines in which they start.
 pub(super) struct Places<'a> {
     world: &'a World,
-    file: &'a str,
-    lines: HashMap<Entity, usize>,
+    lines: HashMap<Entity, SourceLine<'a>>,
 }
 
 impl<'a> Places<'a> {
     /// Looks the lines up.
-    pub(super) fn of(world: &'a World, file: &'a str, text: &str, entities: &[Entity]) -> Self {
+    pub(super) fn of(world: &'a World, sources: &'a Sources, entities: &[Entity]) -> Self {
         let index = |entity: &Entity| Some((*entity, usize::try_from(order(world, *entity)?).ok()?));
         let (entities, indices): (Vec<_>, Vec<_>) = entities.iter().filter_map(index).unzip();
-        let lines = entities.into_iter().zip(entity_lines(text, &indices)).collect();
-        Self { world, file, lines }
+        let lines = entities.into_iter().zip(sources.entities(&indices)).collect();
+        Self { world, lines }
     }
 
     /// `"globe" (scenes/first_light.ron:21)`
@@ -47,17 +46,18 @@ impl<'a> Places<'a> {
             Err(_) => label(self.world, entity),
         };
         match self.lines.get(&entity) {
-            Some(line) => format!("{name} ({}:{line})", self.file),
+            Some(line) => format!("{name} ({line})"),
             None => name,
         }
     }
 
-    /// The name, or null, the place in document order and the line.
+    /// The name, or null, the place in document order, the file and the line.
     pub(super) fn json(&self, entity: Entity) -> Value {
         json!({
             "name": self.world.get::<&Name>(entity).ok().map(|name| name.0.clone()),
             "order": order(self.world, entity),
-            "line": self.lines.get(&entity),
+            "file": self.lines.get(&entity).map(|place| place.file),
+            "line": self.lines.get(&entity).map(|place| place.line),
         })
     }
 }

@@ -4,7 +4,7 @@ use anyhow::{Context, ensure};
 use serde_json::{Value, json};
 
 use rayreel::engine::Probe;
-use rayreel::scene::camera_line;
+use rayreel::scene::Sources;
 use rayreel::trace::Passage;
 use rayreel::trace::reference::{LightReach, LitSurface, RayEnd, RayKind, TracedRay};
 use rayreel::{Engine, Entity, Rgb, Time};
@@ -21,7 +21,7 @@ const NESTED: usize = 6;
 /// Which pixel, of which scene, when.
 pub(super) struct At<'a> {
     pub(super) file: &'a str,
-    pub(super) text: &'a str,
+    pub(super) sources: &'a Sources,
     /// Column and row.
     pub(super) pixel: (u32, u32),
     /// Which of the pixel's samples.
@@ -43,7 +43,7 @@ pub(super) fn run(at: &At<'_>, engine: &Engine, json: bool) -> Result<(), Failur
         .context("the camera is not in a finite place at this moment: all pixels show the background")?;
     let mut entities = probe.lights().to_vec();
     entities.extend(probe.tree.rays.iter().flat_map(|traced| met(&probe, traced)));
-    let places = Places::of(engine.world(), at.file, at.text, &entities);
+    let places = Places::of(engine.world(), at.sources, &entities);
     let seen = Seen { at, engine, probe, places };
     if json {
         print::result_line(&format!("{:#}", seen.json()))?;
@@ -108,11 +108,10 @@ impl Seen<'_> {
             samples => format!(" sample {} of {samples},", self.at.sample),
         };
         let mut text = format!(
-            "Pixel {column},{row} of {}x{},{sample} {moment}, camera ({}:{})\n",
+            "Pixel {column},{row} of {}x{},{sample} {moment}, camera ({})\n",
             film.width,
             film.height,
-            self.at.file,
-            camera_line(self.at.text)
+            self.at.sources.camera()
         );
         text += &format!("{:<14}{}\n", "linear", color(self.probe.color()).trim_end());
         let bytes = self.bytes().map(|byte| column_of(&byte.to_string()));
@@ -233,7 +232,7 @@ impl Seen<'_> {
             "samples": self.at.samples,
             "frame": self.at.frame,
             "time": self.at.time.seconds(),
-            "camera_line": camera_line(self.at.text),
+            "camera_line": self.at.sources.camera().line,
             "linear": self.probe.color().to_array(),
             "bytes": self.bytes(),
             "rays": self.probe.tree.rays.iter().map(|traced| self.ray_json(traced)).collect::<Vec<_>>(),

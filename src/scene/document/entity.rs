@@ -61,7 +61,7 @@ pub(crate) struct CheckerDocument {
 }
 
 /// A thing in the scene.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Entity")]
 pub(crate) struct EntityDocument {
     pub(crate) name: Option<String>,

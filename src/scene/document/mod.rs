@@ -4,6 +4,7 @@
 mod animation;
 mod channel;
 mod entity;
+mod include;
 mod settings;
 mod values;
 
@@ -15,6 +16,7 @@ pub(super) use entity::{
     AreaShapeDocument, EntityDocument, LightDocument, MaterialDocument, RotationDocument, ShapeDocument,
     TransformDocument,
 };
+pub(super) use include::IncludeDocument;
 pub(super) use settings::{
     CameraDocument, FilmDocument, FogDocument, NoiseDocument, QualityDocument, SamplingDocument,
     SceneDocument, TimelineDocument, TransferDocument,

@@ -3,38 +3,34 @@
 use serde::Deserialize;
 
 use super::{
-    AnimationDocument, BackgroundDocument, ColorDocument, EntityDocument, Entries, MaterialDocument,
-    RateDocument, Triple,
+    AnimationDocument, BackgroundDocument, ColorDocument, EntityDocument, Entries, IncludeDocument,
+    MaterialDocument, RateDocument, Triple,
 };
 
 /// The whole file.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, rename = "Scene")]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Scene")]
 pub(crate) struct SceneDocument {
-    #[serde(default)]
+    pub(crate) include: Vec<IncludeDocument>,
     pub(crate) timeline: TimelineDocument,
-    #[serde(default)]
     pub(crate) film: FilmDocument,
-    #[serde(default)]
     pub(crate) quality: QualityDocument,
-    #[serde(default)]
     pub(crate) sampling: SamplingDocument,
-    pub(crate) camera: CameraDocument,
-    #[serde(default)]
+    /// Only a part of another scene may be without.
+    pub(crate) camera: Option<CameraDocument>,
     pub(crate) ambient: Triple,
-    #[serde(default = "black")]
     pub(crate) background: BackgroundDocument,
     pub(crate) fog: Option<FogDocument>,
-    #[serde(default)]
     pub(crate) materials: Entries<MaterialDocument>,
-    #[serde(default)]
     pub(crate) entities: Vec<EntityDocument>,
-    #[serde(default)]
     pub(crate) animate: Vec<AnimationDocument>,
 }
 
-fn black() -> BackgroundDocument {
-    BackgroundDocument::Flat(ColorDocument([0.0; 3]))
+impl SceneDocument {
+    /// As they are written.
+    pub(crate) fn included_files(&self) -> impl Iterator<Item = String> {
+        self.include.iter().map(|include| include.file.clone())
+    }
 }
 
 /// What dims the view.

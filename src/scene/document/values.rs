@@ -58,6 +58,12 @@ pub(crate) enum BackgroundDocument {
     Gradient { bottom: ColorDocument, top: ColorDocument },
 }
 
+impl Default for BackgroundDocument {
+    fn default() -> Self {
+        Self::Flat(ColorDocument([0.0; 3]))
+    }
+}
+
 impl BackgroundDocument {
     /// Of a gradient.
     pub(crate) const FIELDS: &'static [&'static str] = &["bottom", "top"];

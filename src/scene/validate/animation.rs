@@ -6,13 +6,12 @@ use super::entities::{CAMERA, rotation, scale};
 use super::{At, Named, Problems, check};
 use crate::components::Property;
 use crate::scene::document::{
-    AnimationDocument, EasingDocument, EntityDocument, LightDocument, MaterialDocument, SceneDocument,
-    TrackDocument, TracksDocument,
+    AnimationDocument, EasingDocument, LightDocument, MaterialDocument, SceneDocument, TrackDocument,
+    TracksDocument,
 };
+use crate::scene::include::{KnownEntity, Lookup, Scope};
 
-pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut Problems) {
-    let entities: HashMap<&str, &EntityDocument> =
-        document.entities.iter().filter_map(|entity| Some((entity.name.as_deref()?, entity))).collect();
+pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_>, problems: &mut Problems) {
     let mut seen = HashMap::new();
     let list = scene.field("animate");
     for (index, animation) in document.animate.iter().enumerate() {
@@ -26,7 +25,7 @@ pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut 
                 "put all keys into one track",
             );
         }
-        self::target(document, &entities, animation, &at, problems);
+        self::target(scope, animation, &at, problems);
         self::tracks(animation, &at.field("track"), problems);
         playback(animation, &at, problems);
     }
@@ -41,15 +40,7 @@ fn playback(animation: &AnimationDocument, at: &At<'_>, problems: &mut Problems)
     }
 }
 
-fn target(
-    document: &SceneDocument,
-    entities: &HashMap<&str, &EntityDocument>,
-    animation: &AnimationDocument,
-    at: &At<'_>,
-    problems: &mut Problems,
-) {
-    let material = |name: &str| document.materials.0.iter().find(|(known, _)| known == name);
-    let lacks = |name: &str, part: Part| material(name).is_none_or(|(_, material)| !part.is_of(material));
+fn target(scope: Scope<'_>, animation: &AnimationDocument, at: &At<'_>, problems: &mut Problems) {
     match (&animation.target, &animation.material) {
         (Some(_), Some(_)) => {
             problems.add(
@@ -69,14 +60,20 @@ fn target(
         }
         (None, Some(name)) => {
             let at = at.field("material");
-            if material(name).is_none() {
-                let known = || document.materials.0.iter().map(|(name, _)| name.as_str());
-                problems.add_unknown(&at, Named::Material, name, known);
-            } else if !of_material(animation.channel.0) {
-                unfit(animation.channel.0, "a material", &at, problems);
-            } else if let Some(part) = Part::with(animation.channel.0).filter(|part| lacks(name, *part)) {
-                let (message, label, help) = part.missing();
-                problems.add(&at, message, label, help);
+            match scope.material(name) {
+                Lookup::Missing => {
+                    problems.add_unknown(&at, Named::Material, name, || scope.material_names());
+                }
+                _ if !of_material(animation.channel.0) => {
+                    unfit(animation.channel.0, "a material", &at, problems);
+                }
+                Lookup::Found(material) => {
+                    if let Some(part) = Part::with(animation.channel.0).filter(|part| !part.is_of(material)) {
+                        let (message, label, help) = part.missing();
+                        problems.add(&at, message, label, help);
+                    }
+                }
+                Lookup::Unread => {}
             }
         }
         (Some(name), None) if name == CAMERA => {
@@ -85,36 +82,43 @@ fn target(
             }
         }
         (Some(name), None) => {
-            let Some(entity) = entities.get(name.as_str()) else {
-                let named = || document.entities.iter().filter_map(|entity| entity.name.as_deref());
-                problems.add_unknown(&at.field("target"), Named::Entity, name, || named().chain([CAMERA]));
-                return;
-            };
-            let at = at.field("channel");
-            match animation.channel.0 {
-                Property::Translation | Property::Rotation | Property::Scale => {}
-                Property::Position | Property::Target => {
-                    unfit(animation.channel.0, "an entity", &at, problems);
+            let known = || scope.entity_names().into_iter().chain([CAMERA.into()]).collect();
+            match scope.entity(name) {
+                Lookup::Found(entity) => {
+                    self::entity(&entity, animation.channel.0, &at.field("channel"), problems);
                 }
-                Property::Intensity if entity.light.is_some() => {}
-                Property::Direction if matches!(entity.light, Some(LightDocument::Directional { .. })) => {}
-                Property::Intensity => {
-                    unfit(animation.channel.0, "an entity without a light", &at, problems);
+                Lookup::Missing => {
+                    problems.add_unknown(&at.field("target"), Named::Entity, name, known);
                 }
-                Property::Direction => {
-                    unfit(animation.channel.0, "an entity without a directional light", &at, problems);
-                }
-                property => match Part::with(property) {
-                    Some(part) if entity.material.as_deref().is_none_or(|name| lacks(name, part)) => {
-                        unfit(property, part.entity_without(), &at, problems);
-                    }
-                    None if entity.shape.is_none() => {
-                        unfit(property, "an entity without a shape", &at, problems);
-                    }
-                    _ => {}
-                },
+                Lookup::Unread => {}
             }
         }
+    }
+}
+
+fn entity(entity: &KnownEntity<'_>, property: Property, at: &At<'_>, problems: &mut Problems) {
+    match property {
+        Property::Translation | Property::Rotation | Property::Scale => {}
+        Property::Position | Property::Target => {
+            unfit(property, "an entity", at, problems);
+        }
+        Property::Intensity if entity.light.is_some() => {}
+        Property::Direction if matches!(entity.light, Some(LightDocument::Directional { .. })) => {}
+        Property::Intensity => {
+            unfit(property, "an entity without a light", at, problems);
+        }
+        Property::Direction => {
+            unfit(property, "an entity without a directional light", at, problems);
+        }
+        _ => match Part::with(property) {
+            Some(part) if entity.material.is_none_or(|material| !part.is_of(material)) => {
+                unfit(property, part.entity_without(), at, problems);
+            }
+            None if entity.shape.is_none() => {
+                unfit(property, "an entity without a shape", at, problems);
+            }
+            _ => {}
+        },
     }
 }
 

@@ -7,15 +7,17 @@ use crate::scene::document::{
     EntityDocument, MaterialDocument, RotationDocument, ScaleDocument, SceneDocument, ShapeDocument,
     TransformDocument, Triple,
 };
+use crate::scene::include::{Lookup, Scope};
 
 /// What the camera is called in `animate`.
-pub(super) const CAMERA: &str = "camera";
+pub(in crate::scene) const CAMERA: &str = "camera";
 
-pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut Problems) {
+/// What a `/` is for.
+pub(super) const SLASH: &str = "it is for names in parts, as \"car/wheel\"";
+
+pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_>, problems: &mut Problems) {
     let at = scene.field("entities");
     let names = names(&document.entities, &at, problems);
-    let materials: HashMap<&str, &MaterialDocument> =
-        document.materials.0.iter().map(|(name, material)| (name.as_str(), material)).collect();
     for (index, entity) in document.entities.iter().enumerate() {
         let at = at.index(index);
         transform(&entity.transform, &at.field("transform"), problems);
@@ -46,12 +48,14 @@ pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut 
         }
         if let Some(name) = &entity.material {
             let at = at.field("material");
-            match (materials.get(name.as_str()), &entity.shape) {
-                (None, _) => {
-                    let known = || document.materials.0.iter().map(|(name, _)| name.as_str());
-                    problems.add_unknown(&at, Named::Material, name, known);
+            match (scope.material(name), &entity.shape) {
+                (Lookup::Missing, _) => {
+                    problems.add_unknown(&at, Named::Material, name, || scope.material_names());
                 }
-                (Some(MaterialDocument { checker: Some(_), .. }), Some(ShapeDocument::Sphere { .. })) => {
+                (
+                    Lookup::Found(MaterialDocument { checker: Some(_), .. }),
+                    Some(ShapeDocument::Sphere { .. }),
+                ) => {
                     problems.add(
                         &at,
                         "a sphere cannot have a chequered material",
@@ -63,10 +67,9 @@ pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut 
             }
         }
         if let Some(parent) = &entity.parent
-            && !names.contains_key(parent.as_str())
+            && scope.entity(parent).is_missing()
         {
-            let known = || document.entities.iter().filter_map(|entity| entity.name.as_deref());
-            problems.add_unknown(&at.field("parent"), Named::Entity, parent, known);
+            problems.add_unknown(&at.field("parent"), Named::Entity, parent, || scope.entity_names());
         }
     }
     cycles(&document.entities, &names, &at, problems);
@@ -85,11 +88,7 @@ fn names<'a>(
         };
         let entity_at = at.index(index);
         let at = entity_at.field("name");
-        if name.is_empty() {
-            problems.add(&at, "an empty name", "names nothing", "write a name, or leave the field out");
-        } else if name == CAMERA {
-            problems.add(&at, "the name \"camera\" is the camera's own", "taken", "choose another name");
-        } else if names.insert(name, index).is_some() {
+        if self::name(name, &at, problems) && names.insert(name, index).is_some() {
             problems.add(
                 &at,
                 format!("two entities are called \"{name}\""),
@@ -99,6 +98,20 @@ fn names<'a>(
         }
     }
     names
+}
+
+/// A name that an entity may have.
+pub(super) fn name(name: &str, at: &At<'_>, problems: &mut Problems) -> bool {
+    if name.is_empty() {
+        problems.add(at, "an empty name", "names nothing", "write a name, or leave the field out");
+    } else if name == CAMERA {
+        problems.add(at, "the name \"camera\" is the camera's own", "taken", "choose another name");
+    } else if name.contains('/') {
+        problems.add(at, "a name with a `/` in it", SLASH, "write another sign, as `-`");
+    } else {
+        return true;
+    }
+    false
 }
 
 /// Reports each ring of parents once.
@@ -144,7 +157,7 @@ fn cycles(entities: &[EntityDocument], names: &HashMap<&str, usize>, at: &At<'_>
     }
 }
 
-fn transform(transform: &TransformDocument, at: &At<'_>, problems: &mut Problems) {
+pub(super) fn transform(transform: &TransformDocument, at: &At<'_>, problems: &mut Problems) {
     check::vector(transform.translation, &at.field("translation"), problems);
     rotation(&transform.rotation, &at.field("rotation"), problems);
     scale(&transform.scale, &at.field("scale"), problems);

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use super::entities::SLASH;
 use super::{At, Problems, check};
 use crate::scene::document::{MaterialDocument, SceneDocument};
 
@@ -9,6 +10,10 @@ pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut 
     let at = scene.field("materials");
     let mut seen = HashMap::new();
     for (index, (name, material)) in document.materials.0.iter().enumerate() {
+        if name.contains('/') {
+            let message = "a material's name with a `/` in it";
+            problems.add(&at.key(index), message, SLASH, "write another sign, as `-`");
+        }
         if seen.insert(name.as_str(), index).is_some() {
             problems.add(
                 &at.key(index),

@@ -2,27 +2,29 @@
 
 mod animation;
 mod entities;
+mod includes;
 mod lights;
 mod materials;
 mod problems;
 mod settings;
 
 use super::document::SceneDocument;
-pub(super) use problems::Problems;
-use problems::{At, Named, check};
+use super::include::Scope;
+pub(super) use entities::CAMERA;
+pub(super) use problems::{At, Problems};
+use problems::{Named, check};
 
 /// The largest magnitude of a coordinate or a length: products of four stay finite.
 const LARGEST: f64 = 1e60;
 /// The smallest size. Written out: the inverse of the largest is rounded to a number just above it.
 const SMALLEST: f64 = 1e-60;
 
-/// Everything that is wrong with the document.
-pub(super) fn validate(document: &SceneDocument) -> Problems {
-    let mut problems = Problems::default();
+/// Adds everything that is wrong with a file's document. The scope has the names that may be used in it.
+pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, problems: &mut Problems) {
     let scene = At::scene();
-    settings::validate(document, &scene, &mut problems);
-    materials::validate(document, &scene, &mut problems);
-    entities::validate(document, &scene, &mut problems);
-    animation::validate(document, &scene, &mut problems);
-    problems
+    settings::validate(document, scope, &scene, problems);
+    includes::validate(document, scope, &scene, problems);
+    materials::validate(document, &scene, problems);
+    entities::validate(document, scope, &scene, problems);
+    animation::validate(document, scope, &scene, problems);
 }

@@ -1,5 +1,6 @@
 //! A list of mistakes with their paths in the document.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use crate::scene::Diagnostic;
@@ -30,20 +31,20 @@ struct Problem {
 
 /// A value's place in the document: a path from the scene to it, kept on the stack while the document is walked.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct At<'a> {
+pub(in crate::scene) struct At<'a> {
     step: Option<(&'a At<'a>, Step)>,
 }
 
 impl<'a> At<'a> {
-    pub(super) fn scene() -> Self {
+    pub(in crate::scene) fn scene() -> Self {
         Self { step: None }
     }
 
-    pub(super) fn field(&'a self, name: &'static str) -> Self {
+    pub(in crate::scene) fn field(&'a self, name: &'static str) -> Self {
         Self { step: Some((self, Step::Field(name))) }
     }
 
-    pub(super) fn index(&'a self, index: usize) -> Self {
+    pub(in crate::scene) fn index(&'a self, index: usize) -> Self {
         Self { step: Some((self, Step::Index(index))) }
     }
 
@@ -67,14 +68,14 @@ impl Problems {
     /// More than this nobody reads.
     const MOST: usize = 50;
 
-    pub(super) fn add(
+    pub(in crate::scene) fn add(
         &mut self,
         at: &At<'_>,
         message: impl Into<String>,
         label: impl Into<String>,
         help: impl Into<String>,
     ) {
-        if self.listed.len() == Self::MOST {
+        if self.is_full() {
             self.unlisted += 1;
             return;
         }
@@ -84,23 +85,29 @@ impl Problems {
     }
 
     /// As [`Problems::add`], for a name that is not among the known ones; they are looked through only if it is listed.
-    pub(super) fn add_unknown<'n, N: Iterator<Item = &'n str>>(
+    pub(super) fn add_unknown<'n>(
         &mut self,
         at: &At<'_>,
         kind: Named,
         name: &str,
-        known: impl FnOnce() -> N,
+        known: impl FnOnce() -> Vec<Cow<'n, str>>,
     ) {
-        if self.listed.len() == Self::MOST {
+        if self.is_full() {
             self.unlisted += 1;
             return;
         }
-        let known: Vec<&str> = known().collect();
+        let known = known();
+        let known: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
         let (singular, plural) = match kind {
             Named::Material => ("material", "materials"),
             Named::Entity => ("entity", "entities"),
         };
         self.add(at, format!("there is no {singular} \"{name}\""), "unknown", remedy(name, &known, plural));
+    }
+
+    /// Are further mistakes only counted?
+    pub(super) fn is_full(&self) -> bool {
+        self.listed.len() == Self::MOST
     }
 
     pub(in crate::scene) fn is_empty(&self) -> bool {

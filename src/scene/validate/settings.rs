@@ -8,12 +8,20 @@ use crate::scene::document::{
     BackgroundDocument, CameraDocument, FilmDocument, FogDocument, QualityDocument, SamplingDocument,
     SceneDocument, TimelineDocument,
 };
+use crate::scene::include::Scope;
 use crate::time::{FrameRate, Timeline};
 
-pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut Problems) {
+pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_>, problems: &mut Problems) {
     timeline(&document.timeline, &scene.field("timeline"), problems);
     film(&document.film, &scene.field("film"), problems);
-    camera(&document.camera, &scene.field("camera"), problems);
+    match &document.camera {
+        Some(camera) => self::camera(camera, &scene.field("camera"), problems),
+        None if scope.is_scene() => {
+            let help = "add `camera: (position: (0, 1, -5), target: (0, 0, 0))`; only parts of other scenes have none";
+            problems.add(scene, "missing field `camera` of `Scene`", "no camera", help);
+        }
+        None => {}
+    }
     check::intensity(document.ambient, "ambient light", &scene.field("ambient"), problems);
     background(&document.background, &scene.field("background"), problems);
     if let Some(fog) = &document.fog {

@@ -1,0 +1,153 @@
+//! What is wrong with a scene, in all its files.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use super::include::{Files, SceneFile};
+use super::spans::{Step, locate};
+use super::{Diagnostic, Place};
+
+/// Why a scene could not be loaded. Displays as a compiler would, without colours.
+#[derive(Clone, Debug)]
+pub struct LoadError {
+    file: String,
+    faulty: Vec<FaultyFile>,
+    unlisted: usize,
+    files: Vec<PathBuf>,
+}
+
+/// A file with mistakes.
+#[derive(Clone, Debug)]
+struct FaultyFile {
+    name: String,
+    text: String,
+    included_from: Vec<Inclusion>,
+    diagnostics: Vec<Diagnostic>,
+}
+
+/// Where a file is included.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Inclusion {
+    /// The file that includes it.
+    pub file: String,
+    /// The line, from 1, in which the include starts.
+    pub line: usize,
+}
+
+/// A mistake, and where it is.
+#[derive(Clone, Copy, Debug)]
+pub struct Mistake<'a> {
+    /// The file, as it was named or as it was included.
+    pub file: &'a str,
+    /// `None` where there is no text.
+    pub place: Option<Place>,
+    /// The include that brought the file, the one that brought the file which that one is in, and so on. Empty for the
+    /// scene's own file.
+    pub included_from: &'a [Inclusion],
+    /// Cause and remedy.
+    pub diagnostic: &'a Diagnostic,
+}
+
+impl LoadError {
+    /// Many mistakes nobody reads.
+    const MOST: usize = 50;
+
+    pub(super) fn new(files: Files) -> Self {
+        let mut inclusions = Vec::new();
+        for file in &files.files {
+            inclusions.push(inclusions_of(file, &files.files, &inclusions));
+        }
+        let own = files.files.first();
+        let (file, mut room, mut unlisted) = (own.map(|file| file.name.clone()), Self::MOST, 0);
+        let mut faulty = Vec::new();
+        for (file, included_from) in files.files.into_iter().zip(inclusions) {
+            let SceneFile { name, text, mistake, problems, .. } = file;
+            let (located, more) = problems.locate(&text);
+            let mut diagnostics: Vec<Diagnostic> = mistake.into_iter().chain(located).collect();
+            unlisted += more + diagnostics.len().saturating_sub(room);
+            diagnostics.truncate(room);
+            room -= diagnostics.len();
+            if !diagnostics.is_empty() {
+                faulty.push(FaultyFile { name, text, included_from, diagnostics });
+            }
+        }
+        Self { file: file.unwrap_or_default(), faulty, unlisted, files: files.paths }
+    }
+
+    /// The scene's own file, as it was named.
+    #[must_use]
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// All files that the scene was looked for in: its own, and what it includes, also files that are not there.
+    #[must_use]
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
+    }
+
+    /// All mistakes, file by file and in the order of each; of very many only the first.
+    pub fn mistakes(&self) -> impl Iterator<Item = Mistake<'_>> {
+        self.faulty.iter().flat_map(|file| {
+            file.diagnostics.iter().map(|diagnostic| Mistake {
+                file: &file.name,
+                place: diagnostic.span.as_ref().map(|span| Place::of(&file.text, span.start)),
+                included_from: &file.included_from,
+                diagnostic,
+            })
+        })
+    }
+
+    /// How many more mistakes there are than are listed.
+    #[must_use]
+    pub fn unlisted(&self) -> usize {
+        self.unlisted
+    }
+
+    /// All mistakes as a compiler would show them, with colours for a terminal or without.
+    #[must_use]
+    pub fn render(&self, color: bool) -> String {
+        let mut parts: Vec<String> = self.faulty.iter().flat_map(|file| file.render(color)).collect();
+        if self.unlisted > 0 {
+            parts.push(format!("and {} more mistakes", self.unlisted));
+        }
+        parts.join("\n\n")
+    }
+}
+
+impl FaultyFile {
+    fn render(&self, color: bool) -> impl Iterator<Item = String> {
+        let notes: Vec<String> =
+            self.included_from.iter().map(|from| format!("included from {from}")).collect();
+        self.diagnostics
+            .iter()
+            .map(move |diagnostic| diagnostic.render_with_notes(&self.name, &self.text, &notes, color))
+    }
+}
+
+/// From the nearest include to the one in the scene's own file. Includes come before what they include.
+fn inclusions_of(file: &SceneFile, files: &[SceneFile], known: &[Vec<Inclusion>]) -> Vec<Inclusion> {
+    let Some((including, index)) = file.from else {
+        return Vec::new();
+    };
+    let text = &files[including].text;
+    let span = &locate(text, &[vec![Step::Field("include"), Step::Index(index)]])[0];
+    let line = Place::of(text, span.start).line;
+    let mut inclusions = vec![Inclusion { file: files[including].name.clone(), line }];
+    inclusions.extend(known[including].iter().cloned());
+    inclusions
+}
+
+impl fmt::Display for Inclusion {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{}:{}", self.file, self.line)
+    }
+}
+
+impl fmt::Display for LoadError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.render(false))
+    }
+}
+
+impl std::error::Error for LoadError {}

@@ -1,0 +1,195 @@
+//! A scene file and all that it includes.
+
+use std::collections::{HashMap, HashSet};
+use std::fs;
+use std::mem;
+use std::path::{Path, PathBuf};
+
+use super::Scope;
+use super::names;
+use super::read::{Content, Refusal, read, read_included};
+use crate::scene::Diagnostic;
+use crate::scene::document::SceneDocument;
+use crate::scene::parse::parse;
+use crate::scene::validate::{At, Problems, validate};
+
+/// Files that include each other may go so deep.
+const DEEPEST: usize = 32;
+
+/// One file of a scene, as far as it could be read.
+#[derive(Debug)]
+pub(in crate::scene) struct SceneFile {
+    /// In messages.
+    pub(in crate::scene) name: String,
+    pub(in crate::scene) text: String,
+    /// `None` if the text is not a scene's.
+    pub(in crate::scene) document: Option<SceneDocument>,
+    /// The file of each of the document's includes; `None` for one that cannot be had.
+    pub(super) includes: Vec<Option<usize>>,
+    /// The file and the include through which it was met first. `None` for the scene's own file.
+    pub(in crate::scene) from: Option<(usize, usize)>,
+    /// What is wrong with the text.
+    pub(in crate::scene) mistake: Option<Diagnostic>,
+    /// What is wrong with the document.
+    pub(in crate::scene) problems: Problems,
+}
+
+/// All files of a scene. The first is the scene's own; each include follows the file that it is met in first.
+#[derive(Debug, Default)]
+pub(in crate::scene) struct Files {
+    pub(in crate::scene) files: Vec<SceneFile>,
+    /// The files in such an order that every file follows those it includes.
+    pub(super) parts_first: Vec<usize>,
+    /// The paths of all files, also of those that are not there.
+    pub(in crate::scene) paths: Vec<PathBuf>,
+}
+
+impl Files {
+    /// Reads a scene file and what it includes.
+    pub(in crate::scene) fn read(path: &Path) -> Self {
+        match read(path) {
+            Ok(content) => Loader::load(path, content),
+            Err(Refusal { message, help, .. }) => {
+                let mistake = Diagnostic { message, label: String::new(), help, span: None };
+                Loader::load(path, Content::Garbled(String::new(), mistake))
+            }
+        }
+    }
+
+    /// Takes a text for that of a file, and reads what it includes.
+    pub(in crate::scene) fn from_text(path: &Path, text: String) -> Self {
+        Loader::load(path, Content::Text(text))
+    }
+
+    /// Finds the mistakes of meaning in every file.
+    pub(in crate::scene) fn validate(&mut self) {
+        let mut problems: Vec<Problems> =
+            self.files.iter_mut().map(|file| mem::take(&mut file.problems)).collect();
+        let names = names::of_files(self);
+        for (index, (file, problems)) in self.files.iter().zip(&mut problems).enumerate() {
+            if let Some(document) = &file.document {
+                validate(document, Scope::new(&names, &self.files, index), problems);
+            }
+        }
+        drop(names);
+        for (file, problems) in self.files.iter_mut().zip(problems) {
+            file.problems = problems;
+        }
+    }
+
+    pub(in crate::scene) fn are_good(&self) -> bool {
+        self.files.iter().all(|file| file.mistake.is_none() && file.problems.is_empty())
+    }
+}
+
+#[derive(Debug, Default)]
+struct Loader {
+    loaded: Files,
+    /// The files by their true paths.
+    known: HashMap<PathBuf, usize>,
+    tried: HashSet<PathBuf>,
+    /// The file that is being read, after those that include it.
+    underway: Vec<usize>,
+}
+
+impl Loader {
+    fn load(path: &Path, content: Content) -> Files {
+        let mut loader = Self::default();
+        let key = loader.try_path(path);
+        loader.add(path, key, content, None);
+        loader.loaded
+    }
+
+    /// Remembers that a path matters to the scene, and gives the one by which the file is known.
+    fn try_path(&mut self, path: &Path) -> PathBuf {
+        let key = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        if self.tried.insert(key.clone()) {
+            self.loaded.paths.push(path.to_owned());
+        }
+        key
+    }
+
+    fn add(&mut self, path: &Path, key: PathBuf, content: Content, from: Option<(usize, usize)>) -> usize {
+        let index = self.loaded.files.len();
+        self.known.insert(key, index);
+        let file = SceneFile::new(path, content, from);
+        let wanted: Vec<String> = file.document.iter().flat_map(SceneDocument::included_files).collect();
+        self.loaded.files.push(file);
+        self.underway.push(index);
+        let folder = path.parent().unwrap_or(Path::new(""));
+        for (place, written) in wanted.iter().enumerate() {
+            let found = self.include(&folder.join(written), Path::new(written), (index, place));
+            let file = &mut self.loaded.files[index];
+            if let Err(refusal) = &found {
+                refusal.tell(place, &mut file.problems);
+            }
+            file.includes.push(found.ok());
+        }
+        self.underway.pop();
+        self.loaded.parts_first.push(index);
+        index
+    }
+
+    fn include(&mut self, path: &Path, written: &Path, from: (usize, usize)) -> Result<usize, Refusal> {
+        let key = self.try_path(path);
+        if let Some(index) = self.known.get(&key) {
+            return match self.underway.iter().position(|underway| underway == index) {
+                Some(start) => Err(self.ring(start)),
+                None => Ok(*index),
+            };
+        }
+        if self.underway.len() > DEEPEST {
+            return Err(Refusal {
+                message: format!("files include each other more than {DEEPEST} deep"),
+                label: "too deep",
+                help: Some("include the file from one that is less deep".to_owned()),
+            });
+        }
+        let content = read_included(path, written)?;
+        Ok(self.add(path, key, content, Some(from)))
+    }
+
+    /// The file that is being read includes one of those that include it, or itself.
+    fn ring(&self, start: usize) -> Refusal {
+        let members = &self.underway[start..];
+        let names: Vec<String> = members
+            .iter()
+            .chain(&members[..1])
+            .map(|index| format!("`{}`", self.loaded.files[*index].name))
+            .collect();
+        Refusal {
+            message: names.join(" includes "),
+            label: "this closes the ring",
+            help: Some("remove one of these includes".to_owned()),
+        }
+    }
+}
+
+impl Refusal {
+    /// As a mistake of the file that includes another.
+    fn tell(&self, place: usize, problems: &mut Problems) {
+        let (scene, help) = (At::scene(), self.help.as_deref());
+        let (list, help) = (scene.field("include"), help.unwrap_or("see to the file, or remove the include"));
+        problems.add(&list.index(place).field("file"), self.message.as_str(), self.label, help);
+    }
+}
+
+impl SceneFile {
+    fn new(path: &Path, content: Content, from: Option<(usize, usize)>) -> Self {
+        let (text, document, mistake) = match content {
+            Content::Garbled(text, mistake) => (text, None, Some(mistake)),
+            Content::Text(mut text) => {
+                // A byte order mark is no part of the scene, and editors do not count it as a column.
+                if text.starts_with('\u{feff}') {
+                    text.remove(0);
+                }
+                match parse(&text) {
+                    Ok(document) => (text, Some(document), None),
+                    Err(mistake) => (text, None, Some(mistake)),
+                }
+            }
+        };
+        let name = path.display().to_string();
+        Self { name, text, document, includes: Vec::new(), from, mistake, problems: Problems::default() }
+    }
+}

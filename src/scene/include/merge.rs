@@ -1,0 +1,169 @@
+//! From the documents of several files to a single one.
+
+use std::collections::{HashMap, HashSet};
+
+use super::{Files, Origin};
+use crate::components::Property;
+use crate::scene::document::{
+    AnimationDocument, EntityDocument, IncludeDocument, MaterialDocument, SceneDocument,
+};
+use crate::scene::sources::{Run, Sources};
+use crate::scene::validate::CAMERA;
+
+/// A scene that has no includes any more: what was included stands before what the file itself holds, each include whole.
+#[derive(Debug)]
+pub(in crate::scene) struct Merged {
+    pub(in crate::scene) document: SceneDocument,
+    /// Entities with the parents that their files do not name, by their places in the document.
+    pub(in crate::scene) parents: Vec<(usize, usize)>,
+}
+
+impl Files {
+    /// Makes one scene of the files, which must be good.
+    pub(in crate::scene) fn merge(self) -> (Merged, Sources) {
+        let mut parts = Vec::new();
+        let mut texts = Vec::new();
+        for file in self.files {
+            parts.extend(file.document.map(|document| (document, file.includes)));
+            texts.push((file.name, file.text));
+        }
+        let mut parts = parts.into_iter();
+        let scene = parts.next().map(|(document, includes)| (document, flat(includes)));
+        let parts: Vec<Part> = parts.map(|(document, includes)| (document, flat(includes))).collect();
+        let (merged, runs) = match scene {
+            Some(scene) => Merger::new(&parts).merge(scene),
+            None => Merger::new(&[]).merge((SceneDocument::default(), Vec::new())),
+        };
+        (merged, Sources::new(texts, runs))
+    }
+}
+
+fn flat(includes: Vec<Option<usize>>) -> Vec<usize> {
+    includes.into_iter().flatten().collect()
+}
+
+/// A document, and the files of its includes.
+type Part = (SceneDocument, Vec<usize>);
+
+/// Who is animated, and what of it.
+type Animated = (Option<String>, Option<String>, Property);
+
+struct Merger<'a> {
+    /// All files but the first.
+    parts: &'a [Part],
+    materials: Vec<(String, MaterialDocument)>,
+    known_materials: HashSet<String>,
+    entities: Vec<EntityDocument>,
+    animate: Vec<AnimationDocument>,
+    animated: HashMap<Animated, usize>,
+    parents: Vec<(usize, usize)>,
+    runs: Vec<Run>,
+}
+
+impl<'a> Merger<'a> {
+    fn new(parts: &'a [Part]) -> Self {
+        Self {
+            parts,
+            materials: Vec::new(),
+            known_materials: HashSet::new(),
+            entities: Vec::new(),
+            animate: Vec::new(),
+            animated: HashMap::new(),
+            parents: Vec::new(),
+            runs: Vec::new(),
+        }
+    }
+
+    fn merge(mut self, (mut scene, includes): Part) -> (Merged, Vec<Run>) {
+        self.add_includes(0, &scene.include, &includes, "", None);
+        self.start_run(0, "entities", 0);
+        if !includes.is_empty() {
+            self.materials.append(&mut scene.materials.0);
+            self.entities.append(&mut scene.entities);
+            for animation in std::mem::take(&mut scene.animate) {
+                self.add_animation(animation);
+            }
+            scene.materials.0 = self.materials;
+            scene.entities = self.entities;
+            scene.animate = self.animate;
+        }
+        (Merged { document: scene, parents: self.parents }, self.runs)
+    }
+
+    fn add_includes(
+        &mut self,
+        file: usize,
+        includes: &[IncludeDocument],
+        parts: &[usize],
+        prefix: &str,
+        parent: Option<usize>,
+    ) {
+        for (index, (include, part)) in includes.iter().zip(parts).enumerate() {
+            let (mut prefix, mut parent) = (prefix.to_owned(), parent);
+            let name = include.name.as_ref().map(|name| format!("{prefix}{name}"));
+            if name.is_some() || include.transform.is_some() {
+                self.start_run(file, "include", index);
+                let transform = include.transform.clone().unwrap_or_default();
+                let own = EntityDocument { name: name.clone(), transform, ..EntityDocument::default() };
+                parent = Some(self.add_entity(own, parent));
+            }
+            if let Some(name) = name {
+                prefix = name + "/";
+            }
+            self.add_part(*part, &prefix, parent);
+        }
+    }
+
+    fn add_part(&mut self, file: usize, prefix: &str, parent: Option<usize>) {
+        let Some((part, includes)) = file.checked_sub(1).and_then(|index| self.parts.get(index)) else {
+            return;
+        };
+        let prefixed = |name: &Option<String>| name.as_ref().map(|name| format!("{prefix}{name}"));
+        self.add_includes(file, &part.include, includes, prefix, parent);
+        for (name, material) in &part.materials.0 {
+            let name = format!("{prefix}{name}");
+            // The same file may come by several ways.
+            if self.known_materials.insert(name.clone()) {
+                self.materials.push((name, material.clone()));
+            }
+        }
+        self.start_run(file, "entities", 0);
+        for entity in &part.entities {
+            let renamed = EntityDocument {
+                name: prefixed(&entity.name),
+                parent: prefixed(&entity.parent),
+                material: prefixed(&entity.material),
+                ..entity.clone()
+            };
+            self.add_entity(renamed, parent.filter(|_| entity.parent.is_none()));
+        }
+        for animation in &part.animate {
+            if animation.target.as_deref() != Some(CAMERA) {
+                let (target, material) = (prefixed(&animation.target), prefixed(&animation.material));
+                self.add_animation(AnimationDocument { target, material, ..animation.clone() });
+            }
+        }
+    }
+
+    /// Gives the entity's place.
+    fn add_entity(&mut self, entity: EntityDocument, parent: Option<usize>) -> usize {
+        let index = self.entities.len();
+        self.parents.extend(parent.map(|parent| (index, parent)));
+        self.entities.push(entity);
+        index
+    }
+
+    /// What a file says of a value stands in for what its parts say.
+    fn add_animation(&mut self, animation: AnimationDocument) {
+        let what = (animation.target.clone(), animation.material.clone(), animation.channel.0);
+        let index = *self.animated.entry(what).or_insert(self.animate.len());
+        match self.animate.get_mut(index) {
+            Some(former) => *former = animation,
+            None => self.animate.push(animation),
+        }
+    }
+
+    fn start_run(&mut self, file: usize, list: &'static str, index: usize) {
+        self.runs.push(Run { first: self.entities.len(), origin: Origin { file, list, index } });
+    }
+}

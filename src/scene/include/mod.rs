@@ -1,0 +1,20 @@
+//! Scenes of several files.
+//!
+//! ```text
+//! file -> loader: it and what it includes, each file read and parsed once
+//!      -> names, scope: what each file can refer to, for the validation, which sees every file for itself
+//!      -> merge: one document, and where each of its entities came from
+//! ```
+//!
+//! A file knows the names of what it includes, and nothing of who includes it: a part is whole in itself.
+
+mod loader;
+mod merge;
+mod names;
+mod read;
+mod scope;
+
+pub(super) use loader::{Files, SceneFile};
+pub(super) use merge::Merged;
+pub(super) use names::{Clash, Origin};
+pub(super) use scope::{KnownEntity, Lookup, Scope};

@@ -1,0 +1,163 @@
+//! What is called how in the files of a scene.
+
+use std::collections::HashMap;
+
+use super::{Files, SceneFile};
+use crate::scene::document::{EntityDocument, MaterialDocument};
+
+/// The names of a file: its own, those of its parts, and all of what it includes without a name.
+#[derive(Debug, Default)]
+pub(in crate::scene) struct Names<'a> {
+    pub(super) entities: Table<'a, Meaning<'a>>,
+    pub(super) materials: Table<'a, &'a MaterialDocument>,
+    /// Are there more, which nobody knows because a file cannot be read?
+    pub(super) incomplete: bool,
+    pub(super) clashes: Vec<Clash<'a>>,
+    /// How many entities, materials and animations there are in what it includes.
+    pub(super) included: u64,
+    /// Likewise, with its own.
+    size: u64,
+}
+
+/// What the name of an entity stands for.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Meaning<'a> {
+    /// One in this file.
+    Entity(&'a EntityDocument, usize),
+    /// The parent of what is in this file; `None` if it cannot be read.
+    Part(Option<usize>),
+}
+
+/// Names in document order.
+#[derive(Debug)]
+pub(super) struct Table<'a, T> {
+    pub(super) names: Vec<&'a str>,
+    entries: HashMap<&'a str, (Origin, T)>,
+}
+
+impl<T> Default for Table<'_, T> {
+    fn default() -> Self {
+        Self { names: Vec::new(), entries: HashMap::new() }
+    }
+}
+
+impl<'a, T> Table<'a, T> {
+    /// Fails, with the one that is there, if the name is taken.
+    fn insert(&mut self, name: &'a str, origin: Origin, value: T) -> Result<(), Origin> {
+        if let Some((taken, _)) = self.entries.get(name) {
+            return Err(*taken);
+        }
+        self.names.push(name);
+        self.entries.insert(name, (origin, value));
+        Ok(())
+    }
+
+    pub(super) fn get(&self, name: &str) -> Option<&T> {
+        self.entries.get(name).map(|(_, value)| value)
+    }
+}
+
+/// Where something is written: in which list of which file, at which index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::scene) struct Origin {
+    pub(in crate::scene) file: usize,
+    pub(in crate::scene) list: &'static str,
+    pub(in crate::scene) index: usize,
+}
+
+/// A name that several files give.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::scene) struct Clash<'a> {
+    pub(in crate::scene) name: &'a str,
+    /// What was there first.
+    pub(in crate::scene) first: Origin,
+    pub(in crate::scene) second: Origin,
+    /// The include that brings the second from its file; `None` if it is the own file that gives the name.
+    pub(in crate::scene) include: Option<usize>,
+}
+
+impl<'a> Names<'a> {
+    fn of_file(index: usize, file: &'a SceneFile, parts: &[Self]) -> Self {
+        let Some(document) = &file.document else {
+            return Self { incomplete: true, ..Self::default() };
+        };
+        let mut names = Self::default();
+        for (place, (include, part)) in document.include.iter().zip(&file.includes).enumerate() {
+            let size = part.map_or(0, |part| parts[part].size);
+            names.included = names.included.saturating_add(size).saturating_add(1);
+            match (&include.name, part) {
+                (Some(name), part) => {
+                    let origin = Origin { file: index, list: "include", index: place };
+                    names.add_entity(name, origin, Meaning::Part(*part), None);
+                }
+                (None, Some(part)) => names.join(&parts[*part], place),
+                (None, None) => names.incomplete = true,
+            }
+        }
+        for (place, (name, material)) in document.materials.0.iter().enumerate() {
+            let origin = Origin { file: index, list: "materials", index: place };
+            names.add_material(name, origin, material, None);
+        }
+        for (place, entity) in document.entities.iter().enumerate() {
+            if let Some(name) = &entity.name {
+                let origin = Origin { file: index, list: "entities", index: place };
+                names.add_entity(name, origin, Meaning::Entity(entity, index), None);
+            }
+        }
+        let own = document.materials.0.len() + document.entities.len() + document.animate.len();
+        names.size = names.included.saturating_add(own as u64);
+        names
+    }
+
+    /// Takes over the names of what is included without one.
+    fn join(&mut self, part: &Self, include: usize) {
+        self.incomplete |= part.incomplete;
+        for name in &part.entities.names {
+            let (origin, meaning) = part.entities.entries[name];
+            self.add_entity(name, origin, meaning, Some(include));
+        }
+        for name in &part.materials.names {
+            let (origin, material) = part.materials.entries[name];
+            self.add_material(name, origin, material, Some(include));
+        }
+    }
+
+    fn add_entity(&mut self, name: &'a str, second: Origin, meaning: Meaning<'a>, include: Option<usize>) {
+        if let Err(first) = self.entities.insert(name, second, meaning) {
+            self.add_clash(Clash { name, first, second, include });
+        }
+    }
+
+    /// The same material may come by several ways.
+    fn add_material(
+        &mut self,
+        name: &'a str,
+        second: Origin,
+        material: &'a MaterialDocument,
+        include: Option<usize>,
+    ) {
+        if let Err(first) = self.materials.insert(name, second, material)
+            && first != second
+        {
+            self.add_clash(Clash { name, first, second, include });
+        }
+    }
+
+    /// A list of the file's own that has a name twice is no matter of includes.
+    fn add_clash(&mut self, clash: Clash<'a>) {
+        let Clash { first, second, include, .. } = clash;
+        let same_list = (first.file, first.list) == (second.file, second.list);
+        if include.is_some() || !same_list || second.list == "include" {
+            self.clashes.push(clash);
+        }
+    }
+}
+
+/// The names of every file.
+pub(super) fn of_files(files: &Files) -> Vec<Names<'_>> {
+    let mut names: Vec<Names<'_>> = files.files.iter().map(|_| Names::default()).collect();
+    for index in &files.parts_first {
+        names[*index] = Names::of_file(*index, &files.files[*index], &names);
+    }
+    names
+}

@@ -1,0 +1,160 @@
+//! What a file can refer to.
+
+use std::borrow::Cow;
+
+use super::SceneFile;
+use super::names::{Clash, Meaning, Names, Origin};
+use crate::scene::Place;
+use crate::scene::document::{LightDocument, MaterialDocument, ShapeDocument};
+use crate::scene::spans::{Step, locate};
+
+/// What a name stands for.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::scene) enum Lookup<T> {
+    Found(T),
+    Missing,
+    /// It would be in a file that cannot be read.
+    Unread,
+}
+
+impl<T> Lookup<T> {
+    pub(in crate::scene) fn is_missing(&self) -> bool {
+        matches!(self, Self::Missing)
+    }
+
+    pub(in crate::scene) fn found(self) -> Option<T> {
+        match self {
+            Self::Found(found) => Some(found),
+            Self::Missing | Self::Unread => None,
+        }
+    }
+}
+
+/// What others need to know of an entity.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::scene) struct KnownEntity<'a> {
+    pub(in crate::scene) shape: Option<&'a ShapeDocument>,
+    pub(in crate::scene) light: Option<&'a LightDocument>,
+    pub(in crate::scene) material: Option<&'a MaterialDocument>,
+}
+
+/// Names as one file sees them. What is in a part is called `part/name`.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::scene) struct Scope<'a> {
+    names: &'a [Names<'a>],
+    files: &'a [SceneFile],
+    file: usize,
+}
+
+impl<'a> Scope<'a> {
+    pub(super) fn new(names: &'a [Names<'a>], files: &'a [SceneFile], file: usize) -> Self {
+        Self { names, files, file }
+    }
+
+    /// Is the file the scene's own?
+    pub(in crate::scene) fn is_scene(self) -> bool {
+        self.file == 0
+    }
+
+    pub(in crate::scene) fn entity(self, name: &str) -> Lookup<KnownEntity<'a>> {
+        match self.own().entities.get(name) {
+            Some(Meaning::Entity(entity, file)) => {
+                let material = entity.material.as_deref();
+                let material = material.and_then(|name| self.of(*file).material(name).found());
+                let (shape, light) = (entity.shape.as_ref(), entity.light.as_ref());
+                Lookup::Found(KnownEntity { shape, light, material })
+            }
+            Some(Meaning::Part(_)) => Lookup::Found(KnownEntity::default()),
+            None => self.in_part(name, Self::entity),
+        }
+    }
+
+    pub(in crate::scene) fn material(self, name: &str) -> Lookup<&'a MaterialDocument> {
+        match self.own().materials.get(name) {
+            Some(material) => Lookup::Found(material),
+            None => self.in_part(name, Self::material),
+        }
+    }
+
+    /// Looks for `part/name`.
+    fn in_part<T>(self, name: &str, look_up: impl Fn(Self, &str) -> Lookup<T>) -> Lookup<T> {
+        let part = name.split_once('/').and_then(|(part, rest)| Some((self.own().entities.get(part)?, rest)));
+        match part {
+            Some((Meaning::Part(Some(file)), rest)) => look_up(self.of(*file), rest),
+            Some((Meaning::Part(None), _)) => Lookup::Unread,
+            _ if self.own().incomplete => Lookup::Unread,
+            _ => Lookup::Missing,
+        }
+    }
+
+    pub(in crate::scene) fn entity_names(self) -> Vec<Cow<'a, str>> {
+        let mut names = Vec::new();
+        self.collect("", &|names| &names.entities.names, &mut names);
+        names
+    }
+
+    pub(in crate::scene) fn material_names(self) -> Vec<Cow<'a, str>> {
+        let mut names = Vec::new();
+        self.collect("", &|names| &names.materials.names, &mut names);
+        names
+    }
+
+    /// The file's own names, and those in its parts as long as they are not very many.
+    fn collect(
+        self,
+        prefix: &str,
+        select: &impl Fn(&'a Names<'a>) -> &'a Vec<&'a str>,
+        into: &mut Vec<Cow<'a, str>>,
+    ) {
+        /// More are of no help.
+        const MOST: usize = 10_000;
+        let own = self.own();
+        let prefixed = |name: &&'a str| match prefix {
+            "" => Cow::Borrowed(*name),
+            _ => Cow::Owned(format!("{prefix}{name}")),
+        };
+        into.extend(select(own).iter().map(prefixed));
+        for name in &own.entities.names {
+            if into.len() > MOST {
+                return;
+            }
+            if let Some(Meaning::Part(Some(file))) = own.entities.get(name) {
+                self.of(*file).collect(&format!("{prefix}{name}/"), select, into);
+            }
+        }
+    }
+
+    /// Names that come from several files.
+    pub(in crate::scene) fn clashes(self) -> &'a [Clash<'a>] {
+        &self.own().clashes
+    }
+
+    /// How many entities, materials and animations come from other files.
+    pub(in crate::scene) fn included(self) -> u64 {
+        self.own().included
+    }
+
+    /// Is that so for a file that is included?
+    pub(in crate::scene) fn any_part(self, is_so: impl Fn(Self) -> bool) -> bool {
+        self.files[self.file].includes.iter().flatten().any(|part| is_so(self.of(*part)))
+    }
+
+    /// `parts/car.ron:12`
+    pub(in crate::scene) fn place(self, origin: Origin) -> String {
+        let file = &self.files[origin.file];
+        let step = match origin.list {
+            "materials" => Step::Key(origin.index),
+            _ => Step::Index(origin.index),
+        };
+        let span = &locate(&file.text, &[vec![Step::Field(origin.list), step]])[0];
+        format!("{}:{}", file.name, Place::of(&file.text, span.start).line)
+    }
+
+    fn own(self) -> &'a Names<'a> {
+        &self.names[self.file]
+    }
+
+    fn of(self, file: usize) -> Self {
+        Self { file, ..self }
+    }
+}

@@ -1,0 +1,103 @@
+//! In which lines of which files the parts of a scene start.
+
+use std::fmt;
+
+use super::Place;
+use super::include::Origin;
+use super::spans::{Step, locate};
+
+/// The texts of all files of a scene, in which the places of its entities can be looked up.
+///
+/// ```
+/// use rayreel::Scene;
+///
+/// let text = "(\n  camera: (position: (0, 0, -5), view: (0, 0, 1)),\n  entities: [\n    (name: \"a\"), (),\n    (),\n  ],\n)";
+/// let (_, sources) = Scene::from_text_with_sources("three.ron", text.to_owned())?;
+/// let lines = sources.entities(&[2, 0, 1]).map(|place| place.to_string());
+/// assert_eq!(lines.collect::<Vec<_>>(), ["three.ron:5", "three.ron:4", "three.ron:4"]);
+/// assert_eq!(sources.camera().line, 2);
+/// # Ok::<(), rayreel::scene::LoadError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Sources {
+    /// Names and texts; the first is the scene's own file.
+    files: Vec<(String, String)>,
+    /// By the places of their first entities in document order.
+    runs: Vec<Run>,
+}
+
+/// Entities that follow each other in the scene as they do in a file.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Run {
+    /// Place of the first in document order.
+    pub(super) first: usize,
+    pub(super) origin: Origin,
+}
+
+/// A line of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SourceLine<'a> {
+    /// The file, as it was named or as it was included.
+    pub file: &'a str,
+    /// From 1.
+    pub line: usize,
+}
+
+impl Sources {
+    pub(super) fn new(files: Vec<(String, String)>, runs: Vec<Run>) -> Self {
+        Self { files, runs }
+    }
+
+    /// Where entities start; `entities` are places in document order, from 0, as
+    /// [`Order`](crate::components::Order) has them. One pass over each file serves them all. The parent that a name or a
+    /// transform gives to what is included starts where the include does.
+    ///
+    /// An entity that is not in the files gets the line of the list it would be in.
+    pub fn entities(&self, entities: &[usize]) -> impl Iterator<Item = SourceLine<'_>> {
+        let origins: Vec<Origin> = entities.iter().map(|index| self.origin(*index)).collect();
+        let mut found: Vec<Option<SourceLine<'_>>> = vec![None; entities.len()];
+        for file in 0..self.files.len() {
+            let (places, paths): (Vec<usize>, Vec<Vec<Step>>) = origins
+                .iter()
+                .enumerate()
+                .filter(|(_, origin)| origin.file == file)
+                .map(|(place, origin)| (place, vec![Step::Field(origin.list), Step::Index(origin.index)]))
+                .unzip();
+            if !paths.is_empty() {
+                for (place, line) in places.into_iter().zip(self.lines(file, &paths)) {
+                    found[place] = Some(line);
+                }
+            }
+        }
+        found.into_iter().flatten()
+    }
+
+    /// Where the camera starts.
+    #[must_use]
+    pub fn camera(&self) -> SourceLine<'_> {
+        let found = self.lines(0, &[vec![Step::Field("camera")]]).next();
+        found.unwrap_or(SourceLine { file: "", line: 1 })
+    }
+
+    fn origin(&self, entity: usize) -> Origin {
+        let after = self.runs.partition_point(|run| run.first <= entity);
+        match after.checked_sub(1).and_then(|last| self.runs.get(last)) {
+            Some(run) => Origin { index: run.origin.index + (entity - run.first), ..run.origin },
+            None => Origin { file: 0, list: "entities", index: entity },
+        }
+    }
+
+    fn lines(&self, file: usize, paths: &[Vec<Step>]) -> impl Iterator<Item = SourceLine<'_>> {
+        let found = self.files.get(file).map(|(name, text)| {
+            let spans = locate(text, paths).into_iter();
+            spans.map(|span| SourceLine { file: name.as_str(), line: Place::of(text, span.start).line })
+        });
+        found.into_iter().flatten()
+    }
+}
+
+impl fmt::Display for SourceLine<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{}:{}", self.file, self.line)
+    }
+}

@@ -1,0 +1,56 @@
+//! What comes from other files.
+
+use super::{At, Problems};
+use crate::scene::document::SceneDocument;
+use crate::scene::include::{Clash, Scope};
+
+/// So many entities, materials and animations may come from other files.
+const MOST_INCLUDED: u64 = 4_000_000;
+
+pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_>, problems: &mut Problems) {
+    let list = scene.field("include");
+    for (index, include) in document.include.iter().enumerate() {
+        let at = list.index(index);
+        if let Some(name) = &include.name {
+            super::entities::name(name, &at.field("name"), problems);
+        }
+        if let Some(transform) = &include.transform {
+            super::entities::transform(transform, &at.field("transform"), problems);
+        }
+    }
+    let is_too_much = |scope: Scope<'_>| scope.included() > MOST_INCLUDED;
+    // Said once, where it becomes too much.
+    if is_too_much(scope) && !scope.any_part(is_too_much) {
+        let message = format!("more than {MOST_INCLUDED} entities, materials and animations are included");
+        problems.add(&list, message, "too much", "include less, or fewer times");
+    }
+    for clash in scope.clashes() {
+        taken(clash, scope, scene, problems);
+    }
+}
+
+/// A name that several files give.
+fn taken(clash: &Clash<'_>, scope: Scope<'_>, scene: &At<'_>, problems: &mut Problems) {
+    let Clash { name, first, second, include } = *clash;
+    let is_material = second.list == "materials";
+    let what = if is_material { "materials" } else { "entities" };
+    let message = format!("two {what} are called \"{name}\"");
+    // Looked up only where it is told.
+    let place = |origin| if problems.is_full() { String::new() } else { scope.place(origin) };
+    let (label, help) = match include {
+        Some(_) => (
+            format!("one is at {}, one at {}", place(first), place(second)),
+            format!("give this include a name of its own: as `part` it brings \"part/{name}\""),
+        ),
+        None => (
+            format!("the other is at {}", place(first)),
+            "give each its own name, or give the include one".to_owned(),
+        ),
+    };
+    let list = scene.field(if include.is_some() { "include" } else { second.list });
+    match include {
+        Some(index) => problems.add(&list.index(index), message, label, help),
+        None if is_material => problems.add(&list.key(second.index), message, label, help),
+        None => problems.add(&list.index(second.index).field("name"), message, label, help),
+    }
+}
