@@ -22,6 +22,7 @@ fn engine(shape: Shape, place: DVec3, sampling: Sampling) -> (Engine, Entity) {
         position: DVec3::ZERO,
         view: View::Direction(DVec3::Z),
         up: DVec3::Y,
+        roll: 0.0,
         projection: Projection::Screen { distance: 1.0, width: Some(extent), height: extent },
         lens: None,
         shutter: None,

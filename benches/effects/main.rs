@@ -90,7 +90,7 @@ fn engine(lines: &[(&str, &str)]) -> Engine {
 fn prepared(lines: &[(&str, &str)]) -> Preparation {
     let mut world = Scene::from_text("base.ron", scene_text(lines)).unwrap().world;
     propagate(&mut world, &Changes::all());
-    Preparation::of(&mut world)
+    Preparation::of(&mut world, rayreel::Time::ZERO)
 }
 
 /// Renders some frames, to be counted from outside. What is the same for any number of frames cancels out.

@@ -1,8 +1,17 @@
 //! From where the picture is taken.
 
 use glam::DVec3;
+use hecs::Entity;
 
 /// The camera: an eye and a screen at a distance before it (see [`trace::Camera`](crate::trace::Camera) for pixels).
+///
+/// Points and directions are in the entity's own space, which its [`WorldTransform`](super::WorldTransform), if it has one,
+/// takes to the world; sizes of the screen and the lens, and distances from the eye, are the world's.
+///
+/// Some moments of cameras that move have no view or no upright, and still a picture. A camera whose target is where it
+/// stands looks along the world's +z. Where the view is parallel to `up`, the world's y is up, or, if the view is parallel
+/// to that too, its z: so that a camera that passes over its target with y up turns about its view at that moment, and by
+/// half a turn from one side to the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// The eye, P0.
@@ -11,6 +20,9 @@ pub struct Camera {
     pub view: View,
     /// VUP: the direction that is up in the picture; any length, not parallel to the view.
     pub up: DVec3,
+    /// How far it is turned about the view, radians, by the right-hand rule about the view direction: +90 degrees put what
+    /// was up to the left, and the picture's contents turn clockwise.
+    pub roll: f64,
     /// The screen's size and distance.
     pub projection: Projection,
     /// `None` is a pinhole: everything is sharp.
@@ -27,11 +39,36 @@ impl Default for Camera {
             position: DVec3::new(0.0, 0.0, -5.0),
             view: View::Target(DVec3::ZERO),
             up: DVec3::Y,
+            roll: 0.0,
             projection: Projection::FieldOfView { vertical: std::f64::consts::FRAC_PI_4 },
             lens: None,
             shutter: None,
         }
     }
+}
+
+/// The camera goes along with an entity without turning: the entity's place in the world is added to its position and to the
+/// point that it looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Follow(pub Entity);
+
+/// The camera looks at an entity's place in the world, whatever its [`View`] says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LookAt(pub Entity);
+
+/// Which camera films when. A world has at most one of it; without it the first camera in document order films.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shots(pub Vec<Shot>);
+
+/// From a moment on, a camera films.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shot {
+    /// Seconds; later than that of the shot before. The first shot is also what comes before it. A frame belongs to the last
+    /// shot that starts no later than the frame's moment, both rounded once to `f64`; all of the frame, even if its shutter
+    /// is open across the cut.
+    pub start: f64,
+    /// The entity with the camera.
+    pub camera: Entity,
 }
 
 /// Which way a camera looks.

@@ -10,6 +10,7 @@
 //! | [`Checker`] | its surface has squares of two colours |
 //! | [`Light`] | it gives light |
 //! | [`Camera`], [`FilmSettings`] | from where and on what the picture is taken |
+//! | [`Follow`], [`LookAt`], [`Shots`] | what a camera goes along with and looks at, and which one films when |
 //! | [`Ambient`], [`Background`], [`Fog`], [`Quality`], [`Sampling`] | settings of the whole scene; one of each in a world |
 //! | [`Animated`] | motions of the values above: a [`Property`] and a [`Motion`] each |
 //! | [`Name`], [`Order`] | how people and sums refer to it |
@@ -26,7 +27,7 @@ mod shape;
 mod transform;
 
 pub use animated::{Animated, Channel, Motion};
-pub use camera::{Camera, Lens, Projection, View};
+pub use camera::{Camera, Follow, Lens, LookAt, Projection, Shot, Shots, View};
 pub use identity::{Name, Order};
 pub use light::{AreaShape, Falloff, Light, LightKind};
 pub use material::{Checker, Material, Reflective, Refractive, Specular};

@@ -11,6 +11,12 @@ pub enum Property {
     Rotation,
     /// [`Transform::scale`](super::Transform::scale).
     Scale,
+    /// The radius of a [`Shape::Sphere`](super::Shape).
+    Radius,
+    /// The edges of a [`Shape::Box`](super::Shape).
+    Size,
+    /// The normal of a [`Shape::Plane`](super::Shape).
+    Normal,
     /// [`Material::k_a`](super::Material::k_a).
     Ka,
     /// [`Material::k_d`](super::Material::k_d).
@@ -31,22 +37,71 @@ pub enum Property {
     Ior,
     /// [`Refractive::absorption`](super::Refractive::absorption).
     Absorption,
+    /// [`Checker::color`](super::Checker::color).
+    CheckerColor,
+    /// [`Checker::size`](super::Checker::size).
+    CheckerSize,
     /// [`Light::intensity`](super::Light::intensity).
     Intensity,
-    /// [`LightKind::Directional::direction`](super::LightKind).
+    /// The direction of a [`LightKind::Directional`](super::LightKind).
     Direction,
+    /// The angle of a [`LightKind::Spot`](super::LightKind).
+    Angle,
+    /// The softness of a [`LightKind::Spot`](super::LightKind).
+    Softness,
+    /// The coefficients c0, c1, c2 of a [`Falloff`](super::Falloff).
+    Falloff,
+    /// The radius of an [`AreaShape::Sphere`](super::AreaShape).
+    LightRadius,
+    /// The width of an [`AreaShape::Rectangle`](super::AreaShape).
+    LightWidth,
+    /// The height of an [`AreaShape::Rectangle`](super::AreaShape).
+    LightHeight,
     /// [`Camera::position`](super::Camera::position).
     Position,
     /// [`View::Target`](super::View::Target).
     Target,
+    /// [`View::Direction`](super::View::Direction).
+    View,
+    /// [`Camera::up`](super::Camera::up).
+    Up,
+    /// [`Camera::roll`](super::Camera::roll).
+    Roll,
+    /// The angle of a [`Projection::FieldOfView`](super::Projection).
+    Fov,
+    /// The distance of a [`Projection::Screen`](super::Projection).
+    ScreenDistance,
+    /// The width of a [`Projection::Screen`](super::Projection) that is given one.
+    ScreenWidth,
+    /// The height of a [`Projection::Screen`](super::Projection).
+    ScreenHeight,
+    /// [`Lens::aperture`](super::Lens::aperture).
+    Aperture,
+    /// [`Lens::focus`](super::Lens::focus).
+    Focus,
+    /// [`Ambient`](super::Ambient).
+    Ambient,
+    /// The colour of a [`Background::Flat`](super::Background).
+    Background,
+    /// The bottom of a [`Background::Gradient`](super::Background).
+    BackgroundBottom,
+    /// The top of a [`Background::Gradient`](super::Background).
+    BackgroundTop,
+    /// [`Fog::color`](super::Fog::color).
+    FogColor,
+    /// [`Fog::density`](super::Fog::density).
+    FogDensity,
 }
 
 impl Property {
-    /// All, in the order in which the file format lists them.
-    pub const ALL: [Self; 17] = [
+    /// All, in the order of the file format's reference.
+    pub const ALL: [Self; 43] = [
         Self::Translation,
         Self::Rotation,
         Self::Scale,
+        Self::Radius,
+        Self::Size,
+        Self::Normal,
         Self::Ka,
         Self::Kd,
         Self::Color,
@@ -57,10 +112,33 @@ impl Property {
         Self::Kt,
         Self::Ior,
         Self::Absorption,
+        Self::CheckerColor,
+        Self::CheckerSize,
         Self::Intensity,
         Self::Direction,
+        Self::Angle,
+        Self::Softness,
+        Self::Falloff,
+        Self::LightRadius,
+        Self::LightWidth,
+        Self::LightHeight,
         Self::Position,
         Self::Target,
+        Self::View,
+        Self::Up,
+        Self::Roll,
+        Self::Fov,
+        Self::ScreenDistance,
+        Self::ScreenWidth,
+        Self::ScreenHeight,
+        Self::Aperture,
+        Self::Focus,
+        Self::Ambient,
+        Self::Background,
+        Self::BackgroundBottom,
+        Self::BackgroundTop,
+        Self::FogColor,
+        Self::FogDensity,
     ];
 
     /// Its name in scene files.
@@ -70,6 +148,9 @@ impl Property {
             Self::Translation => "Translation",
             Self::Rotation => "Rotation",
             Self::Scale => "Scale",
+            Self::Radius => "Radius",
+            Self::Size => "Size",
+            Self::Normal => "Normal",
             Self::Ka => "Ka",
             Self::Kd => "Kd",
             Self::Color => "Color",
@@ -80,10 +161,33 @@ impl Property {
             Self::Kt => "Kt",
             Self::Ior => "Ior",
             Self::Absorption => "Absorption",
+            Self::CheckerColor => "CheckerColor",
+            Self::CheckerSize => "CheckerSize",
             Self::Intensity => "Intensity",
             Self::Direction => "Direction",
+            Self::Angle => "Angle",
+            Self::Softness => "Softness",
+            Self::Falloff => "Falloff",
+            Self::LightRadius => "LightRadius",
+            Self::LightWidth => "LightWidth",
+            Self::LightHeight => "LightHeight",
             Self::Position => "Position",
             Self::Target => "Target",
+            Self::View => "View",
+            Self::Up => "Up",
+            Self::Roll => "Roll",
+            Self::Fov => "Fov",
+            Self::ScreenDistance => "ScreenDistance",
+            Self::ScreenWidth => "ScreenWidth",
+            Self::ScreenHeight => "ScreenHeight",
+            Self::Aperture => "Aperture",
+            Self::Focus => "Focus",
+            Self::Ambient => "Ambient",
+            Self::Background => "Background",
+            Self::BackgroundBottom => "BackgroundBottom",
+            Self::BackgroundTop => "BackgroundTop",
+            Self::FogColor => "FogColor",
+            Self::FogDensity => "FogDensity",
         }
     }
 
@@ -91,12 +195,28 @@ impl Property {
     #[must_use]
     pub const fn kind(self) -> Kind {
         match self {
-            Self::Ka | Self::Kd | Self::Ks | Self::Shininess | Self::Kr | Self::Kt | Self::Ior => {
-                Kind::Number
-            }
-            Self::Translation | Self::Scale | Self::Direction | Self::Position | Self::Target => Kind::Vector,
+            Self::Translation
+            | Self::Scale
+            | Self::Size
+            | Self::Normal
+            | Self::Direction
+            | Self::Falloff
+            | Self::Position
+            | Self::Target
+            | Self::View
+            | Self::Up => Kind::Vector,
             Self::Rotation => Kind::Rotation,
-            Self::Color | Self::AmbientColor | Self::Absorption | Self::Intensity => Kind::Color,
+            Self::Color
+            | Self::AmbientColor
+            | Self::Absorption
+            | Self::CheckerColor
+            | Self::Intensity
+            | Self::Ambient
+            | Self::Background
+            | Self::BackgroundBottom
+            | Self::BackgroundTop
+            | Self::FogColor => Kind::Color,
+            _ => Kind::Number,
         }
     }
 }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::report::FrameReport;
 use super::run::{Engine, EngineError};
 use crate::components::Animated;
-use crate::systems::{self, Effect, Plan, Preparation, Shutter, Verdict, propagate};
+use crate::systems::{Effect, Plan, Preparation, Shutter, Shutters, Verdict, propagate};
 use crate::time::Time;
 use crate::trace::reference::{Reference, ReferenceSums};
 use crate::trace::{Exposure, Film, KernelChoice, Lighting};
@@ -97,14 +97,14 @@ impl Engine {
 
     /// How frames are exposed, from the world as it is before systems of one's own: when a frame begins cannot depend on what
     /// is there then.
-    fn shutter(&mut self) -> Shutter {
-        *self.shutter.get_or_insert_with(|| systems::shutter(&self.world))
+    fn shutter(&mut self, time: Time) -> Shutter {
+        self.shutters.get_or_insert_with(|| Shutters::of(&self.world)).at(time)
     }
 
     /// The instants at which a frame is drawn: its moment, or several while the shutter is open.
     fn instants(&mut self, time: Time) -> Vec<Time> {
         let single = [Some(Effect::MotionBlur), Some(Effect::Antialiasing)].contains(&self.left_out);
-        match self.shutter() {
+        match self.shutter(time) {
             _ if single => vec![time],
             Shutter::Open(open, count) if self.full || self.may_move() => {
                 self.timeline.instants(time, open, count)
@@ -155,7 +155,7 @@ impl Engine {
                 break;
             }
         }
-        let motion_blur = self.motion_blur(moves);
+        let motion_blur = self.motion_blur(time, moves);
         if let Some(plan) = &mut plan {
             plan.set_motion_blur(motion_blur);
         }
@@ -163,8 +163,8 @@ impl Engine {
         Ok(())
     }
 
-    fn motion_blur(&mut self, moves: bool) -> Verdict {
-        match self.shutter() {
+    fn motion_blur(&mut self, time: Time, moves: bool) -> Verdict {
+        match self.shutter(time) {
             Shutter::None => Verdict::LeftOut("the camera has no shutter"),
             Shutter::OneInstant => Verdict::LeftOut("all samples are taken at one instant"),
             Shutter::Open(..) if moves => Verdict::Needed("something moves while the shutter is open"),
@@ -204,7 +204,7 @@ impl Engine {
         Ok(())
     }
 
-    /// Brings the world to an instant, and says whether anything that can be seen is different then.
+    /// Brings the world to an instant of the reported frame, and says whether anything that can be seen is different then.
     fn bring(&mut self, instant: Time) -> Result<bool, EngineError> {
         let start = Instant::now();
         self.systems.advance(&mut self.world, instant, &mut self.changes)?;
@@ -212,9 +212,9 @@ impl Engine {
         let changes = std::mem::take(&mut self.changes);
         let moved = propagate(&mut self.world, &changes);
         let differs = match &mut self.preparation {
-            Some(preparation) => preparation.update(&mut self.world, &changes, &moved),
+            Some(preparation) => preparation.update(&mut self.world, self.report.time, &changes, &moved),
             None => {
-                self.preparation = Some(Preparation::of(&mut self.world));
+                self.preparation = Some(Preparation::of(&mut self.world, self.report.time));
                 true
             }
         };

@@ -10,7 +10,7 @@ use super::report::FrameReport;
 use crate::components::FilmSettings;
 use crate::scene::{LoadError, Scene};
 use crate::systems::{
-    self, Changes, Context, Effect, OwnSystems, Plan, Preparation, Shutter, Step, UnknownComponent,
+    self, Changes, Context, Effect, OwnSystems, Plan, Preparation, Shutters, Step, UnknownComponent,
 };
 use crate::time::Timeline;
 use crate::trace::reference::Reference;
@@ -89,7 +89,7 @@ pub struct Engine {
     /// Left out for a comparison.
     pub(super) left_out: Option<Effect>,
     /// How frames are exposed, once it has been read.
-    pub(super) shutter: Option<Shutter>,
+    pub(super) shutters: Option<Shutters>,
     pub(super) plan: Option<Plan>,
     pub(super) report: FrameReport,
 }
@@ -134,7 +134,7 @@ impl Engine {
             precision: Precision::default(),
             full: false,
             left_out: None,
-            shutter: None,
+            shutters: None,
             plan: None,
             report: FrameReport::default(),
         }
@@ -144,7 +144,7 @@ impl Engine {
     pub fn add_system(&mut self, system: impl Fn(&mut Context<'_>) + Send + 'static) {
         self.systems.rewind(&mut self.world);
         self.changes.anything();
-        self.shutter = None;
+        self.shutters = None;
         self.systems.add(system);
     }
 
@@ -153,7 +153,7 @@ impl Engine {
     pub fn add_stepped_system(&mut self, step: Step, system: impl Fn(&mut Context<'_>) + Send + 'static) {
         self.systems.rewind(&mut self.world);
         self.changes.anything();
-        self.shutter = None;
+        self.shutters = None;
         self.systems.add_stepped(step, system);
     }
 
@@ -174,7 +174,7 @@ impl Engine {
     pub fn world_mut(&mut self) -> &mut World {
         self.systems.rewind(&mut self.world);
         self.changes.anything();
-        self.shutter = None;
+        self.shutters = None;
         &mut self.world
     }
 

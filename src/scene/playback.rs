@@ -1,7 +1,77 @@
 //! Easings and playback as the file has them, for the timeline.
 
-use super::document::{AnimationDocument, EasingDocument, RepeatDocument};
-use crate::timeline::{Ease, Easing, Playback, Repeat};
+use glam::DVec3;
+
+use super::document::{
+    AnimationDocument, ColorDocument, EasingDocument, KeyDocument, OffsetDocument, RepeatDocument,
+    RotationDocument, ScaleDocument, Triple,
+};
+use crate::timeline::{Ease, Easing, Interpolate, Key, Playback, Repeat};
+
+/// A value as it is written, which handles stand beside.
+pub(super) trait Written: Sized {
+    /// The value at an offset from this one. `None` where there are no offsets of this kind.
+    fn beside(&self, offset: OffsetDocument) -> Option<Self>;
+}
+
+impl Written for f64 {
+    fn beside(&self, offset: OffsetDocument) -> Option<Self> {
+        match offset {
+            OffsetDocument::Number(offset) => Some(self + offset),
+            OffsetDocument::Triple(_) => None,
+        }
+    }
+}
+
+impl Written for Triple {
+    fn beside(&self, offset: OffsetDocument) -> Option<Self> {
+        match offset {
+            OffsetDocument::Triple([x, y, z]) => Some([self[0] + x, self[1] + y, self[2] + z]),
+            OffsetDocument::Number(_) => None,
+        }
+    }
+}
+
+impl Written for ColorDocument {
+    fn beside(&self, offset: OffsetDocument) -> Option<Self> {
+        self.0.beside(offset).map(Self)
+    }
+}
+
+impl Written for ScaleDocument {
+    fn beside(&self, _: OffsetDocument) -> Option<Self> {
+        None
+    }
+}
+
+impl Written for RotationDocument {
+    fn beside(&self, _: OffsetDocument) -> Option<Self> {
+        None
+    }
+}
+
+/// Keys whose values are what `value` makes of those that are written.
+pub(super) fn keys<D: Written, T: Interpolate>(
+    written: &[KeyDocument<D>],
+    value: impl Fn(&D) -> T,
+) -> Vec<Key<T>> {
+    let way = |key: &D, offset| {
+        key.beside(offset).map_or(DVec3::ZERO, |handle| T::difference(&value(key), &value(&handle)))
+    };
+    let easing = |index: usize, key: &KeyDocument<D>| match key.easing {
+        EasingDocument::Handles(out, back) => {
+            let next = written.get(index + 1).unwrap_or(key);
+            Easing::Handles(way(&key.value, out), way(&next.value, back))
+        }
+        other => easing(other),
+    };
+    let key = |(index, key): (usize, &KeyDocument<D>)| Key {
+        time: key.time,
+        value: value(&key.value),
+        easing: easing(index, key),
+    };
+    written.iter().enumerate().map(key).collect()
+}
 
 pub(super) fn playback(animation: &AnimationDocument) -> Playback {
     let repeat = match animation.repeat {
@@ -12,11 +82,12 @@ pub(super) fn playback(animation: &AnimationDocument) -> Playback {
     Playback { repeat, offset: animation.offset, speed: animation.speed }
 }
 
-pub(super) fn easing(document: EasingDocument) -> Easing {
+fn easing(document: EasingDocument) -> Easing {
     use EasingDocument as Document;
     match document {
         Document::Hold => Easing::Hold,
-        Document::Linear => Easing::Linear,
+        // Handles are made with their keys.
+        Document::Linear | Document::Handles(..) => Easing::Linear,
         Document::EaseIn => Easing::EaseIn,
         Document::EaseOut => Easing::EaseOut,
         Document::EaseInOut => Easing::EaseInOut,

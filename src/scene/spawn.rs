@@ -9,20 +9,20 @@ use hecs::{Entity, EntityBuilder, World};
 use super::Scene;
 use super::document::{
     AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument, EntityDocument, FilmDocument,
-    KeyDocument, LightDocument, MaterialDocument, NoiseDocument, Notation, QualityDocument, RotationDocument,
+    LightDocument, MaterialDocument, NoiseDocument, Notation, QualityDocument, RotationDocument,
     SamplingDocument, ScaleDocument, SceneDocument, ShapeDocument, TimelineDocument, TrackDocument,
     TracksDocument, TransferDocument, TransformDocument, Triple,
 };
 use super::include::Merged;
-use super::playback::{easing, playback};
+use super::playback::{Written, keys, playback};
 use crate::color::{Rgb, Transfer};
 use crate::components::{
-    Ambient, Animated, AreaShape, Background, Camera, Channel, Checker, Falloff, FilmSettings, Fog, Lens,
-    Light, LightKind, Material, Motion, Name, Noise, Order, Parent, Projection, Quality, Reflective,
-    Refractive, Sampling, Shape, Specular, Transform, View, WorldTransform,
+    Ambient, Animated, AreaShape, Background, Camera, Channel, Checker, Falloff, FilmSettings, Fog, Follow,
+    Lens, Light, LightKind, LookAt, Material, Motion, Name, Noise, Order, Parent, Projection, Quality,
+    Reflective, Refractive, Sampling, Shape, Shot, Shots, Specular, Transform, View, WorldTransform,
 };
 use crate::time::{FrameRate, Timeline};
-use crate::timeline::{Interpolate, Key, Playback, Rotation, Track};
+use crate::timeline::{Interpolate, Playback, Rotation, Track};
 
 /// What a material of the file gives to the entities made of it.
 #[derive(Clone, Copy, Debug)]
@@ -70,9 +70,11 @@ pub(super) fn spawn(Merged { document, parents }: &Merged) -> Scene {
         .zip(0..)
         .map(|(entity, order)| spawn_entity(&mut world, entity, Order(order), &surfaces))
         .collect();
-    let camera = document.camera.as_ref().map(camera).unwrap_or_default();
-    let camera = world.spawn((Name("camera".to_owned()), camera));
-    spawn_settings(&mut world, document, transfer);
+    let cameras: Vec<(&str, Entity)> = document
+        .named_cameras()
+        .map(|(name, camera)| (name, world.spawn((Name(name.to_owned()), self::camera(camera)))))
+        .collect();
+    let settings = spawn_settings(&mut world, document, transfer);
 
     let mut names: HashMap<&str, Entity> = document
         .entities
@@ -80,7 +82,15 @@ pub(super) fn spawn(Merged { document, parents }: &Merged) -> Scene {
         .zip(&entities)
         .filter_map(|(entity, id)| Some((entity.name.as_deref()?, *id)))
         .collect();
-    names.insert("camera", camera);
+    names.extend(cameras.iter().copied());
+    names.insert(SceneDocument::SCENE, settings);
+    for ((_, entity), (_, camera)) in cameras.iter().zip(document.named_cameras()) {
+        link(&mut world, *entity, camera, &names);
+    }
+    let shot =
+        |(start, name): &(f64, String)| Some(Shot { start: *start, camera: *names.get(name.as_str())? });
+    // The entity exists: it was spawned above.
+    let _ = world.insert_one(settings, Shots(document.shots.iter().filter_map(shot).collect()));
     for (entity, id) in document.entities.iter().zip(&entities) {
         if let Some(parent) = entity.parent.as_deref().and_then(|parent| names.get(parent)) {
             // The entity exists: it was spawned above.
@@ -96,6 +106,23 @@ pub(super) fn spawn(Merged { document, parents }: &Merged) -> Scene {
         let _ = world.insert_one(entity, Animated(channels));
     }
     Scene { world, timeline, files: Vec::new() }
+}
+
+/// Ties a camera to the entities that it names.
+fn link(world: &mut World, entity: Entity, camera: &CameraDocument, names: &HashMap<&str, Entity>) {
+    let named = |name: &Option<String>| names.get(name.as_deref()?).copied();
+    let mut builder = EntityBuilder::new();
+    if let Some(parent) = named(&camera.parent) {
+        builder.add_bundle((Parent(parent), Transform::IDENTITY, WorldTransform::default()));
+    }
+    if let Some(followed) = named(&camera.follow) {
+        builder.add(Follow(followed));
+    }
+    if let Some(looked_at) = named(&camera.look_at) {
+        builder.add(LookAt(looked_at));
+    }
+    // The entity exists: the camera was spawned before.
+    let _ = world.insert(entity, builder.build());
 }
 
 fn spawn_entity(
@@ -121,9 +148,10 @@ fn spawn_entity(
     world.spawn(builder.build())
 }
 
-fn spawn_settings(world: &mut World, document: &SceneDocument, transfer: Transfer) {
+fn spawn_settings(world: &mut World, document: &SceneDocument, transfer: Transfer) -> Entity {
     let mut builder = EntityBuilder::new();
     builder.add_bundle((
+        Name(SceneDocument::SCENE.to_owned()),
         film(&document.film),
         Ambient(rgb(document.ambient)),
         background(document.background, transfer),
@@ -133,7 +161,7 @@ fn spawn_settings(world: &mut World, document: &SceneDocument, transfer: Transfe
     if let Some(fog) = document.fog {
         builder.add(Fog { color: transfer.decode(fog.color.0), density: fog.density });
     }
-    world.spawn(builder.build());
+    world.spawn(builder.build())
 }
 
 fn background(document: BackgroundDocument, transfer: Transfer) -> Background {
@@ -204,6 +232,7 @@ fn camera(document: &CameraDocument) -> Camera {
         position: document.position.into(),
         view,
         up: document.up.into(),
+        roll: radians(document.roll),
         projection,
         lens,
         shutter: document.shutter,
@@ -345,6 +374,7 @@ fn channel(animation: &AnimationDocument, transfer: Transfer) -> Option<Channel>
 fn motion(animation: &AnimationDocument, transfer: Transfer) -> Option<Motion> {
     let playback = playback(animation);
     match (&animation.track, animation.channel.notation()) {
+        (TracksDocument::Number(keys), Notation::Degrees) => track(keys, playback, |value| radians(*value)),
         (TracksDocument::Number(keys), _) => track(keys, playback, |value| *value),
         (TracksDocument::Vector(keys), Notation::Light) => track(keys, playback, |value| rgb(*value)),
         (TracksDocument::Vector(keys), _) => track(keys, playback, |value| DVec3::from(*value)),
@@ -354,7 +384,7 @@ fn motion(animation: &AnimationDocument, transfer: Transfer) -> Option<Motion> {
     }
 }
 
-fn track<D, T: Interpolate>(
+fn track<D: Written, T: Interpolate>(
     document: &TrackDocument<D>,
     playback: Playback,
     value: impl Fn(&D) -> T,
@@ -362,10 +392,8 @@ fn track<D, T: Interpolate>(
 where
     Motion: From<Track<T>>,
 {
-    let TrackDocument::Keys(keys) = document;
-    let key =
-        |key: &KeyDocument<D>| Key { time: key.time, value: value(&key.value), easing: easing(key.easing) };
-    Track::new(keys.iter().map(key).collect()).map(|track| track.played(playback).into())
+    let TrackDocument::Keys(written) = document;
+    Track::new(keys(written, value)).map(|track| track.played(playback).into())
 }
 
 fn radians(degrees: f64) -> f64 {

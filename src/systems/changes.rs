@@ -11,6 +11,7 @@ pub struct Changes {
     everything: bool,
     declared: bool,
     transforms: Vec<Entity>,
+    shapes: Vec<Entity>,
     materials: Vec<Entity>,
 }
 
@@ -21,8 +22,8 @@ impl Changes {
         Self { everything: true, ..Self::default() }
     }
 
-    /// Declares that anything may have been written: entities spawned or despawned, components added or removed, shapes
-    /// or parents changed.
+    /// Declares that anything may have been written: entities spawned or despawned, components added or removed,
+    /// parents changed.
     pub fn anything(&mut self) {
         self.everything = true;
         self.declared = true;
@@ -32,6 +33,12 @@ impl Changes {
     pub fn transform(&mut self, entity: Entity) {
         self.declared = true;
         self.transforms.push(entity);
+    }
+
+    /// Declares a write to an entity's [`Shape`](crate::components::Shape).
+    pub fn shape(&mut self, entity: Entity) {
+        self.declared = true;
+        self.shapes.push(entity);
     }
 
     /// Declares a write to an entity's [`Material`](crate::components::Material),
@@ -60,6 +67,12 @@ impl Changes {
         &self.transforms
     }
 
+    /// Entities whose shapes were written; may repeat.
+    #[must_use]
+    pub fn shapes(&self) -> &[Entity] {
+        &self.shapes
+    }
+
     /// Entities whose materials were written; may repeat.
     #[must_use]
     pub fn materials(&self) -> &[Entity] {
@@ -80,6 +93,7 @@ impl Changes {
     pub(crate) fn merge(&mut self, other: &Self) {
         self.everything |= other.everything;
         self.transforms.extend(&other.transforms);
+        self.shapes.extend(&other.shapes);
         self.materials.extend(&other.materials);
     }
 }

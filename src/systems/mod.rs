@@ -32,7 +32,7 @@ pub use context::Context;
 pub use own::{OwnSystems, Step};
 pub use plan::{Effect, Plan, Verdict};
 pub use prepare::{Preparation, film_settings};
-pub(crate) use prepare::{Shutter, shutter};
+pub(crate) use prepare::{Shutter, Shutters};
 pub use propagate::propagate;
 pub use property::value;
 pub use snapshot::{Registry, Snapshot, UnknownComponent};

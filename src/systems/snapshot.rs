@@ -5,8 +5,9 @@ use std::any::{TypeId, type_name};
 use hecs::{BuiltEntityClone, Component, Entity, EntityBuilderClone, EntityRef, World};
 
 use crate::components::{
-    Ambient, Animated, Background, Camera, Checker, FilmSettings, Fog, Light, Material, Name, Order, Parent,
-    Quality, Reflective, Refractive, Sampling, Shape, Specular, Transform, WorldTransform,
+    Ambient, Animated, Background, Camera, Checker, FilmSettings, Fog, Follow, Light, LookAt, Material, Name,
+    Order, Parent, Quality, Reflective, Refractive, Sampling, Shape, Shots, Specular, Transform,
+    WorldTransform,
 };
 
 /// The component types that a snapshot copies.
@@ -49,6 +50,9 @@ impl Default for Registry {
         registry.register::<Checker>();
         registry.register::<Light>();
         registry.register::<Camera>();
+        registry.register::<Follow>();
+        registry.register::<LookAt>();
+        registry.register::<Shots>();
         registry.register::<FilmSettings>();
         registry.register::<Ambient>();
         registry.register::<Background>();

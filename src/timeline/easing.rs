@@ -1,11 +1,13 @@
 //! How a segment between two keys is walked.
 
+use glam::DVec3;
+
 use super::Ease;
 use super::timing::bezier;
 
 /// How the value moves from one key to the next. It belongs to the key at which the segment starts.
 ///
-/// All but the last three go straight, and differ in the progress that they have made after a fraction u of the
+/// All but the last four go straight, and differ in the progress that they have made after a fraction u of the
 /// segment's time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Easing {
@@ -39,6 +41,10 @@ pub enum Easing {
     CatmullRom,
     /// A smooth curve through the keys, each component of which stays between the keys' values.
     Monotone,
+    /// A cubic Bezier curve of the value itself: how far its two handles are from this key's value and from the next one's,
+    /// as [`Interpolate::difference`](super::Interpolate::difference) has it. They stand at a third and at two thirds of the
+    /// time.
+    Handles(DVec3, DVec3),
 }
 
 impl Easing {
@@ -51,7 +57,7 @@ impl Easing {
             // The ends, whatever rounding says.
             _ if u <= 0.0 => 0.0,
             _ if u >= 1.0 => 1.0,
-            Self::Linear | Self::Cubic | Self::CatmullRom | Self::Monotone => u,
+            Self::Linear | Self::Cubic | Self::CatmullRom | Self::Monotone | Self::Handles(..) => u,
             Self::EaseIn => u * u,
             Self::EaseOut => u * (2.0 - u),
             Self::EaseInOut => u * u * (3.0 - 2.0 * u),

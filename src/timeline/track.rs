@@ -72,6 +72,8 @@ impl<T: Interpolate> Track<T> {
                 || start.value.clone(),
                 |(slopes, along)| T::curve(&start.value, &end.value, slopes, along),
             ),
+            // Slopes at the ends of a Bezier curve are three times the way to its handles.
+            Easing::Handles(out, back) => T::curve(&start.value, &end.value, [out * 3.0, back * -3.0], u),
             easing => T::between(&start.value, &end.value, easing.progress(u)),
         }
     }
@@ -122,6 +124,39 @@ mod tests {
     fn track(keys: &[(f64, f64, Easing)]) -> Track<f64> {
         let keys = keys.iter().map(|&(time, value, easing)| Key { time, value, easing }).collect();
         Track::new(keys).unwrap()
+    }
+
+    /// Bernstein's form, in value and in light.
+    #[test]
+    fn handles_make_bezier_curves_of_values() {
+        let (from, to) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.0, 0.5, 2.0));
+        let (out, back) = (DVec3::new(0.5, -1.0, 2.0), DVec3::new(-2.0, 0.25, 1.0));
+        let easing = Easing::Handles(out, back);
+        let keys = |from, to| {
+            Track::new(vec![Key { time: 1.0, value: from, easing }, Key { time: 3.0, value: to, easing }])
+                .unwrap()
+        };
+        let points = keys(from, to);
+        for step in 0..=20 {
+            let u = f64::from(step) / 20.0;
+            let rest = 1.0 - u;
+            let expected = from * (rest * rest * rest)
+                + (from + out) * (3.0 * rest * rest * u)
+                + (to + back) * (3.0 * rest * u * u)
+                + to * (u * u * u);
+            let found = points.at(1.0 + 2.0 * u);
+            assert!((found - expected).length() < 1e-14, "{u}: {found}, not {expected}");
+        }
+        assert_eq!([points.at(1.0), points.at(3.0)], [from, to]);
+        let light = Track::new(vec![
+            Key {
+                time: 0.0,
+                value: Vec3::splat(0.5),
+                easing: Easing::Handles(DVec3::NEG_ONE * 2.0, DVec3::ZERO),
+            },
+            Key { time: 1.0, value: Vec3::ONE, easing },
+        ]);
+        assert_eq!(light.unwrap().at(0.3), Vec3::ZERO);
     }
 
     #[test]

@@ -75,6 +75,18 @@ impl Camera {
         }
     }
 
+    /// The same camera turned about its view by `angle`, radians, by the right-hand rule about the view direction: a quarter
+    /// turn of the camera puts its up where its left was.
+    #[must_use]
+    pub fn rolled(self, angle: f64) -> Self {
+        if angle == 0.0 || !angle.is_finite() {
+            return self;
+        }
+        let (sine, cosine) = libm::sincos(angle);
+        let (right, up) = (self.right, self.up);
+        Self { right: right * cosine + up * sine, up: up * cosine - right * sine, ..self }
+    }
+
     /// The same camera with a thin lens around the eye, `aperture` in diameter. What is at `focus` from the eye along the
     /// view direction is sharp; at z the blur is as large as a disc of diameter aperture |focus - z| / focus there would
     /// look. Without an aperture, or with numbers that are not finite or not positive, there is no lens.

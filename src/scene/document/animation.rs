@@ -5,7 +5,9 @@ use std::fmt;
 use serde::de::{Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use super::{ChannelDocument, ColorDocument, Notation, RotationDocument, ScaleDocument, Triple};
+use super::{
+    ChannelDocument, ColorDocument, Notation, OffsetDocument, RotationDocument, ScaleDocument, Triple,
+};
 
 /// One animated value.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,6 +91,7 @@ pub(crate) enum EasingDocument {
     Cubic,
     CatmullRom,
     Monotone,
+    Handles(OffsetDocument, OffsetDocument),
 }
 
 /// How a track goes on beyond its keys.
@@ -179,7 +182,7 @@ impl<'de> Deserialize<'de> for AnimationDocument {
 
 fn tracks<'de, A: MapAccess<'de>>(channel: ChannelDocument, map: &mut A) -> Result<TracksDocument, A::Error> {
     match channel.notation() {
-        Notation::Number => map.next_value().map(TracksDocument::Number),
+        Notation::Number | Notation::Degrees => map.next_value().map(TracksDocument::Number),
         Notation::Vector | Notation::Light => map.next_value().map(TracksDocument::Vector),
         Notation::Scale => map.next_value().map(TracksDocument::Scale),
         Notation::Rotation => map.next_value().map(TracksDocument::Rotation),

@@ -6,6 +6,7 @@ use serde::de::{EnumAccess, Error, VariantAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use crate::components::Property;
+use crate::timeline::Kind;
 
 /// A property by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -15,6 +16,8 @@ pub(crate) struct ChannelDocument(pub(crate) Property);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Notation {
     Number,
+    /// A number; radians elsewhere.
+    Degrees,
     Vector,
     /// Three numbers, RGB.
     Light,
@@ -36,21 +39,14 @@ impl ChannelDocument {
 
     /// How its values are written.
     pub(crate) fn notation(self) -> Notation {
-        match self.0 {
-            Property::Ka
-            | Property::Kd
-            | Property::Ks
-            | Property::Shininess
-            | Property::Kr
-            | Property::Kt
-            | Property::Ior => Notation::Number,
-            Property::Translation | Property::Direction | Property::Position | Property::Target => {
-                Notation::Vector
-            }
-            Property::Absorption | Property::Intensity => Notation::Light,
-            Property::Scale => Notation::Scale,
-            Property::Rotation => Notation::Rotation,
-            Property::Color | Property::AmbientColor => Notation::Color,
+        match (self.0, self.0.kind()) {
+            (Property::Angle | Property::Roll | Property::Fov, _) => Notation::Degrees,
+            (Property::Scale, _) => Notation::Scale,
+            (Property::Absorption | Property::Intensity | Property::Ambient, _) => Notation::Light,
+            (_, Kind::Number) => Notation::Number,
+            (_, Kind::Vector) => Notation::Vector,
+            (_, Kind::Rotation) => Notation::Rotation,
+            (_, Kind::Color) => Notation::Color,
         }
     }
 }

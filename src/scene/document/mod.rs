@@ -21,7 +21,9 @@ pub(super) use settings::{
     CameraDocument, FilmDocument, FogDocument, NoiseDocument, QualityDocument, SamplingDocument,
     SceneDocument, TimelineDocument, TransferDocument,
 };
-pub(super) use values::{BackgroundDocument, ColorDocument, Entries, RateDocument, ScaleDocument, Triple};
+pub(super) use values::{
+    BackgroundDocument, ColorDocument, Entries, OffsetDocument, RateDocument, ScaleDocument, Triple,
+};
 
 #[cfg(test)]
 pub(super) use {

@@ -18,6 +18,8 @@ pub(crate) struct SceneDocument {
     pub(crate) sampling: SamplingDocument,
     /// Only a part of another scene may be without.
     pub(crate) camera: Option<CameraDocument>,
+    pub(crate) cameras: Entries<CameraDocument>,
+    pub(crate) shots: Vec<(f64, String)>,
     pub(crate) ambient: Triple,
     pub(crate) background: BackgroundDocument,
     pub(crate) fog: Option<FogDocument>,
@@ -27,9 +29,20 @@ pub(crate) struct SceneDocument {
 }
 
 impl SceneDocument {
+    /// What the camera in `camera` is called.
+    pub(crate) const CAMERA: &'static str = "camera";
+    /// What the scene as a whole is called.
+    pub(crate) const SCENE: &'static str = "scene";
+
     /// As they are written.
     pub(crate) fn included_files(&self) -> impl Iterator<Item = String> {
         self.include.iter().map(|include| include.file.clone())
+    }
+
+    /// All cameras by name, that in `camera` first.
+    pub(crate) fn named_cameras(&self) -> impl Iterator<Item = (&str, &CameraDocument)> {
+        let first = self.camera.iter().map(|camera| (Self::CAMERA, camera));
+        first.chain(self.cameras.0.iter().map(|(name, camera)| (name.as_str(), camera)))
     }
 }
 
@@ -125,10 +138,15 @@ pub(crate) struct CameraDocument {
     pub(crate) view: Option<Triple>,
     #[serde(default = "upwards")]
     pub(crate) up: Triple,
+    #[serde(default)]
+    pub(crate) roll: f64,
     pub(crate) screen: Option<ScreenDocument>,
     pub(crate) fov: Option<f64>,
     pub(crate) lens: Option<LensDocument>,
     pub(crate) shutter: Option<f64>,
+    pub(crate) parent: Option<String>,
+    pub(crate) follow: Option<String>,
+    pub(crate) look_at: Option<String>,
 }
 
 fn upwards() -> Triple {

@@ -142,41 +142,59 @@ pub(crate) enum ScaleDocument {
 
 impl<'de> Deserialize<'de> for ScaleDocument {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct ScaleVisitor;
+        let written = deserializer.deserialize_any(OneOrThree("a factor, as 2, or three, as (1, 2, 1)"))?;
+        Ok(match written {
+            OffsetDocument::Number(factor) => Self::Uniform(factor),
+            OffsetDocument::Triple(factors) => Self::PerAxis(factors),
+        })
+    }
+}
 
-        impl<'de> Visitor<'de> for ScaleVisitor {
-            type Value = ScaleDocument;
+/// A difference of values: of numbers, or of what is written as three.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum OffsetDocument {
+    Number(f64),
+    Triple(Triple),
+}
 
-            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-                formatter.write_str("a factor, as 2, or three, as (1, 2, 1)")
-            }
+impl<'de> Deserialize<'de> for OffsetDocument {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(OneOrThree("a difference: a number, as -0.5, or three, as (1, 0, 0)"))
+    }
+}
 
-            fn visit_f64<E: Error>(self, value: f64) -> Result<ScaleDocument, E> {
-                Ok(ScaleDocument::Uniform(value))
-            }
+/// A number or three, and what they are.
+struct OneOrThree(&'static str);
 
-            #[expect(
-                clippy::cast_precision_loss,
-                reason = "integers beyond 2^53 round, as any number in a file does"
-            )]
-            fn visit_i64<E: Error>(self, value: i64) -> Result<ScaleDocument, E> {
-                Ok(ScaleDocument::Uniform(value as f64))
-            }
+impl<'de> Visitor<'de> for OneOrThree {
+    type Value = OffsetDocument;
 
-            #[expect(
-                clippy::cast_precision_loss,
-                reason = "integers beyond 2^53 round, as any number in a file does"
-            )]
-            fn visit_u64<E: Error>(self, value: u64) -> Result<ScaleDocument, E> {
-                Ok(ScaleDocument::Uniform(value as f64))
-            }
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.0)
+    }
 
-            fn visit_seq<A: SeqAccess<'de>>(self, sequence: A) -> Result<ScaleDocument, A::Error> {
-                triple(sequence, &self).map(ScaleDocument::PerAxis)
-            }
-        }
+    fn visit_f64<E: Error>(self, value: f64) -> Result<OffsetDocument, E> {
+        Ok(OffsetDocument::Number(value))
+    }
 
-        deserializer.deserialize_any(ScaleVisitor)
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "integers beyond 2^53 round, as any number in a file does"
+    )]
+    fn visit_i64<E: Error>(self, value: i64) -> Result<OffsetDocument, E> {
+        Ok(OffsetDocument::Number(value as f64))
+    }
+
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "integers beyond 2^53 round, as any number in a file does"
+    )]
+    fn visit_u64<E: Error>(self, value: u64) -> Result<OffsetDocument, E> {
+        Ok(OffsetDocument::Number(value as f64))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, sequence: A) -> Result<OffsetDocument, A::Error> {
+        triple(sequence, &self).map(OffsetDocument::Triple)
     }
 }
 

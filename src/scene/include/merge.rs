@@ -8,7 +8,6 @@ use crate::scene::document::{
     AnimationDocument, EntityDocument, IncludeDocument, MaterialDocument, SceneDocument,
 };
 use crate::scene::sources::{Run, Sources};
-use crate::scene::validate::CAMERA;
 
 /// A scene that has no includes any more: what was included stands before what the file itself holds, each include whole.
 #[derive(Debug)]
@@ -137,8 +136,11 @@ impl<'a> Merger<'a> {
             };
             self.add_entity(renamed, parent.filter(|_| entity.parent.is_none()));
         }
+        // Cameras and what concerns a whole scene stay out.
+        let stays_out =
+            |name: &str| name == SceneDocument::SCENE || part.named_cameras().any(|(own, _)| own == name);
         for animation in &part.animate {
-            if animation.target.as_deref() != Some(CAMERA) {
+            if !animation.target.as_deref().is_some_and(stays_out) {
                 let (target, material) = (prefixed(&animation.target), prefixed(&animation.material));
                 self.add_animation(AnimationDocument { target, material, ..animation.clone() });
             }

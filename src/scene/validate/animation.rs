@@ -2,14 +2,14 @@
 
 use std::collections::HashMap;
 
-use super::entities::{CAMERA, rotation, scale};
-use super::{At, Named, Problems, check};
+use super::entities::{box_size, rotation, scale};
+use super::{At, Problems, cameras, channels, check, lights, settings};
 use crate::components::Property;
 use crate::scene::document::{
-    AnimationDocument, EasingDocument, LightDocument, MaterialDocument, SceneDocument, TrackDocument,
-    TracksDocument,
+    AnimationDocument, EasingDocument, Notation, OffsetDocument, SceneDocument, TrackDocument,
+    TracksDocument, Triple,
 };
-use crate::scene::include::{KnownEntity, Lookup, Scope};
+use crate::scene::include::Scope;
 
 pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_>, problems: &mut Problems) {
     let mut seen = HashMap::new();
@@ -25,7 +25,7 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
                 "put all keys into one track",
             );
         }
-        self::target(scope, animation, &at, problems);
+        channels::target(document, scope, animation, &at, problems);
         self::tracks(animation, &at.field("track"), problems);
         playback(animation, &at, problems);
     }
@@ -40,200 +40,73 @@ fn playback(animation: &AnimationDocument, at: &At<'_>, problems: &mut Problems)
     }
 }
 
-fn target(scope: Scope<'_>, animation: &AnimationDocument, at: &At<'_>, problems: &mut Problems) {
-    match (&animation.target, &animation.material) {
-        (Some(_), Some(_)) => {
-            problems.add(
-                &at.field("material"),
-                "an animation of both an entity and a material",
-                "one too many",
-                "write one animation for each",
-            );
-        }
-        (None, None) => {
-            problems.add(
-                at,
-                "an animation of nothing",
-                "neither `target` nor `material`",
-                "add `target: \"name\"` of an entity, or \"camera\", or `material: \"name\"`",
-            );
-        }
-        (None, Some(name)) => {
-            let at = at.field("material");
-            match scope.material(name) {
-                Lookup::Missing => {
-                    problems.add_unknown(&at, Named::Material, name, || scope.material_names());
-                }
-                _ if !of_material(animation.channel.0) => {
-                    unfit(animation.channel.0, "a material", &at, problems);
-                }
-                Lookup::Found(material) => {
-                    if let Some(part) = Part::with(animation.channel.0).filter(|part| !part.is_of(material)) {
-                        let (message, label, help) = part.missing();
-                        problems.add(&at, message, label, help);
-                    }
-                }
-                Lookup::Unread => {}
-            }
-        }
-        (Some(name), None) if name == CAMERA => {
-            if !matches!(animation.channel.0, Property::Position | Property::Target) {
-                unfit(animation.channel.0, "the camera", &at.field("channel"), problems);
-            }
-        }
-        (Some(name), None) => {
-            let known = || scope.entity_names().into_iter().chain([CAMERA.into()]).collect();
-            match scope.entity(name) {
-                Lookup::Found(entity) => {
-                    self::entity(&entity, animation.channel.0, &at.field("channel"), problems);
-                }
-                Lookup::Missing => {
-                    problems.add_unknown(&at.field("target"), Named::Entity, name, known);
-                }
-                Lookup::Unread => {}
-            }
-        }
-    }
-}
-
-fn entity(entity: &KnownEntity<'_>, property: Property, at: &At<'_>, problems: &mut Problems) {
-    match property {
-        Property::Translation | Property::Rotation | Property::Scale => {}
-        Property::Position | Property::Target => {
-            unfit(property, "an entity", at, problems);
-        }
-        Property::Intensity if entity.light.is_some() => {}
-        Property::Direction if matches!(entity.light, Some(LightDocument::Directional { .. })) => {}
-        Property::Intensity => {
-            unfit(property, "an entity without a light", at, problems);
-        }
-        Property::Direction => {
-            unfit(property, "an entity without a directional light", at, problems);
-        }
-        _ => match Part::with(property) {
-            Some(part) if entity.material.is_none_or(|material| !part.is_of(material)) => {
-                unfit(property, part.entity_without(), at, problems);
-            }
-            None if entity.shape.is_none() => {
-                unfit(property, "an entity without a shape", at, problems);
-            }
-            _ => {}
-        },
-    }
-}
-
-/// What not every material has.
-#[derive(Clone, Copy, Debug)]
-enum Part {
-    Specular,
-    Reflective,
-    Refractive,
-}
-
-impl Part {
-    /// The part that has a channel's value, if it is in one.
-    fn with(property: Property) -> Option<Self> {
-        match property {
-            Property::Ks | Property::Shininess => Some(Self::Specular),
-            Property::Kr => Some(Self::Reflective),
-            Property::Kt | Property::Ior | Property::Absorption => Some(Self::Refractive),
-            _ => None,
-        }
-    }
-
-    fn is_of(self, material: &MaterialDocument) -> bool {
-        match self {
-            Self::Specular => material.specular.is_some(),
-            Self::Reflective => material.reflective.is_some(),
-            Self::Refractive => material.refractive.is_some(),
-        }
-    }
-
-    /// Message, label and help for a material that lacks it.
-    fn missing(self) -> (&'static str, &'static str, &'static str) {
-        match self {
-            Self::Specular => (
-                "a material that is not specular has neither k_s nor shininess",
-                "not specular",
-                "add `specular: (k_s: .., shininess: ..)` to the material",
-            ),
-            Self::Reflective => (
-                "a material that does not mirror has no k_r",
-                "not reflective",
-                "add `reflective: (k_r: ..)` to the material",
-            ),
-            Self::Refractive => (
-                "a material that is not refractive has neither k_t, ior nor absorption",
-                "not refractive",
-                "add `refractive: (k_t: .., ior: ..)` to the material",
-            ),
-        }
-    }
-
-    fn entity_without(self) -> &'static str {
-        match self {
-            Self::Specular => "an entity that is not specular",
-            Self::Reflective => "an entity that does not mirror",
-            Self::Refractive => "an entity that is not refractive",
-        }
-    }
-}
-
-fn of_material(property: Property) -> bool {
-    Part::with(property).is_some()
-        || matches!(property, Property::Ka | Property::Kd | Property::Color | Property::AmbientColor)
-}
-
-fn unfit(property: Property, what: &str, at: &At<'_>, problems: &mut Problems) {
-    let help = match property {
-        Property::Translation | Property::Rotation | Property::Scale => {
-            "entities have it; the camera has Position and Target"
-        }
-        Property::Position | Property::Target => {
-            "the camera has it: target: \"camera\"; entities have Translation"
-        }
-        Property::Intensity | Property::Direction => "entities with a light have it",
-        Property::Ks | Property::Shininess => {
-            "materials that are specular have it, and entities made of them"
-        }
-        Property::Kt | Property::Ior | Property::Absorption => {
-            "materials that are refractive have it, and entities made of them"
-        }
-        Property::Ka | Property::Kd | Property::Color | Property::AmbientColor | Property::Kr => {
-            "materials have it, and entities with a shape"
-        }
-    };
-    problems.add(at, format!("{what} has no {}", property.name()), "not here", help);
-}
-
 fn tracks(animation: &AnimationDocument, at: &At<'_>, problems: &mut Problems) {
     let property = animation.channel.0;
+    let notation = animation.channel.notation();
     match &animation.track {
-        TracksDocument::Number(track) => keys(track, at, problems, |value, at, problems| match property {
-            Property::Shininess => check::shininess(*value, at, problems),
-            Property::Ior => check::ior(*value, at, problems),
-            _ => check::coefficient(*value, "a coefficient", at, problems),
+        TracksDocument::Number(track) => keys(track, notation, at, problems, |value, at, problems| {
+            number(property, *value, at, problems);
         }),
-        TracksDocument::Vector(track) => keys(track, at, problems, |value, at, problems| match property {
-            Property::Intensity => check::intensity(*value, "the intensity", at, problems),
-            Property::Absorption => check::absorption(*value, at, problems),
-            Property::Direction => {
-                check::direction(*value, "the direction", at, problems);
-            }
-            _ => {
-                check::vector(*value, at, problems);
-            }
+        TracksDocument::Vector(track) => keys(track, notation, at, problems, |value, at, problems| {
+            vector(property, *value, at, problems);
         }),
-        TracksDocument::Scale(track) => keys(track, at, problems, scale),
-        TracksDocument::Rotation(track) => keys(track, at, problems, rotation),
-        TracksDocument::Color(track) => keys(track, at, problems, |value, at, problems| {
+        TracksDocument::Scale(track) => keys(track, notation, at, problems, scale),
+        TracksDocument::Rotation(track) => keys(track, notation, at, problems, rotation),
+        TracksDocument::Color(track) => keys(track, notation, at, problems, |value, at, problems| {
             check::color(value.0, at, problems);
         }),
     }
 }
 
+fn number(property: Property, value: f64, at: &At<'_>, problems: &mut Problems) {
+    match property {
+        Property::Shininess => check::shininess(value, at, problems),
+        Property::Ior => check::ior(value, at, problems),
+        Property::Roll => {
+            check::number(value, at, problems);
+        }
+        Property::Angle => lights::angle(value, at, problems),
+        Property::Softness => lights::softness(value, at, problems),
+        Property::Fov => cameras::field_of_view(value, at, problems),
+        Property::Aperture => cameras::aperture(value, at, problems),
+        Property::FogDensity => settings::density(value, at, problems),
+        Property::Ka | Property::Kd | Property::Ks | Property::Kr | Property::Kt => {
+            check::coefficient(value, "a coefficient", at, problems);
+        }
+        _ => {
+            check::size(value, "a length", at, problems);
+        }
+    }
+}
+
+fn vector(property: Property, value: Triple, at: &At<'_>, problems: &mut Problems) {
+    match property {
+        Property::Intensity => check::intensity(value, "the intensity", at, problems),
+        Property::Ambient => check::intensity(value, "ambient light", at, problems),
+        Property::Absorption => check::absorption(value, at, problems),
+        Property::Falloff => lights::falloff(value, at, problems),
+        Property::Size => box_size(value, at, problems),
+        Property::Direction => {
+            check::direction(value, "the direction", at, problems);
+        }
+        Property::Normal => {
+            check::direction(value, "the normal", at, problems);
+        }
+        Property::View => {
+            check::direction(value, "view", at, problems);
+        }
+        Property::Up => {
+            check::direction(value, "up", at, problems);
+        }
+        _ => {
+            check::vector(value, at, problems);
+        }
+    }
+}
+
 fn keys<T>(
     track: &TrackDocument<T>,
+    notation: Notation,
     at: &At<'_>,
     problems: &mut Problems,
     value: impl Fn(&T, &At<'_>, &mut Problems),
@@ -259,11 +132,11 @@ fn keys<T>(
             previous = key.time;
         }
         value(&key.value, &at.index(1), problems);
-        easing(key.easing, &at.index(2), problems);
+        easing(key.easing, notation, &at.index(2), problems);
     }
 }
 
-fn easing(easing: EasingDocument, at: &At<'_>, problems: &mut Problems) {
+fn easing(easing: EasingDocument, notation: Notation, at: &At<'_>, problems: &mut Problems) {
     /// So that values stay far from overflow.
     const FARTHEST: f64 = 1000.0;
     match easing {
@@ -289,6 +162,36 @@ fn easing(easing: EasingDocument, at: &At<'_>, problems: &mut Problems) {
                 }
             }
         }
+        EasingDocument::Handles(out, back) => {
+            for (index, offset) in [out, back].into_iter().enumerate() {
+                handle(offset, notation, &at.index(index), problems);
+            }
+        }
         _ => {}
+    }
+}
+
+fn handle(offset: OffsetDocument, notation: Notation, at: &At<'_>, problems: &mut Problems) {
+    let one = matches!(notation, Notation::Number | Notation::Degrees);
+    match (offset, notation) {
+        (_, Notation::Rotation | Notation::Scale) => {
+            let message = "rotations and scales have no handles";
+            let help = "write another easing, as Cubic or InOutSine";
+            problems.add(at, message, "not here", help);
+        }
+        (OffsetDocument::Number(offset), _) if one => {
+            check::number(offset, at, problems);
+        }
+        (OffsetDocument::Triple(offset), _) if !one => {
+            check::vector(offset, at, problems);
+        }
+        (OffsetDocument::Number(_), _) => {
+            let help = "write how far it is from the key's value, as (1, 0, 0)";
+            problems.add(at, "a handle of three numbers is three numbers", "one number", help);
+        }
+        (OffsetDocument::Triple(_), _) => {
+            let help = "write how far it is from the key's value, as 0.5";
+            problems.add(at, "a handle of a number is a number", "three numbers", help);
+        }
     }
 }

@@ -9,9 +9,6 @@ use crate::scene::document::{
 };
 use crate::scene::include::{Lookup, Scope};
 
-/// What the camera is called in `animate`.
-pub(in crate::scene) const CAMERA: &str = "camera";
-
 /// What a `/` is for.
 pub(super) const SLASH: &str = "it is for names in parts, as \"car/wheel\"";
 
@@ -104,8 +101,10 @@ fn names<'a>(
 pub(super) fn name(name: &str, at: &At<'_>, problems: &mut Problems) -> bool {
     if name.is_empty() {
         problems.add(at, "an empty name", "names nothing", "write a name, or leave the field out");
-    } else if name == CAMERA {
+    } else if name == SceneDocument::CAMERA {
         problems.add(at, "the name \"camera\" is the camera's own", "taken", "choose another name");
+    } else if name == SceneDocument::SCENE {
+        problems.add(at, "the name \"scene\" is that of the whole scene", "taken", "choose another name");
     } else if name.contains('/') {
         problems.add(at, "a name with a `/` in it", SLASH, "write another sign, as `-`");
     } else {
@@ -222,7 +221,7 @@ fn shape(shape: &ShapeDocument, at: &At<'_>, problems: &mut Problems) {
     }
 }
 
-fn box_size(size: Triple, at: &At<'_>, problems: &mut Problems) {
+pub(super) fn box_size(size: Triple, at: &At<'_>, problems: &mut Problems) {
     for (index, length) in size.into_iter().enumerate() {
         check::size(length, "every edge of a box", &at.index(index), problems);
     }

@@ -14,21 +14,8 @@ pub(super) fn validate(light: &LightDocument, at: &At<'_>, problems: &mut Proble
         }
         LightDocument::Spot { intensity, angle, softness, falloff, .. } => {
             check::intensity(intensity, "the intensity", &at.field("intensity"), problems);
-            if !(angle > 0.0 && angle <= 180.0) {
-                let message =
-                    format!("the angle of a spot light must be above 0, at most 180 degrees, not {angle}");
-                problems.add(
-                    &at.field("angle"),
-                    message,
-                    "out of range",
-                    "write the angle from rim to rim, as 40",
-                );
-            }
-            if !(0.0..=1.0).contains(&softness) {
-                let message = format!("the softness of a spot light must be from 0 to 1, not {softness}");
-                let help = "0 is a hard rim, 1 fades all the way from the middle";
-                problems.add(&at.field("softness"), message, "out of range", help);
-            }
+            self::angle(angle, &at.field("angle"), problems);
+            self::softness(softness, &at.field("softness"), problems);
             if let Some(coefficients) = falloff {
                 self::falloff(coefficients, &at.field("falloff"), problems);
             }
@@ -58,6 +45,21 @@ pub(super) fn validate(light: &LightDocument, at: &At<'_>, problems: &mut Proble
     }
 }
 
+pub(super) fn angle(angle: f64, at: &At<'_>, problems: &mut Problems) {
+    if !(angle > 0.0 && angle <= 180.0) {
+        let message = format!("the angle of a spot light must be above 0, at most 180 degrees, not {angle}");
+        problems.add(at, message, "out of range", "write the angle from rim to rim, as 40");
+    }
+}
+
+pub(super) fn softness(softness: f64, at: &At<'_>, problems: &mut Problems) {
+    if !(0.0..=1.0).contains(&softness) {
+        let message = format!("the softness of a spot light must be from 0 to 1, not {softness}");
+        let help = "0 is a hard rim, 1 fades all the way from the middle";
+        problems.add(at, message, "out of range", help);
+    }
+}
+
 fn area_shape(shape: AreaShapeDocument, at: &At<'_>, problems: &mut Problems) {
     match shape {
         AreaShapeDocument::Sphere { radius } => {
@@ -70,7 +72,7 @@ fn area_shape(shape: AreaShapeDocument, at: &At<'_>, problems: &mut Problems) {
     }
 }
 
-fn falloff(coefficients: Triple, at: &At<'_>, problems: &mut Problems) {
+pub(super) fn falloff(coefficients: Triple, at: &At<'_>, problems: &mut Problems) {
     for (index, value) in coefficients.into_iter().enumerate() {
         let at = at.index(index);
         if !check::number(value, &at, problems) {

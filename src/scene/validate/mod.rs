@@ -1,6 +1,8 @@
 //! Does the document make sense? Finds all mistakes of meaning at once.
 
 mod animation;
+mod cameras;
+mod channels;
 mod entities;
 mod includes;
 mod lights;
@@ -10,7 +12,6 @@ mod settings;
 
 use super::document::SceneDocument;
 use super::include::Scope;
-pub(super) use entities::CAMERA;
 pub(super) use problems::{At, Problems};
 use problems::{Named, check};
 
@@ -22,8 +23,9 @@ const SMALLEST: f64 = 1e-60;
 /// Adds everything that is wrong with a file's document. The scope has the names that may be used in it.
 pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, problems: &mut Problems) {
     let scene = At::scene();
-    settings::validate(document, scope, &scene, problems);
+    settings::validate(document, &scene, problems);
     includes::validate(document, scope, &scene, problems);
+    cameras::validate(document, scope, &scene, problems);
     materials::validate(document, &scene, problems);
     entities::validate(document, scope, &scene, problems);
     animation::validate(document, scope, &scene, problems);

@@ -19,6 +19,7 @@ pub(in crate::scene) struct Problems {
 pub(super) enum Named {
     Material,
     Entity,
+    Camera,
 }
 
 #[derive(Debug)]
@@ -101,6 +102,7 @@ impl Problems {
         let (singular, plural) = match kind {
             Named::Material => ("material", "materials"),
             Named::Entity => ("entity", "entities"),
+            Named::Camera => ("camera", "cameras"),
         };
         self.add(at, format!("there is no {singular} \"{name}\""), "unknown", remedy(name, &known, plural));
     }

@@ -1,5 +1,6 @@
 //! The only bridge from the world to the kernel.
 
+mod camera;
 mod light;
 mod material;
 mod settings;
@@ -14,15 +15,14 @@ use crate::components::{
 };
 use crate::time::Time;
 use crate::trace::{self, Geometry, Precision, PreparedScene, Slot};
+use camera::prepared_camera;
 use light::prepared_light;
 use material::{Surfaced, surface_material};
-use settings::{
-    first, linear_cutoff, prepared_background, prepared_camera, prepared_fog, sane, sane_sampling,
-};
+use settings::{first, linear_cutoff, prepared_background, prepared_fog, sane, sane_sampling};
 use shape::prepared_shape;
 
+pub(crate) use camera::{Shutter, Shutters};
 pub use settings::film_settings;
-pub(crate) use settings::{Shutter, shutter};
 
 /// The kernel's arrays, and which entity each of their slots stands for.
 ///
@@ -32,6 +32,8 @@ pub(crate) use settings::{Shutter, shutter};
 pub struct Preparation {
     pub(super) scene: PreparedScene,
     pub(super) camera: trace::Camera,
+    /// Of the frame, which says which camera films.
+    moment: Time,
     film: FilmSettings,
     pub(super) sampling: Sampling,
     entities: Vec<Entity>,
@@ -59,9 +61,9 @@ impl SlotTable {
 }
 
 impl Preparation {
-    /// Reads the whole world.
+    /// Reads the whole world, for an instant of the frame at `moment`.
     #[must_use]
-    pub fn of(world: &mut World) -> Self {
+    pub fn of(world: &mut World, moment: Time) -> Self {
         order_newcomers(world, &[]);
         let mut drawn: Vec<(Order, Entity)> = world
             .query_mut::<hecs::With<(Entity, &Order), (&Shape, &WorldTransform, &Material)>>()
@@ -87,7 +89,8 @@ impl Preparation {
         let film = film_settings(world);
         let mut preparation = Self {
             scene: PreparedScene::new(geometry, materials),
-            camera: prepared_camera(world, film),
+            camera: prepared_camera(world, film, moment),
+            moment,
             film,
             sampling: Sampling::default(),
             entities,
@@ -98,19 +101,22 @@ impl Preparation {
         preparation
     }
 
-    /// Reads what has changed. `moved` are the entities whose world transform changed. Is anything different?
-    pub fn update(&mut self, world: &mut World, changes: &Changes, moved: &[Entity]) -> bool {
+    /// Reads what has changed, for an instant of the frame at `moment`. `moved` are the entities whose world transform changed.
+    /// Is anything different?
+    pub fn update(&mut self, world: &mut World, moment: Time, changes: &Changes, moved: &[Entity]) -> bool {
+        self.moment = moment;
         if changes.is_everything() {
-            *self = Self::of(world);
+            *self = Self::of(world, moment);
             return true;
         }
-        let Some(shapes_differ) = self.update_shapes(world, moved) else {
-            *self = Self::of(world);
+        let reshaped = || moved.iter().chain(changes.shapes()).copied();
+        let Some(shapes_differ) = self.update_shapes(world, reshaped()) else {
+            *self = Self::of(world, moment);
             return true;
         };
-        // Squares move with what they are on.
+        // Squares go with what they are on.
         let checkered: Vec<Entity> =
-            moved.iter().copied().filter(|entity| world.satisfies::<&Checker>(*entity)).collect();
+            reshaped().filter(|entity| world.satisfies::<&Checker>(*entity)).collect();
         let repainted = changes.materials().iter().chain(&checkered);
         let materials = repainted.filter_map(|entity| {
             let slot = self.slots.get(*entity)?;
@@ -181,7 +187,7 @@ impl Preparation {
     pub(crate) fn expose_with(&mut self, (film, sampling): (FilmSettings, Sampling), world: &World) {
         self.sampling = sampling;
         if set(&mut self.film, film) {
-            self.camera = prepared_camera(world, film);
+            self.camera = prepared_camera(world, film, self.moment);
         }
     }
 
@@ -191,17 +197,17 @@ impl Preparation {
         self.sampling.samples
     }
 
-    /// Puts moved shapes into their slots, and says whether any has changed; `None` if slots no longer fit and all must be read
-    /// again.
-    fn update_shapes(&mut self, world: &mut World, moved: &[Entity]) -> Option<bool> {
+    /// Puts shapes that were moved or changed into their slots, and says whether any is different; `None` if slots no longer
+    /// fit and all must be read again.
+    fn update_shapes(&mut self, world: &mut World, reshaped: impl Iterator<Item = Entity>) -> Option<bool> {
         let mut replacements = Vec::new();
-        for entity in moved {
+        for entity in reshaped {
             let Ok((shape, transform)) =
-                world.query_one_mut::<hecs::With<(&Shape, &WorldTransform), &Material>>(*entity)
+                world.query_one_mut::<hecs::With<(&Shape, &WorldTransform), &Material>>(entity)
             else {
                 continue;
             };
-            match (self.slots.get(*entity), prepared_shape(shape, transform)) {
+            match (self.slots.get(entity), prepared_shape(shape, transform)) {
                 (Some(slot), Some(shape)) if self.scene.geometry().holds(slot, &shape) => {}
                 (Some(slot), Some(shape)) => replacements.push((slot, shape)),
                 (None, None) => {}
@@ -226,7 +232,7 @@ impl Preparation {
         let lights: (Vec<Entity>, Vec<trace::Light>) =
             lights.into_iter().map(|(_, entity, light)| (entity, light)).unzip();
         let film = film_settings(world);
-        let camera = prepared_camera(world, film);
+        let camera = prepared_camera(world, film, self.moment);
         let sampling = sane_sampling(first(world));
         let quality = first::<Quality>(world);
         let ambient = sane(first::<Ambient>(world).0);

@@ -1,17 +1,23 @@
-//! The camera and the settings of the whole scene, held to their limits.
+//! The settings of the whole scene, held to their limits.
 
 use hecs::{Entity, World};
 
 use crate::color::{Rgb, Transfer};
-use crate::components::{Background, Camera, FilmSettings, Fog, Order, Projection, Quality, Sampling, View};
+use crate::components::{Background, FilmSettings, Fog, Order, Quality, Sampling};
 use crate::trace;
 
 /// The first in document order of a component that a world has at most one of, or its default.
 pub(super) fn first<T: hecs::Component + Default + Clone>(world: &World) -> T {
-    let mut query = world.query::<(Entity, Option<&Order>, &T)>();
+    let found = first_entity::<T>(world).and_then(|entity| world.get::<&T>(entity).ok());
+    found.map(|component| T::clone(&component)).unwrap_or_default()
+}
+
+/// The first entity in document order that has a component.
+pub(super) fn first_entity<T: hecs::Component>(world: &World) -> Option<Entity> {
+    let mut query = world.query::<hecs::With<(Entity, Option<&Order>), &T>>();
     let all = query.iter();
-    let first = all.min_by_key(|(entity, order, _)| (order.map_or(u64::MAX, |order| order.0), entity.id()));
-    first.map(|(.., component)| component.clone()).unwrap_or_default()
+    let first = all.min_by_key(|(entity, order)| (order.map_or(u64::MAX, |order| order.0), entity.id()));
+    first.map(|(entity, _)| entity)
 }
 
 /// The film's settings, held to their limits.
@@ -25,55 +31,10 @@ pub fn film_settings(world: &World) -> FilmSettings {
     FilmSettings { width, height, ..film }
 }
 
-pub(super) fn prepared_camera(world: &World, film: FilmSettings) -> trace::Camera {
-    let camera = first::<Camera>(world);
-    let view = match camera.view {
-        View::Direction(direction) => direction,
-        View::Target(target) => target - camera.position,
-    };
-    // The first and last pixel lie on the screen's edges, so that there is one pitch less than there are pixels.
-    let gaps = |pixels: u32| f64::from(pixels.saturating_sub(1).max(1));
-    let (across, down) = (gaps(film.width), gaps(film.height));
-    let (distance, size) = match camera.projection {
-        Projection::Screen { distance, width, height } => {
-            (distance, (width.unwrap_or(height / down * across), height))
-        }
-        Projection::FieldOfView { vertical } => {
-            let pitch = 2.0 * libm::tan(0.5 * vertical) / f64::from(film.height);
-            (1.0, (pitch * across, pitch * down))
-        }
-    };
-    let resolution = (film.width, film.height);
-    let pinhole = trace::Camera::new(camera.position, view, camera.up, distance, size, resolution);
-    camera.lens.map_or(pinhole, |lens| pinhole.with_lens(lens.aperture, lens.focus))
-}
-
 pub(super) fn sane_sampling(sampling: Sampling) -> Sampling {
     let samples = sampling.samples.clamp(1, Sampling::LARGEST_COUNT);
     let instants = sampling.instants.clamp(1, Sampling::LARGEST_INSTANTS).min(samples);
     Sampling { samples, instants, ..sampling }
-}
-
-/// How a frame is exposed, from the world as it is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Shutter {
-    /// At one instant: the camera has none.
-    None,
-    /// At one instant: no more are asked for, or a pixel has no more samples.
-    OneInstant,
-    /// Open for a share of the time from frame to frame, at this many instants, more than one.
-    Open(f64, u32),
-}
-
-/// How a frame is exposed.
-#[must_use]
-pub(crate) fn shutter(world: &World) -> Shutter {
-    let instants = sane_sampling(first(world)).instants;
-    match first::<Camera>(world).shutter {
-        Some(open) if open > 0.0 && instants > 1 => Shutter::Open(open.min(1.0), instants),
-        Some(open) if open > 0.0 => Shutter::OneInstant,
-        _ => Shutter::None,
-    }
 }
 
 /// From steps of 8 bits to linear light. Where output is encoded as sRGB, steps are finest near black.

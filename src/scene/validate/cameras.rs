@@ -1,0 +1,226 @@
+//! Cameras, and which of them films when.
+
+use std::collections::HashSet;
+
+use glam::DVec3;
+
+use super::entities::SLASH;
+use super::{At, Named, Problems, check};
+use crate::scene::document::{CameraDocument, SceneDocument};
+use crate::scene::include::Scope;
+
+pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_>, problems: &mut Problems) {
+    if let Some(camera) = &document.camera {
+        let at = scene.field("camera");
+        self::camera(camera, &at, problems);
+        links(camera, scope, &at, problems);
+    } else if document.cameras.0.is_empty() && scope.is_scene() {
+        problems.add(
+            scene,
+            "the scene has no camera",
+            "neither `camera` nor `cameras`",
+            "add `camera: (position: (0, 1, -5), target: (0, 0, 0))`; only parts of other scenes have none",
+        );
+    }
+    let list = scene.field("cameras");
+    let mut names = HashSet::new();
+    for (index, (name, camera)) in document.cameras.0.iter().enumerate() {
+        self::name(document, name, scope, &list.key(index), problems);
+        if !names.insert(name.as_str()) {
+            let message = format!("two cameras are called \"{name}\"");
+            problems.add(&list.key(index), message, "again here", "give each its own name");
+        }
+        let at = list.index(index);
+        self::camera(camera, &at, problems);
+        links(camera, scope, &at, problems);
+    }
+    shots(document, &scene.field("shots"), problems);
+}
+
+fn name(document: &SceneDocument, name: &str, scope: Scope<'_>, at: &At<'_>, problems: &mut Problems) {
+    let taken = match name {
+        "" => {
+            problems.add(at, "an empty name", "names nothing", "write a name");
+            return;
+        }
+        SceneDocument::CAMERA if document.camera.is_some() => "that of the camera in `camera`",
+        SceneDocument::SCENE => "that of the whole scene",
+        _ if name.contains('/') => {
+            problems.add(at, "a name with a `/` in it", SLASH, "write another sign, as `-`");
+            return;
+        }
+        _ if scope.entity(name).found().is_some() => "an entity's too",
+        _ => return,
+    };
+    problems.add(at, format!("the name \"{name}\" is {taken}"), "taken", "choose another name");
+}
+
+/// The entities that a camera names.
+fn links(document: &CameraDocument, scope: Scope<'_>, at: &At<'_>, problems: &mut Problems) {
+    let links = [("parent", &document.parent), ("follow", &document.follow), ("look_at", &document.look_at)];
+    for (field, name) in links {
+        if let Some(name) = name
+            && scope.entity(name).is_missing()
+        {
+            problems.add_unknown(&at.field(field), Named::Entity, name, || scope.entity_names());
+        }
+    }
+}
+
+fn shots(document: &SceneDocument, at: &At<'_>, problems: &mut Problems) {
+    let mut previous = f64::NEG_INFINITY;
+    for (index, (start, name)) in document.shots.iter().enumerate() {
+        let at = at.index(index);
+        if check::number(*start, &at.index(0), problems) {
+            if *start <= previous {
+                let message = format!("a shot from {start} s on follows one from {previous} s on");
+                let help = "write shots in the order of their times, each time once";
+                problems.add(&at.index(0), message, "not later", help);
+            }
+            previous = *start;
+        }
+        let known = || document.named_cameras().map(|(name, _)| name.into()).collect();
+        if document.named_cameras().all(|(known, _)| known != name) {
+            problems.add_unknown(&at.index(1), Named::Camera, name, known);
+        }
+    }
+}
+
+/// Of a camera that looks at an entity.
+fn one_view(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
+    for (field, written) in [("target", document.target.is_some()), ("view", document.view.is_some())] {
+        if written {
+            problems.add(
+                &at.field(field),
+                format!("the camera has both `look_at` and `{field}`"),
+                "one too many",
+                "keep `look_at` to look at an entity, `target` at a point, or `view` in a direction",
+            );
+        }
+    }
+}
+
+fn camera(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
+    let position_good = check::vector(document.position, &at.field("position"), problems);
+    let up_good = check::direction(document.up, "up", &at.field("up"), problems);
+    let view = match (document.target, document.view) {
+        _ if document.look_at.is_some() => {
+            one_view(document, at, problems);
+            None
+        }
+        (Some(target), None) => {
+            let at = at.field("target");
+            if !(check::vector(target, &at, problems) && position_good) {
+                None
+            } else if target == document.position {
+                problems.add(
+                    &at,
+                    "the camera's target is where it stands",
+                    "the same as position",
+                    "move one of the two: the camera looks from position to target",
+                );
+                None
+            } else {
+                Some((DVec3::from(target) - DVec3::from(document.position), "target"))
+            }
+        }
+        (None, Some(view)) => {
+            check::direction(view, "view", &at.field("view"), problems).then_some((DVec3::from(view), "view"))
+        }
+        (Some(_), Some(_)) => {
+            problems.add(
+                &at.field("view"),
+                "the camera has both `target` and `view`",
+                "one too many",
+                "keep `target` to look at a point, or `view` to look in a direction",
+            );
+            None
+        }
+        (None, None) => {
+            problems.add(
+                at,
+                "the camera looks nowhere",
+                "neither `target` nor `view` nor `look_at`",
+                "add `target: (x, y, z)` to look at a point, or `view: (0, 0, 1)` to look in a direction",
+            );
+            None
+        }
+    };
+    if let Some((view, name)) = view
+        && up_good
+    {
+        let up = DVec3::from(document.up);
+        // In units of the larger components, so that nothing overflows.
+        let across = (up / up.abs().max_element()).cross(view / view.abs().max_element());
+        if across.length() < 1e-9 {
+            let message = format!("the camera's up is parallel to its {name}");
+            let explicit = at.field("up");
+            problems.add(
+                &explicit,
+                message,
+                "no way to tell which way is up",
+                "choose another `up`, as (0, 0, 1) for a camera that looks down",
+            );
+        }
+    }
+    check::number(document.roll, &at.field("roll"), problems);
+    projection(document, at, problems);
+    lens(document, at, problems);
+    if let Some(share) = document.shutter {
+        shutter(share, &at.field("shutter"), problems);
+    }
+}
+
+fn shutter(share: f64, at: &At<'_>, problems: &mut Problems) {
+    if !(share > 0.0 && share <= 1.0) {
+        let message = format!("shutter must be above 0, at most 1, not {share}");
+        let help = "write the share of the time from frame to frame during which it is open, as 0.5";
+        problems.add(at, message, "out of range", help);
+    }
+}
+
+fn lens(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
+    let Some(lens) = &document.lens else { return };
+    let at = at.field("lens");
+    aperture(lens.aperture, &at.field("aperture"), problems);
+    check::size(lens.focus, "the distance in focus", &at.field("focus"), problems);
+}
+
+pub(super) fn aperture(aperture: f64, at: &At<'_>, problems: &mut Problems) {
+    if check::number(aperture, at, problems) && aperture < 0.0 {
+        let message = format!("the lens's aperture must not be negative, but is {aperture}");
+        let help = "write the lens's diameter in scene units, as 0.1; 0 is no lens";
+        problems.add(at, message, "below 0", help);
+    }
+}
+
+pub(super) fn field_of_view(fov: f64, at: &At<'_>, problems: &mut Problems) {
+    if !(fov > 0.0 && fov < 180.0) {
+        let message = format!("the field of view must be between 0 and 180 degrees, not {fov}");
+        problems.add(at, message, "out of range", "write the vertical angle, as 45");
+    }
+}
+
+fn projection(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
+    if let Some(screen) = &document.screen {
+        let at = at.field("screen");
+        check::size(screen.distance, "the screen's distance", &at.field("distance"), problems);
+        check::size(screen.height, "the screen's height", &at.field("height"), problems);
+        if let Some(width) = screen.width {
+            check::size(width, "the screen's width", &at.field("width"), problems);
+        }
+    }
+    if let Some(fov) = document.fov {
+        let at = at.field("fov");
+        if document.screen.is_some() {
+            problems.add(
+                &at,
+                "the camera has both `screen` and `fov`",
+                "one too many",
+                "keep one: both say how wide the view is",
+            );
+        } else {
+            field_of_view(fov, &at, problems);
+        }
+    }
+}

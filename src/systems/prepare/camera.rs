@@ -1,0 +1,114 @@
+//! The camera that films a moment.
+
+use glam::DVec3;
+use hecs::{Component, Entity, World};
+
+use super::settings::{first, first_entity, sane_sampling};
+use crate::components::{Camera, FilmSettings, Follow, LookAt, Projection, Shots, View, WorldTransform};
+use crate::time::Time;
+use crate::trace;
+
+/// The camera that films the frame at `moment`, as the kernel has it.
+pub(super) fn prepared_camera(world: &World, film: FilmSettings, moment: Time) -> trace::Camera {
+    let entity = filming(world, moment);
+    let camera = component::<Camera>(world, entity).unwrap_or_default();
+    let Stance { eye, view, up } = stance(world, entity, &camera);
+    // The first and last pixel lie on the screen's edges, so that there is one pitch less than there are pixels.
+    let gaps = |pixels: u32| f64::from(pixels.saturating_sub(1).max(1));
+    let (across, down) = (gaps(film.width), gaps(film.height));
+    let (distance, size) = match camera.projection {
+        Projection::Screen { distance, width, height } => {
+            (distance, (width.unwrap_or(height / down * across), height))
+        }
+        Projection::FieldOfView { vertical } => {
+            let pitch = 2.0 * libm::tan(0.5 * vertical) / f64::from(film.height);
+            (1.0, (pitch * across, pitch * down))
+        }
+    };
+    let resolution = (film.width, film.height);
+    let pinhole = trace::Camera::new(eye, view, up, distance, size, resolution).rolled(camera.roll);
+    camera.lens.map_or(pinhole, |lens| pinhole.with_lens(lens.aperture, lens.focus))
+}
+
+/// The entity whose camera films the frame at `moment`: that of the shot, or else the first in document order.
+fn filming(world: &World, moment: Time) -> Option<Entity> {
+    let shots = first::<Shots>(world).0;
+    let begun = shots.partition_point(|shot| shot.start <= moment.seconds());
+    let shot = shots.get(begun.saturating_sub(1)).map(|shot| shot.camera);
+    shot.filter(|camera| world.satisfies::<&Camera>(*camera)).or_else(|| first_entity::<Camera>(world))
+}
+
+fn component<T: Component + Copy>(world: &World, entity: Option<Entity>) -> Option<T> {
+    world.get::<&T>(entity?).ok().map(|component| *component)
+}
+
+/// Where a camera stands in the world, and which way.
+struct Stance {
+    eye: DVec3,
+    view: DVec3,
+    up: DVec3,
+}
+
+fn stance(world: &World, entity: Option<Entity>, camera: &Camera) -> Stance {
+    let place = |linked: Option<Entity>| {
+        component::<WorldTransform>(world, linked).map(|transform| transform.affine.translation)
+    };
+    let followed = place(component::<Follow>(world, entity).map(|Follow(entity)| entity));
+    let looked_at = place(component::<LookAt>(world, entity).map(|LookAt(entity)| entity));
+    let outer = component::<WorldTransform>(world, entity).map(|transform| transform.affine);
+    let direction = |own: DVec3| outer.map_or(own, |outer| outer.transform_vector3(own));
+    let own_eye = outer.map_or(camera.position, |outer| outer.transform_point3(camera.position));
+    let eye = followed.map_or(own_eye, |followed| own_eye + followed);
+    let view = match (looked_at, camera.view) {
+        (Some(place), _) => place - eye,
+        // Of two points that go along together the difference is that in their own space.
+        (None, View::Target(target)) => direction(target - camera.position),
+        (None, View::Direction(own)) => direction(own),
+    };
+    Stance { eye, view, up: direction(camera.up) }
+}
+
+/// How a frame is exposed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Shutter {
+    /// At one instant: the camera has none.
+    None,
+    /// At one instant: no more are asked for, or a pixel has no more samples.
+    OneInstant,
+    /// Open for a share of the time from frame to frame, at this many instants, more than one.
+    Open(f64, u32),
+}
+
+/// How frames are exposed, from the world as it is.
+#[derive(Clone, Debug)]
+pub(crate) struct Shutters {
+    /// From when on, in seconds; ascending.
+    shots: Vec<(f64, Shutter)>,
+    /// Without shots.
+    single: Shutter,
+}
+
+impl Shutters {
+    #[must_use]
+    pub(crate) fn of(world: &World) -> Self {
+        let camera = |entity| component::<Camera>(world, entity).unwrap_or_default();
+        let instants = sane_sampling(first(world)).instants;
+        let shutter = |entity| match camera(entity).shutter {
+            Some(open) if open > 0.0 && instants > 1 => Shutter::Open(open.min(1.0), instants),
+            Some(open) if open > 0.0 => Shutter::OneInstant,
+            _ => Shutter::None,
+        };
+        let shots = first::<Shots>(world).0;
+        Self {
+            shots: shots.iter().map(|shot| (shot.start, shutter(Some(shot.camera)))).collect(),
+            single: shutter(first_entity::<Camera>(world)),
+        }
+    }
+
+    /// How the frame at `moment` is exposed.
+    #[must_use]
+    pub(crate) fn at(&self, moment: Time) -> Shutter {
+        let begun = self.shots.partition_point(|(start, _)| *start <= moment.seconds());
+        self.shots.get(begun.saturating_sub(1)).map_or(self.single, |(_, shutter)| *shutter)
+    }
+}
