@@ -63,7 +63,7 @@
 //! | `systems` | what happens each frame; `prepare` is the only bridge from world to kernel | components, timeline, trace, color, time | hecs, glam, rayon |
 //! | `engine` | world, systems and reused buffers | color, time, timeline, components, scene, systems, trace | hecs, glam |
 //! | `output` | frame files, sequences, sheets | trace, color, time | image |
-//! | `main`, `cli` | arguments to settings to calls, and all printing; binary only | rayreel | clap, clap_complete, csv, indicatif, ctrlc, anyhow, rayon, serde_json |
+//! | `main`, `cli` | arguments to settings to calls, and all printing; binary only | rayreel | glam, clap, clap_complete, csv, indicatif, ctrlc, anyhow, rayon, serde_json |
 
 pub mod color;
 pub mod components;

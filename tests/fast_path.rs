@@ -189,6 +189,7 @@ fn world(
         position: eye,
         view: View::Target(DVec3::new(0.0, 0.5, 0.0)),
         up: DVec3::Y,
+        roll: 0.0,
         projection,
         lens: (samples > 2).then_some(Lens { aperture: 0.3, focus: 4.0 }),
         shutter: effects.motion.then_some(0.5),

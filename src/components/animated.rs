@@ -6,7 +6,7 @@ use glam::{DQuat, DVec3};
 
 use super::Property;
 use crate::color::Rgb;
-use crate::timeline::{Track, Value};
+use crate::timeline::{Orbit, Path, Track, Value};
 
 /// The motions that drive this entity's values, in the order in which they are applied.
 #[derive(Clone, Debug, Default)]
@@ -40,6 +40,10 @@ pub enum Motion {
     Rotation(Arc<Track<DQuat>>),
     /// Keyed light.
     Color(Arc<Track<Rgb>>),
+    /// Points on a way through waypoints.
+    Path(Arc<Path>),
+    /// Points on a circle.
+    Orbit(Arc<Orbit>),
 }
 
 impl Motion {
@@ -51,6 +55,8 @@ impl Motion {
             Self::Vector(track) => Value::Vector(track.at(seconds)),
             Self::Rotation(track) => Value::Rotation(track.at(seconds)),
             Self::Color(track) => Value::Color(track.at(seconds)),
+            Self::Path(path) => Value::Vector(path.at(seconds)),
+            Self::Orbit(orbit) => Value::Vector(orbit.at(seconds)),
         })
     }
 }
@@ -76,5 +82,17 @@ impl From<Track<DQuat>> for Motion {
 impl From<Track<Rgb>> for Motion {
     fn from(track: Track<Rgb>) -> Self {
         Self::Color(Arc::new(track))
+    }
+}
+
+impl From<Path> for Motion {
+    fn from(path: Path) -> Self {
+        Self::Path(Arc::new(path))
+    }
+}
+
+impl From<Orbit> for Motion {
+    fn from(orbit: Orbit) -> Self {
+        Self::Orbit(Arc::new(orbit))
     }
 }

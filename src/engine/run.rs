@@ -200,6 +200,27 @@ impl Engine {
         systems::film_settings(&self.world)
     }
 
+    /// From where the picture is taken, at the moment of the last frame (the last of its instants, if its shutter was open) or
+    /// [`seek`](Engine::seek). `None` before the first of them.
+    ///
+    /// ```no_run
+    /// use rayreel::Engine;
+    ///
+    /// let mut engine = Engine::load("scenes/fly_around.ron")?;
+    /// let timeline = engine.timeline();
+    /// for frame in 0..timeline.frame_count() {
+    ///     engine.seek(timeline.time_of(frame))?;
+    ///     if let Some(camera) = engine.camera() {
+    ///         println!("{} looks along {}", camera.position(), camera.axes()[2]);
+    ///     }
+    /// }
+    /// # Ok::<(), rayreel::EngineError>(())
+    /// ```
+    #[must_use]
+    pub fn camera(&self) -> Option<&trace::Camera> {
+        Some(self.preparation.as_ref()?.camera())
+    }
+
     /// What the last frame called for, and why, or why not. `None` before the first of them.
     #[must_use]
     pub fn plan(&self) -> Option<&Plan> {

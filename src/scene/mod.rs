@@ -27,6 +27,7 @@ mod spans;
 mod spawn;
 mod suggest;
 mod validate;
+mod ways;
 
 pub use diagnostic::{Diagnostic, Place};
 pub use error::{Inclusion, LoadError, Mistake};

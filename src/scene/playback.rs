@@ -82,7 +82,7 @@ pub(super) fn playback(animation: &AnimationDocument) -> Playback {
     Playback { repeat, offset: animation.offset, speed: animation.speed }
 }
 
-fn easing(document: EasingDocument) -> Easing {
+pub(super) fn easing(document: EasingDocument) -> Easing {
     use EasingDocument as Document;
     match document {
         Document::Hold => Easing::Hold,

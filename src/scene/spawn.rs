@@ -15,6 +15,7 @@ use super::document::{
 };
 use super::include::Merged;
 use super::playback::{Written, keys, playback};
+use super::ways::way;
 use crate::color::{Rgb, Transfer};
 use crate::components::{
     Ambient, Animated, AreaShape, Background, Camera, Channel, Checker, Falloff, FilmSettings, Fog, Follow,
@@ -392,7 +393,9 @@ fn track<D: Written, T: Interpolate>(
 where
     Motion: From<Track<T>>,
 {
-    let TrackDocument::Keys(written) = document;
+    let TrackDocument::Keys(written) = document else {
+        return way(document, playback);
+    };
     Track::new(keys(written, value)).map(|track| track.played(playback).into())
 }
 

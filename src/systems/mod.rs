@@ -31,7 +31,7 @@ pub use changes::Changes;
 pub use context::Context;
 pub use own::{OwnSystems, Step};
 pub use plan::{Effect, Plan, Verdict};
-pub use prepare::{Preparation, film_settings};
+pub use prepare::{Filming, Preparation, film_settings, filming};
 pub(crate) use prepare::{Shutter, Shutters};
 pub use propagate::propagate;
 pub use property::value;

@@ -83,8 +83,14 @@ pub(super) fn hermite(difference: DVec3, [start, end]: [DVec3; 2], u: f64) -> DV
     difference * (u * u * (3.0 - 2.0 * u)) + start * (u * rest * rest) - end * (u * u * rest)
 }
 
+/// How fast and where to the Hermite curve goes at `u`: its derivative.
+pub(super) fn hermite_velocity(difference: DVec3, [start, end]: [DVec3; 2], u: f64) -> DVec3 {
+    let rest = 1.0 - u;
+    difference * (6.0 * u * rest) + start * (rest * (1.0 - 3.0 * u)) - end * (u * (2.0 - 3.0 * u))
+}
+
 /// Length, without underflow.
-fn distance(difference: DVec3) -> f64 {
+pub(super) fn distance(difference: DVec3) -> f64 {
     let largest = difference.abs().max_element();
     if largest > 0.0 { largest * (difference / largest).length() } else { 0.0 }
 }

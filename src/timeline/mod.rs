@@ -10,12 +10,23 @@
 //!     -> smooth:   slopes from neighbouring keys, Interpolate::curve
 //! ```
 //!
+//! Points may also go along a [`Path`] through waypoints or in an [`Orbit`]:
+//!
+//! ```text
+//! seconds -> Pace: the share of the way -> Path: the curve's point at that length
+//!                                       -> Orbit: the point at that angle
+//! ```
+//!
 //! Only basic operations and libm's functions are used, so that values have the same bits on every platform.
 
+mod arc_length;
 mod curve;
 mod ease;
 mod easing;
 mod interpolate;
+mod orbit;
+mod pace;
+mod path;
 mod playback;
 mod rotation;
 mod timing;
@@ -25,6 +36,9 @@ mod value;
 pub use ease::Ease;
 pub use easing::Easing;
 pub use interpolate::Interpolate;
+pub use orbit::Orbit;
+pub use pace::Pace;
+pub use path::Path;
 pub use playback::{Playback, Repeat};
 pub use rotation::{Rotation, slerp};
 pub use track::{Key, Track};

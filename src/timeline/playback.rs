@@ -38,8 +38,7 @@ impl Playback {
             return time;
         }
         // What is before the seam by no more than rounding is on it: the frame there must show the start.
-        let size = (seconds.abs() + self.offset.abs()) * self.speed.abs() + first.abs();
-        let rounding = 4.0 * f64::EPSILON * size;
+        let rounding = self.rounding(seconds, first);
         let within = |period: f64| {
             let since = (time - first).rem_euclid(period);
             if period - since <= rounding { 0.0 } else { since }
@@ -51,6 +50,11 @@ impl Playback {
             }
             _ => first + within(period),
         }
+    }
+
+    /// By how much a time since `first` may be wrong.
+    pub(super) fn rounding(self, seconds: f64, first: f64) -> f64 {
+        4.0 * f64::EPSILON * ((seconds.abs() + self.offset.abs()) * self.speed.abs() + first.abs())
     }
 }
 

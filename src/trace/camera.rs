@@ -216,6 +216,24 @@ impl Camera {
         !normals.into_iter().any(beyond)
     }
 
+    /// The eye, P0.
+    #[must_use]
+    pub fn position(&self) -> DVec3 {
+        self.eye
+    }
+
+    /// Unit vectors to the right of the picture, up in it, and along the view: u, v and n.
+    #[must_use]
+    pub fn axes(&self) -> [DVec3; 3] {
+        [self.right, self.up, self.right.cross(self.up)]
+    }
+
+    /// From the eye to the screen, d; scene units.
+    #[must_use]
+    pub fn distance(&self) -> f64 {
+        self.distance
+    }
+
     /// Columns and rows.
     #[must_use]
     pub fn resolution(&self) -> (u32, u32) {

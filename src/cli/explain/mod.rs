@@ -1,8 +1,10 @@
 //! `rayreel explain`
 //!
 //! [`timeline`] collects when each effect is needed and why, [`cost`] renders with and without each of them, [`table`] tells.
+//! [`path`] draws the camera's way instead.
 
 mod cost;
+mod path;
 mod table;
 mod timeline;
 
@@ -27,6 +29,9 @@ pub(super) fn run(arguments: &ExplainArguments) -> Result<(), Failure> {
         None => FrameList::all(engine.timeline().frame_count()),
     };
     require_frame(frames.last(), engine.timeline())?;
+    if let Some(file) = &arguments.path {
+        return path::draw(&mut engine, &frames, &arguments.scene, file);
+    }
     if let Some(size) = arguments.size {
         require_size(size)?;
         resize(&mut engine, size);

@@ -33,9 +33,45 @@ pub(crate) enum TracksDocument {
 
 /// A value over time.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(rename = "Track")]
+#[serde(deny_unknown_fields, rename = "Track")]
 pub(crate) enum TrackDocument<T> {
     Keys(Vec<KeyDocument<T>>),
+    Path {
+        points: Vec<Triple>,
+        #[serde(default)]
+        closed: bool,
+        #[serde(default)]
+        start: f64,
+        duration: Option<f64>,
+        speed: Option<f64>,
+        #[serde(default)]
+        ease: EasingDocument,
+    },
+    Orbit {
+        center: Triple,
+        radius: f64,
+        #[serde(default = "upwards")]
+        axis: Triple,
+        #[serde(default)]
+        height: f64,
+        #[serde(default)]
+        from: f64,
+        #[serde(default = "once")]
+        turns: f64,
+        #[serde(default)]
+        start: f64,
+        duration: f64,
+        #[serde(default)]
+        ease: EasingDocument,
+    },
+}
+
+fn upwards() -> Triple {
+    [0.0, 1.0, 0.0]
+}
+
+fn once() -> f64 {
+    1.0
 }
 
 /// `(time, value)` or `(time, value, easing)`.

@@ -1,13 +1,13 @@
-//! What moves, and its keys.
+//! What moves, and its keys. Ways that are not keyed are validated in [`ways`](super::ways).
 
 use std::collections::HashMap;
 
 use super::entities::{box_size, rotation, scale};
-use super::{At, Problems, cameras, channels, check, lights, settings};
+use super::{At, Problems, cameras, channels, check, lights, settings, ways};
 use crate::components::Property;
 use crate::scene::document::{
-    AnimationDocument, EasingDocument, Notation, OffsetDocument, SceneDocument, TrackDocument,
-    TracksDocument, Triple,
+    AnimationDocument, ChannelDocument, EasingDocument, Notation, OffsetDocument, SceneDocument,
+    TrackDocument, TracksDocument, Triple,
 };
 use crate::scene::include::Scope;
 
@@ -41,18 +41,17 @@ fn playback(animation: &AnimationDocument, at: &At<'_>, problems: &mut Problems)
 }
 
 fn tracks(animation: &AnimationDocument, at: &At<'_>, problems: &mut Problems) {
-    let property = animation.channel.0;
-    let notation = animation.channel.notation();
+    let channel = animation.channel;
     match &animation.track {
-        TracksDocument::Number(track) => keys(track, notation, at, problems, |value, at, problems| {
-            number(property, *value, at, problems);
+        TracksDocument::Number(track) => keys(channel, track, at, problems, |value, at, problems| {
+            number(channel.0, *value, at, problems);
         }),
-        TracksDocument::Vector(track) => keys(track, notation, at, problems, |value, at, problems| {
-            vector(property, *value, at, problems);
+        TracksDocument::Vector(track) => keys(channel, track, at, problems, |value, at, problems| {
+            vector(channel.0, *value, at, problems);
         }),
-        TracksDocument::Scale(track) => keys(track, notation, at, problems, scale),
-        TracksDocument::Rotation(track) => keys(track, notation, at, problems, rotation),
-        TracksDocument::Color(track) => keys(track, notation, at, problems, |value, at, problems| {
+        TracksDocument::Scale(track) => keys(channel, track, at, problems, scale),
+        TracksDocument::Rotation(track) => keys(channel, track, at, problems, rotation),
+        TracksDocument::Color(track) => keys(channel, track, at, problems, |value, at, problems| {
             check::color(value.0, at, problems);
         }),
     }
@@ -105,13 +104,15 @@ fn vector(property: Property, value: Triple, at: &At<'_>, problems: &mut Problem
 }
 
 fn keys<T>(
+    channel: ChannelDocument,
     track: &TrackDocument<T>,
-    notation: Notation,
     at: &At<'_>,
     problems: &mut Problems,
     value: impl Fn(&T, &At<'_>, &mut Problems),
 ) {
-    let TrackDocument::Keys(keys) = track;
+    let TrackDocument::Keys(keys) = track else {
+        return ways::validate(channel.0, track, at, problems);
+    };
     let list = at.index(0);
     if keys.is_empty() {
         problems.add(&list, "a track without keys", "empty", "write at least one key, as (0, (0, 1, 0))");
@@ -132,11 +133,11 @@ fn keys<T>(
             previous = key.time;
         }
         value(&key.value, &at.index(1), problems);
-        easing(key.easing, notation, &at.index(2), problems);
+        easing(key.easing, channel.notation(), &at.index(2), problems);
     }
 }
 
-fn easing(easing: EasingDocument, notation: Notation, at: &At<'_>, problems: &mut Problems) {
+pub(super) fn easing(easing: EasingDocument, notation: Notation, at: &At<'_>, problems: &mut Problems) {
     /// So that values stay far from overflow.
     const FARTHEST: f64 = 1000.0;
     match easing {

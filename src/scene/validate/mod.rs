@@ -9,6 +9,7 @@ mod lights;
 mod materials;
 mod problems;
 mod settings;
+mod ways;
 
 use super::document::SceneDocument;
 use super::include::Scope;

@@ -10,9 +10,9 @@ use crate::trace;
 
 /// The camera that films the frame at `moment`, as the kernel has it.
 pub(super) fn prepared_camera(world: &World, film: FilmSettings, moment: Time) -> trace::Camera {
-    let entity = filming(world, moment);
+    let entity = filming_camera(world, moment);
     let camera = component::<Camera>(world, entity).unwrap_or_default();
-    let Stance { eye, view, up } = stance(world, entity, &camera);
+    let Stance { eye, view, up, .. } = stance(world, entity, &camera);
     // The first and last pixel lie on the screen's edges, so that there is one pitch less than there are pixels.
     let gaps = |pixels: u32| f64::from(pixels.saturating_sub(1).max(1));
     let (across, down) = (gaps(film.width), gaps(film.height));
@@ -30,8 +30,26 @@ pub(super) fn prepared_camera(world: &World, film: FilmSettings, moment: Time) -
     camera.lens.map_or(pinhole, |lens| pinhole.with_lens(lens.aperture, lens.focus))
 }
 
+/// Who films a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Filming {
+    /// The entity with the camera.
+    pub camera: Entity,
+    /// The point in the world that it looks at, if it looks at one.
+    pub target: Option<DVec3>,
+}
+
+/// Who films the frame at `moment`, to which the world has been brought. `None` in a world without cameras.
+#[must_use]
+pub fn filming(world: &World, moment: Time) -> Option<Filming> {
+    let entity = filming_camera(world, moment)?;
+    let camera = component::<Camera>(world, Some(entity))?;
+    let Stance { eye, view, looks_at_point, .. } = stance(world, Some(entity), &camera);
+    Some(Filming { camera: entity, target: looks_at_point.then_some(eye + view) })
+}
+
 /// The entity whose camera films the frame at `moment`: that of the shot, or else the first in document order.
-fn filming(world: &World, moment: Time) -> Option<Entity> {
+fn filming_camera(world: &World, moment: Time) -> Option<Entity> {
     let shots = first::<Shots>(world).0;
     let begun = shots.partition_point(|shot| shot.start <= moment.seconds());
     let shot = shots.get(begun.saturating_sub(1)).map(|shot| shot.camera);
@@ -47,6 +65,7 @@ struct Stance {
     eye: DVec3,
     view: DVec3,
     up: DVec3,
+    looks_at_point: bool,
 }
 
 fn stance(world: &World, entity: Option<Entity>, camera: &Camera) -> Stance {
@@ -65,7 +84,8 @@ fn stance(world: &World, entity: Option<Entity>, camera: &Camera) -> Stance {
         (None, View::Target(target)) => direction(target - camera.position),
         (None, View::Direction(own)) => direction(own),
     };
-    Stance { eye, view, up: direction(camera.up) }
+    let looks_at_point = looked_at.is_some() || matches!(camera.view, View::Target(_));
+    Stance { eye, view, up: direction(camera.up), looks_at_point }
 }
 
 /// How a frame is exposed.

@@ -21,6 +21,7 @@ use material::{Surfaced, surface_material};
 use settings::{first, linear_cutoff, prepared_background, prepared_fog, sane, sane_sampling};
 use shape::prepared_shape;
 
+pub use camera::{Filming, filming};
 pub(crate) use camera::{Shutter, Shutters};
 pub use settings::film_settings;
 

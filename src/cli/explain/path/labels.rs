@@ -1,0 +1,84 @@
+//! Texts beside places, none on another nor on the lines that matter.
+
+use super::svg::{Anchor, Frame, Place, Svg};
+
+/// Where there is room.
+pub(super) struct Labels {
+    within: Frame,
+    /// Places on lines.
+    lines: Vec<Place>,
+    /// Texts, and the places that they are about.
+    taken: Vec<Frame>,
+    places: Vec<Place>,
+}
+
+/// Of a text, in pixels: its height, and the width of a character.
+const HEIGHT: f64 = 12.0;
+const CHARACTER: f64 = 6.4;
+
+impl Labels {
+    pub(super) fn within(frame: Frame) -> Self {
+        Self { within: frame, lines: Vec::new(), taken: Vec::new(), places: Vec::new() }
+    }
+
+    /// Keeps texts off a line.
+    pub(super) fn keep_off(&mut self, line: &[Place]) {
+        const STEP: f64 = 3.0;
+        for pair in line.windows(2) {
+            let [x, y] = [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]];
+            let count = (libm::hypot(x, y) / STEP).clamp(1.0, 1000.0).ceil();
+            let shares = (0..).map(f64::from).take_while(|index| *index <= count).map(|index| index / count);
+            self.lines.extend(shares.map(|share| [pair[0][0] + share * x, pair[0][1] + share * y]));
+        }
+    }
+
+    /// Writes a text beside a place, rather across the direction in which the way goes on there. Does not where there is no
+    /// room, or where the same place has one.
+    pub(super) fn add(
+        &mut self,
+        svg: &mut Svg,
+        class: &str,
+        place: Place,
+        heading: Option<Place>,
+        text: &str,
+    ) -> bool {
+        /// Places nearer than this are the same.
+        const SAME: f64 = 6.0;
+        let same = |[x, y]: &Place| (place[0] - x).abs().max((place[1] - y).abs()) < SAME;
+        if self.places.iter().any(same) {
+            return false;
+        }
+        let width = CHARACTER * text.chars().count() as f64;
+        let near = sides(heading).into_iter().map(|side| around(place, side, width, 7.0));
+        let far = sides(heading).into_iter().map(|side| around(place, side, width, 18.0));
+        let Some(room) = near.chain(far).find(|frame| self.is_free(frame)) else { return false };
+        svg.text(class, [room.middle()[0], room.bottom() - 3.0], Anchor::Middle, text);
+        self.taken.push(room);
+        self.places.push(place);
+        true
+    }
+
+    fn is_free(&self, frame: &Frame) -> bool {
+        self.within.holds(frame)
+            && !self.taken.iter().any(|taken| taken.overlaps(frame))
+            && !self.lines.iter().any(|place| frame.contains(*place))
+    }
+}
+
+/// Directions to try: across the way, and then all around.
+fn sides(heading: Option<Place>) -> Vec<Place> {
+    const DIAGONAL: f64 = std::f64::consts::FRAC_1_SQRT_2;
+    let [right, down] = heading.unwrap_or([0.0, 1.0]);
+    let mut sides = vec![[down, -right], [-down, right]];
+    sides.extend([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]);
+    sides.extend(
+        [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(|side| side.map(|part| part * DIAGONAL)),
+    );
+    sides
+}
+
+/// The frame of a text that is as wide, on this side of a place and so far away.
+fn around([x, y]: Place, [right, down]: Place, width: f64, distance: f64) -> Frame {
+    let middle = [x + right * (distance + 0.5 * width), y + down * (distance + 0.5 * HEIGHT)];
+    Frame { left: middle[0] - 0.5 * width, top: middle[1] - 0.5 * HEIGHT, width, height: HEIGHT }
+}

@@ -1,0 +1,152 @@
+//! `rayreel explain --path`: the camera's way as a drawing.
+//!
+//! [`sample`] asks the engine where the camera is frame by frame, [`view`] draws that from above and from the side, [`chart`]
+//! draws speeds over time, and [`svg`] writes the lines down. [`axis`] chooses
+//! round numbers, [`labels`] places for texts.
+
+mod axis;
+mod chart;
+mod labels;
+mod sample;
+mod svg;
+mod things;
+mod view;
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::Context;
+
+use rayreel::Engine;
+use rayreel::time::FrameList;
+
+use super::super::exit::Failure;
+use super::super::print;
+use sample::Journey;
+use svg::{Anchor, Frame, Svg};
+
+/// Draws the camera's way over these frames into a file, and tells its length and speed.
+pub(super) fn draw(
+    engine: &mut Engine,
+    frames: &FrameList,
+    scene: &Path,
+    file: &Path,
+) -> Result<(), Failure> {
+    let journey = Journey::of(engine, frames)?;
+    let name = scene.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    fs::write(file, drawing(&journey, &name))
+        .with_context(|| format!("cannot write `{}`", file.display()))?;
+    print::result_line(&format!("{}: {}", file.display(), journey.in_words()))?;
+    Ok(())
+}
+
+/// Two square views and two charts below them.
+fn drawing(journey: &Journey, name: &str) -> String {
+    let mut svg = Svg::new((960.0, 860.0), &format!("The camera's way in {name}"));
+    svg.text("title", [20.0, 28.0], Anchor::Start, name);
+    svg.text("note", [20.0, 48.0], Anchor::Start, &journey.in_words());
+    let frames = [
+        Frame { left: 56.0, top: 76.0, width: 410.0, height: 410.0 },
+        Frame { left: 526.0, top: 76.0, width: 410.0, height: 410.0 },
+    ];
+    view::draw(&mut svg, journey, frames);
+    chart::draw(
+        &mut svg,
+        &journey.speeds(),
+        Frame { left: 56.0, top: 586.0, width: 880.0, height: 90.0 },
+        "speed, units per second",
+    );
+    chart::draw(
+        &mut svg,
+        &journey.turn_rates(),
+        Frame { left: 56.0, top: 736.0, width: 880.0, height: 90.0 },
+        "turning, degrees per second",
+    );
+    svg.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::cli::explain::path::sample::Moment;
+
+    fn moment(seconds: f64, eye: DVec3, camera: &str) -> Moment {
+        Moment {
+            seconds,
+            eye,
+            axes: [DVec3::X, DVec3::Y, DVec3::Z],
+            target: Some(DVec3::ZERO),
+            camera: Some(camera.to_owned()),
+        }
+    }
+
+    /// A second straight on, and from there a second elsewhere.
+    fn with_a_cut(size: f64) -> Journey {
+        let at = |index: u32, from: DVec3, camera| {
+            let along = size * f64::from(index) * DVec3::new(0.1, 0.0, 0.05);
+            moment(f64::from(index) / 10.0, size * from + along, camera)
+        };
+        let first = (0..10).map(|index| at(index, DVec3::ZERO, "wide"));
+        let second = (10..20).map(|index| at(index, DVec3::new(-3.0, 2.0, 4.0), "close & low"));
+        Journey { moments: first.chain(second).collect(), things: Vec::new() }
+    }
+
+    /// The lines of a class, each with the number of its points, view by view.
+    fn lines(drawing: &str, class: &str) -> Vec<Vec<usize>> {
+        let start = format!("<path class=\"{class}\" d=\"");
+        let paths = drawing.split(&start).skip(1).filter_map(|rest| rest.split('"').next());
+        let points = |line: &str| line.matches('L').count() + 1;
+        paths.map(|path| path.split('M').skip(1).map(points).collect()).collect()
+    }
+
+    #[test]
+    fn a_cut_is_a_gap_in_the_way_and_in_the_charts() {
+        let drawing = drawing(&with_a_cut(1.0), "two.ron");
+        // Two views of two lines each, with a point a frame, and the legend.
+        assert_eq!(lines(&drawing, "eye"), [[10], [10], [10], [10], [2]]);
+        assert_eq!(lines(&drawing, "value"), [[9, 9], [9, 9]]);
+        assert!(
+            drawing.contains("20 frames in 2 shots, a way of 2.01 units at 1.12 units a second"),
+            "{drawing}"
+        );
+        assert!(drawing.contains(">wide, 0 s<") && drawing.contains(">close &amp; low, 1 s<"), "{drawing}");
+    }
+
+    #[test]
+    fn every_frame_has_a_tick_unless_they_would_be_too_near() {
+        let many = |count: u32, length: f64| {
+            let at = |index: u32| {
+                let u = f64::from(index) / f64::from(count - 1);
+                moment(f64::from(index) / 24.0, DVec3::new(length * u, 0.0, 0.0), "camera")
+            };
+            // What is looked at makes the views as large as this.
+            let mut moments: Vec<_> = (0..count).map(at).collect();
+            moments[0].target = Some(DVec3::new(0.0, 0.0, 100.0));
+            drawing(&Journey { moments, things: Vec::new() }, "many.ron")
+        };
+        for (count, length, stride) in [(50, 100.0, 1), (150, 100.0, 2), (2000, 100.0, 50), (50, 10.0, 10)] {
+            let drawing = many(count, length);
+            // From the side it goes along the line of sight.
+            let ticks: usize = lines(&drawing, "ticks").iter().map(Vec::len).sum();
+            assert_eq!(ticks, count.div_ceil(stride) as usize, "{count} frames over {length}");
+            let said = if stride == 1 { "every frame".to_owned() } else { format!("every {stride} frames") };
+            assert!(drawing.contains(&said), "{count} frames over {length}");
+        }
+    }
+
+    #[test]
+    fn any_journey_makes_numbers() {
+        let still = |count: u32| {
+            let moments = (0..count).map(|index| moment(f64::from(index), DVec3::ZERO, "camera")).collect();
+            Journey { moments, things: Vec::new() }
+        };
+        for journey in [with_a_cut(1e60), with_a_cut(1e-60), with_a_cut(0.0), still(0), still(1), still(30)] {
+            let drawing = drawing(&journey, "<odd> \"name\"");
+            assert!(!drawing.contains("NaN") && !drawing.contains("inf"), "{drawing}");
+            assert!(drawing.starts_with("<svg ") && drawing.ends_with("</svg>\n"));
+            assert!(drawing.contains("&lt;odd&gt; &quot;name&quot;"));
+        }
+    }
+}

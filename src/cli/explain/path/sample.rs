@@ -1,0 +1,184 @@
+//! Where the camera is, frame by frame.
+
+use glam::DVec3;
+
+use rayreel::components::Name;
+use rayreel::systems::{Filming, filming};
+use rayreel::time::FrameList;
+use rayreel::{Engine, EngineError, Time};
+
+use super::axis::Steps;
+use super::things::Thing;
+
+/// The camera's way over the chosen frames.
+pub(super) struct Journey {
+    /// In the order of time; not empty, unless no frame was chosen.
+    pub(super) moments: Vec<Moment>,
+    /// What stands around, as it is in the first of them.
+    pub(super) things: Vec<Thing>,
+}
+
+/// The camera in one frame.
+#[derive(Clone, Debug)]
+pub(super) struct Moment {
+    pub(super) seconds: f64,
+    pub(super) eye: DVec3,
+    /// Right, up and forward; unit vectors.
+    pub(super) axes: [DVec3; 3],
+    /// The point that it looks at, if it looks at one.
+    pub(super) target: Option<DVec3>,
+    /// Which camera it is.
+    pub(super) camera: Option<String>,
+}
+
+impl Journey {
+    pub(super) fn of(engine: &mut Engine, frames: &FrameList) -> Result<Self, EngineError> {
+        let (mut moments, mut things) = (Vec::with_capacity(frames.count()), Vec::new());
+        for frame in frames.frames() {
+            let time = engine.timeline().time_of(frame);
+            engine.seek(time)?;
+            if moments.is_empty() {
+                things = super::things::all(engine);
+            }
+            if let Some(moment) = Moment::of(engine, time) {
+                moments.push(moment);
+            }
+        }
+        Ok(Self { moments, things })
+    }
+
+    /// Runs of frames between which there is no cut.
+    pub(super) fn shots(&self) -> impl Iterator<Item = &[Moment]> {
+        self.moments.chunk_by(|one, next| one.camera == next.camera)
+    }
+
+    /// The frames of a shot beside which their seconds are written: the first at or after each of a few round ones.
+    pub(super) fn told(&self, shot: &[Moment]) -> impl Iterator<Item = usize> {
+        let (from, to) = self.span();
+        let size = Steps::over(to - from, 12.0).size();
+        let round = move |moment: &Moment| (moment.seconds / size + 1e-9).floor();
+        let rounds: Vec<f64> = shot.iter().map(round).collect();
+        let is_round = |index: &usize| match index.checked_sub(1) {
+            Some(before) => rounds[*index] > rounds[before],
+            None => true,
+        };
+        (0..shot.len()).filter(is_round).collect::<Vec<_>>().into_iter()
+    }
+
+    /// The first and the last second.
+    fn span(&self) -> (f64, f64) {
+        let seconds = |moment: &Moment| moment.seconds;
+        (self.moments.first().map_or(0.0, seconds), self.moments.last().map_or(0.0, seconds))
+    }
+
+    /// Scene units per second, from frame to frame.
+    pub(super) fn speeds(&self) -> Rates {
+        self.rates(|one, next| one.eye.distance(next.eye))
+    }
+
+    /// Degrees per second, from frame to frame, about whatever axis.
+    pub(super) fn turn_rates(&self) -> Rates {
+        self.rates(|one, next| one.turned_to(next).to_degrees())
+    }
+
+    fn rates(&self, change: impl Fn(&Moment, &Moment) -> f64) -> Rates {
+        let rate = |pair: &[Moment]| {
+            let [one, next] = [&pair[0], &pair[1]];
+            (0.5 * (one.seconds + next.seconds), change(one, next) / (next.seconds - one.seconds))
+        };
+        Rates {
+            span: self.span(),
+            shots: self.shots().map(|shot| shot.windows(2).map(rate).collect()).collect(),
+        }
+    }
+
+    /// Is the eye always where it was first in its shot?
+    pub(super) fn is_still(&self) -> bool {
+        self.shots().all(|shot| shot.iter().all(|moment| moment.eye == shot[0].eye))
+    }
+
+    /// One line.
+    pub(super) fn in_words(&self) -> String {
+        let count = match self.moments.len() {
+            1 => "1 frame".to_owned(),
+            count => format!("{count} frames"),
+        };
+        let shots = match self.shots().count() {
+            0 | 1 => String::new(),
+            count => format!(" in {count} shots"),
+        };
+        let way = if self.is_still() { "the eye stands still".to_owned() } else { self.way_in_words() };
+        let turning = match self.turn_rates().range().1 {
+            0.0 => String::new(),
+            most => format!(", turning by up to {} degrees a second", short(most)),
+        };
+        format!("{count}{shots}, {way}{turning}")
+    }
+
+    fn way_in_words(&self) -> String {
+        let steps = self.shots().flat_map(|shot| shot.windows(2));
+        let length: f64 = steps.map(|pair| pair[0].eye.distance(pair[1].eye)).sum();
+        let (least, most) = self.speeds().range();
+        let speed = match [least, most].map(short) {
+            [least, most] if least == most => most,
+            [least, most] => format!("{least} to {most}"),
+        };
+        format!("a way of {} units at {speed} units a second", short(length))
+    }
+}
+
+impl Moment {
+    fn of(engine: &Engine, time: Time) -> Option<Self> {
+        let prepared = engine.camera()?;
+        let (eye, axes) = (prepared.position(), prepared.axes());
+        let finite = eye.is_finite() && axes.iter().all(|axis| axis.is_finite());
+        let filming = filming(engine.world(), time);
+        let target = filming.and_then(|filming| filming.target).filter(|target| target.is_finite());
+        let name = |filming: Filming| Some(engine.world().get::<&Name>(filming.camera).ok()?.0.clone());
+        finite.then_some(Self { seconds: time.seconds(), eye, axes, target, camera: filming.and_then(name) })
+    }
+
+    /// Its second, and the camera's name if wanted.
+    pub(super) fn in_words(&self, named: bool) -> String {
+        let seconds = format!("{:.3}", self.seconds);
+        let seconds = seconds.trim_end_matches('0').trim_end_matches('.');
+        match &self.camera {
+            Some(name) if named => format!("{name}, {seconds} s"),
+            _ => format!("{seconds} s"),
+        }
+    }
+
+    /// The angle of the one rotation that leads from here to there, radians: the sum of squares by which the axes differ is
+    /// 8 sin^2(angle / 2).
+    fn turned_to(&self, next: &Self) -> f64 {
+        let squares: f64 =
+            self.axes.iter().zip(next.axes).map(|(one, next)| one.distance_squared(next)).sum();
+        2.0 * libm::asin((0.125 * squares).sqrt().min(1.0))
+    }
+}
+
+/// Something per second over time, shot by shot.
+pub(super) struct Rates {
+    /// First and last second.
+    pub(super) span: (f64, f64),
+    /// Second and rate.
+    pub(super) shots: Vec<Vec<(f64, f64)>>,
+}
+
+impl Rates {
+    /// The least and the most; 0 where there are none.
+    pub(super) fn range(&self) -> (f64, f64) {
+        let rates = || self.shots.iter().flatten().map(|(_, rate)| *rate);
+        (rates().reduce(f64::min).unwrap_or(0.0), rates().reduce(f64::max).unwrap_or(0.0))
+    }
+}
+
+/// Three digits or so.
+fn short(value: f64) -> String {
+    match value.abs() {
+        size if size >= 1e6 || size > 0.0 && size < 1e-3 => format!("{value:.2e}"),
+        size if size >= 100.0 => format!("{value:.0}"),
+        size if size >= 10.0 => format!("{value:.1}"),
+        _ => format!("{value:.2}"),
+    }
+}

@@ -1,0 +1,260 @@
+//! The way from above and from the side.
+
+use glam::DVec3;
+
+use super::axis::Steps;
+use super::chart::thinned;
+use super::labels::Labels;
+use super::sample::{Journey, Moment};
+use super::svg::{Anchor, Frame, Place, Svg};
+use super::things::Thing;
+
+/// Space seen along one of its axes.
+struct View {
+    name: &'static str,
+    /// Which coordinate is to the right, upwards, and along the line of sight.
+    axes: [usize; 3],
+    frame: Frame,
+    /// What is in the frame's middle, and pixels per unit.
+    center: DVec3,
+    scale: f64,
+}
+
+/// From above and from the side, to the same scale.
+pub(super) fn draw(svg: &mut Svg, journey: &Journey, [left, right]: [Frame; 2]) {
+    /// The share of a frame that is left free at each side.
+    const MARGIN: f64 = 0.08;
+    let (least, most) = bounds(journey);
+    let size = (most - least).max_element();
+    let scale = (1.0 - 2.0 * MARGIN) * left.width / if size > 0.0 { size } else { 10.0 };
+    let center = 0.5 * least + 0.5 * most;
+    let view = |name, axes, frame| View { name, axes, frame, center, scale };
+    let views = [
+        view("from above: x to the right, z upwards", [0, 2, 1], left),
+        view("from the side: z to the right, y upwards", [2, 1, 0], right),
+    ];
+    let stride = views.iter().map(|view| view.tick_stride(journey)).min().unwrap_or(1);
+    for view in &views {
+        view.draw(svg, journey, stride);
+    }
+    legend(svg, [left.left, left.bottom() + 46.0], stride, journey);
+}
+
+/// What the frames hold: the way, what is looked at, and what stands near.
+fn bounds(journey: &Journey) -> (DVec3, DVec3) {
+    let seen = journey.moments.iter().flat_map(|moment| [Some(moment.eye), moment.target]).flatten();
+    let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for point in seen {
+        (least, most) = (least.min(point), most.max(point));
+    }
+    if !least.is_finite() {
+        return (DVec3::ZERO, DVec3::ZERO);
+    }
+    let reach = (most - least).max_element();
+    let (near_least, near_most) = (least - 0.5 * reach, most + 0.5 * reach);
+    for (middle, radius) in journey.things.iter().filter_map(Thing::extent) {
+        let (low, high) = (middle - radius, middle + radius);
+        if reach == 0.0 || low.cmpge(near_least).all() && high.cmple(near_most).all() {
+            (least, most) = (least.min(low), most.max(high));
+        }
+    }
+    (least, most)
+}
+
+impl View {
+    fn place(&self, point: DVec3) -> Place {
+        let [right, up] = self.across(point - self.center);
+        let [x, y] = self.frame.middle();
+        [x + right * self.scale, y - up * self.scale]
+    }
+
+    /// The parts to the right and upwards.
+    fn across(&self, vector: DVec3) -> [f64; 2] {
+        [vector[self.axes[0]], vector[self.axes[1]]]
+    }
+
+    /// Every how many frames a tick is: not nearer to each other than 4 pixels on average, and at most 240.
+    fn tick_stride(&self, journey: &Journey) -> usize {
+        const NEAREST: f64 = 4.0;
+        const MOST: f64 = 240.0;
+        let count = journey.moments.len() as f64;
+        let steps = journey.shots().flat_map(|shot| shot.windows(2));
+        let length: f64 = steps.map(|pair| apart(self.place(pair[0].eye), self.place(pair[1].eye))).sum();
+        let least = (count / MOST).max(NEAREST * count / length.max(1.0));
+        let strides = (0..9).flat_map(|exponent| [1, 2, 5].map(|digit| digit * 10_usize.pow(exponent)));
+        strides.into_iter().find(|stride| *stride as f64 >= least).unwrap_or(usize::MAX)
+    }
+
+    fn draw(&self, svg: &mut Svg, journey: &Journey, stride: usize) {
+        self.grid(svg);
+        svg.clip(self.frame);
+        for thing in &journey.things {
+            self.thing(svg, thing);
+        }
+        for shot in journey.shots() {
+            self.shot(svg, shot, stride);
+        }
+        svg.unclip();
+        svg.rectangle("frame", self.frame);
+        self.labels(svg, journey);
+    }
+
+    fn grid(&self, svg: &mut Svg) {
+        let Frame { left, top, width, .. } = self.frame;
+        let half = 0.5 * width / self.scale;
+        let steps = Steps::over(2.0 * half, 7.0);
+        let [right, up] = self.across(self.center);
+        for (value, text) in steps.within(right - half, right + half) {
+            let x = left + 0.5 * width + (value - right) * self.scale;
+            svg.line("grid", [x, top], [x, self.frame.bottom()]);
+            svg.text("note", [x, self.frame.bottom() + 16.0], Anchor::Middle, &text);
+        }
+        for (value, text) in steps.within(up - half, up + half) {
+            let y = top + 0.5 * width - (value - up) * self.scale;
+            svg.line("grid", [left, y], [self.frame.right(), y]);
+            svg.text("note", [left - 6.0, y + 4.0], Anchor::End, &text);
+        }
+        svg.text("note", [left, top - 8.0], Anchor::Start, self.name);
+    }
+
+    /// An outline, if it is in the frame and not so large that it would only be a line there.
+    fn thing(&self, svg: &mut Svg, thing: &Thing) {
+        if let Some((middle, radius)) = thing.extent() {
+            let ([x, y], reach) = (self.place(middle), radius * self.scale);
+            let around = Frame { left: x - reach, top: y - reach, width: 2.0 * reach, height: 2.0 * reach };
+            if !self.frame.overlaps(&around) || reach > 20.0 * self.frame.width {
+                return;
+            }
+        }
+        match thing {
+            Thing::Ball { center, image } => {
+                let [a, b] = [self.axes[0], self.axes[1]].map(|axis| image.row(axis) * self.scale);
+                // The image of the unit ball: its radii are the roots of the eigenvalues of (a b)^T (a b).
+                let (mean, half) = (0.5 * (a.dot(a) + b.dot(b)), 0.5 * (a.dot(a) - b.dot(b)));
+                let apart = libm::hypot(half, a.dot(b));
+                let radii = [mean + apart, (mean - apart).max(0.0)].map(f64::sqrt);
+                let degrees = (0.5 * libm::atan2(a.dot(b), half)).to_degrees();
+                svg.ellipse("thing", self.place(*center), radii, -degrees);
+            }
+            Thing::Box(corners) => {
+                let edges = (0..8_usize).flat_map(|corner| [1, 2, 4].map(|bit| (corner, corner | bit)));
+                let edges = edges.filter(|(one, other)| one != other);
+                let edge =
+                    |(one, other): (usize, usize)| vec![self.place(corners[one]), self.place(corners[other])];
+                svg.lines("thing", &edges.map(edge).collect::<Vec<_>>());
+            }
+            Thing::Plane { point, normal } => self.plane(svg, *point, *normal),
+        }
+    }
+
+    /// A plane that is seen edge-on is a line.
+    fn plane(&self, svg: &mut Svg, point: DVec3, normal: DVec3) {
+        if normal[self.axes[2]].abs() > 1e-6 {
+            return;
+        }
+        let [right, up] = self.across(normal);
+        let ([x, y], middle) = (self.place(point), self.frame.middle());
+        // Across the page upwards is downwards.
+        let away = (middle[0] - x) * right - (middle[1] - y) * up;
+        let foot = [middle[0] - away * right, middle[1] + away * up];
+        let reach = 2.0 * self.frame.width;
+        let end = |sign: f64| [foot[0] + sign * reach * up, foot[1] + sign * reach * right];
+        svg.line("thing", end(-1.0), end(1.0));
+    }
+
+    fn shot(&self, svg: &mut Svg, shot: &[Moment], stride: usize) {
+        let targets: Vec<Vec<Place>> = shot
+            .chunk_by(|one, next| one.target.is_some() == next.target.is_some())
+            .map(|run| {
+                thinned(run.iter().filter_map(|moment| moment.target).map(|target| self.place(target)))
+            })
+            .collect();
+        svg.lines("target", &targets);
+        svg.lines("view", &self.glances(shot));
+        svg.lines("eye", &[self.way(shot)]);
+        let ticks: Vec<Vec<Place>> =
+            (0..shot.len()).step_by(stride).filter_map(|index| self.tick(shot, index)).collect();
+        svg.lines("ticks", &ticks);
+    }
+
+    /// Across the way.
+    fn tick(&self, shot: &[Moment], index: usize) -> Option<Vec<Place>> {
+        const HALF: f64 = 3.0;
+        let ([x, y], [right, down]) = (self.place(shot[index].eye), self.heading(shot, index)?);
+        Some(vec![[x - HALF * down, y + HALF * right], [x + HALF * down, y - HALF * right]])
+    }
+
+    /// Where the way goes in this view, as a unit vector on the page: from the frame before to the one after or, where it
+    /// turns straight back there, from the frame itself.
+    fn heading(&self, shot: &[Moment], index: usize) -> Option<Place> {
+        let here = &shot[index];
+        let [before, after] =
+            [index.wrapping_sub(1), index + 1].map(|near| self.place(shot.get(near).unwrap_or(here).eye));
+        [(before, after), (self.place(here.eye), after)].into_iter().find_map(|(from, to)| {
+            let length = apart(from, to);
+            (length > 1e-6).then(|| [(to[0] - from[0]) / length, (to[1] - from[1]) / length])
+        })
+    }
+
+    fn way(&self, shot: &[Moment]) -> Vec<Place> {
+        thinned(shot.iter().map(|moment| self.place(moment.eye)))
+    }
+
+    /// Short strokes from the eye along the view.
+    fn glances(&self, shot: &[Moment]) -> Vec<Vec<Place>> {
+        const LENGTH: f64 = 24.0;
+        const MOST: usize = 32;
+        let stroke = |moment: &Moment| {
+            let ([x, y], [right, up]) = (self.place(moment.eye), self.across(moment.axes[2]));
+            vec![[x, y], [x + LENGTH * right, y - LENGTH * up]]
+        };
+        shot.iter().step_by(shot.len().div_ceil(MOST).max(1)).map(stroke).collect()
+    }
+
+    /// The cameras' names, where there are several, and seconds.
+    fn labels(&self, svg: &mut Svg, journey: &Journey) {
+        let mut labels = Labels::within(self.frame);
+        for shot in journey.shots() {
+            labels.keep_off(&self.way(shot));
+            self.glances(shot).iter().for_each(|glance| labels.keep_off(glance));
+        }
+        let several = journey.shots().nth(1).is_some();
+        for shot in journey.shots() {
+            for index in journey.told(shot) {
+                let place = self.place(shot[index].eye);
+                let text = shot[index].in_words(several && index == 0);
+                if labels.add(svg, "moment", place, self.heading(shot, index), &text) {
+                    svg.dot("eye-dot", place, 2.6);
+                    if let Some(target) = shot[index].target {
+                        svg.dot("target-dot", self.place(target), 2.2);
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn apart(one: Place, other: Place) -> f64 {
+    libm::hypot(other[0] - one[0], other[1] - one[1])
+}
+
+/// What the lines mean.
+fn legend(svg: &mut Svg, [mut x, y]: Place, stride: usize, journey: &Journey) {
+    let eye = match stride {
+        _ if journey.is_still() => "the eye".to_owned(),
+        1 => "the eye, with a tick at every frame".to_owned(),
+        stride => format!("the eye, with a tick at every {stride} frames"),
+    };
+    let mut entries = vec![("eye", eye.as_str()), ("view", "where it looks")];
+    if journey.moments.iter().any(|moment| moment.target.is_some()) {
+        entries.push(("target", "its target"));
+    }
+    if !journey.things.is_empty() {
+        entries.push(("thing", "what stands there at first"));
+    }
+    for (class, text) in entries {
+        svg.line(class, [x, y - 4.0], [x + 22.0, y - 4.0]);
+        svg.text("note", [x + 28.0, y], Anchor::Start, text);
+        x += 60.0 + 6.0 * text.len() as f64;
+    }
+}

@@ -1,0 +1,111 @@
+//! Ways through points and around an axis.
+
+use super::animation::easing;
+use super::{At, Problems, check};
+use crate::components::Property;
+use crate::scene::document::{EasingDocument, Notation, TrackDocument};
+
+/// A track that is not keyed.
+pub(super) fn validate<T>(
+    property: Property,
+    track: &TrackDocument<T>,
+    at: &At<'_>,
+    problems: &mut Problems,
+) {
+    if !matches!(property, Property::Translation | Property::Position | Property::Target) {
+        problems.add(
+            at,
+            format!("{} is not a point that could go along a way", property.name()),
+            "not here",
+            "write its values as Keys([(0, ..), (2, ..)]); Translation, Position and Target can go along a Path or an Orbit",
+        );
+        return;
+    }
+    match track {
+        TrackDocument::Keys(_) => {}
+        TrackDocument::Path { points, start, duration, speed, ease, .. } => {
+            self::points(points, &at.field("points"), problems);
+            check::number(*start, &at.field("start"), problems);
+            pace(*duration, *speed, at, problems);
+            progress(*ease, &at.field("ease"), problems);
+        }
+        TrackDocument::Orbit { center, radius, axis, height, from, turns, start, duration, ease } => {
+            check::vector(*center, &at.field("center"), problems);
+            self::radius(*radius, &at.field("radius"), problems);
+            check::direction(*axis, "the axis", &at.field("axis"), problems);
+            for (name, number) in [("height", height), ("from", from), ("turns", turns), ("start", start)] {
+                check::number(*number, &at.field(name), problems);
+            }
+            self::duration(*duration, &at.field("duration"), problems);
+            progress(*ease, &at.field("ease"), problems);
+        }
+    }
+}
+
+fn points(points: &[[f64; 3]], at: &At<'_>, problems: &mut Problems) {
+    if points.is_empty() {
+        problems.add(at, "a path without points", "empty", "write at least one, as [(0, 1, 0), (4, 1, 2)]");
+    }
+    for (index, point) in points.iter().enumerate() {
+        check::vector(*point, &at.index(index), problems);
+    }
+}
+
+/// Exactly one of them.
+fn pace(duration: Option<f64>, speed: Option<f64>, at: &At<'_>, problems: &mut Problems) {
+    match (duration, speed) {
+        (None, None) => problems.add(
+            at,
+            "a path that takes no time",
+            "neither `duration` nor `speed`",
+            "add `duration: 10`, in seconds, or `speed: 2`, in scene units per second",
+        ),
+        (Some(_), Some(_)) => problems.add(
+            &at.field("speed"),
+            "a path with both a duration and a speed",
+            "one too many",
+            "remove one of them: the other follows from the path's length",
+        ),
+        (Some(seconds), None) => self::duration(seconds, &at.field("duration"), problems),
+        (None, Some(speed)) => {
+            let at = at.field("speed");
+            if check::number(speed, &at, problems) && speed < super::SMALLEST {
+                let message = format!("the speed along a path must be greater than 0, not {speed}");
+                let help =
+                    "write scene units per second; to go backwards, write the points the other way round";
+                problems.add(&at, message, "too small", help);
+            }
+        }
+    }
+}
+
+fn duration(seconds: f64, at: &At<'_>, problems: &mut Problems) {
+    if check::number(seconds, at, problems) && seconds < super::SMALLEST {
+        let message = format!("the duration must be greater than 0, not {seconds}");
+        problems.add(at, message, "too small", "write seconds, as 10");
+    }
+}
+
+fn radius(radius: f64, at: &At<'_>, problems: &mut Problems) {
+    if check::number(radius, at, problems) && radius < 0.0 {
+        let message = format!("the radius of an orbit must not be negative, but is {radius}");
+        problems.add(at, message, "below 0", "write 0 or more; negative `turns` go round the other way");
+    }
+}
+
+/// An easing of one progress.
+fn progress(ease: EasingDocument, at: &At<'_>, problems: &mut Problems) {
+    match ease {
+        EasingDocument::Hold
+        | EasingDocument::Cubic
+        | EasingDocument::CatmullRom
+        | EasingDocument::Monotone
+        | EasingDocument::Handles(..) => {
+            let name = format!("{ease:?}");
+            let name = name.split('(').next().unwrap_or_default();
+            let message = format!("{name} says how one gets from key to key, and a way has none");
+            problems.add(at, message, "not here", "write how progress is made, as Linear or InOutSine");
+        }
+        _ => easing(ease, Notation::Number, at, problems),
+    }
+}

@@ -1,0 +1,27 @@
+//! Ways through points and around an axis as the file has them, for the timeline.
+
+use glam::DVec3;
+
+use super::document::TrackDocument;
+use super::playback::easing;
+use crate::components::Motion;
+use crate::timeline::{Orbit, Pace, Path, Playback};
+
+/// `None` for what is keyed or wrong.
+pub(super) fn way<T>(document: &TrackDocument<T>, playback: Playback) -> Option<Motion> {
+    match document {
+        TrackDocument::Keys(_) => None,
+        TrackDocument::Path { points, closed, start, duration, speed, ease } => {
+            let points: Vec<DVec3> = points.iter().map(|point| DVec3::from(*point)).collect();
+            let path = Path::new(&points, *closed)?;
+            let duration = duration.or_else(|| Some(path.length() / (*speed)?))?;
+            let pace = Pace { start: *start, duration, ease: easing(*ease), playback };
+            Some(path.paced(pace).into())
+        }
+        TrackDocument::Orbit { center, radius, axis, height, from, turns, start, duration, ease } => {
+            let orbit = Orbit::new(DVec3::from(*center), DVec3::from(*axis), *radius, *height)?;
+            let pace = Pace { start: *start, duration: *duration, ease: easing(*ease), playback };
+            Some(orbit.turned(from / 360.0, *turns).paced(pace).into())
+        }
+    }
+}

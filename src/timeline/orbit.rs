@@ -1,0 +1,179 @@
+//! A way around an axis.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+use super::Pace;
+
+/// A circle about an axis, walked at a [`Pace`].
+///
+/// With n the unit vector along the axis, the point is at `center + height n + radius (cos a e + sin a (n x e))`. The
+/// direction e, in which the angle a is 0, is the part of +z that is across the axis; about an axis along z it is +x. Angles
+/// grow as rotations about the axis do: +90 degrees about y leads from +z to +x.
+///
+/// Angles are counted in turns, and reduced to an eighth of a turn without rounding before sines are taken: after whole turns
+/// the point is the same to the last bit, and quarters of turns are exact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Orbit {
+    /// The middle of the circle, raised by the height.
+    center: DVec3,
+    /// From there to the angle 0, and to a quarter of a turn.
+    arms: [DVec3; 2],
+    from: f64,
+    turns: f64,
+    pace: Pace,
+}
+
+impl Orbit {
+    /// A circle of `radius` around `axis`, which goes through `center` and has any length but zero; `height` is how far along
+    /// the axis from there the circle is. All are in scene units. It is gone around once, from the angle 0, in one second.
+    /// `None` if the axis has no direction or a number is not finite.
+    #[must_use]
+    pub fn new(center: DVec3, axis: DVec3, radius: f64, height: f64) -> Option<Self> {
+        let finite = center.is_finite() && axis.is_finite() && radius.is_finite() && height.is_finite();
+        let axis = (axis / axis.abs().max_element()).try_normalize().filter(|_| finite)?;
+        let arms = directions(axis).map(|direction| radius * direction);
+        Some(Self { center: center + height * axis, arms, from: 0.0, turns: 1.0, pace: Pace::lasting(1.0) })
+    }
+
+    /// The same circle from another angle and over another one; both are in turns, finite, and of any sign.
+    #[must_use]
+    pub fn turned(self, from: f64, turns: f64) -> Self {
+        Self { from, turns, ..self }
+    }
+
+    /// The same way at another pace.
+    #[must_use]
+    pub fn paced(self, pace: Pace) -> Self {
+        Self { pace, ..self }
+    }
+
+    /// The point at `seconds`.
+    ///
+    /// ```
+    /// use glam::DVec3;
+    /// use rayreel::timeline::{Orbit, Pace};
+    /// let orbit = Orbit::new(DVec3::ZERO, DVec3::Y, 2.0, 1.0).unwrap().paced(Pace::lasting(8.0));
+    /// assert_eq!(orbit.at(0.0), DVec3::new(0.0, 1.0, 2.0)); // +z
+    /// assert_eq!(orbit.at(2.0), DVec3::new(2.0, 1.0, 0.0)); // +x
+    /// assert_eq!(orbit.at(8.0), orbit.at(0.0));
+    /// ```
+    #[must_use]
+    pub fn at(&self, seconds: f64) -> DVec3 {
+        let turns = self.from.fract() + (self.turns * self.pace.progress(seconds)).fract();
+        let (sine, cosine) = sine_cosine(turns);
+        self.center + (cosine * self.arms[0] + sine * self.arms[1])
+    }
+}
+
+/// Unit vectors across an axis of unit length to where angles are 0, and a quarter of a turn.
+fn directions(axis: DVec3) -> [DVec3; 2] {
+    /// An axis within rounding of z is along it.
+    const ALONG: f64 = 1e-12;
+    // Both are exact where the axis is one of the coordinates' own.
+    let quarter = DVec3::new(axis.y, -axis.x, 0.0);
+    if quarter.length() <= ALONG {
+        [DVec3::X, axis.z.signum() * DVec3::Y]
+    } else {
+        let quarter = quarter.normalize();
+        [quarter.cross(axis), quarter]
+    }
+}
+
+/// Sine and cosine of an angle in turns.
+fn sine_cosine(turns: f64) -> (f64, f64) {
+    let quarters = (4.0 * turns).round();
+    let (sine, cosine) = libm::sincos(TAU * (turns - 0.25 * quarters));
+    match quarters.rem_euclid(4.0) {
+        0.0 => (sine, cosine),
+        1.0 => (cosine, -sine),
+        2.0 => (-sine, -cosine),
+        _ => (-cosine, sine),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::timeline::{Ease, Easing, Playback, Repeat};
+
+    #[test]
+    fn angles_grow_as_rotations_about_the_axis_do() {
+        let expected = [
+            (DVec3::Y, [DVec3::Z, DVec3::X]),
+            (DVec3::NEG_Y, [DVec3::Z, DVec3::NEG_X]),
+            (DVec3::X, [DVec3::Z, DVec3::NEG_Y]),
+            (DVec3::Z, [DVec3::X, DVec3::Y]),
+            (DVec3::NEG_Z, [DVec3::X, DVec3::NEG_Y]),
+            (DVec3::new(0.0, 1e-20, 1.0), [DVec3::X, DVec3::Y]),
+        ];
+        for (axis, [start, quarter]) in expected {
+            for length in [1.0, 1e-200, 1e200] {
+                let orbit = Orbit::new(DVec3::ZERO, length * axis, 1.0, 0.0).unwrap();
+                assert_eq!(
+                    [orbit.at(0.0), orbit.at(0.25), orbit.at(0.5)],
+                    [start, quarter, -start],
+                    "{axis}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn any_axis_is_turned_about() {
+        for axis in [DVec3::new(1.0, 2.0, 3.0), DVec3::new(-1.0, 0.5, 1e-3), DVec3::new(1e-9, 0.0, -1.0)] {
+            let unit = axis.normalize();
+            let center = DVec3::new(1.0, -2.0, 5.0);
+            let orbit = Orbit::new(center, axis, 3.0, 2.0).unwrap().turned(0.1, -1.3);
+            for step in 0..=100 {
+                let u = f64::from(step) / 100.0;
+                let arm = orbit.at(u) - center;
+                assert!((arm.dot(unit) - 2.0).abs() < 1e-14, "{axis}");
+                assert!(((arm - 2.0 * unit).length() - 3.0).abs() < 1e-14, "{axis}");
+                let angle = TAU * (0.1 - 1.3 * u);
+                let start = 3.0 * directions(unit)[0];
+                let turned = glam::DQuat::from_axis_angle(unit, angle) * start + 2.0 * unit;
+                assert!(arm.distance(turned) < 1e-13, "{axis} at {u}");
+            }
+        }
+    }
+
+    #[test]
+    fn whole_turns_end_where_they_start_to_the_last_bit() {
+        for turns in [1.0, -1.0, 3.0, -7.0, 1e6, 0.0] {
+            for from in [0.0, 0.1, -0.7, 12.3, 0.25] {
+                for (start, duration) in [(0.0, 1.0), (0.1, 0.2), (0.7, 5.6), (3.0, 1e-3)] {
+                    for repeat in [Repeat::Clamp, Repeat::Loop] {
+                        let playback = Playback { repeat, ..Playback::default() };
+                        let ease = Easing::InOut(Ease::Sine);
+                        let pace = Pace { start, duration, ease, playback };
+                        let orbit = Orbit::new(DVec3::ONE, DVec3::new(1.0, 2.0, 0.3), 3.7, 0.1).unwrap();
+                        let orbit = orbit.turned(from, turns).paced(pace);
+                        assert_eq!(orbit.at(start), orbit.at(start + duration), "{orbit:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn sines_of_turns_agree_with_those_of_angles() {
+        for step in -4000..=4000 {
+            let turns = f64::from(step) / 1000.0;
+            let (sine, cosine) = sine_cosine(turns);
+            assert!((sine - libm::sin(TAU * turns)).abs() < 5e-15, "{turns}");
+            assert!((cosine - libm::cos(TAU * turns)).abs() < 5e-15, "{turns}");
+        }
+        assert_eq!([0.25, 0.5, 0.75, -0.25].map(|turns| sine_cosine(turns).0), [1.0, 0.0, -1.0, -1.0]);
+    }
+
+    #[test]
+    fn a_radius_of_zero_stands_still_and_an_axis_of_zero_is_none() {
+        let orbit = Orbit::new(DVec3::ONE, DVec3::Y, 0.0, 0.0).unwrap();
+        assert_eq!([orbit.at(0.0), orbit.at(0.3)], [DVec3::ONE; 2]);
+        assert_eq!(Orbit::new(DVec3::ONE, DVec3::ZERO, 1.0, 0.0), None);
+        assert_eq!(Orbit::new(DVec3::ONE, DVec3::Y, f64::NAN, 0.0), None);
+        assert_eq!(Orbit::new(DVec3::ONE, DVec3::new(0.0, f64::INFINITY, 0.0), 1.0, 0.0), None);
+    }
+}

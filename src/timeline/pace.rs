@@ -1,0 +1,94 @@
+//! When a way is gone, and how it gathers speed.
+
+use super::{Easing, Playback};
+
+/// When a way is gone, and which share of it at which moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pace {
+    /// When it begins; seconds, finite.
+    pub start: f64,
+    /// How long it takes; seconds, finite. Of 0 or less there is only the end of the way, from `start` on.
+    pub duration: f64,
+    /// How progress is made: at constant speed with [`Easing::Linear`], and with those that bend curves between keys.
+    pub ease: Easing,
+    /// How it goes on before the start and after the end, where the ends hold unless it repeats.
+    pub playback: Playback,
+}
+
+impl Pace {
+    /// At constant speed from 0 s on, for this many seconds.
+    #[must_use]
+    pub fn lasting(duration: f64) -> Self {
+        Self { start: 0.0, duration, ease: Easing::Linear, playback: Playback::default() }
+    }
+
+    /// The share of the way that is made at `seconds`: 0 at the start and exactly 1 at the end. What swings leaves that
+    /// range in between.
+    ///
+    /// ```
+    /// use rayreel::timeline::{Easing, Pace};
+    /// let pace = Pace { start: 1.0, ease: Easing::EaseIn, ..Pace::lasting(2.0) };
+    /// assert_eq!([0.0, 1.0, 2.0, 3.0, 4.0].map(|seconds| pace.progress(seconds)), [0.0, 0.0, 0.25, 1.0, 1.0]);
+    /// ```
+    #[must_use]
+    pub fn progress(self, seconds: f64) -> f64 {
+        let end = self.start + self.duration;
+        let time = self.playback.time(seconds, self.start, end);
+        if time < self.start {
+            return 0.0;
+        }
+        // As at a seam: what is before the end by no more than rounding is there.
+        if end - time <= self.playback.rounding(seconds, self.start) {
+            return self.ease.progress(1.0);
+        }
+        self.ease.progress((time - self.start) / self.duration)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::timeline::{Ease, Repeat};
+
+    #[test]
+    fn progress_is_as_eased_as_its_name_says() {
+        type Profile = fn(f64) -> f64;
+        let profiles: [(Easing, Profile); 4] = [
+            (Easing::Linear, |u| u),
+            (Easing::InOut(Ease::Sine), |u| 0.5 - 0.5 * libm::cos(std::f64::consts::PI * u)),
+            (Easing::In(Ease::Quad), |u| u * u),
+            (Easing::Out(Ease::Cubic), |u| 1.0 - (1.0 - u) * (1.0 - u) * (1.0 - u)),
+        ];
+        for (ease, expected) in profiles {
+            let pace = Pace { start: 0.5, ease, ..Pace::lasting(4.0) };
+            for step in 0..=400 {
+                let u = f64::from(step) / 400.0;
+                let found = pace.progress(0.5 + 4.0 * u);
+                assert!((found - expected(u)).abs() < 1e-14, "{ease:?} at {u}: {found}");
+            }
+        }
+    }
+
+    /// Decimal starts and durations are not binary ones: 0.1 + 0.2 is not 0.3.
+    #[test]
+    fn the_end_is_reached_in_the_frame_where_it_is_written() {
+        for start in 0..30_u32 {
+            for length in 1..30_u32 {
+                let tenths = |count: u32| f64::from(count) / 10.0;
+                let pace = Pace { start: tenths(start), ..Pace::lasting(tenths(length)) };
+                assert_eq!(pace.progress(tenths(start)), 0.0);
+                assert_eq!(pace.progress(tenths(start + length)), 1.0, "{pace:?}");
+                assert!(pace.progress(tenths(start + length) - 1e-9) < 1.0);
+                let again = Playback { repeat: Repeat::Loop, ..Playback::default() };
+                let again = Pace { playback: again, ..pace };
+                assert!(again.progress(tenths(start + length)) < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn a_way_that_takes_no_time_is_made_at_its_start() {
+        let pace = Pace { start: 1.0, ..Pace::lasting(0.0) };
+        assert_eq!([0.0, 1.0, 2.0].map(|seconds| pace.progress(seconds)), [0.0, 1.0, 1.0]);
+    }
+}

@@ -1,0 +1,182 @@
+//! `rayreel explain --path`: the drawing of a camera's way.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
+use std::fs;
+use std::path::Path;
+
+use assert_cmd::Command;
+
+/// A circle of radius 5, around a ball and a box on a floor, once in 4 seconds.
+const AROUND: &str = r#"Scene(
+    timeline: (fps: 24, duration: 4),
+    camera: (position: (0, 2, -8), target: (0, 1, 0)),
+    materials: { "clay": (k_a: 1) },
+    entities: [
+        (shape: Plane(normal: (0, 1, 0)), material: "clay"),
+        (shape: Sphere(radius: 1), material: "clay", transform: (translation: (0, 1, 0), scale: (1, 1, 2))),
+        (shape: Box(size: (1, 1, 1)), material: "clay", transform: (translation: (2, 0.5, 0))),
+    ],
+    animate: [ (target: "camera", channel: Position, track: Orbit(center: (0, 2, 0), radius: 5, duration: 4)) ],
+)"#;
+
+/// Standard output, and the drawing.
+fn explain(arguments: &[&str]) -> (String, String) {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("around.ron"), AROUND).unwrap();
+    let mut command = Command::cargo_bin("rayreel").unwrap();
+    command.current_dir(folder.path()).args(["explain", "around.ron", "--path", "way.svg"]).args(arguments);
+    let output = command.assert().success().get_output().stdout.clone();
+    let drawing = fs::read_to_string(folder.path().join("way.svg")).unwrap();
+    (String::from_utf8(output).unwrap(), drawing)
+}
+
+/// An element with its attributes as they are written, and its text.
+struct Element {
+    name: String,
+    attributes: String,
+    text: String,
+}
+
+impl Element {
+    fn attribute(&self, name: &str) -> Option<&str> {
+        let (_, value) = self.attributes.split_once(&format!(" {name}=\""))?;
+        value.split('"').next()
+    }
+
+    fn number(&self, name: &str) -> f64 {
+        self.attribute(name).unwrap().parse().unwrap()
+    }
+
+    fn is(&self, class: &str) -> bool {
+        self.attribute("class") == Some(class)
+    }
+}
+
+/// Reads XML without comments and the like, and insists on its being well-formed.
+fn elements(drawing: &str) -> Vec<Element> {
+    let (mut found, mut open) = (Vec::new(), Vec::new());
+    for part in drawing.split('<').skip(1) {
+        let (tag, text) = part.split_once('>').unwrap();
+        assert!(!text.contains('&') || text.contains(';'), "{text}");
+        if let Some(name) = tag.strip_prefix('/') {
+            assert_eq!(open.pop().as_deref(), Some(name));
+            continue;
+        }
+        let (tag, closed) = tag.strip_suffix('/').map_or((tag, false), |tag| (tag, true));
+        assert_eq!(tag.matches('"').count() % 2, 0, "{tag}");
+        let (name, attributes) = tag.split_at(tag.find(' ').unwrap_or(tag.len()));
+        found.push(Element {
+            name: name.to_owned(),
+            attributes: attributes.to_owned(),
+            text: text.to_owned(),
+        });
+        if !closed {
+            open.push(name.to_owned());
+        }
+    }
+    assert!(open.is_empty(), "{open:?}");
+    found
+}
+
+fn of<'a>(elements: &'a [Element], class: &str) -> Vec<&'a Element> {
+    elements.iter().filter(|element| element.is(class)).collect()
+}
+
+#[test]
+fn the_drawing_has_two_views_and_two_charts() {
+    let (told, drawing) = explain(&[]);
+    assert_eq!(
+        told,
+        "way.svg: 96 frames, a way of 31.1 units at 7.85 units a second, turning by up to 90.0 degrees a second\n"
+    );
+    let elements = elements(&drawing);
+    assert_eq!(elements[0].name, "svg");
+    assert!(!drawing.contains("NaN") && !drawing.contains("inf"));
+    assert_eq!(of(&elements, "eye").len(), 2 + 1); // and one in the legend
+    assert_eq!(of(&elements, "value").len(), 2);
+    let ticks: Vec<_> =
+        of(&elements, "ticks").iter().map(|path| path.attribute("d").unwrap().matches('M').count()).collect();
+    assert_eq!(ticks, [96, 96]);
+    // The ball in both views, an ellipse twice as long as wide in that from above.
+    let ball = elements.iter().find(|element| element.name == "ellipse").unwrap();
+    assert!((ball.number("rx") / ball.number("ry") - 2.0).abs() < 1e-3);
+}
+
+#[test]
+fn the_way_is_a_circle_on_the_page() {
+    let (_, drawing) = explain(&[]);
+    let elements = elements(&drawing);
+    let way = of(&elements, "eye")[0].attribute("d").unwrap();
+    let places: Vec<[f64; 2]> = way
+        .split(['M', 'L'])
+        .filter_map(|pair| {
+            let (x, y) = pair.trim().split_once(' ')?;
+            Some([x.parse().unwrap(), y.parse().unwrap()])
+        })
+        .collect();
+    assert_eq!(places.len(), 96);
+    let mean = |axis: usize| places.iter().map(|place| place[axis]).sum::<f64>() / 96.0;
+    let middle = [mean(0), mean(1)];
+    let radii = places.iter().map(|place| (place[0] - middle[0]).hypot(place[1] - middle[1]));
+    let (least, most) =
+        radii.fold((f64::MAX, 0.0_f64), |(least, most), radius| (least.min(radius), most.max(radius)));
+    assert!(least > 100.0 && most - least < 0.05, "{least} {most}");
+    // From +z, up the page, to +x, to the right.
+    assert!(places[0][1] < middle[1] - 0.99 * least && places[24][0] > middle[0] + 0.99 * least);
+}
+
+#[test]
+fn no_text_lies_on_another() {
+    for arguments in [&[][..], &["--frames", "0-47"], &["--frames", "0-95x7"], &["--frames", "3"]] {
+        let (_, drawing) = explain(arguments);
+        let elements = elements(&drawing);
+        let texts: Vec<_> =
+            elements.iter().filter(|element| element.name == "text" && !element.is("title")).collect();
+        // Left, right, top and bottom of a text in characters of 6 by 10 pixels.
+        let extent = |text: &Element| {
+            let (x, y, width) = (text.number("x"), text.number("y"), 6.0 * text.text.chars().count() as f64);
+            let left = match text.attribute("text-anchor") {
+                Some("start") => x,
+                Some("middle") => x - 0.5 * width,
+                _ => x - width,
+            };
+            [left, left + width, y - 10.0, y]
+        };
+        assert!(texts.len() > 20);
+        for (index, one) in texts.iter().enumerate() {
+            for other in &texts[index + 1..] {
+                let ([a, b, c, d], [e, f, g, h]) = (extent(one), extent(other));
+                assert!(a >= f || e >= b || c >= h || g >= d, "`{}` and `{}`", one.text, other.text);
+            }
+        }
+    }
+}
+
+#[test]
+fn chosen_frames_alone_are_drawn() {
+    let (told, drawing) = explain(&["--frames", "0-48x2"]);
+    assert!(told.starts_with("way.svg: 25 frames, "), "{told}");
+    let elements = elements(&drawing);
+    let ticks = of(&elements, "ticks")[0].attribute("d").unwrap().matches('M').count();
+    assert_eq!(ticks, 25);
+    let (told, _) = explain(&["--frames", "7"]);
+    assert_eq!(told, "way.svg: 1 frame, the eye stands still\n");
+}
+
+#[test]
+fn what_cannot_be_drawn_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("around.ron"), AROUND).unwrap();
+    let refused = |arguments: &[&str], code: i32, words: &str| {
+        let mut command = Command::cargo_bin("rayreel").unwrap();
+        command.current_dir(folder.path()).args(["explain", "around.ron", "--path"]).args(arguments);
+        let output = command.assert().code(code).get_output().stderr.clone();
+        let output = String::from_utf8(output).unwrap();
+        assert!(output.contains(words), "{output}");
+    };
+    let missing = Path::new("no").join("such").join("folder.svg");
+    refused(&[missing.to_str().unwrap()], 1, "cannot write");
+    refused(&["way.svg", "--measure"], 2, "cannot be used with");
+    refused(&["way.svg", "--frames", "96"], 1, "there is no frame 96");
+}
