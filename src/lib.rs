@@ -8,7 +8,7 @@
 //!
 //! ```text
 //! RON text -> scene::document -> scene::spawn -> hecs World
-//!    each frame: animate(t) -> own systems -> propagate -> prepare -> trace::Exposure -> Film
+//!    each frame: animate(t) -> scripts -> own systems -> propagate -> prepare -> trace::Exposure -> Film
 //!    Film -> output (frame files)
 //! ```
 //!
@@ -57,10 +57,11 @@
 //! | `color` | linear colour, sRGB | | glam |
 //! | `time` | seconds, frame rates, frame lists | | |
 //! | `timeline` | values over time, pure | color, time | glam |
+//! | `script` | small programs in scenes, sandboxed | color, time, timeline | glam, rhai |
 //! | `trace` | the kernel: prepared arrays in, film out; no entities, no clock, no files | color | glam, rayon, obvhs |
 //! | `components` | what things are: plain data | color, time, timeline | glam, hecs |
-//! | `scene` | RON to world, diagnostics | components, timeline, color, time | hecs, glam, ron, serde, annotate_snippets, strsim |
-//! | `systems` | what happens each frame; `prepare` is the only bridge from world to kernel | components, timeline, trace, color, time | hecs, glam, rayon |
+//! | `scene` | RON to world, diagnostics | components, timeline, script, color, time | hecs, glam, ron, serde, annotate_snippets, strsim |
+//! | `systems` | what happens each frame; `prepare` is the only bridge from world to kernel | components, timeline, script, trace, color, time | hecs, glam, rayon |
 //! | `engine` | world, systems and reused buffers | color, time, timeline, components, scene, systems, trace | hecs, glam |
 //! | `output` | frame files, sequences, sheets | trace, color, time | image |
 //! | `main`, `cli` | arguments to settings to calls, and all printing; binary only | rayreel | glam, clap, clap_complete, csv, indicatif, ctrlc, anyhow, rayon, serde_json |
@@ -70,6 +71,7 @@ pub mod components;
 pub mod engine;
 pub mod output;
 pub mod scene;
+pub mod script;
 pub mod systems;
 pub mod time;
 pub mod timeline;

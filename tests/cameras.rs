@@ -68,7 +68,7 @@ impl Stance {
     fn turned(self, other: Self) -> f64 {
         let turn = self.axes.transpose() * other.axes;
         let trace = turn.x_axis.x + turn.y_axis.y + turn.z_axis.z;
-        ((trace - 1.0) / 2.0).clamp(-1.0, 1.0).acos()
+        libm::acos(((trace - 1.0) / 2.0).clamp(-1.0, 1.0))
     }
 }
 
@@ -233,12 +233,12 @@ fn neighbouring_frames_turn_as_their_path_does() {
         turns.collect()
     };
     // A round flight, through the target's height and back: at most 45 degrees from the horizon.
-    let round = |s: f64| DVec3::new((3.1 * s).cos(), 0.7 * (6.2 * s).sin(), (3.1 * s).sin()) * 5.0;
+    let round = |s: f64| DVec3::new(libm::cos(3.1 * s), 0.7 * libm::sin(6.2 * s), libm::sin(3.1 * s)) * 5.0;
     for (view, turn) in steps(DVec3::Y, &round) {
         assert!(turn < 1.5 * view + 1e-6, "{turn} of {view}");
     }
     // Straight over the target, with the top of the way among the frames.
-    let over = |s: f64| DVec3::new(0.0, (2.0 * s).cos(), (2.0 * s).sin()) * 5.0;
+    let over = |s: f64| DVec3::new(0.0, libm::cos(2.0 * s), libm::sin(2.0 * s)) * 5.0;
     let jumps = |up| steps(up, &over).into_iter().filter(|(view, turn)| *turn > 1.5 * view + 1e-6).count();
     assert_eq!(jumps(DVec3::Y), 1);
     assert_eq!(jumps(DVec3::X), 0);

@@ -199,7 +199,7 @@ fn flat_car(name: &str, transform: &str, front: &str) -> (String, String, String
         )
     };
     let slow = "Keys([(0, Euler(0, 0, 0)), (2, Euler(0, 0, 90))]), repeat: Loop";
-    (materials, entities, turning("front", front) + &turning("back", slow))
+    (materials, entities, [turning("front", front), turning("back", slow)].concat())
 }
 
 /// What [`STREET`] is without includes. A file cannot write a `/` in a name: names have other signs here.

@@ -1,9 +1,11 @@
 //! `rayreel check`
 
+use std::path::Path;
+
 use serde_json::{Value, json};
 
-use rayreel::Scene;
-use rayreel::scene::LoadError;
+use rayreel::scene::{LoadError, ScriptMistake};
+use rayreel::{Engine, EngineError, Scene};
 
 use super::args::CheckArguments;
 use super::exit::Failure;
@@ -14,23 +16,30 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     let mut good = true;
     for path in &arguments.scenes {
         let file = path.display().to_string();
-        let loaded = Scene::load(path);
-        good &= loaded.is_ok();
-        match loaded {
-            Ok(scene) if arguments.json => results.push(
-                json!({ "scene": file, "ok": true, "mistakes": [], "frames": scene.timeline.frame_count() }),
-            ),
-            Ok(scene) => {
-                print::result_line(&format!("{file}: ok, {}", frames(scene.timeline.frame_count())))?;
+        let checked = check(path);
+        good &= checked.is_ok();
+        match checked {
+            Ok(count) if arguments.json => {
+                results.push(json!({ "scene": file, "ok": true, "mistakes": [], "frames": count }));
             }
-            Err(error) if arguments.json => results.push(mistakes(&error)),
-            Err(error) => {
-                print::error_line(&format!("{}\n", error.render(print::is_colorful())));
-                let count = error.mistakes().count() + error.unlisted();
-                print::error_line(&format!(
-                    "{file}: {count} {}",
-                    if count == 1 { "mistake" } else { "mistakes" }
-                ));
+            Ok(count) => print::result_line(&format!("{file}: ok, {}", frames(count)))?,
+            Err(Wrong::Scene(error)) if arguments.json => results.push(mistakes(&error)),
+            Err(Wrong::Script(mistake)) if arguments.json => results.push(json!({
+                "scene": file,
+                "ok": false,
+                "mistakes": [script_mistake(&mistake)],
+                "unlisted": 0,
+            })),
+            Err(wrong) => {
+                let (rendered, count) = match wrong {
+                    Wrong::Scene(error) => {
+                        (error.render(print::is_colorful()), error.mistakes().count() + error.unlisted())
+                    }
+                    Wrong::Script(mistake) => (mistake.render(print::is_colorful()), 1),
+                };
+                print::error_line(&format!("{rendered}\n"));
+                let mistakes = if count == 1 { "mistake" } else { "mistakes" };
+                print::error_line(&format!("{file}: {count} {mistakes}"));
             }
         }
     }
@@ -42,6 +51,31 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
 
 fn frames(count: u32) -> String {
     if count == 1 { "1 frame".to_owned() } else { format!("{count} frames") }
+}
+
+/// What is wrong with a scene.
+enum Wrong {
+    Scene(LoadError),
+    Script(Box<ScriptMistake>),
+}
+
+/// Reads a scene, runs its scripts in the first frame, one half-way and the last, and counts the frames.
+fn check(path: &Path) -> Result<u32, Wrong> {
+    let scene = Scene::load(path).map_err(Wrong::Scene)?;
+    let timeline = scene.timeline;
+    let count = timeline.frame_count();
+    if scene.scripts.is_empty() {
+        return Ok(count);
+    }
+    let mut engine = Engine::from_scene(scene);
+    for frame in [0, count / 2, count - 1] {
+        match engine.seek(timeline.time_of(frame)) {
+            Err(EngineError::Script(mistake)) => return Err(Wrong::Script(mistake.into())),
+            Err(EngineError::Scene(error)) => return Err(Wrong::Scene(error)),
+            Ok(()) | Err(EngineError::UnknownComponent(_)) => {}
+        }
+    }
+    Ok(count)
 }
 
 fn mistakes(error: &LoadError) -> Value {
@@ -60,4 +94,17 @@ fn mistakes(error: &LoadError) -> Value {
         })
         .collect();
     json!({ "scene": error.file(), "ok": false, "mistakes": mistakes, "unlisted": error.unlisted() })
+}
+
+fn script_mistake(mistake: &ScriptMistake) -> Value {
+    let (place, diagnostic) = (mistake.place(), mistake.diagnostic());
+    json!({
+        "file": diagnostic.source.as_ref().map(|source| source.file.as_str()),
+        "line": place.map(|place| place.line),
+        "column": place.map(|place| place.column),
+        "message": diagnostic.message,
+        "label": diagnostic.label,
+        "help": diagnostic.help,
+        "included_from": [],
+    })
 }

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use rayreel::EngineError;
-use rayreel::scene::LoadError;
+use rayreel::scene::{LoadError, ScriptMistake};
 
 use super::print;
 
@@ -12,6 +12,8 @@ use super::print;
 pub(super) enum Failure {
     /// A scene is wrong; shown as a compiler would.
     Scene(LoadError),
+    /// A script of a scene is wrong; likewise.
+    Script(Box<ScriptMistake>),
     /// Anything else, with its causes.
     Other(anyhow::Error),
     /// It was reported already.
@@ -25,7 +27,7 @@ impl Failure {
     pub(super) fn code(&self) -> ExitCode {
         match self {
             Self::Interrupted => ExitCode::from(130),
-            Self::Scene(_) | Self::Other(_) | Self::Reported => ExitCode::FAILURE,
+            Self::Scene(_) | Self::Script(_) | Self::Other(_) | Self::Reported => ExitCode::FAILURE,
         }
     }
 
@@ -33,6 +35,7 @@ impl Failure {
     pub(super) fn print(&self) {
         match self {
             Self::Scene(error) => print::error_line(&error.render(print::is_colorful())),
+            Self::Script(mistake) => print::error_line(&mistake.render(print::is_colorful())),
             Self::Other(error) => print::error_line(&format!("{} {error:#}", print::error_word())),
             Self::Reported | Self::Interrupted => {}
         }
@@ -55,6 +58,7 @@ impl From<EngineError> for Failure {
     fn from(error: EngineError) -> Self {
         match error {
             EngineError::Scene(error) => Self::Scene(error),
+            EngineError::Script(mistake) => Self::Script(mistake.into()),
             error @ EngineError::UnknownComponent(_) => Self::Other(error.into()),
         }
     }

@@ -37,6 +37,19 @@ impl Transfer {
         rounded(linear)
     }
 
+    /// The file colour of linear light, as near as `f32` tells: what [`decode`](Self::decode) was given. Light beyond 1 is a
+    /// channel beyond 255.
+    #[must_use]
+    pub fn channels(self, linear: Rgb) -> [f64; 3] {
+        linear.to_array().map(|channel| {
+            255.0
+                * match self {
+                    Self::Classic => f64::from(channel),
+                    Self::Srgb => linear_to_srgb(f64::from(channel)),
+                }
+        })
+    }
+
     /// Output bytes of a linear pixel. Values outside 0..=1 are clamped.
     #[must_use]
     pub fn encode(self, pixel: Rgb) -> [u8; 3] {
@@ -63,6 +76,11 @@ fn srgb_to_linear(encoded: f64) -> f64 {
     if encoded <= 0.040_45 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }
 }
 
+/// sRGB encoding of a number from 0 on.
+fn linear_to_srgb(linear: f64) -> f64 {
+    if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * libm::pow(linear, 1.0 / 2.4) - 0.055 }
+}
+
 /// sRGB encoding by comparison with the 255 decision levels half-way between neighbouring codes, so that it is the
 /// exact inverse of decoding and needs no power function per pixel.
 #[expect(clippy::cast_possible_truncation, reason = "there are 255 levels")]
@@ -75,6 +93,17 @@ fn srgb_byte(linear: f32) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn file_colours_come_back_from_light() {
+        for transfer in [Transfer::Classic, Transfer::Srgb] {
+            for code in 0..=2550 {
+                let channel = f64::from(code) / 10.0;
+                let [back, _, _] = transfer.channels(transfer.decode([channel; 3]));
+                assert!((back - channel).abs() < 2e-5, "{transfer:?}, {channel}: {back}");
+            }
+        }
+    }
 
     #[test]
     fn every_byte_survives_both_transfers() {

@@ -44,10 +44,16 @@ pub enum Motion {
     Path(Arc<Path>),
     /// Points on a circle.
     Orbit(Arc<Orbit>),
+    /// A program says it.
+    Script(ScriptId),
 }
 
+/// A program of the scene, by its place among them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ScriptId(pub usize);
+
 impl Motion {
-    /// The value at `seconds`. `None` where there is none.
+    /// The value at `seconds`. `None` for a program, which needs more than the time.
     #[must_use]
     pub fn at(&self, seconds: f64) -> Option<Value> {
         Some(match self {
@@ -57,6 +63,7 @@ impl Motion {
             Self::Color(track) => Value::Color(track.at(seconds)),
             Self::Path(path) => Value::Vector(path.at(seconds)),
             Self::Orbit(orbit) => Value::Vector(orbit.at(seconds)),
+            Self::Script(_) => return None,
         })
     }
 }

@@ -26,7 +26,7 @@ mod settings;
 mod shape;
 mod transform;
 
-pub use animated::{Animated, Channel, Motion};
+pub use animated::{Animated, Channel, Motion, ScriptId};
 pub use camera::{Camera, Follow, Lens, LookAt, Projection, Shot, Shots, View};
 pub use identity::{Name, Order};
 pub use light::{AreaShape, Falloff, Light, LightKind};

@@ -1,6 +1,6 @@
 //! Values that can move.
 
-use crate::timeline::Kind;
+use crate::timeline::{Kind, Notation};
 
 /// A value of an entity that a [`Motion`](super::Motion) can drive. Angles are radians here, light is linear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -188,6 +188,20 @@ impl Property {
             Self::BackgroundTop => "BackgroundTop",
             Self::FogColor => "FogColor",
             Self::FogDensity => "FogDensity",
+        }
+    }
+
+    /// How its values are written in scene files and programs.
+    #[must_use]
+    pub const fn notation(self) -> Notation {
+        match (self, self.kind()) {
+            (Self::Angle | Self::Roll | Self::Fov, _) => Notation::Degrees,
+            (Self::Scale, _) => Notation::Scale,
+            (Self::Absorption | Self::Intensity | Self::Ambient, _) => Notation::Light,
+            (_, Kind::Number) => Notation::Number,
+            (_, Kind::Vector) => Notation::Vector,
+            (_, Kind::Rotation) => Notation::Rotation,
+            (_, Kind::Color) => Notation::Color,
         }
     }
 

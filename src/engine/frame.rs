@@ -17,7 +17,8 @@ impl Engine {
     ///
     /// # Errors
     ///
-    /// If systems of one's own need the world copied and it holds components that were not registered.
+    /// If systems of one's own need the world copied and it holds components that were not registered, or if a script gives no
+    /// value.
     pub fn render_frame(&mut self, index: u32) -> Result<Film, EngineError> {
         self.render_at(self.timeline.time_of(index))
     }
@@ -207,7 +208,8 @@ impl Engine {
     /// Brings the world to an instant of the reported frame, and says whether anything that can be seen is different then.
     fn bring(&mut self, instant: Time) -> Result<bool, EngineError> {
         let start = Instant::now();
-        self.systems.advance(&mut self.world, instant, &mut self.changes)?;
+        let advanced = self.systems.advance(&mut self.world, instant, &mut self.changes);
+        advanced.map_err(|halt| EngineError::of(halt, &self.script_sources))?;
         let animated = Instant::now();
         let changes = std::mem::take(&mut self.changes);
         let moved = propagate(&mut self.world, &changes);

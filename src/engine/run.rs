@@ -8,9 +8,10 @@ use super::cast::{Hit, IntoRay, Ray};
 use super::probe::Probe;
 use super::report::FrameReport;
 use crate::components::FilmSettings;
-use crate::scene::{LoadError, Scene};
+use crate::scene::{LoadError, Scene, ScriptMistake, ScriptSources};
 use crate::systems::{
-    self, Changes, Context, Effect, OwnSystems, Plan, Preparation, Shutters, Step, UnknownComponent,
+    self, Changes, Context, Effect, Halt, OwnSystems, Plan, Preparation, ScriptFailure, Scripts, Shutters,
+    Step, UnknownComponent,
 };
 use crate::time::Timeline;
 use crate::trace::reference::Reference;
@@ -92,6 +93,7 @@ pub struct Engine {
     pub(super) shutters: Option<Shutters>,
     pub(super) plan: Option<Plan>,
     pub(super) report: FrameReport,
+    pub(super) script_sources: ScriptSources,
 }
 
 /// Why a frame could not be made.
@@ -103,6 +105,22 @@ pub enum EngineError {
     /// The world cannot be copied, which systems of one's own need.
     #[error(transparent)]
     UnknownComponent(#[from] UnknownComponent),
+    /// A script gave no value.
+    #[error(transparent)]
+    Script(#[from] ScriptMistake),
+}
+
+impl EngineError {
+    pub(super) fn of(halt: Halt, sources: &ScriptSources) -> Self {
+        match halt {
+            Halt::UnknownComponent(unknown) => Self::UnknownComponent(unknown),
+            Halt::Script(failure) => {
+                let ScriptFailure { script, channel, seconds, error } = *failure;
+                let about = format!("{channel} at t = {seconds}");
+                Self::Script(sources.mistake(script, &about, &error))
+            }
+        }
+    }
 }
 
 impl Engine {
@@ -118,7 +136,11 @@ impl Engine {
     /// An engine around a scene that has been read.
     #[must_use]
     pub fn from_scene(scene: Scene) -> Self {
-        Self { timeline: scene.timeline, ..Self::new(scene.world) }
+        let Scene { world, timeline, scripts, .. } = scene;
+        let (programs, sources) = scripts.into_parts();
+        let mut engine = Self { timeline, script_sources: sources, ..Self::new(world) };
+        engine.systems.set_scripts(Scripts::new(programs, timeline));
+        engine
     }
 
     /// An engine around a world of one's own, with 24 frames per second. What the world lacks (a camera, film settings)
@@ -137,6 +159,7 @@ impl Engine {
             shutters: None,
             plan: None,
             report: FrameReport::default(),
+            script_sources: ScriptSources::default(),
         }
     }
 
@@ -187,6 +210,7 @@ impl Engine {
     /// Sets frame rate and duration.
     pub fn set_timeline(&mut self, timeline: Timeline) {
         self.timeline = timeline;
+        self.systems.scripts_mut().set_timeline(timeline);
     }
 
     /// How precisely shapes are asked from the next frame on: guaranteed, unless a comparison with textbooks is wanted.

@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::ops::Range;
+use std::sync::Arc;
 
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 
@@ -16,6 +17,17 @@ pub struct Diagnostic {
     pub help: Option<String>,
     /// Bytes of the text; `None` where there is no text.
     pub span: Option<Range<usize>>,
+    /// The text, where it is not the scene's own.
+    pub source: Option<Arc<Source>>,
+}
+
+/// A text file that a scene is made of besides its own, as a script.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// Its name.
+    pub file: String,
+    /// What it says.
+    pub text: String,
 }
 
 /// A place in a text, as editors count.
@@ -46,6 +58,7 @@ impl Diagnostic {
     }
 
     pub(super) fn render_with_notes(&self, file: &str, text: &str, notes: &[String], color: bool) -> String {
+        let (file, text) = self.source.as_ref().map_or((file, text), |source| (&source.file, &source.text));
         let mut group = Group::with_title(Level::ERROR.primary_title(&self.message));
         match &self.span {
             Some(span) => {

@@ -89,11 +89,16 @@ impl LoadError {
     /// All mistakes, file by file and in the order of each; of very many only the first.
     pub fn mistakes(&self) -> impl Iterator<Item = Mistake<'_>> {
         self.faulty.iter().flat_map(|file| {
-            file.diagnostics.iter().map(|diagnostic| Mistake {
-                file: &file.name,
-                place: diagnostic.span.as_ref().map(|span| Place::of(&file.text, span.start)),
-                included_from: &file.included_from,
-                diagnostic,
+            file.diagnostics.iter().map(|diagnostic| {
+                let source = diagnostic.source.as_deref();
+                let (name, text) =
+                    source.map_or((&file.name, &file.text), |source| (&source.file, &source.text));
+                Mistake {
+                    file: name,
+                    place: diagnostic.span.as_ref().map(|span| Place::of(text, span.start)),
+                    included_from: &file.included_from,
+                    diagnostic,
+                }
             })
         })
     }

@@ -6,7 +6,7 @@ use hecs::World;
 
 use super::include::Files;
 use super::spawn::spawn;
-use super::{LoadError, Sources};
+use super::{LoadError, SceneScripts, Sources};
 use crate::time::Timeline;
 
 /// A small commented scene to start from.
@@ -18,8 +18,11 @@ pub struct Scene {
     pub world: World,
     /// Frame rate and duration.
     pub timeline: Timeline,
-    /// The files it was made of: its own, then what it includes, each once and after a file that includes it.
+    /// The files it was made of: its own, then what it includes and the scripts that are files, each once and after a file that
+    /// names it.
     pub files: Vec<PathBuf>,
+    /// The programs that drive values.
+    pub scripts: SceneScripts,
 }
 
 impl Scene {
@@ -63,12 +66,15 @@ impl Scene {
     /// Texts that are not kept are gone before the world is made.
     fn of_files<T>(mut files: Files, keep: impl FnOnce(Sources) -> T) -> Result<(Self, T), LoadError> {
         files.validate();
+        let compiled = files.compile();
         if !files.are_good() {
             return Err(LoadError::new(files));
         }
         let paths = std::mem::take(&mut files.paths);
         let (merged, sources) = files.merge();
+        let scripts = compiled.placed(&merged.uses, &sources);
         let kept = keep(sources);
-        Ok((Self { files: paths, ..spawn(&merged) }, kept))
+        let (world, timeline) = spawn(&merged);
+        Ok((Self { world, timeline, files: paths, scripts }, kept))
     }
 }

@@ -14,6 +14,7 @@
 //!
 //! The types in `document` mirror the file format and are used for nothing else; components do not know of it.
 
+mod data;
 mod diagnostic;
 mod document;
 mod error;
@@ -21,7 +22,9 @@ mod include;
 mod load;
 mod parse;
 mod playback;
+mod programs;
 pub mod reference;
+mod script_sources;
 mod sources;
 mod spans;
 mod spawn;
@@ -29,7 +32,8 @@ mod suggest;
 mod validate;
 mod ways;
 
-pub use diagnostic::{Diagnostic, Place};
+pub use diagnostic::{Diagnostic, Place, Source};
 pub use error::{Inclusion, LoadError, Mistake};
 pub use load::{Scene, TEMPLATE};
+pub use script_sources::{SceneScripts, ScriptMistake, ScriptSources};
 pub use sources::{SourceLine, Sources};

@@ -20,6 +20,7 @@ pub(super) fn parse(text: &str) -> Result<SceneDocument, Diagnostic> {
             label: String::new(),
             help: Some("`rayreel new FILE` writes a small scene to start from".to_owned()),
             span: None,
+            source: None,
         });
     }
     options().from_str(text).map_err(|error| explain(text, &error))
@@ -95,7 +96,7 @@ fn explain(text: &str, error: &SpannedError) -> Diagnostic {
         },
         other => (lower_first(&other.to_string()), "here".to_owned(), punctuation_help(other)),
     };
-    Diagnostic { message, label, help, span: Some(span) }
+    Diagnostic { message, label, help, span: Some(span), source: None }
 }
 
 /// What was opened and not closed, if that is what is wrong.
@@ -107,6 +108,7 @@ fn explain_brackets(text: &str, error: &SpannedError, at: usize) -> Option<Diagn
         label: "opened here".to_owned(),
         help: Some("close it, or remove this".to_owned()),
         span: Some(start..start + length),
+        source: None,
     };
     match &error.code {
         Ron::UnclosedBlockComment => text.rfind("/*").map(|start| unclosed("comment", start, 2)),
@@ -129,6 +131,7 @@ fn explain_brackets(text: &str, error: &SpannedError, at: usize) -> Option<Diagn
                 label: format!("the `{}` of line {} is still open", char::from(open), place.line),
                 help: Some(format!("close it with a `{}` first", char::from(close))),
                 span: Some(at..at + 1),
+                source: None,
             })
         }
     }

@@ -79,6 +79,11 @@ impl Sources {
         found.unwrap_or(SourceLine { file: "", line: 1 })
     }
 
+    /// A file's name and text.
+    pub(super) fn file(&self, file: usize) -> Option<(&str, &str)> {
+        self.files.get(file).map(|(name, text)| (name.as_str(), text.as_str()))
+    }
+
     fn origin(&self, entity: usize) -> Origin {
         let after = self.runs.partition_point(|run| run.first <= entity);
         match after.checked_sub(1).and_then(|last| self.runs.get(last)) {

@@ -34,6 +34,19 @@ pub(super) fn locate(text: &str, paths: &[Vec<Step>]) -> Vec<Range<usize>> {
     found
 }
 
+/// A place within a text that is written in the scene, from its place within the text's content. The whole text where escapes
+/// make the two differ.
+pub(super) fn inside_text(text: &str, literal: Range<usize>, inside: &Range<usize>) -> Range<usize> {
+    let written = &text[literal.clone()];
+    let quotes = match written.strip_prefix('r') {
+        Some(raw) => raw.len() - raw.trim_start_matches('#').len() + "r\"".len(),
+        None if written.starts_with('"') && !written.contains('\\') => "\"".len(),
+        None => return literal,
+    };
+    let place = |byte: usize| (literal.start + quotes + byte).min(literal.end);
+    place(inside.start)..place(inside.end)
+}
+
 /// Is there nothing but white space and comments?
 pub(super) fn is_blank(text: &str) -> bool {
     let mut scanner = Scanner { text, at: 0, found: &mut [] };
@@ -333,6 +346,20 @@ mod tests {
         assert_eq!(found(text, &path), "(shape: Sphere(radius: 1))");
         assert_eq!(found("", &path), "");
         assert_eq!(found("((((", &path), "((((");
+    }
+
+    #[test]
+    fn places_in_texts_are_places_in_the_file() {
+        let text = r###"("a + b", r#"a "+" b"#, "a\tb", b)"###;
+        let inside = |index: usize, inside: Range<usize>| {
+            let literal = locate(text, &[vec![Step::Index(index)]])[0].clone();
+            &text[inside_text(text, literal, &inside)]
+        };
+        assert_eq!(inside(0, 4..5), "b");
+        assert_eq!(inside(1, 2..5), "\"+\"");
+        assert_eq!(inside(2, 2..3), r#""a\tb""#);
+        assert_eq!(inside(0, 4..99), "b\"");
+        assert_eq!(inside(3, 0..1), "b");
     }
 
     #[test]

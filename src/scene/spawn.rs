@@ -6,12 +6,11 @@ use std::f64::consts::PI;
 use glam::{DQuat, DVec3, Vec3};
 use hecs::{Entity, EntityBuilder, World};
 
-use super::Scene;
 use super::document::{
     AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument, EntityDocument, FilmDocument,
-    LightDocument, MaterialDocument, NoiseDocument, Notation, QualityDocument, RotationDocument,
-    SamplingDocument, ScaleDocument, SceneDocument, ShapeDocument, TimelineDocument, TrackDocument,
-    TracksDocument, TransferDocument, TransformDocument, Triple,
+    LightDocument, MaterialDocument, NoiseDocument, QualityDocument, RotationDocument, SamplingDocument,
+    ScaleDocument, SceneDocument, ShapeDocument, TimelineDocument, TrackDocument, TracksDocument,
+    TransferDocument, TransformDocument, Triple,
 };
 use super::include::Merged;
 use super::playback::{Written, keys, playback};
@@ -20,10 +19,11 @@ use crate::color::{Rgb, Transfer};
 use crate::components::{
     Ambient, Animated, AreaShape, Background, Camera, Channel, Checker, Falloff, FilmSettings, Fog, Follow,
     Lens, Light, LightKind, LookAt, Material, Motion, Name, Noise, Order, Parent, Projection, Quality,
-    Reflective, Refractive, Sampling, Shape, Shot, Shots, Specular, Transform, View, WorldTransform,
+    Reflective, Refractive, Sampling, ScriptId, Shape, Shot, Shots, Specular, Transform, View,
+    WorldTransform,
 };
 use crate::time::{FrameRate, Timeline};
-use crate::timeline::{Interpolate, Playback, Rotation, Track};
+use crate::timeline::{Interpolate, Notation, Playback, Rotation, Track};
 
 /// What a material of the file gives to the entities made of it.
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +54,7 @@ impl Surface {
 }
 
 /// Makes the world that a validated document describes. Entities get their places in document order.
-pub(super) fn spawn(Merged { document, parents }: &Merged) -> Scene {
+pub(super) fn spawn(Merged { document, parents, .. }: &Merged) -> (World, Timeline) {
     let transfer = transfer(document.film.transfer);
     let timeline = timeline(&document.timeline);
     let mut world = World::new();
@@ -106,7 +106,7 @@ pub(super) fn spawn(Merged { document, parents }: &Merged) -> Scene {
         // The entity exists: it was spawned above.
         let _ = world.insert_one(entity, Animated(channels));
     }
-    Scene { world, timeline, files: Vec::new() }
+    (world, timeline)
 }
 
 /// Ties a camera to the entities that it names.
@@ -180,7 +180,7 @@ fn timeline(document: &TimelineDocument) -> Timeline {
     Timeline { rate: rate.unwrap_or_default(), duration: document.duration }
 }
 
-fn transfer(document: TransferDocument) -> Transfer {
+pub(super) fn transfer(document: TransferDocument) -> Transfer {
     match document {
         TransferDocument::Classic => Transfer::Classic,
         TransferDocument::Srgb => Transfer::Srgb,
@@ -373,8 +373,11 @@ fn channel(animation: &AnimationDocument, transfer: Transfer) -> Option<Channel>
 }
 
 fn motion(animation: &AnimationDocument, transfer: Transfer) -> Option<Motion> {
+    if let Some(script) = animation.script {
+        return Some(Motion::Script(ScriptId(script)));
+    }
     let playback = playback(animation);
-    match (&animation.track, animation.channel.notation()) {
+    match (&animation.track, animation.channel.0.notation()) {
         (TracksDocument::Number(keys), Notation::Degrees) => track(keys, playback, |value| radians(*value)),
         (TracksDocument::Number(keys), _) => track(keys, playback, |value| *value),
         (TracksDocument::Vector(keys), Notation::Light) => track(keys, playback, |value| rgb(*value)),

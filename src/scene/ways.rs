@@ -7,10 +7,10 @@ use super::playback::easing;
 use crate::components::Motion;
 use crate::timeline::{Orbit, Pace, Path, Playback};
 
-/// `None` for what is keyed or wrong.
+/// `None` for what is no way, or wrong.
 pub(super) fn way<T>(document: &TrackDocument<T>, playback: Playback) -> Option<Motion> {
     match document {
-        TrackDocument::Keys(_) => None,
+        TrackDocument::Keys(_) | TrackDocument::Script(_) | TrackDocument::ScriptFile(_) => None,
         TrackDocument::Path { points, closed, start, duration, speed, ease } => {
             let points: Vec<DVec3> = points.iter().map(|point| DVec3::from(*point)).collect();
             let path = Path::new(&points, *closed)?;

@@ -6,6 +6,7 @@
 //!
 //! - [`animate()`] writes what motions say about this moment.
 //! - [`OwnSystems`] runs what the program that uses the library has added, pure or stepped.
+//! - [`Scripts`] write what programs say about it, after all tracks.
 //! - [`propagate()`] turns transforms into world transforms, parents first.
 //! - [`Plan`] says which effects the moment calls for, and why.
 //! - [`Preparation`] is the only bridge from the world to the kernel: it carries shapes, materials, lights and the camera
@@ -24,15 +25,17 @@ mod plan;
 mod prepare;
 mod propagate;
 mod property;
+mod scripts;
 mod snapshot;
 
 pub use animate::animate;
 pub use changes::Changes;
 pub use context::Context;
-pub use own::{OwnSystems, Step};
+pub use own::{Halt, OwnSystems, Step};
 pub use plan::{Effect, Plan, Verdict};
 pub use prepare::{Filming, Preparation, film_settings, filming};
 pub(crate) use prepare::{Shutter, Shutters};
 pub use propagate::propagate;
 pub use property::value;
+pub use scripts::{ScriptFailure, Scripts};
 pub use snapshot::{Registry, Snapshot, UnknownComponent};

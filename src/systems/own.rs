@@ -3,7 +3,9 @@
 use hecs::World;
 
 use super::order::order_newcomers;
-use super::{Changes, Context, Registry, Snapshot, UnknownComponent, animate, propagate};
+use super::{
+    Changes, Context, Registry, ScriptFailure, Scripts, Snapshot, UnknownComponent, animate, propagate,
+};
 use crate::time::Time;
 
 type System = Box<dyn Fn(&mut Context<'_>) + Send>;
@@ -34,6 +36,27 @@ struct Stepped {
     done: u64,
 }
 
+/// Why a world could not be brought to a moment.
+#[derive(Clone, Debug)]
+pub enum Halt {
+    /// It cannot be copied.
+    UnknownComponent(UnknownComponent),
+    /// A program gave no value.
+    Script(Box<ScriptFailure>),
+}
+
+impl From<UnknownComponent> for Halt {
+    fn from(unknown: UnknownComponent) -> Self {
+        Self::UnknownComponent(unknown)
+    }
+}
+
+impl From<ScriptFailure> for Halt {
+    fn from(failure: ScriptFailure) -> Self {
+        Self::Script(Box::new(failure))
+    }
+}
+
 /// Pure and stepped systems, and the copies of the world that let them start over.
 ///
 /// A *pure* system is a function of the moment: before every frame the world is what it was without it. A *stepped* system
@@ -56,6 +79,7 @@ pub struct OwnSystems {
     state: Option<Snapshot>,
     /// What tracks and pure systems wrote over the state for the last frame.
     written: Changes,
+    scripts: Scripts,
 }
 
 impl OwnSystems {
@@ -75,6 +99,16 @@ impl OwnSystems {
         self.stepped.push(Stepped { step, system: Box::new(system), done: 0 });
     }
 
+    /// Sets the programs of the scene, which run after tracks.
+    pub fn set_scripts(&mut self, scripts: Scripts) {
+        self.scripts = scripts;
+    }
+
+    /// The programs of the scene.
+    pub fn scripts_mut(&mut self) -> &mut Scripts {
+        &mut self.scripts
+    }
+
     /// Lets snapshots copy a component type.
     pub fn registry_mut(&mut self) -> &mut Registry {
         &mut self.registry
@@ -85,6 +119,7 @@ impl OwnSystems {
         if let Some(start) = self.start.take() {
             start.restore(world);
         }
+        self.scripts.release(world);
         self.base = World::new();
         self.state = None;
         self.written = Changes::default();
@@ -93,20 +128,18 @@ impl OwnSystems {
         }
     }
 
-    /// Brings the world to a moment: tracks, steps, and pure systems.
+    /// Brings the world to a moment: tracks, programs, steps, and pure systems.
     ///
     /// # Errors
     ///
-    /// If the world holds a component that cannot be copied, and there are systems that need copies.
-    pub fn advance(
-        &mut self,
-        world: &mut World,
-        time: Time,
-        changes: &mut Changes,
-    ) -> Result<(), UnknownComponent> {
+    /// If the world holds a component that cannot be copied, and there are systems that need copies, or if a program goes
+    /// wrong.
+    pub fn advance(&mut self, world: &mut World, time: Time, changes: &mut Changes) -> Result<(), Halt> {
+        if changes.is_everything() {
+            self.scripts.look_up_again();
+        }
         if self.pure.is_empty() && self.stepped.is_empty() {
-            animate(world, time, changes);
-            return Ok(());
+            return animate_all(&mut self.scripts, world, time, changes);
         }
         if self.start.is_none() {
             order_newcomers(world, &[]);
@@ -119,13 +152,13 @@ impl OwnSystems {
             changes.anything();
         }
         if self.pure.is_empty() {
-            self.run_steps(world, time, changes);
-            animate(world, time, changes);
-            return Ok(());
+            self.run_steps(world, time, changes)?;
+            return animate_all(&mut self.scripts, world, time, changes);
         }
         let mut base = std::mem::take(&mut self.base);
-        self.run_steps(&mut base, time, changes);
+        let stepped = self.run_steps(&mut base, time, changes);
         self.base = base;
+        stepped?;
         let state = match self.state.take() {
             Some(state) => state,
             None => Snapshot::take(&self.base, &self.registry)?,
@@ -134,14 +167,14 @@ impl OwnSystems {
         self.state = Some(state);
         // What the last frame wrote is undone.
         changes.merge(&std::mem::take(&mut self.written));
-        self.run_pure(world, time);
+        let result = self.run_pure(world, time);
         changes.merge(&self.written);
-        Ok(())
+        result
     }
 
     /// Runs all steps that end by `time`, in the order of their ends; of several with the same end, those of the system
     /// that was added first. So the steps until an earlier time are the first of the steps until a later one.
-    fn run_steps(&mut self, world: &mut World, time: Time, changes: &mut Changes) {
+    fn run_steps(&mut self, world: &mut World, time: Time, changes: &mut Changes) -> Result<(), Halt> {
         if self.stepped.iter().any(|stepped| stepped.done > time.whole_steps(stepped.step.0)) {
             if let Some(start) = &self.start {
                 start.restore(world);
@@ -161,27 +194,44 @@ impl OwnSystems {
             let Some((_, index)) = due.min() else { break };
             let stepped = &mut self.stepped[index];
             let Some(start) = stepped.step.0.times(stepped.done) else { break };
-            animate(world, start, &mut fresh);
+            animate_all(&mut self.scripts, world, start, &mut fresh)?;
             propagate(world, &fresh);
             changes.merge(&std::mem::take(&mut fresh));
             run(&stepped.system, world, start, Some(stepped.step.0.seconds()), &mut fresh);
             stepped.done += 1;
             self.state = None;
+            if fresh.is_everything() {
+                self.scripts.look_up_again();
+            }
         }
         propagate(world, &fresh);
         changes.merge(&fresh);
+        Ok(())
     }
 
-    fn run_pure(&mut self, world: &mut World, time: Time) {
+    fn run_pure(&mut self, world: &mut World, time: Time) -> Result<(), Halt> {
         let mut fresh = Changes::default();
-        animate(world, time, &mut fresh);
+        let result = animate_all(&mut self.scripts, world, time, &mut fresh);
         for system in &self.pure {
             propagate(world, &fresh);
             self.written.merge(&std::mem::take(&mut fresh));
             run(system, world, time, None, &mut fresh);
         }
         self.written.merge(&fresh);
+        result
     }
+}
+
+/// Tracks, then programs.
+fn animate_all(
+    scripts: &mut Scripts,
+    world: &mut World,
+    time: Time,
+    changes: &mut Changes,
+) -> Result<(), Halt> {
+    scripts.look_up(world);
+    animate(world, time, changes);
+    Ok(scripts.run(world, time, changes)?)
 }
 
 /// Runs one system, believes what it declares, and gives newcomers their places.

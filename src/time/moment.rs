@@ -37,6 +37,23 @@ impl FrameRate {
         }
     }
 
+    /// A moment in frames: whole at those of frames, with a fraction between them.
+    ///
+    /// ```
+    /// use rayreel::time::FrameRate;
+    /// let rate = FrameRate::new(30_000, 1001).unwrap();
+    /// assert_eq!(rate.frames_at(rate.time_of(1_000_000)), 1e6);
+    /// assert_eq!(FrameRate::new(24, 1).unwrap().frames_at("0.1".parse().unwrap()), 2.4);
+    /// ```
+    #[must_use]
+    #[expect(clippy::cast_precision_loss, reason = "frames beyond 2^53 are none")]
+    pub fn frames_at(self, time: Time) -> f64 {
+        let numerator = u128::from(time.numerator) * u128::from(self.numerator);
+        let denominator = u128::from(time.denominator) * u128::from(self.denominator);
+        let (whole, rest) = (numerator / denominator, numerator % denominator);
+        whole as f64 + rest as f64 / denominator as f64
+    }
+
     /// The ratio's numerator and denominator.
     #[must_use]
     pub fn parts(self) -> (u32, u32) {

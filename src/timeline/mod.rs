@@ -42,4 +42,4 @@ pub use path::Path;
 pub use playback::{Playback, Repeat};
 pub use rotation::{Rotation, slerp};
 pub use track::{Key, Track};
-pub use value::{Kind, Value};
+pub use value::{Kind, Notation, Value};

@@ -42,3 +42,22 @@ impl Value {
         }
     }
 }
+
+/// How an animated value is written in scene files, and so in programs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Notation {
+    /// A number.
+    Number,
+    /// A number of degrees; inside, radians.
+    Degrees,
+    /// `[x, y, z]`.
+    Vector,
+    /// `[x, y, z]`, or one factor for all three.
+    Scale,
+    /// `[x, y, z]`, degrees as those of `Euler`, or a quaternion `[x, y, z, w]`.
+    Rotation,
+    /// `[r, g, b]`, 0 or more, 1 being full.
+    Light,
+    /// `[r, g, b]` from 0 to 255, or `"#rrggbb"`.
+    Color,
+}

@@ -177,7 +177,7 @@ fn entity() -> impl Strategy<Value = String> {
     let what = prop_oneof![
         6 => shape.clone(),
         2 => light.clone(),
-        1 => (shape, light).prop_map(|(shape, light)| shape + &light),
+        1 => (shape, light).prop_map(|(shape, light)| [shape, light].concat()),
         1 => Just(String::new()),
     ];
     (what, point(), rotation(), scale()).prop_map(|(what, translation, rotation, scale)| {

@@ -86,12 +86,13 @@ impl PlannedTimeline {
         let sentence = |start: &str, names: String| {
             if names.is_empty() { String::new() } else { format!("{start} {names}.\n") }
         };
-        sentence("Every frame needs", always)
-            + &sentence("Some need", at_times)
-            + &sentence(
-                "No frame needs",
-                if never > 0 { format!("the other {never}") } else { String::new() },
-            )
+        let others = if never > 0 { format!("the other {never}") } else { String::new() };
+        [
+            sentence("Every frame needs", always),
+            sentence("Some need", at_times),
+            sentence("No frame needs", others),
+        ]
+        .concat()
     }
 }
 

@@ -5,9 +5,8 @@ use std::fmt;
 use serde::de::{Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use super::{
-    ChannelDocument, ColorDocument, Notation, OffsetDocument, RotationDocument, ScaleDocument, Triple,
-};
+use super::{ChannelDocument, ColorDocument, OffsetDocument, RotationDocument, ScaleDocument, Triple};
+use crate::timeline::Notation;
 
 /// One animated value.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +18,8 @@ pub(crate) struct AnimationDocument {
     pub(crate) repeat: RepeatDocument,
     pub(crate) offset: f64,
     pub(crate) speed: f64,
+    /// Of a program, its place among the compiled ones.
+    pub(crate) script: Option<usize>,
 }
 
 /// A track of the kind of value that its channel has.
@@ -64,6 +65,8 @@ pub(crate) enum TrackDocument<T> {
         #[serde(default)]
         ease: EasingDocument,
     },
+    Script(String),
+    ScriptFile(String),
 }
 
 fn upwards() -> Triple {
@@ -72,6 +75,38 @@ fn upwards() -> Triple {
 
 fn once() -> f64 {
     1.0
+}
+
+impl<T> TrackDocument<T> {
+    /// The program, if it is one.
+    pub(crate) fn program(&self) -> Option<ProgramDocument> {
+        match self {
+            Self::Keys(_) | Self::Path { .. } | Self::Orbit { .. } => None,
+            Self::Script(text) => Some(ProgramDocument::Script(text.clone())),
+            Self::ScriptFile(name) => Some(ProgramDocument::File(name.clone())),
+        }
+    }
+}
+
+impl TracksDocument {
+    /// The program, if it is one.
+    pub(crate) fn program(&self) -> Option<ProgramDocument> {
+        match self {
+            Self::Number(track) => track.program(),
+            Self::Vector(track) => track.program(),
+            Self::Scale(track) => track.program(),
+            Self::Rotation(track) => track.program(),
+            Self::Color(track) => track.program(),
+        }
+    }
+}
+
+/// A program.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(rename = "Program")]
+pub(crate) enum ProgramDocument {
+    Script(String),
+    File(String),
 }
 
 /// `(time, value)` or `(time, value, easing)`.
@@ -208,7 +243,16 @@ impl<'de> Deserialize<'de> for AnimationDocument {
                 let track = track.ok_or_else(|| A::Error::missing_field("track"))?;
                 let (repeat, offset) = (repeat.unwrap_or_default(), offset.unwrap_or(0.0));
                 let speed = speed.unwrap_or(1.0);
-                Ok(AnimationDocument { target, material, channel, track, repeat, offset, speed })
+                Ok(AnimationDocument {
+                    target,
+                    material,
+                    channel,
+                    track,
+                    repeat,
+                    offset,
+                    speed,
+                    script: None,
+                })
             }
         }
 
@@ -217,7 +261,7 @@ impl<'de> Deserialize<'de> for AnimationDocument {
 }
 
 fn tracks<'de, A: MapAccess<'de>>(channel: ChannelDocument, map: &mut A) -> Result<TracksDocument, A::Error> {
-    match channel.notation() {
+    match channel.0.notation() {
         Notation::Number | Notation::Degrees => map.next_value().map(TracksDocument::Number),
         Notation::Vector | Notation::Light => map.next_value().map(TracksDocument::Vector),
         Notation::Scale => map.next_value().map(TracksDocument::Scale),

@@ -6,25 +6,10 @@ use serde::de::{EnumAccess, Error, VariantAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use crate::components::Property;
-use crate::timeline::Kind;
 
 /// A property by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct ChannelDocument(pub(crate) Property);
-
-/// How the values of a property are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Notation {
-    Number,
-    /// A number; radians elsewhere.
-    Degrees,
-    Vector,
-    /// Three numbers, RGB.
-    Light,
-    Scale,
-    Rotation,
-    Color,
-}
 
 impl ChannelDocument {
     const NAMES: &'static [&'static str] = &{
@@ -36,19 +21,6 @@ impl ChannelDocument {
         }
         names
     };
-
-    /// How its values are written.
-    pub(crate) fn notation(self) -> Notation {
-        match (self.0, self.0.kind()) {
-            (Property::Angle | Property::Roll | Property::Fov, _) => Notation::Degrees,
-            (Property::Scale, _) => Notation::Scale,
-            (Property::Absorption | Property::Intensity | Property::Ambient, _) => Notation::Light,
-            (_, Kind::Number) => Notation::Number,
-            (_, Kind::Vector) => Notation::Vector,
-            (_, Kind::Rotation) => Notation::Rotation,
-            (_, Kind::Color) => Notation::Color,
-        }
-    }
 }
 
 impl<'de> Deserialize<'de> for ChannelDocument {

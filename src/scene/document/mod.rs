@@ -9,9 +9,10 @@ mod settings;
 mod values;
 
 pub(super) use animation::{
-    AnimationDocument, EasingDocument, KeyDocument, RepeatDocument, TrackDocument, TracksDocument,
+    AnimationDocument, EasingDocument, KeyDocument, ProgramDocument, RepeatDocument, TrackDocument,
+    TracksDocument,
 };
-pub(super) use channel::{ChannelDocument, Notation};
+pub(super) use channel::ChannelDocument;
 pub(super) use entity::{
     AreaShapeDocument, EntityDocument, LightDocument, MaterialDocument, RotationDocument, ShapeDocument,
     TransformDocument,

@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use super::{
     AnimationDocument, BackgroundDocument, ColorDocument, EntityDocument, Entries, IncludeDocument,
-    MaterialDocument, RateDocument, Triple,
+    MaterialDocument, ProgramDocument, RateDocument, Triple,
 };
 
 /// The whole file.
@@ -25,6 +25,7 @@ pub(crate) struct SceneDocument {
     pub(crate) fog: Option<FogDocument>,
     pub(crate) materials: Entries<MaterialDocument>,
     pub(crate) entities: Vec<EntityDocument>,
+    pub(crate) spawn: Vec<ProgramDocument>,
     pub(crate) animate: Vec<AnimationDocument>,
 }
 

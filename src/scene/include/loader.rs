@@ -11,6 +11,7 @@ use super::read::{Content, Refusal, read, read_included};
 use crate::scene::Diagnostic;
 use crate::scene::document::SceneDocument;
 use crate::scene::parse::parse;
+use crate::scene::programs::{self, Compiled};
 use crate::scene::validate::{At, Problems, validate};
 
 /// Files that include each other may go so deep.
@@ -50,7 +51,7 @@ impl Files {
         match read(path) {
             Ok(content) => Loader::load(path, content),
             Err(Refusal { message, help, .. }) => {
-                let mistake = Diagnostic { message, label: String::new(), help, span: None };
+                let mistake = Diagnostic { message, label: String::new(), help, span: None, source: None };
                 Loader::load(path, Content::Garbled(String::new(), mistake))
             }
         }
@@ -75,6 +76,19 @@ impl Files {
         for (file, problems) in self.files.iter_mut().zip(problems) {
             file.problems = problems;
         }
+    }
+
+    /// Compiles the programs that drive values in every file.
+    pub(in crate::scene) fn compile(&mut self) -> Compiled {
+        let own = self.files.first().and_then(|file| file.document.as_ref());
+        let mut compiler = programs::Compiler::new(own);
+        for (index, file) in self.files.iter_mut().enumerate() {
+            if let Some(document) = &mut file.document {
+                let folder = Path::new(&file.name).parent().unwrap_or(Path::new(""));
+                compiler.compile(index, document, folder, &mut self.paths, &mut file.problems);
+            }
+        }
+        compiler.finish()
     }
 
     pub(in crate::scene) fn are_good(&self) -> bool {
@@ -112,11 +126,16 @@ impl Loader {
     fn add(&mut self, path: &Path, key: PathBuf, content: Content, from: Option<(usize, usize)>) -> usize {
         let index = self.loaded.files.len();
         self.known.insert(key, index);
-        let file = SceneFile::new(path, content, from);
+        let mut file = SceneFile::new(path, content, from);
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let own = self.loaded.files.first().unwrap_or(&file);
+        let seed = own.document.as_ref().map_or(0, |document| document.sampling.seed);
+        if let Some(document) = &mut file.document {
+            programs::spawn(document, folder, seed, &mut self.loaded.paths, &mut file.problems);
+        }
         let wanted: Vec<String> = file.document.iter().flat_map(SceneDocument::included_files).collect();
         self.loaded.files.push(file);
         self.underway.push(index);
-        let folder = path.parent().unwrap_or(Path::new(""));
         for (place, written) in wanted.iter().enumerate() {
             let found = self.include(&folder.join(written), Path::new(written), (index, place));
             let file = &mut self.loaded.files[index];

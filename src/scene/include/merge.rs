@@ -15,6 +15,9 @@ pub(in crate::scene) struct Merged {
     pub(in crate::scene) document: SceneDocument,
     /// Entities with the parents that their files do not name, by their places in the document.
     pub(in crate::scene) parents: Vec<(usize, usize)>,
+    /// Where programs drive values: which one, and what stands before the names in its file. Animations have places in this
+    /// list.
+    pub(in crate::scene) uses: Vec<(usize, String)>,
 }
 
 impl Files {
@@ -56,6 +59,7 @@ struct Merger<'a> {
     animate: Vec<AnimationDocument>,
     animated: HashMap<Animated, usize>,
     parents: Vec<(usize, usize)>,
+    uses: Vec<(usize, String)>,
     runs: Vec<Run>,
 }
 
@@ -69,6 +73,7 @@ impl<'a> Merger<'a> {
             animate: Vec::new(),
             animated: HashMap::new(),
             parents: Vec::new(),
+            uses: Vec::new(),
             runs: Vec::new(),
         }
     }
@@ -80,13 +85,17 @@ impl<'a> Merger<'a> {
             self.materials.append(&mut scene.materials.0);
             self.entities.append(&mut scene.entities);
             for animation in std::mem::take(&mut scene.animate) {
-                self.add_animation(animation);
+                self.add_animation(animation, "");
             }
             scene.materials.0 = self.materials;
             scene.entities = self.entities;
             scene.animate = self.animate;
+        } else {
+            for animation in &mut scene.animate {
+                use_program(animation, "", &mut self.uses);
+            }
         }
-        (Merged { document: scene, parents: self.parents }, self.runs)
+        (Merged { document: scene, parents: self.parents, uses: self.uses }, self.runs)
     }
 
     fn add_includes(
@@ -142,7 +151,7 @@ impl<'a> Merger<'a> {
         for animation in &part.animate {
             if !animation.target.as_deref().is_some_and(stays_out) {
                 let (target, material) = (prefixed(&animation.target), prefixed(&animation.material));
-                self.add_animation(AnimationDocument { target, material, ..animation.clone() });
+                self.add_animation(AnimationDocument { target, material, ..animation.clone() }, prefix);
             }
         }
     }
@@ -156,7 +165,8 @@ impl<'a> Merger<'a> {
     }
 
     /// What a file says of a value stands in for what its parts say.
-    fn add_animation(&mut self, animation: AnimationDocument) {
+    fn add_animation(&mut self, mut animation: AnimationDocument, prefix: &str) {
+        use_program(&mut animation, prefix, &mut self.uses);
         let what = (animation.target.clone(), animation.material.clone(), animation.channel.0);
         let index = *self.animated.entry(what).or_insert(self.animate.len());
         match self.animate.get_mut(index) {
@@ -167,5 +177,13 @@ impl<'a> Merger<'a> {
 
     fn start_run(&mut self, file: usize, list: &'static str, index: usize) {
         self.runs.push(Run { first: self.entities.len(), origin: Origin { file, list, index } });
+    }
+}
+
+/// Gives an animation by a program its own place among the uses of programs.
+fn use_program(animation: &mut AnimationDocument, prefix: &str, uses: &mut Vec<(usize, String)>) {
+    if let Some(program) = &mut animation.script {
+        uses.push((*program, prefix.to_owned()));
+        *program = uses.len() - 1;
     }
 }

@@ -87,6 +87,7 @@ fn garbled(error: &std::string::FromUtf8Error) -> Content {
         label: format!("the byte 0x{byte:02x} is not part of any character"),
         help: Some("save the file as UTF-8; is it really a scene?".to_owned()),
         span: Some(valid..valid + char::REPLACEMENT_CHARACTER.len_utf8()),
+        source: None,
     };
     Content::Garbled(text, diagnostic)
 }

@@ -6,10 +6,11 @@ use super::entities::{box_size, rotation, scale};
 use super::{At, Problems, cameras, channels, check, lights, settings, ways};
 use crate::components::Property;
 use crate::scene::document::{
-    AnimationDocument, ChannelDocument, EasingDocument, Notation, OffsetDocument, SceneDocument,
+    AnimationDocument, ChannelDocument, EasingDocument, OffsetDocument, RepeatDocument, SceneDocument,
     TrackDocument, TracksDocument, Triple,
 };
 use crate::scene::include::Scope;
+use crate::timeline::Notation;
 
 pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_>, problems: &mut Problems) {
     let mut seen = HashMap::new();
@@ -32,6 +33,20 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
 }
 
 fn playback(animation: &AnimationDocument, at: &At<'_>, problems: &mut Problems) {
+    if animation.track.program().is_some() {
+        let AnimationDocument { repeat, offset, speed, .. } = animation;
+        let help = "leave it out, and write another time into the script, as sin(2 * (t - 1)) or mod(t, 3)";
+        for (name, is_usual) in [
+            ("repeat", *repeat == RepeatDocument::default()),
+            ("offset", *offset == 0.0),
+            ("speed", *speed == 1.0),
+        ] {
+            if !is_usual {
+                problems.add(&at.field(name), format!("a script has no `{name}`"), "of keys only", help);
+            }
+        }
+        return;
+    }
     check::number(animation.offset, &at.field("offset"), problems);
     let at = at.field("speed");
     if check::number(animation.speed, &at, problems) && animation.speed == 0.0 {
@@ -110,8 +125,13 @@ fn keys<T>(
     problems: &mut Problems,
     value: impl Fn(&T, &At<'_>, &mut Problems),
 ) {
-    let TrackDocument::Keys(keys) = track else {
-        return ways::validate(channel.0, track, at, problems);
+    let keys = match track {
+        TrackDocument::Keys(keys) => keys,
+        TrackDocument::Path { .. } | TrackDocument::Orbit { .. } => {
+            return ways::validate(channel.0, track, at, problems);
+        }
+        // Found to be right or wrong when they were compiled.
+        TrackDocument::Script(_) | TrackDocument::ScriptFile(_) => return,
     };
     let list = at.index(0);
     if keys.is_empty() {
@@ -133,7 +153,7 @@ fn keys<T>(
             previous = key.time;
         }
         value(&key.value, &at.index(1), problems);
-        easing(key.easing, channel.notation(), &at.index(2), problems);
+        easing(key.easing, channel.0.notation(), &at.index(2), problems);
     }
 }
 

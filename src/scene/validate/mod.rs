@@ -13,7 +13,7 @@ mod ways;
 
 use super::document::SceneDocument;
 use super::include::Scope;
-pub(super) use problems::{At, Problems};
+pub(super) use problems::{At, Problems, help_for};
 use problems::{Named, check};
 
 /// The largest magnitude of a coordinate or a length: products of four stay finite.

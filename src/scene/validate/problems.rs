@@ -2,16 +2,39 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::Arc;
 
-use crate::scene::Diagnostic;
-use crate::scene::spans::{Step, locate};
+use crate::scene::spans::{Step, inside_text, locate};
 use crate::scene::suggest::remedy;
+use crate::scene::{Diagnostic, Source};
+use crate::script::ScriptError;
 
 /// Mistakes found so far. Beyond [`Problems::MOST`] they are only counted.
 #[derive(Debug, Default)]
 pub(in crate::scene) struct Problems {
     listed: Vec<Problem>,
     unlisted: usize,
+    spawned: Spawned,
+}
+
+/// Entities of the document that are not in the file: scripts spawned them.
+#[derive(Debug, Default)]
+struct Spawned {
+    /// The first one's place among the entities.
+    first: usize,
+    /// Of each, the script's place in the list, and where in it `spawn` is called.
+    calls: Vec<(u32, u32)>,
+    /// Scripts that are files of their own, by their places in the list.
+    files: BTreeMap<u32, Arc<Source>>,
+}
+
+/// A place in the text of a script.
+#[derive(Debug)]
+struct Inside {
+    /// `None` where the script is written in the scene file.
+    source: Option<Arc<Source>>,
+    span: Range<usize>,
 }
 
 /// What has names in a scene.
@@ -25,9 +48,10 @@ pub(super) enum Named {
 #[derive(Debug)]
 struct Problem {
     path: Vec<Step>,
+    inside: Option<Inside>,
     message: String,
     label: String,
-    help: String,
+    help: Option<String>,
 }
 
 /// A value's place in the document: a path from the scene to it, kept on the stack while the document is walked.
@@ -80,9 +104,42 @@ impl Problems {
             self.unlisted += 1;
             return;
         }
-        let problem =
-            Problem { path: at.path(), message: message.into(), label: label.into(), help: help.into() };
-        self.listed.push(problem);
+        let (message, label, help) = (message.into(), label.into(), Some(help.into()));
+        let (path, inside) = match self.spawned.call(&at.path()) {
+            Some((path, inside)) => (path, Some(inside)),
+            None => (at.path(), None),
+        };
+        self.listed.push(Problem { path, inside, message, label, help });
+    }
+
+    /// A mistake in a script: in the text at this place, or in a file of its own.
+    pub(in crate::scene) fn add_script(
+        &mut self,
+        at: &At<'_>,
+        source: Option<Arc<Source>>,
+        error: &ScriptError,
+    ) {
+        if self.listed.len() == Self::MOST {
+            self.unlisted += 1;
+            return;
+        }
+        let (message, label) = (error.message.clone(), error.label.clone());
+        let inside = Some(Inside { source, span: error.span.clone() });
+        self.listed.push(Problem { path: at.index(0).path(), inside, message, label, help: help_for(error) });
+    }
+
+    /// The entities from this place on are spawned by scripts.
+    pub(in crate::scene) fn spawned_from(&mut self, first: usize) {
+        self.spawned.first = first;
+    }
+
+    /// The next of them is spawned by the script at an index of the list, by the call at a byte of its text.
+    pub(in crate::scene) fn spawned_at(&mut self, script: usize, source: Option<&Arc<Source>>, byte: usize) {
+        let index = |index: usize| u32::try_from(index).unwrap_or(u32::MAX);
+        if let Some(source) = source {
+            self.spawned.files.entry(index(script)).or_insert_with(|| Arc::clone(source));
+        }
+        self.spawned.calls.push((index(script), index(byte)));
     }
 
     /// As [`Problems::add`], for a name that is not among the known ones; they are looked through only if it is listed.
@@ -122,12 +179,37 @@ impl Problems {
         let spans = locate(text, &paths);
         let mut ordered = BTreeMap::new();
         for (index, (problem, span)) in self.listed.into_iter().zip(spans).enumerate() {
-            let Problem { message, label, help, .. } = problem;
-            let key = (span.start, span.end, index);
-            ordered.insert(key, Diagnostic { message, label, help: Some(help), span: Some(span) });
+            let Problem { message, label, help, inside, .. } = problem;
+            let (start, end) = (span.start, span.end);
+            let (span, source) = match inside {
+                Some(Inside { source: Some(source), span }) => (span, Some(source)),
+                Some(Inside { source: None, span: inside }) => (inside_text(text, span, &inside), None),
+                None => (span, None),
+            };
+            let key = (start, end, span.start, index);
+            ordered.insert(key, Diagnostic { message, label, help, span: Some(span), source });
         }
         (ordered.into_values().collect(), self.unlisted)
     }
+}
+
+impl Spawned {
+    /// For the path of a spawned entity, or into it: the path of the script, and the call.
+    fn call(&self, path: &[Step]) -> Option<(Vec<Step>, Inside)> {
+        let [Step::Field("entities"), Step::Index(index), ..] = path else { return None };
+        let (script, byte) = *self.calls.get(index.checked_sub(self.first)?)?;
+        let start = byte as usize;
+        let source = self.files.get(&script).cloned();
+        let inside = Inside { source, span: start..start + "spawn".len() };
+        Some((vec![Step::Field("spawn"), Step::Index(script as usize), Step::Index(0)], inside))
+    }
+}
+
+/// How to mend a script: by a name that is known, if one is not.
+pub(in crate::scene) fn help_for(error: &ScriptError) -> Option<String> {
+    let Some(unknown) = &error.unknown else { return error.help.clone() };
+    let known: Vec<&str> = unknown.known.iter().map(String::as_str).collect();
+    Some(remedy(&unknown.name, &known, unknown.kind))
 }
 
 /// Ranges that many values share.

@@ -3,7 +3,8 @@
 use super::animation::easing;
 use super::{At, Problems, check};
 use crate::components::Property;
-use crate::scene::document::{EasingDocument, Notation, TrackDocument};
+use crate::scene::document::{EasingDocument, TrackDocument};
+use crate::timeline::Notation;
 
 /// A track that is not keyed.
 pub(super) fn validate<T>(
@@ -22,7 +23,7 @@ pub(super) fn validate<T>(
         return;
     }
     match track {
-        TrackDocument::Keys(_) => {}
+        TrackDocument::Keys(_) | TrackDocument::Script(_) | TrackDocument::ScriptFile(_) => {}
         TrackDocument::Path { points, start, duration, speed, ease, .. } => {
             self::points(points, &at.field("points"), problems);
             check::number(*start, &at.field("start"), problems);

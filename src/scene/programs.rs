@@ -1,0 +1,215 @@
+//! The programs of a scene file: read, compiled, and run where they spawn.
+
+use std::collections::HashMap;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::Sources;
+use super::diagnostic::Source;
+use super::document::{EntityDocument, ProgramDocument, SceneDocument, TransferDocument};
+use super::script_sources::{SceneScripts, ScriptPlace};
+use super::spawn::transfer;
+use super::validate::{At, Problems};
+use super::{data, suggest};
+use crate::script::{Language, Programs, ScriptError, limits, run_spawning};
+
+/// Runs the programs that spawn. Their entities follow the document's own.
+pub(super) fn spawn(
+    document: &mut SceneDocument,
+    folder: &Path,
+    seed: u64,
+    paths: &mut Vec<PathBuf>,
+    problems: &mut Problems,
+) {
+    let scene = At::scene();
+    let list = scene.field("spawn");
+    problems.spawned_from(document.entities.len());
+    for (index, program) in document.spawn.iter().enumerate() {
+        let at = list.index(index);
+        let Some(code) = Code::read(program, folder, paths, &at, problems) else { continue };
+        let (result, spawned) = run(&code.text, seed);
+        for (entity, place) in spawned {
+            document.entities.push(entity);
+            problems.spawned_at(index, code.source.as_ref(), place);
+        }
+        if let Err(error) = result {
+            problems.add_script(&at, code.source, &error);
+        }
+    }
+}
+
+/// Compiles the programs that drive values, file after file.
+pub(super) struct Compiler {
+    compiled: Compiled,
+}
+
+/// The programs of a scene, and where they are written.
+pub(super) struct Compiled {
+    programs: Programs,
+    places: Vec<Written>,
+}
+
+/// Where a program is written.
+struct Written {
+    file: usize,
+    /// The place in its list.
+    animation: usize,
+    /// If it is a file of its own.
+    source: Option<Arc<Source>>,
+}
+
+impl Compiler {
+    /// For a scene that has this document in its own file.
+    pub(super) fn new(scene: Option<&SceneDocument>) -> Self {
+        let (seed, film) =
+            scene.map_or((0, TransferDocument::Classic), |scene| (scene.sampling.seed, scene.film.transfer));
+        let programs = Programs::new(Language::new(seed), transfer(film));
+        Self { compiled: Compiled { programs, places: Vec::new() } }
+    }
+
+    /// The programs of a file; its animations get their places among all programs.
+    pub(super) fn compile(
+        &mut self,
+        file: usize,
+        document: &mut SceneDocument,
+        folder: &Path,
+        paths: &mut Vec<PathBuf>,
+        problems: &mut Problems,
+    ) {
+        let Compiled { programs, places } = &mut self.compiled;
+        let scene = At::scene();
+        let list = scene.field("animate");
+        for (index, animation) in document.animate.iter_mut().enumerate() {
+            let Some(program) = animation.track.program() else { continue };
+            let animation_at = list.index(index);
+            let at = animation_at.field("track");
+            let Some(code) = Code::read(&program, folder, paths, &at, problems) else { continue };
+            match programs.language.compile(&code.text) {
+                Ok(program) => {
+                    animation.script = Some(programs.list.len());
+                    programs.list.push(program);
+                    places.push(Written { file, animation: index, source: code.source });
+                }
+                Err(error) => problems.add_script(&at, code.source, &error),
+            }
+        }
+    }
+
+    pub(super) fn finish(self) -> Compiled {
+        self.compiled
+    }
+}
+
+impl Compiled {
+    /// With what drives which value, and the places in the files' texts. Texts are kept only where there is a program in them.
+    pub(super) fn placed(mut self, uses: &[(usize, String)], sources: &Sources) -> SceneScripts {
+        let mut kept: HashMap<usize, Arc<Source>> = HashMap::new();
+        let places: Vec<ScriptPlace> = self
+            .places
+            .iter()
+            .map(|written| match &written.source {
+                Some(source) => ScriptPlace { source: Arc::clone(source), animation: None },
+                None => {
+                    let source = kept.entry(written.file).or_insert_with(|| {
+                        let (file, text) = sources.file(written.file).unwrap_or_default();
+                        Arc::new(Source { file: file.to_owned(), text: text.to_owned() })
+                    });
+                    ScriptPlace { source: Arc::clone(source), animation: Some(written.animation) }
+                }
+            })
+            .collect();
+        self.programs.uses = uses.to_vec();
+        let places = uses.iter().filter_map(|(program, _)| places.get(*program).cloned()).collect();
+        SceneScripts::new(self.programs, places)
+    }
+}
+
+type Spawned = Vec<(EntityDocument, usize)>;
+
+/// All that a program spawns until it ends, or goes wrong.
+fn run(text: &str, seed: u64) -> (Result<(), ScriptError>, Spawned) {
+    let list = Arc::new(Mutex::new(Spawned::new()));
+    let into = Arc::clone(&list);
+    let result = run_spawning(text, seed, move |spawned| {
+        let entity = data::entity(spawned.entity)?;
+        into.lock().unwrap_or_else(PoisonError::into_inner).push((entity, spawned.at));
+        Ok(())
+    });
+    let spawned = std::mem::take(&mut *list.lock().unwrap_or_else(PoisonError::into_inner));
+    (result, spawned)
+}
+
+/// A program's text, and the file that it is in if that is not the scene's.
+pub(super) struct Code {
+    pub(super) text: String,
+    pub(super) source: Option<Arc<Source>>,
+}
+
+impl Code {
+    /// `None` if it cannot be had, which is then among the problems.
+    pub(super) fn read(
+        program: &ProgramDocument,
+        folder: &Path,
+        paths: &mut Vec<PathBuf>,
+        at: &At<'_>,
+        problems: &mut Problems,
+    ) -> Option<Self> {
+        match program {
+            ProgramDocument::Script(text) => Some(Self { text: text.clone(), source: None }),
+            ProgramDocument::File(name) => match read(&remembered(folder.join(name), paths)) {
+                Ok(text) => {
+                    let file = folder.join(name).display().to_string();
+                    Some(Self { source: Some(Arc::new(Source { file, text: text.clone() })), text })
+                }
+                Err((message, help)) => {
+                    problems.add(&at.index(0), message, "not readable", help);
+                    None
+                }
+            },
+        }
+    }
+}
+
+/// A path, which matters to the scene from now on.
+fn remembered(path: PathBuf, paths: &mut Vec<PathBuf>) -> PathBuf {
+    if !paths.contains(&path) {
+        paths.push(path.clone());
+    }
+    path
+}
+
+/// A file's text, or what is wrong with it and a remedy.
+fn read(path: &Path) -> Result<String, (String, String)> {
+    let file = path.display();
+    let remedy = || "write the path of a text file, as seen from the scene file's folder".to_owned();
+    let size = std::fs::metadata(path).map_err(|error| match error.kind() {
+        ErrorKind::NotFound => (format!("there is no file `{file}`"), nearby(path).unwrap_or_else(remedy)),
+        _ => (format!("`{file}` cannot be read: {error}"), remedy()),
+    })?;
+    if !size.is_file() {
+        return Err((format!("`{file}` is not a file"), remedy()));
+    }
+    if size.len() > limits::PROGRAM as u64 {
+        return Err((
+            format!("`{file}` is too long for a script"),
+            format!("a script has at most {} bytes", limits::PROGRAM),
+        ));
+    }
+    let bytes =
+        std::fs::read(path).map_err(|error| (format!("`{file}` cannot be read: {error}"), remedy()))?;
+    let text = String::from_utf8(bytes).map_err(|_| {
+        (format!("`{file}` is not UTF-8 text"), "save it as UTF-8; is it really a script?".to_owned())
+    })?;
+    Ok(text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_owned))
+}
+
+/// For a file that is not there: the nearest name beside it.
+fn nearby(path: &Path) -> Option<String> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let entries = std::fs::read_dir(folder).ok()?.flatten();
+    let mut names: Vec<String> = entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+    names.sort_unstable();
+    let name = suggest::nearest(path.file_name()?.to_str()?, names.iter().map(String::as_str))?;
+    Some(format!("did you mean `{name}`?"))
+}

@@ -1,0 +1,106 @@
+//! The programs of a scene with their places in texts, so that what goes wrong while frames are made can be shown.
+
+use std::fmt;
+use std::sync::Arc;
+
+use super::spans::{Step, inside_text, locate};
+use super::validate::help_for;
+use super::{Diagnostic, Place, Source};
+use crate::components::ScriptId;
+use crate::script::{Programs, ScriptError};
+
+/// The programs that drive values of a scene.
+#[derive(Debug)]
+pub struct SceneScripts {
+    programs: Programs,
+    sources: ScriptSources,
+}
+
+/// Where the programs of a scene are written.
+#[derive(Clone, Debug, Default)]
+pub struct ScriptSources {
+    places: Vec<ScriptPlace>,
+}
+
+/// Where a program is written.
+#[derive(Clone, Debug)]
+pub(super) struct ScriptPlace {
+    pub(super) source: Arc<Source>,
+    /// The animation that it is in, by its place in the list; `None` for a whole file.
+    pub(super) animation: Option<usize>,
+}
+
+/// What went wrong in a script while a frame was made. Displays as a compiler would, without colours.
+#[derive(Clone, Debug)]
+pub struct ScriptMistake {
+    diagnostic: Diagnostic,
+}
+
+impl SceneScripts {
+    pub(super) fn new(programs: Programs, places: Vec<ScriptPlace>) -> Self {
+        Self { programs, sources: ScriptSources { places } }
+    }
+
+    /// Are there none?
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.programs.uses.is_empty()
+    }
+
+    /// The programs, and where they are written.
+    #[must_use]
+    pub fn into_parts(self) -> (Programs, ScriptSources) {
+        (self.programs, self.sources)
+    }
+}
+
+impl ScriptSources {
+    /// A mistake of a program; `about` says what it drives, and when.
+    #[must_use]
+    pub fn mistake(&self, script: ScriptId, about: &str, error: &ScriptError) -> ScriptMistake {
+        let (message, label) = (format!("{about}: {}", error.message), error.label.clone());
+        let (span, source) = match self.places.get(script.0) {
+            Some(ScriptPlace { source, animation: Some(animation) }) => {
+                let path =
+                    [Step::Field("animate"), Step::Index(*animation), Step::Field("track"), Step::Index(0)];
+                let span = locate(&source.text, &[path.to_vec()])[0].clone();
+                let span = inside_text(&source.text, span, &error.span);
+                (Some(span), Some(Arc::clone(source)))
+            }
+            Some(ScriptPlace { source, animation: None }) => {
+                (Some(error.span.clone()), Some(Arc::clone(source)))
+            }
+            None => (None, None),
+        };
+        ScriptMistake { diagnostic: Diagnostic { message, label, help: help_for(error), span, source } }
+    }
+}
+
+impl ScriptMistake {
+    /// Cause, place and remedy.
+    #[must_use]
+    pub fn diagnostic(&self) -> &Diagnostic {
+        &self.diagnostic
+    }
+
+    /// Where it is.
+    #[must_use]
+    pub fn place(&self) -> Option<Place> {
+        let (source, span) = (self.diagnostic.source.as_ref()?, self.diagnostic.span.as_ref()?);
+        Some(Place::of(&source.text, span.start))
+    }
+
+    /// As a compiler would show it, with colours for a terminal or without.
+    #[must_use]
+    pub fn render(&self, color: bool) -> String {
+        self.diagnostic.render("scripts", "", color)
+    }
+}
+
+impl fmt::Display for ScriptMistake {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.render(false))
+    }
+}
+
+impl std::error::Error for ScriptMistake {}

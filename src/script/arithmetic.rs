@@ -1,0 +1,226 @@
+//! The operators. Whole numbers and others mix freely: a whole number stays one where the result is whole and fits, except
+//! that `/` always divides as real numbers do. Lists of numbers of the same length are added, subtracted, multiplied and divided
+//! part by part, and with a number each part alike.
+
+use rhai::{Dynamic, Engine, EvalAltResult, FLOAT, INT, ImmutableString, Position};
+
+use super::data::kind;
+use super::{limits, maths, work};
+
+pub(super) type Outcome = Result<Dynamic, Box<EvalAltResult>>;
+
+/// An error whose place is that of the call. A second line is the remedy.
+pub(super) fn failed<T>(message: impl Into<String>) -> Result<T, Box<EvalAltResult>> {
+    Err(EvalAltResult::ErrorArithmetic(message.into(), Position::NONE).into())
+}
+
+/// A number, if it is one.
+pub(super) fn finite(value: FLOAT) -> Outcome {
+    if value.is_nan() {
+        return failed(
+            "the result is not a number\nsome functions do not take all numbers: sqrt none below 0",
+        );
+    }
+    if value.is_infinite() {
+        return failed("the result is too large for a number\nnumbers reach to about 1.8e308");
+    }
+    Ok(Dynamic::from_float(value))
+}
+
+/// A whole number or another, as the latter.
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "whole numbers beyond 2^53 round, as any number in a file does"
+)]
+pub(super) fn number(value: &Dynamic) -> Option<FLOAT> {
+    value.as_float().ok().or_else(|| value.as_int().ok().map(|whole| whole as FLOAT))
+}
+
+#[derive(Clone, Copy)]
+enum Operator {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Remainder,
+    Power,
+}
+
+impl Operator {
+    const ALL: [Self; 6] =
+        [Self::Add, Self::Subtract, Self::Multiply, Self::Divide, Self::Remainder, Self::Power];
+
+    fn symbol(self) -> &'static str {
+        match self {
+            Self::Add => "+",
+            Self::Subtract => "-",
+            Self::Multiply => "*",
+            Self::Divide => "/",
+            Self::Remainder => "%",
+            Self::Power => "**",
+        }
+    }
+
+    fn apply(self, left: &Dynamic, right: &Dynamic) -> Outcome {
+        if let (Ok(left), Ok(right)) = (left.as_int(), right.as_int())
+            && let Some(whole) = self.whole(left, right)
+        {
+            return Ok(Dynamic::from_int(whole));
+        }
+        if let (Some(left), Some(right)) = (number(left), number(right)) {
+            return self.numbers(left, right);
+        }
+        if matches!(self, Self::Add) && (left.is_string() || right.is_string()) {
+            return joined(left, right);
+        }
+        if left.is_array() || right.is_array() {
+            return self.parts(left, right);
+        }
+        self.unfit(left, right)
+    }
+
+    /// Where the result is whole and fits.
+    fn whole(self, left: INT, right: INT) -> Option<INT> {
+        match self {
+            Self::Add => left.checked_add(right),
+            Self::Subtract => left.checked_sub(right),
+            Self::Multiply => left.checked_mul(right),
+            Self::Divide => None,
+            Self::Remainder => left.checked_rem(right),
+            Self::Power => left.checked_pow(u32::try_from(right).ok()?),
+        }
+    }
+
+    fn numbers(self, left: FLOAT, right: FLOAT) -> Outcome {
+        match self {
+            Self::Add => finite(left + right),
+            Self::Subtract => finite(left - right),
+            Self::Multiply => finite(left * right),
+            Self::Divide | Self::Remainder if right == 0.0 => {
+                failed(format!("division by zero\n{left} is divided by something that is 0 here"))
+            }
+            Self::Divide => finite(left / right),
+            Self::Remainder => finite(left % right),
+            Self::Power => maths::power(left, right),
+        }
+    }
+
+    /// Part by part.
+    fn parts(self, left: &Dynamic, right: &Dynamic) -> Outcome {
+        let numbers = |value: &Dynamic| number(value).is_some();
+        let lists = (left.as_array_ref(), right.as_array_ref());
+        work::add(lists.0.as_ref().or(lists.1.as_ref()).map_or(0, |list| list.len()));
+        let parts: Vec<Dynamic> = match lists {
+            (Ok(left), Ok(right)) if left.len() == right.len() => left
+                .iter()
+                .zip(&*right)
+                .map(|(left, right)| self.apply(left, right))
+                .collect::<Result<_, _>>()?,
+            (Ok(left), Ok(right)) => {
+                let (left, right) = (left.len(), right.len());
+                return failed(format!(
+                    "`{}` of a list of {left} and a list of {right} values\nboth must have the same length; `append(a, b)` makes one list of two",
+                    self.symbol()
+                ));
+            }
+            (Ok(left), Err(_)) if numbers(right) => {
+                left.iter().map(|part| self.apply(part, right)).collect::<Result<_, _>>()?
+            }
+            (Err(_), Ok(right)) if numbers(left) => {
+                right.iter().map(|part| self.apply(left, part)).collect::<Result<_, _>>()?
+            }
+            _ => return self.unfit(left, right),
+        };
+        Ok(Dynamic::from_array(parts))
+    }
+
+    fn unfit(self, left: &Dynamic, right: &Dynamic) -> Outcome {
+        failed(format!("`{}` does not take {} and {}", self.symbol(), kind(left), kind(right)))
+    }
+}
+
+/// Texts, and texts with numbers.
+fn joined(left: &Dynamic, right: &Dynamic) -> Outcome {
+    let text = format!("{}{}", text_of(left)?, text_of(right)?);
+    if text.len() > limits::TEXT {
+        return failed(format!("this text is longer than {} bytes", limits::TEXT));
+    }
+    Ok(ImmutableString::from(text).into())
+}
+
+fn text_of(value: &Dynamic) -> Result<String, Box<EvalAltResult>> {
+    if let Ok(text) = value.as_immutable_string_ref() {
+        return Ok(text.to_string());
+    }
+    if let Ok(whole) = value.as_int() {
+        return Ok(whole.to_string());
+    }
+    match (value.as_float(), value.as_bool()) {
+        (Ok(number), _) => Ok(number.to_string()),
+        (_, Ok(flag)) => Ok(flag.to_string()),
+        _ => failed(format!("`+` does not join a text and {}", kind(value))),
+    }
+}
+
+fn negative(value: &Dynamic) -> Outcome {
+    if let Some(whole) = value.as_int().ok().and_then(INT::checked_neg) {
+        return Ok(Dynamic::from_int(whole));
+    }
+    if let Some(number) = number(value) {
+        return Ok(Dynamic::from_float(-number));
+    }
+    match value.as_array_ref() {
+        Ok(parts) => Ok(Dynamic::from_array(parts.iter().map(negative).collect::<Result<_, _>>()?)),
+        Err(_) => failed(format!("`-` does not take {}", kind(value))),
+    }
+}
+
+/// Numbers by value, lists part by part, all else by kind and value.
+pub(super) fn equal(left: &Dynamic, right: &Dynamic) -> bool {
+    if let (Ok(left), Ok(right)) = (left.as_int(), right.as_int()) {
+        return left == right;
+    }
+    if let (Some(left), Some(right)) = (number(left), number(right)) {
+        return left == right;
+    }
+    if let (Ok(left), Ok(right)) = (left.as_array_ref(), right.as_array_ref()) {
+        work::add(left.len());
+        return left.len() == right.len() && left.iter().zip(&*right).all(|(left, right)| equal(left, right));
+    }
+    if let (Ok(left), Ok(right)) = (left.as_map_ref(), right.as_map_ref()) {
+        let same = |((a, left), (b, right)): ((&_, &Dynamic), (&_, &Dynamic))| a == b && equal(left, right);
+        return left.len() == right.len() && left.iter().zip(right.iter()).all(same);
+    }
+    if let (Ok(left), Ok(right)) = (left.as_immutable_string_ref(), right.as_immutable_string_ref()) {
+        return *left == *right;
+    }
+    match (left.as_bool(), right.as_bool()) {
+        (Ok(left), Ok(right)) => left == right,
+        _ => left.is_unit() && right.is_unit(),
+    }
+}
+
+pub(super) fn register(engine: &mut Engine) {
+    for operator in Operator::ALL {
+        let symbol = operator.symbol();
+        engine.register_fn(symbol, move |left: Dynamic, right: Dynamic| operator.apply(&left, &right));
+        engine.register_fn(
+            format!("{symbol}="),
+            move |left: &mut Dynamic, right: Dynamic| -> Result<(), Box<EvalAltResult>> {
+                *left = operator.apply(left, &right)?;
+                Ok(())
+            },
+        );
+    }
+    engine.register_fn("-", |value: Dynamic| negative(&value));
+    engine.register_fn("+", |value: Dynamic| {
+        if number(&value).is_some() {
+            Ok(value)
+        } else {
+            failed(format!("`+` does not take {}", kind(&value)))
+        }
+    });
+    engine.register_fn("!", |flag: bool| !flag);
+    engine.register_fn("==", |left: Dynamic, right: Dynamic| equal(&left, &right));
+    engine.register_fn("!=", |left: Dynamic, right: Dynamic| !equal(&left, &right));
+}

@@ -1,0 +1,230 @@
+//! What programs give and are given: plain data, and animated values as data.
+
+use glam::{DVec3, Vec3};
+use rhai::{Dynamic, FnPtr, ImmutableString};
+
+use super::arithmetic::number;
+use crate::color::Transfer;
+use crate::timeline::{Notation, Rotation, Value};
+
+/// A value that a program gives or is given.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Data {
+    /// `()`: a program whose last statement is not an expression gives it.
+    Nothing,
+    /// True or false.
+    Flag(bool),
+    /// Any finite number.
+    Number(f64),
+    /// A whole number that is written as one.
+    Whole(i64),
+    /// A text.
+    Text(String),
+    /// `[a, b, c]`.
+    List(Vec<Data>),
+    /// `#{ name: value }`, in the order of the names.
+    Map(Vec<(String, Data)>),
+    /// What no value can be made of, by what it is.
+    Other(&'static str),
+}
+
+impl Data {
+    pub(super) fn of(value: &Dynamic) -> Self {
+        if let Ok(whole) = value.as_int() {
+            return Self::Whole(whole);
+        }
+        if let Ok(number) = value.as_float() {
+            return Self::Number(number);
+        }
+        if let Ok(flag) = value.as_bool() {
+            return Self::Flag(flag);
+        }
+        if let Ok(text) = value.as_immutable_string_ref() {
+            return Self::Text(text.to_string());
+        }
+        if let Ok(list) = value.as_array_ref() {
+            return Self::List(list.iter().map(Self::of).collect());
+        }
+        if let Ok(map) = value.as_map_ref() {
+            return Self::Map(map.iter().map(|(name, value)| (name.to_string(), Self::of(value))).collect());
+        }
+        if value.is_unit() { Self::Nothing } else { Self::Other(kind(value)) }
+    }
+
+    pub(super) fn into_dynamic(self) -> Dynamic {
+        match self {
+            Self::Nothing | Self::Other(_) => Dynamic::UNIT,
+            Self::Flag(flag) => Dynamic::from_bool(flag),
+            Self::Number(number) => Dynamic::from_float(number),
+            Self::Whole(whole) => Dynamic::from_int(whole),
+            Self::Text(text) => ImmutableString::from(text).into(),
+            Self::List(list) => Dynamic::from_array(list.into_iter().map(Self::into_dynamic).collect()),
+            Self::Map(map) => Dynamic::from_map(
+                map.into_iter().map(|(name, value)| (name.into(), value.into_dynamic())).collect(),
+            ),
+        }
+    }
+
+    /// What it is, in words: `a list of 2 values`.
+    #[must_use]
+    pub fn description(&self) -> String {
+        match self {
+            Self::Nothing => "nothing".to_owned(),
+            Self::Flag(flag) => flag.to_string(),
+            Self::Number(number) => format!("the number {number}"),
+            Self::Whole(whole) => format!("the number {whole}"),
+            Self::Text(text) if text.chars().count() <= 40 => format!("the text \"{text}\""),
+            Self::Text(_) => "a long text".to_owned(),
+            Self::List(list) if list.len() == 1 => "a list of 1 value".to_owned(),
+            Self::List(list) => format!("a list of {} values", list.len()),
+            Self::Map(_) => "a map".to_owned(),
+            Self::Other(what) => (*what).to_owned(),
+        }
+    }
+
+    #[expect(clippy::cast_precision_loss, reason = "whole numbers beyond 2^53 round, as in a file")]
+    fn number(&self) -> Option<f64> {
+        match self {
+            Self::Number(number) => Some(*number),
+            Self::Whole(whole) => Some(*whole as f64),
+            _ => None,
+        }
+    }
+
+    /// A list of so many numbers.
+    fn numbers<const COUNT: usize>(&self) -> Option<[f64; COUNT]> {
+        let Self::List(list) = self else { return None };
+        let numbers: Vec<f64> = list.iter().map(Self::number).collect::<Option<_>>()?;
+        numbers.try_into().ok()
+    }
+}
+
+impl From<[f64; 3]> for Data {
+    fn from(numbers: [f64; 3]) -> Self {
+        Self::List(numbers.map(Self::Number).into())
+    }
+}
+
+/// What a value is called in messages.
+pub(super) fn kind(value: &Dynamic) -> &'static str {
+    if number(value).is_some() {
+        "a number"
+    } else if value.is_string() {
+        "a text"
+    } else if value.is_array() {
+        "a list"
+    } else if value.is_map() {
+        "a map"
+    } else if value.is_bool() {
+        "true or false"
+    } else if value.is_unit() {
+        "nothing"
+    } else if value.is::<FnPtr>() {
+        "a function"
+    } else if value.is_char() {
+        "a character"
+    } else {
+        "a range"
+    }
+}
+
+impl Notation {
+    /// The largest magnitude of a number, as in scene files.
+    const LARGEST: f64 = 1e60;
+    /// The most light, likewise.
+    const MOST_LIGHT: f64 = 1e30;
+
+    /// What is expected, with an example.
+    #[must_use]
+    pub fn expected(self) -> &'static str {
+        match self {
+            Self::Number => "a number, as 0.5",
+            Self::Degrees => "a number of degrees, as 90",
+            Self::Vector => "three numbers, as [0, 1, 0]",
+            Self::Scale => "a factor, as 2, or three, as [1, 2, 1]",
+            Self::Rotation => {
+                "three angles in degrees, as [0, 90, 0], or a quaternion of four numbers, not all 0"
+            }
+            Self::Light => "three numbers of 0 or more, as [1, 1, 1]",
+            Self::Color => "a colour, as [255, 120, 60] or \"#ff783c\"",
+        }
+    }
+
+    /// The animated value that a program's result is. `None` if it is something else than expected.
+    ///
+    /// Colours are held to 0..=255, light to 0..=1e30.
+    #[must_use]
+    pub fn value(self, data: &Data, transfer: Transfer) -> Option<Value> {
+        let within = |number: &f64| number.abs() <= Self::LARGEST;
+        let vector = || data.numbers::<3>().filter(|numbers| numbers.iter().all(within)).map(DVec3::from);
+        Some(match self {
+            Self::Number => Value::Number(data.number().filter(within)?),
+            Self::Degrees => Value::Number(data.number().filter(within)?.to_radians()),
+            Self::Vector => Value::Vector(vector()?),
+            Self::Scale => match data.number() {
+                Some(factor) => Value::Vector(DVec3::splat(Some(factor).filter(within)?)),
+                None => Value::Vector(vector()?),
+            },
+            Self::Rotation => Value::Rotation(rotation(data)?.quaternion()),
+            Self::Light => Value::Color(light(vector()?)),
+            Self::Color => {
+                let channels = data.numbers::<3>().or_else(|| hexadecimal(data))?;
+                Value::Color(transfer.decode(channels.map(|channel| channel.clamp(0.0, 255.0))))
+            }
+        })
+    }
+
+    /// What to say of something else than expected, and how to mend it where that is known.
+    #[must_use]
+    pub fn mismatch(self, data: &Data) -> (String, Option<&'static str>) {
+        let message = format!("expected {}, found {}", self.expected(), data.description());
+        let parts = match data {
+            Data::List(list) => list.as_slice(),
+            other => std::slice::from_ref(other),
+        };
+        let huge = parts.iter().filter_map(Data::number).any(|number| number.abs() > Self::LARGEST);
+        let help = match data {
+            _ if huge => Some("numbers and coordinates reach to 1e60"),
+            Data::Nothing => Some("end the script with the value, without a semicolon after it"),
+            _ => None,
+        };
+        (message, help)
+    }
+
+    /// An animated value as a program sees it; a rotation is a quaternion.
+    #[must_use]
+    pub fn data(self, value: Value, transfer: Transfer) -> Data {
+        match (self, value) {
+            (Self::Degrees, Value::Number(radians)) => Data::Number(radians.to_degrees()),
+            (_, Value::Number(number)) => Data::Number(number),
+            (_, Value::Vector(vector)) => vector.to_array().into(),
+            (_, Value::Rotation(rotation)) => Data::List(rotation.to_array().map(Data::Number).into()),
+            (Self::Color, Value::Color(color)) => transfer.channels(color).into(),
+            (_, Value::Color(light)) => light.as_dvec3().to_array().into(),
+        }
+    }
+}
+
+fn rotation(data: &Data) -> Option<Rotation> {
+    if let Some(degrees) = data.numbers::<3>() {
+        // Whole turns are left out first: the rest is an angle that can be told in radians.
+        return Some(Rotation::Euler(DVec3::from(degrees.map(|angle| (angle % 360.0).to_radians()))));
+    }
+    let [x, y, z, w] = data.numbers::<4>()?;
+    [x, y, z, w].iter().any(|part| *part != 0.0).then_some(Rotation::Quat(x, y, z, w))
+}
+
+fn light(numbers: DVec3) -> Vec3 {
+    numbers.clamp(DVec3::ZERO, DVec3::splat(Notation::MOST_LIGHT)).as_vec3()
+}
+
+/// `#rrggbb`.
+fn hexadecimal(data: &Data) -> Option<[f64; 3]> {
+    let Data::Text(text) = data else { return None };
+    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6)?;
+    if !digits.bytes().all(|digit| digit.is_ascii_hexdigit()) {
+        return None;
+    }
+    let [_, red, green, blue] = u32::from_str_radix(digits, 16).ok()?.to_be_bytes();
+    Some([red, green, blue].map(f64::from))
+}

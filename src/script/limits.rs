@@ -1,0 +1,29 @@
+//! How much a program may do. Together they bound time and memory: a run holds at most [`VARIABLES`] values, each of them at
+//! most [`LIST`] numbers and [`TEXT`] bytes of text, in each of [`CALLS`] calls.
+
+/// The most operations of a channel's program in one run: some hundredths of a second.
+pub const OPERATIONS: u64 = 100_000;
+/// The most operations of a program that spawns, before those that its entities add.
+pub const SPAWNING_OPERATIONS: u64 = 200_000;
+/// So many operations more for each spawned entity.
+pub const OPERATIONS_PER_ENTITY: u64 = 100;
+/// The most entities that a program spawns.
+pub const ENTITIES: u64 = 1_000_000;
+/// The longest program, in bytes.
+pub const PROGRAM: usize = 1 << 20;
+/// The longest text, in bytes, also of all texts in a list or a map together.
+pub const TEXT: usize = 4096;
+/// The most values in a list, with those of the lists in it.
+pub const LIST: usize = 256;
+/// The most values in a map, with those of the maps in it.
+pub const MAP: usize = 32;
+/// The most variables at a time.
+pub const VARIABLES: usize = 128;
+/// The most functions in a program.
+pub const FUNCTIONS: usize = 256;
+/// How deep functions may call each other.
+pub const CALLS: usize = 32;
+/// How deep expressions may be nested.
+pub const NESTING: usize = 64;
+/// How deep expressions in functions may be nested.
+pub const NESTING_IN_FUNCTIONS: usize = 32;

@@ -1,0 +1,32 @@
+#![doc = include_str!("language.md")]
+//!
+//! # In Rust
+//!
+//! | | |
+//! |---|---|
+//! | [`Language`] | compiles and runs [programs](Program) |
+//! | [`Surroundings`] | what a program can read: the time, its entity, other channels |
+//! | [`Data`] | what it gives; [`Notation`] makes an animated value of it |
+//! | [`run_spawning`] | runs a program that spawns |
+//! | [`ScriptError`] | what is wrong with a program, and where |
+//! | [`limits`] | how much a program may do |
+
+mod arithmetic;
+mod data;
+mod error;
+mod language;
+pub mod limits;
+mod lists;
+mod maths;
+mod noise;
+mod spawning;
+mod surroundings;
+#[cfg(test)]
+mod tests;
+mod work;
+
+pub use data::Data;
+pub use error::{ScriptError, Unknown};
+pub use language::{Language, Program, Programs, Stop};
+pub use spawning::{Spawned, run_spawning};
+pub use surroundings::{Read, Surroundings};

@@ -1,0 +1,134 @@
+//! What a program can read of the world.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::ops::Range;
+
+use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, Position};
+
+use super::Data;
+use super::error::span_of;
+
+/// The moment, and what the program belongs to.
+#[derive(Clone, Debug, Default)]
+pub struct Surroundings {
+    seconds: f64,
+    frame: f64,
+    fps: f64,
+    duration: f64,
+    index: u64,
+    name: Dynamic,
+    base: Dynamic,
+    values: HashMap<(ImmutableString, ImmutableString), Dynamic>,
+}
+
+/// A value that a program reads: `value("ball", "Radius")`.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Read {
+    /// Of what.
+    pub target: String,
+    /// Which of its values.
+    pub channel: String,
+    /// Where, in bytes of the program's text.
+    pub span: Range<usize>,
+}
+
+/// What an error holds that stands for a read.
+#[derive(Clone, Debug)]
+struct Wish {
+    target: String,
+    channel: String,
+}
+
+impl Surroundings {
+    /// Names that stand for what programs are given.
+    pub(super) const NAMES: [&'static str; 7] = ["t", "frame", "fps", "duration", "index", "name", "base"];
+
+    /// At the start, of a timeline with so many frames per second and so many seconds.
+    #[must_use]
+    pub fn new(fps: f64, duration: f64) -> Self {
+        Self { fps, duration, ..Self::default() }
+    }
+
+    /// What the program belongs to: `index`, `name`, and `base`, the value that its channel has without it.
+    pub fn belong(&mut self, index: u64, name: &str, base: Data) {
+        self.index = index;
+        self.name = ImmutableString::from(name).into();
+        self.base = base.into_dynamic();
+    }
+
+    /// Another moment, in seconds and in frames with a fraction: what was known of other channels is forgotten.
+    pub fn turn_to(&mut self, seconds: f64, frame: f64) {
+        (self.seconds, self.frame) = (seconds, frame);
+        self.forget();
+    }
+
+    /// Nothing is known of other channels.
+    pub fn forget(&mut self) {
+        self.values.clear();
+    }
+
+    /// Answers a read of other channels from now on.
+    pub fn know(&mut self, read: &Read, value: Data) {
+        self.values.insert((read.target.as_str().into(), read.channel.as_str().into()), value.into_dynamic());
+    }
+
+    /// What a name stands for.
+    #[expect(clippy::cast_possible_wrap, reason = "there are far fewer entities")]
+    fn named(&self, name: &str) -> Option<Dynamic> {
+        Some(match name {
+            "t" => Dynamic::from_float(self.seconds),
+            "frame" => Dynamic::from_float(self.frame),
+            "fps" => Dynamic::from_float(self.fps),
+            "duration" => Dynamic::from_float(self.duration),
+            "index" => Dynamic::from_int(self.index as i64),
+            "name" => self.name.clone(),
+            "base" => self.base.clone(),
+            _ => return None,
+        })
+    }
+}
+
+thread_local! {
+    /// Those of the program that runs on this thread: the language's functions are the same for all programs.
+    static CURRENT: RefCell<Surroundings> = RefCell::default();
+}
+
+/// Runs something in these surroundings.
+pub(super) fn within<R>(surroundings: &mut Surroundings, run: impl FnOnce() -> R) -> R {
+    CURRENT.with_borrow_mut(|current| std::mem::swap(current, surroundings));
+    let result = run();
+    CURRENT.with_borrow_mut(|current| std::mem::swap(current, surroundings));
+    result
+}
+
+/// The read that an error stands for, if it is one that could not be answered.
+pub(super) fn unanswered(text: &str, error: &EvalAltResult) -> Option<Read> {
+    match error {
+        EvalAltResult::ErrorInFunctionCall(_, _, inner, _) => unanswered(text, inner),
+        EvalAltResult::ErrorTerminated(wish, position) => {
+            let Wish { target, channel } = wish.clone().try_cast::<Wish>()?;
+            Some(Read { target, channel, span: span_of(text, *position) })
+        }
+        _ => None,
+    }
+}
+
+fn value(target: ImmutableString, channel: ImmutableString) -> Result<Dynamic, Box<EvalAltResult>> {
+    let key = (target, channel);
+    let known = CURRENT.with_borrow(|current| current.values.get(&key).cloned());
+    known.ok_or_else(|| {
+        let wish = Wish { target: key.0.to_string(), channel: key.1.to_string() };
+        // Not to be caught by the program.
+        EvalAltResult::ErrorTerminated(Dynamic::from(wish), Position::NONE).into()
+    })
+}
+
+pub(super) fn register(engine: &mut Engine) {
+    engine.register_fn("value", value);
+    #[expect(deprecated, reason = "marked so because it may change, not because it will go")]
+    engine.on_var(|name, index, _| {
+        // Variables of the program's own have an index.
+        Ok(if index == 0 { CURRENT.with_borrow(|current| current.named(name)) } else { None })
+    });
+}

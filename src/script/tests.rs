@@ -1,0 +1,318 @@
+//! What the language does, and what it refuses.
+
+use std::time::{Duration, Instant};
+
+use super::{Data, Language, Read, Stop, Surroundings, run_spawning};
+
+fn run(text: &str) -> Result<Data, Stop> {
+    let language = Language::new(0);
+    let program = language.compile(text).map_err(|error| Stop::Error(Box::new(error)))?;
+    let mut surroundings = Surroundings::new(24.0, 5.0);
+    surroundings.turn_to(2.5, 60.0);
+    surroundings.belong(3, "ball", Data::from([1.0, 2.0, 3.0]));
+    language.run(&program, &mut surroundings)
+}
+
+fn number(text: &str) -> f64 {
+    match run(text) {
+        Ok(Data::Number(number)) => number,
+        #[expect(clippy::cast_precision_loss, reason = "small")]
+        Ok(Data::Whole(whole)) => whole as f64,
+        other => panic!("{text}: {other:?}"),
+    }
+}
+
+/// The message, and what it marks.
+fn mistake(text: &str) -> (String, String) {
+    match run(text) {
+        Err(Stop::Error(error)) => (error.message.clone(), text[error.span.clone()].to_owned()),
+        other => panic!("{text}: {other:?}"),
+    }
+}
+
+#[test]
+fn division_is_that_of_real_numbers() {
+    for (text, expected) in [
+        ("1 / 2", 0.5),
+        ("let a = 7; a /= 2; a", 3.5),
+        ("7 % 4", 3.0),
+        ("-7 % 4", -3.0),
+        ("mod(-7, 4)", 1.0),
+        ("2 ** 10", 1024.0),
+        ("2 ** -1", 0.5),
+        ("2 ** 0.5", std::f64::consts::SQRT_2),
+        ("let a = 3; a **= 2; a", 9.0),
+        ("let a = 3; a %= 2; a", 1.0),
+        ("let a = 3; a *= 0.5; a", 1.5),
+        ("let a = 3; a += 0.5; a -= 1; a", 2.5),
+        ("9223372036854775807 + 1", 9.223_372_036_854_776e18),
+        ("let a = 9223372036854775807; a += 1; a *= 4; a", 3.689_348_814_741_910_3e19),
+        ("-(-9223372036854775807 - 1)", 9.223_372_036_854_776e18),
+    ] {
+        assert_eq!(number(text).to_bits(), expected.to_bits(), "{text}");
+    }
+}
+
+#[test]
+fn functions_are_those_of_libm() {
+    for (text, expected) in [
+        ("sin(t)", libm::sin(2.5)),
+        ("cos(t)", libm::cos(2.5)),
+        ("tan(t)", libm::tan(2.5)),
+        ("asin(0.3)", libm::asin(0.3)),
+        ("acos(0.3)", libm::acos(0.3)),
+        ("atan(t)", libm::atan(2.5)),
+        ("atan2(t, -1)", libm::atan2(2.5, -1.0)),
+        ("sinh(t)", libm::sinh(2.5)),
+        ("cosh(t)", libm::cosh(2.5)),
+        ("tanh(t)", libm::tanh(2.5)),
+        ("exp(t)", libm::exp(2.5)),
+        ("ln(t)", libm::log(2.5)),
+        ("log(1000)", 3.0),
+        ("log2(8)", 3.0),
+        ("sqrt(2)", libm::sqrt(2.0)),
+        ("cbrt(t)", libm::cbrt(2.5)),
+        ("pow(t, 0.3)", libm::pow(2.5, 0.3)),
+        ("t ** 0.3", libm::pow(2.5, 0.3)),
+        ("hypot(3, 4)", 5.0),
+        ("abs(-3) + abs(-0.5)", 3.5),
+        ("sign(-0.1) + sign(0) + sign(7)", 0.0),
+        ("floor(-1.5)", -2.0),
+        ("ceil(-1.5)", -1.0),
+        ("round(2.5)", 3.0),
+        ("trunc(-1.5)", -1.0),
+        ("fract(-0.25)", 0.75),
+        ("min(3, 1, 2) + max([1, 5, 2])", 6.0),
+        ("clamp(7, 0, 5)", 5.0),
+        ("mix(2, 4, 0.25)", 2.5),
+        ("step(1, 0.5) + step(1, 1)", 1.0),
+        ("smoothstep(0, 2, 1)", 0.5),
+        ("radians(180)", std::f64::consts::PI),
+        ("degrees(pi)", 180.0),
+        ("tau / 2 - pi", 0.0),
+        ("length([2, 3, 6])", 7.0),
+        ("distance([1, 1, 1], [3, 4, 7])", 7.0),
+        ("dot([1, 2, 3], [4, 5, 6])", 32.0),
+        ("sum([1, 2, 3.5])", 6.5),
+        ("len([1, 2]) + len(\"abc\") + len(#{ a: 1 })", 6.0),
+        ("frame + fps + index", 87.0),
+    ] {
+        assert_eq!(number(text).to_bits(), expected.to_bits(), "{text}");
+    }
+}
+
+#[test]
+fn lists_of_numbers_are_vectors() {
+    let vector = |x: f64, y: f64, z: f64| [x, y, z];
+    let numbers = |data: Data| match data {
+        Data::List(list) => list
+            .iter()
+            .map(|part| match part {
+                Data::Number(number) => *number,
+                Data::Whole(whole) => f64::from(i32::try_from(*whole).unwrap()),
+                other => panic!("{other:?}"),
+            })
+            .collect::<Vec<_>>(),
+        other => panic!("{other:?}"),
+    };
+    for (text, expected) in [
+        ("[1, 2, 3] + [10, 20, 30]", vector(11.0, 22.0, 33.0)),
+        ("[1, 2, 3] - [10, 20, 30]", vector(-9.0, -18.0, -27.0)),
+        ("2 * [1, 2, 3]", vector(2.0, 4.0, 6.0)),
+        ("[1, 2, 3] / 2", vector(0.5, 1.0, 1.5)),
+        ("-[1, 2, 3]", vector(-1.0, -2.0, -3.0)),
+        ("let p = [0, 1, 0]; p += [1, 0, 0]; p *= 2; p", vector(2.0, 2.0, 0.0)),
+        ("let p = [0, 1, 0]; p[1] += 0.5; p", vector(0.0, 1.5, 0.0)),
+        ("base + [0, 1, 0]", vector(1.0, 3.0, 3.0)),
+        ("cross([1, 0, 0], [0, 1, 0])", vector(0.0, 0.0, 1.0)),
+        ("normalize([0, 3, 4])", vector(0.0, 0.6, 0.8)),
+        ("mix([0, 0, 0], [2, 4, 6], 0.5)", vector(1.0, 2.0, 3.0)),
+        ("append([1], [2, 3])", vector(1.0, 2.0, 3.0)),
+        ("let list = []; for i in 1..4 { list.push(i); } reverse(list)", vector(3.0, 2.0, 1.0)),
+    ] {
+        assert_eq!(numbers(run(text).unwrap()), expected, "{text}");
+    }
+}
+
+#[test]
+fn programs_have_variables_branches_loops_and_functions() {
+    for (text, expected) in [
+        ("let sum = 0; for i in 0..10 { sum += i; } sum", 45.0),
+        ("let n = 0; while n < 7 { n += 1; } n", 7.0),
+        ("if t > 2 { 1 } else { 0 }", 1.0),
+        ("fn square(x) { x * x } square(3)", 9.0),
+        ("fn wave(x) { sin(t + x) * pi } wave(0)", libm::sin(2.5) * std::f64::consts::PI),
+        ("fn f(n) { if n < 2 { 1 } else { n * f(n - 1) } } f(5)", 120.0),
+        ("let t = 9; t", 9.0),
+        ("let s = 0; for k in keys(#{ a: 1, b: 2 }) { s += len(k); } s", 2.0),
+        ("if [1, 2] == [1, 2.0] && 1 == 1.0 && \"a\" != \"b\" && 2 in [1, 2] { 1 } else { 0 }", 1.0),
+        ("let p = #{ x: 1, y: [1, 2] }; p.y[1] += 3; p.y[1] + p.x", 6.0),
+        ("switch index { 3 => 30, _ => 0 }", 30.0),
+        ("let x = 0; for a in range(0, 10, 2) { x += a; } x", 20.0),
+        ("let a = 5; a = a / 2; floor(a)", 2.0),
+        ("[5, 6, 7][floor(5 / 2)]", 7.0),
+    ] {
+        assert_eq!(number(text), expected, "{text}");
+    }
+    assert_eq!(run("name + \"/\" + 6 / 2 + 1").unwrap(), Data::Text("ball/31".to_owned()));
+    assert_eq!(run("`${name} ${index}`").unwrap(), Data::Text("ball 3".to_owned()));
+    assert_eq!(run("let a = 1;").unwrap(), Data::Nothing);
+}
+
+#[test]
+fn mistakes_have_a_message_and_a_place() {
+    for (text, message, marked) in [
+        ("let a = 0;\n 3 / a", "division by zero", "/"),
+        ("5 % (t - t)", "division by zero", "%"),
+        ("let a = 1; a /= 0", "division by zero", "/"),
+        ("1 + sqrt(-t)", "the result is not a number", "sqrt"),
+        ("exp(1000)", "the result is too large for a number", "exp"),
+        ("ln(0)", "the result is too large for a number", "ln"),
+        ("1e308 * 10", "the result is too large for a number", "*"),
+        ("asin(2)", "the result is not a number", "asin"),
+        ("fn f(x) { 1 / x }\nf(0)", "division by zero", "/"),
+        ("sin(\"a\")", "`sin` takes numbers, not a text", "sin"),
+        ("sin(1, 2)", "`sin` does not take a number and a number", "sin"),
+        ("[1, 2] + [1, 2, 3]", "`+` of a list of 2 and a list of 3 values", "+"),
+        ("#{} + 1", "`+` does not take a map and a number", "+"),
+        ("sim(t)", "there is no function `sim`", "sim"),
+        ("radius * 2", "nothing is called `radius`", "radius"),
+        ("if false { radius } else { 1 }", "nothing is called `radius`", "radius"),
+        ("if false { sim(t) } else { 1 }", "there is no function `sim`", "sim"),
+        ("fn f(x) { sim(x) } 1", "there is no function `sim`", "sim"),
+        ("normalize([0, 0, 0])", "a vector of length 0 has no direction", "normalize"),
+        ("t = 5", "`t` cannot be changed", "t"),
+        ("[1, 2][5]", "there is no value 5 in a list of 2", "5"),
+        ("throw \"no\"", "no", "throw"),
+        ("import \"x\"", "`import` means nothing here", "import"),
+        ("eval(\"1\")", "`eval` means nothing here", "eval"),
+        ("print(1)", "`print` means nothing here", "print"),
+        ("for i in 0..(9 / 3) { }", "`..` does not take a number and a number", "."),
+    ] {
+        let (found, at) = mistake(text);
+        assert_eq!((found.as_str(), at.as_str()), (message, marked), "{text}");
+    }
+}
+
+#[test]
+fn whatever_a_program_does_it_ends_soon() {
+    let deep = format!("{}1{}", "(".repeat(5000), ")".repeat(5000));
+    let long = format!("\"{}\"", "a".repeat(100_000));
+    let many = format!("[{}]", "1, ".repeat(100_000));
+    let stacked = format!("fn f(n) {{ {}f(n + 1){} }} f(0)", "-(".repeat(5), ")".repeat(5));
+    let chain = format!("1{}", " + 1".repeat(100_000));
+    let texts = [
+        ("loop { }", "this takes too long"),
+        ("while true { let a = [1, 2, 3]; }", "this takes too long"),
+        ("let a = []; loop { a.push(a); }", ""),
+        ("let a = [0]; loop { a = append(a, a); }", ""),
+        ("let s = \"a\"; loop { s += s; }", ""),
+        ("let s = \"a\"; loop { s = `${s}${s}`; }", ""),
+        ("let a = []; loop { a.push(\"0123456789012345678901234567890123456789\"); }", ""),
+        ("let m = #{}; let i = 0; loop { m[`k${i}`] = m; i += 1; }", ""),
+        ("let a = []; for i in 0..256 { a.push(i); } loop { a[0] += 1; }", "this takes too long"),
+        (
+            "let a = []; for i in 0..256 { a.push(i); } loop { let b = a; let c = b + a; }",
+            "this takes too long",
+        ),
+        ("let a = []; for i in 0..256 { a.push(i); } loop { if a == [1] { } }", "this takes too long"),
+        (
+            "let s = \"a\"; for i in 0..12 { s += s; } loop { let r = s == \"b\"; s.len(); }",
+            "this takes too long",
+        ),
+        ("fn f(n) { f(n + 1) } f(0)", "functions call each other too deep"),
+        ("fn f(n) { for i in 0..1000 { f(n); } } f(0)", ""),
+        ("fn f(n) { if n > 30 { 0 } else { f(n + 1) + f(n + 1) } } f(0)", "this takes too long"),
+        ("for i in 0..9223372036854775807 { }", "this takes too long"),
+        ("try { loop { } } catch { 1 }", "this takes too long"),
+        ("let a = []; for i in 0..256 { a.push(i); } loop { let b = a; }", "this takes too long"),
+        ("let a = []; for i in 0..256 { a.push(i); } loop { dot(a, a); }", "this takes too long"),
+        ("let a = []; for i in 0..256 { a.push(i); } loop { a == a; }", "this takes too long"),
+        (
+            "let a = []; for i in 0..256 { a.push(i); } loop { sum(reverse(a)); max(a); 7 in a; }",
+            "this takes too long",
+        ),
+        (
+            "let m = #{}; for i in 0..32 { m[`key ${i}`] = [i, i]; } loop { let b = m; }",
+            "this takes too long",
+        ),
+        (
+            "let m = #{}; for i in 0..32 { m[`key ${i}`] = i; } loop { m == m; keys(m); }",
+            "this takes too long",
+        ),
+        (&stacked, "functions call each other too deep"),
+        (&deep, "this is nested too deep"),
+        (&long, "this is too large"),
+        (&many, "this is too large"),
+        (&chain, ""),
+    ];
+    for (text, message) in texts {
+        let start = Instant::now();
+        let (found, _) = mistake(text);
+        let shown: String = text.chars().take(90).collect();
+        println!("{:>8.1?} {shown}: {found}", start.elapsed());
+        assert!(start.elapsed() < Duration::from_secs(1), "{shown}");
+        assert!(message.is_empty() || found == message, "{shown}: {found}");
+    }
+}
+
+#[test]
+fn others_are_read_when_they_are_known() {
+    let language = Language::new(0);
+    let program =
+        language.compile("let r = 0; try { r = value(\"ball\", \"Radius\"); } catch { } r * 2").unwrap();
+    let mut surroundings = Surroundings::default();
+    let read = Read { target: "ball".to_owned(), channel: "Radius".to_owned(), span: 21..26 };
+    assert_eq!(language.run(&program, &mut surroundings), Err(Stop::Needs(read.clone())));
+    surroundings.know(&read, Data::Number(1.5));
+    assert_eq!(language.run(&program, &mut surroundings), Ok(Data::Number(3.0)));
+    surroundings.turn_to(1.0, 24.0);
+    assert_eq!(language.run(&program, &mut surroundings), Err(Stop::Needs(read)));
+}
+
+#[test]
+fn randomness_is_a_function_of_its_arguments_and_the_seed() {
+    let of = |seed: u64, text: &str| {
+        let language = Language::new(seed);
+        let program = language.compile(text).unwrap();
+        language.run(&program, &mut Surroundings::default()).unwrap()
+    };
+    assert_eq!(of(1, "random(3)"), of(1, "let a = random(7); random(3.0)"));
+    assert_ne!(of(1, "random(3)"), of(2, "random(3)"));
+    assert_ne!(of(1, "noise(3.3)"), of(2, "noise(3.3)"));
+    assert_ne!(of(1, "noise(3.3, 1.1)"), of(1, "noise(3.3, 1.2)"));
+}
+
+fn spawned(text: &str) -> Result<Vec<Data>, (String, usize)> {
+    let list = std::sync::Arc::new(std::sync::Mutex::new(Vec::new()));
+    let into = std::sync::Arc::clone(&list);
+    let take = move |spawned: super::Spawned| {
+        into.lock().unwrap().push(spawned.entity);
+        Ok(())
+    };
+    run_spawning(text, 0, take).map_err(|error| (error.message, error.span.start))?;
+    let list = list.lock().unwrap();
+    Ok(list.clone())
+}
+
+#[test]
+fn entities_are_spawned_in_order_and_by_the_hundred() {
+    let list = spawned("for i in 0..100 { spawn(#{ name: `ball ${i}`, shape: sphere(i / 2) }); }").unwrap();
+    assert_eq!(list.len(), 100);
+    let radius = Data::Map(vec![("radius".to_owned(), Data::Number(1.5))]);
+    let shape = Data::Map(vec![("Sphere".to_owned(), radius)]);
+    assert_eq!(
+        list[3],
+        Data::Map(vec![("name".to_owned(), Data::Text("ball 3".to_owned())), ("shape".to_owned(), shape)])
+    );
+    assert_eq!(spawned("1;\n  spawn(3)").unwrap_err().1, 5);
+    for endless in ["", "let b = a;", "dot(a, a);", "let b = a + a;", "len(a);", "fn_with_a(a);"] {
+        let start = Instant::now();
+        let text = format!(
+            "fn fn_with_a(a) {{ a }} let a = []; for i in 0..256 {{ a.push(i); }} loop {{ {endless} }}"
+        );
+        assert_eq!(spawned(&text).unwrap_err().0, "this takes too long");
+        println!("{:>8.1?} {endless}", start.elapsed());
+        assert!(start.elapsed() < Duration::from_secs(2));
+    }
+}

@@ -1,0 +1,348 @@
+//! Writes what programs say about a moment, after all tracks.
+
+use std::collections::HashMap;
+
+use hecs::{Entity, World};
+
+use super::Changes;
+use super::property::{Parts, PartsQuery, declare, value};
+use crate::components::{self, Animated, Motion, Name, Order, Property, ScriptId};
+use crate::script::{Data, Programs, Read, ScriptError, Stop, Surroundings, Unknown};
+use crate::time::{Time, Timeline};
+use crate::timeline::Value;
+
+/// The programs of a scene, and which values they drive.
+#[derive(Debug, Default)]
+pub struct Scripts {
+    running: Option<Box<Running>>,
+}
+
+/// A program that gave no value.
+#[derive(Clone, Debug)]
+pub struct ScriptFailure {
+    /// Which program.
+    pub script: ScriptId,
+    /// What it drives: `Radius of "ball"`.
+    pub channel: String,
+    /// When, in seconds.
+    pub seconds: f64,
+    /// What is wrong.
+    pub error: Box<ScriptError>,
+}
+
+#[derive(Debug)]
+struct Running {
+    programs: Programs,
+    timeline: Timeline,
+    surroundings: Surroundings,
+    /// What programs drive, in document order; `None` until it has been looked up.
+    driven: Option<Driven>,
+    /// What the values are without programs.
+    bases: HashMap<(Entity, Property), Value>,
+    /// What stood before the names that the last program read.
+    prefix: String,
+}
+
+#[derive(Debug)]
+struct Driven {
+    channels: Vec<Channel>,
+    places: HashMap<(Entity, Property), usize>,
+    /// The entities by their names; `None` until a program asks.
+    names: Option<HashMap<String, Entity>>,
+}
+
+/// A value that a program drives.
+#[derive(Clone, Debug)]
+struct Channel {
+    entity: Entity,
+    property: Property,
+    script: ScriptId,
+    order: Option<Order>,
+    name: String,
+    /// Does a track drive it too, for all that is made of a material? Then the base is what the track says.
+    on_track: bool,
+}
+
+/// How far a channel is at a moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    Waiting,
+    /// It waits for another.
+    Underway,
+    Done,
+}
+
+impl Scripts {
+    /// For the programs of a scene.
+    #[must_use]
+    pub fn new(programs: Programs, timeline: Timeline) -> Self {
+        if programs.uses.is_empty() {
+            return Self::default();
+        }
+        let surroundings = Surroundings::new(timeline.rate.per_second(), timeline.duration);
+        let (driven, bases, prefix) = (None, HashMap::new(), String::new());
+        Self { running: Some(Box::new(Running { programs, timeline, surroundings, driven, bases, prefix })) }
+    }
+
+    /// Are there none?
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.running.is_none()
+    }
+
+    /// Another frame rate and duration.
+    pub fn set_timeline(&mut self, timeline: Timeline) {
+        if let Some(running) = &mut self.running {
+            running.timeline = timeline;
+            running.surroundings = Surroundings::new(timeline.rate.per_second(), timeline.duration);
+        }
+    }
+
+    /// Entities came or went.
+    pub fn look_up_again(&mut self) {
+        if let Some(running) = &mut self.running {
+            running.driven = None;
+        }
+    }
+
+    /// Gives all values back that programs drove: the world may be edited now.
+    pub fn release(&mut self, world: &mut World) {
+        let Some(running) = &mut self.running else { return };
+        running.driven = None;
+        #[expect(clippy::iter_over_hash_type, reason = "each value has a place of its own")]
+        for ((entity, property), base) in running.bases.drain() {
+            if let Ok(parts) = world.query_one_mut::<PartsQuery<'_>>(entity) {
+                Parts::new(parts).set(property, base);
+            }
+        }
+    }
+
+    /// Learns which values programs drive, and what they are without. To be called before tracks write to a world.
+    pub fn look_up(&mut self, world: &mut World) {
+        if let Some(running) = &mut self.running
+            && running.driven.is_none()
+        {
+            let driven = Driven::of(world);
+            for channel in &driven.channels {
+                if let Some(base) = value(world, channel.entity, channel.property) {
+                    running.bases.entry((channel.entity, channel.property)).or_insert(base);
+                }
+            }
+            running.driven = Some(driven);
+        }
+    }
+
+    /// Sets every value that a program drives, and records what really changed. Those that others read come first, and otherwise the
+    /// order is that of the document.
+    ///
+    /// # Errors
+    ///
+    /// If a program goes wrong. Then values may be left from another moment.
+    pub fn run(&mut self, world: &mut World, time: Time, changes: &mut Changes) -> Result<(), ScriptFailure> {
+        let Some(running) = &mut self.running else { return Ok(()) };
+        let Some(driven) = running.driven.take() else { return Ok(()) };
+        running.surroundings.turn_to(time.seconds(), running.timeline.rate.frames_at(time));
+        let (driven, result) = Moment {
+            states: vec![State::Waiting; driven.channels.len()],
+            seconds: time.seconds(),
+            running,
+            driven,
+            world,
+            changes,
+        }
+        .run();
+        running.driven = Some(driven);
+        result
+    }
+}
+
+impl Driven {
+    fn of(world: &mut World) -> Self {
+        let mut channels = Vec::new();
+        for (entity, animated, order, name) in
+            world.query_mut::<(Entity, &Animated, Option<&Order>, Option<&Name>)>()
+        {
+            for (index, channel) in animated.0.iter().enumerate() {
+                let Motion::Script(script) = channel.motion else { continue };
+                let (before, after) = (&animated.0[..index], &animated.0[index + 1..]);
+                let same = |other: &components::Channel| other.property == channel.property;
+                // What an entity says of itself wins over what its material says.
+                if !after.iter().any(same) {
+                    let name = name.map(|name| name.0.clone()).unwrap_or_default();
+                    let (property, order, on_track) =
+                        (channel.property, order.copied(), before.iter().any(same));
+                    channels.push(Channel { entity, property, script, order, name, on_track });
+                }
+            }
+        }
+        channels.sort_by_key(|channel| (channel.order.is_none(), channel.order));
+        let places = channels.iter().enumerate();
+        let places = places.map(|(place, channel)| ((channel.entity, channel.property), place)).collect();
+        Self { channels, places, names: None }
+    }
+
+    fn named(&mut self, world: &World, name: &str) -> Option<Entity> {
+        let names = self.names.get_or_insert_with(|| {
+            let mut names = world.query::<(&Name, Entity)>();
+            names.iter().map(|(name, entity)| (name.0.clone(), entity)).collect()
+        });
+        names.get(name).copied()
+    }
+}
+
+/// All programs at one moment.
+struct Moment<'a> {
+    running: &'a mut Running,
+    driven: Driven,
+    states: Vec<State>,
+    seconds: f64,
+    world: &'a mut World,
+    changes: &'a mut Changes,
+}
+
+impl Moment<'_> {
+    fn run(mut self) -> (Driven, Result<(), ScriptFailure>) {
+        let result = (0..self.driven.channels.len()).try_for_each(|place| self.drive(place));
+        (self.driven, result)
+    }
+
+    /// Sets a value, after those that it depends on.
+    fn drive(&mut self, place: usize) -> Result<(), ScriptFailure> {
+        let mut stack = vec![place];
+        while let Some(&place) = stack.last() {
+            if self.states[place] == State::Done {
+                stack.pop();
+                continue;
+            }
+            self.states[place] = State::Underway;
+            let channel = self.driven.channels[place].clone();
+            match self.evaluate(&channel) {
+                Ok(value) => {
+                    self.write(&channel, value);
+                    self.states[place] = State::Done;
+                }
+                Err(Stop::Error(error)) => return Err(self.failure(&channel, error)),
+                Err(Stop::Needs(read)) => {
+                    let answer = self.answer(&read, &stack).map_err(|error| self.failure(&channel, error))?;
+                    stack.extend(answer);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn evaluate(&mut self, channel: &Channel) -> Result<Value, Stop> {
+        let Running { programs, surroundings, bases, prefix: last, .. } = &mut *self.running;
+        let (notation, transfer) = (channel.property.notation(), programs.transfer);
+        let Some((program, prefix)) = programs.used(channel.script.0) else {
+            let error = ScriptError::whole("", "there is no such script in the scene", "", None);
+            return Err(Stop::Error(Box::new(error)));
+        };
+        if last != prefix {
+            // The same names mean other entities.
+            surroundings.forget();
+            prefix.clone_into(last);
+        }
+        let stored = bases.get(&(channel.entity, channel.property)).copied().filter(|_| !channel.on_track);
+        let base = stored.or_else(|| value(self.world, channel.entity, channel.property));
+        let base = base.map_or(Data::Nothing, |base| notation.data(base, transfer));
+        surroundings.belong(channel.order.map_or(0, |order| order.0), &channel.name, base);
+        let data = programs.language.run(program, surroundings)?;
+        notation.value(&data, transfer).ok_or_else(|| {
+            let (message, help) = notation.mismatch(&data);
+            let help = help.map(str::to_owned);
+            Stop::Error(Box::new(ScriptError::whole(program.text(), message, "this is the value", help)))
+        })
+    }
+
+    fn write(&mut self, channel: &Channel, value: Value) {
+        if let Ok(parts) = self.world.query_one_mut::<PartsQuery<'_>>(channel.entity)
+            && Parts::new(parts).set(channel.property, value)
+        {
+            declare(channel.property, channel.entity, self.changes);
+        }
+    }
+
+    /// Makes what a program reads known, or gives the place of the channel that has to be driven before.
+    fn answer(&mut self, read: &Read, stack: &[usize]) -> Result<Option<usize>, Box<ScriptError>> {
+        let (_, prefix) = self.used(stack);
+        let target = format!("{prefix}{}", read.target);
+        let Some(entity) = self.driven.named(self.world, &target) else {
+            let (_, prefix) = self.used(stack);
+            let names = self.driven.names.iter().flat_map(HashMap::keys);
+            let known = names.filter_map(|name| name.strip_prefix(prefix)).map(str::to_owned);
+            let unknown = unknown(&read.target, "names", known.collect());
+            let message = format!("there is no entity \"{}\"", read.target);
+            return Err(self.mistake(read, stack, message, "reads from it", Some(unknown)));
+        };
+        let Some(property) = Property::ALL.into_iter().find(|property| property.name() == read.channel)
+        else {
+            let known = Property::ALL.into_iter().map(|property| property.name().to_owned());
+            let unknown = unknown(&read.channel, "channels", known.collect());
+            let message = format!("there is no channel {}", read.channel);
+            return Err(self.mistake(read, stack, message, "reads it", Some(unknown)));
+        };
+        if let Some(&place) = self.driven.places.get(&(entity, property)) {
+            match self.states[place] {
+                State::Waiting => return Ok(Some(place)),
+                State::Underway => {
+                    let message = self.ring(stack, place);
+                    return Err(self.mistake(read, stack, message, "this closes the ring", None));
+                }
+                State::Done => {}
+            }
+        }
+        let Some(value) = value(self.world, entity, property) else {
+            let message = format!("\"{}\" has no {}", read.target, read.channel);
+            return Err(self.mistake(read, stack, message, "reads it", None));
+        };
+        let data = property.notation().data(value, self.running.programs.transfer);
+        self.running.surroundings.know(read, data);
+        Ok(None)
+    }
+
+    /// The text of the program that runs, and what stands before the names that it reads.
+    fn used(&self, stack: &[usize]) -> (&str, &str) {
+        let script = stack.last().map(|place| self.driven.channels[*place].script);
+        let used = script.and_then(|script| self.running.programs.used(script.0));
+        used.map_or(("", ""), |(program, prefix)| (program.text(), prefix))
+    }
+
+    fn mistake(
+        &self,
+        read: &Read,
+        stack: &[usize],
+        message: String,
+        label: &str,
+        unknown: Option<Box<Unknown>>,
+    ) -> Box<ScriptError> {
+        let (text, _) = self.used(stack);
+        let error = ScriptError::whole(text, message, label, None);
+        Box::new(ScriptError { span: read.span.clone(), unknown, ..error })
+    }
+
+    fn ring(&self, stack: &[usize], place: usize) -> String {
+        let start = stack.iter().position(|underway| *underway == place).unwrap_or(0);
+        let members = stack[start..].iter().chain([&place]);
+        let names: Vec<String> = members.map(|place| self.driven.channels[*place].title()).collect();
+        format!("a ring of scripts: {}", names.join(" reads "))
+    }
+
+    fn failure(&self, channel: &Channel, error: Box<ScriptError>) -> ScriptFailure {
+        ScriptFailure { script: channel.script, channel: channel.title(), seconds: self.seconds, error }
+    }
+}
+
+impl Channel {
+    fn title(&self) -> String {
+        match (self.name.as_str(), self.order) {
+            ("", Some(order)) => format!("{} of entity {}", self.property.name(), order.0),
+            (name, _) => format!("{} of \"{name}\"", self.property.name()),
+        }
+    }
+}
+
+fn unknown(name: &str, kind: &'static str, mut known: Vec<String>) -> Box<Unknown> {
+    known.sort_unstable();
+    Box::new(Unknown { name: name.to_owned(), kind, known })
+}
