@@ -18,29 +18,29 @@
 //! [plan](crate::systems::Plan) says. What an effect computes does not depend on which others are compiled in, so that the
 //! planned kernel, the full one and the reference path make the same bits.
 //!
-//! Absent effects cost next to nothing: planned kernels take 3.7 % (ambient) and 4.3 % (diffuse) more instructions than minimal
-//! ones, written in `benches/effects` for just that. The full one is beside them, in million instructions for a frame of 480 x 270 (`benches/instructions`), and in milliseconds on one thread
-//! (`cargo bench --bench effects`):
+//! Absent effects cost nothing to speak of: planned kernels take 0.3 % (ambient) and 0.9 % (diffuse) more instructions than minimal
+//! ones, written in `benches/effects` for just that. In million instructions for a frame of 480 x 270 (`benches/instructions`), and
+//! the planned kernel in milliseconds on one thread (`cargo bench --bench effects`):
 //!
 //! | | minimal | planned | full | milliseconds |
 //! |---|---|---|---|---|
-//! | ambient light only | 196.4 | 203.6 | 213.1 | 20.9 |
-//! | point lights without shadows |  | 282.0 | 357.6 | 30.0 |
-//! | point lights with shadows | 500.6 | 522.4 | 633.5 | 59.7 |
-//! | highlights |  | 620.8 | 702.2 | 83.5 |
-//! | spot lights |  | 488.3 | 554.0 | 53.2 |
-//! | falloff |  | 555.9 | 637.3 | 66.1 |
-//! | area lights, 4 samples |  | 1839.1 | 2077.2 | 259.8 |
-//! | mirrors |  | 562.9 | 677.6 | 63.3 |
-//! | clear media |  | 800.1 | 825.3 | 90.0 |
-//! | clear media, Fresnel |  | 1209.2 | 1243.9 | 149.3 |
-//! | clear media, absorption |  | 809.1 | 834.3 | 93.6 |
-//! | checker |  | 573.9 | 655.2 | 64.7 |
-//! | fog |  | 562.7 | 645.1 | 67.6 |
-//! | gradient |  | 518.5 | 634.0 | 57.3 |
-//! | 4 samples a pixel |  | 2210.8 | 2675.3 | 271.8 |
-//! | 4 samples, a lens |  | 2385.7 | 2850.0 | 284.4 |
-//! | 4 samples, motion blur |  | 2211.3 | 2675.8 | 306.5 |
+//! | ambient light only | 196.6 | 197.3 | 203.4 | 22.2 |
+//! | point lights without shadows |  | 274.2 | 337.9 | 31.5 |
+//! | point lights with shadows | 500.1 | 504.6 | 619.9 | 54.2 |
+//! | highlights |  | 623.4 | 692.4 | 92.7 |
+//! | spot lights |  | 485.9 | 537.2 | 62.5 |
+//! | falloff |  | 554.6 | 623.6 | 71.3 |
+//! | area lights, 4 samples |  | 1856.0 | 2103.8 | 275.6 |
+//! | mirrors |  | 543.0 | 663.0 | 61.7 |
+//! | clear media |  | 785.2 | 810.4 | 92.1 |
+//! | clear media, Fresnel |  | 1190.2 | 1225.2 | 144.9 |
+//! | clear media, absorption |  | 794.2 | 819.3 | 94.8 |
+//! | checker |  | 572.6 | 641.6 | 67.4 |
+//! | fog |  | 566.3 | 634.8 | 71.8 |
+//! | gradient |  | 505.0 | 620.3 | 59.3 |
+//! | 4 samples a pixel |  | 2223.4 | 2689.0 | 270.3 |
+//! | 4 samples, a lens |  | 2398.2 | 2863.7 | 291.3 |
+//! | 4 samples, motion blur |  | 2223.9 | 2689.5 | 266.2 |
 //!
 //! # Trees of rays
 //!
