@@ -544,7 +544,7 @@ fn where_nothing_is_there_is_the_background() {
         let film = engine(&text).render_frame(0).unwrap();
         assert!(film.pixels().iter().all(|pixel| *pixel == Rgb::new(0.2, 0.4, 0.6)), "{entities}");
     }
-    assert_eq!(refusal("Scene()"), "missing field `camera` of `Scene`");
+    assert_eq!(refusal("Scene()"), "the scene has no camera");
 }
 
 /// How many shapes a heap has: 100 000, or as many as `RAYREEL_CASES` asks for, up to a million.

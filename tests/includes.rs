@@ -279,7 +279,7 @@ fn a_part_can_be_loaded_for_itself_if_it_has_a_camera() {
     let car = Scene::load(&folder.path().join("parts/car.ron")).unwrap();
     assert_eq!(names(&car), ["front", "front/axle", "back", "back/axle", "body", "headlight"]);
     let error = Scene::load(&folder.path().join("parts/pole.ron")).err().unwrap();
-    assert_eq!(messages(&error), ["missing field `camera` of `Scene`"]);
+    assert_eq!(messages(&error), ["the scene has no camera"]);
 }
 
 #[test]

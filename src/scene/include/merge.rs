@@ -146,8 +146,10 @@ impl<'a> Merger<'a> {
             self.add_entity(renamed, parent.filter(|_| entity.parent.is_none()));
         }
         // Cameras and what concerns a whole scene stay out.
-        let stays_out =
-            |name: &str| name == SceneDocument::SCENE || part.named_cameras().any(|(own, _)| own == name);
+        let stays_out = |name: &str| {
+            [SceneDocument::CAMERA, SceneDocument::SCENE].contains(&name)
+                || part.named_cameras().any(|(own, _)| own == name)
+        };
         for animation in &part.animate {
             if !animation.target.as_deref().is_some_and(stays_out) {
                 let (target, material) = (prefixed(&animation.target), prefixed(&animation.material));

@@ -39,6 +39,9 @@ pub(super) fn target(
                 lack_of_scene(document, property)
             } else if let Some((_, camera)) = document.named_cameras().find(|(known, _)| *known == name) {
                 lack_of_camera(camera, property)
+            } else if name == SceneDocument::CAMERA && !scope.is_scene() {
+                // A part for whose camera there is no place yet.
+                None
             } else {
                 match scope.entity(name) {
                     Lookup::Found(entity) => lack_of_entity(entity, property),
