@@ -18,8 +18,8 @@
 //! [plan](crate::systems::Plan) says. What an effect computes does not depend on which others are compiled in, so that the
 //! planned kernel, the full one and the reference path make the same bits.
 //!
-//! Absent effects cost nothing to speak of: planned kernels take 0.3 % (ambient) and 0.9 % (diffuse) more instructions than minimal
-//! ones, written in `benches/effects` for just that. In million instructions for a frame of 480 x 270 (`benches/instructions`), and
+//! Absent effects cost nothing to speak of: planned kernels take as many instructions as minimal ones, within 1 %, which are written in
+//! `benches/effects` for just that. In million instructions for a frame of 480 x 270 (`benches/instructions`), and
 //! the planned kernel in milliseconds on one thread (`cargo bench --bench effects`):
 //!
 //! | | minimal | planned | full | milliseconds |

@@ -238,19 +238,20 @@ impl PreparedScene {
         best
     }
 
-    /// Does anything but `except` stand between the ray's origin and `limit`?
+    /// Anything but `except` that stands between the ray's origin and `limit`: whatever is found first.
     #[must_use]
-    pub(super) fn is_hidden(
+    pub(super) fn occluder(
         &self,
         leaves: &impl Leaves,
         ray: &Ray,
         limit: &Limit,
         except: Option<Slot>,
         scratch: &mut Scratch,
-    ) -> bool {
+    ) -> Option<Slot> {
         let Scratch { stack, guards, .. } = scratch;
         let mut hides = |slot: Slot| Some(slot) != except && leaves.stands_before(slot, ray, limit, guards);
-        self.beside.iter().any(|slot| hides(*slot)) || self.tree.visit_any(ray, limit.t(), stack, hides)
+        let beside = self.beside.iter().copied().find(|slot| hides(*slot));
+        beside.or_else(|| self.tree.find_any(ray, limit.t(), stack, hides))
     }
 
     /// Does anything opaque but `except` stand between the ray's origin and `limit`? If not, `scratch.crossings` are the surfaces
@@ -269,7 +270,8 @@ impl PreparedScene {
         let mut hides = |slot: Slot| {
             Some(slot) != except && self.hides_or_filters(leaves, slot, ray, limit, crossings, guards)
         };
-        self.beside.iter().any(|slot| hides(*slot)) || self.tree.visit_any(ray, limit.t(), stack, hides)
+        self.beside.iter().any(|slot| hides(*slot))
+            || self.tree.find_any(ray, limit.t(), stack, hides).is_some()
     }
 
     /// Does the shape stand in the ray's way? A clear one never does, but adds where the ray crosses its surface.
@@ -417,7 +419,7 @@ impl Search<'_> {
     #[must_use]
     #[inline]
     pub fn is_hidden(&mut self, ray: &Ray, limit: &Limit, except: Option<Slot>) -> bool {
-        self.scene.is_hidden(&self.scene.geometry, ray, limit, except, &mut self.scratch)
+        self.scene.occluder(&self.scene.geometry, ray, limit, except, &mut self.scratch).is_some()
     }
 }
 

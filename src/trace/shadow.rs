@@ -29,20 +29,28 @@ pub(super) struct Filter {
     length: f64,
 }
 
-/// What share of a light comes to a surface point, channel by channel; `None` where nothing does. `inside` are the solids that
-/// the surface is seen from.
+/// What share of a light comes to a surface point, channel by channel; `None` where nothing does. The light is given by its own
+/// shape, and by what hid it from the last point that asked, which is asked first: neighbours are mostly in the same shadow.
+/// `inside` are the solids that the surface is seen from.
 #[inline(always)]
 pub(super) fn visibility<E: Effects>(
     scene: &PreparedScene,
     leaves: &impl Leaves,
     shadow_ray: ShadowRay<'_>,
-    own_shape: Option<Slot>,
+    (own_shape, last_occluder): (Option<Slot>, &mut Option<Slot>),
     (surface, inside): (&Surface, Inside),
     scratch: &mut Scratch,
 ) -> Option<Rgb> {
     let ShadowRay { ray, limit, .. } = shadow_ray;
     if !E::CLEAR_SHADOWS {
-        return (!scene.is_hidden(leaves, ray, &limit, own_shape, scratch)).then_some(Rgb::ONE);
+        if let Some(slot) = *last_occluder
+            && Some(slot) != own_shape
+            && leaves.stands_before(slot, ray, &limit, &mut scratch.guards)
+        {
+            return None;
+        }
+        *last_occluder = scene.occluder(leaves, ray, &limit, own_shape, scratch);
+        return last_occluder.is_none().then_some(Rgb::ONE);
     }
     let hidden = scene.is_hidden_or_filtered(leaves, ray, &limit, own_shape, scratch);
     (!hidden).then(|| filtered(scene, shadow_ray, own_shape, (surface, inside), scratch))

@@ -71,17 +71,17 @@ impl Tree {
         }
     }
 
-    /// Does `found` hold for any shape that the ray may meet before the limit?
+    /// A shape that the ray may meet before the limit and for which `found` holds, if there is any.
     #[inline]
-    pub(in crate::trace) fn visit_any(
+    pub(in crate::trace) fn find_any(
         &self,
         ray: &Ray,
         limit: f64,
         stack: &mut Stack,
         mut found: impl FnMut(Slot) -> bool,
-    ) -> bool {
+    ) -> Option<Slot> {
         if self.nodes.is_empty() {
-            return false;
+            return None;
         }
         let frame_ray = self.frame.ray(ray);
         let frame_limit = self.frame.limit(limit);
@@ -96,17 +96,16 @@ impl Tree {
                 stack.push(Pending { child, entry: 0.0 });
             }
             loop {
-                let Some(Pending { child, .. }) = stack.pop() else {
-                    return false;
-                };
+                let Pending { child, .. } = stack.pop()?;
                 match child.read() {
                     Link::Node(index) => {
                         node = &self.nodes[index];
                         break;
                     }
                     Link::Leaf { first, count } => {
-                        if self.slots[first..first + count].iter().any(|slot| found(*slot)) {
-                            return true;
+                        let slots = &self.slots[first..first + count];
+                        if let Some(slot) = slots.iter().find(|slot| found(**slot)) {
+                            return Some(*slot);
                         }
                     }
                 }

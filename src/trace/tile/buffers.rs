@@ -1,6 +1,7 @@
 //! A tile's working memory. One per thread, reused from tile to tile.
 
 use crate::color::Rgb;
+use crate::trace::Slot;
 use crate::trace::branch::TreeRay;
 use crate::trace::effects::Effects;
 use crate::trace::exposure::{Effort, RayCounts, TreeEnds};
@@ -49,6 +50,8 @@ pub(in crate::trace) struct TileBuffers {
     /// How many rays of each pixel are traced.
     pub(super) tree_sizes: Vec<u32>,
     pub(super) scratch: Scratch,
+    /// For every light that is on: what hid it from the last point of this tile that asked, if anything did.
+    pub(super) last_occluders: Vec<Option<Slot>>,
     /// Row by row.
     pub(super) pixels: Vec<Rgb>,
     pub(super) rays_traced: RayCounts,
@@ -56,7 +59,7 @@ pub(in crate::trace) struct TileBuffers {
 }
 
 impl TileBuffers {
-    pub(super) fn begin<E: Effects>(&mut self, tile: Tile) {
+    pub(super) fn begin<E: Effects>(&mut self, tile: Tile, lights: usize) {
         let count = (tile.width * tile.height) as usize;
         self.pixels.resize(count, Rgb::ZERO);
         if E::MIRRORS {
@@ -65,6 +68,10 @@ impl TileBuffers {
             self.tree_sizes.resize(count, 1);
         }
         self.scratch.nesting.clear();
+        if E::LIGHTS {
+            self.last_occluders.clear();
+            self.last_occluders.resize(lights, None);
+        }
     }
 
     /// What the last sample brought, row by row.

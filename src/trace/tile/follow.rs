@@ -139,12 +139,13 @@ impl<L: Leaves> Follower<'_, L> {
         let asker = Asker { seed: self.moment.sampling.seed, pixel, sample: self.sample };
         let normal = surface.facing_normal();
         let lit = Lit { ray, state, surface, material, diffuse, asker, normal };
-        let TileBuffers { scratch, rays_traced, .. } = buffers;
-        for (index, source) in &self.moment.lights {
+        let TileBuffers { scratch, rays_traced, last_occluders, .. } = buffers;
+        for ((index, source), last_occluder) in self.moment.lights.iter().zip(last_occluders) {
             let added = from_light::<E>((*index, source), &lit, |shadow_ray| {
                 rays_traced.shadow += 1;
                 let seen = (surface, state.inside);
-                visibility::<E>(scene, self.leaves, shadow_ray, source.own_shape, seen, scratch)
+                let light = (source.own_shape, &mut *last_occluder);
+                visibility::<E>(scene, self.leaves, shadow_ray, light, seen, scratch)
             });
             if let Some(added) = added {
                 light += added;

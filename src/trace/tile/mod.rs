@@ -23,7 +23,7 @@ pub(super) fn render_sample<E: Effects>(
 ) {
     let mut generations = moment.scene.depth - 1;
     let follower = Follower { moment, leaves, tile, sample };
-    buffers.begin::<E>(tile);
+    buffers.begin::<E>(tile, moment.lights.len());
     let (columns, rows) = (tile.i..tile.i + tile.width, tile.j..tile.j + tile.height);
     let mut pixel = 0;
     if moment.sampling.samples <= 1 {
