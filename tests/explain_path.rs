@@ -164,6 +164,22 @@ fn chosen_frames_alone_are_drawn() {
     assert_eq!(told, "way.svg: 1 frame, the eye stands still\n");
 }
 
+/// A second name of the old drawing keeps what it had: the new one takes its place, and is not written into it.
+#[test]
+fn a_drawing_is_whole_or_the_old_one_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let [scene, drawing, second_name] = ["around.ron", "way.svg", "old.svg"].map(|name| folder.path().join(name));
+    fs::write(scene, AROUND).unwrap();
+    fs::write(&drawing, "old").unwrap();
+    fs::hard_link(&drawing, &second_name).unwrap();
+    let mut command = Command::cargo_bin("rayreel").unwrap();
+    let arguments = ["explain", "around.ron", "--path", "way.svg", "--frames", "0-3"];
+    command.current_dir(folder.path()).args(arguments).assert().success();
+    assert!(fs::read_to_string(&drawing).unwrap().ends_with("</svg>\n"));
+    assert_eq!(fs::read_to_string(&second_name).unwrap(), "old");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3);
+}
+
 #[test]
 fn what_cannot_be_drawn_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -177,6 +193,9 @@ fn what_cannot_be_drawn_is_refused() {
     };
     let missing = Path::new("no").join("such").join("folder.svg");
     refused(&[missing.to_str().unwrap()], 1, "cannot write");
+    refused(&["around.ron"], 1, "`around.ron` is the scene itself: name another file for the drawing");
+    refused(&["./around.ron"], 1, "is the scene itself");
+    assert_eq!(fs::read_to_string(folder.path().join("around.ron")).unwrap(), AROUND);
     refused(&["way.svg", "--measure"], 2, "cannot be used with");
     refused(&["way.svg", "--frames", "96"], 1, "there is no frame 96");
 }

@@ -99,7 +99,16 @@ pub(super) fn write_encoded(
     encoded: Result<Vec<u8>, image::ImageError>,
 ) -> Result<(), WriteError> {
     let bytes = encoded.map_err(|source| WriteError::Encoding { path: path.to_owned(), source })?;
-    write_whole(path, &bytes).map_err(|source| WriteError::File { path: path.to_owned(), source })
+    write_bytes(path, &bytes)
+}
+
+/// Writes a file of these bytes: whole, or not at all.
+///
+/// # Errors
+///
+/// If the file system refuses; nothing is left behind.
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    write_whole(path, bytes).map_err(|source| WriteError::File { path: path.to_owned(), source })
 }
 
 fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {

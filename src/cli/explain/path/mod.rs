@@ -15,9 +15,10 @@ mod view;
 use std::fs;
 use std::path::Path;
 
-use anyhow::Context;
+use anyhow::{Context, ensure};
 
 use rayreel::Engine;
+use rayreel::output::write_bytes;
 use rayreel::time::FrameList;
 
 use super::super::exit::Failure;
@@ -32,12 +33,34 @@ pub(super) fn draw(
     scene: &Path,
     file: &Path,
 ) -> Result<(), Failure> {
+    ensure_not_the_scene(file, scene)?;
     let journey = Journey::of(engine, frames)?;
     let name = scene.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    fs::write(file, drawing(&journey, &name))
-        .with_context(|| format!("cannot write `{}`", file.display()))?;
+    write(file, &drawing(&journey, &name))?;
     print::result_line(&format!("{}: {}", file.display(), journey.in_words()))?;
     Ok(())
+}
+
+fn ensure_not_the_scene(file: &Path, scene: &Path) -> anyhow::Result<()> {
+    let is_the_scene = match (fs::canonicalize(file), fs::canonicalize(scene)) {
+        (Ok(file), Ok(scene)) => file == scene,
+        _ => false,
+    };
+    ensure!(
+        !is_the_scene,
+        "`{}` is the scene itself: name another file for the drawing, as way.svg",
+        file.display()
+    );
+    Ok(())
+}
+
+/// Whole or not at all; but what is there and is no file, as a pipe or a link, is kept and written to.
+fn write(file: &Path, drawing: &str) -> anyhow::Result<()> {
+    if fs::symlink_metadata(file).is_ok_and(|there| !there.is_file()) {
+        fs::write(file, drawing).with_context(|| format!("cannot write `{}`", file.display()))
+    } else {
+        Ok(write_bytes(file, drawing.as_bytes())?)
+    }
 }
 
 /// Two square views and two charts below them.
