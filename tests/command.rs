@@ -158,6 +158,52 @@ fn a_frame_that_cannot_be_written_is_told_and_others_stay() {
     assert_eq!(files(&folder.path().join("o")), ["first_light.0000.png", "first_light.0001.png"]);
 }
 
+/// From frame 6 on, its script gives no value.
+const FAILS_MIDWAY: &str = r#"(
+    timeline: (fps: 10, duration: 1.2),
+    film: (width: 8, height: 8),
+    camera: (position: (0, 0, -8), target: (0, 0, 0)),
+    materials: { "clay": (k_a: 1) },
+    entities: [(name: "ball", shape: Sphere(radius: 1), material: "clay")],
+    animate: [(target: "ball", channel: Radius, track: Script("if frame == 6 { throw \"worn out\" } 1"))],
+)"#;
+
+#[test]
+fn a_script_that_fails_midway_leaves_a_report_of_what_was_written() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("s.ron"), FAILS_MIDWAY).unwrap();
+    let run =
+        |more: &[&str]| rayreel(&folder, &[&["render", "s.ron", "--frames", "0-11"][..], more].concat());
+    let output = run(&["--out", "machines", "--json"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("worn out"), "{}", text(&output.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let frames = report["frames"].as_array().unwrap();
+    let reported: Vec<&str> =
+        frames.iter().map(|frame| frame["file"].as_str().unwrap().trim_start_matches("machines/")).collect();
+    assert_eq!(reported, files(&folder.path().join("machines")));
+    assert_eq!(reported.len(), 6);
+
+    let output = run(&["--out", "people"]);
+    assert!(text(&output.stderr).contains("6 frames in "), "{}", text(&output.stderr));
+    // On a sheet, none of them is written.
+    let output = run(&["--out", "sheet", "--sheet", "3x4", "--json"]);
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((report["frames"].as_array().unwrap().len(), report["sheet"].is_null()), (6, true));
+    assert!(files(&folder.path().join("sheet")).is_empty());
+}
+
+#[test]
+fn a_script_that_fails_hides_no_frame_that_could_not_be_written() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("s.ron"), FAILS_MIDWAY).unwrap();
+    fs::create_dir_all(folder.path().join("o/s.0005.png")).unwrap();
+    let output = rayreel(&folder, &["render", "s.ron", "--frames", "5-6", "--out", "o"]);
+    let told = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(told.contains("cannot write `o/s.0005.png`"), "{told}");
+}
+
 #[test]
 fn check_tells_people_and_machines() {
     let folder = tempfile::tempdir().unwrap();

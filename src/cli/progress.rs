@@ -45,8 +45,11 @@ impl Progress {
             )),
         }
     }
+}
 
-    pub(super) fn finish(&self) {
+impl Drop for Progress {
+    /// However it ended, no bar stays behind.
+    fn drop(&mut self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }

@@ -61,10 +61,10 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         }
         print::error_line(&report.summary(&settings));
     }
-    rendered?;
     if arguments.json {
         print::result_line(&report.to_json())?;
     }
+    rendered?;
     if interrupted {
         return Err(Failure::Interrupted);
     }
@@ -74,7 +74,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Renders every shot and hands it to the writer, which works beside.
+/// Renders every shot and hands it to the writer, which works beside. Where it cannot go on, what was handed over is written.
 fn render_all(
     engine: &mut Engine,
     settings: &RenderSettings,
@@ -86,7 +86,7 @@ fn render_all(
     let writer = FrameWriter::start();
     let progress = Progress::start(settings.count());
     let mut pending = Vec::new();
-    let mut failed = None;
+    let (mut rendered, mut refused) = (Ok(()), None);
     let mut settle =
         |written: Written, pending: &Vec<ShotReport>, report: &mut RenderReport| match written.result {
             Ok(()) => {
@@ -94,11 +94,15 @@ fn render_all(
                 progress.done(&shot, report.shots.len() + 1);
                 report.shots.push(shot);
             }
-            Err(error) => failed = failed.take().or(Some(error)),
+            Err(error) => refused = refused.take().or(Some(error)),
         };
     for (ticket, shot) in settings.shots().enumerate() {
-        let Some(film) = engine.render_unless(shot.time, cancelled)? else {
-            break;
+        let film = match engine.render_unless(shot.time, cancelled) {
+            Ok(Some(film)) => film,
+            stopped => {
+                rendered = stopped.map(drop).map_err(Failure::from);
+                break;
+            }
         };
         let path = settings.file_of(&shot);
         pending.push(ShotReport::new(&shot, Some(path.clone()), engine));
@@ -115,6 +119,13 @@ fn render_all(
     for written in writer.finish() {
         settle(written, &pending, report);
     }
-    progress.finish();
-    failed.map_or(Ok(()), |error| Err(Failure::Other(error.into())))
+    drop(progress);
+    match (refused.map(|error| Failure::Other(error.into())), rendered) {
+        (Some(refused), Err(failure)) => {
+            refused.print();
+            Err(failure)
+        }
+        (Some(refused), Ok(())) => Err(refused),
+        (None, rendered) => rendered,
+    }
 }

@@ -28,7 +28,6 @@ pub(super) fn render(
     let progress = Progress::start(settings.count());
     for shot in settings.shots() {
         let Some(film) = engine.render_unless(shot.time, cancelled)? else {
-            progress.finish();
             return Ok(());
         };
         sheet.add(&film, shot.frame.unwrap_or(0), shot.time);
@@ -36,7 +35,7 @@ pub(super) fn render(
         progress.done(&shot, report.shots.len() + 1);
         report.shots.push(shot);
     }
-    progress.finish();
+    drop(progress);
     report.sheet = Some(write(&sheet, settings)?);
     Ok(())
 }
