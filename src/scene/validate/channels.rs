@@ -33,7 +33,7 @@ pub(super) fn target(
                 "add `target: \"name\"` of an entity, or \"camera\" or \"scene\", or `material: \"name\"`",
             );
         }
-        (None, Some(name)) => material_target(scope, property, name, &at.field("material"), problems),
+        (None, Some(name)) => material_target(scope, property, name, at, problems),
         (Some(name), None) => {
             let lack = if name == SceneDocument::SCENE {
                 lack_of_scene(document, property)
@@ -62,10 +62,17 @@ pub(super) fn target(
     }
 }
 
-fn material_target(scope: Scope<'_>, property: Property, name: &str, at: &At<'_>, problems: &mut Problems) {
+fn material_target(
+    scope: Scope<'_>,
+    property: Property,
+    name: &str,
+    animation: &At<'_>,
+    problems: &mut Problems,
+) {
+    let at = &animation.field("material");
     match scope.material(name) {
         Lookup::Missing => problems.add_unknown(at, Named::Material, name, || scope.material_names()),
-        _ if !of_material(property) => unfit(property, "a material", at, problems),
+        _ if !of_material(property) => unfit(property, "a material", &animation.field("channel"), problems),
         Lookup::Found(material) => {
             if let Some(part) = Part::with(property).filter(|part| !part.is_of(material)) {
                 let (message, label, help) = part.missing();
