@@ -168,7 +168,8 @@ fn chosen_frames_alone_are_drawn() {
 #[test]
 fn a_drawing_is_whole_or_the_old_one_stays() {
     let folder = tempfile::tempdir().unwrap();
-    let [scene, drawing, second_name] = ["around.ron", "way.svg", "old.svg"].map(|name| folder.path().join(name));
+    let [scene, drawing, second_name] =
+        ["around.ron", "way.svg", "old.svg"].map(|name| folder.path().join(name));
     fs::write(scene, AROUND).unwrap();
     fs::write(&drawing, "old").unwrap();
     fs::hard_link(&drawing, &second_name).unwrap();

@@ -379,7 +379,7 @@ fn entities_are_found_in_their_files() {
     ];
     let expected: Vec<String> = car(3).chain(car(4)).chain(rest.map(str::to_owned)).collect();
     assert_eq!(lines, expected);
-    assert_eq!(sources.camera().line, 11);
+    assert_eq!(sources.camera("camera").line, 11);
     // The last ones first, and one that is not there.
     let some: Vec<usize> = sources.entities(&[29, 0, 99]).map(|place| place.line).collect();
     assert_eq!(some, [19, 3, 15]);

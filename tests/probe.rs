@@ -166,6 +166,42 @@ fn trees_look_as_they_always_did() {
 }
 
 #[test]
+fn the_camera_is_that_of_the_shot() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = |name: &str, camera: &str, shots: &str| {
+        let path = folder.path().join(name);
+        let text = format!(
+            r#"(
+    timeline: (fps: 2, duration: 3), {camera}
+    cameras: {{
+        "wide": (position: (0, 0, -9), target: (0, 0, 0)),
+        "close": (position: (0, 0, -3), target: (0, 0, 0)),
+    }},
+    shots: [(0, "close"), {shots}],
+)"#
+        );
+        fs::write(&path, text).unwrap();
+        path
+    };
+    let several = scene(
+        "several.ron",
+        "camera: (position: (0, 0, -5), view: (0, 0, 1)),",
+        r#"(1, "camera"), (2, "wide")"#,
+    );
+    let none_alone = scene("none_alone.ron", "", r#"(1, "wide")"#);
+    let lines = |scene: &Path| -> Vec<Value> {
+        let scene = scene.to_str().unwrap();
+        let line =
+            |frame: &str| told_json(&[scene, "--pixel", "0,0", "--frame", frame])["camera_line"].clone();
+        ["1", "2", "5"].map(line).to_vec()
+    };
+    assert_eq!(lines(&several), [json!(5), json!(2), json!(4)]);
+    assert_eq!(lines(&none_alone), [json!(5), json!(4), json!(4)]);
+    let told = told(&[several.to_str().unwrap(), "--pixel", "0,0"], "");
+    assert!(told.contains("several.ron:5)\n"), "{told}");
+}
+
+#[test]
 fn json_tells_what_the_tree_tells() {
     let report = told_json(&["corner.ron", "--pixel", "2,1"]);
     assert_eq!(report["scene"], "corner.ron");

@@ -15,7 +15,7 @@ use super::spans::{Step, locate};
 /// let (_, sources) = Scene::from_text_with_sources("three.ron", text.to_owned())?;
 /// let lines = sources.entities(&[2, 0, 1]).map(|place| place.to_string());
 /// assert_eq!(lines.collect::<Vec<_>>(), ["three.ron:5", "three.ron:4", "three.ron:4"]);
-/// assert_eq!(sources.camera().line, 2);
+/// assert_eq!(sources.camera("camera").line, 2);
 /// # Ok::<(), rayreel::scene::LoadError>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -24,6 +24,8 @@ pub struct Sources {
     files: Vec<(String, String)>,
     /// By the places of their first entities in document order.
     runs: Vec<Run>,
+    /// The names in the map `cameras`.
+    cameras: Vec<String>,
 }
 
 /// Entities that follow each other in the scene as they do in a file.
@@ -44,8 +46,8 @@ pub struct SourceLine<'a> {
 }
 
 impl Sources {
-    pub(super) fn new(files: Vec<(String, String)>, runs: Vec<Run>) -> Self {
-        Self { files, runs }
+    pub(super) fn new(files: Vec<(String, String)>, runs: Vec<Run>, cameras: Vec<String>) -> Self {
+        Self { files, runs, cameras }
     }
 
     /// Where entities start; `entities` are places in document order, from 0, as
@@ -72,10 +74,14 @@ impl Sources {
         found.into_iter().flatten()
     }
 
-    /// Where the camera starts.
+    /// Where a camera starts: one of `cameras` by its name there, or that in `camera`.
     #[must_use]
-    pub fn camera(&self) -> SourceLine<'_> {
-        let found = self.lines(0, &[vec![Step::Field("camera")]]).next();
+    pub fn camera(&self, name: &str) -> SourceLine<'_> {
+        let path = match self.cameras.iter().position(|known| known == name) {
+            Some(index) => vec![Step::Field("cameras"), Step::Key(index)],
+            None => vec![Step::Field("camera")],
+        };
+        let found = self.lines(0, &[path]).next();
         found.unwrap_or(SourceLine { file: "", line: 1 })
     }
 

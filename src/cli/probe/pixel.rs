@@ -3,8 +3,10 @@
 use anyhow::{Context, ensure};
 use serde_json::{Value, json};
 
+use rayreel::components::Name;
 use rayreel::engine::Probe;
-use rayreel::scene::Sources;
+use rayreel::scene::{SourceLine, Sources};
+use rayreel::systems::filming;
 use rayreel::trace::Passage;
 use rayreel::trace::reference::{LightReach, LitSurface, RayEnd, RayKind, TracedRay};
 use rayreel::{Engine, Entity, Rgb, Time};
@@ -96,6 +98,13 @@ impl Seen<'_> {
         self.engine.film_settings().transfer.encode(self.probe.color())
     }
 
+    /// Where the camera that films the moment starts.
+    fn camera(&self) -> SourceLine<'_> {
+        let world = self.engine.world();
+        let name = filming(world, self.at.time).and_then(|filming| world.get::<&Name>(filming.camera).ok());
+        self.at.sources.camera(name.as_ref().map_or("", |name| name.0.as_str()))
+    }
+
     fn text(&self) -> String {
         let (film, (column, row)) = (self.engine.film_settings(), self.at.pixel);
         let time = Shortest(self.at.time.seconds());
@@ -111,7 +120,7 @@ impl Seen<'_> {
             "Pixel {column},{row} of {}x{},{sample} {moment}, camera ({})\n",
             film.width,
             film.height,
-            self.at.sources.camera()
+            self.camera()
         );
         text += &format!("{:<14}{}\n", "linear", color(self.probe.color()).trim_end());
         let bytes = self.bytes().map(|byte| column_of(&byte.to_string()));
@@ -232,7 +241,7 @@ impl Seen<'_> {
             "samples": self.at.samples,
             "frame": self.at.frame,
             "time": self.at.time.seconds(),
-            "camera_line": self.at.sources.camera().line,
+            "camera_line": self.camera().line,
             "linear": self.probe.color().to_array(),
             "bytes": self.bytes(),
             "rays": self.probe.tree.rays.iter().map(|traced| self.ray_json(traced)).collect::<Vec<_>>(),

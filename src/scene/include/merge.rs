@@ -36,7 +36,8 @@ impl Files {
             Some(scene) => Merger::new(&parts).merge(scene),
             None => Merger::new(&[]).merge((SceneDocument::default(), Vec::new())),
         };
-        (merged, Sources::new(texts, runs))
+        let cameras = merged.document.cameras.0.iter().map(|(name, _)| name.clone()).collect();
+        (merged, Sources::new(texts, runs, cameras))
     }
 }
 
