@@ -164,6 +164,27 @@ fn chosen_frames_alone_are_drawn() {
     assert_eq!(told, "way.svg: 1 frame, the eye stands still\n");
 }
 
+#[test]
+fn of_very_many_frames_some_are_drawn_and_the_last_is_among_them() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("long.ron"), AROUND.replace("duration: 4)", "duration: 600)")).unwrap();
+    let told = |frames: &[&str]| {
+        let mut command = Command::cargo_bin("rayreel").unwrap();
+        command.current_dir(folder.path()).args(["explain", "long.ron", "--path", "way.svg"]).args(frames);
+        String::from_utf8(command.assert().success().get_output().stdout.clone()).unwrap()
+    };
+    // Once around, at the same speed all the while.
+    let all = told(&[]);
+    assert!(
+        all.starts_with("way.svg: 4000 of 14400 frames, a way of 31.4 units at 0.05 units a second"),
+        "{all}"
+    );
+    let drawing = fs::read_to_string(folder.path().join("way.svg")).unwrap();
+    assert!(drawing.contains(" frames drawn<") || drawing.contains("every frame drawn<"), "{drawing}");
+    assert!(told(&["--frames", "0-4000"]).starts_with("way.svg: 4000 of 4001 frames, "));
+    assert!(told(&["--frames", "0-3999"]).starts_with("way.svg: 4000 frames, "));
+}
+
 /// A second name of the old drawing keeps what it had: the new one takes its place, and is not written into it.
 #[test]
 fn a_drawing_is_whole_or_the_old_one_stays() {

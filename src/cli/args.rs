@@ -172,7 +172,8 @@ pub(super) struct ExplainArguments {
     /// Tell too what the picture loses without each effect
     #[arg(long)]
     pub(super) measure: bool,
-    /// Draw the camera's way into this SVG file instead: from above, from the side, and its speed over time
+    /// Draw the camera's way into this SVG file instead: from above, from the side, and its speed over time; of very many
+    /// frames 4000, spread evenly
     #[arg(long, value_name = "FILE", conflicts_with_all = ["size", "threads", "measure", "json"])]
     pub(super) path: Option<PathBuf>,
     /// Print one JSON object

@@ -113,7 +113,7 @@ mod tests {
         };
         let first = (0..10).map(|index| at(index, DVec3::ZERO, "wide"));
         let second = (10..20).map(|index| at(index, DVec3::new(-3.0, 2.0, 4.0), "close & low"));
-        Journey { moments: first.chain(second).collect(), things: Vec::new() }
+        Journey { moments: first.chain(second).collect(), spread_over: None, things: Vec::new() }
     }
 
     /// The lines of a class, each with the number of its points, view by view.
@@ -147,7 +147,7 @@ mod tests {
             // What is looked at makes the views as large as this.
             let mut moments: Vec<_> = (0..count).map(at).collect();
             moments[0].target = Some(DVec3::new(0.0, 0.0, 100.0));
-            drawing(&Journey { moments, things: Vec::new() }, "many.ron")
+            drawing(&Journey { moments, spread_over: None, things: Vec::new() }, "many.ron")
         };
         for (count, length, stride) in [(50, 100.0, 1), (150, 100.0, 2), (2000, 100.0, 50), (50, 10.0, 10)] {
             let drawing = many(count, length);
@@ -163,7 +163,7 @@ mod tests {
     fn any_journey_makes_numbers() {
         let still = |count: u32| {
             let moments = (0..count).map(|index| moment(f64::from(index), DVec3::ZERO, "camera")).collect();
-            Journey { moments, things: Vec::new() }
+            Journey { moments, spread_over: None, things: Vec::new() }
         };
         for journey in [with_a_cut(1e60), with_a_cut(1e-60), with_a_cut(0.0), still(0), still(1), still(30)] {
             let drawing = drawing(&journey, "<odd> \"name\"");

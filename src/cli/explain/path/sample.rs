@@ -14,6 +14,8 @@ use super::things::Thing;
 pub(super) struct Journey {
     /// In the order of time; not empty, unless no frame was chosen.
     pub(super) moments: Vec<Moment>,
+    /// How many frames were chosen, if there are too many for each to be a moment.
+    pub(super) spread_over: Option<usize>,
     /// What stands around, as it is in the first of them.
     pub(super) things: Vec<Thing>,
 }
@@ -32,7 +34,14 @@ pub(super) struct Moment {
 }
 
 impl Journey {
+    /// More moments than a drawing can show.
+    const MOST: u32 = 4000;
+
+    /// The way over these frames; over [`Journey::MOST`] of them, spread evenly, where there are more.
     pub(super) fn of(engine: &mut Engine, frames: &FrameList) -> Result<Self, EngineError> {
+        let chosen = frames.count();
+        let frames = frames.spread(Self::MOST);
+        let spread_over = (frames.count() < chosen).then_some(chosen);
         let (mut moments, mut things) = (Vec::with_capacity(frames.count()), Vec::new());
         for frame in frames.frames() {
             let time = engine.timeline().time_of(frame);
@@ -44,7 +53,7 @@ impl Journey {
                 moments.push(moment);
             }
         }
-        Ok(Self { moments, things })
+        Ok(Self { moments, spread_over, things })
     }
 
     /// Runs of frames between which there is no cut.
@@ -99,9 +108,10 @@ impl Journey {
 
     /// One line.
     pub(super) fn in_words(&self) -> String {
-        let count = match self.moments.len() {
-            1 => "1 frame".to_owned(),
-            count => format!("{count} frames"),
+        let count = match (self.moments.len(), self.spread_over) {
+            (count, Some(chosen)) => format!("{count} of {chosen} frames"),
+            (1, None) => "1 frame".to_owned(),
+            (count, None) => format!("{count} frames"),
         };
         let shots = match self.shots().count() {
             0 | 1 => String::new(),

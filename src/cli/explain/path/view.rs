@@ -240,10 +240,11 @@ fn apart(one: Place, other: Place) -> f64 {
 
 /// What the lines mean.
 fn legend(svg: &mut Svg, [mut x, y]: Place, stride: usize, journey: &Journey) {
+    let drawn = if journey.spread_over.is_some() { " drawn" } else { "" };
     let eye = match stride {
         _ if journey.is_still() => "the eye".to_owned(),
-        1 => "the eye, with a tick at every frame".to_owned(),
-        stride => format!("the eye, with a tick at every {stride} frames"),
+        1 => format!("the eye, with a tick at every frame{drawn}"),
+        stride => format!("the eye, with a tick at every {stride} frames{drawn}"),
     };
     let mut entries = vec![("eye", eye.as_str()), ("view", "where it looks")];
     if journey.moments.iter().any(|moment| moment.target.is_some()) {
