@@ -4,19 +4,32 @@ use std::collections::HashMap;
 
 use super::{Files, SceneFile};
 use crate::scene::document::{EntityDocument, MaterialDocument};
+use crate::scene::validate::Problems;
 
 /// The names of a file: its own, those of its parts, and all of what it includes without a name.
 #[derive(Debug, Default)]
 pub(in crate::scene) struct Names<'a> {
     pub(super) entities: Table<'a, Meaning<'a>>,
     pub(super) materials: Table<'a, &'a MaterialDocument>,
-    /// Are there more, which nobody knows because a file cannot be read?
+    /// Are there more, which nobody knows because a file cannot be read or because they are too many?
     pub(super) incomplete: bool,
-    pub(super) clashes: Vec<Clash<'a>>,
+    pub(super) clashes: Clashes<'a>,
     /// How many entities, materials and animations there are in what it includes.
     pub(super) included: u64,
     /// Likewise, with its own.
     size: u64,
+}
+
+/// So many entities, materials and animations may come from other files.
+pub(in crate::scene) const MOST_INCLUDED: u64 = 4_000_000;
+
+/// Names that several files give. Beyond [`Problems::MOST`] they are only counted.
+#[derive(Debug, Default)]
+pub(in crate::scene) struct Clashes<'a> {
+    pub(in crate::scene) listed: Vec<Clash<'a>>,
+    pub(in crate::scene) unlisted: usize,
+    /// The include, and the file that it brings once more, that were told last.
+    repeated: Option<(usize, usize)>,
 }
 
 /// What the name of an entity stands for.
@@ -76,6 +89,30 @@ pub(in crate::scene) struct Clash<'a> {
     pub(in crate::scene) include: Option<usize>,
 }
 
+impl Clash<'_> {
+    /// Does the very same file come by several ways?
+    pub(in crate::scene) fn is_repeated(&self) -> bool {
+        self.first == self.second
+    }
+}
+
+impl<'a> Clashes<'a> {
+    /// A file that comes once more is one clash, whatever it holds.
+    fn add(&mut self, clash: Clash<'a>) {
+        if let Some(include) = clash.include.filter(|_| clash.is_repeated()) {
+            let repeated = Some((include, clash.first.file));
+            if std::mem::replace(&mut self.repeated, repeated) == repeated {
+                return;
+            }
+        }
+        if self.listed.len() < Problems::MOST {
+            self.listed.push(clash);
+        } else {
+            self.unlisted += 1;
+        }
+    }
+}
+
 impl<'a> Names<'a> {
     fn of_file(index: usize, file: &'a SceneFile, parts: &[Self]) -> Self {
         let Some(document) = &file.document else {
@@ -90,8 +127,8 @@ impl<'a> Names<'a> {
                     let origin = Origin { file: index, list: "include", index: place };
                     names.add_entity(name, origin, Meaning::Part(*part), None);
                 }
-                (None, Some(part)) => names.join(&parts[*part], place),
-                (None, None) => names.incomplete = true,
+                (None, Some(part)) if names.included <= MOST_INCLUDED => names.join(&parts[*part], place),
+                (None, _) => names.incomplete = true,
             }
         }
         for (place, (name, material)) in document.materials.0.iter().enumerate() {
@@ -148,7 +185,7 @@ impl<'a> Names<'a> {
         let Clash { first, second, include, .. } = clash;
         let same_list = (first.file, first.list) == (second.file, second.list);
         if include.is_some() || !same_list || second.list == "include" {
-            self.clashes.push(clash);
+            self.clashes.add(clash);
         }
     }
 }
@@ -160,4 +197,27 @@ pub(super) fn of_files(files: &Files) -> Vec<Names<'_>> {
         names[*index] = Names::of_file(*index, &files.files[*index], &names);
     }
     names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two files with the same names, each included a hundred times.
+    #[test]
+    fn clashes_are_counted_and_few_are_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let entities = "(name: \"a\"), (name: \"b\"), (name: \"c\"),";
+        for file in ["one.ron", "two.ron"] {
+            std::fs::write(folder.path().join(file), format!("(entities: [{entities}])")).unwrap();
+        }
+        let text = format!("(include: [{}])", "(file: \"one.ron\"), (file: \"two.ron\"),".repeat(100));
+        let files = Files::from_text(&folder.path().join("scene.ron"), text);
+        let names = of_files(&files);
+        assert_eq!(names[0].included, 200 * 4);
+        let Clashes { listed, unlisted, .. } = &names[0].clashes;
+        // Three names of the second file each time, and the first file 99 times more.
+        assert_eq!((listed.len(), listed.len() + unlisted), (Problems::MOST, 100 * 3 + 99));
+        assert_eq!(listed.iter().filter(|clash| clash.is_repeated()).count(), 12);
+    }
 }

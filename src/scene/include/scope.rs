@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::SceneFile;
-use super::names::{Clash, Meaning, Names, Origin};
+use super::names::{Clashes, Meaning, Names, Origin};
 use crate::scene::Place;
 use crate::scene::document::{LightDocument, MaterialDocument, ShapeDocument};
 use crate::scene::spans::{Step, locate};
@@ -125,7 +125,7 @@ impl<'a> Scope<'a> {
     }
 
     /// Names that come from several files.
-    pub(in crate::scene) fn clashes(self) -> &'a [Clash<'a>] {
+    pub(in crate::scene) fn clashes(self) -> &'a Clashes<'a> {
         &self.own().clashes
     }
 
@@ -137,6 +137,11 @@ impl<'a> Scope<'a> {
     /// Is that so for a file that is included?
     pub(in crate::scene) fn any_part(self, is_so: impl Fn(Self) -> bool) -> bool {
         self.files[self.file].includes.iter().flatten().any(|part| is_so(self.of(*part)))
+    }
+
+    /// `parts/car.ron`
+    pub(in crate::scene) fn file_name(self, origin: Origin) -> &'a str {
+        &self.files[origin.file].name
     }
 
     /// `parts/car.ron:12`

@@ -2,10 +2,7 @@
 
 use super::{At, Problems};
 use crate::scene::document::SceneDocument;
-use crate::scene::include::{Clash, Scope};
-
-/// So many entities, materials and animations may come from other files.
-const MOST_INCLUDED: u64 = 4_000_000;
+use crate::scene::include::{Clash, MOST_INCLUDED, Scope};
 
 pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_>, problems: &mut Problems) {
     let list = scene.field("include");
@@ -24,9 +21,25 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
         let message = format!("more than {MOST_INCLUDED} entities, materials and animations are included");
         problems.add(&list, message, "too much", "include less, or fewer times");
     }
-    for clash in scope.clashes() {
-        taken(clash, scope, scene, problems);
+    let clashes = scope.clashes();
+    for clash in &clashes.listed {
+        match clash.include.filter(|_| clash.is_repeated()) {
+            Some(index) => repeated(clash, scope, &list.index(index), problems),
+            None => taken(clash, scope, scene, problems),
+        }
     }
+    problems.add_unlisted(clashes.unlisted);
+}
+
+/// A file that comes by several ways, each time with the same names.
+fn repeated(clash: &Clash<'_>, scope: Scope<'_>, at: &At<'_>, problems: &mut Problems) {
+    let Clash { name, second, .. } = *clash;
+    problems.add(
+        at,
+        format!("`{}` is included twice without a name", scope.file_name(second)),
+        format!("brings \"{name}\" once more"),
+        format!("give this include a name of its own: as `part` it brings \"part/{name}\""),
+    );
 }
 
 /// A name that several files give.

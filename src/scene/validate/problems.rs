@@ -91,7 +91,7 @@ impl<'a> At<'a> {
 
 impl Problems {
     /// More than this nobody reads.
-    const MOST: usize = 50;
+    pub(in crate::scene) const MOST: usize = 50;
 
     pub(in crate::scene) fn add(
         &mut self,
@@ -162,6 +162,11 @@ impl Problems {
             Named::Camera => ("camera", "cameras"),
         };
         self.add(at, format!("there is no {singular} \"{name}\""), "unknown", remedy(name, &known, plural));
+    }
+
+    /// More mistakes that are only counted.
+    pub(super) fn add_unlisted(&mut self, count: usize) {
+        self.unlisted += count;
     }
 
     /// Are further mistakes only counted?
