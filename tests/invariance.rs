@@ -34,11 +34,14 @@ fn picture(path: &Path, scale: f64, offset: DVec3) -> Film {
                 falloff.quadratic /= scale * scale;
             }
         }
-        for camera in context.world.query_mut::<&mut Camera>() {
+        // What has a parent goes along with it.
+        for camera in context.world.query_mut::<hecs::Without<&mut Camera, &Parent>>() {
             camera.position = camera.position * scale + offset;
             if let View::Target(target) = &mut camera.view {
                 *target = *target * scale + offset;
             }
+        }
+        for camera in context.world.query_mut::<&mut Camera>() {
             if let Some(lens) = &mut camera.lens {
                 lens.aperture *= scale;
                 lens.focus *= scale;

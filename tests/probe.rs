@@ -102,9 +102,12 @@ fn with_one_sample(path: &Path, folder: &Path) -> PathBuf {
     let scene = fs::read_to_string(path).unwrap();
     let kept: Vec<&str> = scene.lines().filter(|line| !line.trim().starts_with("sampling:")).collect();
     let copy = folder.join(path.file_name().unwrap());
-    // What it includes stays where it is.
-    let beside = format!("(file: \"{}/", path.parent().unwrap().display());
-    fs::write(&copy, kept.join("\n").replace("(file: \"", &beside)).unwrap();
+    // The files that it names stay where they are.
+    let beside = path.parent().unwrap().display();
+    let naming = ["(file: \"", "File(\""];
+    let text =
+        naming.iter().fold(kept.join("\n"), |text, start| text.replace(start, &format!("{start}{beside}/")));
+    fs::write(&copy, text).unwrap();
     copy
 }
 
