@@ -16,5 +16,5 @@ mod scope;
 
 pub(super) use loader::{Files, SceneFile};
 pub(super) use merge::Merged;
-pub(super) use names::{Clash, Clashes, MOST_INCLUDED, Origin};
+pub(super) use names::{Clash, MOST_INCLUDED, Origin};
 pub(super) use scope::{KnownEntity, Lookup, Scope};
