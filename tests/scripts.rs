@@ -134,6 +134,141 @@ fn an_entity_s_own_script_or_track_wins_over_its_material_s() {
     assert!((color("plain") - glam::Vec3::new(127.5, 60.0, 32.0)).length() < 1e-3, "{}", color("plain"));
 }
 
+/// Brings engines to moments in several orders, and expects the same picture of the last.
+fn assert_order_does_not_matter(text: &str) {
+    let film = |moments: &[&str]| {
+        let mut engine = engine(text);
+        for moment in &moments[..moments.len() - 1] {
+            engine.render_at(moment.parse().unwrap()).unwrap();
+        }
+        engine.world_mut();
+        let again = moments[moments.len() - 1].parse().unwrap();
+        let film = engine.render_at(again).unwrap();
+        engine.world_mut();
+        assert_eq!(film, engine.render_at(again).unwrap(), "{text}: after an edit of nothing");
+        film
+    };
+    let in_sequence = |moments: &[&str]| {
+        let mut engine = engine(text);
+        moments.iter().map(|moment| engine.render_at(moment.parse().unwrap()).unwrap()).next_back().unwrap()
+    };
+    let alone = in_sequence(&["1.5"]);
+    assert_eq!(alone, in_sequence(&["0", "0.5", "1.4", "3", "1.5"]), "{text}");
+    assert_eq!(alone, film(&["0", "0.5", "3", "1.5"]), "{text}");
+    assert_ne!(alone, in_sequence(&["0"]), "{text}: nothing moves");
+}
+
+#[test]
+fn a_script_of_a_material_is_no_base_for_one_of_an_entity() {
+    let text = r#"entities: [(name: "ball", shape: Sphere(radius: 1), material: "stone")],
+        animate: [
+            (material: "stone", channel: Ka, track: Script("base + 0.1")),
+            (target: "ball", channel: Ka, track: Script("base + 0.05 * t")),
+            (material: "stone", channel: Kd, track: Keys([(0, 0.5), (4, 0.9)])),
+            (target: "ball", channel: Kd, track: Script("base / 2")),
+        ]"#;
+    assert_order_does_not_matter(text);
+    let mut engine = engine(text);
+    engine.seek("2".parse().unwrap()).unwrap();
+    let material = *engine.world().get::<&Material>(named(&engine, "ball")).unwrap();
+    assert!((material.k_a - 0.6).abs() < 1e-6 && (material.k_d - 0.35).abs() < 1e-6, "{material:?}");
+}
+
+#[test]
+fn what_is_made_of_other_values_is_read_after_them() {
+    let balls = r#"entities: [
+            (name: "a", shape: Sphere(radius: 1), material: "stone"),
+            (name: "b", shape: Sphere(radius: 1), material: "clay", transform: (translation: (2, 0, 0))),
+        ],"#;
+    for animate in [
+        r#"(target: "a", channel: Translation, track: Script("let v = value(`camera`, `View`); [v[0], v[1], 0]")),
+           (target: "camera", channel: Position, track: Script("[t, 0, -8]"))"#,
+        r#"(target: "a", channel: Translation, track: Script("let v = value(`camera`, `View`); [v[0], v[1], 0]")),
+           (target: "camera", channel: Target, track: Script("[t, 0, 0]"))"#,
+        r#"(target: "a", channel: Translation, track: Script("0.3 * value(`camera`, `Target`)")),
+           (target: "camera", channel: Position, track: Script("[t, 0, -8]")),
+           (target: "camera", channel: View, track: Script("[0, t, 8]"))"#,
+        r#"(target: "a", channel: Color, track: Script("value(`b`, `AmbientColor`)")),
+           (target: "b", channel: Color, track: Script("[t * 60, 0, 0]"))"#,
+        r#"(target: "a", channel: Translation, track: Script("[value(`b`, `AmbientColor`)[0] / 100, 0, 0]")),
+           (target: "b", channel: Color, track: Script("[t * 60, 0, 0]")),
+           (target: "b", channel: AmbientColor, track: Script("base / 2 + [0, t, 0]"))"#,
+        r#"(target: "camera", channel: Position, track: Keys([(0, (0, 0, -8)), (4, (2, 0, -8))])),
+           (target: "camera", channel: View, track: Script("base"))"#,
+    ] {
+        assert_order_does_not_matter(&format!("{balls} animate: [{animate}]"));
+    }
+    // One that looks at a point may be moved by where that is.
+    let mut follows = engine(&format!(
+        r#"{balls} animate: [(target: "camera", channel: Position, track: Script("value(`camera`, `Target`) + [t, 0, -8]"))]"#
+    ));
+    follows.seek("1".parse().unwrap()).unwrap();
+    let ring = r#"(target: "camera", channel: Position, track: Script("value(`camera`, `View`)"))"#;
+    let found = complaint(&format!("Scene({HEAD} {balls} animate: [{ring}])"));
+    assert!(found.contains("a ring of scripts"), "{found}");
+    let both = r#"(target: "camera", channel: Target, track: Script("[t, 0, 0]")),
+        (target: "camera", channel: View, track: Keys([(0, (0, 0, 1))]))"#;
+    let found = complaint(&format!("Scene({HEAD} {balls} animate: [{both}])"));
+    assert!(found.contains("both Target and View of one camera are animated"), "{found}");
+}
+
+#[test]
+fn what_scripts_drive_is_given_back_as_it_was() {
+    use rayreel::components::{Camera, View};
+    let mut engine = engine(
+        r#"entities: [(name: "ball", shape: Sphere(radius: 1), material: "clay")],
+        animate: [
+            (target: "camera", channel: View, track: Script("[t, 0, 8]")),
+            (target: "ball", channel: AmbientColor, track: Script("[255, 0, 9]")),
+        ]"#,
+    );
+    engine.seek("1".parse().unwrap()).unwrap();
+    let (camera, ball) = (named(&engine, "camera"), named(&engine, "ball"));
+    let world = engine.world_mut();
+    assert_eq!(world.get::<&Camera>(camera).unwrap().view, View::Target(DVec3::ZERO));
+    assert_eq!(world.get::<&Material>(ball).unwrap().ambient_color, None);
+}
+
+#[test]
+fn a_script_that_fails_in_a_step_leaves_no_trace() {
+    let build = || {
+        let mut engine = engine(
+            r#"entities: [
+                (name: "ball", shape: Sphere(radius: 1), material: "clay"),
+                (name: "other", shape: Sphere(radius: 1), material: "stone", transform: (translation: (3, 0, 0))),
+            ],
+            animate: [
+                (target: "ball", channel: Translation, track: Keys([(0, (0, 0, 0), Hold), (0.5, (2, 0, 0), Hold), (9, (0, 0, 0))])),
+                (target: "other", channel: Radius, track: Script("if t == 0.5 { 1 / 0 } else { 1 }")),
+            ]"#,
+        );
+        engine
+            .add_stepped_system(Step::per_second(10), |context: &mut Context<'_>| context.changes.settings());
+        engine
+    };
+    let at = |engine: &mut Engine, moment: &str| engine.render_at(moment.parse().unwrap());
+    let mut engine = build();
+    at(&mut engine, "0.05").unwrap();
+    at(&mut engine, "0.65").unwrap_err();
+    assert_eq!(at(&mut engine, "0.55").unwrap(), at(&mut build(), "0.55").unwrap());
+}
+
+#[test]
+fn a_script_that_reads_thousands_ends_soon_too() {
+    let scene = |count: u32| {
+        format!(
+            r#"Scene({HEAD} entities: [(name: "ball")],
+            spawn: [Script("for i in 0..{count} {{ spawn(#{{ name: `b${{i}}` }}); }}")],
+            animate: [(target: "ball", channel: Translation, track: Script(
+                "let s = [0, 0, 0]; for i in 0..{count} {{ s += value(`b${{i}}`, `Translation`); }} s"))])"#
+        )
+    };
+    let found = complaint(&scene(6000));
+    assert!(found.contains("this takes too long"), "{found}");
+    let found = complaint(&scene(200));
+    assert!(found.starts_with("nothing is wrong"), "{found}");
+}
+
 const LIVELY: &str = r#"
     sampling: (samples: 4, seed: 7),
     entities: [

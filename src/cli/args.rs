@@ -31,7 +31,7 @@ pub(super) struct Arguments {
 pub(super) enum Command {
     /// Render a scene's frames into out/<scene>/<scene>.0000.png and so on
     Render(RenderArguments),
-    /// Say what is wrong with scenes: file, line, column, cause and remedy
+    /// Say what is wrong with scenes: file, line, column, cause and remedy; scripts are run for the first, the middle and the last frame
     Check(CheckArguments),
     /// Tell which effects a scene calls for, why, and what each of them costs
     Explain(ExplainArguments),

@@ -20,6 +20,7 @@ mod document;
 mod error;
 mod include;
 mod load;
+mod nearby;
 mod parse;
 mod playback;
 mod programs;

@@ -6,19 +6,21 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::Sources;
+use super::data;
 use super::diagnostic::Source;
 use super::document::{EntityDocument, ProgramDocument, SceneDocument, TransferDocument};
+use super::nearby::nearby;
 use super::script_sources::{SceneScripts, ScriptPlace};
 use super::spawn::transfer;
 use super::validate::{At, Problems};
-use super::{data, suggest};
 use crate::script::{Language, Programs, ScriptError, limits, run_spawning};
 
-/// Runs the programs that spawn. Their entities follow the document's own.
+/// Runs the programs that spawn. Their entities follow the document's own. `room` is how many more a scene may have of them.
 pub(super) fn spawn(
     document: &mut SceneDocument,
     folder: &Path,
     seed: u64,
+    room: &mut u64,
     paths: &mut Vec<PathBuf>,
     problems: &mut Problems,
 ) {
@@ -28,7 +30,8 @@ pub(super) fn spawn(
     for (index, program) in document.spawn.iter().enumerate() {
         let at = list.index(index);
         let Some(code) = Code::read(program, folder, paths, &at, problems) else { continue };
-        let (result, spawned) = run(&code.text, seed);
+        let (result, spawned) = run(&code.text, seed, *room);
+        *room = room.saturating_sub(spawned.len() as u64);
         for (entity, place) in spawned {
             document.entities.push(entity);
             problems.spawned_at(index, code.source.as_ref(), place);
@@ -128,10 +131,10 @@ impl Compiled {
 type Spawned = Vec<(EntityDocument, usize)>;
 
 /// All that a program spawns until it ends, or goes wrong.
-fn run(text: &str, seed: u64) -> (Result<(), ScriptError>, Spawned) {
+fn run(text: &str, seed: u64, room: u64) -> (Result<(), ScriptError>, Spawned) {
     let list = Arc::new(Mutex::new(Spawned::new()));
     let into = Arc::clone(&list);
-    let result = run_spawning(text, seed, move |spawned| {
+    let result = run_spawning(text, seed, room, move |spawned| {
         let entity = data::entity(spawned.entity)?;
         into.lock().unwrap_or_else(PoisonError::into_inner).push((entity, spawned.at));
         Ok(())
@@ -157,7 +160,8 @@ impl Code {
     ) -> Option<Self> {
         match program {
             ProgramDocument::Script(text) => Some(Self { text: text.clone(), source: None }),
-            ProgramDocument::File(name) => match read(&remembered(folder.join(name), paths)) {
+            ProgramDocument::File(name) => match read(&remembered(folder.join(name), paths), Path::new(name))
+            {
                 Ok(text) => {
                     let file = folder.join(name).display().to_string();
                     Some(Self { source: Some(Arc::new(Source { file, text: text.clone() })), text })
@@ -179,12 +183,14 @@ fn remembered(path: PathBuf, paths: &mut Vec<PathBuf>) -> PathBuf {
     path
 }
 
-/// A file's text, or what is wrong with it and a remedy.
-fn read(path: &Path) -> Result<String, (String, String)> {
+/// The text of a file that the scene calls `written`, or what is wrong with it and a remedy.
+fn read(path: &Path, written: &Path) -> Result<String, (String, String)> {
     let file = path.display();
     let remedy = || "write the path of a text file, as seen from the scene file's folder".to_owned();
     let size = std::fs::metadata(path).map_err(|error| match error.kind() {
-        ErrorKind::NotFound => (format!("there is no file `{file}`"), nearby(path).unwrap_or_else(remedy)),
+        ErrorKind::NotFound => {
+            (format!("there is no file `{file}`"), nearby(path, written, is_no_scene).unwrap_or_else(remedy))
+        }
         _ => (format!("`{file}` cannot be read: {error}"), remedy()),
     })?;
     if !size.is_file() {
@@ -204,12 +210,6 @@ fn read(path: &Path) -> Result<String, (String, String)> {
     Ok(text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_owned))
 }
 
-/// For a file that is not there: the nearest name beside it.
-fn nearby(path: &Path) -> Option<String> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let entries = std::fs::read_dir(folder).ok()?.flatten();
-    let mut names: Vec<String> = entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
-    names.sort_unstable();
-    let name = suggest::nearest(path.file_name()?.to_str()?, names.iter().map(String::as_str))?;
-    Some(format!("did you mean `{name}`?"))
+fn is_no_scene(name: &str) -> bool {
+    Path::new(name).extension().is_none_or(|end| end != "ron")
 }

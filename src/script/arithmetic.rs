@@ -170,7 +170,10 @@ fn negative(value: &Dynamic) -> Outcome {
         return Ok(Dynamic::from_float(-number));
     }
     match value.as_array_ref() {
-        Ok(parts) => Ok(Dynamic::from_array(parts.iter().map(negative).collect::<Result<_, _>>()?)),
+        Ok(parts) => {
+            work::add(parts.len());
+            Ok(Dynamic::from_array(parts.iter().map(negative).collect::<Result<_, _>>()?))
+        }
         Err(_) => failed(format!("`-` does not take {}", kind(value))),
     }
 }
@@ -188,6 +191,7 @@ pub(super) fn equal(left: &Dynamic, right: &Dynamic) -> bool {
         return left.len() == right.len() && left.iter().zip(&*right).all(|(left, right)| equal(left, right));
     }
     if let (Ok(left), Ok(right)) = (left.as_map_ref(), right.as_map_ref()) {
+        work::add(left.len());
         let same = |((a, left), (b, right)): ((&_, &Dynamic), (&_, &Dynamic))| a == b && equal(left, right);
         return left.len() == right.len() && left.iter().zip(right.iter()).all(same);
     }
@@ -220,6 +224,8 @@ pub(super) fn register(engine: &mut Engine) {
             failed(format!("`+` does not take {}", kind(&value)))
         }
     });
+    // What stands in texts between backticks.
+    engine.register_fn("to_string", |number: FLOAT| number.to_string());
     engine.register_fn("!", |flag: bool| !flag);
     engine.register_fn("==", |left: Dynamic, right: Dynamic| equal(&left, &right));
     engine.register_fn("!=", |left: Dynamic, right: Dynamic| !equal(&left, &right));

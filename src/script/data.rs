@@ -91,6 +91,12 @@ impl Data {
         }
     }
 
+    /// The first part of a list that is no number.
+    fn odd_part(&self) -> Option<&Self> {
+        let Self::List(list) = self else { return None };
+        list.iter().find(|part| part.number().is_none())
+    }
+
     /// A list of so many numbers.
     fn numbers<const COUNT: usize>(&self) -> Option<[f64; COUNT]> {
         let Self::List(list) = self else { return None };
@@ -177,7 +183,10 @@ impl Notation {
     /// What to say of something else than expected, and how to mend it where that is known.
     #[must_use]
     pub fn mismatch(self, data: &Data) -> (String, Option<&'static str>) {
-        let message = format!("expected {}, found {}", self.expected(), data.description());
+        let message = match data.odd_part().filter(|_| !matches!(self, Self::Number | Self::Degrees)) {
+            Some(part) => format!("expected {}, found {} in the list", self.expected(), part.description()),
+            None => format!("expected {}, found {}", self.expected(), data.description()),
+        };
         let parts = match data {
             Data::List(list) => list.as_slice(),
             other => std::slice::from_ref(other),

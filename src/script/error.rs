@@ -76,6 +76,11 @@ impl ScriptError {
         Self { unknown: Some(unknown.into()), ..Self::at(text, position, message, "not known here", None) }
     }
 
+    pub(super) fn endless_number(text: &str, position: Position) -> Self {
+        let help = Some("numbers reach to about 1.8e308".to_owned());
+        Self::at(text, position, "this number is too large".to_owned(), "beyond all numbers", help)
+    }
+
     fn at(text: &str, position: Position, message: String, label: &str, help: Option<String>) -> Self {
         let (message, help) = match message.split_once('\n') {
             Some((message, help)) => (message.to_owned(), Some(help.to_owned())),
@@ -203,7 +208,24 @@ fn explain_parsing(error: &ParseErrorType) -> Explained {
             "given from outside, or a constant",
             "use a variable of your own: `let x = ..;`",
         ),
+        Parse::MismatchedType(expected, found) => {
+            here(format!("expected {}, found {}", expression_kind(expected), expression_kind(found)))
+        }
         other => here(lower_first(&other.to_string())),
+    }
+}
+
+/// What an expression gives, in the words of messages.
+fn expression_kind(name: &str) -> &str {
+    match name {
+        "a boolean" | "a boolean expression" => "true or false",
+        "a floating-point number" | "a number" | "an integer number" => "a number",
+        "a string" => "a text",
+        "an array" => "a list",
+        "an object map" => "a map",
+        "an iterable value" => "a range or a list",
+        "()" => "nothing",
+        name => name,
     }
 }
 
@@ -269,8 +291,24 @@ fn explain_running(error: &EvalAltResult) -> Explained {
             "use a variable of your own: `let x = ..;`",
         ),
         Run::ErrorPropertyNotFound(name, _) => here(format!("the map has no `{name}`")),
+        Run::ErrorDotExpr(message, _) => here(property_message(message)),
+        Run::ErrorBitFieldBounds(_, index, _) => with_help(
+            format!("a whole number has no bit {index}"),
+            "outside the number",
+            "bits are counted from 0 to 63",
+        ),
         Run::ErrorRuntime(value, _) => here(value.to_string()),
         other => here(lower_first(other.to_string().split(" (line").next().unwrap_or_default())),
+    }
+}
+
+/// Of a value that has no such property: Rhai names it first, and the value's type next.
+fn property_message(message: &str) -> String {
+    let mut quoted = message.split('\'').skip(1).step_by(2);
+    match (quoted.next(), quoted.next()) {
+        (Some(name), Some(kind)) => format!("{} has no `{name}`", type_name(kind)),
+        (Some(name), None) => format!("this has no `{name}`"),
+        _ => "this has no such part".to_owned(),
     }
 }
 

@@ -99,6 +99,7 @@ impl Language {
         let result = within(surroundings, || {
             self.engine.eval_ast_with_scope::<Dynamic>(&mut Scope::new(), &program.ast)
         });
+        surroundings.record_work(work::done());
         match result {
             Ok(value) => Ok(Data::of(&value)),
             Err(error) => Err(match unanswered(&program.text, &error) {
@@ -150,10 +151,27 @@ pub(super) fn compile(
     let usual = USUAL.iter().chain(usages).map(|usage| name_in(usage).to_owned());
     let own = ast.iter_functions().map(|function| function.name.to_owned());
     let functions: Vec<String> = usual.chain(own).collect();
+    if let Some(position) = endless_number(&ast) {
+        return Err(ScriptError::endless_number(text, position));
+    }
     match unknown_call(&ast, &functions) {
         Some((name, position)) => Err(ScriptError::unknown_function(text, &name, position, functions)),
         None => Ok(Program { text: text.to_owned(), ast, functions }),
     }
+}
+
+/// The first number that is too large to be one.
+fn endless_number(ast: &AST) -> Option<Position> {
+    let mut endless = None;
+    ast.walk(&mut |path| {
+        if let Some(ASTNode::Expr(Expr::FloatConstant(number, position))) = path.last()
+            && !number.is_finite()
+        {
+            endless = Some(*position);
+        }
+        endless.is_none()
+    });
+    endless
 }
 
 /// The first call of a function that there is not, so that it is found where it would not be called, too.
@@ -195,9 +213,19 @@ pub(super) fn bare_engine() -> Engine {
         .set_max_string_size(limits::TEXT)
         .set_max_array_size(limits::LIST)
         .set_max_map_size(limits::MAP);
-    for symbol in
-        ["eval", "print", "debug", "Fn", "call", "curry", "type_of", "is_def_fn", "is_def_var", "exit"]
-    {
+    for symbol in [
+        "eval",
+        "print",
+        "debug",
+        "Fn",
+        "call",
+        "curry",
+        "type_of",
+        "is_def_fn",
+        "is_def_var",
+        "exit",
+        "this",
+    ] {
         engine.disable_symbol(symbol);
     }
     engine.register_global_module(BasicIteratorPackage::new().as_shared_module());

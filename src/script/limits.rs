@@ -3,6 +3,8 @@
 
 /// The most operations of a channel's program in one run: some hundredths of a second.
 pub const OPERATIONS: u64 = 100_000;
+/// The most operations of a channel's program at a moment in all runs that end at a value that is not known yet.
+pub const OPERATIONS_UNTIL_KNOWN: u64 = 1_000_000;
 /// The most operations of a program that spawns, before those that its entities add.
 pub const SPAWNING_OPERATIONS: u64 = 200_000;
 /// So many operations more for each spawned entity.

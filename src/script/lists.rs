@@ -55,6 +55,9 @@ fn dot(left: &Dynamic, right: &Dynamic) -> Outcome {
 fn normalize(list: &Dynamic) -> Outcome {
     let parts = numbers("normalize", list)?;
     let length = norm(&parts);
+    if !length.is_finite() {
+        return finite(length);
+    }
     if length == 0.0 {
         return failed("a vector of length 0 has no direction\n`normalize` needs another vector");
     }
@@ -75,6 +78,52 @@ fn sum(list: &Dynamic) -> Outcome {
     finite(numbers("sum", list)?.iter().sum())
 }
 
+/// `from + i step` for every i from 0, before it reaches `to`.
+#[derive(Clone, Debug)]
+struct Numbers {
+    from: FLOAT,
+    to: FLOAT,
+    step: FLOAT,
+    count: u32,
+}
+
+impl Numbers {
+    fn between(from: &Dynamic, to: &Dynamic, step: FLOAT) -> Result<Self, Box<EvalAltResult>> {
+        if step == 0.0 {
+            return failed(
+                "the step of `range` is 0\nwrite one that leads from the first number to the last",
+            );
+        }
+        Ok(Self { from: argument("range", from)?, to: argument("range", to)?, step, count: 0 })
+    }
+}
+
+impl Iterator for Numbers {
+    type Item = FLOAT;
+
+    fn next(&mut self) -> Option<FLOAT> {
+        let next = self.from + FLOAT::from(self.count) * self.step;
+        self.count = self.count.checked_add(1)?;
+        let is_before = if self.step > 0.0 { next < self.to } else { next > self.to };
+        is_before.then_some(next)
+    }
+}
+
+/// Ranges whose numbers are not all whole.
+fn register_range(engine: &mut Engine) {
+    engine.register_iterator::<Numbers>();
+    engine.register_fn("range", |from: Dynamic, to: Dynamic| Numbers::between(&from, &to, 1.0));
+    engine.register_fn("range", |from: Dynamic, to: Dynamic, step: Dynamic| {
+        Numbers::between(&from, &to, argument("range", &step)?)
+    });
+    engine.register_fn("range", |from: FLOAT, to: FLOAT| {
+        Numbers::between(&Dynamic::from_float(from), &Dynamic::from_float(to), 1.0)
+    });
+    engine.register_fn("range", |from: FLOAT, to: FLOAT, step: FLOAT| {
+        Numbers::between(&Dynamic::from_float(from), &Dynamic::from_float(to), step)
+    });
+}
+
 fn room<T>(length: usize, result: T) -> Result<T, Box<EvalAltResult>> {
     if length > limits::LIST {
         return failed(format!("a list has at most {} values", limits::LIST));
@@ -84,6 +133,7 @@ fn room<T>(length: usize, result: T) -> Result<T, Box<EvalAltResult>> {
 
 #[expect(clippy::cast_possible_wrap, reason = "lengths are limited")]
 pub(super) fn register(engine: &mut Engine) {
+    register_range(engine);
     engine.register_fn("length", |list: Dynamic| length(&list));
     engine.register_fn("normalize", |list: Dynamic| normalize(&list));
     engine.register_fn("distance", |left: Dynamic, right: Dynamic| distance(&left, &right));
@@ -117,6 +167,7 @@ pub(super) fn register(engine: &mut Engine) {
     engine
         .register_fn("contains", |text: ImmutableString, part: ImmutableString| text.contains(part.as_str()));
     engine.register_fn("keys", |map: &mut Map| -> Array {
+        work::add(map.len());
         map.keys().map(|name| Dynamic::from(ImmutableString::from(name.as_str()))).collect()
     });
 }

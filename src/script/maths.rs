@@ -22,7 +22,9 @@ pub(super) fn argument(function: &str, value: &Dynamic) -> Result<FLOAT, Box<rha
 type Unary = fn(FLOAT) -> FLOAT;
 type Binary = fn(FLOAT, FLOAT) -> FLOAT;
 
-const UNARY: [(&str, Unary); 18] = [
+const LOGARITHMS: [(&str, Unary); 3] = [("ln", libm::log), ("log", libm::log10), ("log2", libm::log2)];
+
+const UNARY: [(&str, Unary); 15] = [
     ("sin", libm::sin),
     ("cos", libm::cos),
     ("tan", libm::tan),
@@ -33,9 +35,6 @@ const UNARY: [(&str, Unary); 18] = [
     ("cosh", libm::cosh),
     ("tanh", libm::tanh),
     ("exp", libm::exp),
-    ("ln", libm::log),
-    ("log", libm::log10),
-    ("log2", libm::log2),
     ("sqrt", libm::sqrt),
     ("cbrt", libm::cbrt),
     ("radians", FLOAT::to_radians),
@@ -94,6 +93,7 @@ fn mix(from: &Dynamic, to: &Dynamic, share: FLOAT) -> Outcome {
     }
     match (from.as_array_ref(), to.as_array_ref()) {
         (Ok(from), Ok(to)) if from.len() == to.len() => {
+            work::add(from.len());
             let parts = from.iter().zip(&*to).map(|(from, to)| mix(from, to, share));
             Ok(Dynamic::from_array(parts.collect::<Result<_, _>>()?))
         }
@@ -103,6 +103,16 @@ fn mix(from: &Dynamic, to: &Dynamic, share: FLOAT) -> Outcome {
             kind(to)
         )),
     }
+}
+
+/// Of 0 there is none.
+fn logarithm(function: Unary, x: FLOAT) -> Outcome {
+    if x == 0.0 {
+        return failed(
+            "the logarithm of 0 is minus infinity\nkeep what it is taken of above 0, as max(x, 0.001)",
+        );
+    }
+    finite(function(x))
 }
 
 fn sign(value: &Dynamic) -> Outcome {
@@ -148,6 +158,9 @@ fn register_extreme(engine: &mut Engine, name: &'static str, better: fn(FLOAT, F
 pub(super) fn register(engine: &mut Engine) {
     for (name, function) in UNARY {
         engine.register_fn(name, move |x: Dynamic| finite(function(argument(name, &x)?)));
+    }
+    for (name, function) in LOGARITHMS {
+        engine.register_fn(name, move |x: Dynamic| logarithm(function, argument(name, &x)?));
     }
     for (name, function) in ROUNDING {
         engine.register_fn(name, move |x: Dynamic| -> Outcome { Ok(whole(function(argument(name, &x)?))) });

@@ -35,7 +35,7 @@ pub struct Spawned {
 }
 
 /// Runs a program that calls `spawn(#{ .. })`, and gives all that it spawns to `take`, in this order. What `take` refuses is an error
-/// at the call; a second line of its message is the remedy.
+/// at the call; a second line of its message is the remedy. `room` is how many entities may be spawned.
 ///
 /// # Errors
 ///
@@ -43,12 +43,14 @@ pub struct Spawned {
 pub fn run_spawning(
     text: &str,
     seed: u64,
+    room: u64,
     take: impl FnMut(Spawned) -> Result<(), String> + Send + 'static,
 ) -> Result<(), ScriptError> {
     let mut engine = language::bare_engine();
     noise::register(&mut engine, seed);
     register_constructors(&mut engine);
-    register_spawn(&mut engine, text, take);
+    register_spawn(&mut engine, text, room, take);
+    work::on_outside(&mut engine, |_| None);
     let program = language::compile(&engine, &language::outside(&[]), &USAGES, text)?;
     work::start();
     match engine.eval_ast_with_scope::<Dynamic>(&mut Scope::new(), &program.ast) {
@@ -60,6 +62,7 @@ pub fn run_spawning(
 fn register_spawn(
     engine: &mut Engine,
     text: &str,
+    room: u64,
     take: impl FnMut(Spawned) -> Result<(), String> + Send + 'static,
 ) {
     #[expect(deprecated, reason = "marked so because it may change, not because it will go")]
@@ -84,9 +87,9 @@ fn register_spawn(
                     kind(&entity)
                 ));
             }
-            if count.fetch_add(1, Ordering::Relaxed) >= limits::ENTITIES {
+            if count.fetch_add(1, Ordering::Relaxed) >= room {
                 return failed(format!(
-                    "a script spawns at most {} entities\ndoes a loop never end?",
+                    "the scripts of a scene spawn at most {} entities\ndoes a loop never end?",
                     limits::ENTITIES
                 ));
             }

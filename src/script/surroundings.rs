@@ -4,10 +4,10 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::ops::Range;
 
-use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, Position};
+use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, NativeCallContext, Position};
 
-use super::Data;
 use super::error::span_of;
+use super::{Data, work};
 
 /// The moment, and what the program belongs to.
 #[derive(Clone, Debug, Default)]
@@ -19,6 +19,7 @@ pub struct Surroundings {
     index: u64,
     name: Dynamic,
     base: Dynamic,
+    work: u64,
     values: HashMap<(ImmutableString, ImmutableString), Dynamic>,
 }
 
@@ -38,6 +39,7 @@ pub struct Read {
 struct Wish {
     target: String,
     channel: String,
+    position: Position,
 }
 
 impl Surroundings {
@@ -61,6 +63,16 @@ impl Surroundings {
     pub fn turn_to(&mut self, seconds: f64, frame: f64) {
         (self.seconds, self.frame) = (seconds, frame);
         self.forget();
+    }
+
+    /// How many operations the last program has done.
+    #[must_use]
+    pub fn work(&self) -> u64 {
+        self.work
+    }
+
+    pub(super) fn record_work(&mut self, work: u64) {
+        self.work = work;
     }
 
     /// Nothing is known of other channels.
@@ -106,19 +118,25 @@ pub(super) fn within<R>(surroundings: &mut Surroundings, run: impl FnOnce() -> R
 pub(super) fn unanswered(text: &str, error: &EvalAltResult) -> Option<Read> {
     match error {
         EvalAltResult::ErrorInFunctionCall(_, _, inner, _) => unanswered(text, inner),
-        EvalAltResult::ErrorTerminated(wish, position) => {
-            let Wish { target, channel } = wish.clone().try_cast::<Wish>()?;
-            Some(Read { target, channel, span: span_of(text, *position) })
+        EvalAltResult::ErrorTerminated(wish, _) => {
+            let Wish { target, channel, position } = wish.clone().try_cast::<Wish>()?;
+            Some(Read { target, channel, span: span_of(text, position) })
         }
         _ => None,
     }
 }
 
-fn value(target: ImmutableString, channel: ImmutableString) -> Result<Dynamic, Box<EvalAltResult>> {
+#[expect(clippy::needless_pass_by_value, reason = "rhai hands it over so")]
+fn value(
+    context: NativeCallContext<'_>,
+    target: ImmutableString,
+    channel: ImmutableString,
+) -> Result<Dynamic, Box<EvalAltResult>> {
     let key = (target, channel);
     let known = CURRENT.with_borrow(|current| current.values.get(&key).cloned());
     known.ok_or_else(|| {
-        let wish = Wish { target: key.0.to_string(), channel: key.1.to_string() };
+        let position = context.call_position();
+        let wish = Wish { target: key.0.to_string(), channel: key.1.to_string(), position };
         // Not to be caught by the program.
         EvalAltResult::ErrorTerminated(Dynamic::from(wish), Position::NONE).into()
     })
@@ -126,9 +144,5 @@ fn value(target: ImmutableString, channel: ImmutableString) -> Result<Dynamic, B
 
 pub(super) fn register(engine: &mut Engine) {
     engine.register_fn("value", value);
-    #[expect(deprecated, reason = "marked so because it may change, not because it will go")]
-    engine.on_var(|name, index, _| {
-        // Variables of the program's own have an index.
-        Ok(if index == 0 { CURRENT.with_borrow(|current| current.named(name)) } else { None })
-    });
+    work::on_outside(engine, |name| CURRENT.with_borrow(|current| current.named(name)));
 }

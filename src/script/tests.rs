@@ -151,10 +151,15 @@ fn programs_have_variables_branches_loops_and_functions() {
         ("let x = 0; for a in range(0, 10, 2) { x += a; } x", 20.0),
         ("let a = 5; a = a / 2; floor(a)", 2.0),
         ("[5, 6, 7][floor(5 / 2)]", 7.0),
+        ("let n = 0; for x in range(0, 1, 0.1) { n += 1; } n", 10.0),
+        ("let n = 0; for x in range(1, 0, -0.25) { n += x; } n", 2.5),
+        ("let n = 0; for x in range(0.5, 3) { n += x; } n", 4.5),
     ] {
         assert_eq!(number(text), expected, "{text}");
     }
     assert_eq!(run("name + \"/\" + 6 / 2 + 1").unwrap(), Data::Text("ball/31".to_owned()));
+    assert_eq!(run("`${6 / 2} ${0.1}`").unwrap(), run("6 / 2 + \" \" + 0.1").unwrap());
+    assert_eq!(run("`post ${6 / 2}`").unwrap(), Data::Text("post 3".to_owned()));
     assert_eq!(run("`${name} ${index}`").unwrap(), Data::Text("ball 3".to_owned()));
     assert_eq!(run("let a = 1;").unwrap(), Data::Nothing);
 }
@@ -167,9 +172,16 @@ fn mistakes_have_a_message_and_a_place() {
         ("let a = 1; a /= 0", "division by zero", "/"),
         ("1 + sqrt(-t)", "the result is not a number", "sqrt"),
         ("exp(1000)", "the result is too large for a number", "exp"),
-        ("ln(0)", "the result is too large for a number", "ln"),
+        ("ln(0)", "the logarithm of 0 is minus infinity", "ln"),
         ("1e308 * 10", "the result is too large for a number", "*"),
         ("asin(2)", "the result is not a number", "asin"),
+        ("1 + 1e400", "this number is too large", "1e400"),
+        ("fn f() { [1, -1e400] } 1", "this number is too large", "-"),
+        ("normalize([1.7e308, 1.7e308, 0])", "the result is too large for a number", "normalize"),
+        ("range(0, 1, 0.0)", "the step of `range` is 0", "range"),
+        ("range(0, \"a\")", "`range` takes numbers, not a text", "range"),
+        ("if 1 { 2 }", "expected true or false, found a number", "1"),
+        ("let a = 1; a.foo = 2; a", "a number has no `foo`", "foo"),
         ("fn f(x) { 1 / x }\nf(0)", "division by zero", "/"),
         ("sin(\"a\")", "`sin` takes numbers, not a text", "sin"),
         ("sin(1, 2)", "`sin` does not take a number and a number", "sin"),
@@ -209,7 +221,16 @@ fn whatever_a_program_does_it_ends_soon() {
         ("let s = \"a\"; loop { s += s; }", ""),
         ("let s = \"a\"; loop { s = `${s}${s}`; }", ""),
         ("let a = []; loop { a.push(\"0123456789012345678901234567890123456789\"); }", ""),
-        ("let m = #{}; let i = 0; loop { m[`k${i}`] = m; i += 1; }", ""),
+        ("let m = #{}; let i = 0; loop { m[`k${i}`] = m; i += 1; }", "this becomes too large"),
+        ("let m = #{}; for i in 0..8000 { m[`k${i}`] = i; } 1", "this becomes too large"),
+        ("let m = #{ a: #{} }; for i in 0..8000 { m.a[`k${i}`] = i; } 1", "this becomes too large"),
+        ("let l = [#{}]; for i in 0..8000 { l[0][`k${i}`] = i; } 1", "this becomes too large"),
+        (
+            "fn f() { for i in 0..8000 { this[`k${i}`] = i; } } let m = #{}; m.f(); 1",
+            "`this` means nothing here",
+        ),
+        ("let a = []; for i in 0..256 { a.push(i); } loop { mix(a, a, 0.5); }", "this takes too long"),
+        ("let a = []; for i in 0..256 { a.push(i); } loop { -a; }", "this takes too long"),
         ("let a = []; for i in 0..256 { a.push(i); } loop { a[0] += 1; }", "this takes too long"),
         (
             "let a = []; for i in 0..256 { a.push(i); } loop { let b = a; let c = b + a; }",
@@ -290,7 +311,8 @@ fn spawned(text: &str) -> Result<Vec<Data>, (String, usize)> {
         into.lock().unwrap().push(spawned.entity);
         Ok(())
     };
-    run_spawning(text, 0, take).map_err(|error| (error.message, error.span.start))?;
+    run_spawning(text, 0, super::limits::ENTITIES, take)
+        .map_err(|error| (error.message, error.span.start))?;
     let list = list.lock().unwrap();
     Ok(list.clone())
 }

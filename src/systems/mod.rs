@@ -1,12 +1,12 @@
 //! What happens each frame, in this order:
 //!
 //! ```text
-//! animate -> own systems -> propagate -> prepare   (-> trace)
+//! animate -> scripts -> own systems -> propagate -> prepare   (-> trace)
 //! ```
 //!
 //! - [`animate()`] writes what motions say about this moment.
-//! - [`OwnSystems`] runs what the program that uses the library has added, pure or stepped.
 //! - [`Scripts`] write what programs say about it, after all tracks.
+//! - [`OwnSystems`] runs what the program that uses the library has added, pure or stepped; both run before each of its steps.
 //! - [`propagate()`] turns transforms into world transforms, parents first.
 //! - [`Plan`] says which effects the moment calls for, and why.
 //! - [`Preparation`] is the only bridge from the world to the kernel: it carries shapes, materials, lights and the camera

@@ -153,7 +153,12 @@ impl OwnSystems {
         }
         if self.pure.is_empty() {
             self.run_steps(world, time, changes)?;
-            return animate_all(&mut self.scripts, world, time, changes);
+            let result = animate_all(&mut self.scripts, world, time, changes);
+            if result.is_err() {
+                // The next step sees only what is written from then on.
+                propagate(world, changes);
+            }
+            return result;
         }
         let mut base = std::mem::take(&mut self.base);
         let stepped = self.run_steps(&mut base, time, changes);
@@ -194,9 +199,11 @@ impl OwnSystems {
             let Some((_, index)) = due.min() else { break };
             let stepped = &mut self.stepped[index];
             let Some(start) = stepped.step.0.times(stepped.done) else { break };
-            animate_all(&mut self.scripts, world, start, &mut fresh)?;
+            let animated = animate_all(&mut self.scripts, world, start, &mut fresh);
+            // Tracks have written even where a program goes wrong.
             propagate(world, &fresh);
             changes.merge(&std::mem::take(&mut fresh));
+            animated?;
             run(&stepped.system, world, start, Some(stepped.step.0.seconds()), &mut fresh);
             stepped.done += 1;
             self.state = None;

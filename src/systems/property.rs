@@ -91,6 +91,53 @@ pub fn value(world: &World, entity: Entity, property: Property) -> Option<Value>
     ))
 }
 
+/// What an entity says of a value, which need not be the value itself.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Written {
+    Value(Value),
+    View(View),
+    AmbientColor(Option<Rgb>),
+}
+
+impl Written {
+    /// `None` if the entity lacks the value.
+    pub(super) fn of(world: &World, entity: Entity, property: Property) -> Option<Self> {
+        Some(match property {
+            Property::Target | Property::View => Self::View(world.get::<&Camera>(entity).ok()?.view),
+            Property::AmbientColor => Self::AmbientColor(world.get::<&Material>(entity).ok()?.ambient_color),
+            _ => Self::Value(value(world, entity, property)?),
+        })
+    }
+}
+
+/// Which values a value is made of: itself alone, or, where it is not written, those in whose place it stands. `is_driven` are those that
+/// will be written before they are read.
+pub(super) fn sources(
+    world: &World,
+    entity: Entity,
+    property: Property,
+    is_driven: impl Fn(Property) -> bool,
+) -> [Property; 2] {
+    if is_driven(property) {
+        return [property; 2];
+    }
+    let view = || world.get::<&Camera>(entity).ok().map(|camera| camera.view);
+    match property {
+        Property::Target if is_driven(Property::View) || matches!(view(), Some(View::Direction(_))) => {
+            [Property::View, Property::Position]
+        }
+        Property::View if is_driven(Property::Target) || matches!(view(), Some(View::Target(_))) => {
+            [Property::Target, Property::Position]
+        }
+        Property::AmbientColor
+            if world.get::<&Material>(entity).is_ok_and(|material| material.ambient_color.is_none()) =>
+        {
+            [Property::Color; 2]
+        }
+        _ => [property; 2],
+    }
+}
+
 impl<'a> Parts<'a> {
     pub(super) fn new(found: <PartsQuery<'a> as hecs::Query>::Item<'a>) -> Self {
         let (transform, shape, surface, light, camera, (ambient, background, fog)) = found;
@@ -115,6 +162,25 @@ impl<'a> Parts<'a> {
     /// lacks it, or if it is of another kind.
     pub(super) fn set(&mut self, property: Property, value: Value) -> bool {
         self.place(property).is_some_and(|place| place.write(value))
+    }
+
+    /// Writes what [was there](Written::of).
+    pub(super) fn put_back(&mut self, property: Property, written: Written) {
+        match written {
+            Written::Value(value) => {
+                self.set(property, value);
+            }
+            Written::View(view) => {
+                if let Some(camera) = &mut self.camera {
+                    camera.view = view;
+                }
+            }
+            Written::AmbientColor(color) => {
+                if let Some(material) = &mut self.material {
+                    material.ambient_color = color;
+                }
+            }
+        }
     }
 
     fn place(&mut self, property: Property) -> Option<Place<'_>> {

@@ -5,9 +5,9 @@ use std::collections::HashMap;
 use hecs::{Entity, World};
 
 use super::Changes;
-use super::property::{Parts, PartsQuery, declare, value};
+use super::property::{Parts, PartsQuery, Written, declare, sources, value};
 use crate::components::{self, Animated, Motion, Name, Order, Property, ScriptId};
-use crate::script::{Data, Programs, Read, ScriptError, Stop, Surroundings, Unknown};
+use crate::script::{Data, Programs, Read, ScriptError, Stop, Surroundings, Unknown, limits};
 use crate::time::{Time, Timeline};
 use crate::timeline::Value;
 
@@ -38,9 +38,16 @@ struct Running {
     /// What programs drive, in document order; `None` until it has been looked up.
     driven: Option<Driven>,
     /// What the values are without programs.
-    bases: HashMap<(Entity, Property), Value>,
+    bases: HashMap<(Entity, Property), Base>,
     /// What stood before the names that the last program read.
     prefix: String,
+}
+
+/// A value without programs.
+#[derive(Clone, Copy, Debug)]
+struct Base {
+    value: Value,
+    written: Written,
 }
 
 #[derive(Debug)]
@@ -59,7 +66,8 @@ struct Channel {
     script: ScriptId,
     order: Option<Order>,
     name: String,
-    /// Does a track drive it too, for all that is made of a material? Then the base is what the track says.
+    /// Does a track drive it too, for all that is made of a material? Then the base is what the track says. What a program says of
+    /// the material is not run at all.
     on_track: bool,
 }
 
@@ -112,7 +120,7 @@ impl Scripts {
         #[expect(clippy::iter_over_hash_type, reason = "each value has a place of its own")]
         for ((entity, property), base) in running.bases.drain() {
             if let Ok(parts) = world.query_one_mut::<PartsQuery<'_>>(entity) {
-                Parts::new(parts).set(property, base);
+                Parts::new(parts).put_back(property, base.written);
             }
         }
     }
@@ -124,8 +132,12 @@ impl Scripts {
         {
             let driven = Driven::of(world);
             for channel in &driven.channels {
-                if let Some(base) = value(world, channel.entity, channel.property) {
-                    running.bases.entry((channel.entity, channel.property)).or_insert(base);
+                // What the value is made of is driven by tracks, perhaps: it has to be given back too, to be the same base again.
+                let made_of = sources(world, channel.entity, channel.property, |_| false);
+                for property in [channel.property].into_iter().chain(made_of) {
+                    if let Some(base) = Base::of(world, channel.entity, property) {
+                        running.bases.entry((channel.entity, property)).or_insert(base);
+                    }
                 }
             }
             running.driven = Some(driven);
@@ -144,6 +156,7 @@ impl Scripts {
         running.surroundings.turn_to(time.seconds(), running.timeline.rate.frames_at(time));
         let (driven, result) = Moment {
             states: vec![State::Waiting; driven.channels.len()],
+            in_vain: HashMap::new(),
             seconds: time.seconds(),
             running,
             driven,
@@ -153,6 +166,13 @@ impl Scripts {
         .run();
         running.driven = Some(driven);
         result
+    }
+}
+
+impl Base {
+    fn of(world: &World, entity: Entity, property: Property) -> Option<Self> {
+        let value = value(world, entity, property)?;
+        Some(Self { value, written: Written::of(world, entity, property)? })
     }
 }
 
@@ -166,11 +186,13 @@ impl Driven {
                 let Motion::Script(script) = channel.motion else { continue };
                 let (before, after) = (&animated.0[..index], &animated.0[index + 1..]);
                 let same = |other: &components::Channel| other.property == channel.property;
+                let is_track =
+                    |other: &components::Channel| same(other) && !matches!(other.motion, Motion::Script(_));
                 // What an entity says of itself wins over what its material says.
                 if !after.iter().any(same) {
                     let name = name.map(|name| name.0.clone()).unwrap_or_default();
                     let (property, order, on_track) =
-                        (channel.property, order.copied(), before.iter().any(same));
+                        (channel.property, order.copied(), before.iter().any(is_track));
                     channels.push(Channel { entity, property, script, order, name, on_track });
                 }
             }
@@ -195,6 +217,8 @@ struct Moment<'a> {
     running: &'a mut Running,
     driven: Driven,
     states: Vec<State>,
+    /// The operations of channels' programs that ended at a value that was not known.
+    in_vain: HashMap<usize, u64>,
     seconds: f64,
     world: &'a mut World,
     changes: &'a mut Changes,
@@ -223,6 +247,14 @@ impl Moment<'_> {
                 }
                 Err(Stop::Error(error)) => return Err(self.failure(&channel, error)),
                 Err(Stop::Needs(read)) => {
+                    let in_vain = self.in_vain.entry(place).or_default();
+                    *in_vain += self.running.surroundings.work();
+                    if *in_vain > limits::OPERATIONS_UNTIL_KNOWN {
+                        let message = "this takes too long".to_owned();
+                        let mistake =
+                            self.mistake(&read, &stack, message, "read after very many others", None);
+                        return Err(self.failure(&channel, mistake));
+                    }
                     let answer = self.answer(&read, &stack).map_err(|error| self.failure(&channel, error))?;
                     stack.extend(answer);
                 }
@@ -243,10 +275,13 @@ impl Moment<'_> {
             surroundings.forget();
             prefix.clone_into(last);
         }
-        let stored = bases.get(&(channel.entity, channel.property)).copied().filter(|_| !channel.on_track);
-        let base = stored.or_else(|| value(self.world, channel.entity, channel.property));
+        let stored = bases.get(&(channel.entity, channel.property)).filter(|_| !channel.on_track);
+        let base =
+            stored.map(|base| base.value).or_else(|| value(self.world, channel.entity, channel.property));
         let base = base.map_or(Data::Nothing, |base| notation.data(base, transfer));
-        surroundings.belong(channel.order.map_or(0, |order| order.0), &channel.name, base);
+        // A part's programs see names as the part has them.
+        let name = channel.name.strip_prefix(prefix).unwrap_or(&channel.name);
+        surroundings.belong(channel.order.map_or(0, |order| order.0), name, base);
         let data = programs.language.run(program, surroundings)?;
         notation.value(&data, transfer).ok_or_else(|| {
             let (message, help) = notation.mismatch(&data);
@@ -272,6 +307,12 @@ impl Moment<'_> {
             let names = self.driven.names.iter().flat_map(HashMap::keys);
             let known = names.filter_map(|name| name.strip_prefix(prefix)).map(str::to_owned);
             let unknown = unknown(&read.target, "names", known.collect());
+            if !prefix.is_empty() && ["camera", "scene"].contains(&read.target.as_str()) {
+                let message = format!("a part has no \"{}\" to read from", read.target);
+                let mistake = self.mistake(read, stack, message, "stays out where a file is included", None);
+                let help = "write such a script in the scene's own file".to_owned();
+                return Err(Box::new(ScriptError { help: Some(help), ..*mistake }));
+            }
             let message = format!("there is no entity \"{}\"", read.target);
             return Err(self.mistake(read, stack, message, "reads from it", Some(unknown)));
         };
@@ -282,7 +323,9 @@ impl Moment<'_> {
             let message = format!("there is no channel {}", read.channel);
             return Err(self.mistake(read, stack, message, "reads it", Some(unknown)));
         };
-        if let Some(&place) = self.driven.places.get(&(entity, property)) {
+        let is_driven = |property| self.driven.places.contains_key(&(entity, property));
+        for property in sources(self.world, entity, property, is_driven) {
+            let Some(&place) = self.driven.places.get(&(entity, property)) else { continue };
             match self.states[place] {
                 State::Waiting => return Ok(Some(place)),
                 State::Underway => {

@@ -13,6 +13,7 @@ use crate::scene::document::SceneDocument;
 use crate::scene::parse::parse;
 use crate::scene::programs::{self, Compiled};
 use crate::scene::validate::{At, Problems, validate};
+use crate::script::limits;
 
 /// Files that include each other may go so deep.
 const DEEPEST: usize = 32;
@@ -104,6 +105,8 @@ struct Loader {
     tried: HashSet<PathBuf>,
     /// The file that is being read, after those that include it.
     underway: Vec<usize>,
+    /// How many entities have been spawned.
+    spawned: u64,
 }
 
 impl Loader {
@@ -131,7 +134,9 @@ impl Loader {
         let own = self.loaded.files.first().unwrap_or(&file);
         let seed = own.document.as_ref().map_or(0, |document| document.sampling.seed);
         if let Some(document) = &mut file.document {
-            programs::spawn(document, folder, seed, &mut self.loaded.paths, &mut file.problems);
+            let mut room = limits::ENTITIES.saturating_sub(self.spawned);
+            programs::spawn(document, folder, seed, &mut room, &mut self.loaded.paths, &mut file.problems);
+            self.spawned = limits::ENTITIES - room;
         }
         let wanted: Vec<String> = file.document.iter().flat_map(SceneDocument::included_files).collect();
         self.loaded.files.push(file);

@@ -4,7 +4,8 @@ use std::fs;
 use std::io::{Error, ErrorKind};
 use std::path::Path;
 
-use crate::scene::{Diagnostic, suggest};
+use crate::scene::Diagnostic;
+use crate::scene::nearby::nearby;
 
 /// What a file holds.
 #[derive(Debug)]
@@ -46,7 +47,11 @@ impl Refusal {
     fn of(error: &Error, path: &Path, written: &Path) -> Self {
         let file = path.display();
         let (message, label, help) = match error.kind() {
-            ErrorKind::NotFound => (format!("there is no file `{file}`"), "not there", nearby(path, written)),
+            ErrorKind::NotFound => (
+                format!("there is no file `{file}`"),
+                "not there",
+                nearby(path, written, |name| name.ends_with(".ron")),
+            ),
             _ if path.is_dir() => (
                 format!("`{file}` is a directory"),
                 "not a file",
@@ -59,23 +64,6 @@ impl Refusal {
         };
         Self { message, label, help }
     }
-}
-
-/// For a file that is not there: the nearest name beside it, in the way it was written.
-fn nearby(path: &Path, written: &Path) -> Option<String> {
-    let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let Ok(entries) = fs::read_dir(directory) else {
-        return Some(format!("there is no directory `{}` either", directory.display()));
-    };
-    let mut names: Vec<String> = entries
-        .flatten()
-        .filter_map(|entry| entry.file_name().into_string().ok())
-        .filter(|name| name.ends_with(".ron"))
-        .collect();
-    names.sort_unstable();
-    let wanted = path.file_name()?.to_str()?;
-    let name = suggest::nearest(wanted, names.iter().map(String::as_str))?;
-    Some(format!("did you mean `{}`?", written.with_file_name(name).display()))
 }
 
 fn garbled(error: &std::string::FromUtf8Error) -> Content {

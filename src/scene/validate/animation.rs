@@ -26,9 +26,27 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
                 "put all keys into one track",
             );
         }
+        if one_view(animation.channel.0).is_some_and(|other| seen.contains_key(&(target.0, target.1, other)))
+        {
+            problems.add(
+                &at.field("channel"),
+                "both Target and View of one camera are animated",
+                "the other one is",
+                "keep Target to look at a point, or View to look in a direction",
+            );
+        }
         channels::target(document, scope, animation, &at, problems);
         self::tracks(animation, &at.field("track"), problems);
         playback(animation, &at, problems);
+    }
+}
+
+/// What else says which way a camera looks.
+fn one_view(property: Property) -> Option<Property> {
+    match property {
+        Property::Target => Some(Property::View),
+        Property::View => Some(Property::Target),
+        _ => None,
     }
 }
 
