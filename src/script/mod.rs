@@ -6,7 +6,7 @@
 //! |---|---|
 //! | [`Language`] | compiles and runs [programs](Program) |
 //! | [`Surroundings`] | what a program can read: the time, its entity, other channels |
-//! | [`Data`] | what it gives; [`Notation`] makes an animated value of it |
+//! | [`Data`] | what it gives; [`Notation`](crate::timeline::Notation) makes an animated value of it |
 //! | [`run_spawning`] | runs a program that spawns |
 //! | [`ScriptError`] | what is wrong with a program, and where |
 //! | [`limits`] | how much a program may do |

@@ -1,4 +1,4 @@
-//! What moves, and its keys. Ways that are not keyed are validated in [`ways`](super::ways).
+//! What moves, and its keys. Ways that are not keyed are validated in `ways`.
 
 use std::collections::HashMap;
 
