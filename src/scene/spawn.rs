@@ -90,8 +90,15 @@ pub(super) fn spawn(Merged { document, parents, .. }: &Merged) -> (World, Timeli
     }
     let shot =
         |(start, name): &(f64, String)| Some(Shot { start: *start, camera: *names.get(name.as_str())? });
+    let mut shots: Vec<Shot> = document.shots.iter().filter_map(shot).collect();
+    // Cameras have no place in document order that would say which of several is the first.
+    if let [(_, first), _, ..] = cameras[..]
+        && shots.is_empty()
+    {
+        shots.push(Shot { start: 0.0, camera: first });
+    }
     // The entity exists: it was spawned above.
-    let _ = world.insert_one(settings, Shots(document.shots.iter().filter_map(shot).collect()));
+    let _ = world.insert_one(settings, Shots(shots));
     for (entity, id) in document.entities.iter().zip(&entities) {
         if let Some(parent) = entity.parent.as_deref().and_then(|parent| names.get(parent)) {
             // The entity exists: it was spawned above.

@@ -197,7 +197,7 @@ impl Driven {
                 }
             }
         }
-        channels.sort_by_key(|channel| (channel.order.is_none(), channel.order));
+        channels.sort_by(|one, other| one.place().cmp(&other.place()));
         let places = channels.iter().enumerate();
         let places = places.map(|(place, channel)| ((channel.entity, channel.property), place)).collect();
         Self { channels, places, names: None }
@@ -377,6 +377,11 @@ impl Moment<'_> {
 }
 
 impl Channel {
+    /// In document order; cameras and settings have none, and follow by their names.
+    fn place(&self) -> (bool, Option<Order>, &str) {
+        (self.order.is_none(), self.order, &self.name)
+    }
+
     fn title(&self) -> String {
         match (self.name.as_str(), self.order) {
             ("", Some(order)) => format!("{} of entity {}", self.property.name(), order.0),
