@@ -213,6 +213,7 @@ impl Engine {
         let animated = Instant::now();
         let changes = std::mem::take(&mut self.changes);
         let moved = propagate(&mut self.world, &changes);
+        let built = self.preparation.as_ref().map_or(0, Preparation::trees);
         let differs = match &mut self.preparation {
             Some(preparation) => preparation.update(&mut self.world, self.report.time, &changes, &moved),
             None => {
@@ -222,6 +223,7 @@ impl Engine {
         };
         if let Some(preparation) = &mut self.preparation {
             preparation.set_precision(self.precision);
+            self.report.trees += preparation.trees().wrapping_sub(built);
         }
         self.report.animate += animated - start;
         self.report.prepare += animated.elapsed();

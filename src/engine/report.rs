@@ -14,6 +14,8 @@ pub struct FrameReport {
     pub animate: Duration,
     /// World transforms and the kernel's arrays.
     pub prepare: Duration,
+    /// How often the tree over the shapes was built. It is kept where no shape has changed.
+    pub trees: u32,
     /// Rays.
     pub trace: Duration,
     /// How many of them.
@@ -31,6 +33,7 @@ impl Default for FrameReport {
             time: Time::ZERO,
             animate: none,
             prepare: none,
+            trees: 0,
             trace: none,
             rays: RayCounts::default(),
             ends: TreeEnds::default(),

@@ -40,6 +40,8 @@ pub struct Preparation {
     entities: Vec<Entity>,
     lights: Vec<Entity>,
     slots: SlotTable,
+    /// How often the tree over the shapes has been built.
+    trees: u32,
 }
 
 /// Slots by entity. Ids are small and dense, so that a list does.
@@ -97,6 +99,7 @@ impl Preparation {
             entities,
             lights: Vec::new(),
             slots,
+            trees: 1,
         };
         preparation.read_settings(world);
         preparation
@@ -107,13 +110,11 @@ impl Preparation {
     pub fn update(&mut self, world: &mut World, moment: Time, changes: &Changes, moved: &[Entity]) -> bool {
         self.moment = moment;
         if changes.is_everything() {
-            *self = Self::of(world, moment);
-            return true;
+            return self.start_over(world);
         }
         let reshaped = || moved.iter().chain(changes.shapes()).copied();
         let Some(shapes_differ) = self.update_shapes(world, reshaped()) else {
-            *self = Self::of(world, moment);
-            return true;
+            return self.start_over(world);
         };
         // Squares go with what they are on.
         let checkered: Vec<Entity> =
@@ -126,6 +127,19 @@ impl Preparation {
         let surfaces_differ = self.scene.replace_materials(materials);
         let settings_differ = self.read_settings(world);
         shapes_differ || surfaces_differ || settings_differ
+    }
+
+    /// Reads the whole world again: anything may be different.
+    fn start_over(&mut self, world: &mut World) -> bool {
+        let trees = self.trees.wrapping_add(1);
+        *self = Self { trees, ..Self::of(world, self.moment) };
+        true
+    }
+
+    /// How often the tree over the shapes has been built.
+    #[must_use]
+    pub fn trees(&self) -> u32 {
+        self.trees
     }
 
     /// The kernel's scene.
@@ -216,6 +230,9 @@ impl Preparation {
             }
         }
         let fits = self.scene.replace_shapes(&replacements);
+        if fits && !replacements.is_empty() {
+            self.trees = self.trees.wrapping_add(1);
+        }
         fits.then_some(!replacements.is_empty())
     }
 
