@@ -2,7 +2,10 @@
 
 mod cast;
 mod frame;
+mod matching;
+mod patch;
 mod probe;
+mod reload;
 mod report;
 mod run;
 

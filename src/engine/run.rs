@@ -8,7 +8,7 @@ use super::cast::{Hit, IntoRay, Ray};
 use super::probe::Probe;
 use super::report::FrameReport;
 use crate::components::FilmSettings;
-use crate::scene::{LoadError, Scene, ScriptMistake, ScriptSources};
+use crate::scene::{LoadError, Scene, SceneScripts, ScriptMistake, ScriptSources};
 use crate::systems::{
     self, Changes, Context, Effect, Halt, OwnSystems, Plan, Preparation, ScriptFailure, Scripts, Shutters,
     Step, UnknownComponent,
@@ -137,10 +137,18 @@ impl Engine {
     #[must_use]
     pub fn from_scene(scene: Scene) -> Self {
         let Scene { world, timeline, scripts, .. } = scene;
-        let (programs, sources) = scripts.into_parts();
-        let mut engine = Self { timeline, script_sources: sources, ..Self::new(world) };
-        engine.systems.set_scripts(Scripts::new(programs, timeline));
+        let mut engine = Self::new(world);
+        engine.start(timeline, scripts);
         engine
+    }
+
+    /// Starts with the timeline and the programs of a scene whose world is this one.
+    pub(super) fn start(&mut self, timeline: Timeline, scripts: SceneScripts) {
+        let (programs, sources) = scripts.into_parts();
+        self.systems.set_scripts(Scripts::new(programs, timeline));
+        self.script_sources = sources;
+        self.timeline = timeline;
+        self.shutters = None;
     }
 
     /// An engine around a world of one's own, with 24 frames per second. What the world lacks (a camera, film settings)

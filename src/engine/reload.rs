@@ -1,0 +1,51 @@
+//! Another scene in place of the one before.
+
+use super::patch::patch;
+use super::run::Engine;
+use crate::scene::Scene;
+
+impl Engine {
+    /// Goes on with another scene, usually the same one after an edit: from the next frame on everything is as if the engine had
+    /// been made [`from_scene`](Engine::from_scene), to the last bit, whatever was rendered, reloaded or written to the world before.
+    ///
+    /// What is in both scenes stays the same entity, and what was prepared of it is kept, so that the cost follows the size of
+    /// the edit. Entities are recognised by their names; those without one by their transforms and shapes, and what is left of
+    /// them by position. The tree over the shapes is built anew only if shapes are other ones, elsewhere or in another order.
+    ///
+    /// Systems of one's own stay and start over, on the new scene's world as it is: all entities are new then. Precision and what
+    /// is left out stay too. Until the next frame or [`seek`](Engine::seek), the engine answers about the last one.
+    ///
+    /// ```
+    /// use rayreel::{Engine, Scene};
+    ///
+    /// let scene = |color: &str| {
+    ///     let text = format!(
+    ///         "(film: (width: 8, height: 8), camera: (position: (0, 0, -5), target: (0, 0, 0)), ambient: (1, 1, 1),
+    ///         materials: {{ \"clay\": (k_a: 1, color: \"{color}\") }},
+    ///         entities: [(name: \"ball\", shape: Sphere(radius: 1), material: \"clay\")])"
+    ///     );
+    ///     Scene::from_text("ball.ron", text)
+    /// };
+    /// let mut engine = Engine::from_scene(scene("#ff0000")?);
+    /// engine.render_frame(0)?;
+    /// assert_eq!(engine.report().trees, 1);
+    ///
+    /// engine.reload(scene("#0000ff")?);
+    /// let film = engine.render_frame(0)?;
+    /// assert_eq!(film, Engine::from_scene(scene("#0000ff")?).render_frame(0)?);
+    /// assert_eq!(engine.report().trees, 0); // only the colour is another one
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn reload(&mut self, scene: Scene) {
+        let Scene { world, timeline, scripts, .. } = scene;
+        if self.systems.is_empty() {
+            self.changes.merge(&patch(&mut self.world, world));
+        } else {
+            // They may depend on the order in which a world has come about.
+            self.systems.rewind(&mut self.world);
+            self.world = world;
+            self.changes.anything();
+        }
+        self.start(timeline, scripts);
+    }
+}
