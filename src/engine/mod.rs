@@ -1,6 +1,7 @@
 //! World, systems and kernel put together.
 
 mod cast;
+mod draft;
 mod frame;
 mod matching;
 mod patch;
