@@ -9,7 +9,7 @@
 //! ```text
 //! RON text -> scene::document -> scene::spawn -> hecs World
 //!    each frame: animate(t) -> scripts -> own systems -> propagate -> prepare -> trace::Exposure -> Film
-//!    Film -> output (frame files)
+//!    Film -> output (frame files), or live (a preview in the browser)
 //! ```
 //!
 //! # A picture in a few lines
@@ -64,11 +64,13 @@
 //! | `systems` | what happens each frame; `prepare` is the only bridge from world to kernel | components, timeline, script, trace, color, time | hecs, glam, rayon |
 //! | `engine` | world, systems and reused buffers | color, time, timeline, components, scene, systems, trace | hecs, glam |
 //! | `output` | frame files, sequences, sheets | trace, color, time | image |
+//! | `live` | watching and reloading scenes, the preview's server and page | color, time, components, scene, systems, engine, trace, output | notify, axum, tokio, futures_util, serde, serde_json |
 //! | `main`, `cli` | arguments to settings to calls, and all printing; binary only | rayreel | glam, clap, clap_complete, csv, indicatif, ctrlc, anyhow, rayon, serde_json |
 
 pub mod color;
 pub mod components;
 pub mod engine;
+pub mod live;
 pub mod output;
 pub mod scene;
 pub mod script;

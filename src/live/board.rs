@@ -1,0 +1,76 @@
+//! Where a session puts up its state and its pictures, for all to see.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use tokio::sync::watch;
+
+use super::state::{PictureInfo, State};
+
+/// Whoever is told of a picture has so many more until it is gone.
+const KEPT: usize = 8;
+
+/// A picture.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// What it is of.
+    pub info: PictureInfo,
+    /// As a PNG file.
+    pub png: Arc<[u8]>,
+}
+
+/// State and pictures.
+#[derive(Debug)]
+pub(super) struct Board {
+    state: watch::Sender<State>,
+    pictures: Mutex<Pictures>,
+}
+
+#[derive(Debug, Default)]
+struct Pictures {
+    latest: VecDeque<Picture>,
+    before: Option<Picture>,
+}
+
+impl Board {
+    pub(super) fn new(state: State) -> Self {
+        Self { state: watch::Sender::new(state), pictures: Mutex::default() }
+    }
+
+    pub(super) fn state(&self) -> State {
+        self.state.borrow().clone()
+    }
+
+    /// What is put up from now on.
+    pub(super) fn subscribe(&self) -> watch::Receiver<State> {
+        self.state.subscribe()
+    }
+
+    pub(super) fn change(&self, change: impl FnOnce(&mut State)) {
+        self.state.send_modify(change);
+    }
+
+    /// A picture that is still kept.
+    pub(super) fn picture(&self, id: u64) -> Option<Picture> {
+        let pictures = self.pictures.lock().unwrap_or_else(PoisonError::into_inner);
+        pictures.latest.iter().chain(&pictures.before).find(|picture| picture.info.id == id).cloned()
+    }
+
+    /// Puts a picture up; [`State::picture`] is for the caller to change.
+    pub(super) fn hang(&self, picture: Picture) {
+        let mut pictures = self.pictures.lock().unwrap_or_else(PoisonError::into_inner);
+        pictures.latest.push_back(picture);
+        if pictures.latest.len() > KEPT {
+            pictures.latest.pop_front();
+        }
+    }
+
+    /// Keeps the latest picture to compare later ones with, if it is a full one.
+    pub(super) fn keep_for_comparison(&self) -> Option<PictureInfo> {
+        let mut pictures = self.pictures.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(latest) = pictures.latest.back().filter(|picture| picture.info.full) {
+            pictures.before = Some(latest.clone());
+        }
+        pictures.before.as_ref().map(|picture| picture.info)
+    }
+}

@@ -1,0 +1,130 @@
+//! What the files of a scene hold, as far as is needed to see that they hold something else.
+
+use std::collections::BTreeMap;
+use std::fs::{self, Metadata};
+use std::hash::Hasher;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+/// The clock that stamps files may be behind the one that tells the time.
+const CLOCK_TICK: Duration = Duration::from_millis(10);
+
+/// Links that lead to links may go so far.
+const LONGEST_CHAIN: usize = 40;
+
+/// Some files, and what they held when they were last looked at.
+#[derive(Debug, Default)]
+pub(super) struct Files(BTreeMap<PathBuf, Seen>);
+
+/// A file as it was seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Seen {
+    stamp: Option<Stamp>,
+    /// A hash of its bytes; `None` for a file that cannot be read.
+    content: Option<u64>,
+}
+
+/// What the file system tells of a file without reading it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Stamp {
+    modified: Option<SystemTime>,
+    length: u64,
+    identity: (u64, u64, i64, i64),
+}
+
+impl Files {
+    /// Keeps to these files from now on, and says whether one that joined was written after `since`, so that whoever read it
+    /// then may have read something else.
+    pub(super) fn follow(&mut self, paths: &[PathBuf], since: SystemTime) -> bool {
+        let before = std::mem::take(&mut self.0);
+        let mut late = false;
+        for path in paths {
+            let seen = before.get(path).copied().unwrap_or_else(|| {
+                let seen = Seen::now(path);
+                late |= seen.stamp.and_then(|stamp| stamp.modified).is_some_and(|at| at + CLOCK_TICK > since);
+                seen
+            });
+            self.0.insert(path.clone(), seen);
+        }
+        late
+    }
+
+    /// Does the file system tell of something else? Reads no file.
+    pub(super) fn are_touched(&self) -> bool {
+        self.0.iter().any(|(path, seen)| seen.stamp != Stamp::now(path))
+    }
+
+    /// Reads all files again, and says whether any holds something else.
+    pub(super) fn look(&mut self) -> bool {
+        let mut differ = false;
+        for (path, seen) in &mut self.0 {
+            let now = Seen::now(path);
+            differ |= now.content != seen.content;
+            *seen = now;
+        }
+        differ
+    }
+
+    /// All directories in which something must change for one of the files to change: their own, and those of what they are
+    /// links to.
+    pub(super) fn directories(&self) -> impl Iterator<Item = PathBuf> {
+        self.links().filter_map(|link| link.parent().map(Path::to_owned))
+    }
+
+    /// Every file, and every link on the way to one.
+    pub(super) fn links(&self) -> impl Iterator<Item = PathBuf> {
+        self.0.keys().flat_map(|path| chain(path))
+    }
+}
+
+impl Seen {
+    /// The stamp is taken first: a file that is written in between looks touched.
+    fn now(path: &Path) -> Self {
+        let stamp = Stamp::now(path);
+        Self { stamp, content: fs::read(path).ok().map(|bytes| hash(&bytes)) }
+    }
+}
+
+impl Stamp {
+    fn now(path: &Path) -> Option<Self> {
+        let metadata = fs::metadata(path).ok()?;
+        Some(Self {
+            modified: metadata.modified().ok(),
+            length: metadata.len(),
+            identity: identity(&metadata),
+        })
+    }
+}
+
+/// A file that takes another's place is another, whatever its time and its length.
+#[cfg(unix)]
+fn identity(metadata: &Metadata) -> (u64, u64, i64, i64) {
+    use std::os::unix::fs::MetadataExt;
+    (metadata.dev(), metadata.ino(), metadata.ctime(), metadata.ctime_nsec())
+}
+
+#[cfg(not(unix))]
+fn identity(_: &Metadata) -> (u64, u64, i64, i64) {
+    (0, 0, 0, 0)
+}
+
+fn hash(bytes: &[u8]) -> u64 {
+    let mut hasher = std::hash::DefaultHasher::new();
+    hasher.write(bytes);
+    hasher.finish()
+}
+
+/// The absolute path of a file and, where it is a link, of each file that leads on.
+fn chain(path: &Path) -> Vec<PathBuf> {
+    let mut chain: Vec<PathBuf> = std::path::absolute(path).into_iter().collect();
+    while chain.len() < LONGEST_CHAIN
+        && let Some(last) = chain.last()
+        && let Ok(target) = fs::read_link(last)
+    {
+        let next = last.parent().unwrap_or(Path::new("")).join(target);
+        chain.push(next);
+    }
+    // The folder itself may be a link.
+    chain.extend(fs::canonicalize(path));
+    chain
+}

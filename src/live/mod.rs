@@ -1,0 +1,30 @@
+//! Scenes that are edited while one looks at them.
+//!
+//! ```text
+//! files -> watcher -> mailbox -> session (reads, renders) -> board -> server -> page
+//!                        ^                                               |
+//!                        +---------- seek, probe, render well -----------+
+//! ```
+//!
+//! The [`Watcher`] notices that files hold something else. The [`Session`] owns the engine, on a thread of its own; it is
+//! asked by commands, and puts up its [`State`] and its pictures where all can see them at any time, so that a page that comes
+//! late, or again, sees what the others see. The [`Server`] shows both to a browser on the same machine, and to nobody else.
+
+mod board;
+mod files;
+mod guard;
+mod mailbox;
+mod server;
+mod session;
+mod spot;
+mod stage;
+mod state;
+mod watcher;
+
+pub use board::Picture;
+pub use mailbox::{Answer, Command, Detail, View};
+pub use server::Server;
+pub use session::{Event, Handle, Session, SessionSettings, Shown};
+pub use spot::{Seen, Spot};
+pub use state::{Mistakes, PictureInfo, Planned, State, Times};
+pub use watcher::{QUIET, Watcher, Watching};

@@ -1,0 +1,196 @@
+//! Shows a session to browsers on the same machine.
+//!
+//! | request | answer |
+//! |---|---|
+//! | `GET /` | the page |
+//! | `GET /state` | the [`State`](super::State), as JSON |
+//! | `GET /events` | the same whenever it changes, as server-sent events |
+//! | `GET /picture/7` | a picture, as PNG |
+//! | `POST /view` | asks for something to see: a [`View`], as JSON |
+//! | `POST /probe` | tells what a pixel `[column, row]` sees: a [`Spot`](super::Spot) or null, as JSON |
+
+use std::convert::Infallible;
+use std::future::IntoFuture;
+use std::io;
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::pin::pin;
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use axum::Router;
+use axum::body::Bytes;
+use axum::extract::{Path, Request, State};
+use axum::http::header::{CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, HeaderName, HeaderValue};
+use axum::http::{HeaderMap, StatusCode};
+use axum::middleware::{self, Next};
+use axum::response::sse::{Event, KeepAlive, Sse};
+use axum::response::{IntoResponse, Response};
+use axum::routing::{get, post};
+use futures_util::future::select;
+use futures_util::stream::{self, Stream};
+use tokio::runtime::Builder;
+use tokio::sync::oneshot;
+
+use super::guard::admits;
+use super::mailbox::{Answer, Command, View};
+use super::session::Handle;
+
+const PAGE: &str = include_str!("page.html");
+
+/// What the page may do: ask this server, and nobody else.
+const POLICY: &str = "default-src 'none'; img-src 'self' blob: data:; connect-src 'self'; style-src 'unsafe-inline'; \
+                      script-src 'unsafe-inline'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// A server on this machine's own address, 127.0.0.1, on a thread of its own, until it is dropped.
+#[derive(Debug)]
+pub struct Server {
+    port: u16,
+    stop: Option<oneshot::Sender<()>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+#[derive(Clone)]
+struct Shared {
+    session: Handle,
+    port: u16,
+}
+
+impl Server {
+    /// Serves a session at a port; at 0, at any that is free.
+    ///
+    /// # Errors
+    ///
+    /// If the port is taken, or may not be used.
+    pub fn start(port: u16, session: Handle) -> io::Result<Self> {
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
+        listener.set_nonblocking(true)?;
+        let port = listener.local_addr()?.port();
+        let runtime = Builder::new_current_thread().enable_io().enable_time().build()?;
+        let (stop, stopped) = oneshot::channel();
+        let thread = thread::spawn(move || {
+            runtime.block_on(async {
+                let Ok(listener) = tokio::net::TcpListener::from_std(listener) else { return };
+                let serving = axum::serve(listener, router(Shared { session, port })).into_future();
+                // Pages listen for as long as they are open: nobody waits for them.
+                select(pin!(serving), stopped).await;
+            });
+        });
+        Ok(Self { port, stop: Some(stop), thread: Some(thread) })
+    }
+
+    /// Where it can be found.
+    #[must_use]
+    pub fn address(&self) -> SocketAddr {
+        (Ipv4Addr::LOCALHOST, self.port).into()
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        if let Some(stop) = self.stop.take() {
+            let _ = stop.send(());
+        }
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+fn router(shared: Shared) -> Router {
+    Router::new()
+        .route("/", get(page))
+        .route("/state", get(state))
+        .route("/events", get(events))
+        .route("/picture/{id}", get(picture))
+        .route("/view", post(view))
+        .route("/probe", post(probe))
+        .layer(middleware::from_fn_with_state(shared.clone(), guarded))
+        .with_state(shared)
+}
+
+/// Turns strangers away, and tells browsers to be strict.
+async fn guarded(State(shared): State<Shared>, headers: HeaderMap, request: Request, next: Next) -> Response {
+    let mut response = if admits(&headers, shared.port) {
+        next.run(request).await
+    } else {
+        (StatusCode::FORBIDDEN, "this page is for this machine's own browser\n").into_response()
+    };
+    let headers = response.headers_mut();
+    for (name, value) in [
+        (CONTENT_SECURITY_POLICY, POLICY),
+        (HeaderName::from_static("x-content-type-options"), "nosniff"),
+        (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
+        (HeaderName::from_static("referrer-policy"), "no-referrer"),
+    ] {
+        headers.insert(name, HeaderValue::from_static(value));
+    }
+    headers.entry(CACHE_CONTROL).or_insert(HeaderValue::from_static("no-store"));
+    response
+}
+
+async fn page() -> impl IntoResponse {
+    ([(CONTENT_TYPE, "text/html; charset=utf-8")], PAGE)
+}
+
+async fn state(State(shared): State<Shared>) -> Response {
+    json(&shared.session.state())
+}
+
+async fn events(State(shared): State<Shared>) -> Sse<impl Stream<Item = Result<Event, Infallible>>> {
+    let mut states = shared.session.subscribe();
+    // The first is the state as it is.
+    states.mark_changed();
+    let stream = stream::unfold(states, |mut states| async {
+        states.changed().await.ok()?;
+        let text = serde_json::to_string(&*states.borrow_and_update()).ok()?;
+        Some((Ok(Event::default().data(text)), states))
+    });
+    Sse::new(stream).keep_alive(KeepAlive::new().interval(Duration::from_secs(10)))
+}
+
+async fn picture(State(shared): State<Shared>, Path(id): Path<u64>) -> Response {
+    match shared.session.picture(id) {
+        Some(picture) => {
+            let png = Bytes::from_owner(picture.png);
+            ([(CONTENT_TYPE, "image/png"), (CACHE_CONTROL, "private, max-age=60")], png).into_response()
+        }
+        None => (StatusCode::NOT_FOUND, "this picture is out of date\n").into_response(),
+    }
+}
+
+async fn view(State(shared): State<Shared>, body: Bytes) -> Response {
+    match serde_json::from_slice::<View>(&body) {
+        Ok(view) => {
+            shared.session.post(Command::View(view));
+            StatusCode::NO_CONTENT.into_response()
+        }
+        Err(error) => refused(&error),
+    }
+}
+
+async fn probe(State(shared): State<Shared>, body: Bytes) -> Response {
+    let pixel = match serde_json::from_slice::<(u32, u32)>(&body) {
+        Ok(pixel) => pixel,
+        Err(error) => return refused(&error),
+    };
+    let (sender, answer) = oneshot::channel();
+    let send = move |spot| {
+        let _ = sender.send(spot);
+    };
+    shared.session.post(Command::Probe(pixel, Answer(Box::new(send))));
+    match answer.await {
+        Ok(spot) => json(&spot),
+        Err(_) => StatusCode::SERVICE_UNAVAILABLE.into_response(),
+    }
+}
+
+fn json(value: &impl serde::Serialize) -> Response {
+    match serde_json::to_string(value) {
+        Ok(text) => ([(CONTENT_TYPE, "application/json")], text).into_response(),
+        Err(_) => StatusCode::INTERNAL_SERVER_ERROR.into_response(),
+    }
+}
+
+fn refused(error: &serde_json::Error) -> Response {
+    (StatusCode::BAD_REQUEST, format!("{error}\n")).into_response()
+}

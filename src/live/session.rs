@@ -1,0 +1,408 @@
+//! A scene that is kept on show while its files are edited.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::thread::{self, JoinHandle};
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
+
+use tokio::sync::watch;
+
+use super::board::{Board, Picture};
+use super::mailbox::{Answer, Command, Detail, Mailbox, View};
+use super::stage::{Render, Stage};
+use super::state::{Mistakes, PictureInfo, Planned, State, Times};
+use super::watcher::{Watcher, Watching};
+use crate::color::Transfer;
+use crate::engine::EngineError;
+use crate::output::{self, FrameFormat};
+use crate::scene::LoadError;
+use crate::trace::Film;
+
+/// A first picture has so much less of the film's width and height.
+const COARSE: u32 = 4;
+/// Frames that take longer, in milliseconds, begin with a coarse picture.
+const SOON: f64 = 40.0;
+
+/// What to keep on show.
+#[derive(Clone, Debug)]
+pub struct SessionSettings {
+    /// The scene's file; it need not be there yet.
+    pub scene: PathBuf,
+    /// The first to be shown.
+    pub frame: u32,
+    /// How changes of files are noticed.
+    pub watching: Watching,
+}
+
+/// What happens in a session, for whoever wants to tell it.
+#[derive(Debug)]
+pub enum Event {
+    /// The scene was read.
+    Reloaded(Times),
+    /// The files are wrong; the last good scene stays.
+    Broken(LoadError),
+    /// The frame cannot be made.
+    Failed(EngineError),
+    /// A picture was made.
+    Shown(Shown),
+}
+
+/// A picture that was made.
+#[derive(Debug)]
+pub struct Shown {
+    /// Which.
+    pub info: PictureInfo,
+    /// Its pixels.
+    pub film: Film,
+    /// How they become bytes.
+    pub transfer: Transfer,
+    /// What it took.
+    pub times: Times,
+    /// How many were traced.
+    pub rays: u64,
+}
+
+/// A scene that is read again after every edit, on a thread of its own, until it is dropped.
+///
+/// A newer edit, and anything else that is asked for, ends the picture in hand. After an edit there is a coarse picture first,
+/// and then the full one. While the files are wrong, the last good scene stays.
+#[derive(Debug)]
+pub struct Session {
+    handle: Handle,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// Asks a session and looks at it, from any thread.
+#[derive(Clone, Debug)]
+pub struct Handle {
+    mailbox: Arc<Mailbox>,
+    board: Arc<Board>,
+}
+
+impl Session {
+    /// Reads the scene and watches its files; `tell` is called on the session's thread.
+    #[must_use]
+    pub fn start(settings: SessionSettings, tell: impl FnMut(Event) + Send + 'static) -> Self {
+        let state = State {
+            scene: settings.scene.display().to_string(),
+            session: distinct(),
+            frame: settings.frame,
+            frames: 1,
+            rate: 1.0,
+            ..State::default()
+        };
+        let handle = Handle { mailbox: Arc::default(), board: Arc::new(Board::new(state)) };
+        let shared = handle.clone();
+        let thread = thread::spawn(move || Director::new(settings, shared, Box::new(tell)).run());
+        Self { handle, thread: Some(thread) }
+    }
+
+    /// To ask it and to look at it.
+    #[must_use]
+    pub fn handle(&self) -> Handle {
+        self.handle.clone()
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        self.handle.post(Command::Stop);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Handle {
+    /// Asks the session for something.
+    pub fn post(&self, command: Command) {
+        self.mailbox.post(command);
+    }
+
+    /// The session as it is now.
+    #[must_use]
+    pub fn state(&self) -> State {
+        self.board.state()
+    }
+
+    /// What becomes of the state.
+    #[must_use]
+    pub fn subscribe(&self) -> watch::Receiver<State> {
+        self.board.subscribe()
+    }
+
+    /// A picture; `None` once it is out of date.
+    #[must_use]
+    pub fn picture(&self, id: u64) -> Option<Picture> {
+        self.board.picture(id)
+    }
+}
+
+/// Another number at every start, so that a page sees that it talks to another session.
+fn distinct() -> u64 {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    // Exact in a browser's numbers.
+    u64::try_from(since.as_millis()).unwrap_or(0)
+}
+
+/// The next thing to make.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Next {
+    Nothing,
+    /// A coarse picture, and what follows it.
+    Coarse(Option<Detail>),
+    Picture(Detail),
+    /// What the effect with this number costs.
+    Cost(usize),
+}
+
+/// What the session's thread has.
+struct Director {
+    settings: SessionSettings,
+    handle: Handle,
+    watcher: Watcher,
+    stage: Option<Stage>,
+    /// The frame that was asked for last, though the scene may be shorter now.
+    wanted_frame: u32,
+    detail: Detail,
+    next: Next,
+    /// Milliseconds that the last picture took that was not coarse.
+    expected: f64,
+    last_id: u64,
+    tell: Box<dyn FnMut(Event) + Send>,
+}
+
+impl Director {
+    fn new(settings: SessionSettings, handle: Handle, tell: Box<dyn FnMut(Event) + Send>) -> Self {
+        let mailbox = Arc::clone(&handle.mailbox);
+        let watcher = Watcher::start(settings.watching, move || mailbox.post(Command::Reload));
+        Self {
+            wanted_frame: settings.frame,
+            settings,
+            handle,
+            watcher,
+            stage: None,
+            detail: Detail::Full,
+            next: Next::Nothing,
+            expected: f64::INFINITY,
+            last_id: 0,
+            tell,
+        }
+    }
+
+    fn run(mut self) {
+        // Nobody has read it yet.
+        let _ = self.watcher.follow(std::slice::from_ref(&self.settings.scene), SystemTime::now());
+        self.reload();
+        loop {
+            let mut reload = false;
+            for command in self.handle.mailbox.take(self.next == Next::Nothing) {
+                match command {
+                    Command::Reload => reload = true,
+                    Command::View(view) => self.view(view),
+                    Command::Probe(pixel, answer) => self.probe(pixel, answer),
+                    Command::Stop => return,
+                }
+            }
+            if reload {
+                self.reload();
+            }
+            self.make_next();
+        }
+    }
+
+    /// Reads the files; what is wrong with them leaves the last good scene in place.
+    fn reload(&mut self) {
+        self.watcher.look();
+        let since = SystemTime::now();
+        let start = Instant::now();
+        match Stage::read(&self.settings.scene) {
+            Ok(read) => {
+                self.follow(&read.scene.files, since);
+                let read_in = Times::milliseconds(start.elapsed());
+                let start = Instant::now();
+                Stage::take_over(&mut self.stage, read);
+                let times =
+                    Times { read: read_in, build: Times::milliseconds(start.elapsed()), ..Times::default() };
+                self.welcome(times);
+            }
+            Err(error) => {
+                self.follow(error.files(), since);
+                let mistakes = Mistakes::of_scene(&error);
+                self.handle.board.change(|state| state.mistakes = Some(mistakes));
+                (self.tell)(Event::Broken(error));
+            }
+        }
+    }
+
+    /// Watches the files that were read; what was written in the meantime is read again.
+    fn follow(&self, files: &[PathBuf], since: SystemTime) {
+        if self.watcher.follow(files, since) {
+            self.handle.post(Command::Reload);
+        }
+    }
+
+    /// Puts up a scene that was read, and goes on with its picture.
+    fn welcome(&mut self, times: Times) {
+        let Some(stage) = &self.stage else { return };
+        let (timeline, film) = (stage.timeline(), stage.film_settings());
+        let before = self.handle.board.keep_for_comparison();
+        let frames = timeline.frame_count();
+        let frame = self.wanted_frame.min(frames - 1);
+        self.handle.board.change(|state| {
+            *state = State {
+                reloads: state.reloads + 1,
+                frame,
+                frames,
+                rate: timeline.rate.per_second(),
+                film: (film.width, film.height),
+                before,
+                rendering: true,
+                mistakes: None,
+                frame_mistakes: None,
+                times,
+                ..std::mem::take(state)
+            };
+        });
+        self.expected = f64::INFINITY;
+        self.next = Next::Coarse(Some(self.detail));
+        (self.tell)(Event::Reloaded(times));
+    }
+
+    fn view(&mut self, view: View) {
+        if self.stage.is_none() {
+            if let View::Seek { frame, .. } = view {
+                self.wanted_frame = frame;
+            }
+            return;
+        }
+        self.next = match view {
+            View::Seek { frame, playing } => {
+                self.seek(frame);
+                self.next_while(playing)
+            }
+            View::Detail(detail) => {
+                self.detail = detail;
+                self.expected = f64::INFINITY;
+                Next::Picture(detail)
+            }
+            View::Finish => Next::Picture(Detail::Full),
+            View::Measure => Next::Cost(0),
+        };
+        self.handle.board.change(|state| state.rendering = true);
+    }
+
+    fn seek(&mut self, frame: u32) {
+        self.wanted_frame = frame;
+        self.handle.board.change(|state| state.frame = frame.min(state.frames - 1));
+    }
+
+    /// What is there time for?
+    fn next_while(&self, playing: bool) -> Next {
+        let interval = 1e3 / self.handle.board.state().rate;
+        match (self.expected <= if playing { interval } else { SOON }, playing) {
+            (true, _) => Next::Picture(self.detail),
+            (false, true) => Next::Coarse(None),
+            (false, false) => Next::Coarse(Some(self.detail)),
+        }
+    }
+
+    fn probe(&mut self, pixel: (u32, u32), Answer(answer): Answer) {
+        let frame = self.handle.board.state().frame;
+        let spot = self.stage.as_mut().and_then(|stage| stage.spot(frame, pixel).ok().flatten());
+        answer(spot);
+    }
+
+    fn make_next(&mut self) {
+        match self.next {
+            Next::Nothing => {}
+            Next::Coarse(then) => self.show(Render::Draft(COARSE), then.map_or(Next::Nothing, Next::Picture)),
+            Next::Picture(Detail::Full) => self.show(Render::Full, Next::Nothing),
+            Next::Picture(Detail::Draft) => self.show(Render::Draft(1), Next::Nothing),
+            Next::Picture(Detail::Half) => self.show(Render::Draft(2), Next::Nothing),
+            Next::Cost(index) => self.measure(index),
+        }
+    }
+
+    /// Makes a picture and puts it up, unless a command comes in between: then it is still the next thing to do.
+    fn show(&mut self, render: Render, then: Next) {
+        let state = self.handle.board.state();
+        let Some(stage) = &mut self.stage else {
+            self.next = Next::Nothing;
+            return;
+        };
+        match stage.render(state.frame, render, self.handle.mailbox.waiting()) {
+            Ok(None) => {}
+            Ok(Some(film)) => {
+                self.next = then;
+                self.put_up(&state, render, film);
+            }
+            Err(error) => self.fail(error),
+        }
+    }
+
+    fn fail(&mut self, error: EngineError) {
+        self.next = Next::Nothing;
+        let mistakes = Mistakes::of_frame(&error);
+        self.handle.board.change(|state| {
+            state.frame_mistakes = Some(mistakes);
+            state.rendering = false;
+        });
+        (self.tell)(Event::Failed(error));
+    }
+
+    fn put_up(&mut self, state: &State, render: Render, film: Film) {
+        let Some(stage) = &self.stage else { return };
+        let (report, transfer) = (*stage.report(), stage.film_settings().transfer);
+        let start = Instant::now();
+        // A film of a scene without mistakes is never too large for the encoder.
+        let Ok(png) = output::encode(&film, transfer, FrameFormat::Png) else { return };
+        let mut times = Times { encode: Times::milliseconds(start.elapsed()), ..state.times };
+        times.set_frame(&report);
+        self.last_id += 1;
+        let full = render == Render::Full;
+        let info = PictureInfo {
+            id: self.last_id,
+            frame: state.frame,
+            reloads: state.reloads,
+            width: film.width(),
+            height: film.height(),
+            full,
+        };
+        let plan = stage.plan().filter(|_| full).map(Planned::all);
+        if render != Render::Draft(COARSE) {
+            self.expected = times.frame();
+        }
+        let (rays, rendering) = (report.rays.total(), self.next != Next::Nothing);
+        self.handle.board.hang(Picture { info, png: png.into() });
+        self.handle.board.change(|state| {
+            state.picture = Some(info);
+            state.times = times;
+            state.rays = rays;
+            state.rendering = rendering;
+            state.frame_mistakes = None;
+            if let Some(plan) = plan {
+                state.plan = plan;
+            }
+        });
+        (self.tell)(Event::Shown(Shown { info, film, transfer, times, rays }));
+    }
+
+    /// Measures what an effect costs, and goes on with the next one. Any command ends it.
+    fn measure(&mut self, index: usize) {
+        let state = self.handle.board.state();
+        let Some(stage) = &mut self.stage else { return };
+        self.next = Next::Nothing;
+        let measured = stage.cost(state.frame, index, self.handle.mailbox.waiting());
+        if let Ok(Some(cost)) = measured {
+            self.next = Next::Cost(index + 1);
+            self.handle.board.change(|state| {
+                if let Some(planned) = state.plan.get_mut(index) {
+                    planned.cost = cost;
+                }
+            });
+        } else {
+            self.handle.board.change(|state| state.rendering = false);
+        }
+    }
+}

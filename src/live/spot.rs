@@ -1,0 +1,80 @@
+//! What a pixel sees.
+
+use serde::Serialize;
+
+use crate::components::{Name, Order};
+use crate::engine::{Engine, EngineError, Probe};
+use crate::scene::Sources;
+use crate::time::Time;
+use crate::trace::Surface;
+use crate::trace::reference::RayEnd;
+
+/// What the first sample of a pixel sees.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Spot {
+    /// Column and row, from 0 at the top left of the film.
+    pub pixel: (u32, u32),
+    /// Linear colour of the sample.
+    pub linear: [f32; 3],
+    /// The same as the bytes of a frame file.
+    pub bytes: [u8; 3],
+    /// How many samples a pixel has.
+    pub samples: u32,
+    /// `None` where the camera's ray meets nothing.
+    pub surface: Option<Seen>,
+}
+
+/// A surface that is seen.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Seen {
+    /// The entity's name or, where it has none, `#` and its place in document order.
+    pub entity: String,
+    /// Where it is written, as `ball.ron:12`.
+    pub place: Option<String>,
+    /// In scene units.
+    pub point: [f64; 3],
+    /// Unit length, on the side that is seen.
+    pub normal: [f64; 3],
+    /// From the camera, in scene units.
+    pub distance: f64,
+}
+
+impl Spot {
+    /// What a pixel sees at a moment. `None` outside the film, and for a camera that is nowhere.
+    pub(super) fn of(
+        engine: &mut Engine,
+        sources: &Sources,
+        time: Time,
+        pixel: (u32, u32),
+    ) -> Result<Option<Self>, EngineError> {
+        engine.seek_sample(time, 0)?;
+        let samples = engine.sampling().map_or(1, |sampling| sampling.samples);
+        let Some(probe) = engine.probe(pixel.0, pixel.1) else { return Ok(None) };
+        let surface = probe.tree.rays.first().and_then(|first| match &first.end {
+            RayEnd::Surface(lit) => {
+                let distance = lit.surface.distance(&first.ray);
+                Some(Seen::of(engine, sources, &probe, &lit.surface, distance))
+            }
+            RayEnd::Background(_) | RayEnd::BeyondDepth(_) => None,
+        });
+        let color = probe.color();
+        let bytes = engine.film_settings().transfer.encode(color);
+        Ok(Some(Self { pixel, linear: color.to_array(), bytes, samples, surface }))
+    }
+}
+
+impl Seen {
+    fn of(engine: &Engine, sources: &Sources, probe: &Probe<'_>, surface: &Surface, distance: f64) -> Self {
+        let (world, entity) = (engine.world(), probe.entity(surface.hit.slot));
+        let order = world.get::<&Order>(entity).ok().and_then(|order| usize::try_from(order.0).ok());
+        let unnamed = || order.map_or_else(|| "#".to_owned(), |order| format!("#{order}"));
+        let place = order.and_then(|order| sources.entities(&[order]).next().map(|line| line.to_string()));
+        Self {
+            entity: world.get::<&Name>(entity).map_or_else(|_| unnamed(), |name| name.0.clone()),
+            place,
+            point: surface.point.to_array(),
+            normal: surface.facing_normal().to_array(),
+            distance,
+        }
+    }
+}

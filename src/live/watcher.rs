@@ -1,0 +1,239 @@
+//! Notices that files hold something else.
+//!
+//! Directories are watched, not files: an editor that saves by renaming puts another file in the place of the one that was
+//! watched. What the system tells is only taken as a hint to look: files are read, and their contents compared. Once every
+//! [`HEARTBEAT`] the files are looked after without any hint, for what the system does not tell: a folder that was away for a
+//! while, a link within the path, a queue that ran over.
+//!
+//! There is a quiet period of its own here and no debouncer before it: one that passes an event on when it is 25 ms old, as
+//! notify-debouncer-full does, does not wait for quiet, and its order of events matters to nobody who looks for himself.
+
+use std::collections::BTreeSet;
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant, SystemTime};
+
+use notify::{Event, EventKind, RecommendedWatcher, RecursiveMode};
+
+use super::files::Files;
+
+/// A save is over when nothing has happened for so long.
+pub const QUIET: Duration = Duration::from_millis(25);
+/// Files that never rest are looked at nevertheless.
+const PATIENCE: Duration = Duration::from_millis(500);
+/// How often files are looked after if the system tells of changes.
+const HEARTBEAT: Duration = Duration::from_millis(500);
+/// How often if it does not.
+const POLL: Duration = Duration::from_millis(100);
+
+/// How changes are noticed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Watching {
+    /// The system tells.
+    #[default]
+    Events,
+    /// The files are looked after ten times a second: for network mounts, whose systems tell nothing.
+    Polling,
+}
+
+/// Watches some files on a thread of its own, until it is dropped.
+#[derive(Debug)]
+pub struct Watcher {
+    files: Arc<Mutex<Files>>,
+    messages: Sender<Message>,
+    thread: Option<JoinHandle<()>>,
+}
+
+#[derive(Debug)]
+enum Message {
+    Told(notify::Result<Event>),
+    /// The files are others.
+    WatchAgain,
+    Stop,
+}
+
+impl Watcher {
+    /// A watcher of no files yet, which calls `changed` once after every save that changes what any of them holds.
+    #[must_use]
+    pub fn start(watching: Watching, changed: impl FnMut() + Send + 'static) -> Self {
+        let (messages, inbox) = channel();
+        let tell = messages.clone();
+        let files = Arc::<Mutex<Files>>::default();
+        let shared = Arc::clone(&files);
+        let thread = thread::spawn(move || {
+            // Where the system tells nothing, the files are looked after.
+            let eyes = match watching {
+                Watching::Events => notify::recommended_watcher(move |event| {
+                    let _ = tell.send(Message::Told(event));
+                })
+                .ok(),
+                Watching::Polling => None,
+            };
+            let heartbeat = if eyes.is_some() { HEARTBEAT } else { POLL };
+            let lookout = Lookout {
+                inbox,
+                eyes,
+                heartbeat,
+                files: shared,
+                watched: BTreeSet::new(),
+                names: BTreeSet::new(),
+                changed: Box::new(changed),
+            };
+            lookout.run();
+        });
+        Self { files, messages, thread: Some(thread) }
+    }
+
+    /// Takes what the files hold now for known: for whoever is about to read them. What was written before needs no call.
+    pub fn look(&self) {
+        lock(&self.files).look();
+    }
+
+    /// Keeps to these files from now on, whether they are there or not. Says whether one that joined was written after `since`:
+    /// whoever began to read it then may have read something else.
+    #[must_use]
+    pub fn follow(&self, files: &[PathBuf], since: SystemTime) -> bool {
+        let late = lock(&self.files).follow(files, since);
+        let _ = self.messages.send(Message::WatchAgain);
+        late
+    }
+}
+
+fn lock(files: &Mutex<Files>) -> MutexGuard<'_, Files> {
+    files.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Drop for Watcher {
+    fn drop(&mut self) {
+        let _ = self.messages.send(Message::Stop);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// What the thread has.
+struct Lookout {
+    inbox: Receiver<Message>,
+    eyes: Option<RecommendedWatcher>,
+    heartbeat: Duration,
+    files: Arc<Mutex<Files>>,
+    /// Directories.
+    watched: BTreeSet<PathBuf>,
+    /// Of files that matter.
+    names: BTreeSet<OsString>,
+    changed: Box<dyn FnMut() + Send>,
+}
+
+/// What a message, or the lack of one, asks for.
+enum Hint {
+    Nothing,
+    Look,
+    Stop,
+}
+
+impl Lookout {
+    fn run(mut self) {
+        let mut next_beat = Instant::now() + self.heartbeat;
+        loop {
+            let hint = match self.inbox.recv_timeout(next_beat.saturating_duration_since(Instant::now())) {
+                Ok(message) => self.read(message),
+                Err(RecvTimeoutError::Timeout) => {
+                    next_beat = Instant::now() + self.heartbeat;
+                    self.look_after()
+                }
+                Err(RecvTimeoutError::Disconnected) => Hint::Stop,
+            };
+            let hint = match hint {
+                Hint::Look => self.wait_for_quiet(),
+                hint => hint,
+            };
+            match hint {
+                Hint::Nothing => {}
+                Hint::Look => {
+                    let differ = lock(&self.files).look();
+                    if differ {
+                        (self.changed)();
+                    }
+                }
+                Hint::Stop => return,
+            }
+        }
+    }
+
+    fn read(&mut self, message: Message) -> Hint {
+        match message {
+            Message::Told(Ok(event)) => self.weigh(&event),
+            // Something was missed.
+            Message::Told(Err(_)) => Hint::Look,
+            Message::WatchAgain => {
+                self.watch_again();
+                // Before they were watched, something may have been written.
+                self.look_after()
+            }
+            Message::Stop => Hint::Stop,
+        }
+    }
+
+    /// Does an event concern the files?
+    fn weigh(&mut self, event: &Event) -> Hint {
+        if matches!(event.kind, EventKind::Access(_)) {
+            return Hint::Nothing;
+        }
+        if event.need_rescan() || event.paths.iter().any(|path| self.watched.contains(path)) {
+            self.watch_again();
+            return Hint::Look;
+        }
+        let concerns = |path: &PathBuf| path.file_name().is_some_and(|name| self.names.contains(name));
+        if event.paths.iter().any(concerns) { Hint::Look } else { Hint::Nothing }
+    }
+
+    /// What has changed without a word may do so again: the directories are others.
+    fn look_after(&mut self) -> Hint {
+        if !lock(&self.files).are_touched() {
+            return Hint::Nothing;
+        }
+        self.watch_again();
+        Hint::Look
+    }
+
+    /// Watches the directories that there are now.
+    fn watch_again(&mut self) {
+        use notify::Watcher;
+        let files = lock(&self.files);
+        self.names = files.links().filter_map(|link| Some(link.file_name()?.to_owned())).collect();
+        let Some(eyes) = &mut self.eyes else { return };
+        for directory in std::mem::take(&mut self.watched) {
+            let _ = eyes.unwatch(&directory);
+        }
+        for directory in files.directories() {
+            if !self.watched.contains(&directory)
+                && eyes.watch(&directory, RecursiveMode::NonRecursive).is_ok()
+            {
+                self.watched.insert(directory);
+            }
+        }
+    }
+
+    fn wait_for_quiet(&mut self) -> Hint {
+        let start = Instant::now();
+        let mut last = start;
+        while start.elapsed() < PATIENCE {
+            let rest = (last + QUIET).saturating_duration_since(Instant::now());
+            let hint = match self.inbox.recv_timeout(rest) {
+                Ok(message) => self.read(message),
+                Err(RecvTimeoutError::Timeout) => return Hint::Look,
+                Err(RecvTimeoutError::Disconnected) => Hint::Stop,
+            };
+            match hint {
+                Hint::Nothing => {}
+                Hint::Look => last = Instant::now(),
+                Hint::Stop => return Hint::Stop,
+            }
+        }
+        Hint::Look
+    }
+}

@@ -1,0 +1,482 @@
+//! Watching files, and the session that keeps a scene on show while they are edited.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, channel};
+use std::thread::sleep;
+use std::time::{Duration, Instant, SystemTime};
+
+use rayreel::Engine;
+use rayreel::live::{
+    Answer, Command, Event, QUIET, Session, SessionSettings, Shown, Spot, View, Watcher, Watching,
+};
+use rayreel::output::{FrameFormat, encode};
+use tempfile::TempDir;
+
+/// What must happen does so long before, even on a machine that is busy with other things.
+const AT_MOST: Duration = Duration::from_secs(60);
+/// What must not happen would have by then: several quiet periods, and a look at the files without any hint.
+const LONG_ENOUGH: Duration = Duration::from_millis(800);
+
+/// A watcher of files in a folder of its own.
+struct Watched {
+    folder: TempDir,
+    changes: Receiver<()>,
+    watcher: Watcher,
+}
+
+impl Watched {
+    fn new(watching: Watching, files: &[&str]) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        for file in files {
+            fs::write(folder.path().join(file), "first").unwrap();
+        }
+        let (sender, changes) = channel();
+        let watcher = Watcher::start(watching, move || sender.send(()).unwrap());
+        let watched = Self { folder, changes, watcher };
+        watched.follow(files);
+        watched
+    }
+
+    fn path(&self, file: &str) -> PathBuf {
+        self.folder.path().join(file)
+    }
+
+    fn follow(&self, files: &[&str]) {
+        let paths: Vec<PathBuf> = files.iter().map(|file| self.path(file)).collect();
+        let _ = self.watcher.follow(&paths, SystemTime::now());
+    }
+
+    fn write(&self, file: &str, text: &str) {
+        fs::write(self.path(file), text).unwrap();
+    }
+
+    /// A save is noticed once; one that a busy machine did in pieces may be noticed in pieces.
+    fn notices(&self, what: &str, save: impl FnOnce()) {
+        let start = Instant::now();
+        save();
+        let in_pieces = start.elapsed() > QUIET / 2;
+        assert!(self.changes.recv_timeout(AT_MOST).is_ok(), "{what}: nothing was noticed");
+        let again = self.changes.recv_timeout(LONG_ENOUGH).is_ok();
+        assert!(!again || in_pieces, "{what}: noticed twice");
+    }
+
+    fn does_not_change(&self, what: &str) {
+        assert!(self.changes.recv_timeout(LONG_ENOUGH).is_err(), "{what}: noticed");
+    }
+}
+
+/// Every way in which editors put a text into a file.
+fn save_in_every_way(watched: &Watched) {
+    let file = "ball.ron";
+    watched.notices("written in place", || watched.write(file, "in place"));
+
+    watched.notices("written and renamed", || {
+        watched.write(".ball.ron.new", "renamed");
+        fs::rename(watched.path(".ball.ron.new"), watched.path(file)).unwrap();
+    });
+
+    watched.notices("moved away and written", || {
+        fs::rename(watched.path(file), watched.path("ball.ron~")).unwrap();
+        watched.write(file, "with a backup");
+    });
+
+    watched.notices("deleted and created", || {
+        fs::remove_file(watched.path(file)).unwrap();
+        watched.write(file, "created");
+    });
+
+    watched.notices("two quick saves", || {
+        watched.write(file, "one");
+        watched.write(file, "two");
+    });
+
+    // The same length and the same time.
+    watched.notices("with the time of the old one", || {
+        let time = fs::metadata(watched.path(file)).unwrap().modified().unwrap();
+        watched.write(".ball.ron.new", "six");
+        fs::File::options()
+            .append(true)
+            .open(watched.path(".ball.ron.new"))
+            .unwrap()
+            .set_modified(time)
+            .unwrap();
+        fs::rename(watched.path(".ball.ron.new"), watched.path(file)).unwrap();
+    });
+}
+
+#[test]
+fn every_way_of_saving_is_noticed_once() {
+    save_in_every_way(&Watched::new(Watching::Events, &["ball.ron", "part.ron"]));
+}
+
+#[test]
+fn polling_notices_the_same() {
+    let watched = Watched::new(Watching::Polling, &["ball.ron", "part.ron"]);
+    save_in_every_way(&watched);
+    watched.notices("deleted", || fs::remove_file(watched.path("part.ron")).unwrap());
+}
+
+#[test]
+fn what_changes_nothing_is_not_noticed() {
+    let watched = Watched::new(Watching::Events, &["ball.ron"]);
+    watched.write("ball.ron", "first");
+    watched.does_not_change("the same text");
+    watched.write("other.ron", "other");
+    watched.does_not_change("another file");
+    fs::read(watched.path("ball.ron")).unwrap();
+    watched.does_not_change("a reader");
+    watched.write(".ball.ron.new", "first");
+    fs::rename(watched.path(".ball.ron.new"), watched.path("ball.ron")).unwrap();
+    watched.does_not_change("the same text in another file");
+}
+
+#[test]
+fn files_join_and_leave_come_and_go() {
+    let watched = Watched::new(Watching::Events, &["ball.ron"]);
+    fs::create_dir(watched.path("parts")).unwrap();
+    watched.write("parts/wheel.ron", "first");
+    watched.follow(&["ball.ron", "parts/wheel.ron", "parts/none.ron"]);
+    watched.does_not_change("following");
+    watched.notices("a file that joined", || watched.write("parts/wheel.ron", "second"));
+    watched.notices("a file that was not there", || watched.write("parts/none.ron", "first"));
+    watched.notices("a folder that goes", || fs::remove_dir_all(watched.path("parts")).unwrap());
+    watched.notices("a folder that comes back", || {
+        fs::create_dir(watched.path("parts")).unwrap();
+        watched.write("parts/wheel.ron", "third");
+    });
+    watched.notices("a file in a folder that came back", || watched.write("parts/wheel.ron", "fourth"));
+    watched.follow(&["ball.ron"]);
+    watched.write("parts/wheel.ron", "fifth");
+    watched.does_not_change("a file that left");
+}
+
+#[test]
+fn what_joins_late_and_what_is_known_is_told() {
+    let watched = Watched::new(Watching::Events, &["ball.ron"]);
+    sleep(Duration::from_millis(50));
+    let since = SystemTime::now();
+    let follow =
+        |file: &str, since| watched.watcher.follow(&[watched.path("ball.ron"), watched.path(file)], since);
+    assert!(!follow("ball.ron", since), "it was there before");
+    sleep(Duration::from_millis(50));
+    watched.write("part.ron", "first");
+    assert!(follow("part.ron", since), "written after the reading began");
+    assert!(!follow("part.ron", since), "known already");
+    // Who reads it before the watcher tells need not be told; that it is then as it was is another change.
+    watched.write("ball.ron", "second");
+    watched.watcher.look();
+    watched.write("ball.ron", "first");
+    assert!(watched.changes.recv_timeout(AT_MOST).is_ok());
+}
+
+#[cfg(unix)]
+#[test]
+fn links_are_followed() {
+    use std::os::unix::fs::symlink;
+    let watched = Watched::new(Watching::Events, &[]);
+    for folder in ["one", "two"] {
+        fs::create_dir(watched.path(folder)).unwrap();
+        watched.write(&format!("{folder}/ball.ron"), folder);
+    }
+    symlink(watched.path("one"), watched.path("now")).unwrap();
+    symlink("now/ball.ron", watched.path("link.ron")).unwrap();
+    watched.follow(&["link.ron"]);
+    watched.notices("what a link leads to", || watched.write("one/ball.ron", "edited"));
+    watched.notices("a link to a folder that leads elsewhere", || {
+        symlink(watched.path("two"), watched.path("next")).unwrap();
+        fs::rename(watched.path("next"), watched.path("now")).unwrap();
+    });
+    watched.notices("where it leads now", || watched.write("two/ball.ron", "edited too"));
+}
+
+/// A session in a folder of its own.
+struct Stage {
+    folder: TempDir,
+    session: Session,
+    events: Receiver<Event>,
+}
+
+fn scene(radius: f64, more: &str) -> String {
+    format!(
+        r#"Scene(
+    timeline: (fps: 10, duration: 2),
+    film: (width: 64, height: 36),
+    camera: (position: (0, 0, -5), target: (0, 0, 0)),
+    ambient: (0.4, 0.4, 0.4),
+    materials: {{ "clay": (k_a: 1, k_d: 0.5, color: (255, 120, 60)) }},
+    entities: [
+        (name: "ball", shape: Sphere(radius: {radius:?}), material: "clay"),
+        (light: Point(intensity: (1, 1, 1)), transform: (translation: (4, 6, -4))),
+        {more}
+    ],
+    animate: [(target: "ball", channel: Translation, track: Keys([(0, (0, 0, 0)), (2, (0, 1, 0))]))],
+)"#
+    )
+}
+
+impl Stage {
+    fn new(text: Option<&str>) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("ball.ron");
+        if let Some(text) = text {
+            fs::write(&path, text).unwrap();
+        }
+        let (sender, events) = channel();
+        let settings = SessionSettings { scene: path, frame: 0, watching: Watching::Events };
+        let session = Session::start(settings, move |event| {
+            let _ = sender.send(event);
+        });
+        Self { folder, session, events }
+    }
+
+    fn path(&self, file: &str) -> PathBuf {
+        self.folder.path().join(file)
+    }
+
+    /// In one piece, however busy the machine is.
+    fn save(&self, text: &str) {
+        self.save_as("ball.ron", text);
+    }
+
+    fn save_as(&self, file: &str, text: &str) {
+        fs::write(self.path("new"), text).unwrap();
+        fs::rename(self.path("new"), self.path(file)).unwrap();
+    }
+
+    fn next(&self) -> Event {
+        self.events.recv_timeout(AT_MOST).unwrap()
+    }
+
+    /// The next full picture, which must have the bits of a cold start.
+    fn shows_what_a_cold_start_shows(&self) -> Shown {
+        loop {
+            match self.next() {
+                Event::Shown(shown) if shown.info.full => {
+                    let mut cold = Engine::load(self.path("ball.ron")).unwrap();
+                    assert!(cold.render_frame(shown.info.frame).unwrap() == shown.film);
+                    return shown;
+                }
+                Event::Broken(error) => panic!("{error}"),
+                Event::Failed(error) => panic!("{error}"),
+                Event::Reloaded(_) | Event::Shown(_) => {}
+            }
+        }
+    }
+
+    fn breaks(&self) -> String {
+        loop {
+            if let Event::Broken(error) = self.next() {
+                return error.to_string();
+            }
+        }
+    }
+
+    fn sees(&self, pixel: (u32, u32)) -> Option<Spot> {
+        let (sender, answer) = channel();
+        let send = move |spot| sender.send(spot).unwrap();
+        self.session.handle().post(Command::Probe(pixel, Answer(Box::new(send))));
+        answer.recv_timeout(AT_MOST).unwrap()
+    }
+
+    fn seek(&self, frame: u32) {
+        self.session.handle().post(Command::View(View::Seek { frame, playing: false }));
+    }
+
+    /// Waits until the state is as it should be.
+    fn comes_to(&self, what: &str, is: impl Fn(&rayreel::live::State) -> bool) -> rayreel::live::State {
+        let start = Instant::now();
+        loop {
+            let state = self.session.handle().state();
+            if is(&state) {
+                return state;
+            }
+            assert!(start.elapsed() < AT_MOST, "{what}: {state:?}");
+            sleep(Duration::from_millis(5));
+        }
+    }
+}
+
+#[test]
+fn an_edit_is_shown_first_coarsely_and_then_as_after_a_cold_start() {
+    let stage = Stage::new(Some(&scene(1.0, "")));
+    let first = stage.shows_what_a_cold_start_shows();
+    stage.save(&scene(1.5, ""));
+    assert!(matches!(stage.next(), Event::Reloaded(_)));
+    let Event::Shown(coarse) = stage.next() else { panic!("no coarse picture") };
+    assert_eq!((coarse.info.width, coarse.info.height, coarse.info.full), (16, 9, false));
+    let second = stage.shows_what_a_cold_start_shows();
+    assert!(first.film != second.film && second.info.reloads == 2);
+
+    let state = stage.comes_to("rest", |state| !state.rendering);
+    assert_eq!((state.picture, state.before), (Some(second.info), Some(first.info)));
+    assert!(state.plan.iter().any(|planned| planned.effect == "diffuse light" && planned.needed));
+    for shown in [first, second] {
+        let picture = stage.session.handle().picture(shown.info.id).unwrap();
+        let png = encode(&shown.film, shown.transfer, FrameFormat::Png).unwrap();
+        assert!(picture.info == shown.info && *picture.png == *png);
+    }
+}
+
+#[test]
+fn a_broken_file_leaves_the_last_good_scene_and_a_good_one_recovers() {
+    let stage = Stage::new(Some(&scene(1.0, "")));
+    let good = stage.shows_what_a_cold_start_shows();
+    let whole = scene(0.7, "");
+    for (radius, broken) in [(0.7, &whole[..whole.len() / 2]), (0.8, ""), (0.9, "Scene(")] {
+        stage.save(broken);
+        let told = stage.breaks();
+        let state = stage.session.handle().state();
+        assert_eq!(state.mistakes.as_ref().map(|mistakes| &mistakes.text), Some(&told));
+        assert!(state.picture.unwrap().id >= good.info.id);
+        // The last good scene can still be looked at.
+        stage.seek(7);
+        assert!(matches!(stage.next(), Event::Shown(shown) if shown.info.frame == 7));
+        assert_eq!(stage.sees((32, 18)).unwrap().surface.unwrap().entity, "ball");
+        stage.save(&scene(radius, ""));
+        while !matches!(stage.next(), Event::Reloaded(_)) {}
+        assert_eq!(stage.shows_what_a_cold_start_shows().info.frame, 7);
+        assert_eq!(stage.session.handle().state().mistakes, None);
+    }
+    fs::remove_file(stage.path("ball.ron")).unwrap();
+    assert!(stage.breaks().contains("there is no file"));
+    stage.save(&scene(0.5, ""));
+    stage.shows_what_a_cold_start_shows();
+}
+
+#[test]
+fn a_scene_may_come_later() {
+    let stage = Stage::new(None);
+    assert!(stage.breaks().contains("there is no file"));
+    stage.seek(3);
+    stage.save(&scene(1.0, ""));
+    assert_eq!(stage.shows_what_a_cold_start_shows().info.frame, 3);
+}
+
+#[test]
+fn included_files_are_watched_while_they_are_included() {
+    let include = |file: &str| {
+        let text = scene(1.0, "");
+        text.replacen("Scene(", &format!("Scene(include: [(file: \"{file}\", name: \"part\")],"), 1)
+    };
+    let part = |radius: f64| {
+        format!(
+            "Scene(materials: {{ \"m\": (k_a: 1, color: (9, 200, 9)) }}, entities: [(name: \"knob\", \
+             shape: Sphere(radius: {radius:?}), material: \"m\", transform: (translation: (1, 0, -2)))])"
+        )
+    };
+    let stage = Stage::new(Some(&scene(1.0, "")));
+    stage.shows_what_a_cold_start_shows();
+    stage.save(&include("parts/knob.ron"));
+    assert!(stage.breaks().contains("knob.ron"));
+    fs::create_dir(stage.path("parts")).unwrap();
+    stage.save_as("parts/knob.ron", &part(0.3));
+    stage.shows_what_a_cold_start_shows();
+    stage.save_as("parts/knob.ron", &part(0.6));
+    let shown = stage.shows_what_a_cold_start_shows();
+    stage.save_as("parts/knob.ron", "Scene(");
+    assert!(stage.breaks().contains("knob.ron:1"));
+    stage.save(&scene(1.2, ""));
+    assert!(stage.shows_what_a_cold_start_shows().info.reloads > shown.info.reloads);
+    stage.save_as("parts/knob.ron", &part(0.1));
+    assert!(stage.events.recv_timeout(LONG_ENOUGH).is_err(), "the file had left");
+}
+
+#[test]
+fn the_playhead_survives_shorter_scenes() {
+    let stage = Stage::new(Some(&scene(1.0, "")));
+    stage.seek(15);
+    stage.comes_to("frame 15", |state| state.picture.is_some_and(|picture| picture.frame == 15));
+    stage.save(&scene(1.0, "").replace("duration: 2", "duration: 1"));
+    let state = stage.comes_to("a shorter scene", |state| state.frames == 10 && !state.rendering);
+    assert_eq!((state.frame, state.picture.unwrap().frame), (9, 9));
+    stage.save(&scene(1.0, ""));
+    let state = stage.comes_to("the longer scene", |state| state.frames == 20 && !state.rendering);
+    assert_eq!((state.frame, state.picture.unwrap().frame), (15, 15));
+}
+
+#[test]
+fn a_newer_edit_ends_the_picture_in_hand() {
+    // Far too much for the test to wait for.
+    let slow = scene(1.0, "").replace("width: 64, height: 36", "width: 4096, height: 4096");
+    let slow = slow.replacen("Scene(", "Scene(sampling: (samples: 4096),", 1);
+    let stage = Stage::new(Some(&slow));
+    let Event::Reloaded(_) = stage.next() else { panic!("not read") };
+    assert!(matches!(stage.next(), Event::Shown(shown) if !shown.info.full));
+    assert_eq!(stage.sees((2048, 2048)).unwrap().surface.unwrap().entity, "ball");
+    stage.save(&scene(1.0, ""));
+    assert_eq!(stage.shows_what_a_cold_start_shows().info.reloads, 2);
+}
+
+#[test]
+fn a_pixel_says_what_it_sees() {
+    let stage = Stage::new(Some(&scene(1.0, "")));
+    stage.shows_what_a_cold_start_shows();
+    let spot = stage.sees((32, 18)).unwrap();
+    let surface = spot.surface.unwrap();
+    assert_eq!(surface.entity, "ball");
+    let place = format!("{}:8", stage.path("ball.ron").display());
+    assert_eq!(surface.place.as_deref(), Some(place.as_str()));
+    assert!((surface.point[2] + 1.0).abs() < 0.1 && surface.normal[2] < -0.9);
+    assert_eq!(stage.sees((0, 0)).unwrap().surface, None);
+    assert_eq!(stage.sees((64, 0)), None);
+}
+
+#[test]
+fn costs_are_measured_for_what_is_needed_only() {
+    let stage = Stage::new(Some(&scene(1.0, "")));
+    stage.shows_what_a_cold_start_shows();
+    stage.session.handle().post(Command::View(View::Measure));
+    let is_measured = |state: &rayreel::live::State| {
+        !state.rendering && state.plan.iter().any(|planned| planned.cost.is_some())
+    };
+    let state = stage.comes_to("costs", is_measured);
+    for planned in state.plan {
+        assert_eq!(planned.cost.is_some(), planned.needed, "{}", planned.effect);
+    }
+}
+
+#[test]
+fn a_save_in_quick_parts_is_noticed_once() {
+    let watched = Watched::new(Watching::Events, &["ball.ron"]);
+    watched.notices("five writes in a row", || {
+        for part in 0..5 {
+            watched.write("ball.ron", &"part ".repeat(part + 2));
+            sleep(QUIET / 25);
+        }
+    });
+}
+
+#[test]
+fn a_draft_has_one_sample_and_leaves_the_frame_as_it_is() {
+    use std::sync::atomic::AtomicBool;
+    let engine = |text: String| Engine::from_scene(rayreel::Scene::from_text("ball.ron", text).unwrap());
+    let sampled = scene(1.0, "").replacen("Scene(", "Scene(sampling: (samples: 4),", 1);
+    let never = AtomicBool::new(false);
+    let (mut plain, mut sampled) = (engine(scene(1.0, "")), engine(sampled));
+    let time = plain.timeline().time_of(3);
+    let (one, four) = (plain.render_at(time).unwrap(), sampled.render_at(time).unwrap());
+    assert!(one != four);
+    let plan = sampled.plan().cloned();
+    assert!(sampled.render_draft_unless(time, 1, &never).unwrap().unwrap() == one);
+    assert_eq!(sampled.plan().cloned(), plan);
+    let coarse = sampled.render_draft_unless(time, 5, &never).unwrap().unwrap();
+    assert_eq!((coarse.width(), coarse.height()), (12, 7));
+    assert_eq!(sampled.report().rays.camera, 84);
+    assert!(sampled.render_at(time).unwrap() == four);
+    assert_eq!(sampled.render_draft_unless(time, 1, &AtomicBool::new(true)).unwrap(), None);
+}
+
+#[test]
+fn nothing_remains_of_a_session_that_has_ended() {
+    let stage = Stage::new(Some(&scene(1.0, "")));
+    let folder: &Path = stage.folder.path();
+    assert!(folder.exists());
+    let Stage { session, events, folder } = stage;
+    drop(session);
+    fs::write(folder.path().join("ball.ron"), scene(2.0, "")).unwrap();
+    // All that is left are the events from before, and then the end.
+    while events.recv().is_ok() {}
+}
