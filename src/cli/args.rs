@@ -17,6 +17,7 @@ use rayreel::trace::Precision;
 #[command(after_help = "Examples:
   rayreel new ball.ron                     start from a small commented scene
   rayreel check ball.ron                   say what is wrong with it, if anything
+  rayreel watch ball.ron                   see it in the browser while editing it
   rayreel render ball.ron                  render all its frames into out/ball/
   rayreel render ball.ron --frames 0-47x4  every fourth frame of the first two seconds
   rayreel render ball.ron --sheet 6x4      24 of its frames in one picture
@@ -31,6 +32,8 @@ pub(super) struct Arguments {
 pub(super) enum Command {
     /// Render a scene's frames into out/<scene>/<scene>.0000.png and so on
     Render(RenderArguments),
+    /// Show a scene in the browser, and again after every edit
+    Watch(WatchArguments),
     /// Say what is wrong with scenes: file, line, column, cause and remedy; scripts are run for the first, the middle and the last frame
     Check(CheckArguments),
     /// Tell which effects a scene calls for, why, and what each of them costs
@@ -126,6 +129,33 @@ pub(super) enum Format {
     Png,
     /// Portable pixmap, uncompressed
     Ppm,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  rayreel watch scenes/first_light.ron
+  rayreel watch scenes/first_light.ron --port 4000
+  rayreel watch scenes/first_light.ron --out now.png
+
+Prints the address of a page for this machine's browser: the picture, the timeline, what is wrong
+with the files, and what each pixel sees. Every save of the scene, of what it includes and of its
+scripts is seen at once; while something is wrong with them, the last good scene stays.
+Ctrl-C ends it, with 130.")]
+pub(super) struct WatchArguments {
+    /// The scene file
+    pub(super) scene: PathBuf,
+    /// The page's port on 127.0.0.1 [default: one that is free]
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(super) port: Option<u16>,
+    /// The first frame to show [default: 0]
+    #[arg(long, value_name = "INDEX")]
+    pub(super) frame: Option<u32>,
+    /// Write the current frame to this file, .png or .ppm, after every edit
+    #[arg(long, value_name = "FILE")]
+    pub(super) out: Option<PathBuf>,
+    /// Look at the files ten times a second, as network mounts need it
+    #[arg(long)]
+    pub(super) poll: bool,
 }
 
 #[derive(Debug, Args)]

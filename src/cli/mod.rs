@@ -18,6 +18,7 @@ mod render;
 mod report;
 mod settings;
 mod sheet;
+mod watch;
 
 use std::process::ExitCode;
 
@@ -30,6 +31,7 @@ pub(crate) fn run() -> ExitCode {
     let arguments = Arguments::parse();
     let result = match arguments.command {
         Command::Render(arguments) => render::run(&arguments),
+        Command::Watch(arguments) => watch::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
         Command::Probe(arguments) => probe::run(&arguments),

@@ -1,0 +1,105 @@
+//! `rayreel watch`
+
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
+
+use anyhow::{Context, bail};
+
+use rayreel::live::{Event, Server, Session, SessionSettings, Shown, Times, Watching};
+use rayreel::output::{self, FrameFormat};
+
+use super::args::WatchArguments;
+use super::exit::Failure;
+use super::interrupt;
+use super::print;
+use super::report::in_millions;
+
+/// How long Ctrl-C may go unnoticed.
+const ATTENTION: Duration = Duration::from_millis(50);
+
+pub(super) fn run(arguments: &WatchArguments) -> Result<(), Failure> {
+    let interrupted = interrupt::flag()?;
+    let mut teller = Teller::new(arguments)?;
+    let (sender, events) = channel();
+    let settings = SessionSettings {
+        scene: arguments.scene.clone(),
+        frame: arguments.frame.unwrap_or(0),
+        watching: if arguments.poll { Watching::Polling } else { Watching::Events },
+    };
+    let session = Session::start(settings, move |event| {
+        // Nobody listens any more when the program ends.
+        let _ = sender.send(event);
+    });
+    let server = Server::start(arguments.port.unwrap_or(0), session.handle())
+        .with_context(|| format!("cannot serve at port {}", arguments.port.unwrap_or(0)))?;
+    print::result_line(&format!("{}: http://{}/", arguments.scene.display(), server.address()))?;
+    while !interrupted.load(Ordering::Relaxed) {
+        match events.recv_timeout(ATTENTION) {
+            Ok(event) => teller.tell(&event),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(anyhow::anyhow!("the session has come to an end by itself").into());
+            }
+        }
+    }
+    Err(Failure::Interrupted)
+}
+
+/// Tells what happens, and writes the current frame to a file.
+struct Teller {
+    scene: String,
+    out: Option<(PathBuf, FrameFormat)>,
+    /// The reload whose full picture was told last.
+    told: u64,
+}
+
+impl Teller {
+    fn new(arguments: &WatchArguments) -> anyhow::Result<Self> {
+        let out = arguments.out.clone().map(|path| Ok::<_, anyhow::Error>((path.clone(), format_of(&path)?)));
+        Ok(Self { scene: arguments.scene.display().to_string(), out: out.transpose()?, told: 0 })
+    }
+
+    fn tell(&mut self, event: &Event) {
+        match event {
+            Event::Reloaded(Times { read, build, .. }) => {
+                print::error_line(&format!("{}: read in {:.1} ms", self.scene, read + build));
+            }
+            Event::Broken(error) => {
+                print::error_line(&format!("{}\n", error.render(print::is_colorful())));
+                print::error_line(&format!("{}: the last good scene stays", self.scene));
+            }
+            Event::Failed(error) => print::error_line(&error.to_string()),
+            Event::Shown(shown) if shown.info.full && shown.info.reloads > self.told => {
+                self.told = shown.info.reloads;
+                self.show(shown);
+            }
+            Event::Shown(_) => {}
+        }
+    }
+
+    /// The first full picture after a reload; those that are looked at in the page are not told.
+    fn show(&self, shown: &Shown) {
+        let Times { animate, prepare, trace, .. } = shown.times;
+        print::error_line(&format!(
+            "{}: frame {}: animate {animate:.1} ms, prepare {prepare:.1} ms, trace {trace:.1} ms, {} rays",
+            self.scene,
+            shown.info.frame,
+            in_millions(shown.rays as f64),
+        ));
+        if let Some((path, format)) = &self.out
+            && let Err(error) = output::write(path, &shown.film, shown.transfer, *format)
+        {
+            print::error_line(&format!("{} {:#}", print::error_word(), anyhow::Error::from(error)));
+        }
+    }
+}
+
+fn format_of(path: &std::path::Path) -> anyhow::Result<FrameFormat> {
+    let ending = path.extension().and_then(|ending| ending.to_str());
+    match [FrameFormat::Png, FrameFormat::Ppm].into_iter().find(|format| ending == Some(format.extension())) {
+        Some(format) => Ok(format),
+        None => bail!("--out {}: the file must end in .png or .ppm", path.display()),
+    }
+}
