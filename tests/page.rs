@@ -1,0 +1,181 @@
+//! The preview page in a real browser, and the server for whoever is not one. The former needs chromedriver and Chromium;
+//! where they are not there, the tests say so and pass.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
+
+mod page {
+    pub(crate) mod browser;
+    pub(crate) mod http;
+}
+
+use std::fs;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use page::browser::Browser;
+use page::http::request;
+use rayreel::live::{Server, Session, SessionSettings, Watching};
+use serde_json::json;
+use tempfile::TempDir;
+
+const AT_MOST: Duration = Duration::from_secs(60);
+
+const SCENE: &str = r#"Scene(
+    timeline: (fps: 10, duration: 2),
+    film: (width: 160, height: 90),
+    camera: (position: (0, 0, -5), target: (0, 0, 0)),
+    ambient: (0.4, 0.4, 0.4),
+    materials: { "clay": (k_a: 1, k_d: 0.5, color: (255, 120, 60)) },
+    entities: [
+        (name: "ball", shape: Sphere(radius: 1), material: "clay"),
+        (light: Point(intensity: (1, 1, 1)), transform: (translation: (4, 6, -4))),
+    ],
+    animate: [(target: "ball", channel: Translation, track: Keys([(0, (0, 0, 0)), (2, (0, 0.5, 0))]))],
+)"#;
+
+/// A scene in a folder of its own, on show.
+struct Preview {
+    folder: TempDir,
+    session: Session,
+    server: Option<Server>,
+    port: u16,
+}
+
+impl Preview {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("ball.ron"), SCENE).unwrap();
+        let session = session(&folder);
+        let server = Server::start(0, session.handle()).unwrap();
+        let port = server.address().port();
+        Self { folder, session, server: Some(server), port }
+    }
+
+    fn save(&self, text: &str) {
+        let path = |file| self.folder.path().join(file);
+        fs::write(path("new"), text).unwrap();
+        fs::rename(path("new"), path("ball.ron")).unwrap();
+    }
+
+    fn restart(&mut self) {
+        self.server = None;
+        self.session = session(&self.folder);
+        self.server = Some(Server::start(self.port, self.session.handle()).unwrap());
+    }
+}
+
+fn session(folder: &TempDir) -> Session {
+    let scene = folder.path().join("ball.ron");
+    Session::start(SessionSettings { scene, frame: 0, watching: Watching::Events }, |_| {})
+}
+
+/// The page in a browser; `None` without one.
+fn open(preview: &Preview) -> Option<Browser> {
+    let browser = Browser::start();
+    if let Some(browser) = &browser {
+        browser.go(&format!("http://127.0.0.1:{}/", preview.port));
+    } else {
+        println!("there is no chromedriver: the page was not tried");
+    }
+    browser
+}
+
+/// Waits until the page says so.
+fn until(browser: &Browser, expression: &str) {
+    let start = Instant::now();
+    while browser.evaluate(expression) != json!(true) {
+        assert!(start.elapsed() < AT_MOST, "{expression}\n{}", browser.evaluate("document.body.innerText"));
+        sleep(Duration::from_millis(10));
+    }
+}
+
+#[test]
+fn the_page_shows_scrubs_plays_and_recovers() {
+    let mut preview = Preview::new();
+    let Some(browser) = open(&preview) else { return };
+    until(&browser, "shown !== null && shown.full && at('now').naturalWidth === 160");
+
+    // Scrub.
+    browser.evaluate("(at('scrubber').value = 7, at('scrubber').dispatchEvent(new Event('input')), true)");
+    until(
+        &browser,
+        "shown.full && shown.frame === 7 && at('moment').textContent.includes('frame 7 of 0–19')",
+    );
+    browser.press('\u{e014}');
+    until(&browser, "shown.full && shown.frame === 8");
+
+    // Play, and stop.
+    browser.press(' ');
+    until(&browser, "playing !== null && shown.frame > 10");
+    browser.press(' ');
+    until(&browser, "playing === null && shown.full && shown.frame === view.frame");
+    browser.press('\u{e011}');
+    until(&browser, "shown.full && shown.frame === 0");
+
+    // A mistake, over the last good picture, and then none.
+    preview.save(&SCENE.replace("\"clay\"),", "\"caly\"),"));
+    until(&browser, "!at('wrong').hidden && at('wrong').innerText.includes('ball.ron:8')");
+    until(&browser, "at('wrong').innerText.includes('^^^^^^') && at('now').naturalWidth === 160");
+    preview.save(&SCENE.replace("radius: 1", "radius: 1.1"));
+    until(&browser, "at('wrong').hidden && shown.full && shown.reloads === 2");
+
+    // Before and after.
+    browser.press('w');
+    until(&browser, "at('film').classList.contains('wipe') && at('before').naturalWidth === 160");
+    browser.press('w');
+
+    // A pixel.
+    browser.click("#film");
+    until(&browser, "at('spot').innerText.includes('ball') && at('spot').innerText.includes('ball.ron:8')");
+
+    // The server goes and comes back, and the playhead stays.
+    browser.press('\u{e014}');
+    until(&browser, "shown.full && shown.frame === 1");
+    preview.server = None;
+    until(&browser, "at('status').classList.contains('wrong')");
+    let before = browser.evaluate("state.session");
+    preview.restart();
+    until(
+        &browser,
+        &format!("state.session !== {before} && shown !== null && shown.full && shown.frame === 1"),
+    );
+}
+
+#[test]
+fn only_this_machines_own_pages_are_served() {
+    let preview = Preview::new();
+    let host = format!("127.0.0.1:{}", preview.port);
+    let get = |path: &str, headers: &[(&str, &str)]| request(preview.port, "GET", path, headers, "");
+    let page = get("/", &[("Host", &host)]);
+    assert_eq!(page.status, 200);
+    assert!(page.head.contains("content-security-policy: default-src 'none'"), "{}", page.head);
+    for stranger in [
+        &[("Host", "elsewhere.example")][..],
+        &[("Host", &host), ("Origin", "http://elsewhere.example")],
+        &[("Host", &host), ("Sec-Fetch-Site", "cross-site")],
+    ] {
+        for path in ["/", "/state", "/events", "/picture/1"] {
+            assert_eq!(get(path, stranger).status, 403, "{path} {stranger:?}");
+        }
+    }
+    assert_eq!(get("/../Cargo.toml", &[("Host", &host)]).status, 404);
+    assert_eq!(get("/picture/99", &[("Host", &host)]).status, 404);
+    let post = |path: &str, body: &str| request(preview.port, "POST", path, &[("Host", &host)], body).status;
+    assert_eq!(post("/view", r#"{"seek":{"frame":3}}"#), 204);
+    assert_eq!(post("/view", r#"{"seek":{"frame":-3}}"#), 400);
+    assert_eq!(post("/view", "\"everything\""), 400);
+    assert_eq!(post("/probe", "[80, 45]"), 200);
+    let start = Instant::now();
+    while preview.session.handle().state().picture.is_none_or(|picture| picture.frame != 3) {
+        assert!(start.elapsed() < AT_MOST);
+        sleep(Duration::from_millis(10));
+    }
+}
+
+#[test]
+fn the_page_needs_nothing_from_elsewhere() {
+    let page = include_str!("../src/live/page.html");
+    for foreign in ["http://", "https://", "//cdn", "@import", "<script src", "<link rel=\"stylesheet\""] {
+        assert!(!page.contains(foreign), "{foreign}");
+    }
+}

@@ -1,0 +1,87 @@
+//! Chromium without a window, through chromedriver and the WebDriver protocol.
+
+use std::io::{BufRead, BufReader, Read};
+use std::process::{Child, ChildStdout, Command, Stdio};
+
+use serde_json::{Value, json};
+
+use super::http::request;
+
+pub(crate) struct Browser {
+    driver: Child,
+    /// It may go on talking.
+    _output: BufReader<ChildStdout>,
+    port: u16,
+    session: String,
+}
+
+impl Browser {
+    /// `None` where there is no chromedriver.
+    pub(crate) fn start() -> Option<Self> {
+        let command = Command::new("chromedriver").arg("--port=0").stdout(Stdio::piped()).spawn();
+        let mut driver = command.ok()?;
+        let mut output = BufReader::new(driver.stdout.take().unwrap());
+        let mut told = output.by_ref().lines().map_while(Result::ok);
+        let port = told
+            .find_map(|line| line.split_once("successfully on port ")?.1.trim_end_matches('.').parse().ok())
+            .unwrap();
+        let mut browser = Self { driver, _output: output, port, session: String::new() };
+        // Tests may run as root, in containers with little shared memory.
+        let arguments =
+            ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--window-size=1000,700"];
+        let wanted = json!({ "alwaysMatch": { "goog:chromeOptions": { "args": arguments } } });
+        let session = browser.ask("/session", &json!({ "capabilities": wanted }));
+        browser.session = session["sessionId"].as_str().unwrap().to_owned();
+        Some(browser)
+    }
+
+    fn ask(&self, path: &str, body: &Value) -> Value {
+        let host = format!("127.0.0.1:{}", self.port);
+        let headers = [("Host", host.as_str()), ("Content-Type", "application/json")];
+        let answer = request(self.port, "POST", path, &headers, &body.to_string());
+        assert_eq!(answer.status, 200, "{path}: {}", answer.body);
+        serde_json::from_str::<Value>(&answer.body).unwrap()["value"].take()
+    }
+
+    fn ask_session(&self, path: &str, body: &Value) -> Value {
+        self.ask(&format!("/session/{}/{path}", self.session), body)
+    }
+
+    pub(crate) fn go(&self, url: &str) {
+        self.ask_session("url", &json!({ "url": url }));
+    }
+
+    /// What an expression is in the page.
+    pub(crate) fn evaluate(&self, expression: &str) -> Value {
+        self.ask_session("execute/sync", &json!({ "script": format!("return {expression}"), "args": [] }))
+    }
+
+    fn element(&self, selector: &str) -> String {
+        let found = self.ask_session("element", &json!({ "using": "css selector", "value": selector }));
+        found.as_object().unwrap().values().next().unwrap().as_str().unwrap().to_owned()
+    }
+
+    /// Clicks the middle of an element.
+    pub(crate) fn click(&self, selector: &str) {
+        let element = self.element(selector);
+        self.ask_session(&format!("element/{element}/click"), &json!({}));
+    }
+
+    /// Presses a key; special ones have characters in WebDriver's private area.
+    pub(crate) fn press(&self, key: char) {
+        let keys = json!([{ "type": "keyDown", "value": key }, { "type": "keyUp", "value": key }]);
+        let actions = json!([{ "type": "key", "id": "keyboard", "actions": keys }]);
+        self.ask_session("actions", &json!({ "actions": actions }));
+    }
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        if !self.session.is_empty() {
+            let host = format!("127.0.0.1:{}", self.port);
+            request(self.port, "DELETE", &format!("/session/{}", self.session), &[("Host", &host)], "");
+        }
+        let _ = self.driver.kill();
+        let _ = self.driver.wait();
+    }
+}
