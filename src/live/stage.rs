@@ -39,9 +39,15 @@ impl Stage {
         Ok(Read { scene, sources })
     }
 
-    /// Puts a scene in the place of the one that is on show.
+    /// Puts a scene in the place of the one that is on show, if there is one: what is in both is kept.
     pub(super) fn take_over(stage: &mut Option<Self>, Read { scene, sources }: Read) {
-        *stage = Some(Self { engine: Engine::from_scene(scene), sources });
+        match stage {
+            Some(stage) => {
+                stage.engine.reload(scene);
+                stage.sources = sources;
+            }
+            None => *stage = Some(Self { engine: Engine::from_scene(scene), sources }),
+        }
     }
 
     pub(super) fn timeline(&self) -> Timeline {

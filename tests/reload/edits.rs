@@ -16,7 +16,7 @@ const EDITS: usize = 10;
 
 #[test]
 fn any_edits_lead_to_where_a_cold_start_does() {
-    let cases = std::env::var("RAYREEL_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(400);
+    let cases = std::env::var("RAYREEL_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(500);
     let mut tally = Tally::default();
     for seed in 0..cases {
         sequence(seed, |_| (), &mut tally);
