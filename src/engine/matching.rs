@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use glam::DVec3;
-use hecs::{Entity, Satisfies, World};
+use hecs::{Entity, Query, QueryBorrow, Satisfies, World};
 
 use crate::components::{Material, Name, Order, Shape, Transform};
 
@@ -29,10 +29,14 @@ type ThingQuery<'a> = (
 /// What is to be known of an entity.
 struct Thing<'a> {
     entity: Entity,
-    name: Option<&'a str>,
-    transform: Option<&'a Transform>,
-    shape: Option<&'a Shape>,
+    order: u64,
     drawn: bool,
+    known_by: KnownBy<'a>,
+}
+
+enum KnownBy<'a> {
+    Name(&'a str),
+    Content(Option<&'a Transform>, Option<&'a Shape>),
 }
 
 /// What an entity is recognised by: the name, or else what it is and where. Materials do not count: they alone are animated in
@@ -46,7 +50,7 @@ enum Mark<'a> {
 impl Matching {
     pub(super) fn of(world: &World, scene: &World) -> Self {
         let (mut world, mut scene) = (world.query::<ThingQuery<'_>>(), scene.query::<ThingQuery<'_>>());
-        let (old, new) = (in_document_order(world.iter()), in_document_order(scene.iter()));
+        let (old, new) = rayon::join(|| in_document_order(&mut world), || in_document_order(&mut scene));
         let found = find(&old, &new);
         let pairs = new.iter().zip(&found).map(|(new, place)| (new.entity, place.map(|at| old[at].entity)));
         let drawn_before = old.iter().filter(|thing| thing.drawn).map(|thing| Some(thing.entity));
@@ -59,18 +63,20 @@ impl Matching {
     }
 }
 
-fn in_document_order<'a>(
-    all: impl Iterator<Item = <ThingQuery<'a> as hecs::Query>::Item<'a>>,
-) -> Vec<Thing<'a>> {
-    let mut things: Vec<((u64, u32), Thing<'a>)> = all
-        .map(|(entity, order, name, transform, shape, material)| {
-            let name = name.map(|name| name.0.as_str());
-            let key = (order.map_or(u64::MAX, |order| order.0), entity.id());
-            (key, Thing { entity, name, transform, shape, drawn: shape.is_some() && material })
-        })
-        .collect();
-    things.sort_by_key(|(key, _)| *key);
-    things.into_iter().map(|(_, thing)| thing).collect()
+fn in_document_order<'a>(all: &'a mut QueryBorrow<'_, ThingQuery<'_>>) -> Vec<Thing<'a>> {
+    let thing =
+        |(entity, order, name, transform, shape, material): <ThingQuery<'a> as Query>::Item<'a>| Thing {
+            entity,
+            order: order.map_or(u64::MAX, |order| order.0),
+            drawn: shape.is_some() && material,
+            known_by: match name {
+                Some(name) => KnownBy::Name(&name.0),
+                None => KnownBy::Content(transform, shape),
+            },
+        };
+    let mut things: Vec<Thing<'a>> = all.iter().map(thing).collect();
+    things.sort_by_key(|thing| (thing.order, thing.entity.id()));
+    things
 }
 
 /// For each of `new` its place in `old`: by name; without one by content, then by position among those that are left.
@@ -89,8 +95,8 @@ fn find(old: &[Thing<'_>], new: &[Thing<'_>]) -> Vec<Option<usize>> {
     found.extend(new[head..new_end].iter().map(|thing| places.get_mut(&thing.mark())?.pop()));
     found.extend((old_end..old.len()).map(Some));
 
-    let left: Vec<usize> = not_found(old, &found).filter(|at| old[*at].name.is_none()).collect();
-    let lost = found.iter_mut().zip(new).filter(|(place, thing)| place.is_none() && thing.name.is_none());
+    let left: Vec<usize> = not_found(old, &found).filter(|at| !old[*at].is_named()).collect();
+    let lost = found.iter_mut().zip(new).filter(|(place, thing)| place.is_none() && !thing.is_named());
     for ((place, _), at) in lost.zip(left) {
         *place = Some(at);
     }
@@ -107,10 +113,16 @@ fn not_found(old: &[Thing<'_>], found: &[Option<usize>]) -> impl Iterator<Item =
 }
 
 impl<'a> Thing<'a> {
+    fn is_named(&self) -> bool {
+        matches!(self.known_by, KnownBy::Name(_))
+    }
+
     fn mark(&self) -> Mark<'a> {
-        match self.name {
-            Some(name) => Mark::Name(name),
-            None => Mark::Content(self.transform.map_or([0; 10], placed), self.shape.map_or([0; 4], shaped)),
+        match self.known_by {
+            KnownBy::Name(name) => Mark::Name(name),
+            KnownBy::Content(transform, shape) => {
+                Mark::Content(transform.map_or([0; 10], placed), shape.map_or([0; 4], shaped))
+            }
         }
     }
 }

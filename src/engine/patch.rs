@@ -71,6 +71,8 @@ pub(super) fn patch(world: &mut World, mut scene: World) -> Changes {
             write(old, new, own, &mut changes);
         }
     }
+    // What many entities had is given back while the next picture is made.
+    rayon::spawn(move || drop(scene));
     changes
 }
 
