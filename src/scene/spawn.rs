@@ -65,11 +65,12 @@ pub(super) fn spawn(Merged { document, parents, .. }: &Merged) -> (World, Timeli
         .iter()
         .map(|(name, material)| (name.as_str(), surface(material, transfer)))
         .collect();
+    let mut builder = EntityBuilder::new();
     let entities: Vec<Entity> = document
         .entities
         .iter()
         .zip(0..)
-        .map(|(entity, order)| spawn_entity(&mut world, entity, Order(order), &surfaces))
+        .map(|(entity, order)| spawn_entity(&mut world, &mut builder, entity, Order(order), &surfaces))
         .collect();
     let cameras: Vec<(&str, Entity)> = document
         .named_cameras()
@@ -135,11 +136,11 @@ fn link(world: &mut World, entity: Entity, camera: &CameraDocument, names: &Hash
 
 fn spawn_entity(
     world: &mut World,
+    builder: &mut EntityBuilder,
     document: &EntityDocument,
     order: Order,
     surfaces: &HashMap<&str, Surface>,
 ) -> Entity {
-    let mut builder = EntityBuilder::new();
     builder.add_bundle((order, transform(&document.transform), WorldTransform::default()));
     if let Some(name) = &document.name {
         builder.add(Name(name.clone()));
@@ -148,7 +149,7 @@ fn spawn_entity(
         builder.add(self::shape(shape));
     }
     if let Some(surface) = document.material.as_deref().and_then(|name| surfaces.get(name)) {
-        surface.add_to(&mut builder);
+        surface.add_to(builder);
     }
     if let Some(light) = &document.light {
         builder.add(self::light(light));
