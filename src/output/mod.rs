@@ -9,7 +9,7 @@ mod sequence;
 mod sheet;
 mod writer;
 
-pub use frame_file::{FrameFormat, WriteError, encode, write, write_bytes};
+pub use frame_file::{FrameFormat, WriteError, encode, encode_quickly, write, write_bytes};
 pub use sequence::Sequence;
 pub use sheet::{Sheet, SheetTooLarge};
 pub use writer::{FrameWriter, Written};
