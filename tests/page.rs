@@ -71,7 +71,7 @@ fn session(folder: &TempDir) -> Session {
 
 /// The page in a browser; `None` without one.
 fn open(preview: &Preview) -> Option<Browser> {
-    let browser = Browser::start();
+    let browser = Browser::start("1000,700");
     if let Some(browser) = &browser {
         browser.go(&format!("http://127.0.0.1:{}/", preview.port));
     } else {

@@ -12,7 +12,7 @@ use rayreel::Engine;
 use rayreel::live::{
     Answer, Command, Event, QUIET, Session, SessionSettings, Shown, Spot, View, Watcher, Watching,
 };
-use rayreel::output::{FrameFormat, encode};
+use rayreel::output::encode_quickly;
 use tempfile::TempDir;
 
 /// What must happen does so long before, even on a machine that is busy with other things.
@@ -306,7 +306,7 @@ fn an_edit_is_shown_first_coarsely_and_then_as_after_a_cold_start() {
     stage.save(&scene(1.5, ""));
     assert!(matches!(stage.next(), Event::Reloaded(_)));
     let Event::Shown(coarse) = stage.next() else { panic!("no coarse picture") };
-    assert_eq!((coarse.info.width, coarse.info.height, coarse.info.full), (16, 9, false));
+    assert!((8..=32).contains(&coarse.info.width) && !coarse.info.full, "{:?}", coarse.info);
     let second = stage.shows_what_a_cold_start_shows();
     assert!(first.film != second.film && second.info.reloads == 2);
 
@@ -315,7 +315,7 @@ fn an_edit_is_shown_first_coarsely_and_then_as_after_a_cold_start() {
     assert!(state.plan.iter().any(|planned| planned.effect == "diffuse light" && planned.needed));
     for shown in [first, second] {
         let picture = stage.session.handle().picture(shown.info.id).unwrap();
-        let png = encode(&shown.film, shown.transfer, FrameFormat::Png).unwrap();
+        let png = encode_quickly(&shown.film, shown.transfer).unwrap();
         assert!(picture.info == shown.info && *picture.png == *png);
     }
 }

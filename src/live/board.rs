@@ -50,6 +50,14 @@ impl Board {
         self.state.send_modify(change);
     }
 
+    /// Changes what is told together with the next change.
+    pub(super) fn change_silently(&self, change: impl FnOnce(&mut State)) {
+        self.state.send_if_modified(|state| {
+            change(state);
+            false
+        });
+    }
+
     /// A picture that is still kept.
     pub(super) fn picture(&self, id: u64) -> Option<Picture> {
         let pictures = self.pictures.lock().unwrap_or_else(PoisonError::into_inner);

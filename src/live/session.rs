@@ -1,5 +1,6 @@
 //! A scene that is kept on show while its files are edited.
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
@@ -13,13 +14,17 @@ use super::stage::{Render, Stage};
 use super::state::{Mistakes, PictureInfo, Planned, State, Times};
 use super::watcher::{Watcher, Watching};
 use crate::color::Transfer;
-use crate::engine::EngineError;
-use crate::output::{self, FrameFormat};
+use crate::engine::{EngineError, FrameReport};
+use crate::output;
 use crate::scene::LoadError;
 use crate::trace::Film;
 
-/// A first picture has so much less of the film's width and height.
-const COARSE: u32 = 4;
+/// A first picture should take so many milliseconds.
+const COARSE: f64 = 6.0;
+/// It has so much less of the film's width and height, at least and at most.
+const DIVISORS: RangeInclusive<u32> = 2..=8;
+/// So much if nothing is known.
+const DIVISOR: u32 = 4;
 /// Frames that take longer, in milliseconds, begin with a coarse picture.
 const SOON: f64 = 40.0;
 
@@ -168,6 +173,8 @@ struct Director {
     next: Next,
     /// Milliseconds that the last picture took that was not coarse.
     expected: f64,
+    /// How much less of the film's width and height the next coarse picture has.
+    divisor: u32,
     last_id: u64,
     tell: Box<dyn FnMut(Event) + Send>,
 }
@@ -185,6 +192,7 @@ impl Director {
             detail: Detail::Full,
             next: Next::Nothing,
             expected: f64::INFINITY,
+            divisor: DIVISOR,
             last_id: 0,
             tell,
         }
@@ -249,7 +257,8 @@ impl Director {
         let before = self.handle.board.keep_for_comparison();
         let frames = timeline.frame_count();
         let frame = self.wanted_frame.min(frames - 1);
-        self.handle.board.change(|state| {
+        // Whoever looks on is told together with the first picture, and does not keep this machine busy until then.
+        self.handle.board.change_silently(|state| {
             *state = State {
                 reloads: state.reloads + 1,
                 frame,
@@ -316,7 +325,9 @@ impl Director {
     fn make_next(&mut self) {
         match self.next {
             Next::Nothing => {}
-            Next::Coarse(then) => self.show(Render::Draft(COARSE), then.map_or(Next::Nothing, Next::Picture)),
+            Next::Coarse(then) => {
+                self.show(Render::Coarse(self.divisor), then.map_or(Next::Nothing, Next::Picture));
+            }
             Next::Picture(Detail::Full) => self.show(Render::Full, Next::Nothing),
             Next::Picture(Detail::Draft) => self.show(Render::Draft(1), Next::Nothing),
             Next::Picture(Detail::Half) => self.show(Render::Draft(2), Next::Nothing),
@@ -356,7 +367,7 @@ impl Director {
         let (report, transfer) = (*stage.report(), stage.film_settings().transfer);
         let start = Instant::now();
         // A film of a scene without mistakes is never too large for the encoder.
-        let Ok(png) = output::encode(&film, transfer, FrameFormat::Png) else { return };
+        let Ok(png) = output::encode_quickly(&film, transfer) else { return };
         let mut times = Times { encode: Times::milliseconds(start.elapsed()), ..state.times };
         times.set_frame(&report);
         self.last_id += 1;
@@ -370,8 +381,13 @@ impl Director {
             full,
         };
         let plan = stage.plan().filter(|_| full).map(Planned::all);
-        if render != Render::Draft(COARSE) {
-            self.expected = times.frame();
+        match render {
+            Render::Full => {
+                self.expected = times.frame();
+                self.divisor = divisor(&film, &report);
+            }
+            Render::Draft(_) => self.expected = times.frame(),
+            Render::Coarse(_) => {}
         }
         let (rays, rendering) = (report.rays.total(), self.next != Next::Nothing);
         self.handle.board.hang(Picture { info, png: png.into() });
@@ -405,4 +421,12 @@ impl Director {
             self.handle.board.change(|state| state.rendering = false);
         }
     }
+}
+
+/// How coarse a picture must be to be quick, judging by the full one before.
+fn divisor(film: &Film, report: &FrameReport) -> u32 {
+    let pixels = f64::from(film.width()) * f64::from(film.height());
+    let sample = Times::milliseconds(report.trace) / (report.rays.camera as f64).max(1.0);
+    let divisor = (pixels * sample / COARSE).sqrt().ceil();
+    DIVISORS.rev().find(|least| f64::from(*least) <= divisor).unwrap_or(*DIVISORS.start())
 }

@@ -31,6 +31,8 @@ pub(super) enum Render {
     Full,
     /// One sample a pixel, of the film's width and height divided by this.
     Draft(u32),
+    /// The same, to begin with.
+    Coarse(u32),
 }
 
 impl Stage {
@@ -78,7 +80,9 @@ impl Stage {
         let time = self.timeline().time_of(frame);
         match render {
             Render::Full => self.engine.render_unless(time, cancelled),
-            Render::Draft(divisor) => self.engine.render_draft_unless(time, divisor, cancelled),
+            Render::Draft(divisor) | Render::Coarse(divisor) => {
+                self.engine.render_draft_unless(time, divisor, cancelled)
+            }
         }
     }
 

@@ -16,8 +16,8 @@ pub(crate) struct Browser {
 }
 
 impl Browser {
-    /// `None` where there is no chromedriver.
-    pub(crate) fn start() -> Option<Self> {
+    /// With a window of so many pixels, `1000,700`; `None` where there is no chromedriver.
+    pub(crate) fn start(size: &str) -> Option<Self> {
         let command = Command::new("chromedriver").arg("--port=0").stdout(Stdio::piped()).spawn();
         let mut driver = command.ok()?;
         let mut output = BufReader::new(driver.stdout.take().unwrap());
@@ -27,8 +27,8 @@ impl Browser {
             .unwrap();
         let mut browser = Self { driver, _output: output, port, session: String::new() };
         // Tests may run as root, in containers with little shared memory.
-        let arguments =
-            ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--window-size=1000,700"];
+        let size = format!("--window-size={size}");
+        let arguments = ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", &size];
         let wanted = json!({ "alwaysMatch": { "goog:chromeOptions": { "args": arguments } } });
         let session = browser.ask("/session", &json!({ "capabilities": wanted }));
         browser.session = session["sessionId"].as_str().unwrap().to_owned();
