@@ -1,205 +1,27 @@
-//! Watching files, and the session that keeps a scene on show while they are edited.
-
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
+//! The session that keeps a scene on show while its files are edited.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, channel};
 use std::thread::sleep;
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
 use rayreel::Engine;
-use rayreel::live::{
-    Answer, Command, Event, QUIET, Session, SessionSettings, Shown, Spot, View, Watcher, Watching,
-};
+use rayreel::live::{Answer, Command, Event, Session, SessionSettings, Shown, Spot, View, Watching};
 use rayreel::output::encode_quickly;
+use rayreel::scene::LoadError;
 use tempfile::TempDir;
 
-/// What must happen does so long before, even on a machine that is busy with other things.
-const AT_MOST: Duration = Duration::from_secs(60);
-/// What must not happen would have by then: several quiet periods, and a look at the files without any hint.
-const LONG_ENOUGH: Duration = Duration::from_millis(800);
-
-/// A watcher of files in a folder of its own.
-struct Watched {
-    folder: TempDir,
-    changes: Receiver<()>,
-    watcher: Watcher,
-}
-
-impl Watched {
-    fn new(watching: Watching, files: &[&str]) -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        for file in files {
-            fs::write(folder.path().join(file), "first").unwrap();
-        }
-        let (sender, changes) = channel();
-        let watcher = Watcher::start(watching, move || sender.send(()).unwrap());
-        let watched = Self { folder, changes, watcher };
-        watched.follow(files);
-        watched
-    }
-
-    fn path(&self, file: &str) -> PathBuf {
-        self.folder.path().join(file)
-    }
-
-    fn follow(&self, files: &[&str]) {
-        let paths: Vec<PathBuf> = files.iter().map(|file| self.path(file)).collect();
-        let _ = self.watcher.follow(&paths, SystemTime::now());
-    }
-
-    fn write(&self, file: &str, text: &str) {
-        fs::write(self.path(file), text).unwrap();
-    }
-
-    /// A save is noticed once; one that a busy machine did in pieces may be noticed in pieces.
-    fn notices(&self, what: &str, save: impl FnOnce()) {
-        let start = Instant::now();
-        save();
-        let in_pieces = start.elapsed() > QUIET / 2;
-        assert!(self.changes.recv_timeout(AT_MOST).is_ok(), "{what}: nothing was noticed");
-        let again = self.changes.recv_timeout(LONG_ENOUGH).is_ok();
-        assert!(!again || in_pieces, "{what}: noticed twice");
-    }
-
-    fn does_not_change(&self, what: &str) {
-        assert!(self.changes.recv_timeout(LONG_ENOUGH).is_err(), "{what}: noticed");
-    }
-}
-
-/// Every way in which editors put a text into a file.
-fn save_in_every_way(watched: &Watched) {
-    let file = "ball.ron";
-    watched.notices("written in place", || watched.write(file, "in place"));
-
-    watched.notices("written and renamed", || {
-        watched.write(".ball.ron.new", "renamed");
-        fs::rename(watched.path(".ball.ron.new"), watched.path(file)).unwrap();
-    });
-
-    watched.notices("moved away and written", || {
-        fs::rename(watched.path(file), watched.path("ball.ron~")).unwrap();
-        watched.write(file, "with a backup");
-    });
-
-    watched.notices("deleted and created", || {
-        fs::remove_file(watched.path(file)).unwrap();
-        watched.write(file, "created");
-    });
-
-    watched.notices("two quick saves", || {
-        watched.write(file, "one");
-        watched.write(file, "two");
-    });
-
-    // The same length and the same time.
-    watched.notices("with the time of the old one", || {
-        let time = fs::metadata(watched.path(file)).unwrap().modified().unwrap();
-        watched.write(".ball.ron.new", "six");
-        fs::File::options()
-            .append(true)
-            .open(watched.path(".ball.ron.new"))
-            .unwrap()
-            .set_modified(time)
-            .unwrap();
-        fs::rename(watched.path(".ball.ron.new"), watched.path(file)).unwrap();
-    });
-}
-
-#[test]
-fn every_way_of_saving_is_noticed_once() {
-    save_in_every_way(&Watched::new(Watching::Events, &["ball.ron", "part.ron"]));
-}
-
-#[test]
-fn polling_notices_the_same() {
-    let watched = Watched::new(Watching::Polling, &["ball.ron", "part.ron"]);
-    save_in_every_way(&watched);
-    watched.notices("deleted", || fs::remove_file(watched.path("part.ron")).unwrap());
-}
-
-#[test]
-fn what_changes_nothing_is_not_noticed() {
-    let watched = Watched::new(Watching::Events, &["ball.ron"]);
-    watched.write("ball.ron", "first");
-    watched.does_not_change("the same text");
-    watched.write("other.ron", "other");
-    watched.does_not_change("another file");
-    fs::read(watched.path("ball.ron")).unwrap();
-    watched.does_not_change("a reader");
-    watched.write(".ball.ron.new", "first");
-    fs::rename(watched.path(".ball.ron.new"), watched.path("ball.ron")).unwrap();
-    watched.does_not_change("the same text in another file");
-}
-
-#[test]
-fn files_join_and_leave_come_and_go() {
-    let watched = Watched::new(Watching::Events, &["ball.ron"]);
-    fs::create_dir(watched.path("parts")).unwrap();
-    watched.write("parts/wheel.ron", "first");
-    watched.follow(&["ball.ron", "parts/wheel.ron", "parts/none.ron"]);
-    watched.does_not_change("following");
-    watched.notices("a file that joined", || watched.write("parts/wheel.ron", "second"));
-    watched.notices("a file that was not there", || watched.write("parts/none.ron", "first"));
-    watched.notices("a folder that goes", || fs::remove_dir_all(watched.path("parts")).unwrap());
-    watched.notices("a folder that comes back", || {
-        fs::create_dir(watched.path("parts")).unwrap();
-        watched.write("parts/wheel.ron", "third");
-    });
-    watched.notices("a file in a folder that came back", || watched.write("parts/wheel.ron", "fourth"));
-    watched.follow(&["ball.ron"]);
-    watched.write("parts/wheel.ron", "fifth");
-    watched.does_not_change("a file that left");
-}
-
-#[test]
-fn what_joins_late_and_what_is_known_is_told() {
-    let watched = Watched::new(Watching::Events, &["ball.ron"]);
-    sleep(Duration::from_millis(50));
-    let since = SystemTime::now();
-    let follow =
-        |file: &str, since| watched.watcher.follow(&[watched.path("ball.ron"), watched.path(file)], since);
-    assert!(!follow("ball.ron", since), "it was there before");
-    sleep(Duration::from_millis(50));
-    watched.write("part.ron", "first");
-    assert!(follow("part.ron", since), "written after the reading began");
-    assert!(!follow("part.ron", since), "known already");
-    // Who reads it before the watcher tells need not be told; that it is then as it was is another change.
-    watched.write("ball.ron", "second");
-    watched.watcher.look();
-    watched.write("ball.ron", "first");
-    assert!(watched.changes.recv_timeout(AT_MOST).is_ok());
-}
-
-#[cfg(unix)]
-#[test]
-fn links_are_followed() {
-    use std::os::unix::fs::symlink;
-    let watched = Watched::new(Watching::Events, &[]);
-    for folder in ["one", "two"] {
-        fs::create_dir(watched.path(folder)).unwrap();
-        watched.write(&format!("{folder}/ball.ron"), folder);
-    }
-    symlink(watched.path("one"), watched.path("now")).unwrap();
-    symlink("now/ball.ron", watched.path("link.ron")).unwrap();
-    watched.follow(&["link.ron"]);
-    watched.notices("what a link leads to", || watched.write("one/ball.ron", "edited"));
-    watched.notices("a link to a folder that leads elsewhere", || {
-        symlink(watched.path("two"), watched.path("next")).unwrap();
-        fs::rename(watched.path("next"), watched.path("now")).unwrap();
-    });
-    watched.notices("where it leads now", || watched.write("two/ball.ron", "edited too"));
-}
+use crate::{AT_MOST, LONG_ENOUGH};
 
 /// A session in a folder of its own.
-struct Stage {
+pub(crate) struct Stage {
     folder: TempDir,
     session: Session,
     events: Receiver<Event>,
 }
 
-fn scene(radius: f64, more: &str) -> String {
+pub(crate) fn scene(radius: f64, more: &str) -> String {
     format!(
         r#"Scene(
     timeline: (fps: 10, duration: 2),
@@ -218,7 +40,7 @@ fn scene(radius: f64, more: &str) -> String {
 }
 
 impl Stage {
-    fn new(text: Option<&str>) -> Self {
+    pub(crate) fn new(text: Option<&str>) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("ball.ron");
         if let Some(text) = text {
@@ -232,7 +54,7 @@ impl Stage {
         Self { folder, session, events }
     }
 
-    fn path(&self, file: &str) -> PathBuf {
+    pub(crate) fn path(&self, file: &str) -> PathBuf {
         self.folder.path().join(file)
     }
 
@@ -250,8 +72,32 @@ impl Stage {
         self.events.recv_timeout(AT_MOST).unwrap()
     }
 
+    pub(crate) fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    pub(crate) fn session(&self) -> &Session {
+        &self.session
+    }
+
+    /// All that happens in so much time.
+    pub(crate) fn events_within(&self, time: Duration) -> Vec<Event> {
+        let end = Instant::now() + time;
+        std::iter::from_fn(|| self.events.recv_timeout(end.saturating_duration_since(Instant::now())).ok())
+            .collect()
+    }
+
     /// The next full picture, which must have the bits of a cold start.
-    fn shows_what_a_cold_start_shows(&self) -> Shown {
+    pub(crate) fn shows_what_a_cold_start_shows(&self) -> Shown {
+        self.shows(|error| panic!("{error}"))
+    }
+
+    /// As [`shows_what_a_cold_start_shows`](Self::shows_what_a_cold_start_shows), whatever is wrong in the meantime.
+    pub(crate) fn shows_in_the_end_what_a_cold_start_shows(&self) -> Shown {
+        self.shows(|_| ())
+    }
+
+    fn shows(&self, broken: impl Fn(LoadError)) -> Shown {
         loop {
             match self.next() {
                 Event::Shown(shown) if shown.info.full => {
@@ -259,7 +105,7 @@ impl Stage {
                     assert!(cold.render_frame(shown.info.frame).unwrap() == shown.film);
                     return shown;
                 }
-                Event::Broken(error) => panic!("{error}"),
+                Event::Broken(error) => broken(error),
                 Event::Failed(error) => panic!("{error}"),
                 Event::Reloaded(_) | Event::Shown(_) => {}
             }
@@ -436,17 +282,6 @@ fn costs_are_measured_for_what_is_needed_only() {
     for planned in state.plan {
         assert_eq!(planned.cost.is_some(), planned.needed, "{}", planned.effect);
     }
-}
-
-#[test]
-fn a_save_in_quick_parts_is_noticed_once() {
-    let watched = Watched::new(Watching::Events, &["ball.ron"]);
-    watched.notices("five writes in a row", || {
-        for part in 0..5 {
-            watched.write("ball.ron", &"part ".repeat(part + 2));
-            sleep(QUIET / 25);
-        }
-    });
 }
 
 #[test]
