@@ -1,0 +1,182 @@
+//! Many edits in one session, a tenth of them broken: it holds no more memory, threads and files at the end, and is still right.
+//!
+//! `RAYREEL_CASES=2000` asks for more than the usual few hundred.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
+
+use std::fs;
+use std::io::Read;
+use std::net::TcpStream;
+use std::path::Path;
+use std::sync::mpsc::{Receiver, channel};
+use std::thread;
+use std::time::Duration;
+
+use rayreel::live::{Event, Server, Session, SessionSettings, Shown, Watching};
+use rayreel::{Engine, Scene};
+
+#[path = "page/http.rs"]
+#[expect(dead_code, reason = "others look at more of an answer")]
+mod http;
+#[path = "reload/model.rs"]
+mod model;
+#[path = "reload/random.rs"]
+mod random;
+
+use http::request;
+use model::Model;
+use random::Random;
+
+/// What must happen does so long before, even on a machine that is busy with other things.
+const AT_MOST: Duration = Duration::from_secs(60);
+/// So many texts take turns, so that what they need stays the same.
+const VERSIONS: usize = 30;
+
+/// A scene's file, and what it includes.
+type Files = (String, [(&'static str, String); 2]);
+
+#[test]
+fn a_long_session_grows_in_nothing_and_stays_right() {
+    let edits = std::env::var("RAYREEL_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(400);
+    let folder = tempfile::tempdir().unwrap();
+    let versions = versions(folder.path());
+    write(folder.path(), &versions[0]);
+    let (sender, events) = channel();
+    let scene = folder.path().join("scene.ron");
+    let session = Session::start(
+        SessionSettings { scene: scene.clone(), frame: 3, watching: Watching::Events },
+        move |event| sender.send(event).unwrap(),
+    );
+    let server = Server::start(0, session.handle()).unwrap();
+    let port = server.address().port();
+    let listener = listen(port);
+    assert!(is_read(&events));
+
+    let mut held = Vec::new();
+    let mut broken = 0;
+    for edit in 1..=edits {
+        let (text, files) = &versions[edit % VERSIONS];
+        // Something is different in every text, so that none is taken for the one before.
+        let text = format!("{text}\n// edit {edit}");
+        let breaks = edit % 10 == 5;
+        write(folder.path(), &(if breaks { text[..text.len() / 2].to_owned() } else { text }, files.clone()));
+        assert_eq!(is_read(&events), !breaks, "edit {edit}");
+        broken += u64::from(breaks);
+        if edit % 10 == 0 {
+            visit(port, &session);
+        }
+        if edit % 50 == 0 {
+            let shown = last_full(&events);
+            let mut cold = Engine::load(&scene).unwrap();
+            assert!(cold.render_frame(shown.info.frame).unwrap() == shown.film, "edit {edit}");
+            held.extend(Held::now());
+        }
+    }
+    let state = session.handle().state();
+    println!("{} reloads, {broken} broken: {held:?}", state.reloads);
+    drop((server, session));
+    listener.join().unwrap();
+    // By half of the time everything has been needed once.
+    let Some((last, before)) = held.split_last() else { return };
+    let Some(half) = before.get(held.len() / 2) else { return };
+    assert!(last.threads <= half.threads && last.files <= half.files, "{held:?}");
+    assert!(last.memory <= half.memory * 21 / 20, "{held:?}");
+}
+
+/// Random versions of a scene that are all without mistakes.
+fn versions(folder: &Path) -> Vec<Files> {
+    let random = &mut Random(6);
+    let mut versions = Vec::new();
+    let mut model = Model::new(random);
+    while versions.len() < VERSIONS {
+        let mut edited = model.clone();
+        edited.edit(random);
+        let files = edited.files();
+        write(folder, &files);
+        let loaded = Scene::load(&folder.join("scene.ron"));
+        if loaded.is_ok_and(|scene| Engine::from_scene(scene).render_frame(3).is_ok()) {
+            versions.push(files);
+            model = edited;
+        }
+    }
+    versions
+}
+
+/// Puts files in place of the ones before, each in one piece.
+fn write(folder: &Path, (text, files): &Files) {
+    let all = files.iter().map(|(name, text)| (*name, text)).chain([("scene.ron", text)]);
+    for (name, text) in all {
+        fs::write(folder.join("new"), text).unwrap();
+        fs::rename(folder.join("new"), folder.join(name)).unwrap();
+    }
+}
+
+/// Waits until an edit is read, and says whether it is good.
+fn is_read(events: &Receiver<Event>) -> bool {
+    loop {
+        match events.recv_timeout(AT_MOST).unwrap() {
+            Event::Reloaded(_) => return true,
+            Event::Broken(_) => return false,
+            Event::Shown(_) => {}
+            Event::Failed(error) => panic!("{error}"),
+        }
+    }
+}
+
+fn last_full(events: &Receiver<Event>) -> Shown {
+    loop {
+        if let Event::Shown(shown) = events.recv_timeout(AT_MOST).unwrap()
+            && shown.info.full
+        {
+            return shown;
+        }
+    }
+}
+
+/// Hears of everything, as a page does, until the server ends.
+fn listen(port: u16) -> thread::JoinHandle<()> {
+    thread::spawn(move || {
+        let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
+        let head = format!("GET /events HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n");
+        std::io::Write::write_all(&mut stream, head.as_bytes()).unwrap();
+        let mut bytes = [0; 4096];
+        while stream.read(&mut bytes).is_ok_and(|count| count > 0) {}
+    })
+}
+
+/// What a page does that is opened, and closed again.
+fn visit(port: u16, session: &Session) {
+    let host = format!("127.0.0.1:{port}");
+    let headers = [("Host", host.as_str())];
+    assert_eq!(request(port, "GET", "/", &headers, "").status, 200);
+    assert_eq!(request(port, "POST", "/probe", &headers, "[3, 3]").status, 200);
+    if let Some(picture) = session.handle().state().picture {
+        request(port, "GET", &format!("/picture/{}", picture.id), &headers, "");
+    }
+    drop(TcpStream::connect(("127.0.0.1", port)).unwrap());
+}
+
+/// What this process holds, where the system tells.
+#[derive(Debug)]
+struct Held {
+    /// Resident, in kB.
+    memory: u64,
+    threads: u64,
+    /// Open files, sockets among them.
+    files: usize,
+}
+
+impl Held {
+    fn now() -> Option<Self> {
+        let status = fs::read_to_string("/proc/self/status").ok()?;
+        let number = |name: &str| {
+            let line = status.lines().find_map(|line| line.strip_prefix(name))?;
+            line.split_whitespace().next()?.parse().ok()
+        };
+        Some(Self {
+            memory: number("VmRSS:")?,
+            threads: number("Threads:")?,
+            files: fs::read_dir("/proc/self/fd").ok()?.count(),
+        })
+    }
+}
