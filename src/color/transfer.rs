@@ -97,11 +97,57 @@ fn linear_to_srgb(linear: f64) -> f64 {
 
 /// sRGB encoding by comparison with the 255 decision levels half-way between neighbouring codes, so that it is the
 /// exact inverse of decoding and needs no power function per pixel.
-#[expect(clippy::cast_possible_truncation, reason = "there are 255 levels")]
 fn srgb_byte(linear: f32) -> u8 {
-    static LEVELS: LazyLock<[f64; 255]> =
-        LazyLock::new(|| std::array::from_fn(|code| srgb_to_linear((code as f64 + 0.5) / 255.0)));
-    LEVELS.partition_point(|level| *level <= f64::from(linear)) as u8
+    static LEVELS: LazyLock<SrgbLevels> = LazyLock::new(SrgbLevels::new);
+    LEVELS.byte(linear.clamp(0.0, 1.0))
+}
+
+/// Where codes begin.
+struct SrgbLevels {
+    /// The least `f32` of every code but 0, and what none reaches.
+    least: [f32; 256],
+    /// The code of the least number of every bucket: numbers from 2^-13 to 1 whose exponents and first six bits are the same.
+    first: [u8; Self::BUCKETS],
+}
+
+impl SrgbLevels {
+    /// Bits that numbers of a bucket do not share.
+    const SHIFT: u32 = f32::MANTISSA_DIGITS - 1 - 6;
+    /// The bucket of 2^-13; all below has code 0.
+    const START: u32 = (127 - 13) << 6;
+    /// 13 powers of two, and 1.
+    const BUCKETS: usize = 13 * 64 + 1;
+
+    fn new() -> Self {
+        let mut least = [f32::INFINITY; 256];
+        for (code, least) in (0u8..255).zip(&mut least) {
+            let level = srgb_to_linear((f64::from(code) + 0.5) / 255.0);
+            #[expect(
+                clippy::cast_possible_truncation,
+                reason = "the neighbour above is taken where it is too small"
+            )]
+            let near = level as f32;
+            *least = if f64::from(near) < level { near.next_up() } else { near };
+        }
+        let mut first = [0; Self::BUCKETS];
+        for (bucket, first) in (Self::START..).zip(&mut first) {
+            let number = f32::from_bits(bucket << Self::SHIFT);
+            #[expect(clippy::cast_possible_truncation, reason = "there are 255 levels")]
+            let code = least.partition_point(|least| *least <= number) as u8;
+            *first = code;
+        }
+        Self { least, first }
+    }
+
+    /// The code of a number in 0..=1.
+    fn byte(&self, linear: f32) -> u8 {
+        let bucket = (linear.to_bits() >> Self::SHIFT).saturating_sub(Self::START) as usize;
+        let mut code = self.first.get(bucket).copied().unwrap_or(0);
+        while self.least[usize::from(code)] <= linear {
+            code += 1;
+        }
+        code
+    }
 }
 
 #[cfg(test)]
@@ -136,6 +182,22 @@ mod tests {
         assert_eq!(byte(0.5), 128); // 127.5 + 0.5
         assert_eq!(byte(0.498), 127);
         assert_eq!(byte(7.0), 255);
+    }
+
+    #[test]
+    fn srgb_bytes_are_those_of_a_plain_search() {
+        let levels: Vec<f64> =
+            (0..255u8).map(|code| srgb_to_linear((f64::from(code) + 0.5) / 255.0)).collect();
+        let near_levels = levels.iter().flat_map(|level| {
+            let near = rounded([*level; 3]).x;
+            [near.next_down().next_down(), near.next_down(), near, near.next_up(), near.next_up().next_up()]
+        });
+        let everywhere = (0..=f32::to_bits(1.5)).step_by(997).map(f32::from_bits);
+        for linear in near_levels.chain(everywhere) {
+            let plain = levels.partition_point(|level| *level <= f64::from(linear));
+            assert_eq!(usize::from(srgb_byte(linear)), plain, "{linear}");
+        }
+        assert_eq!([-1.0, -0.0, f32::NAN, f32::INFINITY].map(srgb_byte), [0, 0, 0, 255]);
     }
 
     #[test]
