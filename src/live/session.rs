@@ -1,6 +1,5 @@
 //! A scene that is kept on show while its files are edited.
 
-use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
@@ -14,17 +13,19 @@ use super::stage::{Render, Stage};
 use super::state::{Mistakes, PictureInfo, Planned, State, Times};
 use super::watcher::{Watcher, Watching};
 use crate::color::Transfer;
-use crate::engine::{EngineError, FrameReport};
+use crate::engine::EngineError;
 use crate::output;
 use crate::scene::LoadError;
 use crate::trace::Film;
 
-/// A first picture should take so many milliseconds.
+/// A coarse picture to begin with should take so many milliseconds,
 const COARSE: f64 = 6.0;
-/// It has so much less of the film's width and height, at least and at most.
-const DIVISORS: RangeInclusive<u32> = 2..=8;
-/// So much if nothing is known.
-const DIVISOR: u32 = 4;
+/// and one of many in a row this share of the time between them.
+const COARSE_IN_A_ROW: f64 = 0.5;
+/// It has so much less of the film's width and height, at most,
+const COARSEST: u32 = 8;
+/// or so much if nothing is known.
+const UNKNOWN: u32 = 4;
 /// Frames that take longer, in milliseconds, begin with a coarse picture.
 const SOON: f64 = 40.0;
 
@@ -173,8 +174,8 @@ struct Director {
     next: Next,
     /// Milliseconds that the last picture took that was not coarse.
     expected: f64,
-    /// How much less of the film's width and height the next coarse picture has.
-    divisor: u32,
+    /// Milliseconds that a picture of one sample a pixel may take, by the last full one.
+    single: Option<f64>,
     last_id: u64,
     tell: Box<dyn FnMut(Event) + Send>,
 }
@@ -192,7 +193,7 @@ impl Director {
             detail: Detail::Full,
             next: Next::Nothing,
             expected: f64::INFINITY,
-            divisor: DIVISOR,
+            single: None,
             last_id: 0,
             tell,
         }
@@ -308,8 +309,7 @@ impl Director {
 
     /// What is there time for?
     fn next_while(&self, playing: bool) -> Next {
-        let interval = 1e3 / self.handle.board.state().rate;
-        match (self.expected <= if playing { interval } else { SOON }, playing) {
+        match (self.expected <= if playing { self.interval() } else { SOON }, playing) {
             (true, _) => Next::Picture(self.detail),
             (false, true) => Next::Coarse(None),
             (false, false) => Next::Coarse(Some(self.detail)),
@@ -322,11 +322,26 @@ impl Director {
         answer(spot);
     }
 
+    /// How much less of the film's width and height a coarse picture has, to be ready in time.
+    fn divisor(&self, then: Option<Detail>) -> u32 {
+        let Some(single) = self.single else { return UNKNOWN };
+        let (time, finest) = match then {
+            Some(_) => (COARSE, 2),
+            None => (COARSE_IN_A_ROW * self.interval(), 1),
+        };
+        (finest..COARSEST).find(|divisor| single <= time * f64::from(divisor * divisor)).unwrap_or(COARSEST)
+    }
+
+    /// Milliseconds between frames.
+    fn interval(&self) -> f64 {
+        1e3 / self.handle.board.state().rate
+    }
+
     fn make_next(&mut self) {
         match self.next {
             Next::Nothing => {}
             Next::Coarse(then) => {
-                self.show(Render::Coarse(self.divisor), then.map_or(Next::Nothing, Next::Picture));
+                self.show(Render::Coarse(self.divisor(then)), then.map_or(Next::Nothing, Next::Picture));
             }
             Next::Picture(Detail::Full) => self.show(Render::Full, Next::Nothing),
             Next::Picture(Detail::Draft) => self.show(Render::Draft(1), Next::Nothing),
@@ -384,7 +399,8 @@ impl Director {
         match render {
             Render::Full => {
                 self.expected = times.frame();
-                self.divisor = divisor(&film, &report);
+                let samples = report.rays.camera as f64 / film.pixels().len() as f64;
+                self.single = Some(times.trace / samples);
             }
             Render::Draft(_) => self.expected = times.frame(),
             Render::Coarse(_) => {}
@@ -421,12 +437,4 @@ impl Director {
             self.handle.board.change(|state| state.rendering = false);
         }
     }
-}
-
-/// How coarse a picture must be to be quick, judging by the full one before.
-fn divisor(film: &Film, report: &FrameReport) -> u32 {
-    let pixels = f64::from(film.width()) * f64::from(film.height());
-    let sample = Times::milliseconds(report.trace) / (report.rays.camera as f64).max(1.0);
-    let divisor = (pixels * sample / COARSE).sqrt().ceil();
-    DIVISORS.rev().find(|least| f64::from(*least) <= divisor).unwrap_or(*DIVISORS.start())
 }
