@@ -334,7 +334,11 @@ fn material(random: &mut Random) -> String {
         text += &format!(", reflective: (k_r: {:?})", random.share());
     }
     if random.once_in(4) {
-        text += &format!(", refractive: (k_t: 0.75, ior: {:?})", 1.0 + random.share());
+        let rest = random.pick(&["", ", fresnel: true", ", absorption: (0.5, 0, 0.25)"]);
+        text += &format!(", refractive: (k_t: 0.75, ior: {:?}{rest})", 1.0 + random.share());
+    }
+    if random.once_in(6) {
+        text += &format!(", checker: (color: {}, size: {:?})", random.color(), 0.5 + random.share());
     }
     text + ")"
 }
@@ -367,7 +371,12 @@ fn field(which: usize, names: &[String], random: &mut Random) -> String {
         }
         _ => {
             let intensity = random.light();
-            match random.below(8) {
+            match random.below(10) {
+                8 => format!("light: Point(intensity: {intensity}, casts_shadows: false)"),
+                9 => format!(
+                    "light: Area(shape: Rectangle(width: 1, height: {:?}), intensity: {intensity}, samples: 3)",
+                    0.5 + random.share()
+                ),
                 0 => format!("light: Point(intensity: {intensity}, falloff: (1, 0, 0.125))"),
                 1 => {
                     format!("light: Spot(intensity: {intensity}, angle: 90, softness: {:?})", random.share())
@@ -383,7 +392,7 @@ fn field(which: usize, names: &[String], random: &mut Random) -> String {
 fn animation(names: &[String], in_part: bool, random: &mut Random) -> String {
     let keys = |from: String, to: String| format!("Keys([(0, {from}), (2, {to}, InOutSine)])");
     let name = if names.is_empty() { String::new() } else { names[random.below(names.len())].clone() };
-    let (target, channel, track) = match random.below(if in_part { 6 } else { 10 }) {
+    let (target, channel, track) = match random.below(if in_part { 8 } else { 12 }) {
         0 => (name, "Translation", keys(random.triple(), random.triple())),
         1 => (name, "Rotation", keys(format!("Euler{}", random.triple()), "Euler(0, 90, 0)".to_owned())),
         2 => (
@@ -406,9 +415,16 @@ fn animation(names: &[String], in_part: bool, random: &mut Random) -> String {
             };
             (name, "Translation", format!("Script(\"{script}\")"))
         }
-        6 => ("camera".to_owned(), "Position", keys("(0, 1, -8)".to_owned(), "(2, 1, -8)".to_owned())),
-        7 => ("close".to_owned(), "Position", "Script(\"base + [t, index, 0]\")".to_owned()),
-        8 => ("scene".to_owned(), "Ambient", keys(random.light(), random.light())),
+        6 => {
+            let track =
+                format!("Path(points: [{}, {}, (0, 1, 0)], duration: 2)", random.triple(), random.triple());
+            let rest = random.pick(&["", ", repeat: Loop", ", offset: 0.25, speed: 2"]);
+            return format!("(target: \"{name}\", channel: Translation, track: {track}{rest})");
+        }
+        7 => (name, "Translation", format!("Orbit(center: {}, radius: 1, duration: 1.5)", random.triple())),
+        8 => ("camera".to_owned(), "Position", keys("(0, 1, -8)".to_owned(), "(2, 1, -8)".to_owned())),
+        9 => ("close".to_owned(), "Position", "Script(\"base + [t, index, 0]\")".to_owned()),
+        10 => ("scene".to_owned(), "Ambient", keys(random.light(), random.light())),
         _ => ("scene".to_owned(), "FogDensity", keys("0".to_owned(), format!("{:?}", random.share()))),
     };
     format!("(target: \"{target}\", channel: {channel}, track: {track})")
