@@ -142,6 +142,40 @@ fn the_page_shows_scrubs_plays_and_recovers() {
 }
 
 #[test]
+fn the_page_fits_phones_and_the_dark_and_keeps_its_view() {
+    let preview = Preview::new();
+    let Some(browser) = open(&preview) else { return };
+    until(&browser, "shown !== null && shown.full");
+    let background = || browser.evaluate("getComputedStyle(document.body).backgroundColor");
+    let light = background();
+    browser.emulate(
+        "Emulation.setEmulatedMedia",
+        &json!({
+            "features": [{ "name": "prefers-color-scheme", "value": "dark" }]
+        }),
+    );
+    assert_ne!(background(), light);
+
+    // Another frame and another size survive that the page is opened again.
+    browser.press('\u{e014}');
+    browser.press('1');
+    until(&browser, "shown.full && shown.frame === 1 && at('film').offsetWidth === 160");
+    browser.evaluate("(location.reload(), true)");
+    until(&browser, "shown !== null && shown.full && shown.frame === 1 && at('film').offsetWidth === 160");
+
+    // A phone: nothing sticks out, and fingers find what they want.
+    let phone = json!({ "width": 360, "height": 640, "deviceScaleFactor": 2, "mobile": true });
+    browser.emulate("Emulation.setDeviceMetricsOverride", &phone);
+    until(&browser, "innerWidth === 360 && document.documentElement.scrollWidth === 360");
+    until(
+        &browser,
+        "[...document.querySelectorAll('button, select')].every(b => !b.offsetHeight || b.offsetHeight > 31)",
+    );
+    let sticks_out = "[...document.querySelectorAll('header *, #transport *')].some(e => e.getBoundingClientRect().right > 361)";
+    assert_eq!(browser.evaluate(sticks_out), json!(false));
+}
+
+#[test]
 fn only_this_machines_own_pages_are_served() {
     let preview = Preview::new();
     let host = format!("127.0.0.1:{}", preview.port);

@@ -32,8 +32,15 @@ pub(super) fn run(arguments: &WatchArguments) -> Result<(), Failure> {
         // Nobody listens any more when the program ends.
         let _ = sender.send(event);
     });
-    let server = Server::start(arguments.port.unwrap_or(0), session.handle())
-        .with_context(|| format!("cannot serve at port {}", arguments.port.unwrap_or(0)))?;
+    let server =
+        Server::start(arguments.port.unwrap_or(0), session.handle()).with_context(|| {
+            match arguments.port {
+                Some(port) => {
+                    format!("cannot serve at port {port}; without --port one that is free is taken")
+                }
+                None => "cannot serve at any port of 127.0.0.1".to_owned(),
+            }
+        })?;
     print::result_line(&format!("{}: http://{}/", arguments.scene.display(), server.address()))?;
     while !interrupted.load(Ordering::Relaxed) {
         match events.recv_timeout(ATTENTION) {

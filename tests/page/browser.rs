@@ -56,6 +56,11 @@ impl Browser {
         self.ask_session("execute/sync", &json!({ "script": format!("return {expression}"), "args": [] }))
     }
 
+    /// Lets the browser take itself for another, by a command of its own protocol.
+    pub(crate) fn emulate(&self, command: &str, parameters: &Value) {
+        self.ask_session("goog/cdp/execute", &json!({ "cmd": command, "params": parameters }));
+    }
+
     fn element(&self, selector: &str) -> String {
         let found = self.ask_session("element", &json!({ "using": "css selector", "value": selector }));
         found.as_object().unwrap().values().next().unwrap().as_str().unwrap().to_owned()

@@ -6,6 +6,7 @@
 
 use std::time::Duration;
 
+mod command;
 mod editors;
 mod session;
 mod watcher;
