@@ -127,13 +127,15 @@ impl<'a> Thing<'a> {
     }
 }
 
-fn placed(transform: &Transform) -> [u64; 10] {
+/// The bits of a transform.
+pub(super) fn placed(transform: &Transform) -> [u64; 10] {
     let ([x, y, z], [i, j, k, w]) = (transform.translation.to_array(), transform.rotation.to_array());
     let [a, b, c] = transform.scale.to_array();
     [x, y, z, i, j, k, w, a, b, c].map(f64::to_bits)
 }
 
-fn shaped(shape: &Shape) -> [u64; 4] {
+/// The bits of a shape.
+pub(super) fn shaped(shape: &Shape) -> [u64; 4] {
     let (kind, DVec3 { x, y, z }) = match *shape {
         Shape::Sphere { radius } => (1, DVec3::splat(radius)),
         Shape::Plane { normal } => (2, normal),

@@ -2,7 +2,7 @@
 
 use hecs::{Entity, World};
 
-use super::matching::Matching;
+use super::matching::{Matching, placed, shaped};
 use crate::components::{
     Ambient, Animated, Background, Camera, Checker, FilmSettings, Fog, Follow, Light, LookAt, Material, Name,
     Order, Parent, Quality, Reflective, Refractive, Sampling, Shape, Shots, Specular, Transform,
@@ -138,10 +138,10 @@ fn write(
     if let (Some(old), Some(new)) = (old_identity.2, new_identity.2) {
         std::mem::swap(old, new);
     }
-    if put(old_place.0, new_place.0) | put(old_place.1, new_place.1) {
+    if put_bits(old_place.0, new_place.0, placed) | put(old_place.1, new_place.1) {
         changes.transform(own);
     }
-    if put(old_shape, new_shape) {
+    if put_bits(old_shape, new_shape, shaped) {
         changes.shape(own);
     }
     if put(old_surface.0, new_surface.0)
@@ -170,6 +170,18 @@ fn write(
 fn put<T: PartialEq>(old: Option<&mut T>, new: Option<&mut T>) -> bool {
     let (Some(old), Some(new)) = (old, new) else { return false };
     let differs = *old != *new;
+    std::mem::swap(old, new);
+    differs
+}
+
+/// As [`put`], but zeros of another sign are different: world transforms show them.
+fn put_bits<T, const N: usize>(
+    old: Option<&mut T>,
+    new: Option<&mut T>,
+    bits: impl Fn(&T) -> [u64; N],
+) -> bool {
+    let (Some(old), Some(new)) = (old, new) else { return false };
+    let differs = bits(old) != bits(new);
     std::mem::swap(old, new);
     differs
 }

@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use rayreel::components::{Name, Order, Transform};
 use rayreel::{Engine, Entity, Scene, Time};
 
+use crate::described::{bits, described};
+
 const HEAD: &str = "film: (width: 12, height: 8), camera: (position: (0, 2, -9), target: (0, 0, 0)), \
     ambient: (0.5, 0.5, 0.5),";
 
@@ -180,4 +182,17 @@ fn a_world_of_ones_own_can_become_a_scene() {
     let mut engine = Engine::new(rayreel::World::new());
     engine.render_frame(0).unwrap();
     assert_eq!(trees_after(&mut engine, &balls(CLAY, PLACES, "")), 1);
+}
+
+#[test]
+fn zeros_of_another_sign_are_other_zeros() {
+    let body =
+        |zero: &str| balls(CLAY, [&format!("({zero}, 0, 0)"), &format!("(0, {zero}, 0)"), "(2, 0, 0)"], "");
+    let mut engine = engine(&body("0"));
+    for zero in ["-0.0", "0"] {
+        let mut cold = Engine::from_scene(scene(&body(zero)));
+        engine.reload(scene(&body(zero)));
+        assert!(bits(&engine.render_frame(0).unwrap()) == bits(&cold.render_frame(0).unwrap()));
+        assert_eq!(described(engine.world(), true), described(cold.world(), true), "{zero}");
+    }
 }
