@@ -66,7 +66,7 @@ impl Preview {
 
 fn session(folder: &TempDir) -> Session {
     let scene = folder.path().join("ball.ron");
-    Session::start(SessionSettings { scene, frame: 0, watching: Watching::Events }, |_| {})
+    Session::start(SessionSettings { scene, frame: 0, watching: Watching::Events, finish: false }, |_| {})
 }
 
 /// The page in a browser; `None` without one.
@@ -128,17 +128,70 @@ fn the_page_shows_scrubs_plays_and_recovers() {
     browser.click("#film");
     until(&browser, "at('spot').innerText.includes('ball') && at('spot').innerText.includes('ball.ron:8')");
 
-    // The server goes and comes back, and the playhead stays.
+    // The server goes and comes back with another scene, and the playhead stays.
+    browser.evaluate(PIXEL);
     browser.press('\u{e014}');
     until(&browser, "shown.full && shown.frame === 1");
     preview.server = None;
     until(&browser, "at('status').classList.contains('wrong')");
-    let before = browser.evaluate("state.session");
+    let before = browser.evaluate("[state.session, pixel()]");
+    preview.save(&SCENE.replace("255, 120, 60", "0, 255, 0"));
     preview.restart();
+    // The new session's first pictures have numbers that the old one's had.
     until(
         &browser,
-        &format!("state.session !== {before} && shown !== null && shown.full && shown.frame === 1"),
+        &format!("state.session !== {} && shown !== null && shown.full && shown.frame === 1", before[0]),
     );
+    assert_ne!(browser.evaluate("pixel()"), before[1]);
+}
+
+/// For the pixel in the middle of the picture on the screen, as the page shows it.
+const PIXEL: &str = "(window.pixel = () => { const canvas = document.createElement('canvas'), image = at('now'); \
+    canvas.width = image.naturalWidth; canvas.height = image.naturalHeight; \
+    const context = canvas.getContext('2d'); context.drawImage(image, 0, 0); \
+    return [...context.getImageData(canvas.width / 2, canvas.height / 2, 1, 1).data].join(); }, true)";
+
+#[test]
+fn a_frame_that_fails_can_be_left_again() {
+    let preview = Preview::new();
+    let Some(browser) = open(&preview) else { return };
+    let keys = "Keys([(0, (0, 0, 0)), (2, (0, 0.5, 0))])";
+    preview.save(&SCENE.replace(keys, "Script(\"[0, 0.1 / (12 - frame), 0]\")"));
+    until(&browser, "shown !== null && shown.full && shown.reloads === 2");
+    browser.evaluate("(seek(11), true)");
+    until(&browser, "shown.full && shown.frame === 11");
+    browser.press('\u{e014}');
+    until(&browser, "!at('wrong').hidden && state.frame === 12 && shown.frame === 11");
+    browser.press('\u{e012}');
+    until(&browser, "at('wrong').hidden && state.frame === 11 && view.frame === 11");
+    browser.evaluate("(seek(12), seek(13), seek(15), true)");
+    until(&browser, "at('wrong').hidden && shown.full && shown.frame === 15");
+    // Playing stops where it fails, and goes on from there.
+    browser.evaluate("(seek(10), true)");
+    until(&browser, "shown.full && shown.frame === 10");
+    browser.press(' ');
+    until(&browser, "playing === null && !at('wrong').hidden && view.frame === 12");
+    browser.press(' ');
+    until(&browser, "at('wrong').hidden && shown.frame > 13");
+}
+
+#[test]
+fn two_pages_do_not_keep_each_other_waiting() {
+    let preview = Preview::new();
+    let (Some(one), Some(other)) = (open(&preview), open(&preview)) else { return };
+    for browser in [&one, &other] {
+        until(browser, "shown !== null && shown.full");
+    }
+    for frame in 1..15 {
+        one.evaluate(&format!("(seek({frame}), true)"));
+        other.evaluate(&format!("(seek({}), true)", 19 - frame));
+    }
+    one.evaluate("(seek(17), true)");
+    for browser in [&one, &other] {
+        until(browser, "asked === null && scrubbed === null && shown.full && shown.frame === state.frame");
+    }
+    one.evaluate("(seek(2), true)");
+    until(&other, "shown.full && shown.frame === 2 && view.frame === 2");
 }
 
 #[test]

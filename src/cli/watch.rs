@@ -27,10 +27,14 @@ pub(super) fn run(arguments: &WatchArguments) -> Result<(), Failure> {
         scene: arguments.scene.clone(),
         frame: arguments.frame.unwrap_or(0),
         watching: if arguments.poll { Watching::Polling } else { Watching::Events },
+        finish: arguments.out.is_some(),
     };
+    let mut told = 0;
     let session = Session::start(settings, move |event| {
-        // Nobody listens any more when the program ends.
-        let _ = sender.send(event);
+        if is_worth_telling(&event, &mut told) {
+            // Nobody listens any more when the program ends.
+            let _ = sender.send(event);
+        }
     });
     let server =
         Server::start(arguments.port.unwrap_or(0), session.handle()).with_context(|| {
@@ -54,39 +58,43 @@ pub(super) fn run(arguments: &WatchArguments) -> Result<(), Failure> {
     Err(Failure::Interrupted)
 }
 
+/// Of pictures only the first full one after each reload, which is remembered: others are for those who look at the page.
+fn is_worth_telling(event: &Event, told: &mut u64) -> bool {
+    let Event::Shown(shown) = event else { return true };
+    shown.info.full && std::mem::replace(told, shown.info.reloads.max(*told)) < shown.info.reloads
+}
+
 /// Tells what happens, and writes the current frame to a file.
 struct Teller {
     scene: String,
     out: Option<(PathBuf, FrameFormat)>,
-    /// The reload whose full picture was told last.
-    told: u64,
+    /// Has there been a good scene?
+    good: bool,
 }
 
 impl Teller {
     fn new(arguments: &WatchArguments) -> anyhow::Result<Self> {
         let out = arguments.out.clone().map(|path| Ok::<_, anyhow::Error>((path.clone(), format_of(&path)?)));
-        Ok(Self { scene: arguments.scene.display().to_string(), out: out.transpose()?, told: 0 })
+        Ok(Self { scene: arguments.scene.display().to_string(), out: out.transpose()?, good: false })
     }
 
     fn tell(&mut self, event: &Event) {
         match event {
             Event::Reloaded(Times { read, build, .. }) => {
+                self.good = true;
                 print::error_line(&format!("{}: read in {:.1} ms", self.scene, read + build));
             }
             Event::Broken(error) => {
+                let stays =
+                    if self.good { "the last good scene stays" } else { "there is nothing to show yet" };
                 print::error_line(&format!("{}\n", error.render(print::is_colorful())));
-                print::error_line(&format!("{}: the last good scene stays", self.scene));
+                print::error_line(&format!("{}: {stays}", self.scene));
             }
             Event::Failed(error) => print::error_line(&error.to_string()),
-            Event::Shown(shown) if shown.info.full && shown.info.reloads > self.told => {
-                self.told = shown.info.reloads;
-                self.show(shown);
-            }
-            Event::Shown(_) => {}
+            Event::Shown(shown) => self.show(shown),
         }
     }
 
-    /// The first full picture after a reload; those that are looked at in the page are not told.
     fn show(&self, shown: &Shown) {
         let Times { animate, prepare, trace, .. } = shown.times;
         print::error_line(&format!(

@@ -73,12 +73,14 @@ impl Board {
         }
     }
 
-    /// Keeps the latest picture to compare later ones with, if it is a full one.
+    /// Keeps the latest picture to compare later ones with: of the scene as it is, one that is not coarse if there is one.
     pub(super) fn keep_for_comparison(&self) -> Option<PictureInfo> {
         let mut pictures = self.pictures.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(latest) = pictures.latest.back().filter(|picture| picture.info.full) {
-            pictures.before = Some(latest.clone());
-        }
-        pictures.before.as_ref().map(|picture| picture.info)
+        let reloads = pictures.latest.back().map(|latest| latest.info.reloads);
+        let now = || pictures.latest.iter().rev().filter(|picture| Some(picture.info.reloads) == reloads);
+        let kept = now().find(|picture| !picture.info.coarse).or_else(|| now().next()).cloned();
+        let info = kept.as_ref().map(|picture| picture.info);
+        pictures.before = kept;
+        info
     }
 }

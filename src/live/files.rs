@@ -8,6 +8,8 @@ use std::time::{Duration, SystemTime};
 
 /// The clock that stamps files may be behind the one that tells the time.
 const CLOCK_TICK: Duration = Duration::from_millis(10);
+/// Some file systems stamp to two seconds only.
+const STAMP_TICK: Duration = Duration::from_secs(2);
 
 /// Links that lead to links may go so far.
 const LONGEST_CHAIN: usize = 40;
@@ -17,11 +19,23 @@ const LONGEST_CHAIN: usize = 40;
 pub(super) struct Files(BTreeMap<PathBuf, Seen>);
 
 /// A file as it was seen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 struct Seen {
     stamp: Option<Stamp>,
-    /// A hash of its bytes; `None` for a file that cannot be read.
-    content: Option<u64>,
+    content: Content,
+    /// Could it have been written again since with the same stamp?
+    fresh: bool,
+}
+
+/// What a file held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Content {
+    /// Something else than whoever read it may have read: another look finds it changed.
+    Unknown,
+    /// It cannot be read.
+    Nothing,
+    /// A hash of its bytes.
+    Bytes(u64),
 }
 
 /// What the file system tells of a file without reading it.
@@ -33,25 +47,35 @@ struct Stamp {
 }
 
 impl Files {
-    /// Keeps to these files from now on, and says whether one that joined was written after `since`, so that whoever read it
-    /// then may have read something else.
-    pub(super) fn follow(&mut self, paths: &[PathBuf], since: SystemTime) -> bool {
+    /// Keeps to these files from now on, all of which were read since `since`, and those that were known after the last
+    /// [`look`](Self::look). What has been written in the meantime is found changed at the next one: who reads while others
+    /// write may have read anything.
+    pub(super) fn follow(&mut self, paths: &[PathBuf], since: SystemTime) {
         let before = std::mem::take(&mut self.0);
-        let mut late = false;
         for path in paths {
-            let seen = before.get(path).copied().unwrap_or_else(|| {
-                let seen = Seen::now(path);
-                late |= seen.stamp.and_then(|stamp| stamp.modified).is_some_and(|at| at + CLOCK_TICK > since);
-                seen
-            });
+            let mut seen = before.get(path).copied().unwrap_or_else(|| Seen::now(path));
+            let written_since = match before.contains_key(path) {
+                true => seen.stamp != Stamp::now(path),
+                false => seen.stamp.is_some_and(|stamp| stamp.latest() + CLOCK_TICK > since),
+            };
+            if written_since {
+                seen.content = Content::Unknown;
+            }
             self.0.insert(path.clone(), seen);
         }
-        late
     }
 
     /// Does the file system tell of something else? Reads no file.
     pub(super) fn are_touched(&self) -> bool {
-        self.0.iter().any(|(path, seen)| seen.stamp != Stamp::now(path))
+        let touched = |(path, seen): (&PathBuf, &Seen)| {
+            seen.content == Content::Unknown || seen.stamp != Stamp::now(path)
+        };
+        self.0.iter().any(touched)
+    }
+
+    /// Could something else be in a file though the file system does not tell?
+    pub(super) fn are_fresh(&self) -> bool {
+        self.0.values().any(|seen| seen.fresh)
     }
 
     /// Reads all files again, and says whether any holds something else.
@@ -81,11 +105,27 @@ impl Seen {
     /// The stamp is taken first: a file that is written in between looks touched.
     fn now(path: &Path) -> Self {
         let stamp = Stamp::now(path);
-        Self { stamp, content: fs::read(path).ok().map(|bytes| hash(&bytes)) }
+        let fresh = stamp.is_some_and(|stamp| {
+            let now = SystemTime::now();
+            let apart = |later: SystemTime, earlier| later.duration_since(earlier).ok();
+            apart(now, stamp.latest())
+                .or_else(|| apart(stamp.latest(), now))
+                .is_some_and(|age| age < STAMP_TICK)
+        });
+        let content = fs::read(path).map_or(Content::Nothing, |bytes| Content::Bytes(hash(&bytes)));
+        Self { stamp, content, fresh }
     }
 }
 
 impl Stamp {
+    /// When anything about the file was changed last.
+    fn latest(&self) -> SystemTime {
+        let (.., seconds, nanoseconds) = self.identity;
+        let changed = u64::try_from(seconds).unwrap_or(0);
+        let changed = Duration::new(changed, u32::try_from(nanoseconds).unwrap_or(0));
+        (SystemTime::UNIX_EPOCH + changed).max(self.modified.unwrap_or(SystemTime::UNIX_EPOCH))
+    }
+
     fn now(path: &Path) -> Option<Self> {
         let metadata = fs::metadata(path).ok()?;
         Some(Self {

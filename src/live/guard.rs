@@ -7,7 +7,11 @@ use axum::http::header::{HOST, HeaderMap, ORIGIN};
 
 /// Is a request to the server at this port from its own pages, or from no page at all?
 pub(super) fn admits(headers: &HeaderMap, port: u16) -> bool {
-    let own = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
+    let own = match port {
+        // Browsers leave it out.
+        80 => ["127.0.0.1".to_owned(), "localhost".to_owned()],
+        port => [format!("127.0.0.1:{port}"), format!("localhost:{port}")],
+    };
     let values = |name| headers.get_all(name).iter().map(|value| value.to_str().unwrap_or_default());
     let mut hosts = values(HOST.as_str());
     let host = hosts.next().is_some_and(|host| own.iter().any(|own| own == host)) && hosts.next().is_none();

@@ -5,7 +5,7 @@
 //! | `GET /` | the page |
 //! | `GET /state` | the [`State`](super::State), as JSON |
 //! | `GET /events` | the same whenever it changes, as server-sent events |
-//! | `GET /picture/7` | a picture, as PNG |
+//! | `GET /picture/1795/7` | picture 7 of session 1795, as PNG |
 //! | `POST /view` | asks for something to see: a [`View`], as JSON |
 //! | `POST /probe` | tells what a pixel `[column, row]` sees: a [`Spot`](super::Spot) or null, as JSON |
 
@@ -101,7 +101,7 @@ fn router(shared: Shared) -> Router {
         .route("/", get(page))
         .route("/state", get(state))
         .route("/events", get(events))
-        .route("/picture/{id}", get(picture))
+        .route("/picture/{session}/{id}", get(picture))
         .route("/view", post(view))
         .route("/probe", post(probe))
         .layer(middleware::from_fn_with_state(shared.clone(), guarded))
@@ -148,8 +148,10 @@ async fn events(State(shared): State<Shared>) -> Sse<impl Stream<Item = Result<E
     Sse::new(stream).keep_alive(KeepAlive::new().interval(Duration::from_secs(10)))
 }
 
-async fn picture(State(shared): State<Shared>, Path(id): Path<u64>) -> Response {
-    match shared.session.picture(id) {
+async fn picture(State(shared): State<Shared>, Path((session, id)): Path<(u64, u64)>) -> Response {
+    // A browser may have kept pictures of another session, which had the same numbers.
+    let is_ours = shared.session.state().session == session;
+    match shared.session.picture(id).filter(|_| is_ours) {
         Some(picture) => {
             let png = Bytes::from_owner(picture.png);
             ([(CONTENT_TYPE, "image/png"), (CACHE_CONTROL, "private, max-age=60")], png).into_response()

@@ -10,7 +10,7 @@ use tokio::sync::watch;
 use super::board::{Board, Picture};
 use super::mailbox::{Answer, Command, Detail, Mailbox, View};
 use super::stage::{Render, Stage};
-use super::state::{Mistakes, PictureInfo, Planned, State, Times};
+use super::state::{Mistakes, PictureInfo, State, Times};
 use super::watcher::{Watcher, Watching};
 use crate::color::Transfer;
 use crate::engine::EngineError;
@@ -38,6 +38,8 @@ pub struct SessionSettings {
     pub frame: u32,
     /// How changes of files are noticed.
     pub watching: Watching,
+    /// Does a full picture follow every edit, though drafts are asked for?
+    pub finish: bool,
 }
 
 /// What happens in a session, for whoever wants to tell it.
@@ -162,6 +164,15 @@ enum Next {
     Cost(usize),
 }
 
+/// What pictures take, by those before, in milliseconds.
+#[derive(Clone, Copy, Debug)]
+struct Pace {
+    /// Bringing the world to a moment.
+    moment: f64,
+    /// Tracing one sample of every pixel.
+    sample: f64,
+}
+
 /// What the session's thread has.
 struct Director {
     settings: SessionSettings,
@@ -172,10 +183,9 @@ struct Director {
     wanted_frame: u32,
     detail: Detail,
     next: Next,
-    /// Milliseconds that the last picture took that was not coarse.
-    expected: f64,
-    /// Milliseconds that a picture of one sample a pixel may take, by the last full one.
-    single: Option<f64>,
+    /// Is there to be a full picture after the draft?
+    due: bool,
+    pace: Option<Pace>,
     last_id: u64,
     tell: Box<dyn FnMut(Event) + Send>,
 }
@@ -192,16 +202,15 @@ impl Director {
             stage: None,
             detail: Detail::Full,
             next: Next::Nothing,
-            expected: f64::INFINITY,
-            single: None,
+            due: false,
+            pace: None,
             last_id: 0,
             tell,
         }
     }
 
     fn run(mut self) {
-        // Nobody has read it yet.
-        let _ = self.watcher.follow(std::slice::from_ref(&self.settings.scene), SystemTime::now());
+        self.watcher.follow(std::slice::from_ref(&self.settings.scene), SystemTime::now());
         self.reload();
         loop {
             let mut reload = false;
@@ -227,7 +236,7 @@ impl Director {
         let start = Instant::now();
         match Stage::read(&self.settings.scene) {
             Ok(read) => {
-                self.follow(&read.scene.files, since);
+                self.watcher.follow(&read.scene.files, since);
                 let read_in = Times::milliseconds(start.elapsed());
                 let start = Instant::now();
                 Stage::take_over(&mut self.stage, read);
@@ -236,18 +245,11 @@ impl Director {
                 self.welcome(times);
             }
             Err(error) => {
-                self.follow(error.files(), since);
+                self.watcher.follow(error.files(), since);
                 let mistakes = Mistakes::of_scene(&error);
                 self.handle.board.change(|state| state.mistakes = Some(mistakes));
                 (self.tell)(Event::Broken(error));
             }
-        }
-    }
-
-    /// Watches the files that were read; what was written in the meantime is read again.
-    fn follow(&self, files: &[PathBuf], since: SystemTime) {
-        if self.watcher.follow(files, since) {
-            self.handle.post(Command::Reload);
         }
     }
 
@@ -274,62 +276,75 @@ impl Director {
                 ..std::mem::take(state)
             };
         });
-        self.expected = f64::INFINITY;
+        self.due = self.settings.finish;
         self.next = Next::Coarse(Some(self.detail));
         (self.tell)(Event::Reloaded(times));
     }
 
     fn view(&mut self, view: View) {
-        if self.stage.is_none() {
-            if let View::Seek { frame, .. } = view {
-                self.wanted_frame = frame;
-            }
-            return;
+        match view {
+            View::Seek { frame, .. } => self.wanted_frame = frame,
+            View::Detail(detail) => self.detail = detail,
+            View::Finish | View::Measure => {}
         }
-        self.next = match view {
-            View::Seek { frame, playing } => {
-                self.seek(frame);
-                self.next_while(playing)
+        let (wanted_frame, detail, shows) = (self.wanted_frame, self.detail, self.stage.is_some());
+        self.handle.board.change(|state| {
+            state.detail = detail;
+            if shows {
+                state.frame = wanted_frame.min(state.frames - 1);
+                state.frame_mistakes = None;
+                state.rendering = true;
             }
-            View::Detail(detail) => {
-                self.detail = detail;
-                self.expected = f64::INFINITY;
-                Next::Picture(detail)
-            }
-            View::Finish => Next::Picture(Detail::Full),
-            View::Measure => Next::Cost(0),
-        };
-        self.handle.board.change(|state| state.rendering = true);
-    }
-
-    fn seek(&mut self, frame: u32) {
-        self.wanted_frame = frame;
-        self.handle.board.change(|state| state.frame = frame.min(state.frames - 1));
+        });
+        if shows {
+            self.next = match view {
+                View::Seek { playing, .. } => self.next_while(playing),
+                View::Detail(detail) => Next::Picture(detail),
+                View::Finish => Next::Picture(Detail::Full),
+                View::Measure => Next::Cost(0),
+            };
+        }
     }
 
     /// What is there time for?
     fn next_while(&self, playing: bool) -> Next {
-        match (self.expected <= if playing { self.interval() } else { SOON }, playing) {
+        match (self.expected() <= if playing { self.interval() } else { SOON }, playing) {
             (true, _) => Next::Picture(self.detail),
             (false, true) => Next::Coarse(None),
             (false, false) => Next::Coarse(Some(self.detail)),
         }
     }
 
+    /// Milliseconds that a picture as it is asked for may take.
+    fn expected(&self) -> f64 {
+        let (Some(pace), Some(stage)) = (self.pace, &self.stage) else { return f64::INFINITY };
+        let samples = match self.detail {
+            Detail::Full => f64::from(stage.samples()),
+            Detail::Draft => 1.0,
+            Detail::Half => 0.25,
+        };
+        pace.moment + pace.sample * samples
+    }
+
     fn probe(&mut self, pixel: (u32, u32), Answer(answer): Answer) {
         let frame = self.handle.board.state().frame;
-        let spot = self.stage.as_mut().and_then(|stage| stage.spot(frame, pixel).ok().flatten());
-        answer(spot);
+        let spot = self.stage.as_mut().map_or(Ok(None), |stage| stage.spot(frame, pixel));
+        answer(spot.unwrap_or_else(|error| {
+            self.fail(error);
+            None
+        }));
     }
 
     /// How much less of the film's width and height a coarse picture has, to be ready in time.
     fn divisor(&self, then: Option<Detail>) -> u32 {
-        let Some(single) = self.single else { return UNKNOWN };
+        let Some(pace) = self.pace else { return UNKNOWN };
         let (time, finest) = match then {
             Some(_) => (COARSE, 2),
             None => (COARSE_IN_A_ROW * self.interval(), 1),
         };
-        (finest..COARSEST).find(|divisor| single <= time * f64::from(divisor * divisor)).unwrap_or(COARSEST)
+        (finest..COARSEST)
+            .find(|divisor| pace.sample <= time * f64::from(divisor * divisor))
+            .unwrap_or(COARSEST)
     }
 
     /// Milliseconds between frames.
@@ -343,9 +358,14 @@ impl Director {
             Next::Coarse(then) => {
                 self.show(Render::Coarse(self.divisor(then)), then.map_or(Next::Nothing, Next::Picture));
             }
-            Next::Picture(Detail::Full) => self.show(Render::Full, Next::Nothing),
-            Next::Picture(Detail::Draft) => self.show(Render::Draft(1), Next::Nothing),
-            Next::Picture(Detail::Half) => self.show(Render::Draft(2), Next::Nothing),
+            Next::Picture(detail) => {
+                let due = if self.due { Next::Picture(Detail::Full) } else { Next::Nothing };
+                match detail {
+                    Detail::Full => self.show(Render::Full, Next::Nothing),
+                    Detail::Draft => self.show(Render::Draft(1), due),
+                    Detail::Half => self.show(Render::Draft(2), due),
+                }
+            }
             Next::Cost(index) => self.measure(index),
         }
     }
@@ -378,7 +398,7 @@ impl Director {
     }
 
     fn put_up(&mut self, state: &State, render: Render, film: Film) {
-        let Some(stage) = &self.stage else { return };
+        let Some(stage) = &mut self.stage else { return };
         let (report, transfer) = (*stage.report(), stage.film_settings().transfer);
         let start = Instant::now();
         // A film of a scene without mistakes is never too large for the encoder.
@@ -386,7 +406,7 @@ impl Director {
         let mut times = Times { encode: Times::milliseconds(start.elapsed()), ..state.times };
         times.set_frame(&report);
         self.last_id += 1;
-        let full = render == Render::Full;
+        let (full, coarse) = (render == Render::Full, matches!(render, Render::Coarse(_)));
         let info = PictureInfo {
             id: self.last_id,
             frame: state.frame,
@@ -394,17 +414,17 @@ impl Director {
             width: film.width(),
             height: film.height(),
             full,
+            coarse,
         };
-        let plan = stage.plan().filter(|_| full).map(Planned::all);
-        match render {
-            Render::Full => {
-                self.expected = times.frame();
-                let samples = report.rays.camera as f64 / film.pixels().len() as f64;
-                self.single = Some(times.trace / samples);
-            }
-            Render::Draft(_) => self.expected = times.frame(),
-            Render::Coarse(_) => {}
+        self.due &= !full;
+        if !coarse || self.pace.is_none() {
+            let samples = match render {
+                Render::Full => report.rays.camera as f64 / film.pixels().len() as f64,
+                Render::Draft(divisor) | Render::Coarse(divisor) => 1.0 / f64::from(divisor * divisor),
+            };
+            self.pace = Some(Pace { moment: times.animate + times.prepare, sample: times.trace / samples });
         }
+        let plan = if coarse { None } else { stage.planned(state.frame, full).ok() };
         let (rays, rendering) = (report.rays.total(), self.next != Next::Nothing);
         self.handle.board.hang(Picture { info, png: png.into() });
         self.handle.board.change(|state| {
@@ -425,16 +445,18 @@ impl Director {
         let state = self.handle.board.state();
         let Some(stage) = &mut self.stage else { return };
         self.next = Next::Nothing;
-        let measured = stage.cost(state.frame, index, self.handle.mailbox.waiting());
-        if let Ok(Some(cost)) = measured {
-            self.next = Next::Cost(index + 1);
-            self.handle.board.change(|state| {
-                if let Some(planned) = state.plan.get_mut(index) {
+        let plan = if index == 0 { stage.planned(state.frame, false) } else { Ok(state.plan) };
+        let cost = stage.cost(state.frame, index, self.handle.mailbox.waiting());
+        match plan.and_then(|plan| Ok((plan, cost?))) {
+            Ok((mut plan, Some(cost))) => {
+                self.next = Next::Cost(index + 1);
+                if let Some(planned) = plan.get_mut(index) {
                     planned.cost = cost;
                 }
-            });
-        } else {
-            self.handle.board.change(|state| state.rendering = false);
+                self.handle.board.change(|state| state.plan = plan);
+            }
+            Ok((_, None)) => self.handle.board.change(|state| state.rendering = false),
+            Err(error) => self.fail(error),
         }
     }
 }

@@ -4,11 +4,11 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use super::spot::Spot;
-use super::state::Times;
+use super::state::{Planned, Times};
 use crate::components::FilmSettings;
 use crate::engine::{Engine, EngineError, FrameReport};
 use crate::scene::{LoadError, Scene, Sources};
-use crate::systems::{Effect, Plan};
+use crate::systems::Effect;
 use crate::time::Timeline;
 use crate::trace::Film;
 
@@ -65,9 +65,16 @@ impl Stage {
         self.engine.report()
     }
 
-    /// Of the last full picture.
-    pub(super) fn plan(&self) -> Option<&Plan> {
-        self.engine.plan()
+    /// How many samples a pixel of a full picture has.
+    pub(super) fn samples(&self) -> u32 {
+        self.engine.sampling().map_or(1, |sampling| sampling.samples)
+    }
+
+    /// What a frame calls for; `made` if it is the last full picture.
+    pub(super) fn planned(&mut self, frame: u32, made: bool) -> Result<Vec<Planned>, EngineError> {
+        let time = self.timeline().time_of(frame);
+        let plan = if made { self.engine.plan() } else { self.engine.plan_at(time)? };
+        Ok(plan.map(Planned::all).unwrap_or_default())
     }
 
     /// A picture of a frame; `None` if it was cancelled.

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::mailbox::Detail;
 use crate::engine::{EngineError, FrameReport};
 use crate::scene::{LoadError, Place, ScriptMistake};
 use crate::systems::{Effect, Plan};
@@ -21,11 +22,13 @@ pub struct State {
     pub frames: u32,
     /// In a second.
     pub rate: f64,
+    /// How good pictures are asked to be.
+    pub detail: Detail,
     /// Of the film, in pixels: width and height.
     pub film: (u32, u32),
     /// The latest picture.
     pub picture: Option<PictureInfo>,
-    /// The last full picture before the last edit.
+    /// The last picture before the last edit, not a coarse one if there is another.
     pub before: Option<PictureInfo>,
     /// Is a better picture under way?
     pub rendering: bool,
@@ -33,7 +36,7 @@ pub struct State {
     pub mistakes: Option<Mistakes>,
     /// What is wrong with this frame.
     pub frame_mistakes: Option<Mistakes>,
-    /// What the frame of the last full picture calls for.
+    /// What the frame of the last picture calls for that was not coarse.
     pub plan: Vec<Planned>,
     /// What the last reload and the latest picture took.
     pub times: Times,
@@ -56,6 +59,8 @@ pub struct PictureInfo {
     pub height: u32,
     /// As it is rendered to a file, bit for bit?
     pub full: bool,
+    /// Coarse, for lack of time?
+    pub coarse: bool,
 }
 
 /// What is wrong.

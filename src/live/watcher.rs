@@ -92,13 +92,11 @@ impl Watcher {
         lock(&self.files).look();
     }
 
-    /// Keeps to these files from now on, whether they are there or not. Says whether one that joined was written after `since`:
-    /// whoever began to read it then may have read something else.
-    #[must_use]
-    pub fn follow(&self, files: &[PathBuf], since: SystemTime) -> bool {
-        let late = lock(&self.files).follow(files, since);
+    /// Keeps to these files from now on, whether they are there or not. They were read since `since`, after a
+    /// [`look`](Self::look) at those that were known; what has been written in the meantime is a change.
+    pub fn follow(&self, files: &[PathBuf], since: SystemTime) {
+        lock(&self.files).follow(files, since);
         let _ = self.messages.send(Message::WatchAgain);
-        late
     }
 }
 
@@ -143,7 +141,11 @@ impl Lookout {
                 Ok(message) => self.read(message),
                 Err(RecvTimeoutError::Timeout) => {
                     next_beat = Instant::now() + self.heartbeat;
-                    self.look_after()
+                    let fresh = lock(&self.files).are_fresh();
+                    match self.look_after() {
+                        Hint::Nothing if fresh => Hint::Look,
+                        hint => hint,
+                    }
                 }
                 Err(RecvTimeoutError::Disconnected) => Hint::Stop,
             };

@@ -47,7 +47,7 @@ impl Stage {
             fs::write(&path, text).unwrap();
         }
         let (sender, events) = channel();
-        let settings = SessionSettings { scene: path, frame: 0, watching: Watching::Events };
+        let settings = SessionSettings { scene: path, frame: 0, watching: Watching::Events, finish: false };
         let session = Session::start(settings, move |event| {
             let _ = sender.send(event);
         });
