@@ -62,8 +62,8 @@
 //! | `components` | what things are: plain data | color, time, timeline | glam, hecs |
 //! | `scene` | RON to world, diagnostics | components, timeline, script, color, time | hecs, glam, ron, serde, annotate_snippets, strsim |
 //! | `systems` | what happens each frame; `prepare` is the only bridge from world to kernel | components, timeline, script, trace, color, time | hecs, glam, rayon |
-//! | `engine` | world, systems and reused buffers | color, time, timeline, components, scene, systems, trace | hecs, glam |
-//! | `output` | frame files, sequences, sheets | trace, color, time | image |
+//! | `engine` | world, systems and reused buffers | color, time, timeline, components, scene, systems, trace | hecs, glam, rayon |
+//! | `output` | frame files, sequences, sheets | trace, color, time | image, rayon |
 //! | `live` | watching and reloading scenes, the preview's server and page | color, time, components, scene, systems, engine, trace, output | notify, axum, tokio, futures_util, serde, serde_json |
 //! | `main`, `cli` | arguments to settings to calls, and all printing; binary only | rayreel | glam, clap, clap_complete, csv, indicatif, ctrlc, anyhow, rayon, serde_json |
 
