@@ -73,9 +73,19 @@ impl Files {
         self.0.iter().any(touched)
     }
 
-    /// Could something else be in a file though the file system does not tell?
-    pub(super) fn are_fresh(&self) -> bool {
-        self.0.values().any(|seen| seen.fresh)
+    /// Does any file hold something else though its stamp is the same? Reads those only that were written so recently that their
+    /// stamps may not tell. What is being written has another stamp, and is left alone.
+    pub(super) fn differ_unstamped(&mut self) -> bool {
+        let mut differ = false;
+        for (path, seen) in self.0.iter_mut().filter(|(_, seen)| seen.fresh) {
+            let now = Seen::now(path);
+            if now.stamp == seen.stamp {
+                let same = now.content == seen.content;
+                *seen = if same { now } else { Seen { content: Content::Unknown, ..now } };
+                differ |= !same;
+            }
+        }
+        differ
     }
 
     /// Reads all files again, and says whether any holds something else.
@@ -167,4 +177,34 @@ fn chain(path: &Path) -> Vec<PathBuf> {
     // The folder itself may be a link.
     chain.extend(fs::canonicalize(path));
     chain
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_stamps_do_not_tell_is_found_while_it_may_be_so() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("ball.ron");
+        fs::write(&path, "first").unwrap();
+        for (fresh, expected) in [(false, false), (true, true)] {
+            // As if it had held something else a moment ago, and its stamp had been the same.
+            let seen = Seen { content: Content::Bytes(0), fresh, ..Seen::now(&path) };
+            let mut files = Files(BTreeMap::from([(path.clone(), seen)]));
+            assert!(!files.are_touched());
+            assert_eq!(files.differ_unstamped(), expected);
+            assert_eq!(files.are_touched(), expected);
+            assert!(files.look() && !files.look() && !files.differ_unstamped());
+        }
+        assert!(Seen::now(&path).fresh);
+        let long_ago = SystemTime::now() - 2 * STAMP_TICK;
+        let seen = Seen {
+            fresh: true,
+            stamp: Some(Stamp { modified: Some(long_ago), ..Stamp::now(&path).unwrap() }),
+            ..Seen::now(&path)
+        };
+        // What is being written is left to whoever waits until it is.
+        assert!(!Files(BTreeMap::from([(path, seen)])).differ_unstamped());
+    }
 }

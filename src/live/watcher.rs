@@ -141,9 +141,8 @@ impl Lookout {
                 Ok(message) => self.read(message),
                 Err(RecvTimeoutError::Timeout) => {
                     next_beat = Instant::now() + self.heartbeat;
-                    let fresh = lock(&self.files).are_fresh();
                     match self.look_after() {
-                        Hint::Nothing if fresh => Hint::Look,
+                        Hint::Nothing if lock(&self.files).differ_unstamped() => Hint::Look,
                         hint => hint,
                     }
                 }
