@@ -22,6 +22,8 @@ mod http;
 mod model;
 #[path = "reload/random.rs"]
 mod random;
+#[path = "oracle/splitmix.rs"]
+mod splitmix;
 
 use http::request;
 use model::Model;

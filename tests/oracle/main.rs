@@ -18,6 +18,7 @@ mod journeys;
 mod primary;
 mod random;
 mod secondary;
+mod splitmix;
 
 use random::Random;
 

@@ -96,7 +96,7 @@ fn compare(
     tally: &mut Tally,
     about: &impl Fn() -> String,
 ) {
-    for _ in 0..=random.below(2) {
+    for _ in 0..=random.index(2) {
         let time = Time::from_ratio(random.bits() % 24, 10).unwrap();
         match (engine.render_at(time), cold.render_at(time)) {
             (Ok(film), Ok(expected)) => {
@@ -128,8 +128,8 @@ fn scribble(engine: &mut Engine, random: &mut Random) {
     let world = engine.world_mut();
     let mut entities: Vec<_> = world.iter().map(|entity| entity.entity()).collect();
     entities.sort();
-    let entity = entities[random.below(entities.len())];
-    match random.below(4) {
+    let entity = entities[random.index(entities.len())];
+    match random.index(4) {
         0 => world.despawn(entity).unwrap(),
         1 => world.insert_one(entity, "a note").unwrap(),
         2 => {

@@ -10,3 +10,5 @@ mod edits;
 mod kept;
 mod model;
 mod random;
+#[path = "../oracle/splitmix.rs"]
+mod splitmix;

@@ -38,12 +38,12 @@ const SETTINGS: [&str; 8] =
 impl Model {
     pub(crate) fn new(random: &mut Random) -> Self {
         let mut model =
-            Self { scene: Document::default(), part: Document::default(), row: random.below(4), names: 0 };
+            Self { scene: Document::default(), part: Document::default(), row: random.index(4), names: 0 };
         model.scene.settings = SETTINGS.map(|field| (field, setting(field, &[], random))).into();
-        for _ in 0..random.below(8) {
+        for _ in 0..random.index(8) {
             model.insert(random, false);
         }
-        for _ in 0..random.below(4) {
+        for _ in 0..random.index(4) {
             model.insert(random, true);
         }
         for document in [&mut model.scene, &mut model.part] {
@@ -64,10 +64,10 @@ impl Model {
     /// Changes something. What comes of it may be no scene any more.
     pub(crate) fn edit(&mut self, random: &mut Random) {
         let in_part = random.once_in(4);
-        match random.below(16) {
+        match random.index(16) {
             0 | 1 => self.insert(random, in_part),
             2 => self.rename(random, in_part),
-            3 => self.row = random.below(5),
+            3 => self.row = random.index(5),
             4 => change_settings(&mut self.scene, random),
             5 => change_cameras(&mut self.scene, random),
             6 => change_shots(&mut self.scene, random),
@@ -79,7 +79,7 @@ impl Model {
                     9 => document.reorder(random),
                     10..=12 => document.change(random),
                     13 => {
-                        let index = random.below(document.materials.len());
+                        let index = random.index(document.materials.len());
                         document.materials[index] = material(random);
                     }
                     _ => document.change_animations(random),
@@ -93,7 +93,7 @@ impl Model {
         let document = if in_part { &mut self.part } else { &mut self.scene };
         let names = document.names();
         let fields = [0, 1, 2, 3].map(|which| field(which, &names, random));
-        let at = random.below(document.things.len() + 1);
+        let at = random.index(document.things.len() + 1);
         document.things.insert(at, Thing { name, fields });
     }
 
@@ -109,9 +109,9 @@ impl Model {
         if document.things.is_empty() {
             return;
         }
-        let (one, other) = (random.below(document.things.len()), random.below(document.things.len()));
+        let (one, other) = (random.index(document.things.len()), random.index(document.things.len()));
         let name = document.things[one].name.take();
-        document.things[one].name = match (name, random.below(4)) {
+        document.things[one].name = match (name, random.index(4)) {
             (name, 0) if one != other => std::mem::replace(&mut document.things[other].name, name),
             (_, 1) => None,
             (Some(name), 2 | 3) => {
@@ -170,7 +170,7 @@ impl Document {
         if self.things.is_empty() {
             return;
         }
-        let gone = self.things.remove(random.below(self.things.len()));
+        let gone = self.things.remove(random.index(self.things.len()));
         if let Some(name) = gone.name {
             self.animate.retain(|animation| !animation.contains(&name));
             for thing in &mut self.things {
@@ -183,24 +183,24 @@ impl Document {
 
     fn reorder(&mut self, random: &mut Random) {
         if !self.things.is_empty() {
-            let thing = self.things.remove(random.below(self.things.len()));
-            let at = random.below(self.things.len() + 1);
+            let thing = self.things.remove(random.index(self.things.len()));
+            let at = random.index(self.things.len() + 1);
             self.things.insert(at, thing);
         }
     }
 
     fn change(&mut self, random: &mut Random) {
         if !self.things.is_empty() {
-            let (at, which) = (random.below(self.things.len()), random.below(4));
+            let (at, which) = (random.index(self.things.len()), random.index(4));
             self.things[at].fields[which] = field(which, &self.names(), random);
         }
     }
 
     fn change_animations(&mut self, random: &mut Random) {
         if !self.animate.is_empty() && random.once_in(3) {
-            self.animate.remove(random.below(self.animate.len()));
+            self.animate.remove(random.index(self.animate.len()));
         } else {
-            let at = random.below(self.animate.len() + 1);
+            let at = random.index(self.animate.len() + 1);
             self.animate.insert(at, animation(&self.names(), self.settings.is_empty(), random));
         }
     }
@@ -223,7 +223,7 @@ fn include(name: &str, rest: &str) -> String {
 
 fn change_settings(scene: &mut Document, random: &mut Random) {
     let names = scene.names();
-    let at = random.below(SETTINGS.len());
+    let at = random.index(SETTINGS.len());
     scene.settings[at].1 = setting(SETTINGS[at], &names, random);
 }
 
@@ -233,7 +233,7 @@ fn change_cameras(scene: &mut Document, random: &mut Random) {
     if random.once_in(4) {
         scene.shots.retain(|shot| !shot.contains(name));
     } else {
-        let at = random.below(scene.cameras.len() + 1);
+        let at = random.index(scene.cameras.len() + 1);
         scene.cameras.insert(at, (name.to_owned(), camera(&scene.names(), random)));
     }
     // One camera may do without the other.
@@ -244,19 +244,19 @@ fn change_cameras(scene: &mut Document, random: &mut Random) {
 
 fn change_shots(scene: &mut Document, random: &mut Random) {
     let cameras: Vec<&str> = scene.cameras.iter().map(|(name, _)| name.as_str()).chain(["camera"]).collect();
-    scene.shots = (0..random.below(4))
+    scene.shots = (0..random.index(4))
         .map(|at| format!("({:?}, \"{}\")", at as f64 * 0.75 + random.share() / 4.0, random.pick(&cameras)))
         .collect();
 }
 
 fn change_includes(scene: &mut Document, random: &mut Random) {
-    match random.below(4) {
+    match random.index(4) {
         0 => scene.spawns = !scene.spawns,
         1 if !scene.includes.is_empty() => {
-            scene.includes.remove(random.below(scene.includes.len()));
+            scene.includes.remove(random.index(scene.includes.len()));
         }
         _ => {
-            let name = ["p", "q"][random.below(2)];
+            let name = ["p", "q"][random.index(2)];
             scene.includes.retain(|(known, _)| *known != name);
             let place = if random.once_in(2) { format!(", {}", transform(random)) } else { String::new() };
             scene.includes.push((name, place));
@@ -269,14 +269,14 @@ fn setting(field: &str, names: &[String], random: &mut Random) -> String {
         "timeline" => format!("(fps: {}, duration: 2.5)", random.pick(&["2", "24", "(30000, 1001)"])),
         "film" => {
             let transfer = random.pick(&["Classic", "Srgb"]);
-            format!("(width: {}, height: {}, transfer: {transfer})", 8 + random.below(9), 6 + random.below(5))
+            format!("(width: {}, height: {}, transfer: {transfer})", 8 + random.index(9), 6 + random.index(5))
         }
-        "quality" => format!("(depth: {}, cutoff: {})", 1 + random.below(4), random.below(3)),
+        "quality" => format!("(depth: {}, cutoff: {})", 1 + random.index(4), random.index(3)),
         "sampling" => format!(
             "(samples: {}, instants: {}, seed: {}, noise: {})",
-            1 + random.below(4),
-            1 + random.below(3),
-            random.below(3),
+            1 + random.index(4),
+            1 + random.index(3),
+            random.index(3),
             random.pick(&["Fixed", "PerFrame"])
         ),
         "camera" => camera(names, random),
@@ -292,7 +292,7 @@ fn camera(names: &[String], random: &mut Random) -> String {
     let (x, y) = (random.number(), random.number());
     let mut text = format!("(position: ({x:?}, {y:?}, -9)");
     let name = |random: &mut Random| {
-        (!names.is_empty() && random.once_in(4)).then(|| names[random.below(names.len())].clone())
+        (!names.is_empty() && random.once_in(4)).then(|| names[random.index(names.len())].clone())
     };
     match (name(random), random.once_in(2)) {
         (Some(name), _) => text += &format!(", look_at: \"{name}\""),
@@ -304,9 +304,9 @@ fn camera(names: &[String], random: &mut Random) -> String {
             text += &format!(", {link}: \"{name}\"");
         }
     }
-    match random.below(3) {
+    match random.index(3) {
         0 => text += ", screen: (distance: 1, height: 1)",
-        1 => text += &format!(", fov: {}", 30 + random.below(40)),
+        1 => text += &format!(", fov: {}", 30 + random.index(40)),
         _ => {}
     }
     if random.once_in(3) {
@@ -316,7 +316,7 @@ fn camera(names: &[String], random: &mut Random) -> String {
         text += ", shutter: 0.5";
     }
     if random.once_in(3) {
-        text += &format!(", roll: {}", random.below(90));
+        text += &format!(", roll: {}", random.index(90));
     }
     text + ")"
 }
@@ -328,7 +328,7 @@ fn material(random: &mut Random) -> String {
         text += &format!(", ambient_color: {}", random.color());
     }
     if random.once_in(3) {
-        text += &format!(", specular: (k_s: {:?}, shininess: {})", random.share(), random.below(50));
+        text += &format!(", specular: (k_s: {:?}, shininess: {})", random.share(), random.index(50));
     }
     if random.once_in(3) {
         text += &format!(", reflective: (k_r: {:?})", random.share());
@@ -359,19 +359,19 @@ fn field(which: usize, names: &[String], random: &mut Random) -> String {
         0 if random.once_in(8) => String::new(),
         0 => transform(random),
         1 if names.is_empty() || !random.once_in(3) => String::new(),
-        1 => format!("parent: \"{}\"", names[random.below(names.len())]),
+        1 => format!("parent: \"{}\"", names[random.index(names.len())]),
         2 => {
-            let shape = match random.below(6) {
+            let shape = match random.index(6) {
                 0 => return String::new(),
                 1 => format!("Plane(normal: (0, 1, {:?}))", random.number()),
                 2 | 3 => format!("Box(size: (1, {:?}, 2))", 0.5 + random.share()),
                 _ => format!("Sphere(radius: {:?})", 0.25 + random.share()),
             };
-            format!("shape: {shape}, material: \"m{}\"", random.below(3))
+            format!("shape: {shape}, material: \"m{}\"", random.index(3))
         }
         _ => {
             let intensity = random.light();
-            match random.below(10) {
+            match random.index(10) {
                 8 => format!("light: Point(intensity: {intensity}, casts_shadows: false)"),
                 9 => format!(
                     "light: Area(shape: Rectangle(width: 1, height: {:?}), intensity: {intensity}, samples: 3)",
@@ -391,8 +391,8 @@ fn field(which: usize, names: &[String], random: &mut Random) -> String {
 
 fn animation(names: &[String], in_part: bool, random: &mut Random) -> String {
     let keys = |from: String, to: String| format!("Keys([(0, {from}), (2, {to}, InOutSine)])");
-    let name = if names.is_empty() { String::new() } else { names[random.below(names.len())].clone() };
-    let (target, channel, track) = match random.below(if in_part { 8 } else { 12 }) {
+    let name = if names.is_empty() { String::new() } else { names[random.index(names.len())].clone() };
+    let (target, channel, track) = match random.index(if in_part { 8 } else { 12 }) {
         0 => (name, "Translation", keys(random.triple(), random.triple())),
         1 => (name, "Rotation", keys(format!("Euler{}", random.triple()), "Euler(0, 90, 0)".to_owned())),
         2 => (
@@ -404,11 +404,11 @@ fn animation(names: &[String], in_part: bool, random: &mut Random) -> String {
         4 => {
             let channel = random.pick(&["Ka", "Kd", "Kr", "Ks"]);
             let keys = keys(format!("{:?}", random.share()), format!("{:?}", random.share()));
-            return format!("(material: \"m{}\", channel: {channel}, track: {keys})", random.below(3));
+            return format!("(material: \"m{}\", channel: {channel}, track: {keys})", random.index(3));
         }
         5 => {
-            let other = if names.is_empty() { "camera" } else { &names[random.below(names.len())] };
-            let script = match random.below(3) {
+            let other = if names.is_empty() { "camera" } else { &names[random.index(names.len())] };
+            let script = match random.index(3) {
                 0 => "base + [0, sin(t), index]".to_owned(),
                 1 => "[floor(t), 0, 0]".to_owned(),
                 _ => format!("value(`{other}`, `Translation`) + [1, t, 0]"),
