@@ -53,10 +53,12 @@ impl Files {
     pub(super) fn follow(&mut self, paths: &[PathBuf], since: SystemTime) {
         let before = std::mem::take(&mut self.0);
         for path in paths {
-            let mut seen = before.get(path).copied().unwrap_or_else(|| Seen::now(path));
-            let written_since = match before.contains_key(path) {
-                true => seen.stamp != Stamp::now(path),
-                false => seen.stamp.is_some_and(|stamp| stamp.latest() + CLOCK_TICK > since),
+            let (mut seen, written_since) = match before.get(path) {
+                Some(seen) => (*seen, seen.stamp != Stamp::now(path)),
+                None => {
+                    let seen = Seen::now(path);
+                    (seen, seen.stamp.is_some_and(|stamp| stamp.latest() + CLOCK_TICK > since))
+                }
             };
             if written_since {
                 seen.content = Content::Unknown;
