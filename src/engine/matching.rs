@@ -1,42 +1,60 @@
 //! Which entities of a world are those of another scene.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use glam::DVec3;
-use hecs::{Entity, Query, QueryBorrow, Satisfies, World};
+use hecs::{Archetype, ArchetypeColumn, Entity, World};
+use rayon::prelude::*;
 
+use super::translation::Translation;
 use crate::components::{Material, Name, Order, Shape, Transform};
 
 /// Which is which.
 pub(super) struct Matching {
-    /// The entities of the scene in document order, each with the one of the world that goes on as it.
-    pub(super) pairs: Vec<(Entity, Option<Entity>)>,
+    /// The entities of the world that go on as those of the scene.
+    pub(super) own: Translation,
+    /// The entities of the scene that the world does not have, in document order.
+    pub(super) new: Vec<Entity>,
+    /// The entities of the scene that have components of other types than in the world.
+    pub(super) of_other_types: Vec<Entity>,
     /// The entities of the world that the scene does not have.
     pub(super) gone: Vec<Entity>,
     /// Are the same entities drawn, in the same order?
     pub(super) same_drawn: bool,
 }
 
-type ThingQuery<'a> = (
-    Entity,
-    Option<&'a Order>,
-    Option<&'a Name>,
-    Option<&'a Transform>,
-    Option<&'a Shape>,
-    Satisfies<&'a Material>,
-);
-
-/// What is to be known of an entity.
-struct Thing<'a> {
-    entity: Entity,
-    order: u64,
+/// The entities of a world with components of the same types.
+struct Table<'a> {
+    entities: Vec<Entity>,
+    orders: Option<&'a [Order]>,
+    names: Option<&'a [Name]>,
+    transforms: Option<&'a [Transform]>,
+    shapes: Option<&'a [Shape]>,
     drawn: bool,
-    known_by: KnownBy<'a>,
 }
 
-enum KnownBy<'a> {
-    Name(&'a str),
-    Content(Option<&'a Transform>, Option<&'a Shape>),
+/// What a table borrows.
+struct Columns<'a> {
+    archetype: &'a Archetype,
+    orders: Option<ArchetypeColumn<'a, Order>>,
+    names: Option<ArchetypeColumn<'a, Name>>,
+    transforms: Option<ArchetypeColumn<'a, Transform>>,
+    shapes: Option<ArchetypeColumn<'a, Shape>>,
+}
+
+/// All entities of a world, in document order.
+struct Things<'a> {
+    tables: &'a [Table<'a>],
+    places: Vec<Place>,
+}
+
+/// Where the components of an entity are.
+#[derive(Clone, Copy)]
+struct Place {
+    order: u64,
+    table: u32,
+    row: u32,
 }
 
 /// What an entity is recognised by: the name, or else what it is and where. Materials do not count: they alone are animated in
@@ -49,81 +67,209 @@ enum Mark<'a> {
 
 impl Matching {
     pub(super) fn of(world: &World, scene: &World) -> Self {
-        let (mut world, mut scene) = (world.query::<ThingQuery<'_>>(), scene.query::<ThingQuery<'_>>());
-        let (old, new) = rayon::join(|| in_document_order(&mut world), || in_document_order(&mut scene));
-        let found = find(&old, &new);
-        let pairs = new.iter().zip(&found).map(|(new, place)| (new.entity, place.map(|at| old[at].entity)));
-        let drawn_before = old.iter().filter(|thing| thing.drawn).map(|thing| Some(thing.entity));
-        let drawn_now = new.iter().zip(&found).filter(|(thing, _)| thing.drawn);
-        Self {
-            same_drawn: drawn_before.eq(drawn_now.map(|(_, place)| place.map(|at| old[at].entity))),
-            pairs: pairs.collect(),
-            gone: not_found(&old, &found).map(|at| old[at].entity).collect(),
+        let (old_columns, new_columns) = (columns(world), columns(scene));
+        let types = same_types(&old_columns, &new_columns);
+        let (old, new) = (tables(world, &old_columns), tables(scene, &new_columns));
+        if let Some(own) = in_place(&old, &new, &types) {
+            return Self {
+                own,
+                new: Vec::new(),
+                of_other_types: Vec::new(),
+                gone: Vec::new(),
+                same_drawn: true,
+            };
         }
+        let (old, new) = rayon::join(|| Things::in_document_order(&old), || Things::in_document_order(&new));
+        Self::pair(&old, &new, &types)
     }
-}
 
-fn in_document_order<'a>(all: &'a mut QueryBorrow<'_, ThingQuery<'_>>) -> Vec<Thing<'a>> {
-    let thing =
-        |(entity, order, name, transform, shape, material): <ThingQuery<'a> as Query>::Item<'a>| Thing {
-            entity,
-            order: order.map_or(u64::MAX, |order| order.0),
-            drawn: shape.is_some() && material,
-            known_by: match name {
-                Some(name) => KnownBy::Name(&name.0),
-                None => KnownBy::Content(transform, shape),
-            },
+    fn pair(old: &Things<'_>, new: &Things<'_>, types: &[Option<usize>]) -> Self {
+        let found = Found::of(old, new);
+        let mut matching = Self {
+            own: Translation::of_many(new.len()),
+            new: Vec::new(),
+            of_other_types: Vec::new(),
+            gone: found.missed().map(|at| old.entity(at)).collect(),
+            same_drawn: true,
         };
-    let mut things: Vec<Thing<'a>> = all.iter().map(thing).collect();
-    things.sort_by_key(|thing| (thing.order, thing.entity.id()));
-    things
-}
-
-/// For each of `new` its place in `old`: by name; without one by content, then by position among those that are left.
-fn find(old: &[Thing<'_>], new: &[Thing<'_>]) -> Vec<Option<usize>> {
-    let alike = |(old, new): &(&Thing<'_>, &Thing<'_>)| old.mark() == new.mark();
-    let head = old.iter().zip(new).take_while(alike).count();
-    let backwards = old[head..].iter().rev().zip(new[head..].iter().rev());
-    let tail = backwards.take_while(alike).count();
-    let (old_end, new_end) = (old.len() - tail, new.len() - tail);
-
-    let mut places: HashMap<Mark<'_>, Vec<usize>> = HashMap::new();
-    for at in (head..old_end).rev() {
-        places.entry(old[at].mark()).or_default().push(at);
-    }
-    let mut found: Vec<Option<usize>> = (0..head).map(Some).collect();
-    found.extend(new[head..new_end].iter().map(|thing| places.get_mut(&thing.mark())?.pop()));
-    found.extend((old_end..old.len()).map(Some));
-
-    let left: Vec<usize> = not_found(old, &found).filter(|at| !old[*at].is_named()).collect();
-    let lost = found.iter_mut().zip(new).filter(|(place, thing)| place.is_none() && !thing.is_named());
-    for ((place, _), at) in lost.zip(left) {
-        *place = Some(at);
-    }
-    found
-}
-
-/// The places that are not among those found.
-fn not_found(old: &[Thing<'_>], found: &[Option<usize>]) -> impl Iterator<Item = usize> + use<> {
-    let mut is_found = vec![false; old.len()];
-    for at in found.iter().flatten() {
-        is_found[*at] = true;
-    }
-    is_found.into_iter().enumerate().filter_map(|(at, is_found)| (!is_found).then_some(at))
-}
-
-impl<'a> Thing<'a> {
-    fn is_named(&self) -> bool {
-        matches!(self.known_by, KnownBy::Name(_))
-    }
-
-    fn mark(&self) -> Mark<'a> {
-        match self.known_by {
-            KnownBy::Name(name) => Mark::Name(name),
-            KnownBy::Content(transform, shape) => {
-                Mark::Content(transform.map_or([0; 10], placed), shape.map_or([0; 4], shaped))
+        let mut drawn_before = (0..old.len()).filter(|at| old.table(*at).drawn);
+        for at in 0..new.len() {
+            let (entity, place) = (new.entity(at), found.place(at));
+            if new.table(at).drawn {
+                matching.same_drawn &= place.is_some() && drawn_before.next() == place;
+            }
+            match place {
+                None => matching.new.push(entity),
+                Some(place) => {
+                    matching.own.insert(entity, old.entity(place));
+                    if types[new.places[at].table as usize] != Some(old.places[place].table as usize) {
+                        matching.of_other_types.push(entity);
+                    }
+                }
             }
         }
+        matching.same_drawn &= drawn_before.next().is_none();
+        matching
+    }
+}
+
+impl<'a> Columns<'a> {
+    fn of(archetype: &'a Archetype) -> Self {
+        Self {
+            archetype,
+            orders: archetype.get::<&Order>(),
+            names: archetype.get::<&Name>(),
+            transforms: archetype.get::<&Transform>(),
+            shapes: archetype.get::<&Shape>(),
+        }
+    }
+}
+
+fn columns(world: &World) -> Vec<Columns<'_>> {
+    world.archetypes().map(Columns::of).collect()
+}
+
+/// The world's archetypes one after the other, as its entities are.
+fn tables<'a>(world: &World, columns: &'a [Columns<'_>]) -> Vec<Table<'a>> {
+    let mut entities = world.query::<Entity>();
+    let mut entities = entities.iter();
+    let table = |columns: &'a Columns<'_>| Table {
+        entities: entities.by_ref().take(columns.archetype.len() as usize).collect(),
+        orders: columns.orders.as_deref(),
+        names: columns.names.as_deref(),
+        transforms: columns.transforms.as_deref(),
+        shapes: columns.shapes.as_deref(),
+        drawn: columns.shapes.is_some() && columns.archetype.has::<Material>(),
+    };
+    columns.iter().map(table).collect()
+}
+
+/// For each of `new` the one of `old` that has components of the same types.
+fn same_types(old: &[Columns<'_>], new: &[Columns<'_>]) -> Vec<Option<usize>> {
+    let same = |old: &Columns<'_>, new: &Columns<'_>| {
+        old.archetype.component_types().eq(new.archetype.component_types())
+    };
+    new.iter().map(|new| old.iter().position(|old| same(old, new))).collect()
+}
+
+/// The entities of the world, if they are stored as those of the scene are: one after the other they have the same marks, the same
+/// places in document order and components of the same types. So it is after most edits.
+fn in_place(old: &[Table<'_>], new: &[Table<'_>], types: &[Option<usize>]) -> Option<Translation> {
+    let count = |tables: &[Table<'_>]| -> usize { tables.iter().map(|table| table.entities.len()).sum() };
+    if count(old) != count(new) {
+        return None;
+    }
+    let mut own = Translation::of_many(count(new));
+    for (new, types) in new.iter().zip(types).filter(|(new, _)| !new.entities.is_empty()) {
+        let old = &old[(*types)?];
+        let alike = |row: usize| old.order(row) == new.order(row) && old.mark(row) == new.mark(row);
+        let rows = new.entities.len();
+        if old.entities.len() != rows || !(0..rows).into_par_iter().all(alike) {
+            return None;
+        }
+        for (new, old) in new.entities.iter().zip(&old.entities) {
+            own.insert(*new, *old);
+        }
+    }
+    Some(own)
+}
+
+impl<'a> Table<'a> {
+    fn order(&self, row: usize) -> u64 {
+        self.orders.map_or(u64::MAX, |orders| orders[row].0)
+    }
+
+    fn mark(&self, row: usize) -> Mark<'a> {
+        match self.names {
+            Some(names) => Mark::Name(&names[row].0),
+            None => Mark::Content(
+                self.transforms.map_or([0; 10], |transforms| placed(&transforms[row])),
+                self.shapes.map_or([0; 4], |shapes| shaped(&shapes[row])),
+            ),
+        }
+    }
+}
+
+impl<'a> Things<'a> {
+    fn in_document_order(tables: &'a [Table<'a>]) -> Self {
+        let mut places = Vec::with_capacity(tables.iter().map(|table| table.entities.len()).sum());
+        for (table, index) in tables.iter().zip(0..) {
+            let rows = (0..table.entities.len()).zip(0..);
+            places.extend(rows.map(|(at, row)| Place { order: table.order(at), table: index, row }));
+        }
+        let id = |place: &Place| tables[place.table as usize].entities[place.row as usize].id();
+        places.sort_by(|a, b| a.order.cmp(&b.order).then_with(|| id(a).cmp(&id(b))));
+        Self { tables, places }
+    }
+
+    fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    fn table(&self, at: usize) -> &Table<'a> {
+        &self.tables[self.places[at].table as usize]
+    }
+
+    fn entity(&self, at: usize) -> Entity {
+        self.table(at).entities[self.places[at].row as usize]
+    }
+
+    fn is_named(&self, at: usize) -> bool {
+        self.table(at).names.is_some()
+    }
+
+    fn mark(&self, at: usize) -> Mark<'a> {
+        self.table(at).mark(self.places[at].row as usize)
+    }
+}
+
+/// Where those of a new list are in an old one: at the beginning and at the end of both they are alike, one after the other.
+struct Found {
+    middle: Vec<Option<usize>>,
+    old: Range<usize>,
+    new: Range<usize>,
+}
+
+impl Found {
+    /// By name; without one by content, then by position among those that are left.
+    fn of(old: &Things<'_>, new: &Things<'_>) -> Self {
+        let shorter = old.len().min(new.len());
+        let differ = |at: usize| old.mark(at) != new.mark(at);
+        let head = (0..shorter).into_par_iter().position_first(differ).unwrap_or(shorter);
+        let alike = |back: &usize| old.mark(old.len() - back) == new.mark(new.len() - back);
+        let tail = (1..=shorter - head).take_while(alike).count();
+        let mut found = Self { middle: Vec::new(), old: head..old.len() - tail, new: head..new.len() - tail };
+
+        let mut places: HashMap<Mark<'_>, Vec<usize>> = HashMap::new();
+        for at in found.old.clone().rev() {
+            places.entry(old.mark(at)).or_default().push(at);
+        }
+        found.middle = found.new.clone().map(|at| places.get_mut(&new.mark(at))?.pop()).collect();
+
+        let left: Vec<usize> = found.missed().filter(|at| !old.is_named(*at)).collect();
+        let places = found.middle.iter_mut().zip(found.new.clone());
+        let lost = places.filter(|(place, at)| place.is_none() && !new.is_named(*at));
+        for ((place, _), at) in lost.zip(left) {
+            *place = Some(at);
+        }
+        found
+    }
+
+    fn place(&self, at: usize) -> Option<usize> {
+        match at {
+            _ if at < self.new.start => Some(at),
+            _ if at < self.new.end => self.middle[at - self.new.start],
+            _ => Some(at - self.new.end + self.old.end),
+        }
+    }
+
+    /// The places in the old list that are not among those found.
+    fn missed(&self) -> impl Iterator<Item = usize> + use<> {
+        let mut is_found = vec![false; self.old.len()];
+        for at in self.middle.iter().flatten() {
+            is_found[at - self.old.start] = true;
+        }
+        self.old.clone().zip(is_found).filter_map(|(at, is_found)| (!is_found).then_some(at))
     }
 }
 

@@ -9,6 +9,7 @@ mod probe;
 mod reload;
 mod report;
 mod run;
+mod translation;
 
 pub use cast::{Hit, IntoRay, Ray};
 pub use probe::Probe;

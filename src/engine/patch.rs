@@ -1,187 +1,142 @@
 //! Turns a world into that of another scene, with as little as possible changed.
 
-use hecs::{Entity, World};
+use hecs::{Component, Entity, World};
 
 use super::matching::{Matching, placed, shaped};
+use super::translation::Translation;
 use crate::components::{
-    Ambient, Animated, Background, Camera, Checker, FilmSettings, Fog, Follow, Light, LookAt, Material, Name,
-    Order, Parent, Quality, Reflective, Refractive, Sampling, Shape, Shots, Specular, Transform,
+    Ambient, Animated, Background, Camera, Checker, FilmSettings, Fog, Follow, Light, LookAt, Material,
+    Order, Parent, Quality, Reflective, Refractive, Sampling, Shots, Specular,
 };
 use crate::systems::Changes;
-
-/// All components of a scene, if an entity has them, but those that are derived from others.
-type Written<'a> = (
-    (Option<&'a mut Name>, Option<&'a mut Order>, Option<&'a mut Animated>),
-    (Option<&'a mut Transform>, Option<&'a mut Parent>),
-    Option<&'a mut Shape>,
-    (
-        Option<&'a mut Material>,
-        Option<&'a mut Specular>,
-        Option<&'a mut Reflective>,
-        Option<&'a mut Refractive>,
-        Option<&'a mut Checker>,
-    ),
-    (
-        Option<&'a mut Light>,
-        Option<&'a mut Camera>,
-        Option<&'a mut Follow>,
-        Option<&'a mut LookAt>,
-        Option<&'a mut Shots>,
-    ),
-    (
-        Option<&'a mut FilmSettings>,
-        Option<&'a mut Ambient>,
-        Option<&'a mut Background>,
-        Option<&'a mut Fog>,
-        Option<&'a mut Quality>,
-        Option<&'a mut Sampling>,
-    ),
-);
 
 /// Gives `world` the entities and components of `scene`, and says what really changed. It does not matter what has been done to the
 /// world: every component is what the scene says, but for world transforms, which are to be derived again where that is recorded.
 /// Entities with the same name, or without one and with the same content or position, stay who they are.
 pub(super) fn patch(world: &mut World, mut scene: World) -> Changes {
-    let Matching { pairs, gone, same_drawn } = Matching::of(world, &scene);
+    let Matching { mut own, new, of_other_types, gone, same_drawn } = Matching::of(world, &scene);
     let mut changes = Changes::default();
     if !same_drawn {
         changes.anything();
     }
-    for entity in gone {
-        // The entity exists: it was found just now.
-        let _ = world.despawn(entity);
+    for entity in &new {
+        own.insert(*entity, world.reserve_entity());
     }
-    let pairs = with_newcomers(world, &pairs);
-    let own = Translation::of(&pairs);
     translate_links(&mut scene, &own);
-    for (entity, own) in pairs {
-        if !has_same_parts(world, own, &scene, entity)
-            && let Ok(parts) = scene.take(entity)
-        {
+    for entity in new.into_iter().chain(of_other_types) {
+        if let Ok(parts) = scene.take(entity) {
+            let own = own.of(entity);
             world.spawn_at(own, parts);
             changes.transform(own);
             changes.shape(own);
             changes.material(own);
         }
     }
-    let mut view = world.view_mut::<Written<'_>>();
-    for (entity, new) in scene.query_mut::<(Entity, Written<'_>)>() {
-        let own = own.get(entity);
-        if let Some(old) = view.get_mut(own) {
-            write(old, new, own, &mut changes);
-        }
+    write(Columns { world, scene: &scene, own: &own }, &mut changes);
+    for entity in gone {
+        // The entity exists: it was found just now.
+        let _ = world.despawn(entity);
     }
     // What many entities had is given back while the next picture is made.
-    rayon::spawn(move || drop(scene));
+    rayon::spawn(move || drop((scene, own)));
     changes
-}
-
-/// With empty entities for those that the world does not have yet.
-fn with_newcomers(world: &mut World, pairs: &[(Entity, Option<Entity>)]) -> Vec<(Entity, Entity)> {
-    pairs.iter().map(|(entity, own)| (*entity, own.unwrap_or_else(|| world.spawn(())))).collect()
-}
-
-/// The world's entities by those of the scene. Ids of a fresh world are dense, so that a list does.
-struct Translation(Vec<Entity>);
-
-impl Translation {
-    fn of(pairs: &[(Entity, Entity)]) -> Self {
-        let length = pairs.iter().map(|(entity, _)| entity.id() as usize + 1).max().unwrap_or(0);
-        let mut list = vec![Entity::DANGLING; length];
-        for (entity, own) in pairs {
-            list[entity.id() as usize] = *own;
-        }
-        Self(list)
-    }
-
-    fn get(&self, entity: Entity) -> Entity {
-        self.0.get(entity.id() as usize).copied().unwrap_or(Entity::DANGLING)
-    }
 }
 
 /// Lets all components that name entities name those of the world.
 fn translate_links(scene: &mut World, own: &Translation) {
     for parent in scene.query_mut::<&mut Parent>() {
-        parent.0 = own.get(parent.0);
+        parent.0 = own.of(parent.0);
     }
     for followed in scene.query_mut::<&mut Follow>() {
-        followed.0 = own.get(followed.0);
+        followed.0 = own.of(followed.0);
     }
     for looked_at in scene.query_mut::<&mut LookAt>() {
-        looked_at.0 = own.get(looked_at.0);
+        looked_at.0 = own.of(looked_at.0);
     }
     for shots in scene.query_mut::<&mut Shots>() {
         for shot in &mut shots.0 {
-            shot.camera = own.get(shot.camera);
+            shot.camera = own.of(shot.camera);
         }
     }
 }
 
-/// Have two entities components of the same types?
-fn has_same_parts(world: &World, own: Entity, scene: &World, entity: Entity) -> bool {
-    let (Ok(own), Ok(entity)) = (world.entity(own), scene.entity(entity)) else { return false };
-    own.component_types().eq(entity.component_types())
+/// Writes the entities that have components of the same types as before. Names are the same.
+fn write(columns: Columns<'_>, changes: &mut Changes) {
+    let ((moved, resized), painted) = rayon::join(
+        || {
+            let moved = columns.put_bits(placed).into_iter().chain(columns.put_all::<Parent>());
+            (moved, columns.put_bits(shaped))
+        },
+        || {
+            let painted = columns.put_all::<Material>().into_iter();
+            let painted = painted.chain(columns.put_all::<Specular>()).chain(columns.put_all::<Reflective>());
+            let painted = painted.chain(columns.put_all::<Refractive>()).chain(columns.put_all::<Checker>());
+            columns.put_all::<Order>();
+            // What motions write, they record.
+            columns.put(|old: &mut Animated, new| {
+                std::mem::swap(old, new);
+                false
+            });
+            // These are read for every frame.
+            columns.put_all::<Light>();
+            columns.put_all::<Camera>();
+            columns.put_all::<Follow>();
+            columns.put_all::<LookAt>();
+            columns.put_all::<Shots>();
+            columns.put_all::<FilmSettings>();
+            columns.put_all::<Ambient>();
+            columns.put_all::<Background>();
+            columns.put_all::<Fog>();
+            columns.put_all::<Quality>();
+            columns.put_all::<Sampling>();
+            painted
+        },
+    );
+    moved.for_each(|entity| changes.transform(entity));
+    resized.into_iter().for_each(|entity| changes.shape(entity));
+    painted.for_each(|entity| changes.material(entity));
 }
 
-/// Writes an entity that has components of the same types as before.
-fn write(
-    old: <Written<'_> as hecs::Query>::Item<'_>,
-    new: <Written<'_> as hecs::Query>::Item<'_>,
-    own: Entity,
-    changes: &mut Changes,
-) {
-    let (old_identity, old_place, old_shape, old_surface, old_view, old_settings) = old;
-    let (new_identity, new_place, new_shape, new_surface, new_view, new_settings) = new;
-    put(old_identity.0, new_identity.0);
-    put(old_identity.1, new_identity.1);
-    // What motions write, they record.
-    if let (Some(old), Some(new)) = (old_identity.2, new_identity.2) {
-        std::mem::swap(old, new);
-    }
-    if put_bits(old_place.0, new_place.0, placed) | put(old_place.1, new_place.1) {
-        changes.transform(own);
-    }
-    if put_bits(old_shape, new_shape, shaped) {
-        changes.shape(own);
-    }
-    if put(old_surface.0, new_surface.0)
-        | put(old_surface.1, new_surface.1)
-        | put(old_surface.2, new_surface.2)
-        | put(old_surface.3, new_surface.3)
-        | put(old_surface.4, new_surface.4)
-    {
-        changes.material(own);
-    }
-    // These are read for every frame.
-    put(old_view.0, new_view.0);
-    put(old_view.1, new_view.1);
-    put(old_view.2, new_view.2);
-    put(old_view.3, new_view.3);
-    put(old_view.4, new_view.4);
-    put(old_settings.0, new_settings.0);
-    put(old_settings.1, new_settings.1);
-    put(old_settings.2, new_settings.2);
-    put(old_settings.3, new_settings.3);
-    put(old_settings.4, new_settings.4);
-    put(old_settings.5, new_settings.5);
+/// The components of two worlds, type by type.
+#[derive(Clone, Copy)]
+struct Columns<'a> {
+    world: &'a World,
+    scene: &'a World,
+    own: &'a Translation,
 }
 
-/// Puts the new value in place, to the last bit. Is it different?
-fn put<T: PartialEq>(old: Option<&mut T>, new: Option<&mut T>) -> bool {
-    let (Some(old), Some(new)) = (old, new) else { return false };
-    let differs = *old != *new;
-    std::mem::swap(old, new);
-    differs
-}
+impl Columns<'_> {
+    /// The entities of the world for which `put` says that something else is there now.
+    fn put<T: Component>(self, put: impl Fn(&mut T, &mut T) -> bool) -> Vec<Entity> {
+        let (mut old, mut new) = (self.world.query::<&mut T>(), self.scene.query::<(Entity, &mut T)>());
+        let mut old = old.view();
+        let mut changed = Vec::new();
+        for (entity, new) in &mut new {
+            let own = self.own.of(entity);
+            if old.get_mut(own).is_some_and(|old| put(old, new)) {
+                changed.push(own);
+            }
+        }
+        changed
+    }
 
-/// As [`put`], but zeros of another sign are different: world transforms show them.
-fn put_bits<T, const N: usize>(
-    old: Option<&mut T>,
-    new: Option<&mut T>,
-    bits: impl Fn(&T) -> [u64; N],
-) -> bool {
-    let (Some(old), Some(new)) = (old, new) else { return false };
-    let differs = bits(old) != bits(new);
-    std::mem::swap(old, new);
-    differs
+    /// Puts the new values in place, to the last bit.
+    fn put_all<T: Component + PartialEq>(self) -> Vec<Entity> {
+        self.put(|old: &mut T, new| {
+            let differs = *old != *new;
+            std::mem::swap(old, new);
+            differs
+        })
+    }
+
+    /// As [`put_all`](Self::put_all), but zeros of another sign are different: world transforms show them.
+    fn put_bits<T: Component, const N: usize>(self, bits: impl Fn(&T) -> [u64; N]) -> Vec<Entity> {
+        self.put(|old: &mut T, new| {
+            let differs = bits(old) != bits(new);
+            if differs {
+                std::mem::swap(old, new);
+            }
+            differs
+        })
+    }
 }

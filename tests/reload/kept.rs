@@ -168,6 +168,7 @@ fn the_first_camera_is_the_first_in_the_file_whatever_was_there_before() {
     // The entity that goes leaves its id to the camera that comes.
     let mut engine = Engine::from_scene(load(&filmed("(name: \"gone\")", &near)));
     engine.render_frame(0).unwrap();
+    engine.reload(load(&filmed("", &near)));
     let both = filmed("", &format!("{near}, {far}"));
     engine.reload(load(&both));
     assert!(named(&engine, "far").id() < named(&engine, "near").id());

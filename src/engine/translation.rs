@@ -1,0 +1,26 @@
+//! The entities of a world that go on as those of another scene.
+
+use hecs::Entity;
+
+/// By the entities of the scene. Their ids are dense, as its world is fresh, so that a list does.
+pub(super) struct Translation(Vec<Entity>);
+
+impl Translation {
+    /// With room for so many.
+    pub(super) fn of_many(count: usize) -> Self {
+        Self(Vec::with_capacity(count))
+    }
+
+    pub(super) fn insert(&mut self, entity: Entity, own: Entity) {
+        let at = entity.id() as usize;
+        if at >= self.0.len() {
+            self.0.resize(at + 1, Entity::DANGLING);
+        }
+        self.0[at] = own;
+    }
+
+    /// [`Entity::DANGLING`] for one that is not in the scene.
+    pub(super) fn of(&self, entity: Entity) -> Entity {
+        self.0.get(entity.id() as usize).copied().unwrap_or(Entity::DANGLING)
+    }
+}
