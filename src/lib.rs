@@ -60,7 +60,7 @@
 //! | `script` | small programs in scenes, sandboxed | color, time, timeline | glam, rhai |
 //! | `trace` | the kernel: prepared arrays in, film out; no entities, no clock, no files | color | glam, rayon, obvhs |
 //! | `components` | what things are: plain data | color, time, timeline | glam, hecs |
-//! | `scene` | RON to world, diagnostics | components, timeline, script, color, time | hecs, glam, ron, serde, annotate_snippets, strsim |
+//! | `scene` | RON to world, diagnostics | components, timeline, script, color, time | hecs, glam, hashbrown, rayon, ron, serde, annotate_snippets, strsim |
 //! | `systems` | what happens each frame; `prepare` is the only bridge from world to kernel | components, timeline, script, trace, color, time | hecs, glam, rayon |
 //! | `engine` | world, systems and reused buffers | color, time, timeline, components, scene, systems, trace | hecs, glam, rayon |
 //! | `output` | frame files, sequences, sheets | trace, color, time | image, rayon |

@@ -74,7 +74,7 @@ impl Scene {
         let (merged, sources) = files.merge();
         let scripts = compiled.placed(&merged.uses, &sources);
         let kept = keep(sources);
-        let (world, timeline) = spawn(&merged);
+        let (world, timeline) = spawn(merged);
         Ok((Self { world, timeline, files: paths, scripts }, kept))
     }
 }

@@ -70,7 +70,8 @@ pub(crate) struct EntityDocument {
     pub(crate) transform: TransformDocument,
     pub(crate) shape: Option<ShapeDocument>,
     pub(crate) material: Option<String>,
-    pub(crate) light: Option<LightDocument>,
+    /// Few have one, and it is large.
+    pub(crate) light: Option<Box<LightDocument>>,
 }
 
 /// Where it is.

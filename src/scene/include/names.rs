@@ -1,6 +1,7 @@
 //! What is called how in the files of a scene.
 
-use std::collections::HashMap;
+use hashbrown::HashMap;
+use hashbrown::hash_map::Entry;
 
 use super::{Files, SceneFile};
 use crate::scene::document::{EntityDocument, MaterialDocument};
@@ -55,14 +56,22 @@ impl<T> Default for Table<'_, T> {
 }
 
 impl<'a, T> Table<'a, T> {
+    /// Makes room for so many more.
+    fn reserve(&mut self, count: usize) {
+        self.names.reserve(count);
+        self.entries.reserve(count);
+    }
+
     /// Fails, with the one that is there, if the name is taken.
     fn insert(&mut self, name: &'a str, origin: Origin, value: T) -> Result<(), Origin> {
-        if let Some((taken, _)) = self.entries.get(name) {
-            return Err(*taken);
+        match self.entries.entry(name) {
+            Entry::Occupied(taken) => Err(taken.get().0),
+            Entry::Vacant(free) => {
+                self.names.push(name);
+                free.insert((origin, value));
+                Ok(())
+            }
         }
-        self.names.push(name);
-        self.entries.insert(name, (origin, value));
-        Ok(())
     }
 
     pub(super) fn get(&self, name: &str) -> Option<&T> {
@@ -119,6 +128,7 @@ impl<'a> Names<'a> {
             return Self { incomplete: true, ..Self::default() };
         };
         let mut names = Self::default();
+        names.entities.reserve(document.entities.len());
         for (place, (include, part)) in document.include.iter().zip(&file.includes).enumerate() {
             let size = part.map_or(0, |part| parts[part].size);
             names.included = names.included.saturating_add(size).saturating_add(1);

@@ -61,7 +61,7 @@ impl<'a> Scope<'a> {
             Some(Meaning::Entity(entity, file)) => {
                 let material = entity.material.as_deref();
                 let material = material.and_then(|name| self.of(*file).material(name).found());
-                let (shape, light) = (entity.shape.as_ref(), entity.light.as_ref());
+                let (shape, light) = (entity.shape.as_ref(), entity.light.as_deref());
                 Lookup::Found(KnownEntity { shape, light, material })
             }
             Some(Meaning::Part(_)) => Lookup::Found(KnownEntity::default()),

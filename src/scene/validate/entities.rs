@@ -1,6 +1,6 @@
 //! Entities.
 
-use std::collections::HashMap;
+use hashbrown::HashMap;
 
 use super::{At, Named, Problems, check};
 use crate::scene::document::{
@@ -78,7 +78,7 @@ fn names<'a>(
     at: &At<'_>,
     problems: &mut Problems,
 ) -> HashMap<&'a str, usize> {
-    let mut names = HashMap::new();
+    let mut names = HashMap::with_capacity(entities.len());
     for (index, entity) in entities.iter().enumerate() {
         let Some(name) = entity.name.as_deref() else {
             continue;
@@ -123,7 +123,8 @@ fn cycles(entities: &[EntityDocument], names: &HashMap<&str, usize>, at: &At<'_>
     }
     let parent = |index: usize| entities[index].parent.as_deref().and_then(|name| names.get(name).copied());
     let mut states = vec![State::Unseen; entities.len()];
-    for start in 0..entities.len() {
+    let children = (0..entities.len()).filter(|index| entities[*index].parent.is_some());
+    for start in children {
         let mut chain = Vec::new();
         let mut current = Some(start);
         while let Some(index) = current.filter(|index| states[*index] == State::Unseen) {

@@ -1,89 +1,46 @@
 //! From a validated document to a world.
 
-use std::collections::HashMap;
+mod entities;
+
 use std::f64::consts::PI;
 
 use glam::{DQuat, DVec3, Vec3};
+use hashbrown::{HashMap, HashSet};
 use hecs::{Entity, EntityBuilder, World};
 
+use self::entities::{Links, Surface, surface};
 use super::document::{
-    AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument, EntityDocument, FilmDocument,
-    LightDocument, MaterialDocument, NoiseDocument, QualityDocument, RotationDocument, SamplingDocument,
-    ScaleDocument, SceneDocument, ShapeDocument, TimelineDocument, TrackDocument, TracksDocument,
-    TransferDocument, TransformDocument, Triple,
+    AnimationDocument, BackgroundDocument, CameraDocument, FilmDocument, NoiseDocument, QualityDocument,
+    RotationDocument, SamplingDocument, ScaleDocument, SceneDocument, TimelineDocument, TrackDocument,
+    TracksDocument, TransferDocument, Triple,
 };
 use super::include::Merged;
 use super::playback::{Written, keys, playback};
 use super::ways::way;
 use crate::color::{Rgb, Transfer};
 use crate::components::{
-    Ambient, Animated, AreaShape, Background, Camera, Channel, Checker, Falloff, FilmSettings, Fog, Follow,
-    Lens, Light, LightKind, LookAt, Material, Motion, Name, Noise, Order, Parent, Projection, Quality,
-    Reflective, Refractive, Sampling, ScriptId, Shape, Shot, Shots, Specular, Transform, View,
-    WorldTransform,
+    Ambient, Animated, Background, Camera, Channel, FilmSettings, Fog, Follow, Lens, LookAt, Motion, Name,
+    Noise, Parent, Projection, Quality, Sampling, ScriptId, Shot, Shots, Transform, View, WorldTransform,
 };
 use crate::time::{FrameRate, Timeline};
 use crate::timeline::{Interpolate, Notation, Playback, Rotation, Track};
 
-/// What a material of the file gives to the entities made of it.
-#[derive(Clone, Copy, Debug)]
-struct Surface {
-    material: Material,
-    specular: Option<Specular>,
-    reflective: Option<Reflective>,
-    refractive: Option<Refractive>,
-    checker: Option<Checker>,
-}
-
-impl Surface {
-    fn add_to(&self, builder: &mut EntityBuilder) {
-        builder.add(self.material);
-        if let Some(specular) = self.specular {
-            builder.add(specular);
-        }
-        if let Some(reflective) = self.reflective {
-            builder.add(reflective);
-        }
-        if let Some(refractive) = self.refractive {
-            builder.add(refractive);
-        }
-        if let Some(checker) = self.checker {
-            builder.add(checker);
-        }
-    }
-}
-
 /// Makes the world that a validated document describes. Entities get their places in document order.
-pub(super) fn spawn(Merged { document, parents, .. }: &Merged) -> (World, Timeline) {
+pub(super) fn spawn(Merged { document, parents, .. }: Merged) -> (World, Timeline) {
     let transfer = transfer(document.film.transfer);
     let timeline = timeline(&document.timeline);
     let mut world = World::new();
 
-    let surfaces: HashMap<&str, Surface> = document
-        .materials
-        .0
-        .iter()
-        .map(|(name, material)| (name.as_str(), surface(material, transfer)))
-        .collect();
-    let mut builder = EntityBuilder::new();
-    let entities: Vec<Entity> = document
-        .entities
-        .iter()
-        .zip(0..)
-        .map(|(entity, order)| spawn_entity(&mut world, &mut builder, entity, Order(order), &surfaces))
-        .collect();
+    let count = u32::try_from(document.entities.len()).unwrap_or(u32::MAX);
+    let entities: Vec<Entity> = world.reserve_entities(count).collect();
+    world.flush();
     let cameras: Vec<(&str, Entity)> = document
         .named_cameras()
         .map(|(name, camera)| (name, world.spawn((Name(name.to_owned()), self::camera(camera)))))
         .collect();
-    let settings = spawn_settings(&mut world, document, transfer);
+    let settings = spawn_settings(&mut world, &document, transfer);
 
-    let mut names: HashMap<&str, Entity> = document
-        .entities
-        .iter()
-        .zip(&entities)
-        .filter_map(|(entity, id)| Some((entity.name.as_deref()?, *id)))
-        .collect();
+    let mut names = referred_to(&document, &entities);
     names.extend(cameras.iter().copied());
     names.insert(SceneDocument::SCENE, settings);
     for ((_, entity), (_, camera)) in cameras.iter().zip(document.named_cameras()) {
@@ -100,21 +57,43 @@ pub(super) fn spawn(Merged { document, parents, .. }: &Merged) -> (World, Timeli
     }
     // The entity exists: it was spawned above.
     let _ = world.insert_one(settings, Shots(shots));
-    for (entity, id) in document.entities.iter().zip(&entities) {
-        if let Some(parent) = entity.parent.as_deref().and_then(|parent| names.get(parent)) {
-            // The entity exists: it was spawned above.
-            let _ = world.insert_one(*id, Parent(*parent));
+
+    let mut channels = animated(&document, &entities, &names, transfer);
+    for entity in cameras.iter().map(|(_, camera)| *camera).chain([settings]) {
+        if let Some(channels) = channels.remove(&entity) {
+            // As above.
+            let _ = world.insert_one(entity, Animated(channels));
         }
     }
-    for (entity, parent) in parents {
-        // As above.
-        let _ = world.insert_one(entities[*entity], Parent(entities[*parent]));
-    }
-    for (entity, channels) in animated(document, &entities, &names, transfer) {
-        // The entity exists: it was spawned above.
-        let _ = world.insert_one(entity, Animated(channels));
-    }
+    let named = document.entities.iter().map(|entity| names.get(entity.parent.as_deref()?).copied());
+    let named = named.enumerate().filter_map(|(entity, parent)| Some((entity, parent?)));
+    let unnamed = parents.iter().map(|(entity, parent)| (*entity, entities[*parent]));
+    let parents: HashMap<usize, Entity> = named.chain(unnamed).collect();
+    drop(names);
+    let surfaces: HashMap<&str, Surface> = document
+        .materials
+        .0
+        .iter()
+        .map(|(name, material)| (name.as_str(), surface(material, transfer)))
+        .collect();
+    entities::spawn(&mut world, &entities, document.entities, Links { parents, channels, surfaces });
     (world, timeline)
+}
+
+/// The entities that something else refers to, by their names.
+fn referred_to<'a>(document: &'a SceneDocument, entities: &[Entity]) -> HashMap<&'a str, Entity> {
+    let links = |camera: &'a CameraDocument| [&camera.parent, &camera.follow, &camera.look_at];
+    let parents = document.entities.iter().map(|entity| &entity.parent);
+    let targets = document.animate.iter().map(|animation| &animation.target);
+    let cameras = document.named_cameras().flat_map(|(_, camera)| links(camera));
+    let names = parents.chain(targets).chain(cameras).flatten();
+    let wanted: HashSet<&str> = names.map(String::as_str).collect();
+    if wanted.is_empty() {
+        return HashMap::new();
+    }
+    let named = document.entities.iter().zip(entities);
+    let named = named.filter_map(|(entity, id)| Some((entity.name.as_deref()?, *id)));
+    named.filter(|(name, _)| wanted.contains(name)).collect()
 }
 
 /// Ties a camera to the entities that it names.
@@ -132,29 +111,6 @@ fn link(world: &mut World, entity: Entity, camera: &CameraDocument, names: &Hash
     }
     // The entity exists: the camera was spawned before.
     let _ = world.insert(entity, builder.build());
-}
-
-fn spawn_entity(
-    world: &mut World,
-    builder: &mut EntityBuilder,
-    document: &EntityDocument,
-    order: Order,
-    surfaces: &HashMap<&str, Surface>,
-) -> Entity {
-    builder.add_bundle((order, transform(&document.transform), WorldTransform::default()));
-    if let Some(name) = &document.name {
-        builder.add(Name(name.clone()));
-    }
-    if let Some(shape) = &document.shape {
-        builder.add(self::shape(shape));
-    }
-    if let Some(surface) = document.material.as_deref().and_then(|name| surfaces.get(name)) {
-        surface.add_to(builder);
-    }
-    if let Some(light) = &document.light {
-        builder.add(self::light(light));
-    }
-    world.spawn(builder.build())
 }
 
 fn spawn_settings(world: &mut World, document: &SceneDocument, transfer: Transfer) -> Entity {
@@ -248,37 +204,6 @@ fn camera(document: &CameraDocument) -> Camera {
     }
 }
 
-fn surface(document: &MaterialDocument, transfer: Transfer) -> Surface {
-    let material = Material {
-        k_a: single(document.k_a),
-        k_d: single(document.k_d),
-        color: transfer.decode(document.color.0),
-        ambient_color: document.ambient_color.map(|color| transfer.decode(color.0)),
-    };
-    let specular = document
-        .specular
-        .map(|specular| Specular { k_s: single(specular.k_s), shininess: single(specular.shininess) });
-    let reflective = document.reflective.map(|reflective| Reflective { k_r: single(reflective.k_r) });
-    let refractive = document.refractive.map(|refractive| Refractive {
-        k_t: single(refractive.k_t),
-        ior: refractive.ior,
-        absorption: rgb(refractive.absorption),
-        fresnel: refractive.fresnel,
-    });
-    let checker = document
-        .checker
-        .map(|checker| Checker { color: transfer.decode(checker.color.0), size: checker.size });
-    Surface { material, specular, reflective, refractive, checker }
-}
-
-fn transform(document: &TransformDocument) -> Transform {
-    Transform {
-        translation: document.translation.into(),
-        rotation: rotation(document.rotation),
-        scale: scale(document.scale),
-    }
-}
-
 fn rotation(document: RotationDocument) -> DQuat {
     let rotation = match document {
         RotationDocument::Euler(x, y, z) => Rotation::Euler(DVec3::new(radians(x), radians(y), radians(z))),
@@ -295,58 +220,14 @@ fn scale(document: ScaleDocument) -> DVec3 {
     }
 }
 
-fn shape(document: &ShapeDocument) -> Shape {
-    match *document {
-        ShapeDocument::Sphere { radius } => Shape::Sphere { radius },
-        ShapeDocument::Plane { normal } => Shape::Plane { normal: normal.into() },
-        ShapeDocument::Box { size } => Shape::Box { size: size.into() },
-    }
-}
-
-fn light(document: &LightDocument) -> Light {
-    match *document {
-        LightDocument::Point { intensity, casts_shadows, falloff } => Light {
-            casts_shadows,
-            falloff: falloff.map(self::falloff),
-            ..Light::new(LightKind::Point, rgb(intensity))
-        },
-        LightDocument::Spot { intensity, angle, softness, casts_shadows, falloff } => Light {
-            casts_shadows,
-            falloff: falloff.map(self::falloff),
-            ..Light::new(LightKind::Spot { angle: radians(angle), softness }, rgb(intensity))
-        },
-        LightDocument::Directional { intensity, direction, casts_shadows, .. } => {
-            let kind = LightKind::Directional { direction: direction.into() };
-            Light { casts_shadows, ..Light::new(kind, rgb(intensity)) }
-        }
-        LightDocument::Area { shape, intensity, samples, casts_shadows, falloff } => {
-            let samples = u32::try_from(samples).unwrap_or(u32::MAX);
-            let kind = LightKind::Area { shape: area_shape(shape), samples };
-            Light { casts_shadows, falloff: falloff.map(self::falloff), ..Light::new(kind, rgb(intensity)) }
-        }
-    }
-}
-
-fn area_shape(document: AreaShapeDocument) -> AreaShape {
-    match document {
-        AreaShapeDocument::Sphere { radius } => AreaShape::Sphere { radius },
-        AreaShapeDocument::Rectangle { width, height } => AreaShape::Rectangle { width, height },
-    }
-}
-
-fn falloff([constant, linear, quadratic]: Triple) -> Falloff {
-    Falloff { constant, linear, quadratic }
-}
-
 /// The channels of every animated entity, in the order of the file. A material's track goes to all entities made of it.
 fn animated(
     document: &SceneDocument,
     entities: &[Entity],
     names: &HashMap<&str, Entity>,
     transfer: Transfer,
-) -> Vec<(Entity, Vec<Channel>)> {
+) -> HashMap<Entity, Vec<Channel>> {
     let mut channels: HashMap<Entity, Vec<Channel>> = HashMap::new();
-    let mut order = Vec::new();
     for animation in &document.animate {
         let Some(channel) = channel(animation, transfer) else {
             continue;
@@ -360,10 +241,7 @@ fn animated(
             }
         };
         for target in targets {
-            let own = channels.entry(target).or_insert_with(|| {
-                order.push(target);
-                Vec::new()
-            });
+            let own = channels.entry(target).or_default();
             // Applied in order: what an entity says of itself comes after what its material says, and wins.
             if animation.target.is_some() {
                 own.push(channel.clone());
@@ -372,7 +250,7 @@ fn animated(
             }
         }
     }
-    order.into_iter().filter_map(|entity| Some((entity, channels.remove(&entity)?))).collect()
+    channels
 }
 
 fn channel(animation: &AnimationDocument, transfer: Transfer) -> Option<Channel> {

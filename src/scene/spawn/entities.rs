@@ -1,0 +1,232 @@
+//! Entities, many at a time: those with components of the same types together, type by type.
+
+use std::collections::BTreeMap;
+
+use hashbrown::HashMap;
+use hecs::{ColumnBatchBuilder, ColumnBatchType, Component, Entity, World};
+
+use super::{radians, rgb, rotation, scale, single};
+use crate::color::Transfer;
+use crate::components::{
+    Animated, AreaShape, Channel, Checker, Falloff, Light, LightKind, Material, Name, Order, Parent,
+    Reflective, Refractive, Shape, Specular, Transform, WorldTransform,
+};
+use crate::scene::document::{
+    AreaShapeDocument, EntityDocument, LightDocument, MaterialDocument, ShapeDocument, TransformDocument,
+    Triple,
+};
+
+/// What a material of the file gives to the entities made of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Surface {
+    material: Material,
+    specular: Option<Specular>,
+    reflective: Option<Reflective>,
+    refractive: Option<Refractive>,
+    checker: Option<Checker>,
+}
+
+/// What entities have to do with each other.
+pub(super) struct Links<'a> {
+    /// By the places of their children in the document.
+    pub(super) parents: HashMap<usize, Entity>,
+    pub(super) channels: HashMap<Entity, Vec<Channel>>,
+    /// By the names of their materials.
+    pub(super) surfaces: HashMap<&'a str, Surface>,
+}
+
+/// An entity, by its place in the document.
+struct Member<'a> {
+    place: usize,
+    surface: Option<&'a Surface>,
+}
+
+/// Which components an entity has, of those that not every one has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Types {
+    name: bool,
+    parent: bool,
+    animated: bool,
+    shape: bool,
+    light: bool,
+    material: bool,
+    specular: bool,
+    reflective: bool,
+    refractive: bool,
+    checker: bool,
+}
+
+/// Gives entities, which are there already, their components.
+pub(super) fn spawn(
+    world: &mut World,
+    entities: &[Entity],
+    mut documents: Vec<EntityDocument>,
+    Links { parents, mut channels, surfaces }: Links<'_>,
+) {
+    let mut groups: BTreeMap<Types, Vec<Member<'_>>> = BTreeMap::new();
+    for (place, document) in documents.iter().enumerate() {
+        let surface = document.material.as_deref().and_then(|name| surfaces.get(name));
+        let types = Types {
+            name: document.name.is_some(),
+            parent: parents.contains_key(&place),
+            animated: channels.contains_key(&entities[place]),
+            shape: document.shape.is_some(),
+            light: document.light.is_some(),
+            ..Types::of_surface(surface)
+        };
+        groups.entry(types).or_default().push(Member { place, surface });
+    }
+    for (types, members) in groups {
+        let batch = types.batch(members.len());
+        let places = || members.iter().map(|member| member.place);
+        let surfaces = || members.iter().filter_map(|member| member.surface);
+        fill(&batch, places().filter_map(|place| documents[place].name.take()).map(Name));
+        fill(&batch, places().filter_map(|place| channels.remove(&entities[place])).map(Animated));
+        let of = |place: usize| &documents[place];
+        rayon::join(
+            || {
+                fill(&batch, places().map(|place| transform(&of(place).transform)));
+                fill(&batch, places().filter_map(|place| of(place).shape.as_ref()).map(shape));
+                fill(&batch, places().filter_map(|place| of(place).light.as_deref()).map(light));
+            },
+            || {
+                let origin = WorldTransform::default();
+                fill(&batch, places().map(|_| origin));
+                fill(&batch, places().map(|place| Order(place as u64)));
+                fill(&batch, places().filter_map(|place| parents.get(&place).copied()).map(Parent));
+                fill(&batch, surfaces().map(|surface| surface.material));
+                fill(&batch, surfaces().filter_map(|surface| surface.specular));
+                fill(&batch, surfaces().filter_map(|surface| surface.reflective));
+                fill(&batch, surfaces().filter_map(|surface| surface.refractive));
+                fill(&batch, surfaces().filter_map(|surface| surface.checker));
+            },
+        );
+        let entities: Vec<Entity> = places().map(|place| entities[place]).collect();
+        let batch = batch.build().expect("every member has a component of each of the types");
+        world.spawn_column_batch_at(&entities, batch);
+    }
+}
+
+/// Writes the components of one type, unless that is not among those of the batch.
+fn fill<T: Component>(batch: &ColumnBatchBuilder, values: impl Iterator<Item = T>) {
+    if let Some(mut column) = batch.writer::<T>() {
+        for value in values {
+            // There is room: a value for each member at most.
+            let _ = column.push(value);
+        }
+    }
+}
+
+impl Types {
+    /// Those that a material gives, alone.
+    fn of_surface(surface: Option<&Surface>) -> Self {
+        Self {
+            name: false,
+            parent: false,
+            animated: false,
+            shape: false,
+            light: false,
+            material: surface.is_some(),
+            specular: surface.is_some_and(|surface| surface.specular.is_some()),
+            reflective: surface.is_some_and(|surface| surface.reflective.is_some()),
+            refractive: surface.is_some_and(|surface| surface.refractive.is_some()),
+            checker: surface.is_some_and(|surface| surface.checker.is_some()),
+        }
+    }
+
+    /// Room for the components of so many entities.
+    fn batch(self, count: usize) -> ColumnBatchBuilder {
+        let mut types = ColumnBatchType::new();
+        types.add_bundle::<(Order, Transform, WorldTransform)>();
+        let mut add = |has: bool, add: fn(&mut ColumnBatchType) -> &mut ColumnBatchType| {
+            if has {
+                add(&mut types);
+            }
+        };
+        add(self.name, ColumnBatchType::add::<Name>);
+        add(self.parent, ColumnBatchType::add::<Parent>);
+        add(self.animated, ColumnBatchType::add::<Animated>);
+        add(self.shape, ColumnBatchType::add::<Shape>);
+        add(self.light, ColumnBatchType::add::<Light>);
+        add(self.material, ColumnBatchType::add::<Material>);
+        add(self.specular, ColumnBatchType::add::<Specular>);
+        add(self.reflective, ColumnBatchType::add::<Reflective>);
+        add(self.refractive, ColumnBatchType::add::<Refractive>);
+        add(self.checker, ColumnBatchType::add::<Checker>);
+        types.into_batch(u32::try_from(count).unwrap_or(u32::MAX))
+    }
+}
+
+pub(super) fn surface(document: &MaterialDocument, transfer: Transfer) -> Surface {
+    let material = Material {
+        k_a: single(document.k_a),
+        k_d: single(document.k_d),
+        color: transfer.decode(document.color.0),
+        ambient_color: document.ambient_color.map(|color| transfer.decode(color.0)),
+    };
+    let specular = document
+        .specular
+        .map(|specular| Specular { k_s: single(specular.k_s), shininess: single(specular.shininess) });
+    let reflective = document.reflective.map(|reflective| Reflective { k_r: single(reflective.k_r) });
+    let refractive = document.refractive.map(|refractive| Refractive {
+        k_t: single(refractive.k_t),
+        ior: refractive.ior,
+        absorption: rgb(refractive.absorption),
+        fresnel: refractive.fresnel,
+    });
+    let checker = document
+        .checker
+        .map(|checker| Checker { color: transfer.decode(checker.color.0), size: checker.size });
+    Surface { material, specular, reflective, refractive, checker }
+}
+
+fn transform(document: &TransformDocument) -> Transform {
+    Transform {
+        translation: document.translation.into(),
+        rotation: rotation(document.rotation),
+        scale: scale(document.scale),
+    }
+}
+
+fn shape(document: &ShapeDocument) -> Shape {
+    match *document {
+        ShapeDocument::Sphere { radius } => Shape::Sphere { radius },
+        ShapeDocument::Plane { normal } => Shape::Plane { normal: normal.into() },
+        ShapeDocument::Box { size } => Shape::Box { size: size.into() },
+    }
+}
+
+fn light(document: &LightDocument) -> Light {
+    match *document {
+        LightDocument::Point { intensity, casts_shadows, falloff } => Light {
+            casts_shadows,
+            falloff: falloff.map(self::falloff),
+            ..Light::new(LightKind::Point, rgb(intensity))
+        },
+        LightDocument::Spot { intensity, angle, softness, casts_shadows, falloff } => Light {
+            casts_shadows,
+            falloff: falloff.map(self::falloff),
+            ..Light::new(LightKind::Spot { angle: radians(angle), softness }, rgb(intensity))
+        },
+        LightDocument::Directional { intensity, direction, casts_shadows, .. } => {
+            let kind = LightKind::Directional { direction: direction.into() };
+            Light { casts_shadows, ..Light::new(kind, rgb(intensity)) }
+        }
+        LightDocument::Area { shape, intensity, samples, casts_shadows, falloff } => {
+            let samples = u32::try_from(samples).unwrap_or(u32::MAX);
+            let kind = LightKind::Area { shape: area_shape(shape), samples };
+            Light { casts_shadows, falloff: falloff.map(self::falloff), ..Light::new(kind, rgb(intensity)) }
+        }
+    }
+}
+
+fn area_shape(document: AreaShapeDocument) -> AreaShape {
+    match document {
+        AreaShapeDocument::Sphere { radius } => AreaShape::Sphere { radius },
+        AreaShapeDocument::Rectangle { width, height } => AreaShape::Rectangle { width, height },
+    }
+}
+
+fn falloff([constant, linear, quadratic]: Triple) -> Falloff {
+    Falloff { constant, linear, quadratic }
+}
