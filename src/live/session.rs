@@ -15,7 +15,7 @@ use super::watcher::{Watcher, Watching};
 use crate::color::Transfer;
 use crate::engine::EngineError;
 use crate::output;
-use crate::scene::LoadError;
+use crate::scene::{LoadError, Reader};
 use crate::trace::Film;
 
 /// A coarse picture to begin with should take so many milliseconds,
@@ -178,6 +178,7 @@ struct Director {
     settings: SessionSettings,
     handle: Handle,
     watcher: Watcher,
+    reader: Reader,
     stage: Option<Stage>,
     /// The frame that was asked for last, though the scene may be shorter now.
     wanted_frame: u32,
@@ -199,6 +200,7 @@ impl Director {
             settings,
             handle,
             watcher,
+            reader: Reader::new(),
             stage: None,
             detail: Detail::Full,
             next: Next::Nothing,
@@ -234,7 +236,7 @@ impl Director {
         self.watcher.look();
         let since = SystemTime::now();
         let start = Instant::now();
-        match Stage::read(&self.settings.scene) {
+        match Stage::read(&mut self.reader, &self.settings.scene) {
             Ok(read) => {
                 self.watcher.follow(&read.scene.files, since);
                 let read_in = Times::milliseconds(start.elapsed());

@@ -7,7 +7,7 @@ use super::spot::Spot;
 use super::state::{Planned, Times};
 use crate::components::FilmSettings;
 use crate::engine::{Engine, EngineError, FrameReport};
-use crate::scene::{LoadError, Scene, Sources};
+use crate::scene::{LoadError, Reader, Scene, Sources};
 use crate::systems::Effect;
 use crate::time::Timeline;
 use crate::trace::Film;
@@ -36,8 +36,8 @@ pub(super) enum Render {
 }
 
 impl Stage {
-    pub(super) fn read(path: &Path) -> Result<Read, LoadError> {
-        let (scene, sources) = Scene::load_with_sources(path)?;
+    pub(super) fn read(reader: &mut Reader, path: &Path) -> Result<Read, LoadError> {
+        let (scene, sources) = reader.load(path)?;
         Ok(Read { scene, sources })
     }
 

@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use super::include::{Files, SceneFile};
 use super::spans::{Step, locate};
@@ -20,7 +21,7 @@ pub struct LoadError {
 #[derive(Clone, Debug)]
 struct FaultyFile {
     name: String,
-    text: String,
+    text: Arc<String>,
     included_from: Vec<Inclusion>,
     diagnostics: Vec<Diagnostic>,
 }
@@ -92,7 +93,7 @@ impl LoadError {
             file.diagnostics.iter().map(|diagnostic| {
                 let source = diagnostic.source.as_deref();
                 let (name, text) =
-                    source.map_or((&file.name, &file.text), |source| (&source.file, &source.text));
+                    source.map_or((&file.name, &*file.text), |source| (&source.file, &source.text));
                 Mistake {
                     file: name,
                     place: diagnostic.span.as_ref().map(|span| Place::of(text, span.start)),

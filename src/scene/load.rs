@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use hecs::World;
 
-use super::include::Files;
+use super::include::{Files, Texts};
 use super::spawn::spawn;
 use super::{LoadError, SceneScripts, Sources};
 use crate::time::Timeline;
@@ -44,6 +44,11 @@ impl Scene {
         Self::of_files(Files::read(path), |sources| sources)
     }
 
+    /// As [`load_with_sources`](Scene::load_with_sources), for [`Reader`](super::Reader).
+    pub(super) fn load_again(path: &Path, before: &mut Texts) -> Result<(Self, Sources), LoadError> {
+        Self::of_files(Files::read_again(path, before), |sources| sources)
+    }
+
     /// Reads a scene from text; `file` names it in messages. What it includes is looked for from the folder of `file`,
     /// whether there is such a file or not: from the working directory if it is a mere name.
     ///
@@ -74,7 +79,7 @@ impl Scene {
         let (merged, sources) = files.merge();
         let scripts = compiled.placed(&merged.uses, &sources);
         let kept = keep(sources);
-        let (world, timeline) = spawn(merged);
+        let (world, timeline) = spawn(&merged);
         Ok((Self { world, timeline, files: paths, scripts }, kept))
     }
 }

@@ -6,7 +6,8 @@
 //!                       +---- diagnostics with file, line, column, cause and remedy
 //! ```
 //!
-//! A scene may `include` others: each is read and validated once and for itself, then all become one document.
+//! A scene may `include` others: each is read and validated once and for itself, then all become one document. Of a scene that is
+//! read again, by a [`Reader`], only what was edited is parsed.
 //!
 //! Mistakes of form (a missing bracket, an unknown field) stop the reading of a file at the first one. Mistakes of meaning
 //! (an unknown material, a radius of 0) are all found at once, each with its place in the text: `spans` looks the places up
@@ -24,7 +25,9 @@ mod nearby;
 mod parse;
 mod playback;
 mod programs;
+mod reader;
 pub mod reference;
+mod reparse;
 mod script_sources;
 mod sources;
 mod spans;
@@ -36,5 +39,6 @@ mod ways;
 pub use diagnostic::{Diagnostic, Place, Source};
 pub use error::{Inclusion, LoadError, Mistake};
 pub use load::{Scene, TEMPLATE};
+pub use reader::Reader;
 pub use script_sources::{SceneScripts, ScriptMistake, ScriptSources};
 pub use sources::{SourceLine, Sources};

@@ -33,7 +33,7 @@ pub(super) fn spawn(
         let (result, spawned) = run(&code.text, seed, *room);
         *room = room.saturating_sub(spawned.len() as u64);
         for (entity, place) in spawned {
-            document.entities.push(entity);
+            document.entities.push(Arc::new(entity));
             problems.spawned_at(index, code.source.as_ref(), place);
         }
         if let Err(error) = result {

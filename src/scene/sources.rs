@@ -1,6 +1,7 @@
 //! In which lines of which files the parts of a scene start.
 
 use std::fmt;
+use std::sync::Arc;
 
 use super::Place;
 use super::include::Origin;
@@ -21,7 +22,7 @@ use super::spans::{Step, locate};
 #[derive(Clone, Debug)]
 pub struct Sources {
     /// Names and texts; the first is the scene's own file.
-    files: Vec<(String, String)>,
+    files: Vec<(String, Arc<String>)>,
     /// By the places of their first entities in document order.
     runs: Vec<Run>,
     /// The names in the map `cameras`.
@@ -46,7 +47,7 @@ pub struct SourceLine<'a> {
 }
 
 impl Sources {
-    pub(super) fn new(files: Vec<(String, String)>, runs: Vec<Run>, cameras: Vec<String>) -> Self {
+    pub(super) fn new(files: Vec<(String, Arc<String>)>, runs: Vec<Run>, cameras: Vec<String>) -> Self {
         Self { files, runs, cameras }
     }
 

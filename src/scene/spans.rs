@@ -1,7 +1,7 @@
 //! Where in the text a value of the document stands.
 //!
 //! serde forgets places, so they are looked up again, only for what is wrong and in one pass over the text. The text has
-//! been read without error before; what is read here is only its brackets, names and commas.
+//! mostly been read without error before; what is read here is only its brackets, names and commas.
 
 use std::ops::Range;
 
@@ -81,6 +81,49 @@ pub(super) fn open_bracket(text: &str, before: usize) -> Option<usize> {
                 scanner.at += 1;
             }
             Some(_) => scanner.atom(),
+        }
+    }
+}
+
+/// Where the content of a list starts that is the value of a field of the scene itself; `None` if there is none, or if extensions
+/// stand above the scene. The text may be broken.
+pub(super) fn list_of(text: &str, field: &str) -> Option<usize> {
+    let mut scanner = Scanner { text, at: 0, found: &mut [] };
+    scanner.skip_space();
+    if !matches!(scanner.peek(), Some(b'(' | b'#')) {
+        scanner.atom();
+        scanner.skip_space();
+    }
+    if scanner.peek() != Some(b'(') {
+        return None;
+    }
+    scanner.at += 1;
+    loop {
+        scanner.skip_space();
+        let name = scanner.field_name()?;
+        scanner.skip_space();
+        if name == field {
+            return (scanner.peek() == Some(b'[')).then_some(scanner.at + 1);
+        }
+        scanner.value(&[]);
+        scanner.comma();
+    }
+}
+
+/// The places of values in a list, from a byte of its content that is not inside one, and where they end. The text may be broken.
+pub(super) fn list_items(text: &str, start: usize) -> (Vec<Range<usize>>, usize) {
+    let mut scanner = Scanner { text, at: start, found: &mut [] };
+    let mut items = Vec::new();
+    loop {
+        scanner.skip_space();
+        let start = scanner.at;
+        match scanner.peek() {
+            None | Some(b']') => return (items, start),
+            Some(b',') => scanner.at += 1,
+            Some(_) => {
+                scanner.value(&[]);
+                items.push(start..scanner.at);
+            }
         }
     }
 }
@@ -177,6 +220,11 @@ impl<'a> Scanner<'a, '_> {
         }
         let mut end = self.at;
         match self.peek() {
+            Some(b'(' | b'[' | b'{')
+                if wanted.is_empty() && (end == start || !name.is_empty() && self.peek() == Some(b'(')) =>
+            {
+                self.skip_brackets();
+            }
             Some(b'(') if name == "Some" => {
                 self.at += 1;
                 self.value(wanted);
@@ -199,6 +247,29 @@ impl<'a> Scanner<'a, '_> {
             if self.found[wanted.index].is_empty() {
                 self.found[wanted.index] = start..end;
             }
+        }
+    }
+
+    /// All up to the bracket that closes the one that stands here, whatever there is between them.
+    fn skip_brackets(&mut self) {
+        let mut depth = 0_usize;
+        loop {
+            match self.peek() {
+                None => return,
+                Some(b'(' | b'[' | b'{') => {
+                    depth += 1;
+                    self.at += 1;
+                }
+                Some(b')' | b']' | b'}') => {
+                    depth -= 1;
+                    self.at += 1;
+                    if depth == 0 {
+                        return;
+                    }
+                }
+                Some(_) => self.atom(),
+            }
+            self.skip_space();
         }
     }
 

@@ -6,6 +6,7 @@ use glam::DVec3;
 use tempfile::TempDir;
 
 use rayreel::components::{Light, LightKind, Material, Shape, Transform};
+use rayreel::scene::Reader;
 use rayreel::{Context, Engine, Rgb, Scene, Step, Time};
 
 use crate::described::{bits, described};
@@ -48,10 +49,14 @@ fn sequence(seed: u64, prepare: impl Fn(&mut Engine), tally: &mut Tally) {
     let random = &mut Random(seed);
     let folder = tempfile::tempdir().unwrap();
     let mut model = Model::new(random);
-    while load(&model, &folder).is_none() {
+    let mut reader = Reader::new();
+    let scene = loop {
+        if let Some(scene) = load(&model, &folder, &mut reader) {
+            break scene;
+        }
         model = Model::new(random);
-    }
-    let mut engine = Engine::from_scene(load(&model, &folder).unwrap());
+    };
+    let mut engine = Engine::from_scene(scene);
     prepare(&mut engine);
     for step in 0..EDITS {
         let mut edited = model.clone();
@@ -60,10 +65,10 @@ fn sequence(seed: u64, prepare: impl Fn(&mut Engine), tally: &mut Tally) {
             edited.edit(random);
         }
         let about = || format!("seed {seed}, edit {step}: {}", edited.files().0);
-        if let Some(scene) = load(&edited, &folder) {
+        if let Some(scene) = load(&edited, &folder, &mut reader) {
             engine.reload(scene);
             tally.reloads += 1;
-            let mut cold = Engine::from_scene(load(&edited, &folder).unwrap());
+            let mut cold = Engine::load(folder.path().join("scene.ron")).unwrap();
             prepare(&mut cold);
             assert_eq!(engine.timeline(), cold.timeline(), "{}", about());
             assert_same(&described(engine.world(), false), &described(cold.world(), false), &about);
@@ -80,12 +85,21 @@ fn sequence(seed: u64, prepare: impl Fn(&mut Engine), tally: &mut Tally) {
     }
 }
 
-fn load(model: &Model, folder: &TempDir) -> Option<Scene> {
+/// The scene of a model, read by whoever read the ones before it. What is wrong with it is what a stranger finds.
+fn load(model: &Model, folder: &TempDir, reader: &mut Reader) -> Option<Scene> {
     let (text, files) = model.files();
-    for (name, text) in files {
+    for (name, text) in files.into_iter().chain([("scene.ron", text)]) {
         fs::write(folder.path().join(name), text).unwrap();
     }
-    Scene::from_text(folder.path().join("scene.ron").to_str().unwrap(), text).ok()
+    let path = folder.path().join("scene.ron");
+    match reader.load(&path) {
+        Ok((scene, _)) => Some(scene),
+        Err(error) => {
+            let expected = Scene::load(&path).err().map(|expected| expected.to_string());
+            assert_eq!(Some(error.to_string()), expected, "{}", model.files().0);
+            None
+        }
+    }
 }
 
 /// Compares worlds and pictures at some moments.

@@ -1,5 +1,7 @@
 //! The scene and its settings.
 
+use std::sync::Arc;
+
 use serde::Deserialize;
 
 use super::{
@@ -24,7 +26,8 @@ pub(crate) struct SceneDocument {
     pub(crate) background: BackgroundDocument,
     pub(crate) fog: Option<FogDocument>,
     pub(crate) materials: Entries<MaterialDocument>,
-    pub(crate) entities: Vec<EntityDocument>,
+    /// Shared between the readings of a file that is being edited.
+    pub(crate) entities: Vec<Arc<EntityDocument>>,
     pub(crate) spawn: Vec<ProgramDocument>,
     pub(crate) animate: Vec<AnimationDocument>,
 }
@@ -34,6 +37,8 @@ impl SceneDocument {
     pub(crate) const CAMERA: &'static str = "camera";
     /// What the scene as a whole is called.
     pub(crate) const SCENE: &'static str = "scene";
+    /// The field with the entities.
+    pub(crate) const ENTITIES: &'static str = "entities";
 
     /// As they are written.
     pub(crate) fn included_files(&self) -> impl Iterator<Item = String> {

@@ -4,6 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::fs;
 use std::mem;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::Scope;
 use super::names;
@@ -12,6 +13,7 @@ use crate::scene::Diagnostic;
 use crate::scene::document::SceneDocument;
 use crate::scene::parse::parse;
 use crate::scene::programs::{self, Compiled};
+use crate::scene::reparse::Parsed;
 use crate::scene::validate::{At, Problems, validate};
 use crate::script::limits;
 
@@ -23,7 +25,7 @@ const DEEPEST: usize = 32;
 pub(in crate::scene) struct SceneFile {
     /// In messages.
     pub(in crate::scene) name: String,
-    pub(in crate::scene) text: String,
+    pub(in crate::scene) text: Arc<String>,
     /// `None` if the text is not a scene's.
     pub(in crate::scene) document: Option<SceneDocument>,
     /// The file of each of the document's includes; `None` for one that cannot be had.
@@ -49,18 +51,23 @@ pub(in crate::scene) struct Files {
 impl Files {
     /// Reads a scene file and what it includes.
     pub(in crate::scene) fn read(path: &Path) -> Self {
-        match read(path) {
-            Ok(content) => Loader::load(path, content),
-            Err(Refusal { message, help, .. }) => {
-                let mistake = Diagnostic { message, label: String::new(), help, span: None, source: None };
-                Loader::load(path, Content::Garbled(String::new(), mistake))
-            }
+        Loader::default().load(path, content(path))
+    }
+
+    /// As [`read`](Self::read), where what was read before may be used again.
+    pub(in crate::scene) fn read_again(path: &Path, before: &mut Texts) -> Self {
+        let mut loader = Loader { texts: Some(mem::take(before)), ..Loader::default() };
+        let loaded = loader.load(path, content(path));
+        *before = loader.texts.unwrap_or_default();
+        if loaded.files.iter().all(|file| file.document.is_some()) {
+            before.retain(|path, _| loader.known.contains_key(path));
         }
+        loaded
     }
 
     /// Takes a text for that of a file, and reads what it includes.
     pub(in crate::scene) fn from_text(path: &Path, text: String) -> Self {
-        Loader::load(path, Content::Text(text))
+        Loader::default().load(path, Content::Text(text))
     }
 
     /// Finds the mistakes of meaning in every file.
@@ -97,9 +104,21 @@ impl Files {
     }
 }
 
+/// The texts of files that could be parsed, by their true paths.
+pub(in crate::scene) type Texts = HashMap<PathBuf, Parsed>;
+
+fn content(path: &Path) -> Content {
+    read(path).unwrap_or_else(|Refusal { message, help, .. }| {
+        let mistake = Diagnostic { message, label: String::new(), help, span: None, source: None };
+        Content::Garbled(String::new(), mistake)
+    })
+}
+
 #[derive(Debug, Default)]
 struct Loader {
     loaded: Files,
+    /// What was read before, unless nothing is to be remembered.
+    texts: Option<Texts>,
     /// The files by their true paths.
     known: HashMap<PathBuf, usize>,
     tried: HashSet<PathBuf>,
@@ -110,11 +129,10 @@ struct Loader {
 }
 
 impl Loader {
-    fn load(path: &Path, content: Content) -> Files {
-        let mut loader = Self::default();
-        let key = loader.try_path(path);
-        loader.add(path, key, content, None);
-        loader.loaded
+    fn load(&mut self, path: &Path, content: Content) -> Files {
+        let key = self.try_path(path);
+        self.add(path, key, content, None);
+        mem::take(&mut self.loaded)
     }
 
     /// Remembers that a path matters to the scene, and gives the one by which the file is known.
@@ -128,8 +146,8 @@ impl Loader {
 
     fn add(&mut self, path: &Path, key: PathBuf, content: Content, from: Option<(usize, usize)>) -> usize {
         let index = self.loaded.files.len();
+        let mut file = SceneFile::new(path, content, from, |text| self.parse(&key, text));
         self.known.insert(key, index);
-        let mut file = SceneFile::new(path, content, from);
         let folder = path.parent().unwrap_or(Path::new(""));
         let own = self.loaded.files.first().unwrap_or(&file);
         let seed = own.document.as_ref().map_or(0, |document| document.sampling.seed);
@@ -152,6 +170,17 @@ impl Loader {
         self.underway.pop();
         self.loaded.parts_first.push(index);
         index
+    }
+
+    /// Of a text that differs little from what the file held before, only what differs.
+    fn parse(&mut self, key: &Path, text: &Arc<String>) -> Result<SceneDocument, Diagnostic> {
+        let Some(texts) = &mut self.texts else { return parse(text) };
+        if let Some(document) = texts.get_mut(key).and_then(|before| before.parse_again(text)) {
+            return Ok(document);
+        }
+        let document = parse(text)?;
+        texts.insert(key.to_owned(), Parsed::new(text, &document));
+        Ok(document)
     }
 
     fn include(&mut self, path: &Path, written: &Path, from: (usize, usize)) -> Result<usize, Refusal> {
@@ -199,14 +228,20 @@ impl Refusal {
 }
 
 impl SceneFile {
-    fn new(path: &Path, content: Content, from: Option<(usize, usize)>) -> Self {
+    fn new(
+        path: &Path,
+        content: Content,
+        from: Option<(usize, usize)>,
+        parse: impl FnOnce(&Arc<String>) -> Result<SceneDocument, Diagnostic>,
+    ) -> Self {
         let (text, document, mistake) = match content {
-            Content::Garbled(text, mistake) => (text, None, Some(mistake)),
+            Content::Garbled(text, mistake) => (Arc::new(text), None, Some(mistake)),
             Content::Text(mut text) => {
                 // A byte order mark is no part of the scene, and editors do not count it as a column.
                 if text.starts_with('\u{feff}') {
                     text.remove(0);
                 }
+                let text = Arc::new(text);
                 match parse(&text) {
                     Ok(document) => (text, Some(document), None),
                     Err(mistake) => (text, None, Some(mistake)),

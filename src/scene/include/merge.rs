@@ -1,6 +1,7 @@
 //! From the documents of several files to a single one.
 
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 use super::{Files, Origin};
 use crate::components::Property;
@@ -56,7 +57,7 @@ struct Merger<'a> {
     parts: &'a [Part],
     materials: Vec<(String, MaterialDocument)>,
     known_materials: HashSet<String>,
-    entities: Vec<EntityDocument>,
+    entities: Vec<Arc<EntityDocument>>,
     animate: Vec<AnimationDocument>,
     animated: HashMap<Animated, usize>,
     parents: Vec<(usize, usize)>,
@@ -142,7 +143,7 @@ impl<'a> Merger<'a> {
                 name: prefixed(&entity.name),
                 parent: prefixed(&entity.parent),
                 material: prefixed(&entity.material),
-                ..entity.clone()
+                ..EntityDocument::clone(entity)
             };
             self.add_entity(renamed, parent.filter(|_| entity.parent.is_none()));
         }
@@ -163,7 +164,7 @@ impl<'a> Merger<'a> {
     fn add_entity(&mut self, entity: EntityDocument, parent: Option<usize>) -> usize {
         let index = self.entities.len();
         self.parents.extend(parent.map(|parent| (index, parent)));
-        self.entities.push(entity);
+        self.entities.push(Arc::new(entity));
         index
     }
 

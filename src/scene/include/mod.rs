@@ -14,7 +14,7 @@ mod names;
 mod read;
 mod scope;
 
-pub(super) use loader::{Files, SceneFile};
+pub(super) use loader::{Files, SceneFile, Texts};
 pub(super) use merge::Merged;
 pub(super) use names::{Clash, MOST_INCLUDED, Origin};
 pub(super) use scope::{KnownEntity, Lookup, Scope};

@@ -1,6 +1,7 @@
 //! Entities, many at a time: those with components of the same types together, type by type.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use hashbrown::HashMap;
 use hecs::{ColumnBatchBuilder, ColumnBatchType, Component, Entity, World};
@@ -60,7 +61,7 @@ struct Types {
 pub(super) fn spawn(
     world: &mut World,
     entities: &[Entity],
-    mut documents: Vec<EntityDocument>,
+    documents: &[Arc<EntityDocument>],
     Links { parents, mut channels, surfaces }: Links<'_>,
 ) {
     let mut groups: BTreeMap<Types, Vec<Member<'_>>> = BTreeMap::new();
@@ -80,7 +81,7 @@ pub(super) fn spawn(
         let batch = types.batch(members.len());
         let places = || members.iter().map(|member| member.place);
         let surfaces = || members.iter().filter_map(|member| member.surface);
-        fill(&batch, places().filter_map(|place| documents[place].name.take()).map(Name));
+        fill(&batch, places().filter_map(|place| documents[place].name.clone()).map(Name));
         fill(&batch, places().filter_map(|place| channels.remove(&entities[place])).map(Animated));
         let of = |place: usize| &documents[place];
         rayon::join(

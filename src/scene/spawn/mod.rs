@@ -26,7 +26,7 @@ use crate::time::{FrameRate, Timeline};
 use crate::timeline::{Interpolate, Notation, Playback, Rotation, Track};
 
 /// Makes the world that a validated document describes. Entities get their places in document order.
-pub(super) fn spawn(Merged { document, parents, .. }: Merged) -> (World, Timeline) {
+pub(super) fn spawn(Merged { document, parents, .. }: &Merged) -> (World, Timeline) {
     let transfer = transfer(document.film.transfer);
     let timeline = timeline(&document.timeline);
     let mut world = World::new();
@@ -38,9 +38,9 @@ pub(super) fn spawn(Merged { document, parents, .. }: Merged) -> (World, Timelin
         .named_cameras()
         .map(|(name, camera)| (name, world.spawn((Name(name.to_owned()), self::camera(camera)))))
         .collect();
-    let settings = spawn_settings(&mut world, &document, transfer);
+    let settings = spawn_settings(&mut world, document, transfer);
 
-    let mut names = referred_to(&document, &entities);
+    let mut names = referred_to(document, &entities);
     names.extend(cameras.iter().copied());
     names.insert(SceneDocument::SCENE, settings);
     for ((_, entity), (_, camera)) in cameras.iter().zip(document.named_cameras()) {
@@ -58,7 +58,7 @@ pub(super) fn spawn(Merged { document, parents, .. }: Merged) -> (World, Timelin
     // The entity exists: it was spawned above.
     let _ = world.insert_one(settings, Shots(shots));
 
-    let mut channels = animated(&document, &entities, &names, transfer);
+    let mut channels = animated(document, &entities, &names, transfer);
     for entity in cameras.iter().map(|(_, camera)| *camera).chain([settings]) {
         if let Some(channels) = channels.remove(&entity) {
             // As above.
@@ -69,14 +69,13 @@ pub(super) fn spawn(Merged { document, parents, .. }: Merged) -> (World, Timelin
     let named = named.enumerate().filter_map(|(entity, parent)| Some((entity, parent?)));
     let unnamed = parents.iter().map(|(entity, parent)| (*entity, entities[*parent]));
     let parents: HashMap<usize, Entity> = named.chain(unnamed).collect();
-    drop(names);
     let surfaces: HashMap<&str, Surface> = document
         .materials
         .0
         .iter()
         .map(|(name, material)| (name.as_str(), surface(material, transfer)))
         .collect();
-    entities::spawn(&mut world, &entities, document.entities, Links { parents, channels, surfaces });
+    entities::spawn(&mut world, &entities, &document.entities, Links { parents, channels, surfaces });
     (world, timeline)
 }
 

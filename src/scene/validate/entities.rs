@@ -1,5 +1,7 @@
 //! Entities.
 
+use std::sync::Arc;
+
 use hashbrown::HashMap;
 
 use super::{At, Named, Problems, check};
@@ -74,7 +76,7 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
 
 /// Entities by name; reports names that are taken.
 fn names<'a>(
-    entities: &'a [EntityDocument],
+    entities: &'a [Arc<EntityDocument>],
     at: &At<'_>,
     problems: &mut Problems,
 ) -> HashMap<&'a str, usize> {
@@ -114,7 +116,12 @@ pub(super) fn name(name: &str, at: &At<'_>, problems: &mut Problems) -> bool {
 }
 
 /// Reports each ring of parents once.
-fn cycles(entities: &[EntityDocument], names: &HashMap<&str, usize>, at: &At<'_>, problems: &mut Problems) {
+fn cycles(
+    entities: &[Arc<EntityDocument>],
+    names: &HashMap<&str, usize>,
+    at: &At<'_>,
+    problems: &mut Problems,
+) {
     #[derive(Clone, Copy, PartialEq)]
     enum State {
         Unseen,

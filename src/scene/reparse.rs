@@ -1,0 +1,280 @@
+//! Reads a text that differs little from one that was read before.
+//!
+//! Entities that are written as before are taken over, as long as what changed lies between two of them, before all or after all;
+//! the rest is parsed: the change with its neighbour on each side, and the text around the list of entities. So the parser has seen every token that is new, and whatever it does not like is left to a parse of the whole.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::document::{EntityDocument, SceneDocument};
+use super::parse::{options, parse};
+use super::spans::{list_items, list_of};
+
+/// A text that was read.
+#[derive(Debug)]
+pub(super) struct Parsed {
+    text: Arc<String>,
+    entities: Vec<Arc<EntityDocument>>,
+    /// Where the entities are, once that has been looked up.
+    list: Option<List>,
+}
+
+/// The list of entities in a text.
+#[derive(Debug)]
+struct List {
+    /// What is between its brackets.
+    content: Range<usize>,
+    items: Vec<Range<usize>>,
+}
+
+impl Parsed {
+    pub(super) fn new(text: &Arc<String>, document: &SceneDocument) -> Self {
+        Self { text: Arc::clone(text), entities: document.entities.clone(), list: None }
+    }
+
+    /// The document of another text, which takes the place of this one; `None` if that must be parsed as a whole.
+    pub(super) fn parse_again(&mut self, text: &Arc<String>) -> Option<SceneDocument> {
+        if self.list.is_none() {
+            self.list = List::of(&self.text, &self.entities);
+        }
+        let List { content, items } = self.list.as_ref()?;
+        let start = list_of(text, SceneDocument::ENTITIES)?;
+        let (head, tail) = same_ends(&self.text, text);
+        let moved = |at: usize| at + text.len() - self.text.len();
+        let end = if content.end < head {
+            content.end
+        } else if self.text.len() - content.end <= tail {
+            moved(content.end)
+        } else {
+            return None;
+        };
+
+        // An item ends with a bracket, whatever follows. Before one there must be the same sign as there was.
+        let is_at_place = start == content.start && start <= head;
+        let first = if is_at_place { items.partition_point(|item| item.end <= head) } else { 0 };
+        let last = items.partition_point(|item| self.text.len() - item.start >= tail);
+        let (is_first, is_last) = (first == 0, last == items.len());
+        let (before, from) =
+            if is_first { (start, start) } else { (items[first - 1].start, items[first - 1].end) };
+        let (until, after) =
+            if is_last { (end, end) } else { (moved(items[last].start), moved(items[last].end)) };
+        let change = format!("[{}]", text.get(before..after)?);
+        let mut changed: Vec<Arc<EntityDocument>> = options().from_str(&change).ok()?;
+        // What was written before it may have swallowed the start of the neighbour that follows.
+        if !is_last && changed.pop()? != self.entities[last] {
+            return None;
+        }
+        let changed = changed.into_iter().skip(usize::from(!is_first));
+
+        // With a single entity, to see that the list is where it seems to be.
+        let around = format!("{}(){}", text.get(..start)?, text.get(end..)?);
+        let mut document = parse(&around).ok().filter(|document| document.entities.len() == 1)?;
+        let kept = |range: Range<usize>| self.entities[range].iter().map(Arc::clone);
+        document.entities = kept(0..first).chain(changed).chain(kept(last..items.len())).collect();
+
+        let found = list_items(text.get(..until)?, from).0;
+        let after = items[last..].iter().map(|item| moved(item.start)..moved(item.end));
+        let items = items[..first].iter().cloned().chain(found).chain(after).collect();
+        let list = List { content: start..end, items };
+        self.list = Some(list).filter(|list| list.are(&document.entities, text));
+        self.text = Arc::clone(text);
+        self.entities.clone_from(&document.entities);
+        Some(document)
+    }
+}
+
+impl List {
+    fn of(text: &str, entities: &[Arc<EntityDocument>]) -> Option<Self> {
+        let start = list_of(text, SceneDocument::ENTITIES)?;
+        let (items, end) = list_items(text, start);
+        Some(Self { content: start..end, items }).filter(|list| list.are(entities, text))
+    }
+
+    /// Are these the entities of a text, as it seems?
+    fn are(&self, entities: &[Arc<EntityDocument>], text: &str) -> bool {
+        let is_in_brackets =
+            |item: &Range<usize>| text.get(item.clone()).is_some_and(|item| item.ends_with(')'));
+        text.as_bytes().get(self.content.end) == Some(&b']')
+            && self.items.len() == entities.len()
+            && self.items.iter().all(is_in_brackets)
+    }
+}
+
+/// How many bytes at the start and at the end of two texts are the same; none of them counts twice.
+fn same_ends(old: &str, new: &str) -> (usize, usize) {
+    /// What is compared at once.
+    const BLOCK: usize = 4096;
+    let (old, new) = (old.as_bytes(), new.as_bytes());
+    let shorter = old.len().min(new.len());
+    let mut head = 0;
+    while head + BLOCK <= shorter && old[head..head + BLOCK] == new[head..head + BLOCK] {
+        head += BLOCK;
+    }
+    head += old[head..].iter().zip(&new[head..]).take_while(|(old, new)| old == new).count();
+    let (old, new) = (&old[head..], &new[head..]);
+    let shorter = old.len().min(new.len());
+    let mut tail = 0;
+    let block = |bytes: &[u8], tail: usize| bytes.len() - tail - BLOCK..bytes.len() - tail;
+    while tail + BLOCK <= shorter && old[block(old, tail)] == new[block(new, tail)] {
+        tail += BLOCK;
+    }
+    let rest = old[..old.len() - tail].iter().rev().zip(new[..new.len() - tail].iter().rev());
+    (head, tail + rest.take_while(|(old, new)| old == new).count())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use proptest::collection::vec;
+    use proptest::prelude::*;
+    use proptest::sample::{Index, select};
+    use proptest::test_runner::{Config, TestRunner};
+
+    use super::*;
+
+    const SCENE: &str = r##"// a scene [with (brackets
+Scene(
+    camera: (position: (0, 0, -5), target: (0, 0, 0)), /* nested /* [ */ */
+    materials: { "red": (color: (255, 0, 0)), "r)ed": (k_d: 1) },
+    entities: [
+        (name: "a", shape: Sphere(radius: 1), material: "red"), // one, (two
+        Entity(name: "b]", transform: (translation: (1, 2, 3))),
+        (), /* none */ (name: r#"c"("#),
+        (name: "d\")", light: Point(intensity: (1, 1, 1))), (shape: Some(Box(size: (1, 1, 1))), material: "r)ed"),
+        (name: "ß"),
+    ],
+    ambient: (1, 1, 1), // entities: [()]
+    animate: [(target: "a", channel: Translation, track: Keys([(0, (0, 0, 0)), (1, (1, 0, 0))]))],
+)
+"##;
+
+    /// What may be written anywhere; more often than not, what does no harm.
+    const PIECES: [&str; 36] = [
+        "",
+        " ",
+        "\n",
+        "1",
+        "2",
+        "/* ( */",
+        "// [\n",
+        "(), ",
+        "(name: \"new\"), ",
+        ", ",
+        "(",
+        ")",
+        "[",
+        "]",
+        "{",
+        "}",
+        ",,",
+        "\"",
+        "'",
+        "//",
+        "/*",
+        "*/",
+        "#",
+        "r#\"",
+        "\"#",
+        "x",
+        "ß",
+        "\u{a0}",
+        "\\",
+        "entities: [",
+        "], entities: [",
+        "Entity",
+        "#![x]",
+        "Some(",
+        "0",
+        "\u{200e}",
+    ];
+
+    fn edited(text: &str, at: &Index, length: usize, piece: &str) -> String {
+        let boundary = |mut at: usize| {
+            while !text.is_char_boundary(at) {
+                at += 1;
+            }
+            at
+        };
+        let start = boundary(at.index(text.len() + 1));
+        let end = boundary((start + length).min(text.len()));
+        format!("{}{piece}{}", &text[..start], &text[end..])
+    }
+
+    #[test]
+    fn what_is_parsed_again_is_what_a_parse_of_the_whole_gives() {
+        let length = select(&[0, 0, 0, 0, 1, 2, 20][..]);
+        let edit = (any::<Index>(), length, select(&PIECES[..]));
+        let edits = vec(vec(edit, 1..3), 1..8);
+        let mut runner = TestRunner::new(Config { cases: 6000, ..Config::default() });
+        let (good, again) = (Cell::new(0), Cell::new(0));
+        runner
+            .run(&edits, |edits| {
+                let mut text = Arc::new(SCENE.to_owned());
+                let mut parsed = Parsed::new(&text, &parse(&text).unwrap());
+                for edit in edits {
+                    let mut next = String::clone(&text);
+                    for (at, length, piece) in &edit {
+                        next = edited(&next, at, *length, piece);
+                    }
+                    let next = Arc::new(next);
+                    let expected = parse(&next).ok();
+                    let found = parsed.parse_again(&next);
+                    if found.is_some() {
+                        prop_assert_eq!(&found, &expected, "{}", next);
+                        prop_assert_eq!(&parsed.text, &next);
+                        again.set(again.get() + 1);
+                    } else if let Some(document) = &expected {
+                        parsed = Parsed::new(&next, document);
+                    }
+                    if expected.is_some() {
+                        good.set(good.get() + 1);
+                        text = next;
+                    }
+                }
+                Ok(())
+            })
+            .unwrap();
+        let (good, again) = (good.get(), again.get());
+        assert!(good > 1000 && again * 10 > good * 7, "{again} of {good}");
+    }
+
+    #[test]
+    fn only_what_an_edit_touches_is_other_than_before() {
+        let text = Arc::new(SCENE.to_owned());
+        let before = parse(&text).unwrap();
+        let kept = |from: &str, to: &str| {
+            let edited = Arc::new(SCENE.replacen(from, to, 1));
+            let document = Parsed::new(&text, &before).parse_again(&edited).unwrap();
+            assert_eq!(document, parse(&edited).unwrap());
+            let is_kept = |entity: &Arc<EntityDocument>| {
+                before.entities.iter().any(|before| Arc::ptr_eq(before, entity))
+            };
+            (document.entities.iter().filter(|entity| is_kept(entity)).count(), document.entities.len())
+        };
+        assert_eq!(kept("", ""), (7, 7));
+        assert_eq!(kept("255", "25"), (7, 7));
+        assert_eq!(kept("ambient: (1", "ambient: (2"), (7, 7));
+        assert_eq!(kept("radius: 1", "radius: 2"), (6, 7));
+        assert_eq!(kept("// one, (two", "(name: \"new\"),"), (7, 8));
+        assert_eq!(kept("        (name: \"ß\"),\n", ""), (6, 6));
+        assert_eq!(kept("entities: [", "entities: [(name: \"new\"),"), (7, 8));
+    }
+
+    #[test]
+    fn same_ends_do_not_overlap() {
+        let long = "abc".repeat(5000);
+        let cases = [
+            ("", "", (0, 0)),
+            ("aba", "aba", (3, 0)),
+            ("aba", "ababa", (3, 0)),
+            ("xaby", "xy", (1, 1)),
+            (&long, &format!("{long}{long}"), (15_000, 0)),
+            (&format!("x{long}"), &long, (0, 15_000)),
+            (&format!("{long}x{long}"), &format!("{long}y{long}"), (15_000, 15_000)),
+        ];
+        for (old, new, expected) in cases {
+            assert_eq!(same_ends(old, new), expected, "{} {}", old.len(), new.len());
+        }
+    }
+}
