@@ -153,7 +153,7 @@ fn same_types(old: &[Columns<'_>], new: &[Columns<'_>]) -> Vec<Option<usize>> {
 }
 
 /// The entities of the world, if they are stored as those of the scene are: one after the other they have the same marks, the same
-/// places in document order and components of the same types. So it is after most edits.
+/// places in document order and components of the same types. So it is while edits change values only.
 fn in_place(old: &[Table<'_>], new: &[Table<'_>], types: &[Option<usize>]) -> Option<Translation> {
     let count = |tables: &[Table<'_>]| -> usize { tables.iter().map(|table| table.entities.len()).sum() };
     if count(old) != count(new) {

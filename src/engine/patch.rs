@@ -14,6 +14,7 @@ use crate::systems::Changes;
 /// world: every component is what the scene says, but for world transforms, which are to be derived again where that is recorded.
 /// Entities with the same name, or without one and with the same content or position, stay who they are.
 pub(super) fn patch(world: &mut World, mut scene: World) -> Changes {
+    world.flush();
     let Matching { mut own, new, of_other_types, gone, same_drawn } = Matching::of(world, &scene);
     let mut changes = Changes::default();
     if !same_drawn {
@@ -22,7 +23,11 @@ pub(super) fn patch(world: &mut World, mut scene: World) -> Changes {
     for entity in &new {
         own.insert(*entity, world.reserve_entity());
     }
+    world.flush();
     translate_links(&mut scene, &own);
+    // Each id would be looked for among the free ones, and there may be many.
+    let free: Vec<Entity> = world.freelist().collect();
+    world.set_freelist(&[]);
     for entity in new.into_iter().chain(of_other_types) {
         if let Ok(parts) = scene.take(entity) {
             let own = own.of(entity);
@@ -32,6 +37,7 @@ pub(super) fn patch(world: &mut World, mut scene: World) -> Changes {
             changes.material(own);
         }
     }
+    world.set_freelist(&free);
     write(Columns { world, scene: &scene, own: &own }, &mut changes);
     for entity in gone {
         // The entity exists: it was found just now.

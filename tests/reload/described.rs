@@ -1,7 +1,7 @@
 //! Worlds in words, so that two can be compared without regard to entity ids.
 
 use std::collections::HashMap;
-use std::fmt::{Debug, Write};
+use std::fmt::Debug;
 
 use rayreel::components::{
     Ambient, Animated, Background, Camera, Checker, FilmSettings, Fog, Follow, Light, LookAt, Material, Name,
@@ -35,51 +35,47 @@ struct Words<'a> {
 
 impl Words<'_> {
     fn all(&self, with_world_transforms: bool) -> String {
-        let mut text = format!("{} components", self.world.entity(self.entity).unwrap().len());
-        text += &self.one::<Name>();
-        text += &self.one::<Order>();
-        text += &self.one::<Transform>();
-        text += &self.one::<Shape>();
-        text += &self.one::<Material>();
-        text += &self.one::<Specular>();
-        text += &self.one::<Reflective>();
-        text += &self.one::<Refractive>();
-        text += &self.one::<Checker>();
-        text += &self.one::<Light>();
-        text += &self.one::<Camera>();
-        text += &self.one::<FilmSettings>();
-        text += &self.one::<Ambient>();
-        text += &self.one::<Background>();
-        text += &self.one::<Fog>();
-        text += &self.one::<Quality>();
-        text += &self.one::<Sampling>();
-        text += &self.one::<Animated>();
-        text += &self.linked(|parent: &Parent| vec![parent.0]);
-        text += &self.linked(|followed: &Follow| vec![followed.0]);
-        text += &self.linked(|looked_at: &LookAt| vec![looked_at.0]);
-        text += &self.linked(|shots: &Shots| shots.0.iter().map(|shot| shot.camera).collect());
-        if let Ok(shots) = self.world.get::<&Shots>(self.entity) {
-            write!(text, "\n  {:?}", shots.0.iter().map(|shot| shot.start).collect::<Vec<_>>()).unwrap();
-        }
-        if with_world_transforms {
-            text += &self.one::<WorldTransform>();
-        }
-        text
+        let shots = self.world.get::<&Shots>(self.entity);
+        let starts = shots.map(|shots| shots.0.iter().map(|shot| shot.start).collect::<Vec<_>>());
+        let parts = [
+            self.one::<Name>(),
+            self.one::<Order>(),
+            self.one::<Transform>(),
+            self.one::<Shape>(),
+            self.one::<Material>(),
+            self.one::<Specular>(),
+            self.one::<Reflective>(),
+            self.one::<Refractive>(),
+            self.one::<Checker>(),
+            self.one::<Light>(),
+            self.one::<Camera>(),
+            self.one::<FilmSettings>(),
+            self.one::<Ambient>(),
+            self.one::<Background>(),
+            self.one::<Fog>(),
+            self.one::<Quality>(),
+            self.one::<Sampling>(),
+            self.one::<Animated>(),
+            self.linked(|parent: &Parent| vec![parent.0]),
+            self.linked(|followed: &Follow| vec![followed.0]),
+            self.linked(|looked_at: &LookAt| vec![looked_at.0]),
+            self.linked(|shots: &Shots| shots.0.iter().map(|shot| shot.camera).collect()),
+            self.one::<WorldTransform>()
+                .map(|words| if with_world_transforms { words } else { String::new() }),
+        ];
+        let text: Vec<String> = parts.into_iter().flatten().collect();
+        assert_eq!(self.world.entity(self.entity).unwrap().len(), text.len(), "there are other components");
+        format!("{}\n  {starts:?}", text.concat())
     }
 
-    fn one<T: hecs::Component + Debug>(&self) -> String {
-        self.world.get::<&T>(self.entity).map_or_else(|_| String::new(), |part| format!("\n  {:?}", *part))
+    fn one<T: hecs::Component + Debug>(&self) -> Option<String> {
+        self.world.get::<&T>(self.entity).map(|part| format!("\n  {:?}", *part)).ok()
     }
 
-    fn linked<T: hecs::Component>(&self, links: impl Fn(&T) -> Vec<Entity>) -> String {
-        self.world.get::<&T>(self.entity).map_or_else(
-            |_| String::new(),
-            |part| {
-                let kind = std::any::type_name::<T>();
-                let places: Vec<_> = links(&part).iter().map(|entity| self.places.get(entity)).collect();
-                format!("\n  {kind} {places:?}")
-            },
-        )
+    fn linked<T: hecs::Component>(&self, links: impl Fn(&T) -> Vec<Entity>) -> Option<String> {
+        let part = self.world.get::<&T>(self.entity).ok()?;
+        let places: Vec<_> = links(&part).iter().map(|entity| self.places.get(entity)).collect();
+        Some(format!("\n  {} {places:?}", std::any::type_name::<T>()))
     }
 }
 
