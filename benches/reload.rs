@@ -37,9 +37,15 @@ fn main() {
     println!("|---|---|---|---|---|---|---|");
     for named in [true, false] {
         let start = Version { named, red: 0, height: 0, extra: false };
-        let edits: [(&str, Edit); 4] = [
+        let edits: [(&str, Edit); 5] = [
             ("nothing", |_| Version { named: true, red: 0, height: 0, extra: false }),
             ("a material", |at| Version { named: true, red: at % 2, height: 0, extra: false }),
+            ("a material, after an entity came", |at| Version {
+                named: true,
+                red: at % 2,
+                height: 0,
+                extra: true,
+            }),
             ("an entity that moves", |at| Version { named: true, red: 0, height: at % 2, extra: false }),
             ("an entity that comes or goes", |at| Version {
                 named: true,

@@ -190,14 +190,19 @@ impl<'a> Scanner<'a, '_> {
     /// A text, a number, a name or, failing these, one character.
     fn atom(&mut self) {
         let rest = &self.text[self.at..];
-        let word = rest.find(|character: char| !(character.is_alphanumeric() || "_.+-".contains(character)));
-        let word = word.unwrap_or(rest.len());
+        let ends_word = |character: char| !(character.is_alphanumeric() || "_.+-".contains(character));
+        let word = rest.find(ends_word).unwrap_or(rest.len());
         let prefix = &rest[..word];
         let after = rest[word..].chars().next();
         self.at += match (prefix, after) {
             ("" | "b", Some('"')) => word + quoted(&rest[word..], '"'),
             ("" | "b", Some('\'')) => word + quoted(&rest[word..], '\''),
-            ("r" | "br", Some('"' | '#')) => word + raw_quoted(&rest[word..]),
+            ("r" | "br", Some('"')) => word + raw_quoted(&rest[word..]),
+            ("r" | "br", Some('#')) if rest[word..].trim_start_matches('#').starts_with('"') => {
+                word + raw_quoted(&rest[word..])
+            }
+            // A raw name, as r#type.
+            ("r", Some('#')) => word + 1 + rest[word + 1..].find(ends_word).unwrap_or(rest.len() - word - 1),
             ("", Some(character)) => character.len_utf8(),
             _ => word,
         };
@@ -219,12 +224,9 @@ impl<'a> Scanner<'a, '_> {
             }
         }
         let mut end = self.at;
+        let opens = end == start || !name.is_empty() && self.peek() == Some(b'(');
         match self.peek() {
-            Some(b'(' | b'[' | b'{')
-                if wanted.is_empty() && (end == start || !name.is_empty() && self.peek() == Some(b'(')) =>
-            {
-                self.skip_brackets();
-            }
+            Some(b'(' | b'[' | b'{') if opens && wanted.is_empty() => self.skip_brackets(),
             Some(b'(') if name == "Some" => {
                 self.at += 1;
                 self.value(wanted);
@@ -232,7 +234,7 @@ impl<'a> Scanner<'a, '_> {
                 self.at += 1;
                 end = self.at;
             }
-            Some(b'(' | b'[') if end == start || !name.is_empty() && self.peek() == Some(b'(') => {
+            Some(b'(' | b'[') if opens => {
                 self.members(wanted);
                 end = self.at;
             }
@@ -356,7 +358,8 @@ fn follow<'a>(wanted: &[Wanted<'a>], matches: impl Fn(&Step) -> bool) -> Vec<Wan
 
 /// The length of a text in quotes, with them.
 fn quoted(rest: &str, quote: char) -> usize {
-    let mut escaped = false;
+    // A character is one, whatever it is.
+    let mut escaped = quote == '\'' && !rest.starts_with("'\\");
     for (at, character) in rest.char_indices().skip(1) {
         if escaped {
             escaped = false;
@@ -408,6 +411,11 @@ mod tests {
         assert_eq!(found(text, &[Field("entities"), Index(1), Field("name")]), "\"ß\"");
         assert_eq!(found(text, &[Field("keys"), Index(0), Index(1), Index(2)]), "EaseIn");
         assert_eq!(found(text, &[Field("raw")]), "r#\"un\"closed (\"#");
+        let text = "(r#type: r#Name(\"#\"), quote: b''', escaped: '\\'', last: 1)";
+        assert_eq!(found(text, &[Field("r#type")]), "r#Name(\"#\")");
+        assert_eq!(found(text, &[Field("quote")]), "b'''");
+        assert_eq!(found(text, &[Field("escaped")]), "'\\''");
+        assert_eq!(found(text, &[Field("last")]), "1");
     }
 
     #[test]

@@ -59,7 +59,9 @@ impl Files {
         let mut loader = Loader { texts: Some(mem::take(before)), ..Loader::default() };
         let loaded = loader.load(path, content(path));
         *before = loader.texts.unwrap_or_default();
-        if loaded.files.iter().all(|file| file.document.is_some()) {
+        let is_whole =
+            |file: &SceneFile| file.document.is_some() && file.includes.iter().all(Option::is_some);
+        if loaded.files.iter().all(is_whole) {
             before.retain(|path, _| loader.known.contains_key(path));
         }
         loaded

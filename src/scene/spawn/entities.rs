@@ -43,7 +43,7 @@ struct Member<'a> {
 }
 
 /// Which components an entity has, of those that not every one has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 struct Types {
     name: bool,
     parent: bool,
@@ -81,11 +81,11 @@ pub(super) fn spawn(
         let batch = types.batch(members.len());
         let places = || members.iter().map(|member| member.place);
         let surfaces = || members.iter().filter_map(|member| member.surface);
-        fill(&batch, places().filter_map(|place| documents[place].name.clone()).map(Name));
         fill(&batch, places().filter_map(|place| channels.remove(&entities[place])).map(Animated));
         let of = |place: usize| &documents[place];
         rayon::join(
             || {
+                fill(&batch, places().filter_map(|place| of(place).name.clone()).map(Name));
                 fill(&batch, places().map(|place| transform(&of(place).transform)));
                 fill(&batch, places().filter_map(|place| of(place).shape.as_ref()).map(shape));
                 fill(&batch, places().filter_map(|place| of(place).light.as_deref()).map(light));
@@ -122,16 +122,12 @@ impl Types {
     /// Those that a material gives, alone.
     fn of_surface(surface: Option<&Surface>) -> Self {
         Self {
-            name: false,
-            parent: false,
-            animated: false,
-            shape: false,
-            light: false,
             material: surface.is_some(),
             specular: surface.is_some_and(|surface| surface.specular.is_some()),
             reflective: surface.is_some_and(|surface| surface.reflective.is_some()),
             refractive: surface.is_some_and(|surface| surface.refractive.is_some()),
             checker: surface.is_some_and(|surface| surface.checker.is_some()),
+            ..Self::default()
         }
     }
 
