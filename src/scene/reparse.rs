@@ -74,9 +74,8 @@ impl Parsed {
         // What was written may have swallowed the start of a neighbour, or all of it, but then the mark as well.
         let is_mark = |entity: &Arc<EntityDocument>| entity.name.as_deref() == Some(MARK);
         let mut parsed = std::mem::take(&mut document.entities);
-        let is_marked = parsed.first().is_some_and(is_mark)
-            && (!is_cut || parsed.pop().is_some_and(|last| is_mark(&last)));
-        if !is_marked {
+        let ends_marked = !is_cut || parsed.len() > 1 && parsed.pop().is_some_and(|last| is_mark(&last));
+        if !(ends_marked && parsed.first().is_some_and(is_mark)) {
             return None;
         }
         let changed = parsed.into_iter().skip(if first > 0 { 2 } else { 1 });
@@ -154,7 +153,7 @@ Scene(
         (), /* none */ (name: r#"c"("#),
         (name: "d\")", light: Point(intensity: (1, 1, 1))), (shape: Some(Box(size: (1, 1, 1))), material: "r)ed"),
         (name: "ß"),
-    ],
+    ], // */ ],
     ambient: (1, 1, 1), // entities: [()]
     animate: [(target: "a", channel: Translation, track: Keys([(0, (0, 0, 0)), (1, (1, 0, 0))]))],
 )
@@ -304,6 +303,11 @@ Scene(
                 "(entities: [(name: \"a\")] //],\nambient: (1, 1, 1))",
             ),
             ("(entities: [(), (name: \"a\"), ()\n])", "(entities: [(), // (name: \"a\"), ()\n])"),
+            // A comment that swallows all, up to where another one seems to end.
+            (
+                "(entities: [(name: \"a\"), (name: \"b\"), (name: \"c\")\n], // */ ]\n)",
+                "(entities: [/*(name: \"a\"), (name: \"b\"), (name: \"c\")\n], // */ ]\n)",
+            ),
             // A character that is a quote.
             (
                 "(entities: [(transform: (scale: b''')), (name: \"a\"), (name: \"b\")])",
