@@ -7,13 +7,13 @@ use glam::DVec3;
 use hecs::{Archetype, ArchetypeColumn, Entity, World};
 use rayon::prelude::*;
 
-use super::translation::Translation;
+use super::counterparts::Counterparts;
 use crate::components::{Material, Name, Order, Shape, Transform};
 
 /// Which is which.
 pub(super) struct Matching {
     /// The entities of the world that go on as those of the scene.
-    pub(super) own: Translation,
+    pub(super) own: Counterparts,
     /// The entities of the scene that the world does not have, in document order.
     pub(super) new: Vec<Entity>,
     /// The entities of the scene that have components of other types than in the world.
@@ -86,7 +86,7 @@ impl Matching {
     fn pair(old: &Things<'_>, new: &Things<'_>, types: &[Option<usize>]) -> Self {
         let found = Found::of(old, new);
         let mut matching = Self {
-            own: Translation::of_many(new.len()),
+            own: Counterparts::of_many(new.len()),
             new: Vec::new(),
             of_other_types: Vec::new(),
             gone: found.missed().map(|at| old.entity(at)).collect(),
@@ -154,12 +154,12 @@ fn same_types(old: &[Columns<'_>], new: &[Columns<'_>]) -> Vec<Option<usize>> {
 
 /// The entities of the world, if they are stored as those of the scene are: one after the other they have the same marks, the same
 /// places in document order and components of the same types. So it is while edits change values only.
-fn in_place(old: &[Table<'_>], new: &[Table<'_>], types: &[Option<usize>]) -> Option<Translation> {
+fn in_place(old: &[Table<'_>], new: &[Table<'_>], types: &[Option<usize>]) -> Option<Counterparts> {
     let count = |tables: &[Table<'_>]| -> usize { tables.iter().map(|table| table.entities.len()).sum() };
     if count(old) != count(new) {
         return None;
     }
-    let mut own = Translation::of_many(count(new));
+    let mut own = Counterparts::of_many(count(new));
     for (new, types) in new.iter().zip(types).filter(|(new, _)| !new.entities.is_empty()) {
         let old = &old[(*types)?];
         let alike = |row: usize| old.order(row) == new.order(row) && old.mark(row) == new.mark(row);

@@ -1,6 +1,7 @@
 //! World, systems and kernel put together.
 
 mod cast;
+mod counterparts;
 mod draft;
 mod frame;
 mod matching;
@@ -9,7 +10,6 @@ mod probe;
 mod reload;
 mod report;
 mod run;
-mod translation;
 
 pub use cast::{Hit, IntoRay, Ray};
 pub use probe::Probe;

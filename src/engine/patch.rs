@@ -2,8 +2,8 @@
 
 use hecs::{Component, Entity, World};
 
+use super::counterparts::Counterparts;
 use super::matching::{Matching, placed, shaped};
-use super::translation::Translation;
 use crate::components::{
     Ambient, Animated, Background, Camera, Checker, FilmSettings, Fog, Follow, Light, LookAt, Material,
     Order, Parent, Quality, Reflective, Refractive, Sampling, Shots, Specular,
@@ -38,7 +38,7 @@ pub(super) fn patch(world: &mut World, mut scene: World) -> Changes {
         }
     }
     world.set_freelist(&free);
-    write(Columns { world, scene: &scene, own: &own }, &mut changes);
+    write(Worlds { world, scene: &scene, own: &own }, &mut changes);
     for entity in gone {
         // The entity exists: it was found just now.
         let _ = world.despawn(entity);
@@ -49,7 +49,7 @@ pub(super) fn patch(world: &mut World, mut scene: World) -> Changes {
 }
 
 /// Lets all components that name entities name those of the world.
-fn translate_links(scene: &mut World, own: &Translation) {
+fn translate_links(scene: &mut World, own: &Counterparts) {
     for parent in scene.query_mut::<&mut Parent>() {
         parent.0 = own.of(parent.0);
     }
@@ -67,34 +67,34 @@ fn translate_links(scene: &mut World, own: &Translation) {
 }
 
 /// Writes the entities that have components of the same types as before. Names are the same.
-fn write(columns: Columns<'_>, changes: &mut Changes) {
+fn write(worlds: Worlds<'_>, changes: &mut Changes) {
     let ((moved, resized), painted) = rayon::join(
         || {
-            let moved = columns.put_bits(placed).into_iter().chain(columns.put_all::<Parent>());
-            (moved, columns.put_bits(shaped))
+            let moved = worlds.put_bits(placed).into_iter().chain(worlds.put_all::<Parent>());
+            (moved, worlds.put_bits(shaped))
         },
         || {
-            let painted = columns.put_all::<Material>().into_iter();
-            let painted = painted.chain(columns.put_all::<Specular>()).chain(columns.put_all::<Reflective>());
-            let painted = painted.chain(columns.put_all::<Refractive>()).chain(columns.put_all::<Checker>());
-            columns.put_all::<Order>();
+            let painted = worlds.put_all::<Material>().into_iter();
+            let painted = painted.chain(worlds.put_all::<Specular>()).chain(worlds.put_all::<Reflective>());
+            let painted = painted.chain(worlds.put_all::<Refractive>()).chain(worlds.put_all::<Checker>());
+            worlds.put_all::<Order>();
             // What motions write, they record.
-            columns.put(|old: &mut Animated, new| {
+            worlds.put(|old: &mut Animated, new| {
                 std::mem::swap(old, new);
                 false
             });
             // These are read for every frame.
-            columns.put_all::<Light>();
-            columns.put_all::<Camera>();
-            columns.put_all::<Follow>();
-            columns.put_all::<LookAt>();
-            columns.put_all::<Shots>();
-            columns.put_all::<FilmSettings>();
-            columns.put_all::<Ambient>();
-            columns.put_all::<Background>();
-            columns.put_all::<Fog>();
-            columns.put_all::<Quality>();
-            columns.put_all::<Sampling>();
+            worlds.put_all::<Light>();
+            worlds.put_all::<Camera>();
+            worlds.put_all::<Follow>();
+            worlds.put_all::<LookAt>();
+            worlds.put_all::<Shots>();
+            worlds.put_all::<FilmSettings>();
+            worlds.put_all::<Ambient>();
+            worlds.put_all::<Background>();
+            worlds.put_all::<Fog>();
+            worlds.put_all::<Quality>();
+            worlds.put_all::<Sampling>();
             painted
         },
     );
@@ -103,15 +103,15 @@ fn write(columns: Columns<'_>, changes: &mut Changes) {
     painted.for_each(|entity| changes.material(entity));
 }
 
-/// The components of two worlds, type by type.
+/// Two worlds, the components of which are put from one to the other type by type.
 #[derive(Clone, Copy)]
-struct Columns<'a> {
+struct Worlds<'a> {
     world: &'a World,
     scene: &'a World,
-    own: &'a Translation,
+    own: &'a Counterparts,
 }
 
-impl Columns<'_> {
+impl Worlds<'_> {
     /// The entities of the world for which `put` says that something else is there now.
     fn put<T: Component>(self, put: impl Fn(&mut T, &mut T) -> bool) -> Vec<Entity> {
         let (mut old, mut new) = (self.world.query::<&mut T>(), self.scene.query::<(Entity, &mut T)>());

@@ -43,7 +43,7 @@ impl Place {
     /// The place of a byte.
     #[must_use]
     pub fn of(text: &str, byte: usize) -> Self {
-        let before = &text[..floor_char(text, byte)];
+        let before = &text[..text.floor_char_boundary(byte)];
         let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
         let line = before.bytes().filter(|byte| *byte == b'\n').count() + 1;
         Self { line, column: before[line_start..].chars().count() + 1 }
@@ -100,23 +100,14 @@ impl<'a> Excerpt<'a> {
     const LONGEST: usize = 2000;
 
     fn around(text: &'a str, span: &Range<usize>) -> Self {
-        let at = floor_char(text, span.start);
+        let at = text.floor_char_boundary(span.start);
         let line_start = text[..at].rfind('\n').map_or(0, |newline| newline + 1);
         let line_end = text[at..].find('\n').map_or(text.len(), |newline| at + newline);
-        let start = floor_char(text, line_start.max(at.saturating_sub(Self::LONGEST)));
-        let end = floor_char(text, line_end.min(at + Self::LONGEST));
-        let marked_end = floor_char(text, span.end).clamp(at, end);
+        let start = text.floor_char_boundary(line_start.max(at.saturating_sub(Self::LONGEST)));
+        let end = text.floor_char_boundary(line_end.min(at + Self::LONGEST));
+        let marked_end = text.floor_char_boundary(span.end).clamp(at, end);
         Self { line: &text[start..end], marked: at - start..marked_end - start, is_cut: start > line_start }
     }
-}
-
-/// The nearest character boundary at or before a byte.
-fn floor_char(text: &str, byte: usize) -> usize {
-    let mut byte = byte.min(text.len());
-    while !text.is_char_boundary(byte) {
-        byte -= 1;
-    }
-    byte
 }
 
 impl fmt::Display for Place {

@@ -115,19 +115,14 @@ fn same_ends(old: &str, new: &str) -> (usize, usize) {
     /// What is compared at once.
     const BLOCK: usize = 4096;
     let (old, new) = (old.as_bytes(), new.as_bytes());
-    let shorter = old.len().min(new.len());
-    let mut head = 0;
-    while head + BLOCK <= shorter && old[head..head + BLOCK] == new[head..head + BLOCK] {
-        head += BLOCK;
-    }
-    head += old[head..].iter().zip(&new[head..]).take_while(|(old, new)| old == new).count();
+    let blocks = old.chunks_exact(BLOCK).zip(new.chunks_exact(BLOCK));
+    let head = BLOCK * blocks.take_while(|(old, new)| old == new).count();
+    let rest = old[head..].iter().zip(&new[head..]);
+    let head = head + rest.take_while(|(old, new)| old == new).count();
+
     let (old, new) = (&old[head..], &new[head..]);
-    let shorter = old.len().min(new.len());
-    let mut tail = 0;
-    let block = |bytes: &[u8], tail: usize| bytes.len() - tail - BLOCK..bytes.len() - tail;
-    while tail + BLOCK <= shorter && old[block(old, tail)] == new[block(new, tail)] {
-        tail += BLOCK;
-    }
+    let blocks = old.rchunks_exact(BLOCK).zip(new.rchunks_exact(BLOCK));
+    let tail = BLOCK * blocks.take_while(|(old, new)| old == new).count();
     let rest = old[..old.len() - tail].iter().rev().zip(new[..new.len() - tail].iter().rev());
     (head, tail + rest.take_while(|(old, new)| old == new).count())
 }
@@ -200,14 +195,8 @@ Scene(
     ];
 
     fn edited(text: &str, at: &Index, length: usize, piece: &str) -> String {
-        let boundary = |mut at: usize| {
-            while !text.is_char_boundary(at) {
-                at += 1;
-            }
-            at
-        };
-        let start = boundary(at.index(text.len() + 1));
-        let end = boundary((start + length).min(text.len()));
+        let start = text.ceil_char_boundary(at.index(text.len() + 1));
+        let end = text.ceil_char_boundary((start + length).min(text.len()));
         format!("{}{piece}{}", &text[..start], &text[end..])
     }
 

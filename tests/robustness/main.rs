@@ -205,11 +205,7 @@ fn edit() -> impl Strategy<Value = Edit> {
 /// The nearest character boundary at or before a share of the text.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place in the text")]
 fn byte_at(text: &str, place: f64) -> usize {
-    let mut byte = (place * text.len() as f64) as usize;
-    while !text.is_char_boundary(byte) {
-        byte -= 1;
-    }
-    byte
+    text.floor_char_boundary((place * text.len() as f64) as usize)
 }
 
 fn edited(text: &str, edits: &[Edit]) -> String {

@@ -3,9 +3,9 @@
 use hecs::Entity;
 
 /// By the entities of the scene. Their ids are dense, as its world is fresh, so that a list does.
-pub(super) struct Translation(Vec<Entity>);
+pub(super) struct Counterparts(Vec<Entity>);
 
-impl Translation {
+impl Counterparts {
     /// With room for so many.
     pub(super) fn of_many(count: usize) -> Self {
         Self(Vec::with_capacity(count))
