@@ -388,6 +388,42 @@ fn a_ray_that_leaves_a_surface_does_not_meet_it_again() {
 }
 
 #[test]
+fn t_counts_the_direction_as_it_was_given() {
+    let mut engine = engine(
+        r#"camera: (position: (0, 2, -8), target: (0, 0, 0)), materials: { "m": () }, entities: [
+            (name: "floor", material: "m", shape: Plane(normal: (0, 1, 0))),
+            (name: "ceiling", material: "m", shape: Box(size: (8, 0.5, 8)), transform: (translation: (0, 3.25, 0), rotation: Euler(0, 30, 0))),
+            (name: "ball", material: "m", shape: Sphere(radius: 0.5), transform: (translation: (0, 1, 0))),
+        ]"#,
+    );
+    engine.seek(rayreel::Time::ZERO).unwrap();
+    for length in [5e-324, 1e-308, 1e-300, 3e-7, 0.7, 1.0, 5.0, 1e20, 1e300, 1e308] {
+        // Down to the floor beside the ball, up to the ceiling, and towards the ball.
+        let down =
+            engine.cast(Ray { origin: DVec3::new(1.0, 2.0, 0.0), direction: DVec3::NEG_Y * length }).unwrap();
+        let towards = |direction: DVec3| engine.cast(down.leave_towards(direction)).unwrap();
+        let (up, aside) = (towards(DVec3::Y * length), towards(DVec3::new(-1.0, 1.0, 0.0) * length));
+        for (hit, way) in [(down, 2.0), (up, 3.0), (aside, 2.0_f64.sqrt() - 0.5)] {
+            let unit = if way == 2.0 || way == 3.0 { length } else { 2.0_f64.sqrt() * length };
+            assert!((hit.distance - way).abs() < 1e-15, "{hit:?}");
+            match hit.t {
+                Some(t) if length > 1e-300 => {
+                    assert!((t * unit - way).abs() < 1e-15 * way, "{length:e}: {hit:?}")
+                }
+                // Of subnormal lengths few digits are left.
+                Some(t) => assert!((t / (way / unit) - 1.0).abs() < 1e-7, "{length:e}: {hit:?}"),
+                None => assert!(way / unit > f64::MAX * 0.999, "{length:e}: {hit:?}"),
+            }
+        }
+    }
+    // A light is hidden by what is met before t = 1.
+    let floor = engine.cast(Ray { origin: DVec3::new(0.0, 0.2, 0.0), direction: DVec3::NEG_Y }).unwrap();
+    let light = DVec3::new(0.0, 2.0, 0.0);
+    let hit = engine.cast(floor.leave_towards(light - floor.point)).unwrap();
+    assert!(hit.t.is_some_and(|t| t < 1.0));
+}
+
+#[test]
 fn a_closed_mirror_box_leaks_nowhere() {
     // Whole columns of pixels fall on edges.
     for (shape, rotation) in [

@@ -363,7 +363,7 @@ fn answers_are_the_engines_own_bits_over_many_batches() {
         };
         hits += 1;
         let name = engine.world().get::<&Name>(hit.entity).unwrap().0.clone();
-        let mut bits = vec![hit.t];
+        let mut bits = vec![hit.t.unwrap()];
         bits.extend(hit.point.to_array());
         bits.extend(hit.normal.to_array());
         let fields: Vec<&str> = line.split(',').collect();

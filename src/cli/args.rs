@@ -227,7 +227,8 @@ A ray is a line ox,oy,oz,dx,dy,dz, its origin and its direction, which may have 
 a first line with just these names is skipped. It is answered with a line
 hit,entity,t,px,py,pz,nx,ny,nz: 1 and the first surface it meets, or 0 and nothing. The entity is
 its name or, where it has none, # and its place in the scene's list from 0; the point is
-origin + t direction; the normal is on the side that the ray came from. Both are the renderer's own
+origin + t direction, and t is left out where it is beyond 1.8e308, the largest number there is;
+the normal is on the side that the ray came from. Both are the renderer's own
 answers, and every number reads back to the same bits.")]
 pub(super) struct ProbeArguments {
     /// The scene file

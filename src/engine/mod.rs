@@ -11,7 +11,7 @@ mod reload;
 mod report;
 mod run;
 
-pub use cast::{Hit, IntoRay, Ray};
+pub use cast::{Hit, IntoRay, Ray, SecondaryRay};
 pub use probe::Probe;
 pub use report::FrameReport;
 pub use run::{Engine, EngineError};

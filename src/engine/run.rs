@@ -296,9 +296,9 @@ impl Engine {
     #[must_use]
     pub fn cast(&self, ray: impl IntoRay) -> Option<Hit> {
         let preparation = self.preparation.as_ref()?;
-        let (ray, scale) = ray.into_ray()?;
+        let (ray, exponent) = ray.into_ray()?;
         let surface = preparation.scene().cast(&ray)?;
-        Some(Hit::new(preparation.entity(surface.hit.slot), &ray, scale, surface))
+        Some(Hit::new(preparation.entity(surface.hit.slot), &ray, exponent, surface))
     }
 
     /// As [`cast`](Engine::cast) for many rays, on the current rayon pool's threads. The answers are in the rays' order.
@@ -307,20 +307,20 @@ impl Engine {
         let Some(preparation) = &self.preparation else {
             return vec![None; rays.len()];
         };
-        let (rays, scales): (Vec<_>, Vec<_>) = rays
+        let (rays, exponents): (Vec<_>, Vec<_>) = rays
             .iter()
             .map(|ray| match ray.into_ray() {
-                Some((ray, scale)) => (Some(ray), scale),
-                None => (None, 1.0),
+                Some((ray, exponent)) => (Some(ray), exponent),
+                None => (None, 0),
             })
             .unzip();
         let surfaces = preparation.scene().cast_all(&rays);
         surfaces
             .into_iter()
-            .zip(rays.iter().zip(scales))
-            .map(|(surface, (ray, scale))| {
+            .zip(rays.iter().zip(exponents))
+            .map(|(surface, (ray, exponent))| {
                 let surface = surface?;
-                Some(Hit::new(preparation.entity(surface.hit.slot), ray.as_ref()?, scale, surface))
+                Some(Hit::new(preparation.entity(surface.hit.slot), ray.as_ref()?, exponent, surface))
             })
             .collect()
     }

@@ -43,7 +43,7 @@ pub(super) fn run(path: &Path, engine: &Engine, json: bool) -> Result<(), Failur
     }
 }
 
-/// The nine columns of the header; of a ray that meets nothing, only the first is filled.
+/// The nine columns of the header; of a ray that meets nothing, only the first is filled, and `t` is not where no `f64` holds it.
 fn csv_lines(world: &World, hits: &[Option<Hit>]) -> anyhow::Result<Vec<u8>> {
     let mut lines = Vec::new();
     let mut writer = csv::Writer::from_writer(&mut lines);
@@ -55,10 +55,12 @@ fn csv_lines(world: &World, hits: &[Option<Hit>]) -> anyhow::Result<Vec<u8>> {
         };
         writer.write_field("1")?;
         writer.write_field(label(world, hit.entity))?;
-        let numbers = [hit.t].into_iter().chain(hit.point.to_array()).chain(hit.normal.to_array());
-        for number in numbers {
+        let point_and_normal = hit.point.to_array().into_iter().chain(hit.normal.to_array());
+        for number in [hit.t].into_iter().chain(point_and_normal.map(Some)) {
             text.clear();
-            write!(text, "{}", Shortest(number))?;
+            if let Some(number) = number {
+                write!(text, "{}", Shortest(number))?;
+            }
             writer.write_field(&text)?;
         }
         writer.write_record(None::<&[u8]>)?;
