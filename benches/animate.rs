@@ -83,7 +83,8 @@ fn smooth_translation(index: f64) -> Vec<Channel> {
 }
 
 fn rotation_and_color(index: f64) -> Vec<Channel> {
-    let turned = |time| -> DQuat { Rotation::AxisAngle(DVec3::ONE, index + time).quaternion() };
+    let turned =
+        |time: f64| -> DQuat { Rotation::AxisAngle(DVec3::ONE, (index + time).to_degrees()).quaternion() };
     let painted = |time: f64| DVec3::splat(0.5 + 0.1 * time).as_vec3();
     vec![
         Channel::new(Property::Rotation, track(Easing::InOut(Ease::Sine), turned)),

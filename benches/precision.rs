@@ -35,10 +35,10 @@ fn rays(rounds: usize) {
     );
     let shapes = [
         ("sphere", PreparedShape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 })),
-        ("plane", PreparedShape::Plane(Plane { point: DVec3::ZERO, normal: DVec3::Y })),
+        ("plane", PreparedShape::Plane(Plane::new(DVec3::ZERO, DVec3::Y).expect("it has a direction"))),
         ("box", PreparedShape::AlignedBox(AlignedBox { min: DVec3::NEG_ONE, max: DVec3::ONE })),
         ("ellipsoid", PreparedShape::SphereImage(SphereImage::new(turned, 1.0))),
-        ("turned box", PreparedShape::BoxImage(BoxImage::new(turned, DVec3::ONE))),
+        ("turned box", PreparedShape::BoxImage(BoxImage::new(turned, DVec3::ONE).expect("it has an inside"))),
     ];
     let rays: Vec<Option<Ray>> = (0..COUNT).map(ray).collect();
     println!("| one shape, nanoseconds a ray | hits | textbook f32 | textbook f64 | guaranteed | over f64 |");

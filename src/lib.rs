@@ -58,7 +58,7 @@
 //! | `time` | seconds, frame rates, frame lists | | |
 //! | `timeline` | values over time, pure | color, time | glam |
 //! | `script` | small programs in scenes, sandboxed | color, time, timeline | glam, rhai |
-//! | `trace` | the kernel: prepared arrays in, film out; no entities, no clock, no files | color | glam, rayon, obvhs |
+//! | `trace` | the kernel: prepared arrays in, film out; no entities, no clock, no files | color | glam, rayon, obvhs, dashu_int |
 //! | `components` | what things are: plain data | color, time, timeline | glam, hecs |
 //! | `scene` | RON to world, diagnostics | components, timeline, script, color, time | hecs, glam, hashbrown, rayon, ron, serde, annotate_snippets, strsim |
 //! | `systems` | what happens each frame; `prepare` is the only bridge from world to kernel | components, timeline, script, trace, color, time | hecs, glam, rayon |

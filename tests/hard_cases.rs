@@ -354,6 +354,33 @@ fn things_of_any_size_look_alike() {
     }
 }
 
+/// Squares of such distances are no numbers any more. `tests/oracle` has the rule, these are the cases that were seen.
+#[test]
+fn rays_from_beyond_all_measure_miss_what_they_miss() {
+    let miss = |entity: &str, origin: [f64; 3], direction: DVec3| {
+        let mut engine = engine(&format!(
+            r#"Scene(camera: (position: (0, 0, -9), target: (0, 0, 0)), materials: {{ "m": () }}, entities: [(material: "m", {entity})])"#
+        ));
+        engine.seek(Time::ZERO).unwrap();
+        let origin = DVec3::from_array(origin);
+        assert!(engine.cast(rayreel::Ray { origin, direction }).is_none(), "{entity}");
+        // What a ray from there is aimed at, it does meet.
+        let aimed = rayreel::Ray { origin: direction * -origin.abs().max_element(), direction };
+        let mut there = self::engine(
+            r#"Scene(camera: (position: (0, 0, -9), target: (0, 0, 0)), materials: { "m": () }, entities: [
+                (material: "m", shape: Sphere(radius: 1), transform: (scale: (1, 2, 1), rotation: Euler(10, 20, 30)))])"#,
+        );
+        there.seek(Time::ZERO).unwrap();
+        assert!(there.cast(aimed).is_some());
+    };
+    miss("shape: Sphere(radius: 1)", [1e308, 50.0, -8.0], DVec3::NEG_X);
+    let ellipsoid = "shape: Sphere(radius: 1), transform: (translation: (5, 0, 0), rotation: Euler(10, 20, 30), scale: (1, 2, 1))";
+    miss(ellipsoid, [1e200, 50.0, -8.0], DVec3::NEG_X);
+    let tiny = "shape: Sphere(radius: 1), transform: (scale: (1.25e-23, 2.5e-23, 3.75e-23),
+        rotation: Quat(0.0565, -2.0377, 0.0338, -1.5035))";
+    miss(tiny, [-2.74e140, -5.53e140, -3.67e139], DVec3::Y);
+}
+
 #[test]
 fn the_tiny_is_seen_before_the_huge() {
     let text = |tiny: &str, near: &str, huge: &str| {
@@ -393,7 +420,8 @@ fn paths_agree_on_maps_that_lose_all_digits() {
 }
 
 fn about(axis: DVec3, angle: f64) -> DQuat {
-    Rotation::AxisAngle(axis, angle).quaternion()
+    let (sine, cosine) = libm::sincos(0.5 * angle);
+    DQuat::from_vec4((axis.normalize() * sine).extend(cosine))
 }
 
 #[test]

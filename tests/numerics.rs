@@ -25,10 +25,7 @@ fn shape(value: &Value) -> PreparedShape {
         "sphere" => {
             PreparedShape::Sphere(Sphere { center: vector(&value["c"]), radius: number(&value["r"]) })
         }
-        "plane" => {
-            let normal = vector(&value["n"]).normalize();
-            PreparedShape::Plane(Plane { point: vector(&value["q"]), normal })
-        }
+        "plane" => PreparedShape::Plane(Plane::new(vector(&value["q"]), vector(&value["n"])).unwrap()),
         "aabb" => {
             PreparedShape::AlignedBox(AlignedBox { min: vector(&value["min"]), max: vector(&value["max"]) })
         }
@@ -39,7 +36,7 @@ fn shape(value: &Value) -> PreparedShape {
             };
             let matrix3 = DMat3::from_quat(DQuat::from_xyzw(x, y, z, w).normalize());
             let forward = DAffine3 { matrix3, translation: vector(&value["c"]) };
-            PreparedShape::BoxImage(BoxImage::new(forward, vector(&value["h"])))
+            PreparedShape::BoxImage(BoxImage::new(forward, vector(&value["h"])).unwrap())
         }
         other => panic!("{other}"),
     }
@@ -103,7 +100,7 @@ fn every_hard_case_is_right() {
 #[test]
 fn contact_shadows_reach_the_contact() {
     let mut geometry = Geometry::default();
-    geometry.push(PreparedShape::Plane(Plane { point: DVec3::ZERO, normal: DVec3::Y }));
+    geometry.push(PreparedShape::Plane(Plane::new(DVec3::ZERO, DVec3::Y).unwrap()));
     geometry.push(PreparedShape::Sphere(Sphere { center: DVec3::Y, radius: 1.0 }));
     let scene = PreparedScene::new(geometry, vec![SurfaceMaterial::default(); 2]);
     for (way, expected) in [

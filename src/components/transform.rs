@@ -9,7 +9,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 pub struct Transform {
     /// Scene units.
     pub translation: DVec3,
-    /// A unit quaternion.
+    /// A unit quaternion, as far as `f64` can say: its length does not scale anything.
     pub rotation: DQuat,
     /// Factor per own axis; never zero.
     pub scale: DVec3,
@@ -43,39 +43,25 @@ pub struct Parent(pub hecs::Entity);
 /// turned parent is still exactly a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldTransform {
-    /// The map itself.
+    /// The map, rounded.
     pub affine: DAffine3,
+    /// What rounding left over: the map is the sum of both, so that faces which are flush as written stay so through parents.
+    pub rest: DAffine3,
     /// The factor of all lengths, if there is a single one (rotations, uniform scales and mirrorings only).
     pub uniform_scale: Option<f64>,
 }
 
 impl WorldTransform {
-    /// The world transform of an entity without a parent.
-    #[must_use]
-    pub fn from_root(local: &Transform) -> Self {
-        let Transform { translation, rotation, scale } = *local;
-        // An unturned entity keeps an exactly diagonal matrix.
-        let matrix3 = if rotation == DQuat::IDENTITY {
-            DMat3::from_diagonal(scale)
-        } else {
-            DMat3::from_quat(rotation) * DMat3::from_diagonal(scale)
-        };
-        let size = scale.abs();
-        let uniform = size.x == size.y && size.y == size.z;
-        Self { affine: DAffine3 { matrix3, translation }, uniform_scale: uniform.then_some(size.x) }
-    }
-
-    /// The world transform of an entity whose parent has this one.
-    #[must_use]
-    pub fn child(&self, local: &Transform) -> Self {
-        let local = Self::from_root(local);
-        let uniform_scale = self.uniform_scale.zip(local.uniform_scale).map(|(outer, inner)| outer * inner);
-        Self { affine: self.affine * local.affine, uniform_scale }
-    }
+    /// Neither moved, turned nor scaled.
+    pub const IDENTITY: Self = Self {
+        affine: DAffine3::IDENTITY,
+        rest: DAffine3 { matrix3: DMat3::ZERO, translation: DVec3::ZERO },
+        uniform_scale: Some(1.0),
+    };
 }
 
 impl Default for WorldTransform {
     fn default() -> Self {
-        Self::from_root(&Transform::IDENTITY)
+        Self::IDENTITY
     }
 }

@@ -216,8 +216,7 @@ impl Notation {
 
 fn rotation(data: &Data) -> Option<Rotation> {
     if let Some(degrees) = data.numbers::<3>() {
-        // Whole turns are left out first: the rest is an angle that can be told in radians.
-        return Some(Rotation::Euler(DVec3::from(degrees.map(|angle| (angle % 360.0).to_radians()))));
+        return Some(Rotation::Euler(DVec3::from(degrees)));
     }
     let [x, y, z, w] = data.numbers::<4>()?;
     [x, y, z, w].iter().any(|part| *part != 0.0).then_some(Rotation::Quat(x, y, z, w))

@@ -27,6 +27,7 @@ mod propagate;
 mod property;
 mod scripts;
 mod snapshot;
+mod world_transform;
 
 pub use animate::animate;
 pub use changes::Changes;

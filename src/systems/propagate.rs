@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use hecs::{Entity, World};
 
-use super::Changes;
 use super::batches::{BATCH, in_batches};
+use super::{Changes, world_transform};
 use crate::components::{Light, Parent, Shape, Transform, WorldTransform};
 
 /// Brings [`WorldTransform`] up to date, and returns the entities for which it may have changed: those that were written,
@@ -29,7 +29,7 @@ pub fn propagate(world: &mut World, changes: &Changes) -> Vec<Entity> {
     } else {
         for entity in &moved {
             if let Ok((transform, world_transform)) = world.query_one_mut::<Root<'_>>(*entity) {
-                *world_transform = WorldTransform::from_root(transform);
+                *world_transform = world_transform::root(transform);
             }
         }
     }
@@ -44,7 +44,7 @@ fn propagate_roots(world: &mut World) {
     let (count, roots) = (world.len(), world.query_mut::<Root<'_>>().into_iter_batched(BATCH));
     in_batches(count, roots, |batch| {
         for (transform, world_transform) in batch {
-            *world_transform = WorldTransform::from_root(transform);
+            *world_transform = world_transform::root(transform);
         }
     });
 }
@@ -61,7 +61,7 @@ fn complete(world: &mut World) {
     for entity in incomplete(world) {
         let transform = world.get::<&Transform>(entity).map_or(Transform::IDENTITY, |transform| *transform);
         // The entity exists: it was found just now.
-        let _ = world.insert(entity, (transform, WorldTransform::from_root(&transform)));
+        let _ = world.insert(entity, (transform, world_transform::root(&transform)));
     }
 }
 
@@ -98,7 +98,7 @@ fn propagate_children(world: &mut World) -> Vec<Entity> {
             if let Some(found) = known.get(&child) {
                 above = *found;
             } else if let Ok(transform) = world.query_one_mut::<&Transform>(child) {
-                above = above.child(transform);
+                above = world_transform::child(&above, transform);
                 known.insert(child, above);
             }
         }
@@ -123,7 +123,7 @@ fn break_ring(
     let mut current = member;
     while !known.contains_key(&current) {
         let local = world.get::<&Transform>(current).map_or(Transform::IDENTITY, |transform| *transform);
-        known.insert(current, WorldTransform::from_root(&local));
+        known.insert(current, world_transform::root(&local));
         match parents.get(&current) {
             Some(parent) => current = *parent,
             None => return,

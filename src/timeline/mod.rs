@@ -19,6 +19,7 @@
 //!
 //! Only basic operations and libm's functions are used, so that values have the same bits on every platform.
 
+mod angle;
 mod arc_length;
 mod curve;
 mod ease;

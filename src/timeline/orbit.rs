@@ -1,10 +1,9 @@
 //! A way around an axis.
 
-use std::f64::consts::TAU;
-
 use glam::DVec3;
 
 use super::Pace;
+use super::angle::sine_cosine;
 
 /// A circle about an axis, walked at a [`Pace`].
 ///
@@ -62,7 +61,7 @@ impl Orbit {
     #[must_use]
     pub fn at(&self, seconds: f64) -> DVec3 {
         let turns = self.from.fract() + (self.turns * self.pace.progress(seconds)).fract();
-        let (sine, cosine) = sine_cosine(turns);
+        let (sine, cosine) = sine_cosine(turns, 0.25);
         self.center + (cosine * self.arms[0] + sine * self.arms[1])
     }
 }
@@ -81,20 +80,10 @@ fn directions(axis: DVec3) -> [DVec3; 2] {
     }
 }
 
-/// Sine and cosine of an angle in turns.
-fn sine_cosine(turns: f64) -> (f64, f64) {
-    let quarters = (4.0 * turns).round();
-    let (sine, cosine) = libm::sincos(TAU * (turns - 0.25 * quarters));
-    match quarters.rem_euclid(4.0) {
-        0.0 => (sine, cosine),
-        1.0 => (cosine, -sine),
-        2.0 => (-sine, -cosine),
-        _ => (-cosine, sine),
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
     use crate::timeline::{Ease, Easing, Playback, Repeat};
 
@@ -155,17 +144,6 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn sines_of_turns_agree_with_those_of_angles() {
-        for step in -4000..=4000 {
-            let turns = f64::from(step) / 1000.0;
-            let (sine, cosine) = sine_cosine(turns);
-            assert!((sine - libm::sin(TAU * turns)).abs() < 5e-15, "{turns}");
-            assert!((cosine - libm::cos(TAU * turns)).abs() < 5e-15, "{turns}");
-        }
-        assert_eq!([0.25, 0.5, 0.75, -0.25].map(|turns| sine_cosine(turns).0), [1.0, 0.0, -1.0, -1.0]);
     }
 
     #[test]

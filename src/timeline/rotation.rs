@@ -5,8 +5,9 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec3};
 
 use super::Interpolate;
+use super::angle::sine_cosine;
 
-/// A rotation as people write it. Angles are radians here.
+/// A rotation as people write it. Angles are degrees: quarter and half turns are exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rotation {
     /// About x first, then y, then z: the matrix Rz Ry Rx.
@@ -22,7 +23,7 @@ impl Rotation {
     #[must_use]
     pub fn quaternion(self) -> DQuat {
         let about = |axis: DVec3, angle: f64| {
-            let (sine, cosine) = libm::sincos(0.5 * angle);
+            let (sine, cosine) = sine_cosine(0.5 * angle, 90.0);
             DQuat::from_vec4((axis * sine).extend(cosine))
         };
         match self {
@@ -33,7 +34,9 @@ impl Rotation {
                 // By a power of two, so that the square of the length is a number.
                 let exponent = libm::ilogb(axis.abs().max_element()).clamp(-1000, 1000);
                 let axis = axis * libm::ldexp(1.0, -exponent);
-                axis.try_normalize().map_or(DQuat::IDENTITY, |unit| about(unit, angle))
+                // Divided by the length, an axis of the coordinates' own is exact.
+                let unit = axis / axis.length();
+                if unit.is_finite() { about(unit, angle) } else { DQuat::IDENTITY }
             }
             Self::Quat(x, y, z, w) => unit(DQuat::from_xyzw(x, y, z, w)),
         }
@@ -148,20 +151,19 @@ mod tests {
 
     #[test]
     fn euler_angles_apply_x_then_y_then_z() {
-        let right = std::f64::consts::FRAC_PI_2;
-        let turned = Rotation::Euler(DVec3::new(right, right, 0.0)).quaternion() * DVec3::Y;
+        let turned = Rotation::Euler(DVec3::new(90.0, 90.0, 0.0)).quaternion() * DVec3::Y;
         // +90 about x takes y to z; +90 about y takes z to x.
         assert!((turned - DVec3::X).length() < 1e-15);
-        let turned = Rotation::AxisAngle(DVec3::new(0.0, 3.0, 0.0), right).quaternion() * DVec3::Z;
+        let turned = Rotation::AxisAngle(DVec3::new(0.0, 3.0, 0.0), 90.0).quaternion() * DVec3::Z;
         assert!((turned - DVec3::X).length() < 1e-15);
     }
 
     #[test]
     fn slerp_takes_the_short_way_and_is_never_nan() {
-        let quarter = Rotation::AxisAngle(DVec3::Y, 1.0).quaternion();
+        let quarter = Rotation::AxisAngle(DVec3::Y, 60.0).quaternion();
         close(slerp(quarter, -quarter, 0.3), quarter.to_array(), 1e-15);
         close(slerp(quarter, quarter, 0.3), quarter.to_array(), 1e-15);
-        let nearly = Rotation::AxisAngle(DVec3::Y, 1.0 + 1e-9).quaternion();
+        let nearly = Rotation::AxisAngle(DVec3::Y, 60.0 + 1e-7).quaternion();
         for step in 0..=10 {
             let u = f64::from(step) / 10.0;
             for other in
@@ -171,9 +173,9 @@ mod tests {
             }
         }
         // Over the long way the middle would be on the other side.
-        let (from, to) = (Rotation::Euler(DVec3::ZERO), Rotation::AxisAngle(DVec3::Z, 5.0));
+        let (from, to) = (Rotation::Euler(DVec3::ZERO), Rotation::AxisAngle(DVec3::Z, 290.0));
         let middle = slerp(from.quaternion(), to.quaternion(), 0.5);
-        let short = 5.0 - std::f64::consts::TAU;
+        let short = 290.0 - 360.0;
         close(middle, Rotation::AxisAngle(DVec3::Z, 0.5 * short).quaternion().to_array(), 1e-14);
     }
 

@@ -226,7 +226,8 @@ mod tests {
     }
 
     fn turned(x: f64, y: f64) -> DQuat {
-        Rotation::Euler(DVec3::new(0.4 * x, y, 0.1 * x * y)).quaternion() * if x > 6.05 { -1.0 } else { 1.0 }
+        let angles = DVec3::new(0.4 * x, y, 0.1 * x * y).map(f64::to_degrees);
+        Rotation::Euler(angles).quaternion() * if x > 6.05 { -1.0 } else { 1.0 }
     }
 
     #[test]
@@ -345,7 +346,8 @@ mod tests {
         for easing in SMOOTH {
             let angle: Vec<_> = keys.map(|(time, angle)| (time, angle, easing)).into();
             let angle = track(&angle);
-            let rotation = |angle| Rotation::AxisAngle(DVec3::new(2.0, -1.0, 0.5), angle).quaternion();
+            let rotation =
+                |angle: f64| Rotation::AxisAngle(DVec3::new(2.0, -1.0, 0.5), angle.to_degrees()).quaternion();
             let turning = keys.map(|(time, angle)| Key {
                 time,
                 value: rotation(angle) * (1.0 - 2.0 * (angle % 2.0).round()),
@@ -362,7 +364,7 @@ mod tests {
 
     #[test]
     fn opposite_and_equal_rotations_are_curves_too() {
-        let half = |axis| Rotation::AxisAngle(axis, std::f64::consts::PI).quaternion();
+        let half = |axis| Rotation::AxisAngle(axis, 180.0).quaternion();
         let one = DQuat::IDENTITY;
         for values in [
             [one, half(DVec3::X), half(DVec3::Y), half(DVec3::Z)],
@@ -399,7 +401,7 @@ mod tests {
         let key = |time, value| Key { time, value, easing: swing };
         let light = Track::new(vec![key(0.0, Vec3::ZERO), key(1.0, Vec3::ONE)]).unwrap();
         assert_eq!(lowest(&|time| f64::from(light.at(time).min_element())), 0.0);
-        let turn = |angle| Rotation::AxisAngle(DVec3::Y, angle).quaternion();
+        let turn = |angle: f64| Rotation::AxisAngle(DVec3::Y, angle.to_degrees()).quaternion();
         let turning = Track::new(vec![
             Key { time: 0.0, value: turn(0.0), easing: swing },
             Key { time: 1.0, value: turn(1.0), easing: swing },

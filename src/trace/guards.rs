@@ -5,9 +5,9 @@ use std::ops::AddAssign;
 /// How often the kernel's guards stepped in. Numbers to be curious about: the picture is right however large they are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Guards {
-    /// Does the ray meet the shape? Decided with a hundred bits, as `f64`'s error bounds left it open.
+    /// Does the ray meet the shape? Decided exactly, as `f64`'s error bounds left it open.
     pub open: u64,
-    /// Which of two is nearer, or is it before the light? Decided with a hundred bits.
+    /// Which of two is nearer, or is it before the light? Decided exactly.
     pub contested: u64,
     /// Points whose distance had so few certain bits that one Newton step would not have made it right.
     pub rough: u64,
@@ -16,7 +16,7 @@ pub struct Guards {
 }
 
 impl Guards {
-    /// Questions answered in double-double arithmetic, of every kind.
+    /// Questions answered by more than `f64`, of every kind.
     #[must_use]
     pub fn escalations(&self) -> u64 {
         self.open + self.contested + self.rough

@@ -53,6 +53,7 @@
 //!
 #![doc = include_str!("numerics.md")]
 
+mod algebraic;
 mod bounds;
 mod branch;
 mod bvh;

@@ -29,16 +29,10 @@ impl Root {
         Self { t, error }
     }
 
-    /// A `t` that was computed with a hundred bits and rounded to `f64`.
+    /// A `t` that was computed in double-double arithmetic and rounded to `f64`.
     #[must_use]
     pub fn rounded(t: Double) -> Self {
         Self { t: t.rounded(), error: t.rest().abs() * (1.0 + f64::EPSILON) }
-    }
-
-    /// With a bound that is so many times larger.
-    #[must_use]
-    pub(super) fn rougher(self, roughness: f64) -> Self {
-        Self { error: self.error * roughness, ..self }
     }
 
     /// The value, rounded.

@@ -10,18 +10,12 @@ pub(crate) struct Case {
     pub(crate) shapes: Vec<Shape>,
     pub(crate) origin: DVec3,
     pub(crate) direction: DVec3,
-    /// Are the numbers so short that a hundred bits hold every step? Then even a margin of zero is no excuse.
-    pub(crate) short: bool,
 }
 
 pub(crate) type Category = (&'static str, fn(&mut Random) -> Case);
 
 fn case(shape: Shape, origin: DVec3, direction: DVec3) -> Case {
-    Case { shapes: vec![shape], origin, direction, short: false }
-}
-
-fn short(shape: Shape, origin: DVec3, direction: DVec3) -> Case {
-    Case { short: true, ..case(shape, origin, direction) }
+    Case { shapes: vec![shape], origin, direction }
 }
 
 fn ball(center: DVec3, radius: f64) -> Shape {
@@ -78,7 +72,7 @@ fn square_to(r: &mut Random, normal: DVec3) -> DVec3 {
     }
 }
 
-pub(crate) const CATEGORIES: [Category; 38] = [
+pub(crate) const CATEGORIES: [Category; 41] = [
     ("sphere, ordinary", |r| case(ball(r.point() * 4.0, 1.0), r.point() * 4.0, r.direction())),
     ("sphere, aimed at", |r| {
         let center = r.point() * 4.0;
@@ -109,13 +103,13 @@ pub(crate) const CATEGORIES: [Category; 38] = [
             // All digits: along an axis, at the height of the radius.
             let radius = 1.5 + r.number();
             let origin = DVec3::new(-4.0 + r.number(), radius, 0.0) * scale;
-            return short(ball(DVec3::ZERO, radius * scale), origin, DVec3::X * r.scale(-110..=110));
+            return case(ball(DVec3::ZERO, radius * scale), origin, DVec3::X * r.scale(-110..=110));
         }
         let (touched, radius) = quadruple(r);
         let along = square_to(r, touched);
         let center = DVec3::new(r.whole(50), r.whole(50), r.whole(50));
         let origin = center + touched - along * r.whole(9) * 0.25;
-        short(ball(center * scale, radius * scale), origin * scale, along * r.scale(-110..=110))
+        case(ball(center * scale, radius * scale), origin * scale, along * r.scale(-110..=110))
     }),
     ("sphere, origin inside", |r| case(ball(DVec3::ZERO, 2.0), r.point(), r.direction())),
     ("sphere, origin nearly on it", |r| {
@@ -149,6 +143,13 @@ pub(crate) const CATEGORIES: [Category; 38] = [
         let along = normal.cross(r.direction()) + normal * r.number() * r.scale(-40..=0);
         let along = if along == DVec3::ZERO { normal } else { along };
         case(Shape::Plane { point: r.point(), normal }, r.point() * r.scale(0..=20), along)
+    }),
+    ("plane, normal of whole numbers as written", |r| {
+        let normal = r.whole_direction(1 << 20);
+        let point = r.whole_direction(1 << 20) * r.scale(-8..=8);
+        let origin = if r.once_in(2) { r.whole_direction(8) } else { r.point() * r.scale(0..=20) };
+        let direction = if r.once_in(2) { r.whole_direction(8) } else { -normal };
+        case(Shape::Plane { point, normal: normal * r.scale(-110..=110) }, origin, direction)
     }),
     ("plane, far", |r| {
         let normal = r.direction().normalize();
@@ -255,7 +256,7 @@ pub(crate) const CATEGORIES: [Category; 38] = [
         let corner = DVec3::new(r.sign(), r.sign(), r.whole(8) * 0.125) * half;
         let direction = r.whole_direction(6);
         let origin = forward.transform_point3(corner) - direction * r.whole(8) * 0.5;
-        short(Shape::Turned { forward, half }, origin, direction)
+        case(Shape::Turned { forward, half }, origin, direction)
     }),
     ("sheared box", |r| {
         let center = r.point();
@@ -312,11 +313,30 @@ pub(crate) const CATEGORIES: [Category; 38] = [
         let touched = forward.transform_point3(own);
         let shape = Shape::Ellipsoid { forward, radius };
         if r.once_in(2) {
-            return short(shape, touched, r.whole_direction(6));
+            return case(shape, touched, r.whole_direction(6));
         }
         let along = forward.matrix3 * square_to(r, own);
-        short(shape, touched - along * r.whole(9) * 0.25, along)
+        case(shape, touched - along * r.whole(9) * 0.25, along)
     }),
+    ("any shape, from beyond all measure", |r| {
+        let center = r.point() * 4.0;
+        let factors = r.extents();
+        let forward: DAffine3 = r.turned(factors, center);
+        let shape = match r.index(5) {
+            0 => ball(center, 1.0),
+            1 => Shape::Plane { point: center, normal: r.direction() },
+            2 => unit_box(r),
+            3 => Shape::Ellipsoid { forward, radius: 1.0 },
+            _ => Shape::Turned { forward, half: DVec3::ONE },
+        };
+        let far = r.scale(40..=480);
+        // Along an axis the ray may be right on target from wherever; otherwise it never is.
+        let axis = r.pick(&DVec3::AXES) * r.sign();
+        let direction = if r.once_in(2) { axis } else { r.direction() };
+        let aside = (r.point() * r.pick(&[1.0, 3.0, 50.0])) * (DVec3::ONE - axis.abs());
+        case(shape, aside - direction * far, direction)
+    }),
+    ("planes nearer to each other than double-double can tell", nearly_tied_planes),
     ("several shapes", |r| {
         let mut shapes = Vec::new();
         for _ in 0..4 {
@@ -332,7 +352,7 @@ pub(crate) const CATEGORIES: [Category; 38] = [
                 _ => Shape::Turned { forward, half },
             });
         }
-        Case { shapes, origin: r.point() * 4.0, direction: r.direction(), short: false }
+        Case { shapes, origin: r.point() * 4.0, direction: r.direction() }
     }),
 ];
 
@@ -368,6 +388,21 @@ fn subnormal_box(r: &mut Random) -> Case {
     }
 }
 
+/// Planes that are met at quotients of successive Fibonacci numbers, which are so close to each other that their order takes twice
+/// the digits of both, and copies of them: the order is total nevertheless.
+fn nearly_tied_planes(r: &mut Random) -> Case {
+    let plane = |index: usize, length: f64| {
+        let (mut height, mut speed) = (1.0, 1.0);
+        for _ in 0..index {
+            (height, speed) = (speed, height + speed);
+        }
+        Shape::Plane { point: DVec3::Y, normal: DVec3::new(speed - height, height, 0.0) * length }
+    };
+    let first = 60 + r.index(12);
+    let shapes = (0..6).map(|_| plane(first + r.index(3), r.sign() * r.scale(-8..=8))).collect();
+    Case { shapes, origin: DVec3::ZERO, direction: DVec3::new(1.0, 1.0, 0.0) }
+}
+
 /// Two boxes with a face in common, and a ray aimed at a point of that face's edge or through it.
 fn boxes_sharing_a_face(r: &mut Random) -> Case {
     let axis = r.index(3);
@@ -395,7 +430,7 @@ fn boxes_sharing_a_face(r: &mut Random) -> Case {
         origin[axis] = seam;
     }
     let shapes = if r.once_in(2) { vec![one, other] } else { vec![other, one] };
-    Case { shapes, origin, direction, short: false }
+    Case { shapes, origin, direction }
 }
 
 /// The direction, or if it is zero one square to the axis.

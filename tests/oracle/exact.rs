@@ -2,7 +2,8 @@
 //! bits.
 //!
 //! A map is not inverted but multiplied through by its determinant, so that every verdict is the sign of a polynomial in
-//! the numbers that the shape and the ray were given by.
+//! the numbers that the shape and the ray were given by. Turned boxes are the slabs that the kernel has made of them: how well these
+//! agree with the map is a question of its own, [`Shape::slab_errors`].
 
 use std::cmp::Ordering;
 
@@ -67,12 +68,6 @@ pub(crate) fn length(vector: &Exact3) -> Exact {
     root(&dot(vector, vector))
 }
 
-/// |part / whole|, rounded; 0 of nothing.
-fn share(part: &Exact, whole: &Exact) -> f64 {
-    let short = |value: &Exact| value.clone().with_precision(64).value();
-    if *part == Exact::ZERO { 0.0 } else { rounded(&(short(part) / short(whole))).abs() }
-}
-
 /// A shape, by the numbers that say what it is.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Shape {
@@ -88,15 +83,12 @@ pub(crate) enum Shape {
 pub(crate) struct Answer {
     /// Where the line enters and where it leaves.
     pub(crate) line: Option<(Exact, Exact)>,
-    /// By what share of the whole another verdict was missed.
-    pub(crate) margin: f64,
-    /// How steeply the line meets the surface, as a square: 1 is straight on.
-    pub(crate) steepness: f64,
+    /// Does it enter and leave at one and the same place?
+    pub(crate) touches: bool,
 }
 
 impl Answer {
-    /// Certain to miss.
-    const MISS: Self = Self { line: None, margin: 1.0, steepness: 1.0 };
+    const MISS: Self = Self { line: None, touches: false };
 
     /// The first that is not behind the origin.
     pub(crate) fn first(&self) -> Option<&Exact> {
@@ -137,34 +129,43 @@ impl Back {
     pub(crate) fn point(&self, point: &Exact3) -> Exact3 {
         self.direction(&difference(point, &self.translation))
     }
-
-    /// The sums' terms without their signs: what rounding errors are a share of.
-    fn sizes(&self, vector: &Exact3) -> Exact3 {
-        let vector = vector.each_ref().map(magnitude);
-        std::array::from_fn(|axis| dot(&self.rows[axis].each_ref().map(magnitude), &vector))
-    }
 }
 
 impl Shape {
     pub(crate) fn prepared(&self) -> PreparedShape {
         match *self {
             Self::Ball { center, radius } => PreparedShape::Sphere(Sphere { center, radius }),
-            Self::Plane { point, normal } => PreparedShape::Plane(Plane { point, normal }),
+            Self::Plane { point, normal } => PreparedShape::Plane(Plane::new(point, normal).unwrap()),
             Self::Aligned { min, max } => PreparedShape::AlignedBox(AlignedBox { min, max }),
             Self::Ellipsoid { forward, radius } => {
                 PreparedShape::SphereImage(SphereImage::new(forward, radius))
             }
-            Self::Turned { forward, half } => PreparedShape::BoxImage(BoxImage::new(forward, half)),
+            Self::Turned { forward, half } => PreparedShape::BoxImage(BoxImage::new(forward, half).unwrap()),
         }
     }
 
-    /// For all but planes and aligned boxes, which have no own space.
-    pub(crate) fn back(&self) -> Option<Back> {
-        match self {
-            Self::Ball { center, .. } => Some(Back::new(&DAffine3::from_translation(*center))),
-            Self::Ellipsoid { forward, .. } | Self::Turned { forward, .. } => Some(Back::new(forward)),
-            Self::Plane { .. } | Self::Aligned { .. } => None,
+    /// By how much, in units in the last place of what they are sums of, the slabs of a turned box are off from what its map says.
+    pub(crate) fn slab_errors(&self) -> Vec<f64> {
+        let Self::Turned { forward, half } = self else { return Vec::new() };
+        let Back { rows, determinant, translation } = Back::new(forward);
+        let image = BoxImage::new(*forward, *half).unwrap();
+        let mut errors = Vec::new();
+        for (axis, (row, offsets)) in image.slabs().into_iter().enumerate() {
+            let largest = row.abs().to_array().into_iter().position(|part| part == 1.0).unwrap();
+            let pivot = magnitude(&rows[axis][largest]);
+            let sign = if rows[axis][largest] < Exact::ZERO { -1.0 } else { 1.0 } * row[largest];
+            for (part, found) in rows[axis].iter().zip(row.to_array()) {
+                errors.push(share(&(part * exact(sign) - exact(found) * &pivot), &pivot));
+            }
+            let middle = dot(&rows[axis], &translation) * exact(sign);
+            let reach = exact(half[axis]) * &determinant;
+            let size =
+                dot(&rows[axis].each_ref().map(magnitude), &translation.each_ref().map(magnitude)) + &reach;
+            for (found, expected) in offsets.into_iter().zip([&middle - &reach, &middle + &reach]) {
+                errors.push(share(&(exact(found) * &pivot - expected), &size));
+            }
         }
+        errors
     }
 
     /// What exact arithmetic says of a ray.
@@ -181,63 +182,56 @@ impl Shape {
             Self::Plane { point, normal } => plane(&vector(*point), &vector(*normal), origin, direction),
             Self::Aligned { min, max } => {
                 let (low, high) = (difference(&vector(*min), origin), difference(&vector(*max), origin));
-                // Along the axes every verdict is decided exactly: any margin will do.
-                Answer { margin: 1.0, ..slabs(&low, &high, direction, None) }
+                slabs(&low, &high, direction)
             }
             Self::Ellipsoid { forward, radius } => {
                 let back = Back::new(forward);
-                let (own, way) = (back.point(origin), back.direction(direction));
-                let radius = exact(*radius) * &back.determinant;
-                let answer = ball(&own, &way, &radius);
-                // Other than from a centre of plain numbers, the distance to it is rounded.
-                let squared = &radius * &radius;
-                let height = dot(&own, &own) - &squared;
-                let margin = share(&height, &(&height + &squared + &squared));
-                Answer { margin: answer.margin.min(margin), ..answer }
+                ball(&back.point(origin), &back.direction(direction), &(exact(*radius) * &back.determinant))
             }
             Self::Turned { forward, half } => {
-                let back = Back::new(forward);
-                let (own, way) = (back.point(origin), back.direction(direction));
-                let half = vector(*half).map(|half| half * &back.determinant);
-                let low = std::array::from_fn(|axis| -&half[axis] - &own[axis]);
-                let high = difference(&half, &own);
-                let reach = back.sizes(&difference(origin, &back.translation));
-                let places = std::array::from_fn(|axis| &reach[axis] + &half[axis]);
-                slabs(&low, &high, &way, Some((&places, &back.sizes(direction))))
+                let sides = BoxImage::new(*forward, *half).unwrap().slabs();
+                let row = |axis: usize| vector(sides[axis].0);
+                let ahead = |axis: usize, side: usize| exact(sides[axis].1[side]) - dot(&row(axis), origin);
+                let low = std::array::from_fn(|axis| ahead(axis, 0));
+                let high = std::array::from_fn(|axis| ahead(axis, 1));
+                slabs(&low, &high, &std::array::from_fn(|axis| dot(&row(axis), direction)))
             }
         }
     }
 }
 
-/// A sphere around the zero point. On which side of it the origin is, is decided exactly: only tangency is a question.
+/// |part / whole| in units in the last place of 1.
+fn share(part: &Exact, whole: &Exact) -> f64 {
+    let short = |value: &Exact| value.clone().with_precision(64).value();
+    if *part == Exact::ZERO { 0.0 } else { rounded(&(short(part) / short(whole))).abs() / f64::EPSILON }
+}
+
+/// A sphere around the zero point.
 fn ball(origin: &Exact3, direction: &Exact3, radius: &Exact) -> Answer {
     let (a, b) = (dot(direction, direction), -dot(origin, direction));
-    let squared = radius * radius;
-    let c = dot(origin, origin) - &squared;
+    let c = dot(origin, origin) - radius * radius;
     let discriminant = &b * &b - &a * &c;
-    let margin = share(&discriminant, &(&b * &b + &a * &squared));
     if discriminant < Exact::ZERO {
-        return Answer { line: None, margin, steepness: 1.0 };
+        return Answer::MISS;
     }
-    let steepness = share(&discriminant, &(&a * &squared));
+    let touches = discriminant == Exact::ZERO;
     let root = root(&discriminant);
     let sum = if b < Exact::ZERO { &b - &root } else { &b + &root };
     if sum == Exact::ZERO {
-        return Answer { line: Some((Exact::ZERO, Exact::ZERO)), margin, steepness };
+        return Answer { line: Some((Exact::ZERO, Exact::ZERO)), touches };
     }
     let (one, other) = (quotient(&c, &sum), quotient(&sum, &a));
     let line = if one < other { (one, other) } else { (other, one) };
-    Answer { line: Some(line), margin, steepness }
+    Answer { line: Some(line), touches }
 }
 
-/// A plane. Every verdict is decided exactly.
 fn plane(point: &Exact3, normal: &Exact3, origin: &Exact3, direction: &Exact3) -> Answer {
     let (height, speed) = (dot(&difference(point, origin), normal), dot(direction, normal));
     if speed == Exact::ZERO {
         return Answer::MISS;
     }
     let t = quotient(&height, &speed);
-    Answer { line: Some((t.clone(), t)), margin: 1.0, steepness: 1.0 }
+    Answer { line: Some((t.clone(), t)), touches: false }
 }
 
 /// A plane of a slab, ahead by `height` of an origin that comes closer with `speed`.
@@ -245,7 +239,6 @@ fn plane(point: &Exact3, normal: &Exact3, origin: &Exact3, direction: &Exact3) -
 struct Meeting<'a> {
     height: &'a Exact,
     speed: &'a Exact,
-    axis: usize,
 }
 
 impl Meeting<'_> {
@@ -256,57 +249,26 @@ impl Meeting<'_> {
     }
 }
 
-/// Three slabs. `sizes` are those of heights and speeds, where they were rounded.
-fn slabs(low: &Exact3, high: &Exact3, speeds: &Exact3, sizes: Option<(&Exact3, &Exact3)>) -> Answer {
-    let height_share =
-        |height: &Exact, axis: usize| sizes.map_or(1.0, |(places, _)| share(height, &places[axis]));
-    let order_share = |near: &Meeting<'_>, far: &Meeting<'_>| {
-        sizes.map_or(1.0, |(places, ways)| {
-            let whole = &places[near.axis] * &ways[far.axis] + &places[far.axis] * &ways[near.axis];
-            share(&(near.height * far.speed - far.height * near.speed), &whole)
-        })
-    };
+/// Three slabs.
+fn slabs(low: &Exact3, high: &Exact3, speeds: &Exact3) -> Answer {
     let (mut nears, mut fars) = (Vec::new(), Vec::new());
-    // The least share by which all hold that must hold for a hit, and the greatest by which one fails.
-    let (mut holds, mut fails): (f64, Option<f64>) = (1.0, None);
-    let mut require = |holding: bool, margin: f64| {
-        if holding {
-            holds = holds.min(margin);
-        } else {
-            fails = Some(fails.unwrap_or(0.0).max(margin));
-        }
-    };
     for axis in 0..3 {
         let (low, high, speed) = (&low[axis], &high[axis], &speeds[axis]);
         if *speed == Exact::ZERO {
-            require(*low <= Exact::ZERO, height_share(low, axis));
-            require(*high >= Exact::ZERO, height_share(high, axis));
+            if *low > Exact::ZERO || *high < Exact::ZERO {
+                return Answer::MISS;
+            }
             continue;
         }
         let (near, far) = if *speed > Exact::ZERO { (low, high) } else { (high, low) };
-        nears.push(Meeting { height: near, speed, axis });
-        fars.push(Meeting { height: far, speed, axis });
-    }
-    for near in &nears {
-        for far in fars.iter().filter(|far| far.axis != near.axis) {
-            require(near.compare(far).is_le(), order_share(near, far));
-        }
-    }
-    if let Some(margin) = fails {
-        return Answer { margin, ..Answer::MISS };
+        nears.push(Meeting { height: near, speed });
+        fars.push(Meeting { height: far, speed });
     }
     let entry = nears.into_iter().max_by(Meeting::compare).unwrap();
     let exit = fars.into_iter().min_by(Meeting::compare).unwrap();
+    if entry.compare(&exit).is_gt() {
+        return Answer::MISS;
+    }
     let (near, far) = (quotient(entry.height, entry.speed), quotient(exit.height, exit.speed));
-    let (entry_share, exit_share) =
-        (height_share(entry.height, entry.axis), height_share(exit.height, exit.axis));
-    let margin = if near >= Exact::ZERO {
-        holds.min(entry_share)
-    } else if far >= Exact::ZERO {
-        holds.min(entry_share).min(exit_share)
-    } else {
-        exit_share
-    };
-    let steepness = if entry.compare(&exit).is_eq() { 0.0 } else { 1.0 };
-    Answer { line: Some((near, far)), margin, steepness }
+    Answer { line: Some((near, far)), touches: entry.compare(&exit).is_eq() }
 }

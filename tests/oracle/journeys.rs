@@ -5,7 +5,6 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::{DAffine3, DMat3, DVec3};
 
 use crate::exact::Shape;
-use crate::primary::LEAST_MARGIN;
 use crate::random::Random;
 use crate::secondary::{Found, Tally, World};
 
@@ -202,12 +201,10 @@ fn contact_shadow(r: &mut Random, tally: &mut Tally) {
         return;
     }
     let answer = ball.met_by(floor.surface.point, light);
-    if answer.margin >= LEAST_MARGIN {
-        let shadow = world.leave(&floor, light);
-        tally.ask(shadow.is_some() == answer.first().is_some(), || {
-            format!("{:?}: {floor:?} looks towards {light:?}: {shadow:?}", world.shapes)
-        });
-    }
+    let shadow = world.leave(&floor, light);
+    tally.ask(shadow.is_some() == answer.first().is_some(), || {
+        format!("{:?}: {floor:?} looks towards {light:?}: {shadow:?}", world.shapes)
+    });
 }
 
 /// Shells within shells: a ray through the middle, always going on as it came, meets each twice, in order.
@@ -270,15 +267,7 @@ fn transmission(r: &mut Random, tally: &mut Tally, kind: usize) {
     let Some(out) = world.leave(&found, direction) else {
         return tally.ask(false, || format!("{shape:?} {found:?} goes in along {direction:?} and never out"));
     };
-    let right = out.surface.hit.far
-        && !out.surface.from_outside
-        && match shape {
-            Shape::Ball { radius, .. } | Shape::Ellipsoid { radius, .. } => {
-                world.is_far_side_of_ball(&found, &out, radius)
-            }
-            Shape::Turned { half, .. } => world.is_far_side_of_turned_box(&found, &out, half),
-            _ => world.is_met_from_inside(&out),
-        };
+    let right = out.surface.hit.far && !out.surface.from_outside && world.is_met_from_inside(&out);
     tally.ask(right, || format!("{shape:?} {found:?} goes in along {direction:?}: {out:?}"));
     let away = r.direction_towards(out.surface.normal);
     for direction in [out.arrived.direction(), away] {

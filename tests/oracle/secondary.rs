@@ -8,9 +8,7 @@ use glam::DVec3;
 
 use rayreel::trace::{PreparedScene, Ray, Surface};
 
-use crate::exact::{
-    Exact, Exact3, Shape, along, difference, dot, exact, length, magnitude, quotient, rounded, vector,
-};
+use crate::exact::{Exact, Exact3, Shape, along, length, magnitude, rounded, vector};
 use crate::primary::{distance_error, is_rounded, scene, unit_in_last_place};
 
 /// What a category's rays have come to.
@@ -97,10 +95,6 @@ impl World {
         self.leave(from, from.arrived.direction())
     }
 
-    pub(crate) fn distance(&self, found: &Found) -> f64 {
-        found.surface.distance(&found.arrived)
-    }
-
     /// Is this the point where the ray met the shape, rounded once?
     pub(crate) fn is_rounded(&self, found: &Found) -> bool {
         self.exact_point(found)
@@ -140,91 +134,14 @@ impl World {
             .is_some_and(|t| rounded(&magnitude(&(t * &stretch - &expected))) <= bound)
     }
 
-    /// Does the ray, which starts in a box or on it, come out where the exact one does?
+    /// Does the ray, which starts on the shape and goes inwards, come out where the exact one does? Where rounding has put its origin
+    /// beside the shape, it comes out at once, or where it is nearest to the middle of a round one.
     pub(crate) fn is_met_from_inside(&self, found: &Found) -> bool {
         let direction = found.arrived.direction();
         let answer = self.shapes[found.slot()].met_by(found.arrived.origin(), direction);
-        answer.line.is_some_and(|(_, far)| {
-            let expected = far * length(&vector(direction));
-            distance_error(&found.arrived, &found.surface, &expected) <= 2.0
-        })
-    }
-
-    /// Is the far side of a round shape, which a ray went into, where the chord from the exact point ends? The bound is
-    /// what the point's rounding and a few units in the last place of the shape's own numbers can do.
-    pub(crate) fn is_far_side_of_ball(&self, from: &Found, found: &Found, radius: f64) -> bool {
-        let shape = &self.shapes[found.slot()];
-        let Some((back, ideal)) = shape.back().zip(self.exact_point(from)) else { return false };
-        let direction = vector(found.arrived.direction());
-        let (own, way) = (back.point(&ideal), back.direction(&direction));
-        let squared = dot(&way, &way);
-        let expected = quotient(&(dot(&own, &way) * exact(-2.0)), &squared);
-        // All as lengths in the shape's own space, times the determinant.
-        let (shift, wobble) = self.own_errors(from, found);
-        let radius = exact(radius) * &back.determinant;
-        let chord = shift * exact(2.0) + quotient(&(radius * &wobble * exact(4.0)), &length(&way));
-        let stretch = length(&direction);
-        let bound = quotient(&(chord * &stretch), &length(&way))
-            + magnitude(&expected) * &stretch * exact(8.0 * f64::EPSILON);
-        // Outwards by rounding alone, it comes out at once.
-        let expected = if expected < Exact::ZERO { Exact::ZERO } else { expected };
-        magnitude(&(exact(self.distance(found)) - expected * stretch)) <= bound
-    }
-
-    /// Is the far side of a turned box where the ray from the exact point leaves the first slab?
-    pub(crate) fn is_far_side_of_turned_box(&self, from: &Found, found: &Found, half: DVec3) -> bool {
-        let shape = &self.shapes[found.slot()];
-        let Some((back, ideal)) = shape.back().zip(self.exact_point(from)) else { return false };
-        let direction = vector(found.arrived.direction());
-        let (own, way) = (back.point(&ideal), back.direction(&direction));
-        let (shift, wobble) = self.own_errors(from, found);
-        // The earliest and the latest that any slab's plane ahead may be met by rounding.
-        let (mut earliest, mut latest): (Option<Exact>, Option<Exact>) = (None, None);
-        for axis in 0..3 {
-            let speed = magnitude(&way[axis]);
-            let face = exact(half[axis]) * &back.determinant;
-            let height = if way[axis] < Exact::ZERO { &face + &own[axis] } else { &face - &own[axis] };
-            let early = quotient(&(&height - &shift), &(&speed + &wobble));
-            earliest =
-                Some(earliest.map_or(early.clone(), |least| if early < least { early } else { least }));
-            if speed > wobble {
-                let late = quotient(&(&height + &shift), &(&speed - &wobble));
-                latest = Some(latest.map_or(late.clone(), |least| if late < least { late } else { least }));
-            } else if &face - magnitude(&own[axis]) <= shift {
-                // Along a face as good as exactly: it may come out there and then.
-                earliest = earliest.map(|least| if least > Exact::ZERO { Exact::ZERO } else { least });
-            }
-        }
-        let stretch = length(&direction);
-        let distance = exact(self.distance(found));
-        let slack = &distance * exact(8.0 * f64::EPSILON);
-        earliest.is_some_and(|t| &distance + &slack >= t * &stretch)
-            && latest.is_none_or(|t| &distance - &slack <= t * &stretch)
-    }
-
-    /// In a shape's own space, times the determinant: by how much a point can be off, and by how much a direction, that
-    /// were rounded in the world and taken back with plain `f64`.
-    fn own_errors(&self, from: &Found, found: &Found) -> (Exact, Exact) {
-        const UNITS: f64 = 16.0 * f64::EPSILON;
-        let back = self.shapes[found.slot()].back().unwrap();
-        let norm = back.rows.iter().map(length).fold(Exact::ZERO, |norm, row| norm + row);
-        let reach = length(&difference(&vector(from.surface.point), &back.translation));
-        let condition = exact(self.condition(found.slot()));
-        let shift = exact(from.shift().length()) + reach * &condition * exact(UNITS);
-        let wobble = length(&vector(found.arrived.direction())) * condition * exact(UNITS);
-        (shift * &norm, wobble * norm)
-    }
-
-    /// How many times the shape's map stretches one direction more than another, at most.
-    fn condition(&self, slot: usize) -> f64 {
-        match &self.shapes[slot] {
-            Shape::Ellipsoid { forward, .. } | Shape::Turned { forward, .. } => {
-                let columns = [forward.matrix3.x_axis, forward.matrix3.y_axis, forward.matrix3.z_axis];
-                let longest = columns.iter().map(|column| column.length()).fold(0.0, f64::max);
-                let squeeze = longest * longest * longest / forward.matrix3.determinant().abs();
-                squeeze.max(1.0)
-            }
-            _ => 1.0,
-        }
+        let Some((_, far)) = answer.line else { return found.surface.point.is_finite() };
+        let far = if far < Exact::ZERO { Exact::ZERO } else { far };
+        let expected = far * length(&vector(direction));
+        distance_error(&found.arrived, &found.surface, &expected) <= 2.0
     }
 }

@@ -205,8 +205,8 @@ fn camera(document: &CameraDocument) -> Camera {
 
 fn rotation(document: RotationDocument) -> DQuat {
     let rotation = match document {
-        RotationDocument::Euler(x, y, z) => Rotation::Euler(DVec3::new(radians(x), radians(y), radians(z))),
-        RotationDocument::AxisAngle(axis, angle) => Rotation::AxisAngle(axis.into(), radians(angle)),
+        RotationDocument::Euler(x, y, z) => Rotation::Euler(DVec3::new(x, y, z)),
+        RotationDocument::AxisAngle(axis, angle) => Rotation::AxisAngle(axis.into(), angle),
         RotationDocument::Quat(x, y, z, w) => Rotation::Quat(x, y, z, w),
     };
     rotation.quaternion()

@@ -145,7 +145,11 @@ impl<T: Number> Textbook<T> {
                 .iter()
                 .map(|sphere| (vector(sphere.center), T::new(sphere.radius)))
                 .collect(),
-            planes: geometry.planes.iter().map(|plane| (vector(plane.point), vector(plane.normal))).collect(),
+            planes: geometry
+                .planes
+                .iter()
+                .map(|plane| (vector(plane.point()), vector(plane.unit_normal())))
+                .collect(),
             boxes: geometry.boxes.iter().map(|shape| [vector(shape.min), vector(shape.max)]).collect(),
             sphere_images: geometry
                 .sphere_images

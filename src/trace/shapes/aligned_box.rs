@@ -1,12 +1,11 @@
 //! Boxes along the world's axes.
 
-use std::cmp::Ordering;
-
 use glam::DVec3;
 
-use super::Verdict;
 use super::sphere::U;
-use crate::trace::exact::{Compensated3, Double, Double3, compare_quotients};
+use super::{Crossing, Face, Facet, Meeting, Side, Verdict};
+use crate::trace::algebraic::{Exact, Exact3, ExactRoot};
+use crate::trace::exact::{Compensated3, Double};
 use crate::trace::{Bounds, Ray, Refined, Root};
 
 /// An axis-aligned box in world space.
@@ -21,86 +20,105 @@ pub struct AlignedBox {
 /// Below this a direction's reciprocal might not be finite.
 const SLOWEST: f64 = 1e-300;
 
-/// A face, met at `height / speed`.
-#[derive(Clone, Copy)]
-struct Meeting {
-    height: Double,
-    speed: Double,
-    face: Face,
+/// A ray in a space of its own that it was taken into, and by how much each coordinate may be off.
+pub(super) struct Inexact {
+    pub(super) origin: DVec3,
+    pub(super) direction: DVec3,
+    pub(super) origin_error: DVec3,
+    pub(super) direction_error: DVec3,
 }
 
-/// One of a box's six faces.
-#[derive(Clone, Copy)]
-pub(super) struct Face {
-    pub(super) axis: usize,
-    pub(super) upper: bool,
+/// What `f64` can say of an inexact ray and a slab.
+enum Along {
+    /// It enters here and leaves there.
+    Through(Root, Root),
+    /// It goes along it, inside.
+    Inside,
+    /// It goes along it, outside.
+    Outside,
+    /// Too close to call.
+    Open,
 }
 
-impl Meeting {
-    fn new(height: Double, speed: Double, face: Face) -> Self {
-        // Up by a power of two where both are small, so that no product of them underflows.
-        let largest = height.rounded().abs().max(speed.rounded().abs());
-        let scale = libm::ldexp(1.0, -libm::ilogb(largest).clamp(-1000, 0));
-        Self { height: height.scaled(scale), speed: speed.scaled(scale), face }
-    }
-
-    /// Which of two comes first: exactly, for speeds that are plain `f64`.
-    fn compare(&self, other: &Self) -> Ordering {
-        if self.speed.rest() == 0.0 && other.speed.rest() == 0.0 {
-            return compare_quotients(self.height, self.speed.rounded(), other.height, other.speed.rounded());
+impl Inexact {
+    #[inline]
+    fn slab(&self, axis: usize, min: f64, max: f64) -> Along {
+        let (o, d) = (self.origin[axis], self.direction[axis]);
+        let (o_error, d_error) = (self.origin_error[axis], self.direction_error[axis]);
+        if d.abs() > 1024.0 * d_error {
+            let inverse = d.recip();
+            let meet = |plane: f64| {
+                let t = (plane - o) * inverse;
+                Root::within(t, (o_error + t.abs() * d_error) * inverse.abs() * 1.01 + 8.0 * U * t.abs())
+            };
+            let (at_min, at_max) = (meet(min), meet(max));
+            return if d > 0.0 { Along::Through(at_min, at_max) } else { Along::Through(at_max, at_min) };
         }
-        let sign = (self.height * other.speed - other.height * self.speed).sign();
-        if self.speed.sign() == other.speed.sign() { sign } else { sign.reverse() }
+        // A sum of zeros is exactly zero.
+        if d_error > 0.0 {
+            Along::Open
+        } else if o - o_error > min && o + o_error < max {
+            Along::Inside
+        } else if o + o_error < min || o - o_error > max {
+            Along::Outside
+        } else {
+            Along::Open
+        }
     }
 }
 
-/// Where a ray enters and leaves the slabs whose planes are `low` and `high` ahead of its origin; `None` if it misses the box.
-fn exact_crossing(low: Double3, high: Double3, direction: Double3) -> Option<(Meeting, Meeting)> {
-    let axes = [(low.x, high.x, direction.x), (low.y, high.y, direction.y), (low.z, high.z, direction.z)];
-    let mut crossing: Option<(Meeting, Meeting)> = None;
-    for (axis, (low, high, speed)) in axes.into_iter().enumerate() {
-        if speed.sign().is_eq() {
-            if low.sign().is_gt() || high.sign().is_lt() {
+/// One of a box's three slabs, as a ray sees it: its planes are `low` and `high` ahead, and come closer with `speed`.
+pub(super) struct Slab {
+    pub(super) low: Exact,
+    pub(super) high: Exact,
+    pub(super) speed: Exact,
+}
+
+impl Slab {
+    /// Where the ray enters and where it leaves the slab.
+    fn meetings(&self, axis: usize) -> [Meeting; 2] {
+        let upwards = self.speed.sign().is_gt();
+        let (near, far) = if upwards { (&self.low, &self.high) } else { (&self.high, &self.low) };
+        let meeting = |height: &Exact, upper: bool, side: Side| Meeting {
+            t: ExactRoot::quotient(height, &self.speed),
+            face: Face { axis, upper },
+            side,
+        };
+        [meeting(near, !upwards, Side::Entry), meeting(far, upwards, Side::Exit)]
+    }
+}
+
+/// Where a line enters and where it leaves what three slabs have in common, closed ones: a line in a face touches it.
+pub(super) fn crossing(slabs: &[Slab; 3]) -> Option<Crossing> {
+    let mut crossing: Option<Crossing> = None;
+    for (axis, slab) in slabs.iter().enumerate() {
+        if slab.speed.sign().is_eq() {
+            if slab.low.sign().is_gt() || slab.high.sign().is_lt() {
                 return None;
             }
             continue;
         }
-        let upwards = speed.sign().is_gt();
-        let (near, far) = if upwards { (low, high) } else { (high, low) };
-        let near = Meeting::new(near, speed, Face { axis, upper: !upwards });
-        let far = Meeting::new(far, speed, Face { axis, upper: upwards });
-        crossing = Some(crossing.map_or((near, far), |(entry, exit)| {
-            let later = if near.compare(&entry).is_gt() { near } else { entry };
-            let earlier = if far.compare(&exit).is_lt() { far } else { exit };
-            (later, earlier)
-        }));
+        let [near, far] = slab.meetings(axis);
+        crossing = Some(match crossing {
+            None => [near, far],
+            Some([entry, exit]) => {
+                let later = if near.t > entry.t { near } else { entry };
+                let earlier = if far.t < exit.t { far } else { exit };
+                [later, earlier]
+            }
+        });
     }
-    crossing.filter(|(entry, exit)| entry.compare(exit).is_le())
+    crossing.filter(|[entry, exit]| entry.t <= exit.t)
 }
 
-/// The first `t >= 0` of an [`exact_crossing`], and the face that is met there.
-pub(super) fn exact_first_crossing(
-    low: Double3,
-    high: Double3,
-    direction: Double3,
-) -> Option<(Double, Face)> {
-    let (entry, exit) = exact_crossing(low, high, direction)?;
-    [entry, exit]
-        .into_iter()
-        .map(|meeting| (meeting.height / meeting.speed, meeting.face))
-        .find(|(t, _)| t.sign().is_ge())
-}
-
-/// The nearest of the planes ahead, where an [`exact_crossing`] ends.
-pub(super) fn exact_exit(low: Double3, high: Double3, direction: Double3) -> Option<Double> {
-    let axes = [(low.x, high.x, direction.x), (low.y, high.y, direction.y), (low.z, high.z, direction.z)];
-    let planes = axes.into_iter().enumerate().filter_map(|(axis, (low, high, speed))| match speed.sign() {
-        Ordering::Less => Some(Meeting::new(low, speed, Face { axis, upper: false })),
-        Ordering::Equal => None,
-        Ordering::Greater => Some(Meeting::new(high, speed, Face { axis, upper: true })),
+/// The nearest of the planes ahead, where a line comes out that is inside or goes inwards from the surface.
+pub(super) fn exit(slabs: &[Slab; 3]) -> Option<Meeting> {
+    let moving = slabs.iter().enumerate().filter(|(_, slab)| slab.speed.sign().is_ne());
+    let exits = moving.map(|(axis, slab)| {
+        let [_, exit] = slab.meetings(axis);
+        exit
     });
-    let nearest = planes.min_by(Meeting::compare)?;
-    Some(nearest.height / nearest.speed)
+    exits.min_by(|one, other| one.t.cmp(&other.t)).map(Meeting::ahead)
 }
 
 /// A face's outward normal.
@@ -123,7 +141,7 @@ impl AlignedBox {
             let (at_min, at_max) = ((self.min - origin) * inverse, (self.max - origin) * inverse);
             (at_min.min(at_max).max_element(), at_min.max(at_max).min_element())
         } else {
-            self.crossing(origin, direction)
+            self.slow_crossing(origin, direction)
         };
         let close = 8.0 * U * entry.abs().max(exit.abs());
         if exit < 0.0 || entry > exit + close {
@@ -137,19 +155,20 @@ impl AlignedBox {
         Verdict::Hit(Root::within(t, 4.0 * U * t))
     }
 
-    /// As [`AlignedBox::first_hit`], for arguments that are `roughness` times worse than rounded once.
+    /// As [`AlignedBox::first_hit`], for a ray that is known within bounds.
     #[inline]
-    pub(super) fn first_crossing(&self, origin: DVec3, direction: DVec3, roughness: f64) -> Verdict {
-        let met = Self::roughly_met(origin, direction, roughness, self.max);
+    pub(super) fn first_crossing(&self, ray: &Inexact) -> Verdict {
         let (mut entry, mut exit) = (Root::within(f64::NEG_INFINITY, 0.0), Root::within(f64::INFINITY, 0.0));
         for axis in 0..3 {
-            let (Some(at_min), Some(at_max)) = (met(axis, self.min[axis]), met(axis, self.max[axis])) else {
-                // Almost along the slab.
-                return Verdict::Open;
-            };
-            let (near, far) = if direction[axis] > 0.0 { (at_min, at_max) } else { (at_max, at_min) };
-            entry = entry.later(near);
-            exit = exit.earlier(far);
+            match ray.slab(axis, self.min[axis], self.max[axis]) {
+                Along::Through(near, far) => {
+                    entry = entry.later(near);
+                    exit = exit.earlier(far);
+                }
+                Along::Inside => {}
+                Along::Outside => return Verdict::Miss,
+                Along::Open => return Verdict::Open,
+            }
         }
         if entry.earliest() > exit.latest() || exit.latest() < 0.0 {
             Verdict::Miss
@@ -164,60 +183,46 @@ impl AlignedBox {
         }
     }
 
-    /// Where the plane of a face is met, for arguments that are `roughness` times worse than rounded once; `None` for a ray
-    /// that is almost parallel to it.
-    #[inline]
-    pub(super) fn roughly_met(
-        origin: DVec3,
-        direction: DVec3,
-        roughness: f64,
-        largest: DVec3,
-    ) -> impl Fn(usize, f64) -> Option<Root> {
-        let u = U * roughness;
-        let place_error = 2.0 * u * (origin.abs().max_element() + largest.max_element());
-        let way_error = 2.0 * u * direction.abs().max_element();
-        move |axis, plane| {
-            let (o, d) = (origin[axis], direction[axis]);
-            let inverse = d.recip();
-            let t = (plane - o) * inverse;
-            let error = (place_error + t.abs() * way_error) * inverse.abs() + 8.0 * U * t.abs();
-            (d.abs() > 1024.0 * way_error).then_some(Root::within(t, error))
-        }
+    /// Where the ray's line is in the box, decided exactly.
+    pub(in crate::trace) fn crossing(&self, origin: DVec3, direction: &Exact3) -> Option<Crossing> {
+        crossing(&self.exact_slabs(origin, direction))
     }
 
-    /// As [`AlignedBox::first_hit`], with a hundred bits throughout.
-    #[must_use]
-    pub fn exact_hit(&self, origin: DVec3, direction: impl Into<Double3>) -> Option<Double> {
-        Some(self.exact_meeting(origin, direction)?.0)
+    /// Where a ray that starts on the box and goes inwards comes out, decided exactly. From an edge it may come out at once, by the
+    /// other face.
+    pub(in crate::trace) fn exit(&self, origin: DVec3, direction: &Exact3) -> Option<Meeting> {
+        exit(&self.exact_slabs(origin, direction))
     }
 
-    /// [`AlignedBox::exact_hit`], with the face.
-    fn exact_meeting(&self, origin: DVec3, direction: impl Into<Double3>) -> Option<(Double, Face)> {
-        let (low, high) = (Double3::difference(self.min, origin), Double3::difference(self.max, origin));
-        exact_first_crossing(low, high, direction.into())
+    fn exact_slabs(&self, origin: DVec3, direction: &Exact3) -> [Slab; 3] {
+        let ahead = |place: f64, origin: f64| &Exact::from(place) - &Exact::from(origin);
+        std::array::from_fn(|axis| Slab {
+            low: ahead(self.min[axis], origin[axis]),
+            high: ahead(self.max[axis], origin[axis]),
+            speed: direction.0[axis].clone(),
+        })
     }
 
-    /// The meeting near an inexact `t`.
+    /// The meeting near an inexact `t`. `None` near edges, where more than one face might be met.
     #[must_use]
     #[inline(always)]
-    pub fn refined(&self, origin: DVec3, direction: DVec3, t: f64) -> Refined {
+    pub(in crate::trace) fn refined(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        t: f64,
+        _far: bool,
+    ) -> Option<Refined> {
         /// Quotients of smaller numbers might lose digits.
         const TINY: f64 = 1e-140;
-        let clear = self.only_face(origin, direction, t);
-        let clear = clear.filter(|face| direction[face.axis].abs() > TINY);
-        match clear {
-            Some(face) => {
-                let t = Double::difference(self.plane(face), origin[face.axis]) / direction[face.axis].into();
-                self.met(origin, direction, t, face)
-            }
-            None => self.surface_at(origin, direction, t.into(), false),
-        }
+        let face = self.only_face(origin, direction, t).filter(|face| direction[face.axis].abs() > TINY)?;
+        let t = Double::difference(self.plane(face), origin[face.axis]) / direction[face.axis].into();
+        Some(self.surface_on(origin, direction, t, face))
     }
 
-    /// The same near a `t` of which few bits are certain.
-    #[must_use]
-    pub fn solved(&self, origin: DVec3, direction: DVec3, t: f64) -> Refined {
-        self.surface_at(origin, direction, t.into(), false)
+    /// Every `t` of which few bits are certain is solved exactly.
+    pub(in crate::trace) fn solved(&self, _origin: DVec3, _direction: DVec3, _t: f64) -> Option<Refined> {
+        None
     }
 
     /// The only face whose plane the ray is on at `t`, as far as can be told of a `t` that was rounded a few times.
@@ -233,36 +238,34 @@ impl AlignedBox {
         alone.then(|| Face { axis: (lower | upper).trailing_zeros() as usize, upper: upper != 0 })
     }
 
-    /// The face that the ray certainly meets at `t`, given where it meets the planes of faces.
+    /// The face that a ray certainly meets at `t`, or, if it is inside already, at which it certainly comes out.
     #[inline]
-    pub(super) fn clear_face(
-        &self,
-        direction: DVec3,
-        t: f64,
-        met: impl Fn(usize, f64) -> Option<Root>,
-    ) -> Option<Face> {
-        let never = |t: f64| (Root::within(t, 0.0), Face { axis: 0, upper: false });
+    pub(super) fn clear_face(&self, ray: &Inexact, t: f64, inside: bool) -> Option<Face> {
+        let never = |t: f64| (Root::within(t, 0.0), Face::default());
         let (mut nears, mut fars) = ([never(f64::NEG_INFINITY); 3], [never(f64::INFINITY); 3]);
         for axis in 0..3 {
-            if direction[axis] != 0.0 {
-                let upwards = direction[axis] > 0.0;
-                let (lower, upper) = (Face { axis, upper: false }, Face { axis, upper: true });
-                let at_min = (met(axis, self.min[axis])?, lower);
-                let at_max = (met(axis, self.max[axis])?, upper);
-                (nears[axis], fars[axis]) = if upwards { (at_min, at_max) } else { (at_max, at_min) };
+            match ray.slab(axis, self.min[axis], self.max[axis]) {
+                Along::Through(near, far) => {
+                    let upwards = ray.direction[axis] > 0.0;
+                    nears[axis] = (near, Face { axis, upper: !upwards });
+                    fars[axis] = (far, Face { axis, upper: upwards });
+                }
+                Along::Inside | Along::Outside => {}
+                Along::Open => return None,
             }
         }
         let later = |a: &(Root, Face), b: &(Root, Face)| a.0.t().total_cmp(&b.0.t());
         let entry = nears.into_iter().max_by(later)?;
+        let enters = !inside && t <= entry.0.latest();
         let (candidates, chosen) =
-            if t <= entry.0.latest() { (nears, entry) } else { (fars, fars.into_iter().min_by(later)?) };
+            if enters { (nears, entry) } else { (fars, fars.into_iter().min_by(later)?) };
         let rivals = candidates.iter().filter(|(root, _)| root.may_equal(&chosen.0)).count();
         (rivals == 1).then_some(chosen.1)
     }
 
     /// Where the ray enters and leaves the three slabs (Kay and Kajiya, "Ray Tracing Complex Scenes", 1986), closed ones: a
     /// ray in a face touches it. A direction component of zero is an interval test.
-    fn crossing(&self, origin: DVec3, direction: DVec3) -> (f64, f64) {
+    fn slow_crossing(&self, origin: DVec3, direction: DVec3) -> (f64, f64) {
         let (mut entry, mut exit) = (f64::NEG_INFINITY, f64::INFINITY);
         for axis in 0..3 {
             let (o, d) = (origin[axis], direction[axis]);
@@ -280,48 +283,43 @@ impl AlignedBox {
         (entry, exit)
     }
 
-    /// Where a ray that starts on the box and goes inwards comes out: only faces ahead count. From an edge it may come out
-    /// at once, by the other face.
+    /// Where a ray that starts on the box and goes inwards comes out: only faces ahead count.
     #[must_use]
-    pub fn far_hit(&self, origin: DVec3, direction: DVec3) -> Option<Root> {
-        let t = self.exit(origin, direction).0.max(0.0);
-        t.is_finite().then_some(Root::within(t, 16.0 * U * t))
-    }
-
-    /// As [`AlignedBox::far_hit`], with a hundred bits.
-    #[must_use]
-    pub fn exact_far_hit(&self, origin: DVec3, direction: impl Into<Double3>) -> Option<Double> {
-        let (low, high) = (Double3::difference(self.min, origin), Double3::difference(self.max, origin));
-        exact_exit(low, high, direction.into())
-    }
-
-    /// The nearest face ahead.
-    pub(super) fn exit(&self, origin: DVec3, direction: DVec3) -> (f64, Face) {
-        let mut nearest = (f64::INFINITY, Face { axis: 0, upper: false });
+    pub fn far_hit(&self, origin: DVec3, direction: DVec3) -> Verdict {
+        let mut nearest = f64::INFINITY;
         for axis in 0..3 {
             let d = direction[axis];
             if d != 0.0 {
-                let face = Face { axis, upper: d > 0.0 };
-                let t = (self.plane(face) - origin[axis]) / d;
-                if t < nearest.0 {
-                    nearest = (t, face);
-                }
+                let face = if d > 0.0 { self.max[axis] } else { self.min[axis] };
+                nearest = nearest.min((face - origin[axis]) / d);
             }
         }
-        nearest
+        let t = nearest.max(0.0);
+        Verdict::Hit(Root::within(t, 4.0 * U * t))
     }
 
-    /// The meeting at `t`. `far` says that `t` is from [`AlignedBox::far_hit`].
-    #[must_use]
-    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: Double, far: bool) -> Refined {
-        let exact = if far { None } else { self.exact_meeting(origin, direction) };
-        let (t, face) = exact.unwrap_or_else(|| (t, self.exit(origin, direction).1));
-        self.met(origin, direction, t, face)
+    /// The same for a ray that is known within bounds.
+    pub(super) fn rough_exit(&self, ray: &Inexact) -> Verdict {
+        let mut exit = Root::within(f64::INFINITY, 0.0);
+        for axis in 0..3 {
+            match ray.slab(axis, self.min[axis], self.max[axis]) {
+                Along::Through(_, far) => exit = exit.earlier(far),
+                Along::Inside | Along::Outside => {}
+                Along::Open => return Verdict::Open,
+            }
+        }
+        if exit.earliest() > 0.0 { Verdict::Hit(exit) } else { Verdict::Open }
     }
 
     /// The meeting at `t` with a face: the point has the face's own coordinate.
     #[inline(always)]
-    fn met(&self, origin: DVec3, direction: DVec3, t: Double, face: Face) -> Refined {
+    pub(in crate::trace) fn surface_on(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        t: Double,
+        face: Face,
+    ) -> Refined {
         let place = Compensated3::along(origin, direction, t.rounded()).moved(direction * t.rest());
         let mut point = place.clamp(self.min, self.max);
         point[face.axis] = self.plane(face);
@@ -332,6 +330,18 @@ impl AlignedBox {
     #[inline]
     pub(super) fn plane(&self, face: Face) -> f64 {
         if face.upper { self.max[face.axis] } else { self.min[face.axis] }
+    }
+
+    /// The plane of the only face that can be met there.
+    pub(in crate::trace) fn facet(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        t: f64,
+        _far: bool,
+    ) -> Option<Facet> {
+        let face = self.only_face(origin, direction, t)?;
+        Some(Facet { row: DVec3::AXES[face.axis], offset: self.plane(face) })
     }
 
     /// Is the point within, not on the surface?
@@ -352,11 +362,12 @@ mod tests {
     use super::*;
 
     fn first(origin: DVec3, direction: DVec3) -> Option<f64> {
-        UNIT.first_hit(&Ray::new(origin, direction)?).decided(direction, || UNIT.exact_hit(origin, direction))
+        UNIT.first_hit(&Ray::new(origin, direction)?)
+            .decided(direction, || UNIT.crossing(origin, &direction.into()))
     }
 
     fn far(origin: DVec3, direction: DVec3) -> Option<f64> {
-        UNIT.far_hit(origin, direction).map(|root| root.t())
+        UNIT.far_hit(origin, direction).decided(DVec3::X, || None)
     }
 
     const UNIT: AlignedBox = AlignedBox { min: DVec3::NEG_ONE, max: DVec3::ONE };
@@ -383,10 +394,11 @@ mod tests {
     fn hits_are_put_onto_their_face() {
         let (origin, direction) = (DVec3::new(0.3, 0.1, -3.7), DVec3::new(0.05, 0.13, 1.0));
         let t = first(origin, direction).unwrap();
-        let Refined { point, normal, .. } = UNIT.refined(origin, direction, t);
+        let Refined { point, normal, .. } = UNIT.refined(origin, direction, t, false).unwrap();
         assert_eq!((point.z, normal), (-1.0, DVec3::NEG_Z));
         let t = first(DVec3::ZERO, DVec3::new(0.2, -1.0, 0.0)).unwrap();
-        let Refined { point, normal, .. } = UNIT.refined(DVec3::ZERO, DVec3::new(0.2, -1.0, 0.0), t);
+        let Refined { point, normal, .. } =
+            UNIT.refined(DVec3::ZERO, DVec3::new(0.2, -1.0, 0.0), t, false).unwrap();
         assert_eq!(
             (point, normal),
             (DVec3::new(0.2, -1.0, 0.0), DVec3::NEG_Y),
@@ -400,7 +412,8 @@ mod tests {
         // From an edge it comes out at once, by the other face.
         let (origin, direction) = (DVec3::new(0.0, 1.0, -1.0), DVec3::new(0.0, 1.0, 1.0));
         assert_eq!(far(origin, direction), Some(0.0));
-        let Refined { point, normal, .. } = UNIT.surface_at(origin, direction, Double::ZERO, true);
+        let face = UNIT.exit(origin, &direction.into()).unwrap().face;
+        let Refined { point, normal, .. } = UNIT.surface_on(origin, direction, Double::ZERO, face);
         assert_eq!((point, normal), (origin, DVec3::Y));
     }
 }

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::Verdict;
+use super::{Crossing, Face, Facet, Meeting, Side, Verdict};
+use crate::trace::algebraic::{Exact, Exact3, ExactRoot};
 use crate::trace::exact::{Compensated3, Double, Double3, square_difference};
 use crate::trace::{Bounds, Ray, Refined, Root};
 
@@ -72,29 +73,43 @@ pub(super) fn first_root(
     }
 }
 
-/// As [`first_root`], with a hundred bits.
-pub(super) fn exact_first_root(to_center: Double3, direction: Double3, radius: f64) -> Option<Double> {
-    let (near, far) = exact_roots(to_center, direction, radius)?;
-    [near, far].into_iter().find(|t| t.sign().is_ge())
+/// Where a line through the zero point is `radius` away from `to_center`, without any rounding.
+pub(super) fn roots(to_center: &Exact3, direction: &Exact3, radius: &Exact) -> Option<Crossing> {
+    let (a, b) = (direction.dot(direction), to_center.dot(direction));
+    let c = &to_center.dot(to_center) - &(radius * radius);
+    let [near, far] = ExactRoot::of_quadratic(&a, &b, &c)?;
+    Some([Meeting::new(near, Side::Entry), Meeting::new(far, Side::Exit)])
 }
 
-/// Both roots, the nearer one first.
-pub(super) fn exact_roots(to_center: Double3, direction: Double3, radius: f64) -> Option<(Double, Double)> {
-    let a = direction.dot(direction);
-    let b = to_center.dot(direction);
-    let squared_radius = Double::product(radius, radius);
-    let nearest = to_center - direction.scaled(b / a);
+/// Where such a line comes out that starts on the sphere and goes inwards: where it comes nearest to the center, if rounding has put
+/// it beside the sphere.
+pub(super) fn last_root(to_center: &Exact3, direction: &Exact3, radius: &Exact) -> Meeting {
+    let far = roots(to_center, direction, radius).map(|[_, far]| far);
+    let nearest = || {
+        let (a, b) = (direction.dot(direction), to_center.dot(direction));
+        Meeting::new(ExactRoot::quotient(&b, &a), Side::Exit)
+    };
+    far.unwrap_or_else(nearest).ahead()
+}
+
+/// The farther root, as [`first_root`] computes it, of a ray that starts on the sphere and goes inwards.
+#[inline(always)]
+pub(super) fn far_root(to_center: DVec3, direction: DVec3, radius: f64, roughness: f64) -> Verdict {
+    let u = U * roughness;
+    let (a, b) = (direction.dot(direction), to_center.dot(direction));
+    let squared_radius = radius * radius;
+    let projection = b / a;
+    let nearest = to_center - direction * projection;
     let q = squared_radius - nearest.dot(nearest);
-    if q.sign().is_lt() {
-        return None;
-    }
+    let q_error = 32.0 * u * (b * projection + squared_radius);
     let root = (a * q).sqrt();
-    let s = if b.sign().is_lt() { b - root } else { b + root };
-    if s.sign().is_eq() {
-        return Some((Double::ZERO, Double::ZERO));
+    let t = (b + root) / a;
+    let error = 64.0 * u * (to_center.dot(to_center) + squared_radius) / root;
+    if q > 1024.0 * q_error && b > 0.0 && t > error {
+        Verdict::Hit(Root::within(t, error))
+    } else {
+        Verdict::Open
     }
-    let (one, other) = (square_difference(to_center, radius) / s, s / a);
-    Some(if one < other { (one, other) } else { (other, one) })
 }
 
 /// A Newton step, or none where the ray grazes so that it leads nowhere.
@@ -102,11 +117,6 @@ pub(super) fn exact_roots(to_center: Double3, direction: Double3, radius: f64) -
 pub(super) fn newton_step(residual: f64, slope: f64) -> f64 {
     let step = -residual / slope;
     if step.is_finite() { step } else { 0.0 }
-}
-
-/// How far off the far side may be of a line through a point that is rounded to the surface.
-fn far_error(t: f64, from_center: DVec3, direction: DVec3) -> f64 {
-    16.0 * U * (t + from_center.abs().max_element() / direction.abs().max_element())
 }
 
 impl Sphere {
@@ -117,17 +127,32 @@ impl Sphere {
         first_root(self.center - ray.origin(), ray.direction(), ray.inverse_square(), self.radius, 1.0)
     }
 
-    /// As [`Sphere::first_hit`], with a hundred bits throughout.
-    #[must_use]
-    pub fn exact_hit(&self, origin: DVec3, direction: impl Into<Double3>) -> Option<Double> {
-        exact_first_root(Double3::difference(self.center, origin), direction.into(), self.radius)
+    /// Where the ray's line enters and leaves the sphere, decided exactly.
+    pub(in crate::trace) fn crossing(&self, origin: DVec3, direction: &Exact3) -> Option<Crossing> {
+        roots(&(&Exact3::from(self.center) - &origin.into()), direction, &self.radius.into())
+    }
+
+    /// Where a ray that starts on the sphere and goes inwards comes out, decided exactly.
+    pub(in crate::trace) fn exit(&self, origin: DVec3, direction: &Exact3) -> Option<Meeting> {
+        Some(last_root(&(&Exact3::from(self.center) - &origin.into()), direction, &self.radius.into()))
     }
 
     /// The meeting near an inexact `t`: one Newton step for |from_center|^2 = radius^2, from a residual in twice the working
     /// precision.
     #[must_use]
     #[inline(always)]
-    pub fn refined(&self, origin: DVec3, direction: DVec3, t: f64) -> Refined {
+    pub(in crate::trace) fn refined(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        t: f64,
+        _far: bool,
+    ) -> Option<Refined> {
+        Some(self.stepped(origin, direction, t))
+    }
+
+    #[inline(always)]
+    fn stepped(&self, origin: DVec3, direction: DVec3, t: f64) -> Refined {
         let place = Compensated3::along(origin, direction, t);
         let from_center = place.minus(self.center);
         let slope = 2.0 * from_center.rounded().dot(direction);
@@ -138,29 +163,27 @@ impl Sphere {
     /// The same near a `t` of which few bits are certain. Where [`Sphere::first_hit`] is certain of a hit, its error is at most a
     /// 256th of half the chord, so that three Newton steps leave less than 2^-60 of it.
     #[must_use]
-    pub fn solved(&self, origin: DVec3, direction: DVec3, t: f64) -> Refined {
-        let better = self.refined(origin, direction, t).t.rounded();
-        let good = self.refined(origin, direction, better).t.rounded();
-        self.refined(origin, direction, good)
+    pub(in crate::trace) fn solved(&self, origin: DVec3, direction: DVec3, t: f64) -> Option<Refined> {
+        let better = self.stepped(origin, direction, t).t.rounded();
+        let good = self.stepped(origin, direction, better).t.rounded();
+        Some(self.stepped(origin, direction, good))
     }
 
     /// Where a ray that starts on the sphere and goes inwards comes out. A ray that only grazes it comes out at once.
     #[must_use]
-    pub fn far_hit(&self, origin: DVec3, direction: DVec3) -> Option<Root> {
-        let t = (-2.0 * direction.dot(origin - self.center) / direction.dot(direction)).max(0.0);
-        Some(Root::within(t, far_error(t, origin - self.center, direction)))
-    }
-
-    /// As [`Sphere::far_hit`], with a hundred bits, of the line through the origin.
-    #[must_use]
-    pub fn exact_far_hit(&self, origin: DVec3, direction: impl Into<Double3>) -> Option<Double> {
-        Some(exact_roots(Double3::difference(self.center, origin), direction.into(), self.radius)?.1)
+    pub fn far_hit(&self, origin: DVec3, direction: DVec3) -> Verdict {
+        far_root(self.center - origin, direction, self.radius, 1.0)
     }
 
     /// The meeting at `t`.
     #[must_use]
-    #[inline]
-    pub fn surface_at(&self, origin: DVec3, direction: DVec3, t: Double, _far: bool) -> Refined {
+    pub(in crate::trace) fn surface_on(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        t: Double,
+        _face: Face,
+    ) -> Refined {
         let place = Compensated3::along(origin, direction, t.rounded());
         Self::met(t, place, place.minus(self.center), direction * t.rest())
     }
@@ -169,6 +192,17 @@ impl Sphere {
     #[inline]
     fn met(t: Double, place: Compensated3, from_center: Compensated3, way: DVec3) -> Refined {
         Refined { t, point: place.moved(way), normal: from_center.moved(way).normalize_or(DVec3::Y) }
+    }
+
+    /// It has none.
+    pub(in crate::trace) fn facet(
+        &self,
+        _origin: DVec3,
+        _direction: DVec3,
+        _t: f64,
+        _far: bool,
+    ) -> Option<Facet> {
+        None
     }
 
     /// Is the point within, not on the surface?
@@ -191,7 +225,7 @@ mod tests {
     fn first(sphere: &Sphere, origin: DVec3, direction: DVec3) -> Option<f64> {
         sphere
             .first_hit(&Ray::new(origin, direction)?)
-            .decided(direction, || sphere.exact_hit(origin, direction))
+            .decided(direction, || sphere.crossing(origin, &direction.into()))
     }
 
     #[test]
@@ -200,7 +234,7 @@ mod tests {
         let (origin, direction) = (DVec3::new(0.0, -2.0, 0.0), DVec3::new(1.0, 2.0, 1.0) / 6.0_f64.sqrt());
         let t = first(&sphere, origin, direction).unwrap();
         assert!((t - 4.42).abs() < 0.005, "{t}");
-        let point = sphere.refined(origin, direction, t).point;
+        let point = sphere.stepped(origin, direction, t).point;
         // The source truncates to 1.80 where rounding gives 1.81.
         assert!((point - DVec3::new(1.81, 1.61, 1.81)).abs().max_element() < 0.005, "{point}");
     }
