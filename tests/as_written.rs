@@ -122,9 +122,8 @@ fn faces_that_are_apart_stay_apart() {
         let engine = engine(&format!(
             r#"Scene(camera: (position: (0, 2, -8), target: (0, 0, 0)), materials: {{
                 "wood": (k_d: 0.8), "glass": (refractive: (k_t: 0.9, ior: 1.5)) }}, entities: [
-                (name: "glass", material: "glass", shape: Box(size: (1, 1, 1)), transform: (translation: (0, {}, 0))),
-                (name: "wood", material: "wood", shape: Box(size: (1, 1, 1)))])"#,
-            place
+                (name: "glass", material: "glass", shape: Box(size: (1, 1, 1)), transform: (translation: (0, {place}, 0))),
+                (name: "wood", material: "wood", shape: Box(size: (1, 1, 1)))])"#
         ));
         assert_eq!(seen(&engine, DVec3::new(0.1, 1.0, 0.1), DVec3::NEG_Y), "glass", "{apart}");
     }
@@ -144,7 +143,7 @@ fn picture(rotation: &str, size: [&str; 3], normal: [i32; 3]) -> Vec<[f32; 3]> {
             ])"#
     ));
     let film = engine.render_frame(0).unwrap();
-    film.pixels().iter().map(|pixel| pixel.to_array()).collect()
+    film.pixels().iter().map(glam::Vec3::to_array).collect()
 }
 
 /// Turned by quarter turns, everything is bit for bit where it would be had it been written there.

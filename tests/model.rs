@@ -408,7 +408,7 @@ fn t_counts_the_direction_as_it_was_given() {
             assert!((hit.distance - way).abs() < 1e-15, "{hit:?}");
             match hit.t {
                 Some(t) if length > 1e-300 => {
-                    assert!((t * unit - way).abs() < 1e-15 * way, "{length:e}: {hit:?}")
+                    assert!((t * unit - way).abs() < 1e-15 * way, "{length:e}: {hit:?}");
                 }
                 // Of subnormal lengths few digits are left.
                 Some(t) => assert!((t / (way / unit) - 1.0).abs() < 1e-7, "{length:e}: {hit:?}"),
