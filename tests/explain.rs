@@ -15,7 +15,7 @@ use tempfile::TempDir;
 /// wide as the floor from 8 on.
 const COMING_AND_GOING: &str = r#"Scene(
     timeline: (fps: 10, duration: 1),
-    film: (width: 64, height: 36),
+    film: (width: 64, height: 36, transfer: Classic),
     sampling: (samples: 4, instants: 2),
     camera: (position: (0, 5, 0), target: (0, 0, 0), up: (0, 0, 1), fov: 30, shutter: 0.5),
     ambient: (1, 1, 1),

@@ -55,7 +55,7 @@ fn engine(text: &str) -> Engine {
 /// A ball and a crate with a mirror and a lamp before them; the camera is what is asked about.
 fn scene(camera: &str, animate: &str) -> String {
     format!(
-        r#"Scene(timeline: (fps: 1, duration: 3), film: (width: 24, height: 14), camera: ({camera}), ambient: (0.3, 0.3, 0.3),
+        r#"Scene(timeline: (fps: 1, duration: 3), film: (width: 24, height: 14, transfer: Classic), camera: ({camera}), ambient: (0.3, 0.3, 0.3),
         background: (40, 80, 120), materials: {{ "clay": (k_a: 0.5, k_d: 0.5, color: (200, 100, 50)),
             "glass": (k_a: 0.2, k_d: 0.2, reflective: (k_r: 0.5)) }},
         entities: [
@@ -206,7 +206,7 @@ fn a_resolution_of_one_is_the_middle_of_the_screen() {
     assert!((0..27).all(|j| column.pixel(0, j) == whole.pixel(20, j)));
     for (width, height) in [(1, 1), (1, 9), (9, 1)] {
         let text = format!(
-            "Scene(film: (width: {width}, height: {height}), background: (9, 9, 9), camera: (position: (0, 0, 0), view: (0, 0, 1), fov: 60))"
+            "Scene(film: (width: {width}, height: {height}, transfer: Classic), background: (9, 9, 9), camera: (position: (0, 0, 0), view: (0, 0, 1), fov: 60))"
         );
         assert!(
             engine(&text)
@@ -385,7 +385,7 @@ fn rays_from_beyond_all_measure_miss_what_they_miss() {
 fn the_tiny_is_seen_before_the_huge() {
     let text = |tiny: &str, near: &str, huge: &str| {
         format!(
-            r#"Scene(film: (width: 3, height: 3), camera: (position: (0, 0, -{near}), view: (0, 0, 1), fov: 90), ambient: (1, 1, 1),
+            r#"Scene(film: (width: 3, height: 3, transfer: Classic), camera: (position: (0, 0, -{near}), view: (0, 0, 1), fov: 90), ambient: (1, 1, 1),
             materials: {{ "red": (k_a: 1, color: (255, 0, 0)), "blue": (k_a: 1, color: (0, 0, 255)) }}, entities: [
                 (shape: Sphere(radius: {huge}), material: "blue"), (shape: Sphere(radius: {tiny}), material: "red")])"#
         )
@@ -407,7 +407,7 @@ fn paths_agree_on_maps_that_lose_all_digits() {
     for ratio in ["1e6", "1e8", "1e12", "1e16", "1e17", "7.149242111760633e18", "1e30"] {
         for shape in ["Sphere(radius: 0.01)", "Box(size: (0.01, 0.02, 0.03))"] {
             let text = format!(
-                r#"Scene(film: (width: 32, height: 18), camera: (position: (0, -2, 0), target: (0, 0, -1)), ambient: (1, 1, 1),
+                r#"Scene(film: (width: 32, height: 18, transfer: Classic), camera: (position: (0, -2, 0), target: (0, 0, -1)), ambient: (1, 1, 1),
                 materials: {{ "m": (k_a: 1) }}, entities: [(name: "p", transform: (translation: (4.579567336728584e54, 0, 0),
                 scale: ({ratio}, 180, -0.8573814706000129), rotation: Quat(-1.1974842809408361, 0, -1.8180114775544707, -2))), (parent: "p",
                 shape: {shape}, material: "m", transform: (rotation: AxisAngle((1.7201252341157094, -1.8373047611384268, 0), 1.5969372108396579e56)))])"#
@@ -567,7 +567,7 @@ fn where_nothing_is_there_is_the_background() {
     let lamp = "(light: Point(intensity: (1, 1, 1))), (light: Directional(intensity: (1, 1, 1)))";
     for entities in ["", lamp, "(name: \"nobody\")"] {
         let text = format!(
-            "Scene(film: (width: 5, height: 4), background: (51, 102, 153), ambient: (1, 1, 1), camera: (position: (0, 0, 0), target: (1, 2, 3)), entities: [{entities}])"
+            "Scene(film: (width: 5, height: 4, transfer: Classic), background: (51, 102, 153), ambient: (1, 1, 1), camera: (position: (0, 0, 0), target: (1, 2, 3)), entities: [{entities}])"
         );
         let film = engine(&text).render_frame(0).unwrap();
         assert!(film.pixels().iter().all(|pixel| *pixel == Rgb::new(0.2, 0.4, 0.6)), "{entities}");

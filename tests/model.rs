@@ -14,7 +14,7 @@ fn engine(body: &str) -> Engine {
 
 /// The bytes of the only pixel, which looks from the camera straight ahead.
 fn pixel(body: &str) -> [u8; 3] {
-    let mut engine = engine(&format!("film: (width: 1, height: 1), {body}"));
+    let mut engine = engine(&format!("film: (width: 1, height: 1, transfer: Classic), {body}"));
     let film = engine.render_frame(0).unwrap();
     engine.film_settings().transfer.encode(film.pixel(0, 0))
 }
@@ -122,7 +122,7 @@ fn highlights_are_k_s_times_intensity_times_a_power_of_the_half_cosine() {
 #[test]
 fn highlights_change_over_time() {
     let mut engine = engine(
-        r#"timeline: (fps: 1, duration: 3), film: (width: 1, height: 1), camera: (position: (0, 0, -5), view: (0, 0, 1)),
+        r#"timeline: (fps: 1, duration: 3), film: (width: 1, height: 1, transfer: Classic), camera: (position: (0, 0, -5), view: (0, 0, 1)),
         materials: { "m": (specular: (k_s: 1, shininess: 7)) },
         entities: [(name: "ball", shape: Sphere(radius: 1), material: "m"),
             (light: Point(intensity: (1, 1, 1)), transform: (translation: (0, 6.062177826491071, -4.5))) ],
@@ -154,7 +154,7 @@ fn highlights_are_seen_in_mirrors_from_where_the_mirror_is() {
 fn only_lights_that_can_add_something_are_asked() {
     let asked = |material: &str, light: &str| {
         let mut engine = engine(&format!(
-            r#"film: (width: 1, height: 1), camera: (position: (0, 0, -5), view: (0, 0, 1)),
+            r#"film: (width: 1, height: 1, transfer: Classic), camera: (position: (0, 0, -5), view: (0, 0, 1)),
             materials: {{ "m": {material} }}, entities: [(shape: Sphere(radius: 1), material: "m"), {light}]"#
         ));
         engine.render_frame(0).unwrap();
@@ -432,7 +432,7 @@ fn a_closed_mirror_box_leaks_nowhere() {
         ("Sphere(radius: 1)", "Euler(0, 0, 0)"),
     ] {
         let mut engine = engine(&format!(
-            r#"film: (width: 101, height: 101), quality: (depth: 8), background: (255, 0, 0),
+            r#"film: (width: 101, height: 101, transfer: Classic), quality: (depth: 8), background: (255, 0, 0),
             camera: (position: (0, 0, 0), view: (0, 0, 1), screen: (distance: 1, width: 4, height: 4)),
             materials: {{ "m": (reflective: (k_r: 0.5)) }},
             entities: [(shape: {shape}, material: "m", transform: (rotation: {rotation}))]"#
@@ -452,7 +452,7 @@ fn faces_one_unit_in_the_last_place_apart_do_not_shadow_each_other() {
     let plane = r#"(shape: Plane(normal: (0, 1, 0)), material: "m", transform: (translation: (0, 0.3, 0)))"#;
     for shapes in [[low, high], [high, low], [plane, high], [high, plane], [plane, low]] {
         let mut engine = engine(&format!(
-            r#"film: (width: 33, height: 33), camera: (position: (0.5, 9, 0.3), view: (0, -1, 0), up: (0, 0, 1), fov: 12),
+            r#"film: (width: 33, height: 33, transfer: Classic), camera: (position: (0.5, 9, 0.3), view: (0, -1, 0), up: (0, 0, 1), fov: 12),
             materials: {{ "m": (k_d: 1, color: (200, 200, 200)) }},
             entities: [{}, (light: Directional(intensity: (1, 1, 1), direction: (0.1, -1, 0.2)))]"#,
             shapes.join(", ")
@@ -467,7 +467,7 @@ fn coincident_shells_are_one_shell_however_often_light_bounces() {
     let shell = r#"(shape: Sphere(radius: 10), material: "m")"#;
     let picture = |shells: &str| {
         let mut engine = engine(&format!(
-            r#"film: (width: 33, height: 33), quality: (depth: 6), background: (255, 0, 0), ambient: (1, 1, 1),
+            r#"film: (width: 33, height: 33, transfer: Classic), quality: (depth: 6), background: (255, 0, 0), ambient: (1, 1, 1),
             camera: (position: (1, 2, 3), view: (0, 0, 1)),
             materials: {{ "m": (k_a: 0.1, k_d: 0.5, color: (90, 120, 150), reflective: (k_r: 0.5)) }},
             entities: [{shells}, (light: Point(intensity: (1, 1, 1)), transform: (translation: (-4, 5, 0)))]"#

@@ -14,7 +14,7 @@ const PIXELS: u64 = 48;
 /// A scene on a film of 8 x 6 pixels, seen from (0, 0, -4) along +z, whose first frame is rendered.
 fn rendered(body: &str) -> Engine {
     let text = format!(
-        "Scene(timeline: (fps: 1, duration: 2), film: (width: 8, height: 6),
+        "Scene(timeline: (fps: 1, duration: 2), film: (width: 8, height: 6, transfer: Classic),
         camera: (position: (0, 0, -4), view: (0, 0, 1)), {body})"
     );
     rendered_text(&text)
@@ -269,7 +269,7 @@ fn a_mirror_that_cannot_be_seen_costs_nothing() {
 /// A ball of glass that fills the view, before a white background.
 fn glass_ball(refractive: &str, depth: u32) -> Engine {
     rendered_text(&format!(
-        r#"Scene(film: (width: 8, height: 6), camera: (position: (0, 0, -4), view: (0, 0, 1), fov: 20),
+        r#"Scene(film: (width: 8, height: 6, transfer: Classic), camera: (position: (0, 0, -4), view: (0, 0, 1), fov: 20),
         quality: (depth: {depth}, cutoff: 0), background: (255, 255, 255), materials: {{ "glass": (refractive: {refractive}) }},
         entities: [(shape: Sphere(radius: 1), material: "glass")])"#
     ))
@@ -308,7 +308,7 @@ fn total_reflection_keeps_rays_inside() {
     // From inside of the half-space, at 45 degrees to its face: beyond the critical angle of glass, 41.8, not of water, 48.6.
     let inside = |ior: f64| {
         rendered_text(&format!(
-            r#"Scene(film: (width: 8, height: 6), quality: (cutoff: 0), background: (255, 255, 255),
+            r#"Scene(film: (width: 8, height: 6, transfer: Classic), quality: (cutoff: 0), background: (255, 255, 255),
             camera: (position: (0, 0, 0), view: (1, 0, 1), fov: 1), materials: {{ "glass": (refractive: (k_t: 1, ior: {ior:?})) }},
             entities: [(shape: Plane(normal: (0, 0, 1)), material: "glass", transform: (translation: (0, 0, 1)))])"#
         ))
@@ -413,7 +413,7 @@ fn every_effect_is_called_for_by_something_and_left_out_without_it() {
     let lens = "lens: (aperture: 1, focus: 4)";
     for (lens, samples, needed) in [(lens, 4, true), ("", 4, false), (lens, 1, false)] {
         let engine = rendered_text(&format!(
-            "Scene(film: (width: 8, height: 6), camera: (position: (0, 0, -4), view: (0, 0, 1), {lens}), sampling: (samples: {samples}))"
+            "Scene(film: (width: 8, height: 6, transfer: Classic), camera: (position: (0, 0, -4), view: (0, 0, 1), {lens}), sampling: (samples: {samples}))"
         ));
         assert_eq!(verdict(&engine, Effect::DepthOfField).is_needed(), needed);
         assert_eq!(rays(&engine), each(samples, 0, 0, 0));
@@ -428,7 +428,7 @@ fn lonely_wall(material: &str, more: &str) -> Engine {
 /// As [`lonely_wall`], with the shutter open, half a second after the start.
 fn blurred(material: &str, more: &str) -> Engine {
     let text = format!(
-        "Scene(timeline: (fps: 2, duration: 2), film: (width: 8, height: 6),
+        "Scene(timeline: (fps: 2, duration: 2), film: (width: 8, height: 6, transfer: Classic),
         camera: (position: (0, 0, -4), view: (0, 0, 1), shutter: 0.5), {})",
         walled(material, more)
     );
@@ -579,7 +579,7 @@ fn what_is_left_out_now_is_needed_later() {
 fn lens_and_shutter_are_left_out_where_they_could_not_show() {
     let scene = |camera: &str, sampling: &str, channel: &str| {
         rendered_text(&format!(
-            r#"Scene(timeline: (fps: 1, duration: 2), film: (width: 8, height: 6), sampling: ({sampling}),
+            r#"Scene(timeline: (fps: 1, duration: 2), film: (width: 8, height: 6, transfer: Classic), sampling: ({sampling}),
             camera: (position: (0, 0, -4), view: (0, 0, 1), {camera}), materials: {{ "m": (k_a: 1) }},
             entities: [(name: "ball", shape: Sphere(radius: 1), material: "m")], animate: [{channel}])"#
         ))

@@ -8,6 +8,9 @@ use rayreel::components::{
 };
 use rayreel::{Engine, Rgb, Scene, World};
 
+/// File colours are light in 255ths.
+const CLASSIC: &str = "film: (transfer: Classic)";
+
 /// The scene with a camera and, in its brackets, whatever else.
 fn scene(body: &str) -> Scene {
     let text = format!("Scene(camera: (position: (0, 0, -5), view: (0, 0, 1)), {body})");
@@ -76,7 +79,7 @@ fn lights_have_an_extent() {
 
 #[test]
 fn a_background_is_a_colour_or_two() {
-    let background = |body: &str| setting::<Background>(&scene(body).world);
+    let background = |body: &str| setting::<Background>(&scene(&format!("{CLASSIC}, {body}")).world);
     let blue = Rgb::new(0.0, 0.2, 1.0);
     assert_eq!(background(""), Some(Background::Flat(Rgb::ZERO)));
     assert_eq!(background("background: (0, 51, 255)"), Some(Background::Flat(blue)));
@@ -88,7 +91,7 @@ fn a_background_is_a_colour_or_two() {
 
 #[test]
 fn fog_is_there_where_it_is_called_for() {
-    let fog = |body: &str| setting::<Fog>(&scene(body).world);
+    let fog = |body: &str| setting::<Fog>(&scene(&format!("{CLASSIC}, {body}")).world);
     assert_eq!(fog(""), None);
     assert_eq!(
         fog("fog: (color: (255, 51, 0), density: 0.05)"),

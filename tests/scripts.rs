@@ -11,7 +11,7 @@ use rayreel::components::{Light, Material, Name, Order, Shape, Transform};
 use rayreel::{Changes, Context, Engine, EngineError, Entity, Scene, Step};
 
 const HEAD: &str = r#"
-    timeline: (fps: 10, duration: 4), film: (width: 32, height: 18),
+    timeline: (fps: 10, duration: 4), film: (width: 32, height: 18, transfer: Classic),
     camera: (position: (0, 0, -8), target: (0, 0, 0)), ambient: (1, 1, 1),
     materials: { "clay": (k_a: 1, color: (255, 120, 60)), "stone": (k_a: 0.5, k_d: 0.5) },"#;
 

@@ -28,7 +28,7 @@ def main(source, target):
     byte = lambda channels: numbers([repr(float(c) * 255) for c in channels])
     with open(target, 'w') as out:
         w, h = width / height / zoom * (width - 1) / width, 1 / zoom * (height - 1) / height
-        out.write(f'Scene(\n    film: (width: {width}, height: {height}),\n    quality: (depth: {depth}),\n'
+        out.write(f'Scene(\n    film: (width: {width}, height: {height}, transfer: Classic),\n    quality: (depth: {depth}),\n'
                   f'    camera: (position: {numbers(eye)}, view: {numbers(view)}, up: {numbers(up)},'
                   f' screen: (distance: 1, width: {w!r}, height: {h!r})),\n'
                   f'    ambient: (1, 1, 1),\n    background: {byte(background)},\n    materials: {{\n')

@@ -9,11 +9,11 @@ use super::Rgb;
 /// Both ways are inverse to each other: a file colour that reaches a pixel unchanged comes back as its own bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Transfer {
-    /// Linear throughout: byte = floor(255 v + 0.5), as in the classic local illumination model.
+    /// File colours are sRGB and are decoded at load; pixels are encoded on output (IEC 61966-2-1). For pictures on screens.
     #[default]
-    Classic,
-    /// File colours are sRGB and are decoded at load; pixels are encoded on output (IEC 61966-2-1).
     Srgb,
+    /// Linear throughout: byte = floor(255 v + 0.5), as in the classic local illumination model. For its arithmetic.
+    Classic,
 }
 
 impl Transfer {

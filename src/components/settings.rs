@@ -59,7 +59,7 @@ impl FilmSettings {
 
 impl Default for FilmSettings {
     fn default() -> Self {
-        Self { width: 640, height: 360, transfer: Transfer::Classic }
+        Self { width: 640, height: 360, transfer: Transfer::default() }
     }
 }
 

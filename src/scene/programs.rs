@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::Sources;
 use super::data;
 use super::diagnostic::Source;
-use super::document::{EntityDocument, ProgramDocument, SceneDocument, TransferDocument};
+use super::document::{EntityDocument, ProgramDocument, SceneDocument};
 use super::nearby::nearby;
 use super::script_sources::{SceneScripts, ScriptPlace};
 use super::spawn::transfer;
@@ -66,7 +66,7 @@ impl Compiler {
     /// For a scene that has this document in its own file.
     pub(super) fn new(scene: Option<&SceneDocument>) -> Self {
         let (seed, film) =
-            scene.map_or((0, TransferDocument::Classic), |scene| (scene.sampling.seed, scene.film.transfer));
+            scene.map_or_else(Default::default, |scene| (scene.sampling.seed, scene.film.transfer));
         let programs = Programs::new(Language::new(seed), transfer(film));
         Self { compiled: Compiled { programs, places: Vec::new() } }
     }

@@ -10,7 +10,7 @@ const COLUMNS: u32 = 256;
 /// `half` is what is seen of the floor to either side. Every pixel answers for its centre.
 fn row(half: f64, floor: &str, entities: &str) -> Vec<(f64, f64)> {
     let film = film(&format!(
-        r#"film: (width: {COLUMNS}, height: 1), quality: (depth: 1),
+        r#"film: (width: {COLUMNS}, height: 1, transfer: Classic), quality: (depth: 1),
         camera: (position: (0, 1, 0), view: (0, -1, 0), up: (0, 0, 1), screen: (distance: 1, width: {:?}, height: 1)),
         materials: {{ "floor": ({floor}), "wall": (k_a: 0) }},
         entities: [(shape: Plane(normal: (0, 1, 0)), material: "floor"), {entities}]"#,
@@ -76,7 +76,7 @@ fn the_penumbra_of_a_ball_has_the_width_and_the_profile_of_a_covered_disc() {
 fn a_penumbra_ends_where_the_tangents_to_the_light_do() {
     let shares = |x: f64| {
         let lit = format!(
-            r#"film: (width: 1, height: 1), quality: (depth: 1),
+            r#"film: (width: 1, height: 1, transfer: Classic), quality: (depth: 1),
             camera: (position: ({x:?}, 1, 0), view: (0, -1, 0), up: (0, 0, 1)),
             materials: {{ "floor": (specular: (k_s: 1, shininess: 0)), "wall": (k_a: 0) }},
             entities: [(shape: Plane(normal: (0, 1, 0)), material: "floor"),
@@ -113,7 +113,7 @@ fn a_ball_looks_the_same_from_everywhere() {
             let (up, aside) = if sideways { (0.0, edge) } else { (edge, 0.0) };
             let (x, y) = (0.5 * distance * cosine - up * sine, 0.5 * distance * sine + up * cosine);
             let film = film(&format!(
-                r#"film: (width: 1, height: 1), quality: (depth: 1),
+                r#"film: (width: 1, height: 1, transfer: Classic), quality: (depth: 1),
                 camera: (position: (0, 1e-3, -1e-2), target: (0, 0, 0)),
                 materials: {{ "floor": (specular: (k_s: 1, shininess: 0)), "wall": (k_a: 0) }},
                 entities: [(shape: Plane(normal: (0, 1, 0)), material: "floor"),
@@ -202,7 +202,7 @@ fn a_light_in_a_ceiling_is_not_hidden_by_it() {
     for turn in [0.0, -7.0] {
         let room = |ceiling: &str| {
             film(&format!(
-                r#"film: (width: 32, height: 18), camera: (position: (0, 0, -6), target: (0, 0, 0), fov: 16),
+                r#"film: (width: 32, height: 18, transfer: Classic), camera: (position: (0, 0, -6), target: (0, 0, 0), fov: 16),
                 materials: {{ "m": (k_d: 1) }}, entities: [
                 (name: "room", transform: (translation: (0.3, 0.1, -0.7), rotation: Euler({turn:?}, 11, 5))),
                 (shape: Sphere(radius: 0.8), material: "m"), {ceiling}

@@ -40,7 +40,9 @@ fn tree(from: DVec3, towards: DVec3, body: &str) -> Vec<TracedRay> {
 fn single_ray(from: DVec3, towards: DVec3) -> String {
     let up = if towards.x == 0.0 && towards.z == 0.0 { "(0, 0, 1)" } else { "(0, 1, 0)" };
     let (from, towards) = (triple(from), triple(towards));
-    format!("film: (width: 1, height: 1), camera: (position: {from}, view: {towards}, up: {up})")
+    format!(
+        "film: (width: 1, height: 1, transfer: Classic), camera: (position: {from}, view: {towards}, up: {up})"
+    )
 }
 
 fn triple(vector: DVec3) -> String {

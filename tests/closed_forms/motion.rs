@@ -10,7 +10,7 @@ const WIDTH: f64 = 0.5;
 /// for a second: where the pixels of a row are, and what they show.
 fn row(shutter: f64, sampling: &str) -> Vec<(f64, f64)> {
     let mut engine = engine(&format!(
-        r#"timeline: (fps: 1, duration: 3), film: (width: {COLUMNS}, height: 1), ambient: (1, 1, 1),
+        r#"timeline: (fps: 1, duration: 3), film: (width: {COLUMNS}, height: 1, transfer: Classic), ambient: (1, 1, 1),
         sampling: ({sampling}), camera: (position: (0, 0, -1), view: (0, 0, 1), shutter: {shutter:?},
             screen: (distance: 1, width: 2, height: 1)),
         materials: {{ "m": (k_a: 1) }}, entities: [(name: "box", shape: Box(size: ({WIDTH:?}, 2, 1e-9)), material: "m")],

@@ -235,7 +235,7 @@ fn a_ball_of_glass_focuses() {
 fn glass_without_a_boundary_is_not_there() {
     let scene = |entities: &str| {
         film(&format!(
-            r#"film: (width: 40, height: 30), camera: (position: (0.3, 0.2, -3), view: (0, 0, 1)),
+            r#"film: (width: 40, height: 30, transfer: Classic), camera: (position: (0.3, 0.2, -3), view: (0, 0, 1)),
             background: (bottom: (255, 128, 0), top: (0, 64, 255)), ambient: (1, 1, 1), quality: (depth: 12, cutoff: 0),
             materials: {{ "m": (k_a: 1, color: (99, 140, 180)), "empty": (refractive: (k_t: 1, ior: 1, fresnel: true)),
                 "glass": (refractive: (k_t: 1, ior: 1.5, absorption: (0.1, 0.2, 0.3))) }},

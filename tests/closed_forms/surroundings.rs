@@ -134,7 +134,7 @@ fn is_clear_of_edges(x: f64, y: f64, size: f64) -> bool {
 fn squares_from_above(height: f64, shape: &str, size: f64, transform: &str) -> Vec<(DVec3, bool)> {
     const SIDE: u32 = 40;
     let film = film(&format!(
-        r#"film: (width: {SIDE}, height: {SIDE}), ambient: (1, 1, 1),
+        r#"film: (width: {SIDE}, height: {SIDE}, transfer: Classic), ambient: (1, 1, 1),
         camera: (position: (0.1, {:?}, 0.2), view: (0, -1, 0), up: (0, 0, 1), screen: (distance: 100, width: 10, height: 10)),
         materials: {{ "m": (k_a: 1, checker: (color: (0, 0, 0), size: {size:?})) }},
         entities: [(shape: {shape}, material: "m", transform: ({transform}))]"#,

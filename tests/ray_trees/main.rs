@@ -131,7 +131,7 @@ fn cutoffs_hold_where_all_is_bright() {
     let many: Vec<f32> = (1..=50).map(|step| 5.0 * step as f32).collect();
     for (k_a, k_r) in [(1.0, 0.5), (0.1, 0.9), (0.5, 0.75)] {
         let mut engine = engine(&format!(
-            r#"Scene(film: (width: 4, height: 3), camera: (position: (0, 0, 0), view: (0, 0, 1)), ambient: (1, 1, 1),
+            r#"Scene(film: (width: 4, height: 3, transfer: Classic), camera: (position: (0, 0, 0), view: (0, 0, 1)), ambient: (1, 1, 1),
             background: (1, 1, 1), materials: {{ "m": (k_a: {k_a:?}, reflective: (k_r: {k_r:?})) }},
             entities: [(shape: Box(size: (2, 3, 4)), material: "m")])"#
         ));
@@ -139,7 +139,7 @@ fn cutoffs_hold_where_all_is_bright() {
     }
     for (k_r, k_t, fresnel) in [(0.2, 0.6, false), (0.4, 0.5, false), (0.3, 0.69, true), (0.05, 0.9, true)] {
         let mut engine = engine(&format!(
-            r#"Scene(film: (width: 16, height: 9), camera: (position: (0, 0, -3), view: (0, 0, 1)), background: (254.9, 254.9, 254.9),
+            r#"Scene(film: (width: 16, height: 9, transfer: Classic), camera: (position: (0, 0, -3), view: (0, 0, 1)), background: (254.9, 254.9, 254.9),
             materials: {{ "m": (reflective: (k_r: {k_r:?}), refractive: (k_t: {k_t:?}, ior: 1.5, fresnel: {fresnel})) }},
             entities: [(shape: Sphere(radius: 1), material: "m")])"#
         ));
@@ -178,7 +178,7 @@ fn ends_of_trees_are_counted_as_the_trees_say() {
 /// A closed room in which everything mirrors all and lets all through.
 fn doubling(depth: u32) -> Engine {
     engine(&format!(
-        r#"Scene(film: (width: 8, height: 6), quality: (depth: {depth}, cutoff: 0), camera: (position: (0, 0, -3), view: (0, 0, 1)),
+        r#"Scene(film: (width: 8, height: 6, transfer: Classic), quality: (depth: {depth}, cutoff: 0), camera: (position: (0, 0, -3), view: (0, 0, 1)),
         ambient: (1, 1, 1), background: (255, 128, 0),
         materials: {{ "wall": (k_a: 0.5, reflective: (k_r: 1)), "both": (reflective: (k_r: 1), refractive: (k_t: 1, ior: 1.5)) }},
         entities: [(shape: Box(size: (9, 9, 9)), material: "wall"), (shape: Sphere(radius: 2), material: "both")])"#
@@ -211,7 +211,7 @@ fn no_sample_has_more_rays_than_the_most() {
 fn light_that_doubles_without_end_is_as_bright_as_can_be() {
     for depth in [2, 11, 1000] {
         let mut engine = engine(
-            r#"Scene(film: (width: 1, height: 1), camera: (position: (0.1, 0, 0), view: (1, 0, 1)), background: (255, 0, 0),
+            r#"Scene(film: (width: 1, height: 1, transfer: Classic), camera: (position: (0.1, 0, 0), view: (1, 0, 1)), background: (255, 0, 0),
             materials: { "both": (reflective: (k_r: 1), refractive: (k_t: 1, ior: 1.5)) },
             entities: [(shape: Box(size: (2, 2, 2)), material: "both")])"#,
         );

@@ -56,7 +56,7 @@ pub(crate) fn room(seed: u64) -> String {
         String::new()
     };
     format!(
-        r#"Scene(film: (width: 16, height: 9), quality: (), camera: (position: {}, view: (1, 0.1, 0.7)), ambient: {}, {fog}
+        r#"Scene(film: (width: 16, height: 9, transfer: Classic), quality: (), camera: (position: {}, view: (1, 0.1, 0.7)), ambient: {}, {fog}
         background: (bottom: {}, top: {}), materials: {{ {materials} }}, entities: [{entities}])"#,
         random.triple(-2.0, 2.0),
         random.triple(0.0, 1.0),

@@ -85,16 +85,17 @@ pub(crate) struct FilmDocument {
 
 impl Default for FilmDocument {
     fn default() -> Self {
-        Self { width: 640, height: 360, transfer: TransferDocument::Classic }
+        Self { width: 640, height: 360, transfer: TransferDocument::default() }
     }
 }
 
 /// Bytes and light.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(rename = "Transfer")]
 pub(crate) enum TransferDocument {
-    Classic,
+    #[default]
     Srgb,
+    Classic,
 }
 
 /// How far light is followed.
