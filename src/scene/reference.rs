@@ -1,3 +1,5 @@
+#![doc = "[language]: crate::script\n"]
+// The text links by that name: among the sources to a file, and here, where the first meaning counts, to a module.
 #![doc = include_str!("reference.md")]
 
 #[cfg(test)]

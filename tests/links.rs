@@ -1,0 +1,168 @@
+//! No link in the documentation is dead.
+//!
+//! Texts in Markdown link to files, which are there, and to headings in them. Those that are also the documentation of a module
+//! are read in two places: beside the sources, and among the pages that rustdoc makes, where there are no such files. They link
+//! by name, and the module gives the name a meaning of its own first. Links to modules and types are rustdoc's to check, which
+//! `.ci/run` has do so; links to files it takes as they are.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// All files in a folder and below whose names end so.
+fn files_in(folder: &Path, end: &str) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            files.extend(files_in(&path, end));
+        } else if path.extension().is_some_and(|extension| extension == end) {
+            files.push(path);
+        }
+    }
+    files.sort();
+    files
+}
+
+fn texts() -> Vec<PathBuf> {
+    let mut texts = vec![root().join("README.md"), root().join("CHANGELOG.md")];
+    texts.extend(["src", "benches"].iter().flat_map(|folder| files_in(&root().join(folder), "md")));
+    texts
+}
+
+/// A text without what stands in code.
+fn prose(text: &str) -> String {
+    let mut is_code = false;
+    let mut prose = String::new();
+    for line in text.lines() {
+        if line.trim_start().starts_with("```") {
+            is_code = !is_code;
+        } else if !is_code {
+            prose += line;
+            prose.push('\n');
+        }
+    }
+    prose.split('`').step_by(2).collect::<Vec<_>>().join("`")
+}
+
+/// The documentation in a source file.
+fn documentation(source: &str) -> String {
+    let lines = source.lines().map(str::trim_start);
+    let lines = lines.filter_map(|line| line.strip_prefix("//!").or(line.strip_prefix("///")));
+    prose(&lines.map(|line| format!("{line}\n")).collect::<String>())
+}
+
+/// Where the links in a text lead that say so themselves, as `[text](target)`.
+fn targets(prose: &str) -> Vec<&str> {
+    prose.split("](").skip(1).filter_map(|rest| rest.split([')', ' ']).next()).collect()
+}
+
+/// What the names mean that a text links by, as `[name]: target`.
+fn names(prose: &str) -> BTreeMap<&str, &str> {
+    let lines = prose.lines().filter_map(|line| line.strip_prefix('[')?.split_once("]: "));
+    lines.map(|(name, target)| (name, target.trim())).collect()
+}
+
+fn is_elsewhere(target: &str) -> bool {
+    target.contains("://") || target.starts_with("mailto:")
+}
+
+fn is_file(target: &str) -> bool {
+    !is_elsewhere(target) && target.contains(['/', '.', '#'])
+}
+
+/// What a heading is called in links to it.
+fn anchor(heading: &str) -> String {
+    let heading = heading.trim_start_matches('#').trim().to_lowercase();
+    let kept = heading.chars().filter(|character| character.is_alphanumeric() || " -_".contains(*character));
+    kept.map(|character| if character == ' ' { '-' } else { character }).collect()
+}
+
+/// Whether a link in a file of the repository leads somewhere in it.
+fn leads_somewhere(from: &Path, target: &str) -> bool {
+    let (path, heading) =
+        target.split_once('#').map_or((target, None), |(path, heading)| (path, Some(heading)));
+    let path = if path.is_empty() { from.to_owned() } else { from.parent().unwrap().join(path) };
+    let Ok(path) = fs::canonicalize(path) else { return false };
+    let has = |heading: &str| {
+        let text = fs::read_to_string(&path).unwrap_or_default();
+        text.lines().any(|line| line.starts_with('#') && anchor(line) == heading)
+    };
+    path.starts_with(fs::canonicalize(root()).unwrap()) && heading.is_none_or(has)
+}
+
+/// The links of a text that lead nowhere.
+fn dead<'a>(from: &Path, prose: &'a str) -> Vec<&'a str> {
+    let targets = targets(prose).into_iter().chain(names(prose).into_values());
+    targets.filter(|target| !is_elsewhere(target) && !leads_somewhere(from, target)).collect()
+}
+
+#[test]
+fn links_between_files_lead_somewhere() {
+    let mut count = 0;
+    for path in texts() {
+        let prose = prose(&fs::read_to_string(&path).unwrap());
+        assert_eq!(dead(&path, &prose), [""; 0], "{}", path.display());
+        count += targets(&prose).len();
+    }
+    assert!(count > 20, "only {count} links are found");
+}
+
+#[test]
+fn dead_links_are_found() {
+    let text = "[a](README.md), [b](README.md#as-a-library), `[code](x.md)`, [c](https://example.org/x), [d][here]\n\
+                ```\n[code](x.md)\n```\n[here]: src/scene/reference.md\n\
+                [e](REDME.md) [f](#a-scene) [g](README.md#as-a-libary)\n\
+                ![h](tests/goldens/none.png \"title\") [i](/etc) [j][there]\n[there]: src/language.md\n";
+    let expected = [
+        "REDME.md",
+        "#a-scene",
+        "README.md#as-a-libary",
+        "tests/goldens/none.png",
+        "/etc",
+        "src/language.md",
+    ];
+    assert_eq!(dead(&root().join("CHANGELOG.md"), &prose(text)), expected);
+}
+
+#[test]
+fn texts_that_are_documentation_link_by_names_that_have_a_meaning_there() {
+    let mut count = 0;
+    for source in files_in(&root().join("src"), "rs") {
+        let module = fs::read_to_string(&source).unwrap();
+        for (start, rest) in module
+            .match_indices("#![doc = include_str!(\"")
+            .map(|(at, found)| (at, &module[at + found.len()..]))
+        {
+            let path = source.parent().unwrap().join(rest.split('"').next().unwrap());
+            let prose = prose(&fs::read_to_string(&path).unwrap());
+            let files: Vec<&str> = targets(&prose).into_iter().filter(|target| is_file(target)).collect();
+            assert_eq!(files, [""; 0], "{} is documentation, where there are no files", path.display());
+            for (name, target) in names(&prose).into_iter().filter(|(_, target)| is_file(target)) {
+                let meaning = format!("#![doc = \"[{name}]: ");
+                assert!(
+                    module[..start].contains(&meaning),
+                    "{} does not say what `{target}` is",
+                    source.display()
+                );
+            }
+            count += 1;
+        }
+    }
+    assert!(count >= 3, "only {count} such texts are found");
+}
+
+#[test]
+fn documentation_in_sources_links_to_no_files() {
+    for source in files_in(&root().join("src"), "rs") {
+        let documentation = documentation(&fs::read_to_string(&source).unwrap());
+        let files: Vec<&str> = targets(&documentation).into_iter().filter(|target| is_file(target)).collect();
+        assert_eq!(files, [""; 0], "{}", source.display());
+    }
+}
