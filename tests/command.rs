@@ -92,7 +92,7 @@ fn the_report_says_what_every_frame_cost() {
     assert_eq!(frames.len(), 2);
     for (frame, index) in frames.iter().zip([5, 6]) {
         assert_eq!(frame["frame"], index);
-        assert_eq!(frame["rays"]["camera"], 64 * 36);
+        assert_eq!(frame["rays"]["camera"], 64 * 36 * 4);
         assert!(
             frame["rays"]["shadow"].as_u64().unwrap() > 0
                 && frame["rays"]["reflection"].as_u64().unwrap() > 0

@@ -100,7 +100,7 @@ fn a_sheet_of_few_frames_is_as_large_as_they_need() {
         render(&folder, FIRST_LIGHT, &["--sheet", "9x9", "--frames", "7", "--format", "ppm", "--out", "o"]);
     assert_eq!(
         (&report["sheet"]["file"], &report["width"]),
-        (&"o/first_light.sheet.ppm".into(), &960.into())
+        (&"o/first_light.sheet.ppm".into(), &640.into())
     );
     assert_eq!(files(&folder.path().join("o")), ["first_light.sheet.ppm"]);
 }
