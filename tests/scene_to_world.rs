@@ -2,9 +2,10 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
+use rayreel::color::Transfer;
 use rayreel::components::{
-    AreaShape, Background, Camera, Checker, Falloff, Fog, Light, LightKind, Name, Noise, Quality, Refractive,
-    Sampling, Transform,
+    AreaShape, Background, Camera, Checker, Falloff, FilmSettings, Fog, Light, LightKind, Name, Noise,
+    Quality, Refractive, Sampling, Transform,
 };
 use rayreel::{Engine, Rgb, Scene, World};
 
@@ -87,6 +88,15 @@ fn a_background_is_a_colour_or_two() {
     let gradient = Background::Gradient { bottom: Rgb::ONE, top: blue };
     assert_eq!(background("background: (bottom: \"#ffffff\", top: (0, 51, 255))"), Some(gradient));
     assert_eq!(background("background: (top: (0, 51, 255), bottom: (255, 255, 255))"), Some(gradient));
+}
+
+#[test]
+fn what_is_not_said_is_the_same_in_files_and_in_code() {
+    let world = scene("").world;
+    assert_eq!(setting(&world), Some(FilmSettings::default()));
+    assert_eq!(setting(&world), Some(Quality::default()));
+    assert_eq!(setting(&world), Some(Sampling::default()));
+    assert_eq!(FilmSettings::default().transfer, Transfer::Srgb);
 }
 
 #[test]
