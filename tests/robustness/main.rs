@@ -1,69 +1,44 @@
-//! No text and no numbers make it panic, hang, or put anything on a film that is not a finite number; what is refused is
-//! refused with line and column.
+//! No text and no numbers make it panic, hang, take all memory, or put anything on a film that is not a finite number; what is
+//! refused is refused with line and column.
 //!
-//! Texts are shipped scenes with edits, and scenes made up of parts that are often extreme or degenerate. Whatever is read is
-//! rendered, at two moments.
+//! Scenes are shipped and refused ones with edits, ones that are made up of parts that are often extreme or degenerate, and ones
+//! with very much of something. Whatever is read is rendered, in this process at two moments, and some of them by the command,
+//! with a limit to its memory and its time.
 //!
 //! `RAYREEL_CASES` asks for more than the usual few hundred cases. `RAYREEL_FUZZ_SECONDS` goes on with new seeds for as long,
 //! and prints them with `--nocapture`; `RAYREEL_FUZZ_SEED` repeats one.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
 
+#[cfg(unix)]
+mod command;
+mod edits;
+mod files;
+mod fuzz;
+mod masses;
+mod moves;
 mod parts;
+mod things;
+mod values;
+mod views;
 
 use std::path::Path;
-use std::time::{Duration, Instant, SystemTime};
 
 use proptest::prelude::*;
-use proptest::test_runner::{RngSeed, TestCaseError, TestCaseResult, TestRunner};
+use proptest::test_runner::{TestCaseError, TestCaseResult};
 
-use parts::{number, parts};
+use edits::{Edit, edits, with_little_effort};
+use files::{Files, SCENE, good_scenes, refused_scenes};
+use fuzz::fuzz;
+use masses::masses;
+use parts::parts;
 use rayreel::components::FilmSettings;
-use rayreel::scene::TEMPLATE;
-use rayreel::{Engine, Film, Scene, Time};
-
-/// A number from the environment.
-fn asked(name: &str) -> Option<u64> {
-    Some(std::env::var(name).ok()?.parse().unwrap_or_else(|_| panic!("{name} is not a number")))
-}
-
-/// Runs a check on many cases: the same ones every time, unless more of them are asked for.
-fn fuzz<S: Strategy>(what: &str, strategy: &S, check: impl Fn(S::Value) -> TestCaseResult) {
-    let run = |seed: u64, cases: u32| {
-        let rng_seed = RngSeed::Fixed(seed);
-        let config =
-            ProptestConfig { cases, failure_persistence: None, rng_seed, ..ProptestConfig::default() };
-        let outcome = TestRunner::new(config).run(strategy, &check);
-        outcome.unwrap_or_else(|error| panic!("{what}, RAYREEL_FUZZ_SEED={seed}: {error}"));
-    };
-    let cases = asked("RAYREEL_CASES").map_or(400, |cases| u32::try_from(cases).unwrap());
-    let fresh = || SystemTime::UNIX_EPOCH.elapsed().map_or(0, |elapsed| elapsed.as_secs() * 1000);
-    let seconds = asked("RAYREEL_FUZZ_SECONDS").map(Duration::from_secs);
-    match (asked("RAYREEL_FUZZ_SEED"), seconds) {
-        (Some(seed), _) => run(seed, cases),
-        (None, Some(duration)) => {
-            let start = Instant::now();
-            let first = fresh();
-            let mut seed = first;
-            while start.elapsed() < duration {
-                println!("{what}: seed {seed}");
-                run(seed, cases);
-                seed += 1;
-            }
-            println!("{what}: {} cases", (seed - first) * u64::from(cases));
-        }
-        (None, None) if asked("RAYREEL_CASES").is_some() => {
-            let seed = fresh();
-            println!("{what}: seed {seed}");
-            run(seed, cases);
-        }
-        (None, None) => run(2026, cases),
-    }
-}
+use rayreel::scene::LoadError;
+use rayreel::{Engine, EngineError, Film, Scene, Time};
 
 /// The scene, if it is one. A refusal must say where; there is no place in a file that holds nothing.
-fn read(text: &str) -> Result<Option<Scene>, TestCaseError> {
-    let error = match Scene::from_text("fuzz.ron", text.to_owned()) {
+fn good(read: Result<Scene, LoadError>) -> Result<Option<Scene>, TestCaseError> {
+    let error = match read {
         Ok(scene) => return Ok(Some(scene)),
         Err(error) => error,
     };
@@ -81,6 +56,10 @@ fn read(text: &str) -> Result<Option<Scene>, TestCaseError> {
         prop_assert!(!diagnostic.message.is_empty());
     }
     Ok(None)
+}
+
+fn read(text: &str) -> Result<Option<Scene>, TestCaseError> {
+    good(Scene::from_text("fuzz.ron", text.to_owned()))
 }
 
 /// An engine for a small film, and two moments of its timeline.
@@ -103,179 +82,122 @@ fn check_film(film: &Film) -> TestCaseResult {
     Ok(())
 }
 
+/// The film, unless a script gives no value at this moment and says where.
+fn film(rendered: Result<Film, EngineError>) -> Result<Option<Film>, TestCaseError> {
+    match rendered {
+        Ok(film) => check_film(&film).map(|()| Some(film)),
+        Err(EngineError::Script(mistake)) => {
+            prop_assert!(mistake.to_string().starts_with("error: "));
+            prop_assert!(mistake.place().is_some(), "no place: {}", mistake);
+            Ok(None)
+        }
+        Err(error) => Err(TestCaseError::fail(error.to_string())),
+    }
+}
+
 /// Renders what is a scene.
-fn check_text(text: &str, frame: u32) -> TestCaseResult {
-    if let Some(scene) = read(text)? {
+fn check_files(folder: &Path, frame: u32) -> TestCaseResult {
+    if let Some(scene) = good(Scene::load(&folder.join(SCENE)))? {
         let (mut engine, times) = small(scene, frame);
         for time in times {
-            check_film(&engine.render_at(time).unwrap())?;
+            film(engine.render_at(time))?;
         }
     }
     Ok(())
 }
 
-/// A change to a text, at some place in it.
-#[derive(Clone, Debug)]
-enum Edit {
-    /// Take some characters away and put others there.
-    Splice { place: f64, removed: usize, inserted: String },
-    /// Put another number in the place of the next.
-    Number { place: f64, number: String },
-    /// Put a line of the text there once more.
-    Line { place: f64, line: f64 },
-}
-
-fn other_number(number: impl Strategy<Value = String>) -> impl Strategy<Value = Edit> {
-    (0.0..1.0f64, number).prop_map(|(place, number)| Edit::Number { place, number })
-}
-
-/// Numbers that are often good.
-fn likely_number() -> impl Strategy<Value = Edit> {
-    other_number(prop_oneof![
-        3 => number().prop_map(|number| format!("{number:?}")),
-        3 => (0.0..1.0f64).prop_map(|number| format!("{number:?}")),
-        1 => (0u32..40_000).prop_map(|number| number.to_string()),
-    ])
-}
-
-/// A few changes: of numbers alone, so that many of the texts stay scenes, or of any kind.
-fn edits() -> impl Strategy<Value = Vec<Edit>> {
-    prop_oneof![prop::collection::vec(likely_number(), 1..4), prop::collection::vec(edit(), 1..6)]
-}
-
-fn edit() -> impl Strategy<Value = Edit> {
-    let words = prop::sample::select(vec![
-        "",
-        "(",
-        ")",
-        "[",
-        "]",
-        "{",
-        "}",
-        ",",
-        ":",
-        "\"",
-        "'",
-        "/*",
-        "*/",
-        "//",
-        "\\",
-        "#",
-        "r#\"",
-        "Some(",
-        "None",
-        "-",
-        "NaN",
-        "inf",
-        "1e999",
-        "1.2.3f64",
-        "0x",
-        "b\"",
-        "ß",
-        "\u{1F600}",
-        "\u{feff}",
-        "\n",
-        "\0",
-        "true",
-        "()",
-        "..",
-        "1..=2",
-        "_",
-        "Sphere",
-        "camera",
-        "#![enable(implicit_some)]",
-        "18446744073709551616",
-        "-0.0",
-        "EaseIn",
-        "\r\n",
-        "\u{301}",
-    ]);
-    let odd = prop::sample::select(vec![
-        "NaN", "inf", "-inf", "1e400", "1e-400", "1e61", "0x10", "-7", "0.5.5", "1000",
-    ]);
-    let removed = prop_oneof![Just(0usize), 0..4usize, 0..60usize];
-    prop_oneof![
-        2 => (0.0..1.0f64, removed, words).prop_map(|(place, removed, word)| Edit::Splice { place, removed, inserted: word.to_owned() }),
-        1 => other_number(odd.prop_map(str::to_owned)),
-        3 => likely_number(),
-        1 => (0.0..1.0f64, 0.0..1.0f64).prop_map(|(place, line)| Edit::Line { place, line }),
-    ]
-}
-
-/// The nearest character boundary at or before a share of the text.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place in the text")]
-fn byte_at(text: &str, place: f64) -> usize {
-    text.floor_char_boundary((place * text.len() as f64) as usize)
-}
-
-fn edited(text: &str, edits: &[Edit]) -> String {
-    let mut text = text.to_owned();
-    for edit in edits {
-        match edit {
-            Edit::Splice { place, removed, inserted } => {
-                let start = byte_at(&text, *place);
-                let length: usize = text[start..].chars().take(*removed).map(char::len_utf8).sum();
-                text.replace_range(start..start + length, inserted);
-            }
-            Edit::Number { place, number } => {
-                let start = byte_at(&text, *place);
-                let part = |character: char| character.is_ascii_digit() || "+-.".contains(character);
-                if let Some(found) = text[start..].find(|character: char| character.is_ascii_digit()) {
-                    let start = text[..start + found].trim_end_matches(part).len();
-                    let length =
-                        text[start..].find(|character| !part(character)).unwrap_or(text.len() - start);
-                    text.replace_range(start..start + length, number);
-                }
-            }
-            Edit::Line { place, line } => {
-                let from = byte_at(&text, *line);
-                let copy = text[from..].lines().next().unwrap_or_default().to_owned();
-                let start = byte_at(&text, *place);
-                let start = text[..start].rfind('\n').map_or(0, |newline| newline + 1);
-                text.insert_str(start, &copy);
-            }
-        }
+/// Changes some of a scene's files.
+fn edited(mut files: Files, edits: &[(Edit, prop::sample::Index)]) -> Files {
+    for (edit, index) in edits {
+        let count = files.0.len();
+        edit.apply(&mut files.0[index.index(count)].1);
     }
-    text
+    for (_, text) in &mut files.0 {
+        with_little_effort(text);
+    }
+    files
 }
 
-/// The shipped scenes, the template, and scenes that use every field.
-fn texts() -> Vec<String> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folder = |folder: &str| {
-        let mut paths: Vec<_> =
-            std::fs::read_dir(root.join(folder)).unwrap().map(|entry| entry.unwrap().path()).collect();
-        paths.retain(|path| path.is_file());
-        paths.sort();
-        paths
-    };
-    let paths =
-        [folder("scenes"), folder("tests/flush_faces"), vec![root.join("tests/hard_cases/every_number.ron")]];
-    let files = paths.concat().into_iter().map(|path| std::fs::read_to_string(path).unwrap());
-    std::iter::once(TEMPLATE.to_owned()).chain(files).collect()
+/// Scenes with edits; those of several files have them in any of these.
+fn edited_scenes() -> impl Strategy<Value = Files> {
+    let (good, refused) = (good_scenes(), refused_scenes());
+    let edits = edits(&[&good[..], &refused].concat());
+    let scenes = prop_oneof![5 => prop::sample::select(good), 1 => prop::sample::select(refused)];
+    (scenes, edits, any::<[prop::sample::Index; 6]>())
+        .prop_map(|(files, edits, places)| edited(files, &edits.into_iter().zip(places).collect::<Vec<_>>()))
 }
 
 #[test]
 fn no_edit_of_a_scene_makes_it_fail() {
-    let texts = texts();
-    let strategy = (0..texts.len(), edits(), 0..200u32);
-    fuzz("edited scenes", &strategy, |(text, edits, frame)| check_text(&edited(&texts[text], &edits), frame));
+    fuzz("edited scenes", 400, &(edited_scenes(), 0..200u32), |(files, frame)| {
+        files.check(|folder| check_files(folder, frame))
+    });
 }
 
 #[test]
 fn no_scene_makes_it_fail() {
-    fuzz("random scenes", &(parts(), 0..10u32), |(parts, frame)| {
+    fuzz("random scenes", 400, &(parts(), 0..10u32), |(parts, frame)| {
         let text = parts.good()?.text();
         let Some(scene) = read(&text)? else {
             return Ok(());
         };
         let (mut engine, [first, later]) = small(scene, frame);
-        check_film(&engine.render_at(first).unwrap())?;
-        let film = engine.render_at(later).unwrap();
-        check_film(&film)?;
+        film(engine.render_at(first))?;
+        let Some(film) = film(engine.render_at(later))? else {
+            return Ok(());
+        };
         prop_assert!(engine.render_reference(later).unwrap() == film, "the paths differ in\n{}", text);
         let (mut other, _) = small(read(&text)?.unwrap(), frame);
         prop_assert!(other.render_at(later).unwrap() == film, "frame {} alone differs in\n{}", frame, text);
         Ok(())
     });
+}
+
+#[test]
+fn no_mass_makes_it_fail() {
+    fuzz("masses", 60, &(masses(1000), 0..10u32), |(files, frame)| {
+        files.check(|folder| check_files(folder, frame))
+    });
+}
+
+/// Most of them are scenes.
+#[cfg(unix)]
+fn good_parts() -> impl Strategy<Value = parts::Parts> {
+    parts().prop_filter_map("refused without a place", |parts| parts.good().ok())
+}
+
+/// As they come from people and programs.
+#[cfg(unix)]
+fn any_scene() -> impl Strategy<Value = Files> {
+    prop_oneof![
+        12 => edited_scenes(),
+        3 => parts().prop_map(|parts| Files::of_text(parts.text())),
+        3 => good_parts().prop_map(|parts| Files::of_text(parts.text())),
+        1 => masses(20_000),
+    ]
+}
+
+#[cfg(unix)]
+fn run_command(what: &str, few: u32, arguments: impl Strategy<Value = Vec<&'static str>>) {
+    let taken = std::cell::Cell::new(command::Taken::default());
+    fuzz(what, few, &(any_scene(), arguments), |(files, arguments)| {
+        let run = files.check(|folder| command::rayreel(folder, &arguments))?;
+        taken.set(taken.get().and(run));
+        Ok(())
+    });
+    println!("{what}: {:?}", taken.get());
+}
+
+#[test]
+#[cfg(unix)]
+fn check_bears_any_scene() {
+    run_command("check", 100, Just(vec!["check", SCENE]));
+}
+
+#[test]
+#[cfg(unix)]
+fn render_bears_any_scene() {
+    let moment = prop::sample::select(vec!["0s", "0.7s", "1.37s", "12.5s"]);
+    let arguments = moment.prop_map(|moment| vec!["render", SCENE, "--size", "32x18", "--at", moment]);
+    run_command("render", 40, arguments);
 }

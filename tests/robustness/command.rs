@@ -1,0 +1,91 @@
+//! The command on files of its own, with the memory and the time that it may take.
+
+use std::fs::{self, File};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use proptest::prelude::*;
+use proptest::test_runner::TestCaseError;
+
+/// Address space, in KiB.
+const MEMORY: u64 = 1 << 20;
+/// Seconds of all threads together.
+const TIME: u64 = 10;
+/// One that waits for something uses no time. On a machine that is busy with other things, all takes longer.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// Bytes that people are to read.
+const MESSAGES: u64 = 1 << 20;
+
+/// What runs took, at most.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Taken {
+    pub(crate) runs: u64,
+    pub(crate) accepted: u64,
+    pub(crate) time: Duration,
+    /// Of main memory, in KiB; as it was seen now and then.
+    pub(crate) memory: u64,
+    /// Bytes of what was said.
+    pub(crate) messages: u64,
+}
+
+impl Taken {
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self {
+            runs: self.runs + other.runs,
+            accepted: self.accepted + other.accepted,
+            time: self.time.max(other.time),
+            memory: self.memory.max(other.memory),
+            messages: self.messages.max(other.messages),
+        }
+    }
+}
+
+/// Runs `rayreel` in a folder. It may succeed or refuse, and nothing else.
+pub(crate) fn rayreel(folder: &Path, arguments: &[&str]) -> Result<Taken, TestCaseError> {
+    let said = folder.join("said");
+    let output = File::create(&said).unwrap();
+    let limited = format!("ulimit -v {MEMORY}; ulimit -t {TIME}; exec \"$0\" \"$@\"");
+    let start = Instant::now();
+    let mut child = Command::new("sh")
+        .args(["-c", &limited, env!("CARGO_BIN_EXE_rayreel")])
+        .args(arguments)
+        .current_dir(folder)
+        .stdin(Stdio::null())
+        .stdout(output.try_clone().unwrap())
+        .stderr(output)
+        .spawn()
+        .unwrap();
+    let mut memory = 0;
+    let status = loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            break status;
+        }
+        if start.elapsed() > PATIENCE {
+            child.kill().unwrap();
+        }
+        memory = peak(child.id()).unwrap_or(memory);
+        thread::sleep(Duration::from_millis(1));
+    };
+    let said = String::from_utf8_lossy(&fs::read(said).unwrap()).into_owned();
+    let end: String = said.chars().rev().take(2000).collect::<Vec<_>>().into_iter().rev().collect();
+    prop_assert!(matches!(status.code(), Some(0 | 1)), "{} after {:?}: {}", status, start.elapsed(), end);
+    prop_assert!(!said.contains("panicked at"), "{}", end);
+    prop_assert!(status.success() || said.contains("error: "), "nothing says what is wrong: {}", end);
+    prop_assert!(said.len() as u64 <= MESSAGES, "{} bytes are said", said.len());
+    Ok(Taken {
+        runs: 1,
+        accepted: u64::from(status.success()),
+        time: start.elapsed(),
+        memory,
+        messages: said.len() as u64,
+    })
+}
+
+/// The most memory that a process had so far, in KiB, where the system tells.
+fn peak(process: u32) -> Option<u64> {
+    let status = fs::read_to_string(format!("/proc/{process}/status")).ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    line.trim().trim_end_matches(" kB").parse().ok()
+}

@@ -1,0 +1,92 @@
+//! Entities and materials that are often extreme or degenerate.
+
+use proptest::prelude::*;
+
+use super::values::{
+    absorption, coefficient, color, intensity, ior, point, rotation, scale, shininess, size,
+};
+
+fn refractive() -> impl Strategy<Value = String> {
+    (coefficient(), ior(), absorption(), any::<bool>()).prop_map(|(k_t, ior, absorption, fresnel)| {
+        format!(", refractive: (k_t: {k_t}, ior: {ior}, absorption: {absorption}, fresnel: {fresnel})")
+    })
+}
+
+/// Seldom, as a sphere cannot have it.
+fn checker() -> impl Strategy<Value = String> {
+    let some =
+        (color(), size()).prop_map(|(color, size)| format!(", checker: (color: {color}, size: {size})"));
+    prop_oneof![4 => Just(String::new()), 1 => some]
+}
+
+pub(crate) fn material() -> impl Strategy<Value = String> {
+    let reflective = prop::option::of(coefficient());
+    let specular = prop::option::of((coefficient(), shininess()));
+    let more = (prop_oneof![Just(String::new()), refractive()], checker());
+    (coefficient(), coefficient(), color(), prop::option::of(color()), specular, reflective, more).prop_map(
+        |(k_a, k_d, color, ambient, specular, reflective, (glass, squares))| {
+            let ambient = ambient.map_or_else(String::new, |color| format!(", ambient_color: {color}"));
+            let mirror = reflective.map_or_else(String::new, |k_r| format!(", reflective: (k_r: {k_r})"));
+            let gloss = specular.map_or_else(String::new, |(k_s, shininess)| {
+                format!(", specular: (k_s: {k_s}, shininess: {shininess})")
+            });
+            format!("(k_a: {k_a}, k_d: {k_d}, color: {color}{ambient}{gloss}{mirror}{glass}{squares})")
+        },
+    )
+}
+
+pub(crate) fn falloff() -> impl Strategy<Value = String> {
+    let some = (size(), 0.0..2.0f64, prop_oneof![Just(0.0), 0.0..2.0, Just(1e60)]);
+    prop::option::of(some).prop_map(|some| {
+        some.map_or_else(String::new, |(c0, c1, c2)| format!(", falloff: ({c0}, {c1:?}, {c2:?})"))
+    })
+}
+
+fn area_light() -> impl Strategy<Value = String> {
+    let shape = prop_oneof![
+        size().prop_map(|radius| format!("Sphere(radius: {radius})")),
+        (size(), size()).prop_map(|(width, height)| format!("Rectangle(width: {width}, height: {height})")),
+    ];
+    let samples = prop_oneof![20 => 1u32..6, 1 => Just(100)];
+    (shape, intensity(), samples, any::<bool>(), falloff()).prop_map(
+        |(shape, intensity, samples, shadows, falloff)| {
+            format!(
+                "light: Area(shape: {shape}, intensity: {intensity}, samples: {samples}, casts_shadows: {shadows}{falloff}), "
+            )
+        },
+    )
+}
+
+/// What is between an entity's brackets besides its name and parent.
+pub(crate) fn entity() -> impl Strategy<Value = String> {
+    let shape = prop_oneof![
+        size().prop_map(|radius| format!("Sphere(radius: {radius})")),
+        (size(), size(), size()).prop_map(|(x, y, z)| format!("Box(size: ({x}, {y}, {z}))")),
+        point().prop_map(|normal| format!("Plane(normal: {normal})")),
+    ];
+    let shape =
+        (shape, 0..3).prop_map(|(shape, material)| format!("shape: {shape}, material: \"m{material}\", "));
+    let light = prop_oneof![
+        (intensity(), any::<bool>(), falloff()).prop_map(|(intensity, shadows, falloff)| format!(
+            "light: Point(intensity: {intensity}, casts_shadows: {shadows}{falloff}), "
+        )),
+        (intensity(), 0.001..180.0f64, coefficient(), falloff()).prop_map(
+            |(intensity, angle, softness, falloff)| format!(
+                "light: Spot(intensity: {intensity}, angle: {angle:?}, softness: {softness}{falloff}), "
+            )
+        ),
+        (intensity(), point()).prop_map(|(intensity, direction)| format!(
+            "light: Directional(intensity: {intensity}, direction: {direction}), "
+        )),
+        area_light(),
+    ];
+    let what = prop_oneof![
+        6 => shape.clone(),
+        2 => light.clone(),
+        1 => (shape, light).prop_map(|(shape, light)| [shape, light].concat()),
+        1 => Just(String::new()),
+    ];
+    (what, point(), rotation(), scale()).prop_map(|(what, translation, rotation, scale)| {
+        format!("{what}transform: (translation: {translation}, rotation: {rotation}, scale: {scale})")
+    })
+}
