@@ -1,10 +1,10 @@
 //! `rayreel new`
 
-use std::fs::OpenOptions;
-use std::io::{ErrorKind, Write};
+use std::io::ErrorKind;
 
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 
+use rayreel::output::{WriteError, folder_of, remove_leftovers, write_new};
 use rayreel::scene::TEMPLATE;
 
 use super::args::NewArguments;
@@ -13,15 +13,14 @@ use super::print;
 
 pub(super) fn run(arguments: &NewArguments) -> Result<(), Failure> {
     let path = arguments.file.display();
-    let opened = OpenOptions::new().write(true).create_new(true).open(&arguments.file);
-    let mut file = match opened {
-        Ok(file) => file,
-        Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+    remove_leftovers(folder_of(&arguments.file));
+    match write_new(&arguments.file, TEMPLATE.as_bytes()) {
+        Ok(()) => {}
+        Err(WriteError::File { source, .. }) if source.kind() == ErrorKind::AlreadyExists => {
             return Err(anyhow!("`{path}` exists already, and is left as it is: choose another name").into());
         }
-        Err(error) => return Err(anyhow!(error).context(format!("cannot write `{path}`")).into()),
-    };
-    file.write_all(TEMPLATE.as_bytes()).with_context(|| format!("cannot write `{path}`"))?;
+        Err(error) => return Err(anyhow!(error).into()),
+    }
     print::result_line(&format!("wrote {path}; render it with: rayreel render {path}"))?;
     Ok(())
 }

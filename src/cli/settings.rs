@@ -1,5 +1,6 @@
 //! What was typed, checked and completed.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
@@ -46,7 +47,7 @@ impl RenderSettings {
     ) -> anyhow::Result<Self> {
         let last = timeline.frame_count() - 1;
         let name = scene_name(&arguments.scene)?;
-        let mut directory = arguments.out.clone().unwrap_or_else(|| Path::new("out").join(&name));
+        let mut directory = arguments.out.clone().unwrap_or_else(|| Path::new("out").join(name));
         if arguments.draft {
             directory.push("draft");
         }
@@ -152,9 +153,8 @@ pub(super) fn set_cutoff(engine: &mut Engine, cutoff: f32) {
 }
 
 /// The file's name without its ending.
-fn scene_name(path: &Path) -> anyhow::Result<String> {
-    let stem = path.file_stem().with_context(|| format!("`{}` does not name a file", path.display()))?;
-    Ok(stem.to_string_lossy().into_owned())
+fn scene_name(path: &Path) -> anyhow::Result<&OsStr> {
+    path.file_stem().with_context(|| format!("`{}` does not name a file", path.display()))
 }
 
 fn timeline_in_words(timeline: Timeline) -> String {

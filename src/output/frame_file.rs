@@ -1,7 +1,6 @@
 //! One film to one file.
 
-use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -9,6 +8,7 @@ use image::codecs::pnm::{PnmEncoder, PnmSubtype, SampleEncoding};
 use image::{ExtendedColorType, ImageEncoder};
 use rayon::prelude::*;
 
+use super::whole_file;
 use crate::color::Transfer;
 use crate::trace::Film;
 
@@ -119,6 +119,23 @@ pub fn write(path: &Path, film: &Film, transfer: Transfer, format: FrameFormat) 
     write_encoded(path, encode(film, transfer, format))
 }
 
+/// As [`write`], but if the machine fails, the file may be absent as long as it is not [settled](settle).
+pub(super) fn put(
+    path: &Path,
+    film: &Film,
+    transfer: Transfer,
+    format: FrameFormat,
+) -> Result<(), WriteError> {
+    let encoded = encode(film, transfer, format);
+    let bytes = encoded.map_err(|source| WriteError::Encoding { path: path.to_owned(), source })?;
+    whole_file::put(path, &bytes).map_err(|source| WriteError::File { path: path.to_owned(), source })
+}
+
+/// Keeps a file that was [put](put), and all before it in its folder, even if the machine fails.
+pub(super) fn settle(path: &Path) -> Result<(), WriteError> {
+    whole_file::settle(path).map_err(|source| WriteError::File { path: path.to_owned(), source })
+}
+
 /// Writes what the encoder made: whole, or not at all.
 pub(super) fn write_encoded(
     path: &Path,
@@ -134,31 +151,22 @@ pub(super) fn write_encoded(
 ///
 /// If the file system refuses; nothing is left behind.
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    write_whole(path, bytes).map_err(|source| WriteError::File { path: path.to_owned(), source })
+    whole_file::write(path, bytes).map_err(|source| WriteError::File { path: path.to_owned(), source })
 }
 
-fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let temporary = temporary_name(path);
-    let written = File::create(&temporary).and_then(|mut file| {
-        file.write_all(bytes)?;
-        file.sync_data()
-    });
-    let renamed = written.and_then(|()| fs::rename(&temporary, path));
-    if renamed.is_err() {
-        // The first error is the one to tell; the file may not even exist.
-        let _ = fs::remove_file(&temporary);
-    }
-    renamed
-}
-
-/// Hidden, beside the file, and this process' own.
-fn temporary_name(path: &Path) -> PathBuf {
-    let name = path.file_name().map(|name| name.to_string_lossy()).unwrap_or_default();
-    path.with_file_name(format!(".{name}.{}.partial", std::process::id()))
+/// Writes a file of these bytes where there is none: whole, or not at all.
+///
+/// # Errors
+///
+/// If there is a file already, which stays as it is, or if the file system refuses; nothing is left behind.
+pub fn write_new(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    whole_file::write_new(path, bytes).map_err(|source| WriteError::File { path: path.to_owned(), source })
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]

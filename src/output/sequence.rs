@@ -1,5 +1,6 @@
 //! Where the frames of a sequence go.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use super::FrameFormat;
@@ -9,7 +10,8 @@ use crate::time::Time;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sequence {
     directory: PathBuf,
-    name: String,
+    /// As the system has it: two names that differ in what is no text are two names.
+    name: OsString,
     digits: usize,
     format: FrameFormat,
 }
@@ -17,27 +19,32 @@ pub struct Sequence {
 impl Sequence {
     /// A sequence in a directory. Numbers have four digits, or as many as the `last` frame needs.
     #[must_use]
-    pub fn new(directory: PathBuf, name: String, last: u32, format: FrameFormat) -> Self {
-        Self { directory, name, digits: last.to_string().len().max(4), format }
+    pub fn new(directory: PathBuf, name: impl Into<OsString>, last: u32, format: FrameFormat) -> Self {
+        Self { directory, name: name.into(), digits: last.to_string().len().max(4), format }
     }
 
     /// The file of frame `index`.
     #[must_use]
     pub fn frame(&self, index: u32) -> PathBuf {
-        let Self { name, digits, .. } = self;
-        self.directory.join(format!("{name}.{index:0digits$}.{}", self.format.extension()))
+        self.file(&format!("{index:0digits$}", digits = self.digits))
     }
 
     /// The file of a moment between frames.
     #[must_use]
     pub fn moment(&self, time: Time) -> PathBuf {
-        self.directory.join(format!("{}.at-{}s.{}", self.name, time.seconds(), self.format.extension()))
+        self.file(&format!("at-{}s", time.seconds()))
     }
 
     /// The file of a sheet of frames.
     #[must_use]
     pub fn sheet(&self) -> PathBuf {
-        self.directory.join(format!("{}.sheet.{}", self.name, self.format.extension()))
+        self.file("sheet")
+    }
+
+    fn file(&self, which: &str) -> PathBuf {
+        let mut name = self.name.clone();
+        name.push(format!(".{which}.{}", self.format.extension()));
+        self.directory.join(name)
     }
 
     /// Where the files go.
@@ -59,7 +66,7 @@ mod tests {
 
     #[test]
     fn numbers_have_four_digits_or_as_many_as_the_last_needs() {
-        let sequence = |last| Sequence::new(PathBuf::from("out"), "sun".to_owned(), last, FrameFormat::Png);
+        let sequence = |last| Sequence::new(PathBuf::from("out"), "sun", last, FrameFormat::Png);
         assert_eq!(sequence(95).frame(7), PathBuf::from("out/sun.0007.png"));
         assert_eq!(sequence(123_456).frame(7), PathBuf::from("out/sun.000007.png"));
         assert_eq!(sequence(95).moment("1.5s".parse().unwrap()), PathBuf::from("out/sun.at-1.5s.png"));

@@ -5,7 +5,8 @@ use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use super::{FrameFormat, WriteError, write};
+use super::frame_file;
+use super::{FrameFormat, WriteError};
 use crate::color::Transfer;
 use crate::trace::Film;
 
@@ -79,12 +80,18 @@ impl Drop for FrameWriter {
     }
 }
 
+/// While films wait, only their bytes are brought to the disk, and their names together with the last one's.
 fn run(jobs: &Receiver<Job>, done: &Sender<Written>) {
-    for Job { ticket, path, film, transfer, format } in jobs {
+    let mut next = jobs.recv().ok();
+    while let Some(Job { ticket, path, film, transfer, format }) = next {
         let start = Instant::now();
-        let result = write(&path, &film, transfer, format);
+        let put = frame_file::put(&path, &film, transfer, format);
+        next = jobs.try_recv().ok();
+        let goes_on = next.as_ref().is_some_and(|job| job.path.parent() == path.parent());
+        let result = if goes_on { put } else { put.and(frame_file::settle(&path)) };
         if done.send(Written { ticket, duration: start.elapsed(), result }).is_err() {
             return;
         }
+        next = next.or_else(|| jobs.recv().ok());
     }
 }

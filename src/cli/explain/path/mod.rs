@@ -18,7 +18,7 @@ use std::path::Path;
 use anyhow::{Context, ensure};
 
 use rayreel::Engine;
-use rayreel::output::write_bytes;
+use rayreel::output::{folder_of, remove_leftovers, write_bytes};
 use rayreel::time::FrameList;
 
 use super::super::exit::Failure;
@@ -59,6 +59,7 @@ fn write(file: &Path, drawing: &str) -> anyhow::Result<()> {
     if fs::symlink_metadata(file).is_ok_and(|there| !there.is_file()) {
         fs::write(file, drawing).with_context(|| format!("cannot write `{}`", file.display()))
     } else {
+        remove_leftovers(folder_of(file));
         Ok(write_bytes(file, drawing.as_bytes())?)
     }
 }
