@@ -96,8 +96,12 @@ fn roots(code: &str, prefix: &str) -> BTreeSet<String> {
 /// All dependencies of the package, as they are named in code.
 fn dependencies() -> BTreeSet<String> {
     let manifest = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml")).unwrap();
-    let section = manifest.split("\n[dependencies]\n").nth(1).unwrap().split("\n[").next().unwrap();
-    section.lines().filter_map(|line| Some(line.split_once('=')?.0.trim().replace('-', "_"))).collect()
+    let sections = manifest.split("\n[").filter_map(|section| section.split_once("]\n"));
+    // Of all platforms.
+    let ours = |head: &str| head == "dependencies" || head.starts_with("target.");
+    let lines = sections.filter(|(head, _)| ours(head)).flat_map(|(_, section)| section.lines());
+    let lines = lines.filter(|line| !line.starts_with('#'));
+    lines.filter_map(|line| Some(line.split_once('=')?.0.trim().replace('-', "_"))).collect()
 }
 
 fn files(folder: &Path, found: &mut Vec<PathBuf>) {

@@ -229,7 +229,7 @@ fn a_sheet_that_cannot_be_written_is_told() {
 
 #[cfg(unix)]
 #[test]
-fn an_interruption_leaves_no_sheet_and_exits_with_130() {
+fn an_interruption_leaves_no_sheet_and_says_so() {
     use std::io::{BufRead, BufReader, Read};
     use std::process::Stdio;
 
@@ -245,12 +245,13 @@ fn an_interruption_leaves_no_sheet_and_exits_with_130() {
     let mut line = String::new();
     told.read_line(&mut line).unwrap();
     assert!(line.starts_with("1/90 frame 0: "), "{line}");
-    let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let killed =
+        std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
     assert!(killed.success());
     let mut rest = String::new();
     told.read_to_string(&mut rest).unwrap();
     let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(130), "{rest}");
+    assert_eq!(output.status.code(), Some(143), "{rest}");
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((&report["interrupted"], &report["sheet"]), (&true.into(), &Value::Null));
     assert!(frames(&report).len() < 90);

@@ -57,7 +57,8 @@ pub(super) enum Command {
 
 Every frame is a function of the scene and its index: it has the same bytes whether it is rendered
 alone or with the others, with one thread or many. Ctrl-C keeps the frames that are written, drops
-the one being rendered, and exits with 130; of a sheet it leaves nothing.")]
+the one being rendered, and exits with 130 (SIGTERM with 143, SIGHUP with 129); of a sheet it leaves
+nothing. What a killed process left half-written in the folder is removed.")]
 pub(super) struct RenderArguments {
     /// The scene file
     pub(super) scene: PathBuf,
@@ -184,7 +185,8 @@ its coefficient is 0 at this time, the light is off, nothing moves while the shu
 nothing that shows it can be seen. The picture is the same, bit for bit, as with everything in it
 (render --full).
 
-Rays and seconds are those of up to three of the frames, spread over the timeline. What an effect
+Of more than 10000 frames so many are looked at, spread evenly. Rays and seconds are those of up to
+three of them, spread over the timeline. What an effect
 costs is what is saved by rendering without it, and what it is worth (--measure) is how far the
 picture is then off, in steps of 8 bits: at most, and as the root of the mean square.")]
 pub(super) struct ExplainArguments {

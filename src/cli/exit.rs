@@ -18,15 +18,15 @@ pub(super) enum Failure {
     Other(anyhow::Error),
     /// It was reported already.
     Reported,
-    /// Ctrl-C, or a polite signal.
-    Interrupted,
+    /// Ctrl-C, or another polite signal; with the exit code that says which.
+    Interrupted(u8),
 }
 
 impl Failure {
-    /// 130 after an interruption, as shells have it (128 + SIGINT); 1 for errors. Wrong usage exits with 2 on its own.
+    /// 1 for errors. Wrong usage exits with 2 on its own.
     pub(super) fn code(&self) -> ExitCode {
         match self {
-            Self::Interrupted => ExitCode::from(130),
+            Self::Interrupted(code) => ExitCode::from(*code),
             Self::Scene(_) | Self::Script(_) | Self::Other(_) | Self::Reported => ExitCode::FAILURE,
         }
     }
@@ -34,10 +34,10 @@ impl Failure {
     /// Tells the reason on standard error.
     pub(super) fn print(&self) {
         match self {
-            Self::Scene(error) => print::error_line(&error.render(print::is_colorful())),
-            Self::Script(mistake) => print::error_line(&mistake.render(print::is_colorful())),
-            Self::Other(error) => print::error_line(&format!("{} {error:#}", print::error_word())),
-            Self::Reported | Self::Interrupted => {}
+            Self::Scene(error) => print::mistakes(|color| error.render(color)),
+            Self::Script(mistake) => print::mistakes(|color| mistake.render(color)),
+            Self::Other(error) => print::error(&format!("{error:#}")),
+            Self::Reported | Self::Interrupted(_) => {}
         }
     }
 }

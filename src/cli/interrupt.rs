@@ -1,18 +1,85 @@
-//! Ctrl-C.
+//! Ctrl-C, and the signals by which terminals and schedulers ask for the same.
+//!
+//! A signal that was ignored when the program started, as SIGHUP under `nohup`, stays so. Exit codes are as shells have them: 128
+//! and the signal's number.
 
-use std::process::exit;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// A flag that becomes true at the first Ctrl-C (or SIGTERM). A second one ends the process at once; frame files are
-/// whole or absent even then.
-pub(super) fn flag() -> anyhow::Result<Arc<AtomicBool>> {
-    let flag = Arc::new(AtomicBool::new(false));
-    let raised = Arc::clone(&flag);
-    ctrlc::set_handler(move || {
-        if raised.swap(true, Ordering::Relaxed) {
-            exit(130);
+use anyhow::Context;
+
+use super::exit::Failure;
+
+/// Whether an interruption has come. It ends the process at once, and so does a second one: no file is ever half-written under its
+/// name. A command that would rather come to an end by itself asks for the first to be [deferred](Interruption::deferred).
+#[derive(Debug, Default)]
+pub(super) struct Interruption {
+    raised: Arc<AtomicBool>,
+    /// Does the next one end the process?
+    ends: Arc<AtomicBool>,
+    /// What the process then exits with.
+    code: Arc<AtomicUsize>,
+}
+
+impl Interruption {
+    /// Listens from now on.
+    pub(super) fn listen() -> anyhow::Result<Self> {
+        let interruption = Self { ends: Arc::new(true.into()), ..Self::default() };
+        interruption.register().context("cannot listen to signals")?;
+        Ok(interruption)
+    }
+
+    /// From now on, the first interruption only makes this flag true.
+    pub(super) fn deferred(&self) -> &AtomicBool {
+        self.ends.store(false, Ordering::SeqCst);
+        &self.raised
+    }
+
+    /// The end after a deferred interruption.
+    pub(super) fn failure(&self) -> Failure {
+        Failure::Interrupted(u8::try_from(self.code.load(Ordering::SeqCst)).unwrap_or(u8::MAX))
+    }
+
+    #[cfg(unix)]
+    fn register(&self) -> std::io::Result<()> {
+        use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+        use signal_hook::flag;
+        for (signal, code) in [(SIGHUP, 129), (SIGINT, 130), (SIGTERM, 143)] {
+            if is_ignored(signal) {
+                continue;
+            }
+            // They happen in this order.
+            flag::register_conditional_shutdown(signal, code, Arc::clone(&self.ends))?;
+            flag::register_usize(signal, Arc::clone(&self.code), code.unsigned_abs() as usize)?;
+            flag::register(signal, Arc::clone(&self.ends))?;
+            flag::register(signal, Arc::clone(&self.raised))?;
         }
-    })?;
-    Ok(flag)
+        Ok(())
+    }
+
+    #[cfg(not(unix))]
+    fn register(&self) -> Result<(), ctrlc::Error> {
+        const CODE: u8 = 130;
+        let (raised, ends) = (Arc::clone(&self.raised), Arc::clone(&self.ends));
+        self.code.store(CODE.into(), Ordering::SeqCst);
+        ctrlc::set_handler(move || {
+            if ends.swap(true, Ordering::SeqCst) {
+                std::process::exit(CODE.into());
+            }
+            raised.store(true, Ordering::SeqCst);
+        })
+    }
+}
+
+/// Is a signal ignored, by the will of whoever started the program?
+#[cfg(unix)]
+#[expect(unsafe_code, reason = "nothing safe tells what happens at a signal without changing it")]
+fn is_ignored(signal: std::ffi::c_int) -> bool {
+    let mut action = std::mem::MaybeUninit::<libc::sigaction>::zeroed();
+    // SAFETY: without a new action, the call changes nothing and writes the present one to where there is room for it; zeros are
+    // a valid action, too.
+    unsafe {
+        libc::sigaction(signal, std::ptr::null(), action.as_mut_ptr()) == 0
+            && action.assume_init().sa_sigaction == libc::SIG_IGN
+    }
 }

@@ -24,25 +24,40 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
+use rayreel::scene::Printable;
+
 use args::{Arguments, Command};
+use exit::Failure;
+use interrupt::Interruption;
 
 /// Runs the command that was typed.
 pub(crate) fn run() -> ExitCode {
-    let arguments = Arguments::parse();
-    let result = match arguments.command {
-        Command::Render(arguments) => render::run(&arguments),
-        Command::Watch(arguments) => watch::run(&arguments),
-        Command::Check(arguments) => check::run(&arguments),
-        Command::Explain(arguments) => explain::run(&arguments),
-        Command::Probe(arguments) => probe::run(&arguments),
-        Command::New(arguments) => new::run(&arguments),
-        Command::Completions(arguments) => completions::run(&arguments),
-    };
+    let arguments = Arguments::try_parse().unwrap_or_else(|_| Arguments::parse_from(printable_arguments()));
+    let result = Interruption::listen()
+        .map_err(Failure::from)
+        .and_then(|interruption| run_command(arguments.command, &interruption));
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             failure.print();
             failure.code()
         }
+    }
+}
+
+/// For what is said of them: names of files may hold anything.
+fn printable_arguments() -> impl Iterator<Item = String> {
+    std::env::args_os().map(|argument| Printable(&argument.to_string_lossy()).to_string())
+}
+
+fn run_command(command: Command, interruption: &Interruption) -> Result<(), Failure> {
+    match command {
+        Command::Render(arguments) => render::run(&arguments, interruption),
+        Command::Watch(arguments) => watch::run(&arguments, interruption),
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Explain(arguments) => explain::run(&arguments),
+        Command::Probe(arguments) => probe::run(&arguments),
+        Command::New(arguments) => new::run(&arguments),
+        Command::Completions(arguments) => completions::run(&arguments),
     }
 }

@@ -7,19 +7,19 @@ use std::time::Instant;
 use anyhow::{Context, anyhow};
 
 use rayreel::Engine;
-use rayreel::output::{FrameWriter, Written};
+use rayreel::output::{FrameWriter, Written, remove_leftovers};
 
 use super::args::RenderArguments;
 use super::draft;
 use super::exit::Failure;
-use super::interrupt;
+use super::interrupt::Interruption;
 use super::print;
 use super::progress::Progress;
 use super::report::{RenderReport, ShotReport};
 use super::settings::{RenderSettings, resize, set_cutoff};
 use super::sheet;
 
-pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> Result<(), Failure> {
     let start = Instant::now();
     let mut engine = Engine::load(&arguments.scene)?;
     let load = start.elapsed();
@@ -39,7 +39,8 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let directory = settings.sequence.directory();
     fs::create_dir_all(directory)
         .with_context(|| format!("cannot make the folder `{}`", directory.display()))?;
-    let cancelled = interrupt::flag()?;
+    remove_leftovers(directory);
+    let cancelled = interruption.deferred();
 
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(settings.threads.unwrap_or(0))
@@ -47,8 +48,8 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         .context("cannot start the rendering threads")?;
     let mut report = RenderReport::new(arguments, &engine, load, pool.current_num_threads());
     let rendered = pool.install(|| match sheet {
-        Some(sheet) => sheet::render(&mut engine, &settings, sheet, &cancelled, &mut report),
-        None => render_all(&mut engine, &settings, &cancelled, &mut report),
+        Some(sheet) => sheet::render(&mut engine, &settings, sheet, cancelled, &mut report),
+        None => render_all(&mut engine, &settings, cancelled, &mut report),
     });
     // Ctrl-C after the last frame interrupts nothing.
     let complete = report.shots.len() == settings.count();
@@ -62,11 +63,11 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         print::error_line(&report.summary(&settings));
     }
     if arguments.json {
-        print::result_line(&report.to_json())?;
+        print::json(&report.to_json())?;
     }
     rendered?;
     if interrupted {
-        return Err(Failure::Interrupted);
+        return Err(interruption.failure());
     }
     if !complete {
         return Err(anyhow!("not all frames were written").into());

@@ -1,5 +1,6 @@
 //! `rayreel watch`
 
+use std::mem::ManuallyDrop;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -12,15 +13,15 @@ use rayreel::output::{self, FrameFormat};
 
 use super::args::WatchArguments;
 use super::exit::Failure;
-use super::interrupt;
+use super::interrupt::Interruption;
 use super::print;
 use super::report::in_millions;
 
 /// How long Ctrl-C may go unnoticed.
 const ATTENTION: Duration = Duration::from_millis(50);
 
-pub(super) fn run(arguments: &WatchArguments) -> Result<(), Failure> {
-    let interrupted = interrupt::flag()?;
+pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Result<(), Failure> {
+    let interrupted = interruption.deferred();
     let mut teller = Teller::new(arguments)?;
     let (sender, events) = channel();
     let settings = SessionSettings {
@@ -30,12 +31,13 @@ pub(super) fn run(arguments: &WatchArguments) -> Result<(), Failure> {
         finish: arguments.out.is_some(),
     };
     let mut told = 0;
-    let session = Session::start(settings, move |event| {
+    // It ends with the program: whatever it may be reading or rendering, nobody waits for it, and it writes nothing.
+    let session = ManuallyDrop::new(Session::start(settings, move |event| {
         if is_worth_telling(&event, &mut told) {
             // Nobody listens any more when the program ends.
             let _ = sender.send(event);
         }
-    });
+    }));
     let server =
         Server::start(arguments.port.unwrap_or(0), session.handle()).with_context(|| {
             match arguments.port {
@@ -48,14 +50,14 @@ pub(super) fn run(arguments: &WatchArguments) -> Result<(), Failure> {
     print::result_line(&format!("{}: http://{}/", arguments.scene.display(), server.address()))?;
     while !interrupted.load(Ordering::Relaxed) {
         match events.recv_timeout(ATTENTION) {
-            Ok(event) => teller.tell(&event),
+            Ok(event) => teller.tell(event),
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => {
                 return Err(anyhow::anyhow!("the session has come to an end by itself").into());
             }
         }
     }
-    Err(Failure::Interrupted)
+    Err(interruption.failure())
 }
 
 /// Of pictures only the first full one after each reload, which is remembered: others are for those who look at the page.
@@ -75,10 +77,13 @@ struct Teller {
 impl Teller {
     fn new(arguments: &WatchArguments) -> anyhow::Result<Self> {
         let out = arguments.out.clone().map(|path| Ok::<_, anyhow::Error>((path.clone(), format_of(&path)?)));
+        if let Some(path) = &arguments.out {
+            output::remove_leftovers(output::folder_of(path));
+        }
         Ok(Self { scene: arguments.scene.display().to_string(), out: out.transpose()?, good: false })
     }
 
-    fn tell(&mut self, event: &Event) {
+    fn tell(&mut self, event: Event) {
         match event {
             Event::Reloaded(Times { read, build, .. }) => {
                 self.good = true;
@@ -87,11 +92,11 @@ impl Teller {
             Event::Broken(error) => {
                 let stays =
                     if self.good { "the last good scene stays" } else { "there is nothing to show yet" };
-                print::error_line(&format!("{}\n", error.render(print::is_colorful())));
+                print::mistakes(|color| format!("{}\n", error.render(color)));
                 print::error_line(&format!("{}: {stays}", self.scene));
             }
-            Event::Failed(error) => print::error_line(&error.to_string()),
-            Event::Shown(shown) => self.show(shown),
+            Event::Failed(error) => Failure::from(error).print(),
+            Event::Shown(shown) => self.show(&shown),
         }
     }
 
@@ -106,7 +111,7 @@ impl Teller {
         if let Some((path, format)) = &self.out
             && let Err(error) = output::write(path, &shown.film, shown.transfer, *format)
         {
-            print::error_line(&format!("{} {:#}", print::error_word(), anyhow::Error::from(error)));
+            Failure::from(anyhow::Error::from(error)).print();
         }
     }
 }
