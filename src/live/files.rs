@@ -6,6 +6,8 @@ use std::hash::Hasher;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
+use crate::scene::input::{self, LARGEST_FILE, Offered};
+
 /// The clock that stamps files may be behind the one that tells the time.
 const CLOCK_TICK: Duration = Duration::from_millis(10);
 /// Some file systems stamp to two seconds only.
@@ -32,7 +34,7 @@ struct Seen {
 enum Content {
     /// Something else than whoever read it may have read: another look finds it changed.
     Unknown,
-    /// It cannot be read.
+    /// It cannot be read, or may not be: it is no file, or too large.
     Nothing,
     /// A hash of its bytes.
     Bytes(u64),
@@ -124,7 +126,8 @@ impl Seen {
                 .or_else(|| apart(stamp.latest(), now))
                 .is_some_and(|age| age < STAMP_TICK)
         });
-        let content = fs::read(path).map_or(Content::Nothing, |bytes| Content::Bytes(hash(&bytes)));
+        let content = input::read(path, Offered::Refused, LARGEST_FILE);
+        let content = content.map_or(Content::Nothing, |bytes| Content::Bytes(hash(&bytes)));
         Self { stamp, content, fresh }
     }
 }

@@ -9,6 +9,7 @@ use super::Sources;
 use super::data;
 use super::diagnostic::Source;
 use super::document::{EntityDocument, ProgramDocument, SceneDocument};
+use super::input::{self, InputError, Offered};
 use super::nearby::nearby;
 use super::script_sources::{SceneScripts, ScriptPlace};
 use super::spawn::transfer;
@@ -187,23 +188,18 @@ fn remembered(path: PathBuf, paths: &mut Vec<PathBuf>) -> PathBuf {
 fn read(path: &Path, written: &Path) -> Result<String, (String, String)> {
     let file = path.display();
     let remedy = || "write the path of a text file, as seen from the scene file's folder".to_owned();
-    let size = std::fs::metadata(path).map_err(|error| match error.kind() {
-        ErrorKind::NotFound => {
+    let bytes = input::read(path, Offered::Refused, limits::PROGRAM as u64).map_err(|error| match error {
+        InputError::System(error) if error.kind() == ErrorKind::NotFound => {
             (format!("there is no file `{file}`"), nearby(path, written, is_no_scene).unwrap_or_else(remedy))
         }
-        _ => (format!("`{file}` cannot be read: {error}"), remedy()),
+        InputError::System(error) if error.kind() != ErrorKind::IsADirectory => {
+            (format!("`{file}` cannot be read: {error}"), remedy())
+        }
+        InputError::NotAFile | InputError::System(_) => (format!("`{file}` is not a file"), remedy()),
+        InputError::TooLarge(most) => {
+            (format!("`{file}` is too long for a script"), format!("a script has at most {most} bytes"))
+        }
     })?;
-    if !size.is_file() {
-        return Err((format!("`{file}` is not a file"), remedy()));
-    }
-    if size.len() > limits::PROGRAM as u64 {
-        return Err((
-            format!("`{file}` is too long for a script"),
-            format!("a script has at most {} bytes", limits::PROGRAM),
-        ));
-    }
-    let bytes =
-        std::fs::read(path).map_err(|error| (format!("`{file}` cannot be read: {error}"), remedy()))?;
     let text = String::from_utf8(bytes).map_err(|_| {
         (format!("`{file}` is not UTF-8 text"), "save it as UTF-8; is it really a script?".to_owned())
     })?;

@@ -1,12 +1,12 @@
 //! Rays as people and programs write them: lines of six numbers.
 
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read, stdin};
 use std::path::Path;
 
 use anyhow::{Context, anyhow};
 
 use rayreel::Ray;
+use rayreel::scene::input::{self, InputError, Offered};
 
 /// The names of the six numbers. A first line of just these is no ray.
 const HEADER: &str = "ox,oy,oz,dx,dy,dz";
@@ -40,7 +40,12 @@ impl RayReader {
             return Ok(Self::new("standard input".to_owned(), stdin().lock()));
         }
         let name = path.display().to_string();
-        let file = File::open(path).with_context(|| format!("cannot read `{name}`"))?;
+        let file = input::open(path, Offered::Accepted, u64::MAX).map_err(|error| match error {
+            InputError::NotAFile => {
+                anyhow!("`{name}` is not a file: name a file of rays, or - for standard input")
+            }
+            error => anyhow!(error).context(format!("cannot read `{name}`")),
+        })?;
         Ok(Self::new(name, BufReader::with_capacity(1 << 16, file)))
     }
 

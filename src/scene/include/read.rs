@@ -1,10 +1,10 @@
 //! From a path to a text.
 
-use std::fs;
-use std::io::{Error, ErrorKind};
+use std::io::ErrorKind;
 use std::path::Path;
 
 use crate::scene::Diagnostic;
+use crate::scene::input::{self, InputError, LARGEST_FILE, Offered};
 use crate::scene::nearby::nearby;
 
 /// What a file holds.
@@ -23,40 +23,45 @@ pub(super) struct Refusal {
     pub(super) help: Option<String>,
 }
 
-/// Reads whatever can be read, pipes too.
+/// Reads the file of a scene, which may also come from standard input.
 pub(super) fn read(path: &Path) -> Result<Content, Refusal> {
-    let bytes = fs::read(path).map_err(|error| Refusal::of(&error, path, path))?;
-    Ok(String::from_utf8(bytes).map_or_else(|error| garbled(&error), Content::Text))
+    content(path, path, Offered::Accepted)
 }
 
 /// Reads a file that another one includes, where it is called `written`. It must be one that can be read again.
 pub(super) fn read_included(path: &Path, written: &Path) -> Result<Content, Refusal> {
-    let kind = fs::metadata(path).map_err(|error| Refusal::of(&error, path, written))?;
-    if !kind.is_file() && !kind.is_dir() {
-        return Err(Refusal {
-            message: format!("`{}` is not a file", path.display()),
-            label: "a device or a pipe",
-            help: Some("include a scene file".to_owned()),
-        });
-    }
-    let bytes = fs::read(path).map_err(|error| Refusal::of(&error, path, written))?;
+    content(path, written, Offered::Refused)
+}
+
+fn content(path: &Path, written: &Path, offered: Offered) -> Result<Content, Refusal> {
+    let bytes =
+        input::read(path, offered, LARGEST_FILE).map_err(|error| Refusal::of(&error, path, written))?;
     Ok(String::from_utf8(bytes).map_or_else(|error| garbled(&error), Content::Text))
 }
 
 impl Refusal {
-    fn of(error: &Error, path: &Path, written: &Path) -> Self {
+    fn of(error: &InputError, path: &Path, written: &Path) -> Self {
         let file = path.display();
+        let name_a_scene = || Some("name a scene file, such as one that ends in .ron".to_owned());
+        let error = match error {
+            InputError::System(error) => error,
+            InputError::NotAFile => {
+                let message = format!("`{file}` is not a file");
+                return Self { message, label: "a device or a pipe", help: name_a_scene() };
+            }
+            InputError::TooLarge(most) => {
+                let message = format!("`{file}` is too large for a scene file");
+                let help = format!("a scene file has at most {most} bytes: let scripts spawn what is many");
+                return Self { message, label: "too large", help: Some(help) };
+            }
+        };
         let (message, label, help) = match error.kind() {
             ErrorKind::NotFound => (
                 format!("there is no file `{file}`"),
                 "not there",
                 nearby(path, written, |name| name.ends_with(".ron")),
             ),
-            _ if path.is_dir() => (
-                format!("`{file}` is a directory"),
-                "not a file",
-                Some("name a scene file, such as one that ends in .ron".to_owned()),
-            ),
+            ErrorKind::IsADirectory => (format!("`{file}` is a directory"), "not a file", name_a_scene()),
             ErrorKind::PermissionDenied => {
                 (format!("`{file}` may not be read: permission denied"), "not readable", None)
             }

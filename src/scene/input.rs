@@ -1,0 +1,121 @@
+//! Files that are named by others, and may be anything: devices, pipes, what the system makes up as one reads.
+
+use std::fs::{self, File};
+use std::io::{self, Read, Take};
+use std::path::Path;
+
+/// The most bytes of a scene file: 1 GiB.
+pub const LARGEST_FILE: u64 = 1 << 30;
+
+/// May a file also be a stream that the program was started with, as `/dev/stdin`?
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Offered {
+    /// It may: it is read once.
+    Accepted,
+    /// It must be one that can be read again.
+    Refused,
+}
+
+/// Why there is nothing to be read.
+#[derive(Debug, thiserror::Error)]
+pub enum InputError {
+    /// Reading might wait for ever, or never end.
+    #[error("a device or a pipe is no file")]
+    NotAFile,
+    /// It has more bytes than this.
+    #[error("the file has more than {0} bytes")]
+    TooLarge(u64),
+    /// The system refuses, as for a directory.
+    #[error(transparent)]
+    System(#[from] io::Error),
+}
+
+/// Opens a file of at most so many bytes; one byte more is read at most. What it is and how long is asked before it is opened, since
+/// opening a pipe may wait for ever, and opening a device may do anything. Files that the system makes up, as those in `/proc`, are
+/// said to have no bytes, and have none here.
+///
+/// # Errors
+///
+/// If it is no file, if it is too large, or if the system refuses.
+pub fn open(path: &Path, offered: Offered, most: u64) -> Result<Take<File>, InputError> {
+    let limit = most.saturating_add(1);
+    let metadata = fs::metadata(path)?;
+    if metadata.is_dir() {
+        return Err(io::Error::from(io::ErrorKind::IsADirectory).into());
+    }
+    if !metadata.is_file() {
+        let accepted = offered == Offered::Accepted && is_offered(path);
+        return if accepted { Ok(File::open(path)?.take(limit)) } else { Err(InputError::NotAFile) };
+    }
+    if metadata.len() > most {
+        return Err(InputError::TooLarge(most));
+    }
+    let file = File::open(path)?;
+    // Another may have taken its place.
+    if !file.metadata()?.is_file() {
+        return Err(InputError::NotAFile);
+    }
+    Ok(file.take(if metadata.len() == 0 { 0 } else { limit }))
+}
+
+/// The bytes of a file, as [`open`] has them.
+///
+/// # Errors
+///
+/// As [`open`], and if it has become too large, or reading fails.
+pub fn read(path: &Path, offered: Offered, most: u64) -> Result<Vec<u8>, InputError> {
+    let mut bytes = Vec::new();
+    open(path, offered, most)?.read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most { Err(InputError::TooLarge(most)) } else { Ok(bytes) }
+}
+
+/// Is it a stream that is open already, by the names that shells give them?
+fn is_offered(path: &Path) -> bool {
+    let folders = ["/dev/fd", "/proc/self/fd"];
+    path == Path::new("/dev/stdin") || folders.iter().any(|folder| path.parent() == Some(Path::new(folder)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_read_up_to_the_most() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        for length in [0, 1, 9, 10] {
+            fs::write(&path, vec![b'a'; length]).unwrap();
+            assert_eq!(read(&path, Offered::Refused, 10).unwrap().len(), length);
+        }
+        fs::write(&path, [b'a'; 11]).unwrap();
+        assert!(matches!(read(&path, Offered::Refused, 10), Err(InputError::TooLarge(10))));
+        assert!(matches!(read(folder.path(), Offered::Accepted, 10), Err(InputError::System(_))));
+        assert!(matches!(
+            read(&folder.path().join("none"), Offered::Accepted, 10),
+            Err(InputError::System(_))
+        ));
+    }
+
+    /// Each would be read for ever, or not at all.
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_file_is_not_opened() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let link = folder.path().join("link");
+        std::os::unix::fs::symlink("/dev/zero", &link).unwrap();
+        for path in [pipe.as_path(), &link, Path::new("/dev/zero"), Path::new("/dev/tty")] {
+            for offered in [Offered::Accepted, Offered::Refused] {
+                let found = read(path, offered, 10);
+                assert!(matches!(found, Err(InputError::NotAFile)), "{}: {found:?}", path.display());
+            }
+        }
+        // Its first line would be waited for.
+        let made_up = Path::new("/proc/kmsg");
+        if made_up.exists() {
+            let found = read(made_up, Offered::Refused, 10);
+            assert!(found.as_ref().map_or(true, Vec::is_empty), "{found:?}");
+        }
+    }
+}
