@@ -31,20 +31,23 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
                 "unlisted": 0,
             })),
             Err(wrong) => {
-                let (rendered, count) = match wrong {
+                let count = match wrong {
                     Wrong::Scene(error) => {
-                        (error.render(print::is_colorful()), error.mistakes().count() + error.unlisted())
+                        print::mistakes(|color| error.render(color) + "\n");
+                        error.mistakes().count() + error.unlisted()
                     }
-                    Wrong::Script(mistake) => (mistake.render(print::is_colorful()), 1),
+                    Wrong::Script(mistake) => {
+                        print::mistakes(|color| mistake.render(color) + "\n");
+                        1
+                    }
                 };
-                print::error_line(&format!("{rendered}\n"));
                 let mistakes = if count == 1 { "mistake" } else { "mistakes" };
                 print::error_line(&format!("{file}: {count} {mistakes}"));
             }
         }
     }
     if arguments.json {
-        print::result_line(&format!("{:#}", Value::Array(results)))?;
+        print::json(&Value::Array(results))?;
     }
     if good { Ok(()) } else { Err(Failure::Reported) }
 }

@@ -1,43 +1,92 @@
-//! Printing that survives a closed pipe, and knows when colours are welcome.
+//! Printing that survives a closed pipe, knows when colours are welcome, and sends no terminal what it would obey.
+//!
+//! Names, paths and texts from files may hold anything. Everything that is printed goes through here, and what a terminal could
+//! take for a command is written as an escape; only [`mistakes`] are printed as they are, and escape what they quote themselves.
 
+use std::borrow::Cow;
 use std::io::{ErrorKind, IsTerminal, Write, stderr, stdout};
 use std::ops::ControlFlow;
 
 use anyhow::Context;
+use serde_json::Value;
 
-/// Writes results. A reader that has gone away is no error of ours; a full disk is.
+use rayreel::scene::{Printable, is_printable};
+
+/// Writes results, line by line. A reader that has gone away is no error of ours; a full disk is.
 pub(super) fn result(text: &str) -> anyhow::Result<()> {
-    result_part(text.as_bytes()).map(|_| ())
+    result_part(text).map(|_| ())
 }
 
 /// Some of the results, as [`result`]. Says whether there is still a reader for more.
-pub(super) fn result_part(bytes: &[u8]) -> anyhow::Result<ControlFlow<()>> {
+pub(super) fn result_part(text: &str) -> anyhow::Result<ControlFlow<()>> {
+    write_result(&escaped(text, |character| Printable(character.encode_utf8(&mut [0; 4])).to_string()))
+}
+
+/// A line of results, as [`result`].
+pub(super) fn result_line(text: &str) -> anyhow::Result<()> {
+    result(&format!("{}\n", Printable(text)))
+}
+
+/// A JSON value.
+pub(super) fn json(value: &Value) -> anyhow::Result<()> {
+    json_part(&format!("{value:#}\n")).map(|_| ())
+}
+
+/// Some JSON values, as [`result_part`]. What a terminal would obey is in their texts only, where it may be escaped.
+pub(super) fn json_part(text: &str) -> anyhow::Result<ControlFlow<()>> {
+    write_result(&escaped(text, |character| format!("\\u{:04x}", u32::from(character))))
+}
+
+fn write_result(text: &str) -> anyhow::Result<ControlFlow<()>> {
     let mut out = stdout().lock();
-    match out.write_all(bytes).and_then(|()| out.flush()) {
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Ok(()) => Ok(ControlFlow::Continue(())),
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(ControlFlow::Break(())),
         Err(error) => Err(error).context("cannot write the results"),
     }
 }
 
-/// A line of results, as [`result`].
-pub(super) fn result_line(text: &str) -> anyhow::Result<()> {
-    result(&format!("{text}\n"))
+/// The lines of a text with everything escaped that is not printable.
+fn escaped(text: &str, escape: impl Fn(char) -> String) -> Cow<'_, str> {
+    let stays = |character: char| character == '\n' || is_printable(character);
+    if text.chars().all(stays) {
+        return Cow::Borrowed(text);
+    }
+    let mut escaped = String::with_capacity(text.len());
+    for character in text.chars() {
+        if stays(character) {
+            escaped.push(character);
+        } else {
+            escaped += &escape(character);
+        }
+    }
+    Cow::Owned(escaped)
 }
 
 /// A line for the person at the terminal, or the log.
 pub(super) fn error_line(text: &str) {
-    let _ = writeln!(stderr().lock(), "{text}");
+    let _ = writeln!(stderr().lock(), "{}", Printable(text));
+}
+
+/// A line that says what is wrong.
+pub(super) fn error(text: &str) {
+    let _ = writeln!(stderr().lock(), "{} {}", error_word(), Printable(text));
+}
+
+/// Mistakes in scenes, shown as a compiler would by `render`, which is told whether colours are welcome and escapes what it shows
+/// of files: its colours are the only commands.
+pub(super) fn mistakes(render: impl FnOnce(bool) -> String) {
+    let _ = writeln!(stderr().lock(), "{}", render(is_colorful()));
 }
 
 /// May standard error be coloured? See <https://no-color.org>.
-pub(super) fn is_colorful() -> bool {
+fn is_colorful() -> bool {
     let unwanted = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
     let dumb = std::env::var_os("TERM").is_some_and(|terminal| terminal == "dumb");
     stderr().is_terminal() && !unwanted && !dumb
 }
 
 /// `error:`, as bold and red as may be.
-pub(super) fn error_word() -> &'static str {
+fn error_word() -> &'static str {
     if is_colorful() { "\u{1b}[1m\u{1b}[91merror\u{1b}[0m\u{1b}[1m:\u{1b}[0m" } else { "error:" }
 }

@@ -70,8 +70,8 @@ impl RenderReport {
     }
 
     /// One object.
-    pub(super) fn to_json(&self) -> String {
-        let report = json!({
+    pub(super) fn to_json(&self) -> Value {
+        json!({
             "scene": self.scene.display().to_string(),
             "width": self.size.0,
             "height": self.size.1,
@@ -82,8 +82,7 @@ impl RenderReport {
             "interrupted": self.interrupted,
             "sheet": self.sheet.as_ref().map(SheetReport::to_json),
             "frames": self.shots.iter().map(ShotReport::to_json).collect::<Vec<_>>(),
-        });
-        format!("{report:#}")
+        })
     }
 
     /// What was needed for any frame, and how much was not.

@@ -6,6 +6,8 @@ use std::sync::Arc;
 
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 
+use super::printable::{Printable, is_printable};
+
 /// One mistake.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
@@ -59,12 +61,15 @@ impl Diagnostic {
 
     pub(super) fn render_with_notes(&self, file: &str, text: &str, notes: &[String], color: bool) -> String {
         let (file, text) = self.source.as_ref().map_or((file, text), |source| (&source.file, &source.text));
-        let mut group = Group::with_title(Level::ERROR.primary_title(&self.message));
+        // What is quoted may hold anything.
+        let printable = |text: &str| Printable(text).to_string();
+        let (file, label) = (printable(file), printable(&self.label));
+        let mut group = Group::with_title(Level::ERROR.primary_title(printable(&self.message)));
         match &self.span {
             Some(span) => {
                 let place = Place::of(text, span.start);
                 let excerpt = Excerpt::around(text, span);
-                let annotation = AnnotationKind::Primary.span(excerpt.marked).label(&self.label);
+                let annotation = AnnotationKind::Primary.span(excerpt.marked).label(label);
                 let snippet = Snippet::source(excerpt.line).line_start(place.line).annotation(annotation);
                 group = if excerpt.is_cut {
                     group
@@ -77,10 +82,10 @@ impl Diagnostic {
             None => group = group.element(Origin::path(file)),
         }
         if let Some(help) = &self.help {
-            group = group.element(Level::HELP.message(help));
+            group = group.element(Level::HELP.message(printable(help)));
         }
         for note in notes {
-            group = group.element(Level::NOTE.message(note));
+            group = group.element(Level::NOTE.message(printable(note)));
         }
         let renderer = if color { Renderer::styled() } else { Renderer::plain() };
         renderer.render(&[group])
@@ -88,25 +93,39 @@ impl Diagnostic {
 }
 
 /// The first line of a marked place, or as much of it as is good to look at.
-struct Excerpt<'a> {
-    line: &'a str,
+struct Excerpt {
+    line: String,
     marked: Range<usize>,
     /// Does it start later than its line?
     is_cut: bool,
 }
 
-impl<'a> Excerpt<'a> {
+impl Excerpt {
     /// Generated scenes may be one line of many megabytes.
     const LONGEST: usize = 2000;
 
-    fn around(text: &'a str, span: &Range<usize>) -> Self {
+    fn around(text: &str, span: &Range<usize>) -> Self {
         let at = text.floor_char_boundary(span.start);
         let line_start = text[..at].rfind('\n').map_or(0, |newline| newline + 1);
         let line_end = text[at..].find('\n').map_or(text.len(), |newline| at + newline);
         let start = text.floor_char_boundary(line_start.max(at.saturating_sub(Self::LONGEST)));
         let end = text.floor_char_boundary(line_end.min(at + Self::LONGEST));
         let marked_end = text.floor_char_boundary(span.end).clamp(at, end);
-        Self { line: &text[start..end], marked: at - start..marked_end - start, is_cut: start > line_start }
+        let [before, marked, after] =
+            [start..at, at..marked_end, marked_end..end].map(|range| Self::shown(&text[range]));
+        let marked_range = before.len()..before.len() + marked.len();
+        Self { line: format!("{before}{marked}{after}"), marked: marked_range, is_cut: start > line_start }
+    }
+
+    /// With a sign in the place of each character that is none, so that marks stay under what they mark.
+    fn shown(text: &str) -> String {
+        let shown = |character| match character {
+            // These have signs of their own, which the renderer knows.
+            '\0'..='\u{7f}' => character,
+            _ if is_printable(character) => character,
+            _ => char::REPLACEMENT_CHARACTER,
+        };
+        text.chars().map(shown).collect()
     }
 }
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::Place;
 use super::include::Origin;
+use super::printable::Printable;
 use super::spans::{Step, locate};
 
 /// The texts of all files of a scene, in which the places of its entities can be looked up.
@@ -110,6 +111,6 @@ impl Sources {
 
 impl fmt::Display for SourceLine<'_> {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "{}:{}", self.file, self.line)
+        write!(formatter, "{}:{}", Printable(self.file), self.line)
     }
 }

@@ -48,7 +48,7 @@ pub(super) fn run(at: &At<'_>, engine: &Engine, json: bool) -> Result<(), Failur
     let places = Places::of(engine.world(), at.sources, &entities);
     let seen = Seen { at, engine, probe, places };
     if json {
-        print::result_line(&format!("{:#}", seen.json()))?;
+        print::json(&seen.json())?;
     } else {
         print::result(&seen.text())?;
     }

@@ -24,7 +24,8 @@ const HEADER: &str = "hit,entity,t,px,py,pz,nx,ny,nz\n";
 pub(super) fn run(path: &Path, engine: &Engine, json: bool) -> Result<(), Failure> {
     let mut reader = RayReader::open(path)?;
     let write = if json { json_lines } else { csv_lines };
-    if !json && print::result_part(HEADER.as_bytes())?.is_break() {
+    let print = if json { print::json_part } else { print::result_part };
+    if !json && print(HEADER)?.is_break() {
         return Ok(());
     }
     let world = engine.world();
@@ -35,7 +36,8 @@ pub(super) fn run(path: &Path, engine: &Engine, json: bool) -> Result<(), Failur
         let hits = engine.cast_all(&rays);
         let lines = hits.par_chunks(CHUNK).map(|hits| write(world, hits).context("cannot write the results"));
         let lines = lines.collect::<anyhow::Result<Vec<_>>>()?.concat();
-        let nobody_listens = print::result_part(&lines)?.is_break();
+        let nobody_listens =
+            print(&String::from_utf8(lines).context("cannot write the results")?)?.is_break();
         read?;
         if nobody_listens || rays.len() < BATCH {
             return Ok(());
