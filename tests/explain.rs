@@ -299,3 +299,29 @@ fn wrong_wishes_are_answered_with_what_would_be_right() {
         assert!(output.stdout.is_empty(), "{arguments:?}");
     }
 }
+
+/// A hundred million frames, of which ten thousand are looked at.
+#[test]
+fn of_very_many_frames_some_are_looked_at() {
+    let folder = tempfile::tempdir().unwrap();
+    let (before, after) = ("(fps: 10, duration: 1)", "(fps: 1000000, duration: 100)");
+    fs::write(folder.path().join("long.ron"), COMING_AND_GOING.replace(before, after)).unwrap();
+    let explain = |arguments: &[&str]| {
+        let mut command = Command::cargo_bin("rayreel").unwrap();
+        command.current_dir(folder.path()).args(["explain", "long.ron"]).args(arguments);
+        text(&command.assert().success().get_output().stdout)
+    };
+    let told: Value = serde_json::from_str(&explain(&["--json"])).unwrap();
+    assert_eq!((&told["frames"], &told["spread_over"]), (&json!(10_000), &json!(100_000_000)));
+    assert_eq!(told["measured"]["frames"].as_array().unwrap().last(), Some(&json!(99_999_999)));
+    // The light goes on at frame 250 000, between frames 240 024 and 250 025 of those that are looked at.
+    let lit = &spans(&told, "diffuse light")[1];
+    assert_eq!((&lit.0, lit.1), (&json!([[250_025, 99_999_999]]), true));
+    let words = explain(&[]);
+    assert!(words.starts_with("long.ron: 10000 of 100000000 frames, spread evenly, of 64x36\n"), "{words}");
+    assert!(words.contains("--frames looks at some of them one by one"), "{words}");
+    // As many as that are all looked at.
+    let told: Value = serde_json::from_str(&explain(&["--json", "--frames", "240000-249999"])).unwrap();
+    assert_eq!((&told["frames"], &told["spread_over"]), (&json!(10_000), &Value::Null));
+    assert!(!explain(&["--frames", "7-8"]).contains("--frames"));
+}

@@ -76,17 +76,29 @@ impl FrameList {
     /// ```
     #[must_use]
     pub fn spread(&self, count: u32) -> Self {
+        match self.spread_frames(count) {
+            Some(frames) => {
+                let single = |frame| FrameRange { first: frame, last: frame, stride: 1 };
+                Self { ranges: frames.into_iter().map(single).collect() }
+            }
+            None => self.clone(),
+        }
+    }
+
+    /// The frames of [`spread`](FrameList::spread), ascending; `None` where that is all of them.
+    #[must_use]
+    pub fn spread_frames(&self, count: u32) -> Option<Vec<u32>> {
         let (selected, count) = (self.count() as u64, u64::from(count));
         if count >= selected {
-            return self.clone();
+            return None;
+        }
+        let places = (0..count).map(|index| index * (selected - 1) / (count - 1).max(1));
+        if let [range] = self.ranges[..] {
+            return Some(places.filter_map(|place| range.nth(place)).collect());
         }
         let mut frames = (0..).zip(self.frames());
-        let chosen = (0..count).filter_map(|index| {
-            let place = index * (selected - 1) / (count - 1).max(1);
-            frames.find(|(at, _)| *at == place)
-        });
-        let single = |(_, frame)| FrameRange { first: frame, last: frame, stride: 1 };
-        Self { ranges: chosen.map(single).collect() }
+        let chosen = places.filter_map(|place| frames.find(|(at, _)| *at == place));
+        Some(chosen.map(|(_, frame)| frame).collect())
     }
 }
 
@@ -96,6 +108,12 @@ impl FrameRange {
         let steps = start.saturating_sub(self.first).div_ceil(self.stride);
         let frame = self.first.checked_add(steps.checked_mul(self.stride)?)?;
         (frame <= self.last).then_some(frame)
+    }
+
+    /// One of its frames by its place, from 0.
+    fn nth(self, place: u64) -> Option<u32> {
+        let frame = u64::from(self.first) + place * u64::from(self.stride);
+        u32::try_from(frame).ok().filter(|frame| *frame <= self.last)
     }
 }
 
@@ -171,6 +189,11 @@ mod tests {
             let steps: Vec<usize> = places.windows(2).map(|pair| pair[1] - pair[0]).collect();
             assert!(steps.iter().max().unwrap() - steps.iter().min().unwrap() <= 1, "{places:?}");
         }
+        let one: FrameList = "7-1000x9".parse().unwrap();
+        let two: FrameList = "7-700x9,7-1000x9".parse().unwrap();
+        for count in 0..120 {
+            assert!(one.spread(count).frames().eq(two.spread(count).frames()), "{count}");
+        }
         assert!(list.spread(1).frames().eq([10]));
         assert_eq!(list.spread(21), list);
         assert!(FrameList::all(1).spread(9).frames().eq([0]));
@@ -180,6 +203,7 @@ mod tests {
     fn huge_lists_cost_nothing() {
         let list: FrameList = "0-4294967295".parse().unwrap();
         assert_eq!(list.count(), 4_294_967_296);
+        assert_eq!(list.spread_frames(3), Some(vec![0, 2_147_483_647, 4_294_967_295]));
         assert!(list.frames().skip(1000).take(2).eq([1000, 1001]));
         let list: FrameList = "4294967290-4294967295x4,4294967295".parse().unwrap();
         assert!(list.frames().eq([4_294_967_290, 4_294_967_294, 4_294_967_295]));

@@ -13,6 +13,7 @@ use rayon::ThreadPool;
 use serde_json::{Value, json};
 
 use rayreel::Engine;
+use rayreel::scene::Printable;
 use rayreel::time::FrameList;
 
 use super::args::ExplainArguments;
@@ -43,7 +44,7 @@ pub(super) fn run(arguments: &ExplainArguments) -> Result<(), Failure> {
         .context("cannot start the rendering threads")?;
     let explanation = pool.install(|| Explanation::of(arguments, &mut engine, &frames))?;
     if arguments.json {
-        print::result_line(&format!("{:#}", explanation.json()))?;
+        print::json(&explanation.json())?;
     } else {
         print::result(&explanation.text())?;
     }
@@ -79,13 +80,14 @@ impl Explanation {
 
     fn text(&self) -> String {
         let (width, height) = self.size;
-        let count = match self.timeline.count() {
-            1 => "1 frame".to_owned(),
-            count => format!("{count} frames"),
+        let count = match (self.timeline.count(), self.timeline.spread_over()) {
+            (count, Some(chosen)) => format!("{count} of {chosen} frames, spread evenly,"),
+            (1, None) => "1 frame".to_owned(),
+            (count, None) => format!("{count} frames"),
         };
         format!(
             "{}: {count} of {width}x{height}\n\n{}\n{}\n{}",
-            self.scene,
+            Printable(&self.scene),
             self.timeline.in_words(),
             self.costs.in_words(),
             table::draw(&self.timeline, &self.costs, self.measure)
@@ -98,6 +100,7 @@ impl Explanation {
             "width": self.size.0,
             "height": self.size.1,
             "frames": self.timeline.count(),
+            "spread_over": self.timeline.spread_over(),
             "measured": self.costs.json(),
             "effects": self.timeline.effects().map(|told| json!({
                 "effect": told.effect.name(),

@@ -5,8 +5,10 @@ use rayreel::{Effect, Engine, EngineError, Verdict};
 
 /// The verdicts on all effects over the chosen frames.
 pub(super) struct PlannedTimeline {
-    /// The chosen frames, ascending.
+    /// The frames that were looked at, ascending.
     frames: Vec<u32>,
+    /// How many were chosen, if that is more.
+    spread_over: Option<usize>,
     told: Vec<Told>,
 }
 
@@ -20,7 +22,7 @@ pub(super) struct Told {
 /// The frames with the same verdict.
 pub(super) struct Span {
     pub(super) verdict: Verdict,
-    /// First and last frames of runs, each without a gap among the chosen ones.
+    /// First and last frames of runs, each without a gap among those that were looked at.
     runs: Vec<(u32, u32)>,
     count: usize,
     /// Are these all?
@@ -28,11 +30,17 @@ pub(super) struct Span {
 }
 
 impl PlannedTimeline {
+    /// Seven minutes at 24 frames a second: as many as are looked at one by one.
+    pub(super) const MOST: u32 = 10_000;
+
+    /// What is needed over these frames; over [`PlannedTimeline::MOST`] of them, spread evenly, where there are more.
     pub(super) fn of(engine: &mut Engine, list: &FrameList) -> Result<Self, EngineError> {
+        let spread = list.spread_frames(Self::MOST);
+        let spread_over = spread.is_some().then(|| list.count());
         let mut told: Vec<Told> =
             Effect::ALL.into_iter().map(|effect| Told { effect, spans: Vec::new() }).collect();
         let mut frames: Vec<u32> = Vec::new();
-        for frame in list.frames() {
+        for frame in spread.unwrap_or_else(|| list.frames().collect()) {
             let before = frames.last().copied();
             let time = engine.timeline().time_of(frame);
             let Some(plan) = engine.plan_at(time)? else { continue };
@@ -44,12 +52,17 @@ impl PlannedTimeline {
         for span in told.iter_mut().flat_map(|told| &mut told.spans) {
             span.all = span.count == frames.len();
         }
-        Ok(Self { frames, told })
+        Ok(Self { frames, spread_over, told })
     }
 
-    /// How many frames there are.
+    /// How many frames were looked at.
     pub(super) fn count(&self) -> usize {
         self.frames.len()
+    }
+
+    /// How many were chosen, if that is more.
+    pub(super) fn spread_over(&self) -> Option<usize> {
+        self.spread_over
     }
 
     pub(super) fn effects(&self) -> impl Iterator<Item = &Told> {
@@ -73,7 +86,7 @@ impl PlannedTimeline {
         samples
     }
 
-    /// Up to three sentences.
+    /// A few sentences.
     pub(super) fn in_words(&self) -> String {
         let names = |chosen: &dyn Fn(&Told) -> bool| {
             let names: Vec<_> =
@@ -87,10 +100,13 @@ impl PlannedTimeline {
             if names.is_empty() { String::new() } else { format!("{start} {names}.\n") }
         };
         let others = if never > 0 { format!("the other {never}") } else { String::new() };
+        let closely =
+            "Of the frames between these nothing is known; --frames looks at some of them one by one.\n";
         [
             sentence("Every frame needs", always),
             sentence("Some need", at_times),
             sentence("No frame needs", others),
+            self.spread_over.map_or_else(String::new, |_| closely.to_owned()),
         ]
         .concat()
     }
