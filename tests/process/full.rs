@@ -1,0 +1,82 @@
+//! Full disks, as far as a limit on the size of files is one, and names that are no text.
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use crate::{FIRST_LIGHT, RAYREEL, command, files, output_of, rayreel, text};
+
+/// `rayreel` where no file may have any bytes: an error, or death in the middle of writing.
+fn limited(folder: &Path, dies: bool, arguments: &[&str]) -> Output {
+    let script = if dies { "ulimit -c 0;" } else { "trap '' XFSZ;" };
+    let script = format!("{script} ulimit -f 0; exec \"$0\" \"$@\"");
+    output_of(command("sh", folder).args(["-c", &script, RAYREEL]).args(arguments).spawn().unwrap())
+}
+
+const RENDER: [&str; 8] = ["render", FIRST_LIGHT, "--size", "8x8", "--frames", "0-2", "--out", "out"];
+
+#[test]
+fn what_cannot_be_written_is_absent() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for (arguments, told) in [
+        (&["new", "mine.ron"][..], "cannot write `mine.ron`"),
+        (&RENDER, "cannot write `out/first_light.0000.png`"),
+        (&["explain", FIRST_LIGHT, "--path", "way.svg"], "cannot write `way.svg`"),
+    ] {
+        let output = limited(folder, false, arguments);
+        assert_eq!(output.status.code(), Some(1));
+        assert!(text(&output.stderr).contains(told), "{}", text(&output.stderr));
+    }
+    assert_eq!((files(folder), files(&folder.join("out"))), (vec!["out".to_owned()], vec![]));
+}
+
+#[test]
+fn what_dies_while_it_writes_is_cleared_up_by_the_next() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for (arguments, written, names) in [
+        (&["new", "mine.ron"][..], "a", &["mine.ron"][..]),
+        (&RENDER, "b/out", &["first_light.0000.png", "first_light.0001.png", "first_light.0002.png"]),
+        (&["explain", FIRST_LIGHT, "--path", "way.svg"], "c", &["way.svg"]),
+    ] {
+        let (here, written) = (folder.join(&written[..1]), folder.join(written));
+        fs::create_dir(&here).unwrap();
+        assert_eq!(limited(&here, true, arguments).status.code(), None);
+        assert!(files(&written).iter().all(|name| name.ends_with(".partial")), "{:?}", files(&written));
+        assert!(!files(&written).is_empty());
+        let output = rayreel(&here, arguments);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        assert_eq!(files(&written), names);
+    }
+}
+
+/// Elsewhere names must be text.
+#[cfg(target_os = "linux")]
+#[test]
+fn names_that_are_no_text_are_different_names() {
+    use std::ffi::{OsStr, OsString};
+    use std::os::unix::ffi::OsStrExt;
+
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let names: Vec<OsString> = [&b"a\xff"[..], b"a\xfe", b"a\xef\xbf\xbd", b"\xc3"]
+        .map(|name| OsStr::from_bytes(name).to_owned())
+        .into();
+    for name in &names {
+        let scene = Path::new(name).with_extension("ron");
+        fs::copy(FIRST_LIGHT, folder.join(&scene)).unwrap();
+        for more in [&[][..], &["--sheet", "1x1"], &["--draft"]] {
+            let fixed = ["render", "--frames", "0", "--size", "8x8", "--out", "out"];
+            let mut all: Vec<&OsStr> = fixed.iter().chain(more).map(OsStr::new).collect();
+            all.push(scene.as_os_str());
+            let output = rayreel(folder, all);
+            assert!(output.status.success(), "{}", text(&output.stderr));
+        }
+        let mut frame = name.clone();
+        frame.push(".0000.png");
+        assert!(folder.join("out").join(&frame).is_file());
+        assert!(folder.join("out/draft").join(&frame).is_file());
+    }
+    assert_eq!(fs::read_dir(folder.join("out")).unwrap().count(), 2 * names.len() + 1);
+}

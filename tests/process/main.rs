@@ -1,0 +1,88 @@
+//! `rayreel` as a process among others: it is killed and sent signals, shares folders, meets devices and full disks, and prints
+//! names that terminals would obey.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
+#![cfg(unix)]
+
+use std::ffi::OsStr;
+use std::fs;
+use std::io::Read;
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+mod full;
+mod inputs;
+mod kills;
+mod signals;
+mod terminal;
+
+const FIRST_LIGHT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/first_light.ron");
+const RAYREEL: &str = env!("CARGO_BIN_EXE_rayreel");
+
+/// What must happen does so long before, even on a machine that is busy with other things.
+const AT_MOST: Duration = Duration::from_secs(60);
+
+/// A command in a folder, of which everything is heard.
+fn command(program: &str, folder: &Path) -> Command {
+    let mut command = Command::new(program);
+    command.current_dir(folder).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+/// `rayreel` with these arguments, until it ends by itself.
+fn rayreel<A: AsRef<OsStr>>(folder: &Path, arguments: impl IntoIterator<Item = A>) -> Output {
+    output_of(command(RAYREEL, folder).args(arguments).spawn().unwrap())
+}
+
+/// Waits for a process to end, and fails if it does not.
+fn output_of(mut child: Child) -> Output {
+    let [stdout, stderr] = [all_of(child.stdout.take()), all_of(child.stderr.take())];
+    let start = Instant::now();
+    let status = loop {
+        match child.try_wait().unwrap() {
+            Some(status) => break status,
+            None if start.elapsed() > AT_MOST => {
+                child.kill().unwrap();
+                panic!("it does not end");
+            }
+            None => thread::sleep(Duration::from_millis(5)),
+        }
+    };
+    Output { status, stdout: stdout.join().unwrap(), stderr: stderr.join().unwrap() }
+}
+
+fn all_of(stream: Option<impl Read + Send + 'static>) -> thread::JoinHandle<Vec<u8>> {
+    thread::spawn(move || {
+        let mut bytes = Vec::new();
+        stream.map(|mut stream| stream.read_to_end(&mut bytes).unwrap());
+        bytes
+    })
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
+    let mut names: Vec<String> =
+        entries.map(|entry| text(entry.unwrap().file_name().as_encoded_bytes())).collect();
+    names.sort();
+    names
+}
+
+fn signal(child: &Child, name: &str) {
+    let status = Command::new("kill").args(["-s", name, &child.id().to_string()]).status().unwrap();
+    assert!(status.success());
+}
+
+/// Waits until it is so.
+fn until(what: &str, mut is: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !is() {
+        assert!(start.elapsed() < AT_MOST, "{what}");
+        thread::sleep(Duration::from_millis(2));
+    }
+}

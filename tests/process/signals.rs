@@ -1,0 +1,108 @@
+//! Signals, and those that are ignored.
+
+use std::io::{BufRead, BufReader};
+use std::os::unix::process::ExitStatusExt;
+use std::path::Path;
+use std::process::{Child, Output, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+use crate::{FIRST_LIGHT, RAYREEL, command, files, output_of, signal, text, until};
+
+const FRAMES: usize = 24;
+
+/// A rendering that is under way, in a process that ignores some signals from the start.
+fn start_rendering(folder: &Path, ignored: &str) -> Child {
+    let script = if ignored.is_empty() { String::new() } else { format!("trap '' {ignored}; ") };
+    let child = command("sh", folder)
+        .args(["-c", &(script + "exec \"$0\" \"$@\""), RAYREEL, "render", FIRST_LIGHT, "--out", "out"])
+        .args(["--size", "240x135", "--frames", "0-23"])
+        .spawn()
+        .unwrap();
+    let out = folder.join("out");
+    until("the first frame", || files(&out).iter().any(|name| name.ends_with(".png")));
+    child
+}
+
+/// Was a signal ignored when the tests were started? Shells do so with what runs in the background.
+fn is_ignored_here(number: u32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask =
+        status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (number - 1) & 1 == 1)
+}
+
+#[test]
+fn each_signal_ends_it_with_its_code_unless_it_is_ignored() {
+    let signals = [("HUP", 1), ("INT", 2), ("TERM", 15)];
+    for (sent, number) in signals {
+        for ignored in [&[][..], &["HUP"], &["INT"], &["TERM"], &["HUP", "INT", "TERM"]] {
+            let survives = ignored.contains(&sent);
+            if !survives && is_ignored_here(number) {
+                println!("{sent} is ignored already: it was not tried");
+                continue;
+            }
+            let folder = tempfile::tempdir().unwrap();
+            let child = start_rendering(folder.path(), &ignored.join(" "));
+            signal(&child, sent);
+            let Output { status, stderr, .. } = output_of(child);
+            let what = format!("{sent} where {ignored:?} are ignored: {}", text(&stderr));
+            let written = files(&folder.path().join("out"));
+            assert!(written.iter().all(|name| name.starts_with("first_light.")), "{what}: {written:?}");
+            if survives {
+                assert_eq!((status.code(), written.len()), (Some(0), FRAMES), "{what}");
+            } else {
+                let code = 128 + i32::try_from(number).unwrap();
+                assert_eq!(status.code(), Some(code), "{what}");
+                assert!(written.len() < FRAMES, "{what}");
+            }
+        }
+    }
+}
+
+#[test]
+fn nohup_lets_it_live() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut nohup = command("nohup", folder.path());
+    nohup.args([RAYREEL, "render", FIRST_LIGHT, "--size", "240x135", "--frames", "0-23", "--out", "out"]);
+    let child = nohup.spawn().unwrap();
+    let out = folder.path().join("out");
+    until("the first frame", || files(&out).iter().any(|name| name.ends_with(".png")));
+    signal(&child, "HUP");
+    let output = output_of(child);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert_eq!(files(&out).len(), FRAMES);
+}
+
+/// A scene that is still being read when the signal comes, and would be for ever.
+#[test]
+fn reading_ends_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    for arguments in [
+        &["render"][..],
+        &["check"],
+        &["explain"],
+        &["probe", "--pixel", "0,0"],
+        &["watch"],
+        &["watch", "--poll"],
+    ] {
+        let mut reads = command(RAYREEL, folder.path());
+        reads.args(arguments).arg("/dev/stdin").stdin(Stdio::piped());
+        let mut child = reads.spawn().unwrap();
+        // As long as it is there, there may be more to read.
+        let stdin = child.stdin.take();
+        let watches = arguments[0] == "watch";
+        if watches {
+            let mut address = String::new();
+            BufReader::new(child.stdout.take().unwrap()).read_line(&mut address).unwrap();
+            assert!(address.contains("http://"), "{address}");
+        }
+        sleep(Duration::from_millis(300));
+        signal(&child, "TERM");
+        let output = output_of(child);
+        drop(stdin);
+        // On a machine that is busy it may not have come as far as listening.
+        let ended = output.status.code() == Some(143) || !watches && output.status.signal() == Some(15);
+        assert!(ended, "{arguments:?}: {:?} {}", output.status, text(&output.stderr));
+    }
+}
