@@ -118,8 +118,12 @@ fn wrong_wishes_are_answered_with_what_would_be_right() {
         (vec!["render", FIRST_LIGHT, "--frames", "9-3"], 2, "`9-3` runs backwards"),
         (vec!["render", FIRST_LIGHT, "--at", "soon"], 2, "`soon` is not a time"),
         (vec!["render", FIRST_LIGHT, "--size", "640"], 2, "write width and height in pixels, as in 1280x720"),
-        (vec!["render", FIRST_LIGHT, "--size", "0x10"], 1, "each side must be from 1 to 32768 pixels"),
-        (vec!["render", FIRST_LIGHT, "--threads", "0"], 2, "1..=1024"),
+        (vec!["render", FIRST_LIGHT, "--size", "0x10"], 2, "each side must be from 1 to 32768 pixels"),
+        (vec!["explain", FIRST_LIGHT, "--size", "32768x32768"], 2, "a picture has at most 268435456 pixels"),
+        (vec!["probe", FIRST_LIGHT, "--size", "9x32769"], 2, "each side must be from 1 to 32768 pixels"),
+        (vec!["render", FIRST_LIGHT, "--threads", "0"], 2, "write a number of threads from 1 to 1024"),
+        (vec!["render", FIRST_LIGHT, "--threads", "many"], 2, "write a number of threads from 1 to 1024"),
+        (vec!["watch", FIRST_LIGHT, "--frame", "first"], 2, "write a whole number from 0 to 4294967295"),
         (vec!["render", FIRST_LIGHT, "--at", "1", "--frames", "1"], 2, "cannot be used with"),
         (vec!["render", "nothing.ron"], 1, "there is no file `nothing.ron`"),
         (vec!["rendre"], 2, "tip: some similar subcommands exist"),
@@ -132,6 +136,38 @@ fn wrong_wishes_are_answered_with_what_would_be_right() {
         assert!(output.stdout.is_empty());
     }
     assert_eq!(files(&folder.path().join("out")), Vec::<String>::new());
+}
+
+/// An option's value that starts with a hyphen is a wrong value, and no option that nobody knows.
+#[test]
+fn values_with_a_hyphen_are_answered_with_what_would_be_right() {
+    let folder = tempfile::tempdir().unwrap();
+    for (command, option, told) in [
+        ("render", "--frames", "is not a frame or a range: write `12`, `10-20` or `40-80x5`"),
+        ("render", "--at", "is not a time: write seconds such as `1.5s`"),
+        ("render", "--size", "write width and height in pixels, as in 1280x720"),
+        ("render", "--sheet", "write columns and rows"),
+        ("render", "--threads", "write a number of threads from 1 to 1024"),
+        ("render", "--cutoff", "write a number of steps from 0 to"),
+        ("explain", "--frames", "is not a frame or a range"),
+        ("explain", "--size", "write width and height"),
+        ("explain", "--threads", "write a number of threads"),
+        ("watch", "--frame", "write a whole number from 0"),
+        ("probe", "--pixel", "write column and row, from 0 at the top left"),
+        ("probe", "--sample", "write a whole number from 0"),
+        ("probe", "--frame", "write a whole number from 0"),
+        ("probe", "--at", "is not a time"),
+        ("probe", "--size", "write width and height"),
+    ] {
+        for value in ["-1", "-1.5", "-5-9", "--json"] {
+            let output = rayreel(&folder, &[command, FIRST_LIGHT, option, value]);
+            let error = text(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{command} {option} {value}");
+            assert!(error.contains(told) && !error.contains("tip"), "{command} {option} {value}: {error}");
+            // Words of programmers.
+            assert!(!error.contains("..=") && !error.contains("invalid digit"), "{error}");
+        }
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@ use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
 use rayreel::Time;
-use rayreel::components::Quality;
+use rayreel::components::{FilmSettings, Quality};
 use rayreel::output::Sheet;
 use rayreel::time::FrameList;
 use rayreel::trace::Precision;
@@ -34,7 +34,7 @@ pub(super) enum Command {
     Render(RenderArguments),
     /// Show a scene in the browser, and again after every edit
     Watch(WatchArguments),
-    /// Say what is wrong with scenes: file, line, column, cause and remedy; scripts are run for the first, the middle and the last frame
+    /// Say what is wrong with scenes: file, line, column, cause and remedy
     Check(CheckArguments),
     /// Tell which effects a scene calls for, why, and what each of them costs
     Explain(ExplainArguments),
@@ -63,43 +63,44 @@ pub(super) struct RenderArguments {
     /// The scene file
     pub(super) scene: PathBuf,
     /// Only these frames: single ones, ranges and ranges with a stride, as in 10-20,30,40-80x5
-    #[arg(long, value_name = "LIST")]
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub(super) frames: Option<FrameList>,
     /// Only this moment, in seconds, as in 1.5s; it need not be a frame's
-    #[arg(long, value_name = "SECONDS", conflicts_with = "frames")]
+    #[arg(long, value_name = "SECONDS", conflicts_with = "frames", allow_hyphen_values = true)]
     pub(super) at: Option<Time>,
     /// The folder for the frame files [default: out/<scene>]
     #[arg(long, value_name = "FOLDER")]
     pub(super) out: Option<PathBuf>,
     /// Pixels, instead of the scene's own, as in 1280x720
-    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, allow_hyphen_values = true)]
     pub(super) size: Option<(u32, u32)>,
-    /// One picture, <scene>.sheet.png, of so many of the frames, spread evenly from the first to the last, each with its
-    /// number and its time below. --size is that of one of them, and else such that the sheet is at most 1920 pixels wide
-    #[arg(long, value_name = "COLUMNSxROWS", value_parser = parse_sheet, conflicts_with = "at")]
+    /// Put frames side by side into one picture, <scene>.sheet.png: as many as fit into so many columns and rows, spread evenly
+    /// from the first to the last, each with its number and its time below. --size is the size of one of them; without it the
+    /// sheet is at most 1920 pixels wide
+    #[arg(long, value_name = "COLUMNSxROWS", value_parser = parse_sheet, conflicts_with = "at", allow_hyphen_values = true)]
     pub(super) sheet: Option<(u32, u32)>,
     /// Quick pictures to look at, in a folder draft within the other: a third of the film's width and height, unless --size
     /// says otherwise, one sample a pixel, sharp throughout, a depth of 5 at most, and 4 samples of an area light at most
     #[arg(long)]
     pub(super) draft: bool,
     /// Threads to render on [default: one a core]
-    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "COUNT", value_parser = parse_threads, allow_hyphen_values = true)]
     pub(super) threads: Option<u16>,
-    /// How rays and shapes are intersected
+    /// How exactly it is found where rays meet shapes
     #[arg(long, value_enum, default_value_t = PrecisionName::Guaranteed)]
     pub(super) precision: PrecisionName,
-    /// Follow no rays whose contributions to a pixel are together certainly less than so many steps of 8 bits, instead of the
-    /// scene's own; 0 follows all
-    #[arg(long, value_name = "STEPS", value_parser = parse_cutoff)]
+    /// Leave out rays that are too faint to be seen: those that certainly change a pixel, all together, by less than so many of
+    /// the 255 steps of a colour. 0 follows them all [default: the scene's own]
+    #[arg(long, value_name = "STEPS", value_parser = parse_cutoff, allow_hyphen_values = true)]
     pub(super) cutoff: Option<f32>,
-    /// Compile every effect in, whatever the scene calls for: slower, and the same bytes
+    /// Compute with every effect, also with those that the scene does not call for: slower, and the same bytes
     #[arg(long)]
     pub(super) full: bool,
     /// The files' format
     #[arg(long, value_enum, default_value_t = Format::Png)]
     pub(super) format: Format,
-    /// Print one JSON object at the end: for every frame seconds by phase, rays by kind, the effects that were needed and how
-    /// often arithmetic had to be helped, and peak memory
+    /// Print a report as one JSON object at the end: for every frame the seconds of each phase, the rays of each kind, the effects
+    /// that were needed and how often plain arithmetic was not exact enough; and the most memory that was used
     #[arg(long)]
     pub(super) json: bool,
 }
@@ -149,12 +150,12 @@ pub(super) struct WatchArguments {
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..))]
     pub(super) port: Option<u16>,
     /// The first frame to show [default: 0]
-    #[arg(long, value_name = "INDEX")]
+    #[arg(long, value_name = "INDEX", value_parser = parse_index, allow_hyphen_values = true)]
     pub(super) frame: Option<u32>,
     /// Write the current frame to this file, .png or .ppm, after every edit
     #[arg(long, value_name = "FILE")]
     pub(super) out: Option<PathBuf>,
-    /// Look at the files ten times a second, as network mounts need it
+    /// Look at the files ten times a second, where the system does not tell of changes: in network folders
     #[arg(long)]
     pub(super) poll: bool,
 }
@@ -163,7 +164,7 @@ pub(super) struct WatchArguments {
 #[command(after_help = "Example:
   rayreel check scenes/*.ron
 
-Exits with 1 if any scene has a mistake.")]
+Scripts are run for the first, the middle and the last frame. Exits with 1 if any scene has a mistake.")]
 pub(super) struct CheckArguments {
     /// The scene files
     #[arg(required = true)]
@@ -193,13 +194,13 @@ pub(super) struct ExplainArguments {
     /// The scene file
     pub(super) scene: PathBuf,
     /// Only these frames: single ones, ranges and ranges with a stride, as in 10-20,30,40-80x5
-    #[arg(long, value_name = "LIST")]
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub(super) frames: Option<FrameList>,
     /// Pixels, instead of the scene's own, as in 1280x720
-    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, allow_hyphen_values = true)]
     pub(super) size: Option<(u32, u32)>,
     /// Threads to render on [default: one a core]
-    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "COUNT", value_parser = parse_threads, allow_hyphen_values = true)]
     pub(super) threads: Option<u16>,
     /// Tell too what the picture loses without each effect
     #[arg(long)]
@@ -239,19 +240,19 @@ pub(super) struct ProbeArguments {
     #[arg(long, value_name = "COLUMN,ROW", value_parser = parse_pixel, allow_hyphen_values = true)]
     pub(super) pixel: Option<(u32, u32)>,
     /// Tell this sample of the pixel, from 0 [default: 0]
-    #[arg(long, value_name = "INDEX", conflicts_with = "rays")]
+    #[arg(long, value_name = "INDEX", conflicts_with = "rays", value_parser = parse_index, allow_hyphen_values = true)]
     pub(super) sample: Option<u32>,
     /// Tell what the rays in this CSV file meet; - is standard input
     #[arg(long, value_name = "FILE")]
     pub(super) rays: Option<PathBuf>,
     /// The frame to look at [default: 0]
-    #[arg(long, value_name = "INDEX")]
+    #[arg(long, value_name = "INDEX", value_parser = parse_index, allow_hyphen_values = true)]
     pub(super) frame: Option<u32>,
     /// The moment to look at, in seconds, as in 1.5s; it need not be a frame's
-    #[arg(long, value_name = "SECONDS", conflicts_with = "frame")]
+    #[arg(long, value_name = "SECONDS", conflicts_with = "frame", allow_hyphen_values = true)]
     pub(super) at: Option<Time>,
     /// Pixels, instead of the scene's own, as in 1280x720
-    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, conflicts_with = "rays")]
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, conflicts_with = "rays", allow_hyphen_values = true)]
     pub(super) size: Option<(u32, u32)>,
     /// Print JSON: one object for a pixel, one object a line for rays
     #[arg(long)]
@@ -275,26 +276,46 @@ pub(super) struct CompletionsArguments {
 }
 
 fn parse_size(text: &str) -> Result<(u32, u32), String> {
-    let side = |digits: &str| digits.trim().parse::<u32>().ok();
-    let size = text.split_once(['x', 'X']).and_then(|(width, height)| Some((side(width)?, side(height)?)));
-    size.ok_or_else(|| "write width and height in pixels, as in 1280x720".to_owned())
+    let (most, area) = (FilmSettings::LARGEST_SIDE, FilmSettings::LARGEST_AREA);
+    let (width, height) = pair(text, ['x', 'X']).ok_or("write width and height in pixels, as in 1280x720")?;
+    if [width, height].iter().any(|side| !(1..=most).contains(side)) {
+        return Err(format!("each side must be from 1 to {most} pixels"));
+    }
+    if u64::from(width) * u64::from(height) > area {
+        return Err(format!("a picture has at most {area} pixels"));
+    }
+    Ok((width, height))
 }
 
 fn parse_sheet(text: &str) -> Result<(u32, u32), String> {
     let most = Sheet::LARGEST_COUNT;
-    let sheet = parse_size(text).ok();
-    let sheet = sheet.filter(|(columns, rows)| (1..=most).contains(columns) && (1..=most).contains(rows));
+    let sheet = pair(text, ['x', 'X'])
+        .filter(|(columns, rows)| (1..=most).contains(columns) && (1..=most).contains(rows));
     sheet.ok_or_else(|| format!("write columns and rows, each from 1 to {most}, as in 6x4"))
+}
+
+fn parse_threads(text: &str) -> Result<u16, String> {
+    const MOST: u16 = 1024;
+    let count = text.trim().parse().ok().filter(|count| (1..=MOST).contains(count));
+    count.ok_or_else(|| format!("write a number of threads from 1 to {MOST}"))
+}
+
+fn parse_index(text: &str) -> Result<u32, String> {
+    text.trim().parse().map_err(|_| format!("write a whole number from 0 to {}, as 12", u32::MAX))
+}
+
+/// Two whole numbers with a sign between them.
+fn pair<const SIGNS: usize>(text: &str, between: [char; SIGNS]) -> Option<(u32, u32)> {
+    let (first, second) = text.split_once(between)?;
+    Some((first.trim().parse().ok()?, second.trim().parse().ok()?))
 }
 
 fn parse_cutoff(text: &str) -> Result<f32, String> {
     let steps = text.trim().parse::<f32>().ok();
     let steps = steps.filter(|steps| (0.0..=Quality::LARGEST_CUTOFF).contains(steps));
-    steps.ok_or_else(|| format!("write a number of steps of 8 bits, from 0 to {}", Quality::LARGEST_CUTOFF))
+    steps.ok_or_else(|| format!("write a number of steps from 0 to {}", Quality::LARGEST_CUTOFF))
 }
 
 fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
-    let index = |digits: &str| digits.trim().parse::<u32>().ok();
-    let pixel = text.split_once(',').and_then(|(column, row)| Some((index(column)?, index(row)?)));
-    pixel.ok_or_else(|| "write column and row, from 0 at the top left, as in 480,270".to_owned())
+    pair(text, [',']).ok_or_else(|| "write column and row, from 0 at the top left, as in 480,270".to_owned())
 }

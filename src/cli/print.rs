@@ -82,8 +82,12 @@ pub(super) fn mistakes(render: impl FnOnce(bool) -> String) {
 /// May standard error be coloured? See <https://no-color.org>.
 fn is_colorful() -> bool {
     let unwanted = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
-    let dumb = std::env::var_os("TERM").is_some_and(|terminal| terminal == "dumb");
-    stderr().is_terminal() && !unwanted && !dumb
+    stderr().is_terminal() && !unwanted && !is_dumb()
+}
+
+/// Can the terminal, if there is one, do no more than print lines?
+pub(super) fn is_dumb() -> bool {
+    std::env::var_os("TERM").is_some_and(|terminal| terminal == "dumb")
 }
 
 /// `error:`, as bold and red as may be.

@@ -1,7 +1,8 @@
 //! How far it is: a bar on a terminal, plain lines elsewhere.
 
+use std::cell::Cell;
 use std::io::{IsTerminal, stderr};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -11,38 +12,48 @@ use super::report::{ShotReport, in_millions};
 /// Tells about frames as they are done.
 pub(super) struct Progress {
     total: usize,
-    /// `None` off a terminal.
-    bar: Option<ProgressBar>,
+    display: Display,
+}
+
+enum Display {
+    Bar(ProgressBar),
+    Lines(Pace),
+}
+
+/// How often there is a line.
+#[derive(Debug)]
+struct Pace {
+    /// Zero for a line for every frame.
+    apart: Duration,
+    last: Cell<Option<Instant>>,
 }
 
 impl Progress {
     pub(super) fn start(total: usize) -> Self {
-        let bar = stderr().is_terminal().then(|| {
-            let bar = ProgressBar::new(total as u64);
-            let template = "{bar:32} {pos}/{len} frames  {msg}  {eta} left";
-            if let Ok(style) = ProgressStyle::with_template(template) {
-                bar.set_style(style.progress_chars("█▉▊▋▌▍▎▏ "));
-            }
-            bar.enable_steady_tick(Duration::from_millis(200));
-            bar
-        });
-        Self { total, bar }
+        let display = match Pace::of(stderr().is_terminal(), print::is_dumb()) {
+            Some(pace) => Display::Lines(pace),
+            None => Display::Bar(bar(total)),
+        };
+        Self { total, display }
     }
 
     /// One more is done; `count` so far.
     pub(super) fn done(&self, shot: &ShotReport, count: usize) {
         let rate = in_millions(shot.rays_per_second());
-        match &self.bar {
-            Some(bar) => {
+        match &self.display {
+            Display::Bar(bar) => {
                 bar.set_message(format!("{rate} rays/s"));
                 bar.set_position(count as u64);
             }
-            None => print::error_line(&format!(
-                "{count}/{} {}: {:.3} s, {rate} rays/s",
-                self.total,
-                shot.name(),
-                shot.seconds()
-            )),
+            Display::Lines(pace) if pace.is_due(Instant::now(), count == self.total) => {
+                print::error_line(&format!(
+                    "{count}/{} {}: {:.3} s, {rate} rays/s",
+                    self.total,
+                    shot.name(),
+                    shot.seconds()
+                ));
+            }
+            Display::Lines(_) => {}
         }
     }
 }
@@ -50,8 +61,61 @@ impl Progress {
 impl Drop for Progress {
     /// However it ended, no bar stays behind.
     fn drop(&mut self) {
-        if let Some(bar) = &self.bar {
+        if let Display::Bar(bar) = &self.display {
             bar.finish_and_clear();
         }
+    }
+}
+
+fn bar(total: usize) -> ProgressBar {
+    let bar = ProgressBar::new(total as u64);
+    let template = "{bar:32} {pos}/{len} frames  {msg}  {eta} left";
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style.progress_chars("█▉▊▋▌▍▎▏ "));
+    }
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
+
+impl Pace {
+    /// A log has a line for every frame; on a terminal that can draw no bar they would scroll everything else away.
+    const ON_DUMB_TERMINALS: Duration = Duration::from_secs(2);
+
+    /// `None` where a bar can be drawn.
+    fn of(is_terminal: bool, is_dumb: bool) -> Option<Self> {
+        let apart = match (is_terminal, is_dumb) {
+            (true, false) => return None,
+            (true, true) => Self::ON_DUMB_TERMINALS,
+            (false, _) => Duration::ZERO,
+        };
+        Some(Self { apart, last: Cell::new(None) })
+    }
+
+    fn is_due(&self, now: Instant, is_end: bool) -> bool {
+        let is_early = self.last.get().is_some_and(|last| now.duration_since(last) < self.apart);
+        let is_due = is_end || !is_early;
+        if is_due {
+            self.last.set(Some(now));
+        }
+        is_due
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dumb_terminals_have_lines_now_and_then_and_logs_have_them_all() {
+        let start = Instant::now();
+        // A frame every half second, the last one right after the one before.
+        let times = [0, 500, 1000, 1500, 2000, 2500, 2501].map(|later| start + Duration::from_millis(later));
+        let told = |is_terminal, is_dumb| {
+            let pace = Pace::of(is_terminal, is_dumb)?;
+            Some((1..).zip(times).filter(|(count, now)| pace.is_due(*now, *count == times.len())).count())
+        };
+        assert_eq!(told(true, false), None);
+        assert_eq!(told(true, true), Some(3));
+        assert_eq!((told(false, false), told(false, true)), (Some(7), Some(7)));
     }
 }

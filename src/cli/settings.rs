@@ -65,9 +65,6 @@ impl RenderSettings {
                 Selection::Frames(most.map_or_else(|| frames.clone(), |most| frames.spread(most)), timeline)
             }
         };
-        if let Some(size) = arguments.size {
-            require_size(size)?;
-        }
         let sheet = arguments.sheet.map(|(columns, _)| filled(columns, selection.count()));
         let fitting = sheet.map(|(columns, _)| Sheet::fitting_tile(columns, (film.width, film.height)));
         let size = arguments.size.or(fitting);
@@ -119,22 +116,6 @@ fn filled(columns: u32, count: usize) -> (u32, u32) {
 /// An error for a frame that the timeline does not have.
 pub(super) fn require_frame(index: u32, timeline: Timeline) -> anyhow::Result<()> {
     ensure!(index < timeline.frame_count(), "there is no frame {index}: {}", timeline_in_words(timeline));
-    Ok(())
-}
-
-/// An error for a film that is too small or too large.
-pub(super) fn require_size((width, height): (u32, u32)) -> anyhow::Result<()> {
-    let side = 1..=FilmSettings::LARGEST_SIDE;
-    ensure!(
-        side.contains(&width) && side.contains(&height),
-        "--size {width}x{height}: each side must be from 1 to {} pixels",
-        FilmSettings::LARGEST_SIDE
-    );
-    ensure!(
-        u64::from(width) * u64::from(height) <= FilmSettings::LARGEST_AREA,
-        "--size {width}x{height}: a film has at most {} pixels",
-        FilmSettings::LARGEST_AREA
-    );
     Ok(())
 }
 

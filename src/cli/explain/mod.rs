@@ -19,7 +19,7 @@ use rayreel::time::FrameList;
 use super::args::ExplainArguments;
 use super::exit::Failure;
 use super::print;
-use super::settings::{require_frame, require_size, resize};
+use super::settings::{require_frame, resize};
 use cost::Costs;
 use timeline::PlannedTimeline;
 
@@ -34,7 +34,6 @@ pub(super) fn run(arguments: &ExplainArguments) -> Result<(), Failure> {
         return path::draw(&mut engine, &frames, &arguments.scene, file);
     }
     if let Some(size) = arguments.size {
-        require_size(size)?;
         resize(&mut engine, size);
     }
     let threads = arguments.threads.map_or(0, usize::from);

@@ -13,7 +13,7 @@ use rayreel::{Engine, Scene};
 
 use super::args::ProbeArguments;
 use super::exit::Failure;
-use super::settings::{require_frame, require_size, resize};
+use super::settings::{require_frame, resize};
 
 pub(super) fn run(arguments: &ProbeArguments) -> Result<(), Failure> {
     // Read once: it may be a pipe, and lines are looked up in it later.
@@ -25,7 +25,6 @@ pub(super) fn run(arguments: &ProbeArguments) -> Result<(), Failure> {
         require_frame(frame, engine.timeline())?;
     }
     if let Some(size) = arguments.size {
-        require_size(size)?;
         resize(&mut engine, size);
     }
     let time = arguments.at.unwrap_or_else(|| engine.timeline().time_of(frame.unwrap_or(0)));
