@@ -7,6 +7,7 @@ use std::sync::Arc;
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 
 use super::printable::{Printable, is_printable};
+use super::quote::bounded;
 
 /// One mistake.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -53,6 +54,22 @@ impl Place {
 }
 
 impl Diagnostic {
+    /// Every mistake is made here, so that none is longer than what anybody reads.
+    pub(super) fn new(
+        message: impl Into<String>,
+        label: impl Into<String>,
+        help: Option<String>,
+        span: Option<Range<usize>>,
+    ) -> Self {
+        let (message, label) = (bounded(message.into()), bounded(label.into()));
+        Self { message, label, help: help.map(bounded), span, source: None }
+    }
+
+    /// The same in another text than the scene's own.
+    pub(super) fn within(self, source: Option<Arc<Source>>) -> Self {
+        Self { source, ..self }
+    }
+
     /// The mistake as a compiler would show it: message, file, line and column, the line with the place marked, and help.
     #[must_use]
     pub fn render(&self, file: &str, text: &str, color: bool) -> String {

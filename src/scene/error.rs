@@ -114,8 +114,10 @@ impl LoadError {
     #[must_use]
     pub fn render(&self, color: bool) -> String {
         let mut parts: Vec<String> = self.faulty.iter().flat_map(|file| file.render(color)).collect();
-        if self.unlisted > 0 {
-            parts.push(format!("and {} more mistakes", self.unlisted));
+        match self.unlisted {
+            0 => {}
+            1 => parts.push("and 1 more mistake".to_owned()),
+            more => parts.push(format!("and {more} more mistakes")),
         }
         parts.join("\n\n")
     }

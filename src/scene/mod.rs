@@ -27,6 +27,7 @@ mod parse;
 mod playback;
 mod printable;
 mod programs;
+mod quote;
 mod reader;
 pub mod reference;
 mod reparse;

@@ -176,10 +176,12 @@ mod tests {
             for line in source.lines() {
                 let declared =
                     line.strip_prefix("pub(crate) struct ").or(line.strip_prefix("pub(crate) enum "));
-                let Some(name) = declared.and_then(|rest| rest.split(['<', ' ']).next()) else { continue };
-                // A key and the pairing of channels with tracks have no section of their own.
-                let checked =
-                    this.contains(&format!("::<{name}")) || ["KeyDocument", "TracksDocument"].contains(&name);
+                let Some(name) = declared.and_then(|rest| rest.split(['<', ' ', '(']).next()) else {
+                    continue;
+                };
+                // A key, a shot and the pairing of channels with tracks have no section of their own.
+                let checked = this.contains(&format!("::<{name}"))
+                    || ["KeyDocument", "ShotDocument", "TracksDocument"].contains(&name);
                 assert!(checked, "{name}");
             }
         }

@@ -8,7 +8,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::document::{EntityDocument, SceneDocument};
-use super::parse::parse;
+use super::parse::read;
 use super::spans::{list_items, list_of};
 
 /// The name of an entity that stands for those that are taken over.
@@ -69,7 +69,7 @@ impl Parsed {
         let is_cut = last < items.len();
         let mark = format!("(name: {MARK:?})");
         let end_mark = if is_cut { format!(",{mark}") } else { String::new() };
-        let mut document = parse(&format!("{above}{mark},{change}{end_mark}{below}")).ok()?;
+        let mut document = read(&format!("{above}{mark},{change}{end_mark}{below}")).ok()?;
 
         // What was written may have swallowed the start of a neighbour, or all of it, but then the mark as well.
         let is_mark = |entity: &Arc<EntityDocument>| entity.name.as_deref() == Some(MARK);
@@ -137,6 +137,7 @@ mod tests {
     use proptest::test_runner::{Config, TestRunner};
 
     use super::*;
+    use crate::scene::parse::parse;
 
     const SCENE: &str = r##"// a scene [with (brackets
 Scene(

@@ -72,7 +72,7 @@ impl ScriptSources {
             }
             None => (None, None),
         };
-        ScriptMistake { diagnostic: Diagnostic { message, label, help: help_for(error), span, source } }
+        ScriptMistake { diagnostic: Diagnostic::new(message, label, help_for(error), span).within(source) }
     }
 }
 

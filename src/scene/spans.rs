@@ -47,42 +47,36 @@ pub(super) fn inside_text(text: &str, literal: Range<usize>, inside: &Range<usiz
     place(inside.start)..place(inside.end)
 }
 
-/// Is there nothing but white space and comments?
-pub(super) fn is_blank(text: &str) -> bool {
+/// The words, numbers, texts and signs in their order. The text may be broken.
+pub(super) fn tokens(text: &str) -> impl Iterator<Item = Range<usize>> {
     let mut scanner = Scanner { text, at: 0, found: &mut [] };
-    scanner.skip_space();
-    scanner.at == text.len()
-}
-
-/// The word, number, text or sign at a byte.
-pub(super) fn token(text: &str, at: usize) -> Range<usize> {
-    let mut scanner = Scanner { text, at, found: &mut [] };
-    if scanner.peek().is_some() {
-        scanner.atom();
-    }
-    at..scanner.at
-}
-
-/// The innermost bracket before a byte that is still open there.
-pub(super) fn open_bracket(text: &str, before: usize) -> Option<usize> {
-    let mut scanner = Scanner { text, at: 0, found: &mut [] };
-    let mut open = Vec::new();
-    loop {
+    std::iter::from_fn(move || {
         scanner.skip_space();
-        match scanner.peek() {
-            Some(_) if scanner.at >= before => return open.pop(),
-            None => return open.pop(),
-            Some(b'(' | b'[' | b'{') => {
-                open.push(scanner.at);
-                scanner.at += 1;
-            }
-            Some(b')' | b']' | b'}') => {
-                open.pop();
-                scanner.at += 1;
-            }
-            Some(_) => scanner.atom(),
+        scanner.peek()?;
+        let start = scanner.at;
+        scanner.atom();
+        Some(start..scanner.at)
+    })
+}
+
+/// Where a comment starts that goes on to the end of the text, as it is never closed.
+pub(super) fn open_comment(text: &str) -> Option<usize> {
+    let after_all = tokens(text).last().map_or(0, |token| token.end);
+    let mut scanner = Scanner { text, at: after_all, found: &mut [] };
+    let mut last = None;
+    loop {
+        scanner.skip_white_space();
+        let start = scanner.at;
+        if !scanner.skip_comment() {
+            return last;
         }
+        last = Some(start);
     }
+}
+
+/// White space, as the parser has it: fewer characters than Unicode does, and two marks more.
+pub(super) fn is_space(character: char) -> bool {
+    matches!(character, ' ' | '\t'..='\r' | '\u{85}' | '\u{200e}' | '\u{200f}' | '\u{2028}' | '\u{2029}')
 }
 
 /// Where the content of a list starts that is the value of a field of the scene itself; `None` if there is none, or if extensions
@@ -148,18 +142,28 @@ impl<'a> Scanner<'a, '_> {
 
     /// White space and comments.
     fn skip_space(&mut self) {
-        loop {
-            let rest = &self.text[self.at..];
-            self.at += rest.len() - rest.trim_start().len();
-            let rest = &self.text[self.at..];
-            if rest.starts_with("//") {
-                self.at += rest.find('\n').unwrap_or(rest.len());
-            } else if rest.starts_with("/*") {
-                self.skip_block_comment();
-            } else {
-                return;
-            }
+        self.skip_white_space();
+        while self.skip_comment() {
+            self.skip_white_space();
         }
+    }
+
+    fn skip_white_space(&mut self) {
+        let rest = &self.text[self.at..];
+        self.at += rest.len() - rest.trim_start_matches(is_space).len();
+    }
+
+    /// Is there one here?
+    fn skip_comment(&mut self) -> bool {
+        let rest = &self.text[self.at..];
+        if rest.starts_with("//") {
+            self.at += rest.find('\n').unwrap_or(rest.len());
+        } else if rest.starts_with("/*") {
+            self.skip_block_comment();
+        } else {
+            return false;
+        }
+        true
     }
 
     /// Block comments nest.
@@ -442,9 +446,17 @@ mod tests {
     }
 
     #[test]
-    fn the_innermost_open_bracket_is_found() {
-        assert_eq!(open_bracket("(a: [1, (2, 3), \")\"", usize::MAX), Some(4));
-        assert_eq!(open_bracket("(a: [1, 2])", usize::MAX), None);
-        assert_eq!(open_bracket("(a: [1, 2])", 7), Some(4));
+    fn tokens_are_words_numbers_texts_and_signs() {
+        let text = "(a:\u{200e}-1.5e3, // none\n \u{a0}\"t)\" /* none */ b(2/3)";
+        let found: Vec<&str> = tokens(text).map(|token| &text[token]).collect();
+        let expected = ["(", "a", ":", "-1.5e3", ",", "\u{a0}", "\"t)\"", "b", "(", "2", "/", "3", ")"];
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn a_comment_without_an_end_is_found_by_its_start() {
+        assert_eq!(open_comment("(a: \"/*\") // /*\n /* /* */ b"), Some(17));
+        assert_eq!(open_comment("/* /*"), Some(0));
+        assert_eq!(open_comment("(a)"), None);
     }
 }

@@ -5,7 +5,7 @@ use std::fmt;
 use serde::de::{Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use super::{ChannelDocument, ColorDocument, OffsetDocument, RotationDocument, ScaleDocument, Triple};
+use super::{ChannelDocument, ColorDocument, OffsetDocument, RotationDocument, ScaleDocument, Triple, whole};
 use crate::timeline::Notation;
 
 /// One animated value.
@@ -157,7 +157,7 @@ pub(crate) enum EasingDocument {
     InBounce,
     OutBounce,
     InOutBounce,
-    Steps(u64),
+    Steps(#[serde(deserialize_with = "whole")] u64),
     Bezier(f64, f64, f64, f64),
     Cubic,
     CatmullRom,

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::{ColorDocument, ScaleDocument, Triple};
+use super::{ColorDocument, ScaleDocument, Triple, whole};
 
 /// How a surface answers light.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -142,7 +142,7 @@ pub(crate) enum LightDocument {
     Area {
         shape: AreaShapeDocument,
         intensity: Triple,
-        #[serde(default = "sixteen")]
+        #[serde(default = "sixteen", deserialize_with = "whole")]
         samples: u64,
         #[serde(default = "yes")]
         casts_shadows: bool,
@@ -152,7 +152,7 @@ pub(crate) enum LightDocument {
 
 /// What a light with an extent looks like.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, rename = "Shape")]
+#[serde(deny_unknown_fields, rename = "AreaShape")]
 pub(crate) enum AreaShapeDocument {
     Sphere { radius: f64 },
     Rectangle { width: f64, height: f64 },

@@ -20,10 +20,10 @@ pub(super) use entity::{
 pub(super) use include::IncludeDocument;
 pub(super) use settings::{
     CameraDocument, FilmDocument, FogDocument, NoiseDocument, QualityDocument, SamplingDocument,
-    SceneDocument, TimelineDocument, TransferDocument,
+    SceneDocument, ShotDocument, TimelineDocument, TransferDocument,
 };
 pub(super) use values::{
-    BackgroundDocument, ColorDocument, Entries, OffsetDocument, RateDocument, ScaleDocument, Triple,
+    BackgroundDocument, ColorDocument, Entries, OffsetDocument, RateDocument, ScaleDocument, Triple, whole,
 };
 
 #[cfg(test)]

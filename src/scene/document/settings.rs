@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::{
     AnimationDocument, BackgroundDocument, ColorDocument, EntityDocument, Entries, IncludeDocument,
-    MaterialDocument, ProgramDocument, RateDocument, Triple,
+    MaterialDocument, ProgramDocument, RateDocument, Triple, whole,
 };
 
 /// The whole file.
@@ -21,7 +21,7 @@ pub(crate) struct SceneDocument {
     /// Only a part of another scene may be without.
     pub(crate) camera: Option<CameraDocument>,
     pub(crate) cameras: Entries<CameraDocument>,
-    pub(crate) shots: Vec<(f64, String)>,
+    pub(crate) shots: Vec<ShotDocument>,
     pub(crate) ambient: Triple,
     pub(crate) background: BackgroundDocument,
     pub(crate) fog: Option<FogDocument>,
@@ -52,6 +52,14 @@ impl SceneDocument {
     }
 }
 
+/// From when on which camera films.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(
+    rename = "Shot",
+    expecting = "a shot: when it starts, in seconds, and a camera's name, as (2.5, \"side\")"
+)]
+pub(crate) struct ShotDocument(pub(crate) f64, pub(crate) String);
+
 /// What dims the view.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Fog")]
@@ -78,7 +86,9 @@ impl Default for TimelineDocument {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default, rename = "Film")]
 pub(crate) struct FilmDocument {
+    #[serde(deserialize_with = "whole")]
     pub(crate) width: u64,
+    #[serde(deserialize_with = "whole")]
     pub(crate) height: u64,
     pub(crate) transfer: TransferDocument,
 }
@@ -102,6 +112,7 @@ pub(crate) enum TransferDocument {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default, rename = "Quality")]
 pub(crate) struct QualityDocument {
+    #[serde(deserialize_with = "whole")]
     pub(crate) depth: u64,
     pub(crate) cutoff: f64,
 }
@@ -116,8 +127,11 @@ impl Default for QualityDocument {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default, rename = "Sampling")]
 pub(crate) struct SamplingDocument {
+    #[serde(deserialize_with = "whole")]
     pub(crate) samples: u64,
+    #[serde(deserialize_with = "whole")]
     pub(crate) instants: u64,
+    #[serde(deserialize_with = "whole")]
     pub(crate) seed: u64,
     pub(crate) noise: NoiseDocument,
 }

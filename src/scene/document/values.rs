@@ -4,9 +4,10 @@
 use std::fmt;
 use std::marker::PhantomData;
 
-use serde::de::{Error, IntoDeserializer, MapAccess, SeqAccess, Visitor};
+use serde::de::{Error, IntoDeserializer, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer};
 
+use crate::scene::quote::{Figure, short};
 use crate::scene::suggest;
 
 /// Three numbers.
@@ -37,7 +38,8 @@ impl<'de> Deserialize<'de> for ColorDocument {
                 match (channel(0), channel(1), channel(2)) {
                     (Some(red), Some(green), Some(blue)) => Ok(ColorDocument([red, green, blue])),
                     _ => Err(E::custom(format!(
-                        "`{text}` is not a colour\nwrite six hexadecimal digits after a #, as in \"#ff783c\", or (255, 120, 60)"
+                        "`{}` is not a colour\nwrite six hexadecimal digits after a #, as in \"#ff783c\", or (255, 120, 60)",
+                        short(text)
                     ))),
                 }
             }
@@ -107,7 +109,8 @@ impl<'de> Deserialize<'de> for BackgroundDocument {
                         Field::Top => ("top", &mut top),
                         Field::Other(name) => {
                             let remedy = suggest::remedy(&name, BackgroundDocument::FIELDS, "fields");
-                            let message = format!("unknown field `{name}` of `background`\n{remedy}");
+                            let message =
+                                format!("unknown field `{}` of `background`\n{remedy}", short(&name));
                             return Err(A::Error::custom(message));
                         }
                     };
@@ -142,7 +145,8 @@ pub(crate) enum ScaleDocument {
 
 impl<'de> Deserialize<'de> for ScaleDocument {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let written = deserializer.deserialize_any(OneOrThree("a factor, as 2, or three, as (1, 2, 1)"))?;
+        let written =
+            deserializer.deserialize_any(OneOrThree("a scale: a factor, as 2, or three, as (1, 2, 1)"))?;
         Ok(match written {
             OffsetDocument::Number(factor) => Self::Uniform(factor),
             OffsetDocument::Triple(factors) => Self::PerAxis(factors),
@@ -198,6 +202,61 @@ impl<'de> Visitor<'de> for OneOrThree {
     }
 }
 
+/// A whole number, also where it is written as `640.0` or `1e3`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct WholeDocument(u64);
+
+/// Reads a [`WholeDocument`] into a field.
+pub(crate) fn whole<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
+    WholeDocument::deserialize(deserializer).map(|whole| whole.0)
+}
+
+/// 2^53: from here on, numbers that are written differently become the same.
+const EXACT: f64 = 9_007_199_254_740_992.0;
+
+/// Of a number with a fraction or an exponent, the whole number that it is.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is one that the type holds")]
+fn whole_of(value: f64) -> Option<u64> {
+    ((0.0..EXACT).contains(&value) && value.fract() == 0.0).then_some(value as u64)
+}
+
+impl<'de> Deserialize<'de> for WholeDocument {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct WholeVisitor;
+
+        impl Visitor<'_> for WholeVisitor {
+            type Value = WholeDocument;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter.write_str("a whole number: 0 or more, without a fraction, as 16")
+            }
+
+            fn visit_u64<E: Error>(self, value: u64) -> Result<WholeDocument, E> {
+                Ok(WholeDocument(value))
+            }
+
+            fn visit_i64<E: Error>(self, value: i64) -> Result<WholeDocument, E> {
+                let whole = u64::try_from(value).ok().map(WholeDocument);
+                whole.ok_or_else(|| E::invalid_type(Unexpected::Signed(value), &self))
+            }
+
+            fn visit_f64<E: Error>(self, value: f64) -> Result<WholeDocument, E> {
+                match whole_of(value) {
+                    Some(whole) => Ok(WholeDocument(whole)),
+                    // No number so large has a fraction.
+                    None if value >= EXACT => Err(E::custom(format!(
+                        "this whole number is too large\nwrite at most {}, with all its digits",
+                        u64::MAX
+                    ))),
+                    None => Err(E::invalid_type(Unexpected::Float(value), &self)),
+                }
+            }
+        }
+
+        deserializer.deserialize_any(WholeVisitor)
+    }
+}
+
 /// Frames per second: `24` or `(30000, 1001)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RateDocument {
@@ -223,15 +282,22 @@ impl<'de> Deserialize<'de> for RateDocument {
             }
 
             fn visit_f64<E: Error>(self, value: f64) -> Result<RateDocument, E> {
-                Err(E::custom(format!(
-                    "{value} frames per second is not exact\nwrite a ratio of whole numbers, as (30000, 1001) for 29.97"
-                )))
+                match whole_of(value) {
+                    Some(whole) => self.visit_u64(whole),
+                    None if value.fract() != 0.0 && value > 0.0 && value.is_finite() => {
+                        Err(E::custom(format!(
+                            "{} frames per second is not exact\nwrite a ratio of whole numbers, as (30000, 1001) for 29.97",
+                            Figure(value)
+                        )))
+                    }
+                    None => Err(E::invalid_type(Unexpected::Float(value), &self)),
+                }
             }
 
             fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<RateDocument, A::Error> {
                 let short = |length: usize| A::Error::invalid_length(length, &self);
-                let numerator = sequence.next_element()?.ok_or_else(|| short(0))?;
-                let denominator = sequence.next_element()?.ok_or_else(|| short(1))?;
+                let WholeDocument(numerator) = sequence.next_element()?.ok_or_else(|| short(0))?;
+                let WholeDocument(denominator) = sequence.next_element()?.ok_or_else(|| short(1))?;
                 Ok(RateDocument { numerator, denominator })
             }
         }

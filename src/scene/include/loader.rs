@@ -13,6 +13,7 @@ use crate::scene::Diagnostic;
 use crate::scene::document::SceneDocument;
 use crate::scene::parse::parse;
 use crate::scene::programs::{self, Compiled};
+use crate::scene::quote::{linked, short};
 use crate::scene::reparse::Parsed;
 use crate::scene::validate::{At, Problems, validate};
 use crate::script::limits;
@@ -111,8 +112,7 @@ pub(in crate::scene) type Texts = HashMap<PathBuf, Parsed>;
 
 fn content(path: &Path) -> Content {
     read(path).unwrap_or_else(|Refusal { message, help, .. }| {
-        let mistake = Diagnostic { message, label: String::new(), help, span: None, source: None };
-        Content::Garbled(String::new(), mistake)
+        Content::Garbled(String::new(), Diagnostic::new(message, "", help, None))
     })
 }
 
@@ -210,10 +210,10 @@ impl Loader {
         let names: Vec<String> = members
             .iter()
             .chain(&members[..1])
-            .map(|index| format!("`{}`", self.loaded.files[*index].name))
+            .map(|index| format!("`{}`", short(&self.loaded.files[*index].name)))
             .collect();
         Refusal {
-            message: names.join(" includes "),
+            message: linked(&names, " includes "),
             label: "this closes the ring",
             help: Some("remove one of these includes".to_owned()),
         }

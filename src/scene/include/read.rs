@@ -75,12 +75,11 @@ fn garbled(error: &std::string::FromUtf8Error) -> Content {
     let valid = error.utf8_error().valid_up_to();
     let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
     let byte = error.as_bytes()[valid];
-    let diagnostic = Diagnostic {
-        message: "the file is not UTF-8 text".to_owned(),
-        label: format!("the byte 0x{byte:02x} is not part of any character"),
-        help: Some("save the file as UTF-8; is it really a scene?".to_owned()),
-        span: Some(valid..valid + char::REPLACEMENT_CHARACTER.len_utf8()),
-        source: None,
-    };
+    let diagnostic = Diagnostic::new(
+        "the file is not UTF-8 text",
+        format!("the byte 0x{byte:02x} is not part of any character"),
+        Some("save the file as UTF-8; is it really a scene?".to_owned()),
+        Some(valid..valid + char::REPLACEMENT_CHARACTER.len_utf8()),
+    );
     Content::Garbled(text, diagnostic)
 }

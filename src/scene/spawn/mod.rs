@@ -11,8 +11,8 @@ use hecs::{Entity, EntityBuilder, World};
 use self::entities::{Links, Surface, surface};
 use super::document::{
     AnimationDocument, BackgroundDocument, CameraDocument, FilmDocument, NoiseDocument, QualityDocument,
-    RotationDocument, SamplingDocument, ScaleDocument, SceneDocument, TimelineDocument, TrackDocument,
-    TracksDocument, TransferDocument, Triple,
+    RotationDocument, SamplingDocument, ScaleDocument, SceneDocument, ShotDocument, TimelineDocument,
+    TrackDocument, TracksDocument, TransferDocument, Triple,
 };
 use super::include::Merged;
 use super::playback::{Written, keys, playback};
@@ -46,8 +46,9 @@ pub(super) fn spawn(Merged { document, parents, .. }: &Merged) -> (World, Timeli
     for ((_, entity), (_, camera)) in cameras.iter().zip(document.named_cameras()) {
         link(&mut world, *entity, camera, &names);
     }
-    let shot =
-        |(start, name): &(f64, String)| Some(Shot { start: *start, camera: *names.get(name.as_str())? });
+    let shot = |ShotDocument(start, name): &ShotDocument| {
+        Some(Shot { start: *start, camera: *names.get(name.as_str())? })
+    };
     let mut shots: Vec<Shot> = document.shots.iter().filter_map(shot).collect();
     // Cameras have no place in document order that would say which of several is the first.
     if let [(_, first), _, ..] = cameras[..]

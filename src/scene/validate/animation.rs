@@ -10,6 +10,7 @@ use crate::scene::document::{
     TrackDocument, TracksDocument, Triple,
 };
 use crate::scene::include::Scope;
+use crate::scene::quote::Figure;
 use crate::timeline::Notation;
 
 pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_>, problems: &mut Problems) {
@@ -103,10 +104,10 @@ fn number(property: Property, value: f64, at: &At<'_>, problems: &mut Problems) 
         Property::Aperture => cameras::aperture(value, at, problems),
         Property::FogDensity => settings::density(value, at, problems),
         Property::Ka | Property::Kd | Property::Ks | Property::Kr | Property::Kt => {
-            check::coefficient(value, "a coefficient", at, problems);
+            check::coefficient(value, property.name(), at, problems);
         }
         _ => {
-            check::size(value, "a length", at, problems);
+            check::size(value, property.name(), at, problems);
         }
     }
 }
@@ -160,7 +161,8 @@ fn keys<T>(
         let at = list.index(index);
         if check::number(key.time, &at.index(0), problems) {
             if key.time <= previous {
-                let message = format!("a key at {} s follows one at {previous} s", key.time);
+                let message =
+                    format!("a key at {} s follows one at {} s", Figure(key.time), Figure(previous));
                 problems.add(
                     &at.index(0),
                     message,
@@ -186,7 +188,7 @@ pub(super) fn easing(easing: EasingDocument, notation: Notation, at: &At<'_>, pr
         EasingDocument::Bezier(x1, y1, x2, y2) => {
             for (index, x) in [(0, x1), (2, x2)] {
                 if !(0.0..=1.0).contains(&x) {
-                    let message = format!("a handle's time must be from 0 to 1, not {x}");
+                    let message = format!("a handle's time must be from 0 to 1, not {}", Figure(x));
                     let help =
                         "write Bezier(x1, y1, x2, y2), x being shares of the time, as in cubic-bezier of CSS";
                     problems.add(&at.index(index), message, "out of range", help);
@@ -194,8 +196,10 @@ pub(super) fn easing(easing: EasingDocument, notation: Notation, at: &At<'_>, pr
             }
             for (index, y) in [(1, y1), (3, y2)] {
                 if !(-FARTHEST..=FARTHEST).contains(&y) {
-                    let message =
-                        format!("a handle's progress must be from -{FARTHEST} to {FARTHEST}, not {y}");
+                    let message = format!(
+                        "a handle's progress must be from -{FARTHEST} to {FARTHEST}, not {}",
+                        Figure(y)
+                    );
                     let help = "0 is at this key, 1 at the next; a little below or above swings beyond them";
                     problems.add(&at.index(index), message, "out of range", help);
                 }

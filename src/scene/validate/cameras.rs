@@ -6,8 +6,9 @@ use glam::DVec3;
 
 use super::entities::SLASH;
 use super::{At, Named, Problems, check};
-use crate::scene::document::{CameraDocument, SceneDocument};
+use crate::scene::document::{CameraDocument, SceneDocument, ShotDocument};
 use crate::scene::include::Scope;
+use crate::scene::quote::{Figure, short};
 
 pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_>, problems: &mut Problems) {
     if let Some(camera) = &document.camera {
@@ -27,7 +28,7 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
     for (index, (name, camera)) in document.cameras.0.iter().enumerate() {
         self::name(document, name, scope, &list.key(index), problems);
         if !names.insert(name.as_str()) {
-            let message = format!("two cameras are called \"{name}\"");
+            let message = format!("two cameras are called \"{}\"", short(name));
             problems.add(&list.key(index), message, "again here", "give each its own name");
         }
         let at = list.index(index);
@@ -52,7 +53,7 @@ fn name(document: &SceneDocument, name: &str, scope: Scope<'_>, at: &At<'_>, pro
         _ if scope.entity(name).found().is_some() => "an entity's too",
         _ => return,
     };
-    problems.add(at, format!("the name \"{name}\" is {taken}"), "taken", "choose another name");
+    problems.add(at, format!("the name \"{}\" is {taken}", short(name)), "taken", "choose another name");
 }
 
 /// The entities that a camera names.
@@ -69,11 +70,12 @@ fn links(document: &CameraDocument, scope: Scope<'_>, at: &At<'_>, problems: &mu
 
 fn shots(document: &SceneDocument, at: &At<'_>, problems: &mut Problems) {
     let mut previous = f64::NEG_INFINITY;
-    for (index, (start, name)) in document.shots.iter().enumerate() {
+    for (index, ShotDocument(start, name)) in document.shots.iter().enumerate() {
         let at = at.index(index);
         if check::number(*start, &at.index(0), problems) {
             if *start <= previous {
-                let message = format!("a shot from {start} s on follows one from {previous} s on");
+                let message =
+                    format!("a shot from {} s on follows one from {} s on", Figure(*start), Figure(previous));
                 let help = "write shots in the order of their times, each time once";
                 problems.add(&at.index(0), message, "not later", help);
             }
@@ -173,7 +175,7 @@ fn camera(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
 
 fn shutter(share: f64, at: &At<'_>, problems: &mut Problems) {
     if !(share > 0.0 && share <= 1.0) {
-        let message = format!("shutter must be above 0, at most 1, not {share}");
+        let message = format!("shutter must be above 0, at most 1, not {}", Figure(share));
         let help = "write the share of the time from frame to frame during which it is open, as 0.5";
         problems.add(at, message, "out of range", help);
     }
@@ -188,7 +190,7 @@ fn lens(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
 
 pub(super) fn aperture(aperture: f64, at: &At<'_>, problems: &mut Problems) {
     if check::number(aperture, at, problems) && aperture < 0.0 {
-        let message = format!("the lens's aperture must not be negative, but is {aperture}");
+        let message = format!("the lens's aperture must not be negative, but is {}", Figure(aperture));
         let help = "write the lens's diameter in scene units, as 0.1; 0 is no lens";
         problems.add(at, message, "below 0", help);
     }
@@ -196,7 +198,7 @@ pub(super) fn aperture(aperture: f64, at: &At<'_>, problems: &mut Problems) {
 
 pub(super) fn field_of_view(fov: f64, at: &At<'_>, problems: &mut Problems) {
     if !(fov > 0.0 && fov < 180.0) {
-        let message = format!("the field of view must be between 0 and 180 degrees, not {fov}");
+        let message = format!("the field of view must be between 0 and 180 degrees, not {}", Figure(fov));
         problems.add(at, message, "out of range", "write the vertical angle, as 45");
     }
 }

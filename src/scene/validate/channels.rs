@@ -162,11 +162,11 @@ fn lack_of_light(light: Option<&LightDocument>, property: Property) -> Option<&'
         (Property::Intensity, None) => Some("an entity without a light"),
         (Property::Direction, _) => Some("an entity without a directional light"),
         (Property::Falloff, _) => Some("an entity without a light with `falloff`"),
-        (Property::LightRadius, _) => Some("an entity without a light of an area that is a sphere"),
+        (Property::LightRadius, _) => Some("an entity without an Area light of the shape Sphere"),
         (Property::LightWidth | Property::LightHeight, _) => {
-            Some("an entity without a light of an area that is a rectangle")
+            Some("an entity without an Area light of the shape Rectangle")
         }
-        _ => Some("an entity without a spot light"),
+        _ => Some("an entity without a Spot light"),
     }
 }
 
@@ -263,7 +263,7 @@ fn unfit(property: Property, what: &str, at: &At<'_>, problems: &mut Problems) {
 fn home(property: Property) -> &'static str {
     match property {
         Property::Translation | Property::Rotation | Property::Scale => {
-            "entities have it; the camera has Position and Target"
+            "entities have it; cameras have Position and Target"
         }
         Property::Radius => "entities with the shape Sphere have it",
         Property::Size => "entities with the shape Box have it",
@@ -288,13 +288,13 @@ fn home(property: Property) -> &'static str {
             "entities with an Area light of the shape Rectangle have it"
         }
         Property::Position | Property::Target | Property::View | Property::Up | Property::Roll => {
-            "the camera has it: target: \"camera\"; entities have Translation"
+            "cameras have it: `target: \"camera\"`; entities have Translation"
         }
         Property::Fov => "the camera has it where it has no `screen`",
         Property::ScreenDistance | Property::ScreenHeight => "the camera has it where it has a `screen`",
         Property::ScreenWidth => "the camera has it where its `screen` has a `width`",
         Property::Aperture | Property::Focus => "the camera has it where it has a `lens`",
-        Property::Ambient => "the scene has it: target: \"scene\"",
+        Property::Ambient => "the scene has it: `target: \"scene\"`",
         Property::Background => "the scene has it where its background is one colour",
         Property::BackgroundBottom | Property::BackgroundTop => {
             "the scene has it where its background is `(bottom: .., top: ..)`"

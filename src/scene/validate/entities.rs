@@ -10,6 +10,7 @@ use crate::scene::document::{
     TransformDocument, Triple,
 };
 use crate::scene::include::{Lookup, Scope};
+use crate::scene::quote::{linked, short};
 
 /// What a `/` is for.
 pub(super) const SLASH: &str = "it is for names in parts, as \"car/wheel\"";
@@ -90,7 +91,7 @@ fn names<'a>(
         if self::name(name, &at, problems) && names.insert(name, index).is_some() {
             problems.add(
                 &at,
-                format!("two entities are called \"{name}\""),
+                format!("two entities are called \"{}\"", short(name)),
                 "again here",
                 "give each its own name: others refer to entities by it",
             );
@@ -143,7 +144,10 @@ fn cycles(
             && states[index] == State::Underway
         {
             let ring = &chain[chain.iter().position(|member| *member == index).unwrap_or(0)..];
-            let name = |index: &usize| format!("\"{}\"", entities[*index].name.as_deref().unwrap_or("?"));
+            let name = |index: &usize| {
+                let name = entities[*index].name.as_deref();
+                format!("\"{}\"", short(name.unwrap_or("?")))
+            };
             let mut path: Vec<String> = ring.iter().map(name).collect();
             path.push(name(&index));
             let message = if ring.len() == 1 {
@@ -154,7 +158,7 @@ fn cycles(
             problems.add(
                 &at.index(index).field("parent"),
                 message,
-                path.join(" -> "),
+                linked(&path, " -> "),
                 "remove one of the parents",
             );
         }
@@ -185,12 +189,9 @@ pub(super) fn rotation(rotation: &RotationDocument, at: &At<'_>, problems: &mut 
                 good &= check::number(part, &at.index(index), problems);
             }
             if good && [x, y, z, w].iter().all(|part| part.abs() < super::SMALLEST) {
-                problems.add(
-                    at,
-                    "the quaternion is zero",
-                    "no rotation",
-                    "write Quat(0, 0, 0, 1) for no turn at all",
-                );
+                let label = if [x, y, z, w] == [0.0; 4] { "no rotation" } else { "too close to zero" };
+                let help = "write Quat(0, 0, 0, 1) for no turn at all";
+                problems.add(at, "the quaternion is zero", label, help);
             }
         }
     }
@@ -198,13 +199,14 @@ pub(super) fn rotation(rotation: &RotationDocument, at: &At<'_>, problems: &mut 
 
 pub(super) fn scale(scale: &ScaleDocument, at: &At<'_>, problems: &mut Problems) {
     let mut factor = |value: f64, at: &At<'_>| {
-        if check::number(value, at, problems) && value.abs() < super::SMALLEST {
-            problems.add(
-                at,
-                "a scale of 0 leaves nothing",
-                "zero",
-                "write a factor other than 0; 1 changes nothing",
-            );
+        if !check::number(value, at, problems) {
+            return;
+        }
+        if value == 0.0 {
+            let help = "write a factor other than 0; 1 changes nothing";
+            problems.add(at, "a scale of 0 leaves nothing", "zero", help);
+        } else if value.abs() < super::SMALLEST {
+            check::too_small(value, "a scale", at, problems);
         }
     };
     match *scale {

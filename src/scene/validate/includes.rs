@@ -3,6 +3,7 @@
 use super::{At, Problems};
 use crate::scene::document::SceneDocument;
 use crate::scene::include::{Clash, MOST_INCLUDED, Scope};
+use crate::scene::quote::short;
 
 pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_>, problems: &mut Problems) {
     let list = scene.field("include");
@@ -33,7 +34,7 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
 
 /// A file that comes by several ways, each time with the same names.
 fn repeated(clash: &Clash<'_>, scope: Scope<'_>, at: &At<'_>, problems: &mut Problems) {
-    let Clash { name, second, .. } = *clash;
+    let (name, second) = (short(clash.name), clash.second);
     problems.add(
         at,
         format!("`{}` is included twice without a name", scope.file_name(second)),
@@ -44,7 +45,8 @@ fn repeated(clash: &Clash<'_>, scope: Scope<'_>, at: &At<'_>, problems: &mut Pro
 
 /// A name that several files give.
 fn taken(clash: &Clash<'_>, scope: Scope<'_>, scene: &At<'_>, problems: &mut Problems) {
-    let Clash { name, first, second, include } = *clash;
+    let Clash { first, second, include, .. } = *clash;
+    let name = short(clash.name);
     let is_material = second.list == "materials";
     let what = if is_material { "materials" } else { "entities" };
     let message = format!("two {what} are called \"{name}\"");

@@ -3,6 +3,7 @@
 use super::{At, Problems, check};
 use crate::components::AreaShape;
 use crate::scene::document::{AreaShapeDocument, LightDocument, Triple};
+use crate::scene::quote::Figure;
 
 pub(super) fn validate(light: &LightDocument, at: &At<'_>, problems: &mut Problems) {
     match *light {
@@ -47,6 +48,7 @@ pub(super) fn validate(light: &LightDocument, at: &At<'_>, problems: &mut Proble
 
 pub(super) fn angle(angle: f64, at: &At<'_>, problems: &mut Problems) {
     if !(angle > 0.0 && angle <= 180.0) {
+        let angle = Figure(angle);
         let message = format!("the angle of a spot light must be above 0, at most 180 degrees, not {angle}");
         problems.add(at, message, "out of range", "write the angle from rim to rim, as 40");
     }
@@ -54,7 +56,7 @@ pub(super) fn angle(angle: f64, at: &At<'_>, problems: &mut Problems) {
 
 pub(super) fn softness(softness: f64, at: &At<'_>, problems: &mut Problems) {
     if !(0.0..=1.0).contains(&softness) {
-        let message = format!("the softness of a spot light must be from 0 to 1, not {softness}");
+        let message = format!("the softness of a spot light must be from 0 to 1, not {}", Figure(softness));
         let help = "0 is a hard rim, 1 fades all the way from the middle";
         problems.add(at, message, "out of range", help);
     }
@@ -75,14 +77,11 @@ fn area_shape(shape: AreaShapeDocument, at: &At<'_>, problems: &mut Problems) {
 pub(super) fn falloff(coefficients: Triple, at: &At<'_>, problems: &mut Problems) {
     for (index, value) in coefficients.into_iter().enumerate() {
         let at = at.index(index);
-        if !check::number(value, &at, problems) {
-            continue;
-        }
-        let (wrong, range) =
-            if index == 0 { (value < super::SMALLEST, "greater than 0") } else { (value < 0.0, "0 or more") };
-        if wrong {
-            let message = format!("c{index} of a falloff must be {range}, not {value}");
-            let help = "1 / (c0 + c1 d + c2 d^2) of the light is left at distance d; (1, 0, 0) never weakens";
+        let help = "1 / (c0 + c1 d + c2 d^2) of the light is left at distance d; (1, 0, 0) never weakens";
+        if index == 0 {
+            check::positive(value, "c0 of a falloff", help, &at, problems);
+        } else if check::number(value, &at, problems) && value < 0.0 {
+            let message = format!("c{index} of a falloff must be 0 or more, not {}", Figure(value));
             problems.add(&at, message, "out of range", help);
         }
     }

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use super::entities::SLASH;
 use super::{At, Problems, check};
 use crate::scene::document::{MaterialDocument, SceneDocument};
+use crate::scene::quote::short;
 
 pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut Problems) {
     let at = scene.field("materials");
@@ -17,7 +18,7 @@ pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut 
         if seen.insert(name.as_str(), index).is_some() {
             problems.add(
                 &at.key(index),
-                format!("two materials are called \"{name}\""),
+                format!("two materials are called \"{}\"", short(name)),
                 "again here",
                 "give each its own name",
             );

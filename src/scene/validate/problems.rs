@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::scene::quote::short;
 use crate::scene::spans::{Step, inside_text, locate};
 use crate::scene::suggest::remedy;
 use crate::scene::{Diagnostic, Source};
@@ -161,7 +162,8 @@ impl Problems {
             Named::Entity => ("entity", "entities"),
             Named::Camera => ("camera", "cameras"),
         };
-        self.add(at, format!("there is no {singular} \"{name}\""), "unknown", remedy(name, &known, plural));
+        let message = format!("there is no {singular} \"{}\"", short(name));
+        self.add(at, message, "unknown", remedy(name, &known, plural));
     }
 
     /// More mistakes that are only counted.
@@ -192,7 +194,7 @@ impl Problems {
                 None => (span, None),
             };
             let key = (start, end, span.start, index);
-            ordered.insert(key, Diagnostic { message, label, help, span: Some(span), source });
+            ordered.insert(key, Diagnostic::new(message, label, help, Some(span)).within(source));
         }
         (ordered.into_values().collect(), self.unlisted)
     }
@@ -223,6 +225,7 @@ pub(super) mod check {
     use super::{At, Problems};
     use crate::components::{Refractive, Specular};
     use crate::scene::document::Triple;
+    use crate::scene::quote::Figure;
 
     /// The most light or absorption, well within single precision.
     const MOST: f64 = 1e30;
@@ -230,20 +233,19 @@ pub(super) mod check {
     /// Finite, and not beyond all measure.
     pub(crate) fn number(value: f64, at: &At<'_>, problems: &mut Problems) -> bool {
         if !value.is_finite() {
-            problems.add(
-                at,
-                format!("{value} is not a number to work with"),
-                "not finite",
-                "write a finite number",
-            );
+            let message = if value.is_nan() { "this is not a number" } else { "this number is too large" };
+            problems.add(at, message, "not finite", measure());
             return false;
         }
         if value.abs() > LARGEST {
-            let help = format!("write a number between -{LARGEST:e} and {LARGEST:e}");
-            problems.add(at, format!("{value:e} is too large"), "out of range", help);
+            problems.add(at, format!("{} is too large", Figure(value)), "out of range", measure());
             return false;
         }
         true
+    }
+
+    fn measure() -> String {
+        format!("write a number between -{LARGEST:e} and {LARGEST:e}")
     }
 
     /// Three numbers as [`number`].
@@ -261,12 +263,9 @@ pub(super) mod check {
             return false;
         }
         if value.iter().all(|part| part.abs() < SMALLEST) {
-            problems.add(
-                at,
-                format!("{what} has no direction"),
-                "zero",
-                "write a vector of any length but zero, as (0, 1, 0)",
-            );
+            let label = if value == [0.0; 3] { "zero" } else { "too close to zero" };
+            let help = "write a vector of any length but zero, as (0, 1, 0)";
+            problems.add(at, format!("{what} has no direction"), label, help);
             return false;
         }
         true
@@ -274,15 +273,27 @@ pub(super) mod check {
 
     /// A length greater than zero.
     pub(crate) fn size(value: f64, what: &str, at: &At<'_>, problems: &mut Problems) -> bool {
+        positive(value, what, "write a length in scene units, as 1", at, problems)
+    }
+
+    /// A number that is greater than zero by enough to be reckoned with.
+    pub(crate) fn positive(value: f64, what: &str, help: &str, at: &At<'_>, problems: &mut Problems) -> bool {
         if !number(value, at, problems) {
             return false;
         }
-        if value < SMALLEST {
-            let message = format!("{what} must be greater than 0, not {value}");
-            problems.add(at, message, "too small", "write a length in scene units, as 1");
-            return false;
+        if value <= 0.0 {
+            let message = format!("{what} must be greater than 0, not {}", Figure(value));
+            problems.add(at, message, "too small", help);
+        } else if value < SMALLEST {
+            too_small(value, what, at, problems);
         }
-        true
+        value >= SMALLEST
+    }
+
+    /// Not zero, but less than can be reckoned with.
+    pub(crate) fn too_small(value: f64, what: &str, at: &At<'_>, problems: &mut Problems) {
+        let message = format!("{} is too small for {what}", Figure(value));
+        problems.add(at, message, "out of range", format!("write at least {SMALLEST:e}"));
     }
 
     /// A whole number from 1 on.
@@ -296,7 +307,7 @@ pub(super) mod check {
     /// A coefficient in 0..=1.
     pub(crate) fn coefficient(value: f64, what: &str, at: &At<'_>, problems: &mut Problems) {
         if !(0.0..=1.0).contains(&value) {
-            let message = format!("{what} must be from 0 to 1, not {value}");
+            let message = format!("{what} must be from 0 to 1, not {}", Figure(value));
             problems.add(at, message, "out of range", "write the share of the light, as 0.7");
         }
     }
@@ -305,7 +316,7 @@ pub(super) mod check {
     pub(crate) fn shininess(value: f64, at: &At<'_>, problems: &mut Problems) {
         let largest = f64::from(Specular::LARGEST_SHININESS);
         if !(0.0..=largest).contains(&value) {
-            let message = format!("shininess must be from 0 to {largest:e}, not {value}");
+            let message = format!("shininess must be from 0 to {}, not {}", Figure(largest), Figure(value));
             problems.add(at, message, "out of range", "write 10 for a dull surface, 100 for a polished one");
         }
     }
@@ -314,7 +325,7 @@ pub(super) mod check {
     pub(crate) fn ior(value: f64, at: &At<'_>, problems: &mut Problems) {
         let (smallest, largest) = (Refractive::SMALLEST_IOR, Refractive::LARGEST_IOR);
         if !(smallest..=largest).contains(&value) {
-            let message = format!("ior must be from {smallest} to {largest}, not {value}");
+            let message = format!("ior must be from {smallest} to {largest}, not {}", Figure(value));
             problems.add(
                 at,
                 message,
@@ -332,11 +343,11 @@ pub(super) mod check {
                 continue;
             }
             if value < 0.0 {
-                let message = format!("absorption must not be negative, but is {value}");
+                let message = format!("absorption must not be negative, but is {}", Figure(value));
                 let help = "exp(-absorption l) is left after a length l inside; 0 is perfectly clear";
                 problems.add(&at, message, "below 0", help);
             } else if value > MOST {
-                let message = format!("absorption of {value:e} is too much");
+                let message = format!("absorption of {} is too much", Figure(value));
                 problems.add(&at, message, "out of range", format!("write at most {MOST:e}"));
             }
         }
@@ -346,20 +357,15 @@ pub(super) mod check {
     pub(crate) fn intensity(value: Triple, what: &str, at: &At<'_>, problems: &mut Problems) {
         for (index, value) in value.into_iter().enumerate() {
             let at = at.index(index);
-            if number(value, &at, problems) && value < 0.0 {
-                problems.add(
-                    &at,
-                    format!("{what} must not be negative, but is {value}"),
-                    "below 0",
-                    "write 0 or more; 1 is full light",
-                );
+            if !number(value, &at, problems) {
+                continue;
+            }
+            if value < 0.0 {
+                let message = format!("{what} must not be negative, but is {}", Figure(value));
+                problems.add(&at, message, "below 0", "write 0 or more; 1 is full light");
             } else if value > MOST {
-                problems.add(
-                    &at,
-                    format!("{what} of {value:e} is too much light"),
-                    "out of range",
-                    format!("write at most {MOST:e}"),
-                );
+                let message = format!("{what} of {} is too much light", Figure(value));
+                problems.add(&at, message, "out of range", format!("write at most {MOST:e}"));
             }
         }
     }
@@ -368,7 +374,7 @@ pub(super) mod check {
     pub(crate) fn color(value: Triple, at: &At<'_>, problems: &mut Problems) {
         for (index, value) in value.into_iter().enumerate() {
             if !(0.0..=255.0).contains(&value) {
-                let message = format!("a colour's channels are from 0 to 255, not {value}");
+                let message = format!("a colour's channels are from 0 to 255, not {}", Figure(value));
                 problems.add(
                     &at.index(index),
                     message,

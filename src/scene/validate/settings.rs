@@ -6,6 +6,7 @@ use crate::scene::document::{
     BackgroundDocument, FilmDocument, FogDocument, QualityDocument, SamplingDocument, SceneDocument,
     TimelineDocument,
 };
+use crate::scene::quote::Figure;
 use crate::time::{FrameRate, Timeline};
 
 pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut Problems) {
@@ -37,7 +38,7 @@ fn fog(document: &FogDocument, at: &At<'_>, problems: &mut Problems) {
 
 pub(super) fn density(density: f64, at: &At<'_>, problems: &mut Problems) {
     if check::number(density, at, problems) && density < 0.0 {
-        let message = format!("the fog's density must not be negative, but is {density}");
+        let message = format!("the fog's density must not be negative, but is {}", Figure(density));
         let help = "write how fast it thickens per scene unit of length, as 0.05; 0 is no fog";
         problems.add(at, message, "below 0", help);
     }
@@ -48,7 +49,7 @@ fn quality(document: &QualityDocument, at: &At<'_>, problems: &mut Problems) {
     check::count(document.depth, Quality::LARGEST_DEPTH, "depth", help, &at.field("depth"), problems);
     let largest = f64::from(Quality::LARGEST_CUTOFF);
     if !(0.0..=largest).contains(&document.cutoff) {
-        let message = format!("cutoff must be from 0 to {largest}, not {}", document.cutoff);
+        let message = format!("cutoff must be from 0 to {largest}, not {}", Figure(document.cutoff));
         let help = "write how many steps of 8-bit output may be left out, as 0.25; 0 leaves nothing out";
         problems.add(&at.field("cutoff"), message, "out of range", help);
     }
@@ -69,7 +70,7 @@ fn timeline(document: &TimelineDocument, at: &At<'_>, problems: &mut Problems) {
     let rate = part(document.fps.numerator).zip(part(document.fps.denominator));
     if rate.is_none() {
         let message =
-            format!("frames per second must be made of numbers from 1 to {}", FrameRate::LARGEST_PART);
+            format!("frames per second are written with numbers from 1 to {}", FrameRate::LARGEST_PART);
         problems.add(
             &at.field("fps"),
             message,
@@ -83,7 +84,7 @@ fn timeline(document: &TimelineDocument, at: &At<'_>, problems: &mut Problems) {
         return;
     }
     if duration < 0.0 {
-        let message = format!("the duration must not be negative, but is {duration}");
+        let message = format!("the duration must not be negative, but is {}", Figure(duration));
         problems.add(&duration_at, message, "below 0", "write seconds, as 4; 0 is a single frame");
     }
     let rate = rate.and_then(|(numerator, denominator)| FrameRate::new(numerator, denominator));

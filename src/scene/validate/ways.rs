@@ -4,6 +4,7 @@ use super::animation::easing;
 use super::{At, Problems, check};
 use crate::components::Property;
 use crate::scene::document::{EasingDocument, TrackDocument};
+use crate::scene::quote::Figure;
 use crate::timeline::Notation;
 
 /// A track that is not keyed.
@@ -69,27 +70,19 @@ fn pace(duration: Option<f64>, speed: Option<f64>, at: &At<'_>, problems: &mut P
         ),
         (Some(seconds), None) => self::duration(seconds, &at.field("duration"), problems),
         (None, Some(speed)) => {
-            let at = at.field("speed");
-            if check::number(speed, &at, problems) && speed < super::SMALLEST {
-                let message = format!("the speed along a path must be greater than 0, not {speed}");
-                let help =
-                    "write scene units per second; to go backwards, write the points the other way round";
-                problems.add(&at, message, "too small", help);
-            }
+            let help = "write scene units per second; to go backwards, write the points the other way round";
+            check::positive(speed, "the speed along a path", help, &at.field("speed"), problems);
         }
     }
 }
 
 fn duration(seconds: f64, at: &At<'_>, problems: &mut Problems) {
-    if check::number(seconds, at, problems) && seconds < super::SMALLEST {
-        let message = format!("the duration must be greater than 0, not {seconds}");
-        problems.add(at, message, "too small", "write seconds, as 10");
-    }
+    check::positive(seconds, "the duration", "write seconds, as 10", at, problems);
 }
 
 fn radius(radius: f64, at: &At<'_>, problems: &mut Problems) {
     if check::number(radius, at, problems) && radius < 0.0 {
-        let message = format!("the radius of an orbit must not be negative, but is {radius}");
+        let message = format!("the radius of an orbit must not be negative, but is {}", Figure(radius));
         problems.add(at, message, "below 0", "write 0 or more; negative `turns` go round the other way");
     }
 }

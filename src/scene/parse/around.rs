@@ -1,0 +1,169 @@
+//! The words and signs at the place of a mistake.
+
+use std::ops::Range;
+
+use ron::error::{Position, SpannedError};
+
+use crate::scene::quote::short;
+use crate::scene::spans::{is_space, list_items, tokens};
+
+/// What stands at a place of a text, and what before it.
+#[derive(Debug)]
+pub(super) struct Around<'t> {
+    text: &'t str,
+    /// The word or sign; empty at the end of the text.
+    pub(super) found: Range<usize>,
+    /// The one before.
+    pub(super) previous: Option<Range<usize>>,
+    /// The brackets that are open here, the innermost last.
+    open: Vec<usize>,
+    /// Did the parser stop within the word, and not before it?
+    pub(super) is_within: bool,
+    /// How far the parser had read.
+    pub(super) stopped: usize,
+}
+
+impl<'t> Around<'t> {
+    /// Where the parser gave up.
+    pub(super) fn error(text: &'t str, error: &SpannedError) -> Self {
+        let (start, end) = (byte_of(text, error.span.start), byte_of(text, error.span.end));
+        // What it took in last, unless that was white space.
+        let last = &text[start.min(end)..start.max(end)];
+        let space = last.len() - last.trim_start_matches(is_space).len();
+        let took_nothing = space == last.len();
+        let around = Self::of(text, if took_nothing { end } else { start.min(end) + space });
+        // A word is taken in before anybody looks at what it is.
+        let is_value = matches!(error.code, ron::Error::InvalidValueForType { .. });
+        match around.previous {
+            Some(word) if is_value && took_nothing => Self::of(text, word.start),
+            _ => Self { stopped: start.max(end), ..around },
+        }
+    }
+
+    fn of(text: &'t str, at: usize) -> Self {
+        let (mut previous, mut open) = (None, Vec::new());
+        for found in tokens(text) {
+            if found.end > at {
+                let is_within = found.start < at;
+                return Self { text, found, previous, open, is_within, stopped: at };
+            }
+            match &text[found.clone()] {
+                "(" | "[" | "{" => open.push(found.start),
+                ")" | "]" | "}" => drop(open.pop()),
+                _ => {}
+            }
+            previous = Some(found);
+        }
+        Self { text, found: text.len()..text.len(), previous, open, is_within: false, stopped: at }
+    }
+
+    /// The word or sign.
+    pub(super) fn word(&self) -> &'t str {
+        &self.text[self.found.clone()]
+    }
+
+    /// The word or sign before.
+    pub(super) fn word_before(&self) -> &'t str {
+        self.previous.clone().map_or("", |previous| &self.text[previous])
+    }
+
+    /// The word or sign after.
+    pub(super) fn next(&self) -> &'t str {
+        let rest = &self.text[self.found.end..];
+        tokens(rest).next().map_or("", |next| &rest[next])
+    }
+
+    /// Does nothing stand between the two?
+    pub(super) fn is_adjacent(&self) -> bool {
+        self.previous.as_ref().is_some_and(|previous| previous.end == self.found.start)
+    }
+
+    pub(super) fn is_end(&self) -> bool {
+        self.found.is_empty()
+    }
+
+    /// The innermost bracket that is open.
+    pub(super) fn bracket(&self) -> Option<usize> {
+        self.open.last().copied()
+    }
+
+    /// All that is in the innermost open bracket, with it, and how many values that is.
+    pub(super) fn in_bracket(&self) -> Option<(Range<usize>, usize)> {
+        self.bracket().map(|start| enclosed(self.text, start))
+    }
+
+    /// The word or sign or, of a bracket that is good to look at as a whole, all that is in it.
+    pub(super) fn value(&self) -> Range<usize> {
+        /// As much as a line has room for.
+        const LONGEST: usize = 60;
+        let whole = match self.word() {
+            "(" | "[" | "{" => enclosed(self.text, self.found.start).0,
+            _ => return self.found.clone(),
+        };
+        let is_short = whole.len() <= LONGEST && !self.text[whole.clone()].contains('\n');
+        if is_short { whole } else { self.found.clone() }
+    }
+
+    /// What stands here, in a reader's words.
+    pub(super) fn in_words(&self) -> String {
+        let (word, rest) = (self.word(), &self.text[self.found.end..]);
+        let first = word.chars().next();
+        match first {
+            None => "the end of the file".to_owned(),
+            Some('(') => {
+                let (_, count) = enclosed(self.text, self.found.start);
+                let named = tokens(rest).nth(1).is_some_and(|second| &rest[second] == ":");
+                match count {
+                    0 => "empty brackets".to_owned(),
+                    _ if named => "named values in round brackets".to_owned(),
+                    1 => "a value in round brackets".to_owned(),
+                    _ => format!("{count} values in round brackets"),
+                }
+            }
+            Some('[') => "a list in square brackets".to_owned(),
+            Some('{') => "a map in braces".to_owned(),
+            Some(')' | ']' | '}' | ',' | ':') => format!("nothing before the `{word}`"),
+            Some('"') => format!("the text {}", short(word)),
+            Some('\'') => "a text in single quotes".to_owned(),
+            Some(_) if word.parse::<f64>().is_ok() => format!("the number `{}`", short(word)),
+            Some(first) if is_letter(first) && rest.starts_with('(') => format!("`{}( .. )`", short(word)),
+            Some(first) if is_letter(first) && !word.contains('"') => format!("the word `{}`", short(word)),
+            Some(_) => format!("`{}`", short(word)),
+        }
+    }
+}
+
+/// What is between a bracket and the one that closes it, with them, and how many values that is.
+fn enclosed(text: &str, start: usize) -> (Range<usize>, usize) {
+    let mut depth = 0_usize;
+    let close = tokens(&text[start..]).find(|token| {
+        match &text[start..][token.clone()] {
+            "(" | "[" | "{" => depth += 1,
+            ")" | "]" | "}" => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        depth == 0
+    });
+    let end = close.map_or(text.len(), |close| start + close.end);
+    let inside = text[start..end].trim_end_matches([')', ']', '}']);
+    (start..end, list_items(&inside[1..], 0).0.len())
+}
+
+fn is_letter(character: char) -> bool {
+    character.is_alphabetic() || character == '_'
+}
+
+/// The byte of a line and column that ron counted, both from 1.
+fn byte_of(text: &str, position: Position) -> usize {
+    let line_start = match position.line {
+        0 | 1 => 0,
+        line => text
+            .bytes()
+            .enumerate()
+            .filter(|(_, byte)| *byte == b'\n')
+            .nth(line - 2)
+            .map_or(text.len(), |(at, _)| at + 1),
+    };
+    let rest = &text[line_start..];
+    rest.char_indices().nth(position.col.saturating_sub(1)).map_or(text.len(), |(at, _)| line_start + at)
+}

@@ -1,0 +1,139 @@
+//! How values are written that have more than one form: by what the format calls them, what people call them, and an example of
+//! each form. Where forms are mere words, of which there may be many, the list has a few.
+
+/// What a value is, and how it is written.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Example {
+    /// In the format.
+    name: &'static str,
+    pub(super) noun: &'static str,
+    pub(super) forms: &'static [&'static str],
+}
+
+const EXAMPLES: [Example; 10] = [
+    Example {
+        name: "Rotation",
+        noun: "a rotation",
+        forms: &["Euler(0, 90, 0)", "AxisAngle((0, 1, 0), 90)", "Quat(0, 0, 0, 1)"],
+    },
+    Example {
+        name: "Shape",
+        noun: "a shape",
+        forms: &["Sphere(radius: 1)", "Plane(normal: (0, 1, 0))", "Box(size: (1, 1, 1))"],
+    },
+    Example {
+        name: "AreaShape",
+        noun: "a shape of an area light",
+        forms: &["Sphere(radius: 0.5)", "Rectangle(width: 2, height: 1)"],
+    },
+    Example {
+        name: "Light",
+        noun: "a light",
+        forms: &[
+            "Point(intensity: (1, 1, 1))",
+            "Directional(intensity: (1, 1, 1), direction: (0, -1, 0))",
+            "Spot(intensity: (1, 1, 1), angle: 40)",
+            "Area(shape: Sphere(radius: 0.5), intensity: (1, 1, 1))",
+        ],
+    },
+    Example {
+        name: "Track",
+        noun: "a track",
+        forms: &[
+            "Keys([(0, ..), (2, ..)])",
+            "Path(points: [(0, 1, 0), (4, 1, 2)], duration: 10)",
+            "Orbit(center: (0, 1, 0), radius: 5, duration: 10)",
+            "Script(\"sin(t)\")",
+            "ScriptFile(\"wave.rhai\")",
+        ],
+    },
+    Example { name: "Program", noun: "a script", forms: &["Script(\"..\")", "File(\"stars.rhai\")"] },
+    Example {
+        name: "Easing",
+        noun: "an easing",
+        forms: &[
+            "Linear",
+            "EaseInOut",
+            "Hold",
+            "Steps(8)",
+            "Bezier(0.25, 0.1, 0.25, 1)",
+            "Handles(0.5, -0.5)",
+        ],
+    },
+    Example { name: "Repeat", noun: "a way to repeat", forms: &["Clamp", "Loop", "PingPong"] },
+    Example { name: "Transfer", noun: "a transfer", forms: &["Classic", "Srgb"] },
+    Example { name: "Noise", noun: "a kind of noise", forms: &["Fixed", "PerFrame"] },
+];
+
+/// The values that the format gives a name.
+pub(super) fn of(name: &str) -> Example {
+    let channel =
+        Example { name: "Channel", noun: "a channel", forms: &["Translation", "Rotation", "Color", "Fov"] };
+    EXAMPLES.into_iter().find(|example| example.name == name).unwrap_or(channel)
+}
+
+impl Example {
+    /// The noun without its article.
+    pub(super) fn kind(self) -> &'static str {
+        self.noun.split_once(' ').map_or(self.noun, |(_, kind)| kind)
+    }
+
+    /// The form that starts with a word.
+    pub(super) fn form(self, word: &str) -> Option<&'static str> {
+        self.forms.iter().copied().find(|form| form.split('(').next() == Some(word))
+    }
+
+    /// `Sphere(radius: 1), Plane(normal: (0, 1, 0)) or Box(size: (1, 1, 1))`
+    pub(super) fn listed(self) -> String {
+        match self.forms {
+            [] => String::new(),
+            [only] => (*only).to_owned(),
+            [first @ .., last] => format!("{} or {last}", first.join(", ")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde::de::DeserializeOwned;
+
+    use super::*;
+    use crate::scene::document::{
+        AreaShapeDocument, ChannelDocument, EasingDocument, LightDocument, NoiseDocument, ProgramDocument,
+        RepeatDocument, RotationDocument, ShapeDocument, TrackDocument, TransferDocument,
+    };
+    use crate::scene::parse::options;
+
+    /// Every example is one, and where there are brackets after a word there is an example of them.
+    fn check<T: DeserializeOwned>(name: &str) {
+        use ron::Error;
+        let example = of(name);
+        assert_eq!(example.name, name);
+        for form in example.forms {
+            let text = form.replace("..)", "1)");
+            assert!(options().from_str::<T>(&text).is_ok(), "{name}: {form}");
+        }
+        let unknown = options().from_str::<T>("NobodyKnows").err().map(|error| error.code);
+        let Some(Error::NoSuchEnumVariant { expected, outer, .. }) = unknown else { panic!("{name}") };
+        assert_eq!(outer.as_deref(), Some(name));
+        for word in expected {
+            let is_alone = options().from_str::<T>(word).is_ok();
+            assert!(is_alone || example.form(word).is_some(), "{name} has no example of {word}");
+        }
+    }
+
+    #[test]
+    fn examples_are_right_and_none_is_missing() {
+        check::<RotationDocument>("Rotation");
+        check::<ShapeDocument>("Shape");
+        check::<AreaShapeDocument>("AreaShape");
+        check::<LightDocument>("Light");
+        check::<TrackDocument<f64>>("Track");
+        check::<ProgramDocument>("Program");
+        check::<EasingDocument>("Easing");
+        check::<RepeatDocument>("Repeat");
+        check::<TransferDocument>("Transfer");
+        check::<NoiseDocument>("Noise");
+        check::<ChannelDocument>("Channel");
+    }
+}

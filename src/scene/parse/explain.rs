@@ -1,0 +1,275 @@
+//! The parser's complaint as a diagnostic: what is wrong, where, and what to write.
+
+use std::ops::Range;
+
+use ron::Error;
+use ron::error::SpannedError;
+
+use super::around::Around;
+use super::characters::{is_known, strange};
+use super::examples;
+use super::trail::{Asked, Trail};
+use super::wanted::{Wanted, counted, is_word};
+use crate::scene::quote::short;
+use crate::scene::spans::{open_comment, tokens};
+use crate::scene::suggest::remedy;
+use crate::scene::{Diagnostic, Place};
+
+/// What the parser did not like of a text.
+pub(super) fn explain(text: &str, error: &SpannedError, trail: &Trail) -> Diagnostic {
+    let case = Case { text, code: &error.code, around: Around::error(text, error), open: trail.open() };
+    let answered = trail.answered();
+    case.of_comments_and_texts()
+        .or_else(|| case.of_brackets())
+        .or_else(|| case.of_characters())
+        .or_else(|| case.of_ranges())
+        .or_else(|| case.of_names())
+        .or_else(|| case.of_numbers_of_values())
+        .or_else(|| case.of_separators(answered.as_ref()))
+        .unwrap_or_else(|| case.of_values())
+}
+
+/// A mistake with its surroundings.
+struct Case<'a> {
+    text: &'a str,
+    code: &'a Error,
+    around: Around<'a>,
+    /// What was asked for and not answered, the innermost last.
+    open: Vec<Asked>,
+}
+
+fn told(
+    message: impl Into<String>,
+    label: impl Into<String>,
+    help: impl Into<String>,
+    span: Range<usize>,
+) -> Diagnostic {
+    Diagnostic::new(message, label, Some(help.into()), Some(span))
+}
+
+impl Case<'_> {
+    fn of_comments_and_texts(&self) -> Option<Diagnostic> {
+        const OPENED: &str = "opened here";
+        let (around, word) = (&self.around, self.around.word());
+        let is_text = word.contains(['"', '\'']);
+        match self.code {
+            Error::UnclosedBlockComment => {
+                let start = open_comment(self.text)?;
+                Some(told("this comment is never closed", OPENED, "close it with */", start..start + 2))
+            }
+            Error::ExpectedStringEnd | Error::Eof if is_text => {
+                let start = around.found.start;
+                let help = "write a \" where the text is to end";
+                Some(told("this text is never closed", OPENED, help, start..start + 1))
+            }
+            Error::InvalidEscape(_) | Error::Utf8Error(_) => {
+                let end = around.stopped.clamp(around.found.start, around.found.end);
+                let start = self.text[around.found.start..end].rfind('\\')? + around.found.start;
+                let message = format!("`{}` stands for no character", short(&self.text[start..end]));
+                let help =
+                    "write \\\\ for a backslash; \\\" is a quote, \\n a new line, \\u{e9} an é by its number";
+                Some(told(message, "here", help, start..end))
+            }
+            Error::ExpectedAttribute | Error::ExpectedAttributeEnd | Error::NoSuchExtension(_) => {
+                let start = tokens(self.text)
+                    .map(|token| token.start)
+                    .find(|at| self.text[*at..].starts_with('#'))?;
+                let help = "comments start with //";
+                Some(told("a # starts no comment", "not read as a comment", help, start..start + 1))
+            }
+            _ => self.of_quotes(),
+        }
+    }
+
+    /// Something follows a text at once: a quote is missing, or one is too many.
+    fn of_quotes(&self) -> Option<Diagnostic> {
+        let (around, text) = (&self.around, self.around.word_before());
+        let goes_on = !around.is_end() && !")]},:".contains(around.word());
+        if !(text.starts_with('"') && around.is_adjacent() && goes_on) {
+            return None;
+        }
+        let span = around.previous.clone()?;
+        let end = Place::of(self.text, span.end - 1);
+        let help = "write a \" where the text is to end, and \\\" for a quote within a text";
+        Some(if text.contains([',', ':', '\n']) {
+            let label = format!("it ends only in line {}, column {}", end.line, end.column);
+            told("this text has no closing quote", label, help, span)
+        } else {
+            let label = format!("ends before {}", around.in_words());
+            told("there is a quote within this text", label, help, span)
+        })
+    }
+
+    /// What was opened and not closed, or otherwise than it was opened.
+    fn of_brackets(&self) -> Option<Diagnostic> {
+        let (at, bracket) = (&self.around, self.around.bracket()?);
+        let open = &self.text[bracket..=bracket];
+        if at.is_end() {
+            let close = closing(open);
+            let help = format!("write a `{close}` where it is to end");
+            return Some(told(
+                format!("this `{open}` is never closed"),
+                "opened here",
+                help,
+                bracket..bracket + 1,
+            ));
+        }
+        let (found, close) = (at.word(), closing(open));
+        (")]}".contains(found) && found != close).then(|| {
+            let label = format!("the `{open}` of line {} is still open", Place::of(self.text, bracket).line);
+            let help = format!("close it with a `{close}` first");
+            told(format!("expected `{close}`, found `{found}`"), label, help, at.found.clone())
+        })
+    }
+
+    fn of_characters(&self) -> Option<Diagnostic> {
+        let first = self.around.word().chars().next().filter(|first| !is_known(*first))?;
+        let (message, label, help) = strange(first);
+        let start = self.around.found.start;
+        Some(told(message, label, help, start..start + first.len_utf8()))
+    }
+
+    /// Numbers with two points between them.
+    fn of_ranges(&self) -> Option<Diagnostic> {
+        let (found, before) = (self.around.word(), &self.text[..self.around.found.start]);
+        let is_range = !found.contains(['"', '\''])
+            && (found.contains("..") || before.ends_with("..") || before.ends_with("..="));
+        is_range.then(|| {
+            told("there are no ranges in scenes", "here", "write a single value", self.around.found.clone())
+        })
+    }
+
+    /// Words that are unknown, missing, or there twice.
+    fn of_names(&self) -> Option<Diagnostic> {
+        let of = |outer: &Option<String>| {
+            outer.as_ref().map_or_else(String::new, |outer| format!(" of `{outer}`"))
+        };
+        let (message, label, help) = match self.code {
+            Error::NoSuchStructField { expected, found, outer } => (
+                format!("unknown field `{}`{}", short(found), of(outer)),
+                "no such field".to_owned(),
+                remedy(found, expected, "fields"),
+            ),
+            Error::NoSuchEnumVariant { expected, found, outer } => (
+                format!(
+                    "unknown {} `{}`",
+                    examples::of(outer.as_deref().unwrap_or_default()).kind(),
+                    short(found)
+                ),
+                "not known here".to_owned(),
+                remedy(found, expected, "possibilities"),
+            ),
+            Error::MissingStructField { field, outer } => (
+                format!("missing field `{field}`{}", of(outer)),
+                format!("`{field}` should have been written by here"),
+                format!("add `{field}: ..`; the scene reference says what it takes"),
+            ),
+            Error::DuplicateStructField { field, outer } => (
+                format!("field `{field}`{} is written twice", of(outer)),
+                "again here".to_owned(),
+                "remove one of the two".to_owned(),
+            ),
+            Error::ExpectedDifferentStructName { expected, found } => (
+                format!("expected `{expected}`, found `{}`", short(found)),
+                "wrong name".to_owned(),
+                format!("write `{expected}( .. )`, or just `( .. )`"),
+            ),
+            Error::Message(message) => {
+                let (message, help) = message.split_once('\n')?;
+                (message.to_owned(), "here".to_owned(), help.to_owned())
+            }
+            Error::ExceededRecursionLimit => (
+                "brackets are nested more than 128 deep".to_owned(),
+                "here".to_owned(),
+                "no scene needs this: is a bracket written too often?".to_owned(),
+            ),
+            Error::TrailingCharacters => (
+                "there is text after the end of the scene".to_owned(),
+                "the scene is already complete here".to_owned(),
+                "a file holds one scene: is a bracket closed too early?".to_owned(),
+            ),
+            _ => return None,
+        };
+        Some(told(message, label, help, self.around.found.clone()))
+    }
+
+    /// Too few values in a bracket, or too many.
+    fn of_numbers_of_values(&self) -> Option<Diagnostic> {
+        let is_number = match self.code {
+            Error::ExpectedDifferentLength { .. } => true,
+            Error::ExpectedStructLikeEnd => !self.around.is_within,
+            _ => false,
+        };
+        let (span, count) = self.around.in_bracket().filter(|_| is_number)?;
+        let Wanted { message, help } = Wanted::of(self.open.last()?, &self.open, &self.around);
+        Some(told(message, format!("found {}", counted(count, "value")), help, span))
+    }
+
+    /// A comma or a colon is missing, or what stands before the place is more than what was read of it.
+    fn of_separators(&self, answered: Option<&Asked>) -> Option<Diagnostic> {
+        let around = &self.around;
+        let (message, separator, help) = match self.code {
+            Error::ExpectedComma | Error::ExpectedStructLikeEnd | Error::ExpectedOptionEnd
+                if around.is_within =>
+            {
+                let Wanted { message, help } = Wanted::of(answered?, &self.open, around);
+                return Some(told(
+                    message,
+                    format!("found {}", around.in_words()),
+                    help,
+                    around.found.clone(),
+                ));
+            }
+            Error::ExpectedComma if around.word() == ":" => {
+                let help = "a colon stands between a field's name and its value, and nowhere else";
+                return Some(told("there is no field for this colon", "here", help, around.found.clone()));
+            }
+            Error::ExpectedComma if around.word() == "(" && is_word(around.word_before()) => {
+                let word = around.word_before();
+                let message = format!("`{}` takes nothing in brackets", short(word));
+                return Some(told(
+                    message,
+                    "one bracket too many",
+                    format!("write {} alone", short(word)),
+                    around.value(),
+                ));
+            }
+            Error::ExpectedComma => ("expected a comma", "a comma is", "values are separated by commas"),
+            Error::ExpectedMapColon => (
+                "expected a colon",
+                "a colon is",
+                "a name and its value are separated by a colon, as in `radius: 1`",
+            ),
+            Error::ExpectedOptionEnd => {
+                ("expected `)`", "a `)` is", "`Some` takes one value, and can be left out")
+            }
+            _ => return None,
+        };
+        let label = format!("{separator} missing after this");
+        Some(told(message, label, help, around.previous.clone()?))
+    }
+
+    /// Something else than the value that was asked for.
+    fn of_values(&self) -> Diagnostic {
+        let around = &self.around;
+        let Some(asked) = self.open.last() else {
+            let help = "a scene is written as ( .. ), with its fields in the brackets";
+            return told("this is no scene", format!("found {}", around.in_words()), help, around.value());
+        };
+        let Wanted { message, help } = Wanted::of(asked, &self.open, around);
+        let lacks_bracket =
+            matches!(asked, Asked::Content { .. }) && matches!(self.code, Error::ExpectedStructLike);
+        match &around.previous {
+            Some(word) if lacks_bracket => told(message, "without brackets", help, word.clone()),
+            _ => told(message, format!("found {}", around.in_words()), help, around.value()),
+        }
+    }
+}
+
+fn closing(bracket: &str) -> &'static str {
+    match bracket {
+        "(" => ")",
+        "[" => "]",
+        _ => "}",
+    }
+}

@@ -1,0 +1,69 @@
+//! Reads the text of a scene.
+
+use ron::error::SpannedError;
+use ron::extensions::Extensions;
+use serde::Deserialize;
+
+use super::explain::explain;
+use super::trail::Trail;
+use crate::scene::Diagnostic;
+use crate::scene::document::SceneDocument;
+use crate::scene::spans::tokens;
+
+/// Reads a scene's text, and says what is wrong with it.
+pub(in crate::scene) fn parse(text: &str) -> Result<SceneDocument, Diagnostic> {
+    read(text).map_err(|error| {
+        let holds_nothing = tokens(text).next().is_none() && error.code != ron::Error::UnclosedBlockComment;
+        if holds_nothing { nothing(text) } else { explain(text, &error, &trail(text)) }
+    })
+}
+
+fn nothing(text: &str) -> Diagnostic {
+    let message =
+        if text.trim().is_empty() { "the file is empty" } else { "the file holds nothing but comments" };
+    let help = "`rayreel new FILE` writes a small scene to start from".to_owned();
+    Diagnostic::new(message, "", Some(help), None)
+}
+
+/// Reads a scene's text.
+pub(in crate::scene) fn read(text: &str) -> Result<SceneDocument, SpannedError> {
+    options().from_str(text)
+}
+
+/// How scene files are read: `Some` may be left out.
+pub(in crate::scene) fn options() -> ron::Options {
+    ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME)
+}
+
+/// What was asked for when the reading of a text came to its end.
+fn trail(text: &str) -> Trail {
+    let trail = Trail::default();
+    // That it fails is known.
+    let _ = read_along(&trail, text);
+    trail
+}
+
+fn read_along(trail: &Trail, text: &str) -> Result<SceneDocument, SpannedError> {
+    let mut parser = ron::Deserializer::from_str_with_options(text, &options())?;
+    SceneDocument::deserialize(trail.watch(&mut parser))
+        .and_then(|document| parser.end().map(|()| document))
+        .map_err(|error| parser.span_error(error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of a scene, of every part of it from its start on, and of it without any one of its words.
+    #[test]
+    fn a_text_is_the_same_along_a_trail() {
+        let text = include_str!("../../../tests/hard_cases/every_number.ron");
+        let cut = tokens(text).map(|token| text[..token.start].to_owned());
+        let without = tokens(text).map(|token| text[..token.start].to_owned() + &text[token.end..]);
+        let texts: Vec<String> = cut.chain(without).chain([text.to_owned()]).collect();
+        assert!(texts.len() > 1000);
+        for text in texts {
+            assert_eq!(read_along(&Trail::default(), &text), read(&text), "{text}");
+        }
+    }
+}

@@ -1,0 +1,335 @@
+//! Remembers what was asked for while a text was read: of a text that is refused, what should have stood there.
+//!
+//! Serde asks the parser for one value after the other, each of a kind and each within another. [`Watched`] stands between the
+//! two, hands everything on, and keeps what has not been answered yet.
+
+use std::cell::RefCell;
+use std::fmt;
+
+use serde::de::{
+    DeserializeSeed, Deserializer, EnumAccess, Error, Expected, MapAccess, SeqAccess, VariantAccess, Visitor,
+};
+use serde::forward_to_deserialize_any;
+
+/// What serde wants to read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Asked {
+    Number,
+    Flag,
+    Text,
+    /// In square brackets.
+    List,
+    /// In braces.
+    Map,
+    /// What stands before a colon.
+    FieldName,
+    /// Named values in round brackets.
+    Fields {
+        name: &'static str,
+        fields: &'static [&'static str],
+    },
+    /// Values in round brackets, in the words of whoever reads them.
+    Values {
+        reader: String,
+        count: usize,
+    },
+    /// One of several words, each perhaps with something in brackets after it.
+    Choice {
+        name: &'static str,
+        count: usize,
+    },
+    /// What stands in the brackets after a word.
+    Content {
+        of: &'static str,
+        word: String,
+        content: Content,
+    },
+    /// What can be written in several ways, in the words of whoever reads it.
+    Any {
+        reader: String,
+    },
+}
+
+/// What stands in the brackets after a word.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Content {
+    One,
+    Several(usize),
+    Fields(&'static [&'static str]),
+}
+
+/// What was asked for.
+#[derive(Debug, Default)]
+pub(super) struct Trail {
+    /// What has not been answered, each within the one before.
+    open: RefCell<Vec<Asked>>,
+    /// What was answered last.
+    answered: RefCell<Option<Asked>>,
+    /// The word that was read last, of several.
+    word: RefCell<String>,
+}
+
+impl Trail {
+    /// Follows what is asked of a parser.
+    pub(super) fn watch<T>(&self, parser: T) -> Watched<'_, T> {
+        Watched { inner: parser, trail: self }
+    }
+
+    /// What has not been answered, the innermost last.
+    pub(super) fn open(&self) -> Vec<Asked> {
+        self.open.borrow().clone()
+    }
+
+    /// What was answered last.
+    pub(super) fn answered(&self) -> Option<Asked> {
+        self.answered.borrow().clone()
+    }
+
+    /// What is asked for stays open where it fails.
+    fn ask<T, E>(&self, asked: Asked, answer: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
+        self.open.borrow_mut().push(asked);
+        let answer = answer()?;
+        *self.answered.borrow_mut() = self.open.borrow_mut().pop();
+        Ok(answer)
+    }
+}
+
+/// What stands between serde and the parser, in whatever role.
+pub(super) struct Watched<'t, T> {
+    inner: T,
+    trail: &'t Trail,
+}
+
+macro_rules! ask_for {
+    ($($method:ident: $asked:expr;)*) => {$(
+        fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, D::Error> {
+            self.trail.ask($asked, || self.inner.$method(self.trail.watch(visitor)))
+        }
+    )*};
+}
+
+impl<'de, D: Deserializer<'de>> Deserializer<'de> for Watched<'_, D> {
+    type Error = D::Error;
+
+    ask_for! {
+        deserialize_bool: Asked::Flag;
+        deserialize_f64: Asked::Number;
+        deserialize_str: Asked::Text;
+        deserialize_string: Asked::Text;
+        deserialize_seq: Asked::List;
+        deserialize_map: Asked::Map;
+    }
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, D::Error> {
+        let reader = words_of(&visitor);
+        self.trail.ask(Asked::Any { reader }, || self.inner.deserialize_any(self.trail.watch(visitor)))
+    }
+
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, D::Error> {
+        self.inner.deserialize_option(self.trail.watch(visitor))
+    }
+
+    fn deserialize_ignored_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, D::Error> {
+        self.inner.deserialize_ignored_any(visitor)
+    }
+
+    fn deserialize_identifier<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, D::Error> {
+        // Of a choice, the word; else the name of a field.
+        let is_choice = matches!(self.trail.open.borrow().last(), Some(Asked::Choice { .. }));
+        let read = || self.inner.deserialize_identifier(Word { visitor, trail: self.trail });
+        if is_choice { read() } else { self.trail.ask(Asked::FieldName, read) }
+    }
+
+    fn deserialize_tuple<V: Visitor<'de>>(self, count: usize, visitor: V) -> Result<V::Value, D::Error> {
+        let asked = Asked::Values { reader: words_of(&visitor), count };
+        self.trail.ask(asked, || self.inner.deserialize_tuple(count, self.trail.watch(visitor)))
+    }
+
+    fn deserialize_tuple_struct<V: Visitor<'de>>(
+        self,
+        name: &'static str,
+        count: usize,
+        visitor: V,
+    ) -> Result<V::Value, D::Error> {
+        let asked = Asked::Values { reader: words_of(&visitor), count };
+        self.trail.ask(asked, || self.inner.deserialize_tuple_struct(name, count, self.trail.watch(visitor)))
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        name: &'static str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, D::Error> {
+        let asked = Asked::Fields { name, fields };
+        self.trail.ask(asked, || self.inner.deserialize_struct(name, fields, self.trail.watch(visitor)))
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        name: &'static str,
+        variants: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, D::Error> {
+        let asked = Asked::Choice { name, count: variants.len() };
+        self.trail.ask(asked, || self.inner.deserialize_enum(name, variants, self.trail.watch(visitor)))
+    }
+
+    forward_to_deserialize_any! {
+        i8 i16 i32 i64 u8 u16 u32 u64 f32 char bytes byte_buf unit unit_struct newtype_struct
+    }
+}
+
+fn words_of<'de>(visitor: &impl Visitor<'de>) -> String {
+    (visitor as &dyn Expected).to_string()
+}
+
+macro_rules! hand_on {
+    ($($method:ident($value:ty);)*) => {$(
+        fn $method<E: Error>(self, value: $value) -> Result<V::Value, E> {
+            self.inner.$method(value)
+        }
+    )*};
+}
+
+impl<'de, V: Visitor<'de>> Visitor<'de> for Watched<'_, V> {
+    type Value = V::Value;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.inner.expecting(formatter)
+    }
+
+    hand_on! {
+        visit_bool(bool);
+        visit_i64(i64);
+        visit_u64(u64);
+        visit_f64(f64);
+        visit_str(&str);
+        visit_borrowed_str(&'de str);
+        visit_string(String);
+    }
+
+    fn visit_unit<E: Error>(self) -> Result<V::Value, E> {
+        self.inner.visit_unit()
+    }
+
+    fn visit_none<E: Error>(self) -> Result<V::Value, E> {
+        self.inner.visit_none()
+    }
+
+    fn visit_some<D: Deserializer<'de>>(self, parser: D) -> Result<V::Value, D::Error> {
+        self.inner.visit_some(self.trail.watch(parser))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, values: A) -> Result<V::Value, A::Error> {
+        self.inner.visit_seq(self.trail.watch(values))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, entries: A) -> Result<V::Value, A::Error> {
+        self.inner.visit_map(self.trail.watch(entries))
+    }
+
+    fn visit_enum<A: EnumAccess<'de>>(self, choice: A) -> Result<V::Value, A::Error> {
+        self.inner.visit_enum(self.trail.watch(choice))
+    }
+}
+
+/// Remembers the word of a choice.
+struct Word<'t, V> {
+    visitor: V,
+    trail: &'t Trail,
+}
+
+impl<'de, V: Visitor<'de>> Visitor<'de> for Word<'_, V> {
+    type Value = V::Value;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.visitor.expecting(formatter)
+    }
+
+    fn visit_str<E: Error>(self, word: &str) -> Result<V::Value, E> {
+        self.trail.word.replace(word.to_owned());
+        self.visitor.visit_str(word)
+    }
+
+    fn visit_borrowed_str<E: Error>(self, word: &'de str) -> Result<V::Value, E> {
+        self.trail.word.replace(word.to_owned());
+        self.visitor.visit_borrowed_str(word)
+    }
+}
+
+impl<'de, S: DeserializeSeed<'de>> DeserializeSeed<'de> for Watched<'_, S> {
+    type Value = S::Value;
+
+    fn deserialize<D: Deserializer<'de>>(self, parser: D) -> Result<S::Value, D::Error> {
+        self.inner.deserialize(self.trail.watch(parser))
+    }
+}
+
+impl<'de, A: SeqAccess<'de>> SeqAccess<'de> for Watched<'_, A> {
+    type Error = A::Error;
+
+    fn next_element_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>, A::Error> {
+        self.inner.next_element_seed(self.trail.watch(seed))
+    }
+}
+
+impl<'de, A: MapAccess<'de>> MapAccess<'de> for Watched<'_, A> {
+    type Error = A::Error;
+
+    fn next_key_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>, A::Error> {
+        self.inner.next_key_seed(self.trail.watch(seed))
+    }
+
+    fn next_value_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<S::Value, A::Error> {
+        self.inner.next_value_seed(self.trail.watch(seed))
+    }
+}
+
+impl<'t, 'de, A: EnumAccess<'de>> EnumAccess<'de> for Watched<'t, A> {
+    type Error = A::Error;
+    type Variant = Watched<'t, A::Variant>;
+
+    fn variant_seed<S: DeserializeSeed<'de>>(self, seed: S) -> Result<(S::Value, Self::Variant), A::Error> {
+        let (word, content) = self.inner.variant_seed(self.trail.watch(seed))?;
+        Ok((word, self.trail.watch(content)))
+    }
+}
+
+impl<A> Watched<'_, A> {
+    /// What stands in the brackets after the word that was just read.
+    fn content(&self, content: Content) -> Asked {
+        let of = match self.trail.open.borrow().last() {
+            Some(Asked::Choice { name, .. }) => name,
+            _ => "",
+        };
+        Asked::Content { of, word: self.trail.word.borrow().clone(), content }
+    }
+}
+
+impl<'de, A: VariantAccess<'de>> VariantAccess<'de> for Watched<'_, A> {
+    type Error = A::Error;
+
+    fn unit_variant(self) -> Result<(), A::Error> {
+        self.inner.unit_variant()
+    }
+
+    fn newtype_variant_seed<S: DeserializeSeed<'de>>(self, seed: S) -> Result<S::Value, A::Error> {
+        let asked = self.content(Content::One);
+        self.trail.ask(asked, || self.inner.newtype_variant_seed(self.trail.watch(seed)))
+    }
+
+    fn tuple_variant<V: Visitor<'de>>(self, count: usize, visitor: V) -> Result<V::Value, A::Error> {
+        let asked = self.content(Content::Several(count));
+        self.trail.ask(asked, || self.inner.tuple_variant(count, self.trail.watch(visitor)))
+    }
+
+    fn struct_variant<V: Visitor<'de>>(
+        self,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, A::Error> {
+        let asked = self.content(Content::Fields(fields));
+        self.trail.ask(asked, || self.inner.struct_variant(fields, self.trail.watch(visitor)))
+    }
+}

@@ -1,0 +1,93 @@
+//! What messages quote from scenes: names, numbers and lists of any length, as much of them as is good to read.
+
+use std::fmt;
+
+/// A name or another text as it stands in a message: cut where it is long, on one line, and without what a terminal would obey.
+pub(super) fn short(text: &str) -> String {
+    /// Longer than the names that people give.
+    const LONGEST: usize = 60;
+    let mut shown = String::new();
+    for (count, character) in text.chars().enumerate() {
+        if count == LONGEST {
+            shown.push('…');
+            break;
+        }
+        if character.is_control() {
+            shown.extend(character.escape_default());
+        } else {
+            shown.push(character);
+        }
+    }
+    shown
+}
+
+/// What leads from one thing to the next: of many, the first and the last.
+pub(super) fn linked(links: &[String], joint: &str) -> String {
+    /// Of each end.
+    const MOST: usize = 4;
+    let left_out = links.len().saturating_sub(2 * MOST);
+    if left_out < 2 {
+        return links.join(joint);
+    }
+    let between = format!("({left_out} more)");
+    let (first, last) = (&links[..MOST], &links[links.len() - MOST..]);
+    [first.join(joint), between, last.join(joint)].join(joint)
+}
+
+/// A whole message, where what it is made of has not been cut before.
+pub(super) fn bounded(message: String) -> String {
+    /// More than any message has that quotes a few names.
+    const LONGEST: usize = 800;
+    if message.len() <= LONGEST {
+        return message;
+    }
+    let mut cut = message;
+    cut.truncate(cut.floor_char_boundary(LONGEST));
+    cut.push('…');
+    cut
+}
+
+/// A number as people write it, in a few signs whatever its size.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Figure(pub(super) f64);
+
+impl fmt::Display for Figure {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // `Debug` writes an exponent where `Display` would write hundreds of digits.
+        let digits = format!("{:?}", self.0);
+        formatter.write_str(digits.strip_suffix(".0").unwrap_or(&digits))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_and_unprintable_names_are_made_fit_to_print() {
+        assert_eq!(short("ball"), "ball");
+        assert_eq!(short("a\nb\u{1b}[31m"), "a\\nb\\u{1b}[31m");
+        assert_eq!(short(&"ß".repeat(60)), "ß".repeat(60));
+        assert_eq!(short(&"ß".repeat(61)), "ß".repeat(60) + "…");
+    }
+
+    #[test]
+    fn chains_keep_their_ends() {
+        let links = |count: usize| (1..=count).map(|link| link.to_string()).collect::<Vec<_>>();
+        assert_eq!(linked(&links(9), " -> "), "1 -> 2 -> 3 -> 4 -> 5 -> 6 -> 7 -> 8 -> 9");
+        assert_eq!(linked(&links(10), "-"), "1-2-3-4-(2 more)-7-8-9-10");
+    }
+
+    #[test]
+    fn messages_are_cut_between_characters() {
+        assert_eq!(bounded("short".to_owned()), "short");
+        assert!(bounded("ß".repeat(10_000)).len() < 810);
+    }
+
+    #[test]
+    fn figures_have_few_signs() {
+        let shown =
+            [1.0, 0.25, -3e-61, 1e300, f64::NAN, f64::NEG_INFINITY].map(|figure| Figure(figure).to_string());
+        assert_eq!(shown, ["1", "0.25", "-3e-61", "1e300", "NaN", "-inf"]);
+    }
+}
