@@ -8,7 +8,7 @@ use glam::DVec3;
 use rayreel::color::Transfer;
 use rayreel::components::{Name, Property};
 use rayreel::systems::value;
-use rayreel::timeline::Value;
+use rayreel::timeline::{Notation, Value};
 use rayreel::{Effect, Engine, Entity, Rgb, Scene, Time, Verdict};
 
 /// A scene in which every value can be written in place of its `@word`.
@@ -358,4 +358,53 @@ fn handles_are_in_the_units_of_their_values() {
         at_one("ball", "Color", "(0, (0, 0, 0), Handles((0, 0, 0), (0, -255, 0))), (2, (0, 255, 255))");
     let Value::Color(color) = color else { panic!() };
     assert!((color - Rgb::new(0.0, 0.125, 0.5)).length() < 1e-6);
+}
+
+/// Is a track taken, when the scene is read and when a frame is made?
+fn is_taken(property: Property, case: &Case, track: &str) -> bool {
+    let animation = format!("({}, channel: {}, track: {track})", case.target, property.name());
+    let written = (case.word, case.written.replace("{}", case.values[0]));
+    let scene = Scene::from_text("case.ron", scene(&[written, ("animate", animation)]));
+    scene.is_ok_and(|scene| Engine::from_scene(scene).seek(seconds(0)).is_ok())
+}
+
+/// Light, colours and coefficients are held to their ranges instead.
+fn is_held(property: Property) -> bool {
+    use Property::{Ka, Kd, Kr, Ks, Kt, Shininess, Softness};
+    matches!(property.notation(), Notation::Light | Notation::Color)
+        || matches!(property, Ka | Kd | Ks | Kr | Kt | Shininess | Softness)
+}
+
+#[test]
+fn a_script_gives_nothing_that_keys_may_not_have() {
+    let numbers = [
+        "-1", "0", "1e-70", "1e-59", "0.001", "0.5", "1", "100", "179.9", "180", "180.1", "1001", "1e60",
+        "1e61",
+    ];
+    for property in Property::ALL.into_iter().filter(|property| property.notation() != Notation::Rotation) {
+        let case = case(property);
+        let (mut taken, mut refused) = (0, 0);
+        for number in numbers {
+            let values = match property.notation() {
+                Notation::Number | Notation::Degrees => vec![number.to_owned()],
+                Notation::Scale => vec![number.to_owned(), format!("(1, {number}, 1)")],
+                _ => vec![
+                    format!("({number}, {number}, {number})"),
+                    format!("({number}, 0, 0)"),
+                    format!("(1, {number}, 1)"),
+                ],
+            };
+            for value in values {
+                let program = value.replace('(', "[").replace(')', "]");
+                let by_script = is_taken(property, &case, &format!("Script(\"{program}\")"));
+                let by_keys = is_taken(property, &case, &format!("Keys([(0, {value})])"));
+                let is_huge = number == "1e61" && property.notation() != Notation::Color;
+                let expected = if is_held(property) { !is_huge } else { by_keys };
+                assert_eq!(by_script, expected, "{} of {program}", property.name());
+                *(if by_script { &mut taken } else { &mut refused }) += 1;
+            }
+        }
+        assert!(taken > 0, "{}", property.name());
+        assert!(refused > 0 || property.notation() == Notation::Color, "{}", property.name());
+    }
 }

@@ -4,6 +4,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use glam::{DQuat, DVec3};
@@ -269,6 +270,50 @@ fn a_script_that_reads_thousands_ends_soon_too() {
     assert!(found.starts_with("nothing is wrong"), "{found}");
 }
 
+/// Balls with scripts that count for some milliseconds each, and end.
+fn laborious(balls: usize) -> String {
+    let entities: String = (0..balls)
+        .map(|ball| format!("(name: \"b{ball}\", shape: Sphere(radius: 1), material: \"clay\"),"))
+        .collect();
+    let scripts: String = (0..balls)
+        .map(|ball| {
+            let script = "let n = 0; for i in 0..15000 { n += 1; } [t, n / 15000, 0]";
+            format!("(target: \"b{ball}\", channel: Translation, track: Script(\"{script}\")),")
+        })
+        .collect();
+    format!("entities: [{entities}], animate: [{scripts}]")
+}
+
+#[test]
+fn a_frame_is_cancelled_while_its_scripts_run() {
+    let text = laborious(4000);
+    let mut engine = engine(&text);
+    let cancelled = AtomicBool::new(false);
+    let (film, draft, waited) = std::thread::scope(|scope| {
+        scope.spawn(|| {
+            std::thread::sleep(Duration::from_millis(100));
+            cancelled.store(true, Ordering::Relaxed);
+        });
+        let start = Instant::now();
+        let film = engine.render_unless("1".parse().unwrap(), &cancelled).unwrap();
+        let waited = start.elapsed();
+        (film, engine.render_draft_unless("2".parse().unwrap(), 2, &cancelled).unwrap(), waited)
+    });
+    assert!(film.is_none() && draft.is_none());
+    assert!(waited < Duration::from_secs(2), "{waited:?}");
+}
+
+#[test]
+fn what_was_cancelled_leaves_no_trace() {
+    let text = laborious(3);
+    let mut engine = engine(&text);
+    engine.render_at("1".parse().unwrap()).unwrap();
+    let cancelled = AtomicBool::new(true);
+    assert!(engine.render_unless("2".parse().unwrap(), &cancelled).unwrap().is_none());
+    let film = engine.render_at("1.5".parse().unwrap()).unwrap();
+    assert_eq!(film, self::engine(&text).render_at("1.5".parse().unwrap()).unwrap());
+}
+
 const LIVELY: &str = r#"
     sampling: (samples: 4, seed: 7),
     entities: [
@@ -357,7 +402,7 @@ fn spawned_entities_are_those_of_the_same_file_written_out() {
                 spawn(#{ name: `b${i}`, parent: `own`, shape: box([1, 1 + i, 1]), material: `stone`,
                          translation: [2 * i, 0, 0], rotation: [0, 30, 0], scale: 0.5 });
             }
-            spawn(#{ light: area(#{ shape: rectangle(1, 2), intensity: [1, 1, 1], samples: 4 }),
+            spawn(#{ light: area(#{ shape: rectangle(1, 2), intensity: [1, 1, 1], samples: 8 / 2 }),
                      transform: #{ translation: [0, 4, 0], rotation: axis_angle([1, 0, 0], 90) } });
         "), Script("spawn(#{ shape: plane([0, 1, 0]), material: `clay`, translation: [0, -2, 0] })")]"#,
     );

@@ -23,7 +23,9 @@ impl Engine {
         divisor: u32,
         cancelled: &AtomicBool,
     ) -> Result<Option<Film>, EngineError> {
-        self.seek(time)?;
+        if !self.seek_unless(time, cancelled)? {
+            return Ok(None);
+        }
         let Some(preparation) = &mut self.preparation else { return Ok(None) };
         let settings = preparation.exposure_settings();
         preparation.expose_with(drafted(settings, divisor), &self.world);

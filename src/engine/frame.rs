@@ -12,6 +12,9 @@ use crate::time::Time;
 use crate::trace::reference::{Reference, ReferenceSums};
 use crate::trace::{Exposure, Film, KernelChoice, Lighting};
 
+/// Nobody cancels it.
+static NEVER: AtomicBool = AtomicBool::new(false);
+
 impl Engine {
     /// Renders frame `index` of the timeline. It does not matter which frames were rendered before.
     ///
@@ -29,8 +32,7 @@ impl Engine {
     ///
     /// As [`Engine::render_frame`].
     pub fn render_at(&mut self, time: Time) -> Result<Film, EngineError> {
-        let film = self.render_unless(time, &AtomicBool::new(false))?;
-        // Nobody could cancel it.
+        let film = self.render_unless(time, &NEVER)?;
         Ok(film.unwrap_or_else(|| Film::new(0, 0)))
     }
 
@@ -43,7 +45,7 @@ impl Engine {
         let instants = self.instants(time);
         let mut exposure = None;
         let (mut trace, mut exposed) = (Duration::ZERO, true);
-        self.seek_all(time, &instants, |preparation, kernel, range| {
+        let sought = self.seek_all(time, &instants, cancelled, |preparation, kernel, range| {
             let start = Instant::now();
             let (scene, camera) = (preparation.scene(), preparation.camera());
             let sampling = preparation.sampling(time);
@@ -53,7 +55,7 @@ impl Engine {
             trace += start.elapsed();
             exposed
         })?;
-        let Some(exposure) = exposure.filter(|_| exposed) else {
+        let Some(exposure) = exposure.filter(|_| exposed && sought) else {
             return Ok(None);
         };
         let start = Instant::now();
@@ -74,7 +76,7 @@ impl Engine {
     pub fn render_reference(&mut self, time: Time) -> Result<Film, EngineError> {
         let instants = self.instants(time);
         let (mut sums, mut samples) = (None, 1);
-        self.seek_all(time, &instants, |preparation, _, range| {
+        self.seek_all(time, &instants, &NEVER, |preparation, _, range| {
             let (scene, camera) = (preparation.scene(), preparation.camera());
             let sampling = preparation.sampling(time);
             samples = sampling.samples;
@@ -92,7 +94,7 @@ impl Engine {
     /// As [`Engine::render_frame`].
     pub fn plan_at(&mut self, time: Time) -> Result<Option<&Plan>, EngineError> {
         let instants = self.instants(time);
-        self.seek_all(time, &instants, |_, _, _| true)?;
+        self.seek_all(time, &instants, &NEVER, |_, _, _| true)?;
         Ok(self.plan.as_ref())
     }
 
@@ -122,19 +124,20 @@ impl Engine {
 
     /// Goes through the instants of the frame at `time`, and calls `each` with what the kernel knows at each, which kernel is
     /// to be used, and which samples belong to it, until it is `false`. The film and the samples are those of the first instant
-    /// throughout.
+    /// throughout. Gives whether the world was brought to each of them: `cancelled` may have become true on the way.
     fn seek_all(
         &mut self,
         time: Time,
         instants: &[Time],
+        cancelled: &AtomicBool,
         mut each: impl FnMut(&Preparation, KernelChoice, (u32, u32)) -> bool,
-    ) -> Result<(), EngineError> {
+    ) -> Result<bool, EngineError> {
         self.report = FrameReport { time, ..FrameReport::default() };
         let mut plan: Option<Plan> = None;
         let mut moves = false;
         let mut settings = None;
         for (index, instant) in (0..).zip(instants) {
-            let differs = self.bring(*instant)?;
+            let Some(differs) = self.bring(*instant, cancelled)? else { return Ok(false) };
             let Some(preparation) = &mut self.preparation else { continue };
             preparation.expose_with(*settings.get_or_insert(preparation.exposure_settings()), &self.world);
             let preparation = &*preparation;
@@ -161,7 +164,7 @@ impl Engine {
             plan.set_motion_blur(motion_blur);
         }
         self.plan = plan;
-        Ok(())
+        Ok(true)
     }
 
     fn motion_blur(&mut self, time: Time, moves: bool) -> Verdict {
@@ -179,8 +182,13 @@ impl Engine {
     ///
     /// As [`Engine::render_frame`].
     pub fn seek(&mut self, time: Time) -> Result<(), EngineError> {
+        self.seek_unless(time, &NEVER).map(|_| ())
+    }
+
+    /// As [`Engine::seek`], and says whether it was not cancelled.
+    pub(super) fn seek_unless(&mut self, time: Time, cancelled: &AtomicBool) -> Result<bool, EngineError> {
         self.report = FrameReport { time, ..FrameReport::default() };
-        self.bring(time).map(|_| ())
+        Ok(self.bring(time, cancelled)?.is_some())
     }
 
     /// As [`Engine::seek`], to the instant at which sample `index` of the frame at `time` is taken: while a shutter is open, not
@@ -194,7 +202,7 @@ impl Engine {
         self.report = FrameReport { time, ..FrameReport::default() };
         let mut settings = None;
         for (at, instant) in (0..).zip(&instants) {
-            self.bring(*instant)?;
+            self.bring(*instant, &NEVER)?;
             let Some(preparation) = &mut self.preparation else { continue };
             preparation.expose_with(*settings.get_or_insert(preparation.exposure_settings()), &self.world);
             let (_, to) = samples_of(at, instants.len(), preparation.samples());
@@ -205,11 +213,13 @@ impl Engine {
         Ok(())
     }
 
-    /// Brings the world to an instant of the reported frame, and says whether anything that can be seen is different then.
-    fn bring(&mut self, instant: Time) -> Result<bool, EngineError> {
+    /// Brings the world to an instant of the reported frame, and says whether anything that can be seen is different then; nothing
+    /// if it was cancelled.
+    fn bring(&mut self, instant: Time, cancelled: &AtomicBool) -> Result<Option<bool>, EngineError> {
         let start = Instant::now();
-        let advanced = self.systems.advance(&mut self.world, instant, &mut self.changes);
-        advanced.map_err(|halt| EngineError::of(halt, &self.script_sources))?;
+        if let Err(halt) = self.systems.advance(&mut self.world, instant, &mut self.changes, cancelled) {
+            return EngineError::of(halt, &self.script_sources).map_or(Ok(None), Err);
+        }
         let animated = Instant::now();
         let changes = std::mem::take(&mut self.changes);
         let moved = propagate(&mut self.world, &changes);
@@ -227,7 +237,7 @@ impl Engine {
         }
         self.report.animate += animated - start;
         self.report.prepare += animated.elapsed();
-        Ok(differs)
+        Ok(Some(differs))
     }
 }
 

@@ -111,15 +111,17 @@ pub enum EngineError {
 }
 
 impl EngineError {
-    pub(super) fn of(halt: Halt, sources: &ScriptSources) -> Self {
-        match halt {
+    /// `None` if nothing is wrong, but nobody waits for the frame any more.
+    pub(super) fn of(halt: Halt, sources: &ScriptSources) -> Option<Self> {
+        Some(match halt {
+            Halt::Cancelled => return None,
             Halt::UnknownComponent(unknown) => Self::UnknownComponent(unknown),
             Halt::Script(failure) => {
                 let ScriptFailure { script, channel, seconds, error } = *failure;
                 let about = format!("{channel} at t = {seconds}");
                 Self::Script(sources.mistake(script, &about, &error))
             }
-        }
+        })
     }
 }
 

@@ -81,7 +81,7 @@ impl Error for Mistake {
             Unexpected::Unit => "nothing".to_owned(),
             Unexpected::Float(number) => format!("the number {number}"),
             Unexpected::Signed(number) => format!("the number {number}"),
-            Unexpected::Str(text) => format!("the text \"{text}\""),
+            Unexpected::Str(text) => Data::Text(text.to_owned()).description(),
             Unexpected::Bool(flag) => flag.to_string(),
             other => other.to_string(),
         };
@@ -113,14 +113,26 @@ impl Error for Mistake {
 
 fn in_words(expected: &dyn Expected) -> String {
     let expected = expected.to_string();
+    let variant = expected.split_once("variant ").map(|(_, name)| {
+        let name = name.rsplit("::").next().unwrap_or(name);
+        name.split(' ').next().unwrap_or(name)
+    });
+    match variant {
+        Some("Euler") => return "three angles in degrees, as euler(0, 90, 0)".to_owned(),
+        Some("AxisAngle") => return "an axis and an angle, as axis_angle([0, 1, 0], 90)".to_owned(),
+        Some("Quat") => return "four numbers, as quaternion(0, 0, 0, 1)".to_owned(),
+        Some(_) => return "a map of its fields, as #{ name: value }".to_owned(),
+        None => {}
+    }
     match expected.as_str() {
         "an array of length 3" => "three numbers, as [0, 1, 0]".to_owned(),
         "f64" => "a number".to_owned(),
-        "u64" => "a whole number, 0 or more".to_owned(),
+        "u64" => "a whole number, 0 or more, as floor(x) gives it".to_owned(),
         "a string" => "a text".to_owned(),
         "a boolean" => "true or false".to_owned(),
         text if text.starts_with("struct ") => "a map, as #{ name: value }".to_owned(),
-        _ => expected,
+        // What stands in round brackets in a file is a list in a program.
+        _ => expected.replace('(', "[").replace(')', "]"),
     }
 }
 
@@ -146,6 +158,22 @@ impl<'de> Deserializer<'de> for Reader {
         match self.0 {
             Data::Nothing => visitor.visit_none(),
             _ => visitor.visit_some(self),
+        }
+    }
+
+    /// What is divided is no whole number to the language, though it may be one.
+    fn deserialize_u64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Mistake> {
+        const LARGEST: f64 = 9_007_199_254_740_992.0;
+        match self.0 {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "a whole number within the range"
+            )]
+            Data::Number(number) if number.fract() == 0.0 && (0.0..=LARGEST).contains(&number) => {
+                visitor.visit_u64(number as u64)
+            }
+            _ => self.deserialize_any(visitor),
         }
     }
 
@@ -191,7 +219,7 @@ impl<'de> Deserializer<'de> for Reader {
     }
 
     forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 u8 u16 u32 u64 f32 f64 char str string bytes byte_buf unit unit_struct seq tuple
+        bool i8 i16 i32 i64 u8 u16 u32 f32 f64 char str string bytes byte_buf unit unit_struct seq tuple
         tuple_struct map struct identifier ignored_any
     }
 }

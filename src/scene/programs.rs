@@ -14,14 +14,14 @@ use super::nearby::nearby;
 use super::script_sources::{SceneScripts, ScriptPlace};
 use super::spawn::transfer;
 use super::validate::{At, Problems};
-use crate::script::{Language, Programs, ScriptError, limits, run_spawning};
+use crate::script::{Language, Programs, Room, ScriptError, limits, run_spawning};
 
-/// Runs the programs that spawn. Their entities follow the document's own. `room` is how many more a scene may have of them.
+/// Runs the programs that spawn. Their entities follow the document's own. `room` is how much more a scene may have of them.
 pub(super) fn spawn(
     document: &mut SceneDocument,
     folder: &Path,
     seed: u64,
-    room: &mut u64,
+    room: &mut Room,
     paths: &mut Vec<PathBuf>,
     problems: &mut Problems,
 ) {
@@ -31,8 +31,7 @@ pub(super) fn spawn(
     for (index, program) in document.spawn.iter().enumerate() {
         let at = list.index(index);
         let Some(code) = Code::read(program, folder, paths, &at, problems) else { continue };
-        let (result, spawned) = run(&code.text, seed, *room);
-        *room = room.saturating_sub(spawned.len() as u64);
+        let (result, spawned) = run(&code.text, seed, room);
         for (entity, place) in spawned {
             document.entities.push(Arc::new(entity));
             problems.spawned_at(index, code.source.as_ref(), place);
@@ -132,7 +131,7 @@ impl Compiled {
 type Spawned = Vec<(EntityDocument, usize)>;
 
 /// All that a program spawns until it ends, or goes wrong.
-fn run(text: &str, seed: u64, room: u64) -> (Result<(), ScriptError>, Spawned) {
+fn run(text: &str, seed: u64, room: &mut Room) -> (Result<(), ScriptError>, Spawned) {
     let list = Arc::new(Mutex::new(Spawned::new()));
     let into = Arc::clone(&list);
     let result = run_spawning(text, seed, room, move |spawned| {
@@ -197,7 +196,7 @@ fn read(path: &Path, written: &Path) -> Result<String, (String, String)> {
         }
         InputError::NotAFile | InputError::System(_) => (format!("`{file}` is not a file"), remedy()),
         InputError::TooLarge(most) => {
-            (format!("`{file}` is too long for a script"), format!("a script has at most {most} bytes"))
+            (format!("`{file}` is too long for a script"), format!("a script has at most {} KiB", most >> 10))
         }
     })?;
     let text = String::from_utf8(bytes).map_err(|_| {

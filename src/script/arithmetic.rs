@@ -5,6 +5,7 @@
 use rhai::{Dynamic, Engine, EvalAltResult, FLOAT, INT, ImmutableString, Position};
 
 use super::data::kind;
+use super::work::Extent;
 use super::{limits, maths, work};
 
 pub(super) type Outcome = Result<Dynamic, Box<EvalAltResult>>;
@@ -145,6 +146,7 @@ fn joined(left: &Dynamic, right: &Dynamic) -> Outcome {
     if text.len() > limits::TEXT {
         return failed(format!("this text is longer than {} bytes", limits::TEXT));
     }
+    work::add_text(text.len());
     Ok(ImmutableString::from(text).into())
 }
 
@@ -196,6 +198,7 @@ pub(super) fn equal(left: &Dynamic, right: &Dynamic) -> bool {
         return left.len() == right.len() && left.iter().zip(right.iter()).all(same);
     }
     if let (Ok(left), Ok(right)) = (left.as_immutable_string_ref(), right.as_immutable_string_ref()) {
+        work::add_text(left.len());
         return *left == *right;
     }
     match (left.as_bool(), right.as_bool()) {
@@ -226,6 +229,10 @@ pub(super) fn register(engine: &mut Engine) {
     });
     // What stands in texts between backticks.
     engine.register_fn("to_string", |number: FLOAT| number.to_string());
+    engine.register_fn("to_string", |value: &mut Dynamic| {
+        work::add(Extent::of(value).writing());
+        value.to_string()
+    });
     engine.register_fn("!", |flag: bool| !flag);
     engine.register_fn("==", |left: Dynamic, right: Dynamic| equal(&left, &right));
     engine.register_fn("!=", |left: Dynamic, right: Dynamic| !equal(&left, &right));

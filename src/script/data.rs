@@ -65,6 +65,16 @@ impl Data {
         }
     }
 
+    /// The bytes of all texts in it.
+    pub(super) fn text_length(&self) -> usize {
+        match self {
+            Self::Text(text) => text.len(),
+            Self::List(list) => list.iter().map(Self::text_length).sum(),
+            Self::Map(map) => map.iter().map(|(_, value)| value.text_length()).sum(),
+            _ => 0,
+        }
+    }
+
     /// What it is, in words: `a list of 2 values`.
     #[must_use]
     pub fn description(&self) -> String {

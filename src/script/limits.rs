@@ -1,5 +1,6 @@
 //! How much a program may do. Together they bound time and memory: a run holds at most [`VARIABLES`] values, each of them at
-//! most [`LIST`] numbers and [`TEXT`] bytes of text, in each of [`CALLS`] calls.
+//! most [`LIST`] numbers and [`TEXT`] bytes of text, in each of [`CALLS`] calls; what it is to copy a value, and to go through one, are
+//! operations too.
 
 /// The most operations of a channel's program in one run: some hundredths of a second.
 pub const OPERATIONS: u64 = 100_000;
@@ -9,10 +10,12 @@ pub const OPERATIONS_UNTIL_KNOWN: u64 = 1_000_000;
 pub const SPAWNING_OPERATIONS: u64 = 200_000;
 /// So many operations more for each spawned entity.
 pub const OPERATIONS_PER_ENTITY: u64 = 100;
-/// The most entities that a program spawns.
+/// The most entities that the programs of a scene spawn.
 pub const ENTITIES: u64 = 1_000_000;
-/// The longest program, in bytes.
-pub const PROGRAM: usize = 1 << 20;
+/// The most bytes of text in all of these, names included: 64 for each of them.
+pub const SPAWNED_TEXT: u64 = 64 << 20;
+/// The longest program, in bytes: reading one takes up to the square of its length.
+pub const PROGRAM: usize = 1 << 16;
 /// The longest text, in bytes, also of all texts in a list or a map together.
 pub const TEXT: usize = 4096;
 /// The most values in a list, with those of the lists in it.
@@ -21,6 +24,8 @@ pub const LIST: usize = 256;
 pub const MAP: usize = 32;
 /// The most variables at a time.
 pub const VARIABLES: usize = 128;
+/// The most values that a function is called with.
+pub const ARGUMENTS: usize = 16;
 /// The most functions in a program.
 pub const FUNCTIONS: usize = 256;
 /// How deep functions may call each other.

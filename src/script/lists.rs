@@ -142,7 +142,10 @@ pub(super) fn register(engine: &mut Engine) {
     engine.register_fn("sum", |list: Dynamic| sum(&list));
     engine.register_fn("len", |list: &mut Array| list.len() as INT);
     engine.register_fn("len", |map: &mut Map| map.len() as INT);
-    engine.register_fn("len", |text: ImmutableString| text.chars().count() as INT);
+    engine.register_fn("len", |text: ImmutableString| {
+        work::add_text(text.len());
+        text.chars().count() as INT
+    });
     engine.register_fn("push", |list: &mut Array, value: Dynamic| -> Result<(), Box<EvalAltResult>> {
         room(list.len() + 1, ())?;
         list.push(value);
@@ -164,8 +167,10 @@ pub(super) fn register(engine: &mut Engine) {
         list.iter().any(|part| equal(part, &value))
     });
     engine.register_fn("contains", |map: &mut Map, name: ImmutableString| map.contains_key(name.as_str()));
-    engine
-        .register_fn("contains", |text: ImmutableString, part: ImmutableString| text.contains(part.as_str()));
+    engine.register_fn("contains", |text: ImmutableString, part: ImmutableString| {
+        work::add_text(text.len() + part.len());
+        text.contains(part.as_str())
+    });
     engine.register_fn("keys", |map: &mut Map| -> Array {
         work::add(map.len());
         map.keys().map(|name| Dynamic::from(ImmutableString::from(name.as_str()))).collect()

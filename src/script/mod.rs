@@ -23,10 +23,12 @@ mod spawning;
 mod surroundings;
 #[cfg(test)]
 mod tests;
+mod vocabulary;
+mod wording;
 mod work;
 
 pub use data::Data;
 pub use error::{ScriptError, Unknown};
 pub use language::{Language, Program, Programs, Stop};
-pub use spawning::{Spawned, run_spawning};
+pub use spawning::{Room, Spawned, run_spawning};
 pub use surroundings::{Read, Surroundings};

@@ -3,10 +3,11 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use rhai::{Dynamic, Engine, EvalAltResult, Map, NativeCallContext, Position, Scope, Token};
+use rhai::{Dynamic, Engine, EvalAltResult, Map, NativeCallContext, Position, Scope};
 
 use super::arithmetic::failed;
 use super::data::kind;
+use super::vocabulary::Purpose;
 use super::{Data, ScriptError, language, limits, noise, work};
 
 /// How the functions of programs that spawn are called.
@@ -34,8 +35,43 @@ pub struct Spawned {
     pub at: usize,
 }
 
+/// How much the programs of a scene may yet spawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Room {
+    /// Entities.
+    pub entities: u64,
+    /// Bytes of text in them.
+    pub text: u64,
+}
+
+impl Default for Room {
+    fn default() -> Self {
+        Self { entities: limits::ENTITIES, text: limits::SPAWNED_TEXT }
+    }
+}
+
+impl Room {
+    /// Makes room for an entity.
+    fn admit(&mut self, entity: &Data) -> Result<(), Box<EvalAltResult>> {
+        let Some(entities) = self.entities.checked_sub(1) else {
+            return failed(format!(
+                "the scripts of a scene spawn at most {} entities\ndoes a loop never end?",
+                limits::ENTITIES
+            ));
+        };
+        let Some(text) = self.text.checked_sub(entity.text_length() as u64) else {
+            return failed(format!(
+                "the texts of all spawned entities come to more than {} MiB\nshorten their names: is one made longer in every turn of a loop?",
+                limits::SPAWNED_TEXT >> 20
+            ));
+        };
+        *self = Self { entities, text };
+        Ok(())
+    }
+}
+
 /// Runs a program that calls `spawn(#{ .. })`, and gives all that it spawns to `take`, in this order. What `take` refuses is an error
-/// at the call; a second line of its message is the remedy. `room` is how many entities may be spawned.
+/// at the call; a second line of its message is the remedy. What is spawned takes from `room`.
 ///
 /// # Errors
 ///
@@ -43,39 +79,40 @@ pub struct Spawned {
 pub fn run_spawning(
     text: &str,
     seed: u64,
-    room: u64,
+    room: &mut Room,
     take: impl FnMut(Spawned) -> Result<(), String> + Send + 'static,
 ) -> Result<(), ScriptError> {
+    let program =
+        language::compile(&language::parser(Purpose::Spawn), &language::outside(&[]), Purpose::Spawn, text)?;
     let mut engine = language::bare_engine();
     noise::register(&mut engine, seed);
     register_constructors(&mut engine);
-    register_spawn(&mut engine, text, room, take);
+    let left = register_spawn(&mut engine, text, *room, take);
     work::on_outside(&mut engine, |_| None);
-    let program = language::compile(&engine, &language::outside(&[]), &USAGES, text)?;
     work::start();
-    match engine.eval_ast_with_scope::<Dynamic>(&mut Scope::new(), &program.ast) {
+    let result = engine.eval_ast_with_scope::<Dynamic>(&mut Scope::new(), &program.ast);
+    *room = *left.lock().unwrap_or_else(PoisonError::into_inner);
+    match result {
         Ok(_) => Ok(()),
         Err(error) => Err(program.explain(&error)),
     }
 }
 
+/// Gives the room that is left.
 fn register_spawn(
     engine: &mut Engine,
     text: &str,
-    room: u64,
+    room: Room,
     take: impl FnMut(Spawned) -> Result<(), String> + Send + 'static,
-) {
-    #[expect(deprecated, reason = "marked so because it may change, not because it will go")]
-    engine.on_parse_token(|token, _, _| match token {
-        // Kept by Rhai for later.
-        Token::Reserved(word) if *word == "spawn" => Token::Identifier(word),
-        token => token,
-    });
+) -> Arc<Mutex<Room>> {
     let count = Arc::new(AtomicU64::new(0));
     let spawned = Arc::clone(&count);
-    work::limit(engine, move || {
-        limits::SPAWNING_OPERATIONS + spawned.load(Ordering::Relaxed) * limits::OPERATIONS_PER_ENTITY
+    work::limit(engine, move |done| {
+        let more = spawned.load(Ordering::Relaxed) * limits::OPERATIONS_PER_ENTITY;
+        done > limits::SPAWNING_OPERATIONS + more
     });
+    let left = Arc::new(Mutex::new(room));
+    let room = Arc::clone(&left);
     let take = Mutex::new(take);
     let places = Places::of(text);
     engine.register_fn(
@@ -87,37 +124,38 @@ fn register_spawn(
                     kind(&entity)
                 ));
             }
-            if count.fetch_add(1, Ordering::Relaxed) >= room {
-                return failed(format!(
-                    "the scripts of a scene spawn at most {} entities\ndoes a loop never end?",
-                    limits::ENTITIES
-                ));
-            }
-            let spawned = Spawned { entity: Data::of(&entity), at: places.byte(context.call_position()) };
+            let entity = Data::of(&entity);
+            room.lock().unwrap_or_else(PoisonError::into_inner).admit(&entity)?;
+            count.fetch_add(1, Ordering::Relaxed);
+            let spawned = Spawned { entity, at: places.byte(context.call_position()) };
             let mut take = take.lock().unwrap_or_else(PoisonError::into_inner);
             take(spawned).or_else(failed)
         },
     );
+    left
 }
 
-/// Where lines start.
+/// Where characters are: looked up for every entity, however long the lines are.
 struct Places {
+    /// The byte of each character, and the end.
+    bytes: Vec<usize>,
+    /// The first character of each line.
     lines: Vec<usize>,
-    /// The bytes of characters in a line differ from their count where it is not ASCII.
-    text: String,
 }
 
 impl Places {
     fn of(text: &str) -> Self {
-        let after = text.match_indices('\n').map(|(at, _)| at + 1);
-        Self { lines: std::iter::once(0).chain(after).collect(), text: text.to_owned() }
+        let bytes = text.char_indices().map(|(byte, _)| byte).chain([text.len()]).collect();
+        let ends = text.chars().enumerate().filter(|(_, character)| *character == '\n');
+        let lines = std::iter::once(0).chain(ends.map(|(end, _)| end + 1)).collect();
+        Self { bytes, lines }
     }
 
+    /// Lines and columns count from 1, columns in characters.
     fn byte(&self, position: Position) -> usize {
-        let start = position.line().and_then(|line| self.lines.get(line - 1)).copied().unwrap_or(0);
-        let rest = &self.text[start..];
+        let line = position.line().and_then(|line| self.lines.get(line - 1)).copied().unwrap_or(0);
         let column = position.position().unwrap_or(1);
-        start + rest.char_indices().nth(column - 1).map_or(rest.len(), |(offset, _)| offset)
+        self.bytes.get(line + column - 1).or(self.bytes.last()).copied().unwrap_or(0)
     }
 }
 

@@ -132,6 +132,7 @@ fn value(
     target: ImmutableString,
     channel: ImmutableString,
 ) -> Result<Dynamic, Box<EvalAltResult>> {
+    work::add_text(target.len() + channel.len());
     let key = (target, channel);
     let known = CURRENT.with_borrow(|current| current.values.get(&key).cloned());
     known.ok_or_else(|| {

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::{Data, Language, Read, Stop, Surroundings, run_spawning};
+use super::{Data, Language, Read, Room, Stop, Surroundings, limits, run_spawning};
 
 fn run(text: &str) -> Result<Data, Stop> {
     let language = Language::new(0);
@@ -166,6 +166,7 @@ fn programs_have_variables_branches_loops_and_functions() {
 
 #[test]
 fn mistakes_have_a_message_and_a_place() {
+    let mut wrong = Vec::new();
     for (text, message, marked) in [
         ("let a = 0;\n 3 / a", "division by zero", "/"),
         ("5 % (t - t)", "division by zero", "%"),
@@ -196,23 +197,111 @@ fn mistakes_have_a_message_and_a_place() {
         ("t = 5", "`t` cannot be changed", "t"),
         ("[1, 2][5]", "there is no value 5 in a list of 2", "5"),
         ("throw \"no\"", "no", "throw"),
+        ("[1, 2, 3][floor(1e300)]", "an index must be a whole number", "floor"),
+        ("let a = [1, 2]; a[t]", "an index must be a whole number", "t"),
+        ("[1, 2][0.5]", "an index must be a whole number", "0.5"),
+        ("#{ a: 1 }[t]", "expected a text, found a number", "t"),
+        ("[][0]", "the list is empty", "0"),
+        ("\"ab\"[7]", "there is no character 7 in a text of 2", "7"),
+        ("let a = range(0, 1, 0.1); a + 1", "`+` does not take a range and a number", "+"),
+        ("len(range(0, 1, 0.1))", "`len` does not take a range", "len"),
+        ("[1, 2] < [3, 4]", "`<` does not take a list and a list", "<"),
+        ("throw", "the script stops itself by `throw`", "throw"),
+        ("let a = #{ b: 1 }; a.c", "the map has no `c`", "c"),
+        ("spawn(#{})", "`spawn` means nothing here", "spawn"),
+        ("sphere(1)", "there is no function `sphere`", "sphere"),
+        (
+            "max(1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17)",
+            "`max` is called with too many values",
+            "max",
+        ),
+        ("if t = 2 { 1 }", "`=` means nothing here", "="),
+        ("t === 2", "`===` means nothing here", "="),
+        ("1 +", "the script ends too early", ""),
+        ("let a = 1 let b = 2", "expected `;`", "let"),
+        ("[1 2]", "expected `,`", "2"),
+        ("#{ a 1 }", "expected `:`", "1"),
+        ("#{ a: 1, a: 2 }", "`a` is twice in this map", "a"),
+        ("\"never closed", "this text is never closed", "\""),
+        ("\"a\\q\"", "`\\q` stands for no character", "q"),
+        ("1.5.2 + 1", "a name is missing", "2"),
+        ("'ab'", "this is not one character", "'"),
+        ("1 = 2", "this cannot be given a value", "1"),
+        ("fn f(a, a) { a }", "two are called `a`", "a"),
+        ("fn f(a) { a } fn f(b) { b }", "there are two functions `f` of 1 value", "fn"),
+        ("if true { fn f() { 1 } }", "a function inside of something else", "fn"),
+        ("break", "there is no loop to leave or to go on with", "break"),
+        ("let 5 = 1", "the name of a variable is missing", "5"),
+        ("switch t { _ => 1, 2 => 3 }", "a case of `switch` at a wrong place", "_"),
         ("import \"x\"", "`import` means nothing here", "import"),
         ("eval(\"1\")", "`eval` means nothing here", "eval"),
         ("print(1)", "`print` means nothing here", "print"),
         ("for i in 0..(9 / 3) { }", "`..` does not take a number and a number", "."),
     ] {
         let (found, at) = mistake(text);
-        assert_eq!((found.as_str(), at.as_str()), (message, marked), "{text}");
+        if (found.as_str(), at.as_str()) != (message, marked) {
+            wrong.push(format!("{text}: {found}, at {at}"));
+        }
     }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]
 fn whatever_a_program_does_it_ends_soon() {
+    const LIST: &str = "a list that is too large";
+    const MAP: &str = "a map that is too large";
+    const TEXT: &str = "a text that is too large";
+    let full = "let a = []; for i in 0..256 { a.push(i); }";
+    let less = "let a = []; for i in 0..200 { a.push(i); }";
+    let full_of_lists = "let a = []; for i in 0..256 { a.push([]); }";
+    let full_map = "let m = #{}; for i in 0..32 { m[`key ${i}`] = [i, i]; }";
+    let full_text = "let s = \"x\"; for i in 0..12 { s += s; }";
+    let endless: Vec<String> = [
+        (full, "a[0] += 0;"),
+        (full, "let b = a;"),
+        (full, "a = a;"),
+        (full, "try { throw a; } catch (b) { }"),
+        (full, "try { sum(a == a); } catch { }"),
+        (less, "[[[[[[[[a]]]]]]]];"),
+        (full, "switch a { 1 => 2 }"),
+        (full, "`${a}`;"),
+        (full, "for x in a { a[x] = x; }"),
+        (full, "a.len();"),
+        (less, "push(a, 1); pop(a);"),
+        (less, "[a][0][0];"),
+        (full_of_lists, "a[0] += 0;"),
+        (full_of_lists, "let b = a;"),
+        (full_of_lists, "a == a;"),
+        (full_of_lists, "`${a}`;"),
+        (full_of_lists, "append(a, []);"),
+        (full_map, "m[\"key 7\"][0] = 1;"),
+        (full_map, "let n = m;"),
+        (full_map, "`${m}`;"),
+        (full_map, "keys(m);"),
+        (full_text, "s[4000] = 'b';"),
+        (full_text, "s[4000];"),
+        (full_text, "s[1..4000];"),
+        (full_text, "let r = s + \"\";"),
+        (full_text, "let r = `${s}`;"),
+        (full_text, "s == s + \"\";"),
+        (full_text, "contains(s, \"xxxxxxxxxxxxxxxxxxxxxxy\");"),
+        (full_text, "for c in s { s.len(); }"),
+        ("", "try { sin(1, 2, 3, 4, 5, 6, 7); } catch { }"),
+        ("", "try { [1][9]; } catch (error) { }"),
+        ("", "try { no(1) } catch { } fn no(x) { x.nothing }"),
+        ("", "let s = `${5e-324}${1e308}`;"),
+        ("let x = 1;", "x[3] = true;"),
+    ]
+    .map(|(before, turn)| match turn.split_once(" fn ") {
+        Some((turn, function)) => format!("fn {function} {before} loop {{ {turn} }}"),
+        None => format!("{before} loop {{ {turn} }}"),
+    })
+    .into();
     let deep = format!("{}1{}", "(".repeat(5000), ")".repeat(5000));
-    let long = format!("\"{}\"", "a".repeat(100_000));
-    let many = format!("[{}]", "1, ".repeat(100_000));
+    let long = format!("\"{}\"", "a".repeat(60_000));
+    let many = format!("[{}]", "1, ".repeat(20_000));
     let stacked = format!("fn f(n) {{ {}f(n + 1){} }} f(0)", "-(".repeat(5), ")".repeat(5));
-    let chain = format!("1{}", " + 1".repeat(100_000));
+    let chain = format!("1{}", " + 1".repeat(15_000));
     let texts = [
         ("loop { }", "this takes too long"),
         ("while true { let a = [1, 2, 3]; }", "this takes too long"),
@@ -221,10 +310,16 @@ fn whatever_a_program_does_it_ends_soon() {
         ("let s = \"a\"; loop { s += s; }", ""),
         ("let s = \"a\"; loop { s = `${s}${s}`; }", ""),
         ("let a = []; loop { a.push(\"0123456789012345678901234567890123456789\"); }", ""),
-        ("let m = #{}; let i = 0; loop { m[`k${i}`] = m; i += 1; }", "this becomes too large"),
-        ("let m = #{}; for i in 0..8000 { m[`k${i}`] = i; } 1", "this becomes too large"),
-        ("let m = #{ a: #{} }; for i in 0..8000 { m.a[`k${i}`] = i; } 1", "this becomes too large"),
-        ("let l = [#{}]; for i in 0..8000 { l[0][`k${i}`] = i; } 1", "this becomes too large"),
+        ("let m = #{}; let i = 0; loop { m[`k${i}`] = m; i += 1; }", MAP),
+        ("let m = #{}; for i in 0..8000 { m[`k${i}`] = i; } 1", MAP),
+        ("let m = #{ a: #{} }; for i in 0..8000 { m.a[`k${i}`] = i; } 1", MAP),
+        ("let l = [#{}]; for i in 0..8000 { l[0][`k${i}`] = i; } 1", MAP),
+        ("let a = []; for i in 0..250 { a.push(i); } for i in 0..250 { a[i] = a; } 1", LIST),
+        ("let a = [[]]; for i in 0..300 { a[0].push(i); } 1", LIST),
+        ("let a = [0, 0]; loop { a[1] = a; }", LIST),
+        ("let s = \"x\"; for i in 0..11 { s += s; } let a = [0, 0, 0]; for i in 0..3 { a[i] = s; } a", TEXT),
+        ("let s = \"abc\"; loop { s[0..1] = s; }", TEXT),
+        ("let k = \"x\"; for i in 0..11 { k += k; } let m = #{}; for i in 0..3 { m[k + i] = i; } m", TEXT),
         (
             "fn f() { for i in 0..8000 { this[`k${i}`] = i; } } let m = #{}; m.f(); 1",
             "`this` means nothing here",
@@ -242,6 +337,7 @@ fn whatever_a_program_does_it_ends_soon() {
             "this takes too long",
         ),
         ("fn f(n) { f(n + 1) } f(0)", "functions call each other too deep"),
+        ("fn f(n, a) { f(n + 1, [a, a]) } f(0, 1)", ""),
         ("fn f(n) { for i in 0..1000 { f(n); } } f(0)", ""),
         ("fn f(n) { if n > 30 { 0 } else { f(n + 1) + f(n + 1) } } f(0)", "this takes too long"),
         ("for i in 0..9223372036854775807 { }", "this takes too long"),
@@ -263,18 +359,118 @@ fn whatever_a_program_does_it_ends_soon() {
         ),
         (&stacked, "functions call each other too deep"),
         (&deep, "this is nested too deep"),
-        (&long, "this is too large"),
-        (&many, "this is too large"),
+        (&long, TEXT),
+        (&many, LIST),
         (&chain, ""),
     ];
-    for (text, message) in texts {
+    let endless = endless.iter().map(|text| (text.as_str(), "this takes too long"));
+    let mut wrong = Vec::new();
+    for (text, message) in texts.into_iter().chain(endless) {
         let start = Instant::now();
         let (found, _) = mistake(text);
         let shown: String = text.chars().take(90).collect();
         println!("{:>8.1?} {shown}: {found}", start.elapsed());
-        assert!(start.elapsed() < Duration::from_secs(1), "{shown}");
-        assert!(message.is_empty() || found == message, "{shown}: {found}");
+        if start.elapsed() > Duration::from_secs(1) || !(message.is_empty() || found == message) {
+            wrong.push(format!("{shown}: {found} after {:?}", start.elapsed()));
+        }
     }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// A program of so many of something.
+type Many = fn(usize) -> String;
+
+#[test]
+fn what_is_within_a_limit_is_taken_and_one_more_is_not() {
+    let limits: [(&str, usize, Many); 11] = [
+        ("values of a list", limits::LIST, |count| format!("[{}]", vec!["1"; count].join(", "))),
+        ("values of a list in a list", limits::LIST - 1, |count| {
+            format!("[[{}]]", vec!["1"; count].join(", "))
+        }),
+        ("values that are pushed", limits::LIST, |count| {
+            format!("let a = []; for i in 0..{count} {{ a.push(i); }} a")
+        }),
+        ("values that are put into lists", limits::LIST - 1, |count| {
+            format!("let a = [0]; let b = []; for i in 0..{count} {{ b.push(i); }} a[0] = b; a")
+        }),
+        ("values of a map", limits::MAP, |count| {
+            let fields: Vec<String> = (0..count).map(|index| format!("f{index}: 1")).collect();
+            format!("#{{ {} }}", fields.join(", "))
+        }),
+        ("values that are put into a map", limits::MAP, |count| {
+            format!("let m = #{{}}; for i in 0..{count} {{ m[`${{i}}`] = i; }} m")
+        }),
+        ("bytes of a text", limits::TEXT, |count| format!("\"{}\"", "a".repeat(count))),
+        ("variables", limits::VARIABLES, |count| {
+            (0..count).map(|index| format!("let v{index} = 1; ")).collect()
+        }),
+        ("calls", limits::CALLS, |count| {
+            format!("fn f(n) {{ if n > 1 {{ f(n - 1) }} else {{ 1 }} }} f({count})")
+        }),
+        ("functions", limits::FUNCTIONS, |count| {
+            (0..count).map(|index| format!("fn f{index}() {{ 1 }}\n")).collect()
+        }),
+        ("values of a call", limits::ARGUMENTS, |count| {
+            let names: Vec<String> = (0..count).map(|index| format!("v{index}")).collect();
+            format!("fn f({}) {{ 1 }} f({})", names.join(", "), vec!["1"; count].join(", "))
+        }),
+    ];
+    for (what, most, many) in limits {
+        assert!(run(&many(most)).is_ok(), "{most} {what}: {:?}", run(&many(most)));
+        assert!(run(&many(most + 1)).is_err(), "{} {what}", most + 1);
+    }
+}
+
+#[test]
+fn long_programs_are_read_or_refused_soon() {
+    let numbered = |part: fn(usize) -> String| {
+        let mut text = String::new();
+        (0..)
+            .map(part)
+            .take_while(|part| {
+                text += part;
+                text.len() < limits::PROGRAM - 100
+            })
+            .count();
+        text
+    };
+    let repeated = |part: &str| part.repeat((limits::PROGRAM - 100) / part.len());
+    let mut wrong = Vec::new();
+    for (what, text) in [
+        ("variables", numbered(|index| format!("let variable{index} = 1; "))),
+        ("uses of variables", numbered(|index| format!("let v{index} = 1; v{}; ", index / 2))),
+        ("constants", numbered(|index| format!("const C{index} = 1; "))),
+        ("parameters", format!("fn f({}x) {{ 1 }} 1", numbered(|index| format!("v{index}, ")))),
+        ("fields", format!("#{{ {} }}", numbered(|index| format!("f{index}: 1, ")))),
+        ("functions", numbered(|index| format!("fn f{index}() {{ 1 }} "))),
+        ("calls", format!("fn f() {{ 1 }} {}", repeated("f(); "))),
+        ("unknown calls", repeated("sim(1); ")),
+        ("cases", format!("switch t {{ {} }}", numbered(|index| format!("{index} => 1, ")))),
+        ("ranges", format!("switch t {{ {} }}", numbered(|index| format!("{index}..{} => 1, ", index + 3)))),
+        ("blocks", repeated("{")),
+        ("comments", repeated("/* */")),
+        ("opened comments", repeated("/*")),
+        ("comments on functions", repeated("/// a\n")),
+        ("negations", repeated("!")),
+        ("minus signs", repeated("-")),
+        ("chains", format!("t{}", repeated(".a"))),
+        ("indices", format!("t{}", repeated("[0]"))),
+        ("sums", format!("1{}", repeated("+1"))),
+        ("opened texts", repeated("`${")),
+        ("quotes", repeated("\"")),
+        ("long names", format!("let {0} = 1; {0}", "a".repeat(limits::PROGRAM / 3))),
+        ("branches", repeated("if t > 1 { 1 } else ") + "{ 2 }"),
+        ("statements", repeated("1;")),
+        ("lines", repeated("\n")),
+    ] {
+        let start = Instant::now();
+        let result = run(&text);
+        println!("{:>8.1?} {what}: {:?}", start.elapsed(), result.is_ok());
+        if start.elapsed() > Duration::from_secs(1) {
+            wrong.push(format!("{what}: {:?}", start.elapsed()));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]
@@ -305,14 +501,17 @@ fn randomness_is_a_function_of_its_arguments_and_the_seed() {
 }
 
 fn spawned(text: &str) -> Result<Vec<Data>, (String, usize)> {
+    spawned_into(text, &mut Room::default())
+}
+
+fn spawned_into(text: &str, room: &mut Room) -> Result<Vec<Data>, (String, usize)> {
     let list = std::sync::Arc::new(std::sync::Mutex::new(Vec::new()));
     let into = std::sync::Arc::clone(&list);
     let take = move |spawned: super::Spawned| {
         into.lock().unwrap().push(spawned.entity);
         Ok(())
     };
-    run_spawning(text, 0, super::limits::ENTITIES, take)
-        .map_err(|error| (error.message, error.span.start))?;
+    run_spawning(text, 0, room, take).map_err(|error| (error.message, error.span.start))?;
     let list = list.lock().unwrap();
     Ok(list.clone())
 }
@@ -337,4 +536,57 @@ fn entities_are_spawned_in_order_and_by_the_hundred() {
         println!("{:>8.1?} {endless}", start.elapsed());
         assert!(start.elapsed() < Duration::from_secs(2));
     }
+}
+
+#[test]
+fn calls_are_found_in_lines_of_any_length_soon() {
+    let start = Instant::now();
+    let text =
+        format!("/* {} */\n/* ß */ for i in 0..20000 {{ spawn(#{{}}); }}\nspawn(#{{}});", "ß".repeat(30_000));
+    let text = text.replacen('\n', "", 1);
+    let list = std::sync::Arc::new(std::sync::Mutex::new(Vec::new()));
+    let into = std::sync::Arc::clone(&list);
+    let take = move |spawned: super::Spawned| {
+        into.lock().unwrap().push(spawned.at);
+        Ok(())
+    };
+    run_spawning(&text, 0, &mut Room::default(), take).unwrap();
+    let calls: Vec<usize> = text.match_indices("spawn").map(|(at, _)| at).collect();
+    let list = list.lock().unwrap();
+    assert_eq!((list[0], list[19_999], list[20_000]), (calls[0], calls[0], calls[1]));
+    assert!(start.elapsed() < Duration::from_secs(1), "{:?}", start.elapsed());
+}
+
+#[test]
+fn what_is_spawned_takes_from_the_room_for_all() {
+    let two = "spawn(#{ name: \"four\", other: [\"five5\", 1] }); spawn(#{ name: \"\" });";
+    let mut room = Room { entities: 5, text: 20 };
+    assert_eq!(spawned_into(two, &mut room).unwrap().len(), 2);
+    assert_eq!((room.entities, room.text), (3, 11));
+    spawned_into(two, &mut room).unwrap();
+    let (message, _) = spawned_into(two, &mut room).unwrap_err();
+    assert_eq!(message, "the texts of all spawned entities come to more than 64 MiB");
+    let (message, at) = spawned_into("spawn(#{});\nspawn(#{})", &mut room).unwrap_err();
+    assert_eq!((message.as_str(), at), ("the scripts of a scene spawn at most 1000000 entities", 12));
+    let growing =
+        "let s = \"x\"; for i in 0..11 { s += s; } for i in 0..1000000 { spawn(#{ name: s + i }); }";
+    assert!(spawned(growing).unwrap_err().0.contains("64 MiB"));
+}
+
+#[test]
+fn what_is_for_the_other_kind_of_script_is_not_called_mistyped() {
+    let refused = |text: &str| {
+        let error = run_spawning(text, 0, &mut Room::default(), |_| Ok(())).unwrap_err();
+        (error.message, error.help, error.unknown)
+    };
+    for name in ["t", "frame", "fps", "duration", "index", "name", "base"] {
+        let (message, help, unknown) = refused(&format!("spawn(#{{ shape: sphere({name}) }})"));
+        assert_eq!(message, format!("nothing is called `{name}`"));
+        assert!(help.is_some_and(|help| help.contains("spawns runs once")) && unknown.is_none());
+    }
+    let (message, help, _) = refused("value(\"ball\", \"Radius\")");
+    assert_eq!(message, "there is no function `value`");
+    assert!(help.is_some_and(|help| help.contains("scripts that drive a value")));
+    let (_, _, unknown) = refused("taw");
+    assert_eq!(unknown.unwrap().known, ["pi", "tau", "e"]);
 }

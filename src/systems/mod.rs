@@ -25,6 +25,7 @@ mod plan;
 mod prepare;
 mod propagate;
 mod property;
+mod refusal;
 mod scripts;
 mod snapshot;
 mod world_transform;

@@ -1,5 +1,7 @@
 //! Systems that the program using the library adds.
 
+use std::sync::atomic::AtomicBool;
+
 use hecs::World;
 
 use super::order::order_newcomers;
@@ -43,6 +45,8 @@ pub enum Halt {
     UnknownComponent(UnknownComponent),
     /// A program gave no value.
     Script(Box<ScriptFailure>),
+    /// Nobody waits for it any more.
+    Cancelled,
 }
 
 impl From<UnknownComponent> for Halt {
@@ -133,13 +137,19 @@ impl OwnSystems {
     /// # Errors
     ///
     /// If the world holds a component that cannot be copied, and there are systems that need copies, or if a program goes
-    /// wrong.
-    pub fn advance(&mut self, world: &mut World, time: Time, changes: &mut Changes) -> Result<(), Halt> {
+    /// wrong, or before the next program if `cancelled` becomes true.
+    pub fn advance(
+        &mut self,
+        world: &mut World,
+        time: Time,
+        changes: &mut Changes,
+        cancelled: &AtomicBool,
+    ) -> Result<(), Halt> {
         if changes.is_everything() {
             self.scripts.look_up_again();
         }
         if self.pure.is_empty() && self.stepped.is_empty() {
-            return animate_all(&mut self.scripts, world, time, changes);
+            return animate_all(&mut self.scripts, world, time, changes, cancelled);
         }
         if self.start.is_none() {
             order_newcomers(world, &[]);
@@ -152,8 +162,8 @@ impl OwnSystems {
             changes.anything();
         }
         if self.pure.is_empty() {
-            self.run_steps(world, time, changes)?;
-            let result = animate_all(&mut self.scripts, world, time, changes);
+            self.run_steps(world, time, changes, cancelled)?;
+            let result = animate_all(&mut self.scripts, world, time, changes, cancelled);
             if result.is_err() {
                 // The next step sees only what is written from then on.
                 propagate(world, changes);
@@ -161,7 +171,7 @@ impl OwnSystems {
             return result;
         }
         let mut base = std::mem::take(&mut self.base);
-        let stepped = self.run_steps(&mut base, time, changes);
+        let stepped = self.run_steps(&mut base, time, changes, cancelled);
         self.base = base;
         stepped?;
         let state = match self.state.take() {
@@ -172,14 +182,20 @@ impl OwnSystems {
         self.state = Some(state);
         // What the last frame wrote is undone.
         changes.merge(&std::mem::take(&mut self.written));
-        let result = self.run_pure(world, time);
+        let result = self.run_pure(world, time, cancelled);
         changes.merge(&self.written);
         result
     }
 
     /// Runs all steps that end by `time`, in the order of their ends; of several with the same end, those of the system
     /// that was added first. So the steps until an earlier time are the first of the steps until a later one.
-    fn run_steps(&mut self, world: &mut World, time: Time, changes: &mut Changes) -> Result<(), Halt> {
+    fn run_steps(
+        &mut self,
+        world: &mut World,
+        time: Time,
+        changes: &mut Changes,
+        cancelled: &AtomicBool,
+    ) -> Result<(), Halt> {
         if self.stepped.iter().any(|stepped| stepped.done > time.whole_steps(stepped.step.0)) {
             if let Some(start) = &self.start {
                 start.restore(world);
@@ -199,7 +215,7 @@ impl OwnSystems {
             let Some((_, index)) = due.min() else { break };
             let stepped = &mut self.stepped[index];
             let Some(start) = stepped.step.0.times(stepped.done) else { break };
-            let animated = animate_all(&mut self.scripts, world, start, &mut fresh);
+            let animated = animate_all(&mut self.scripts, world, start, &mut fresh, cancelled);
             // Tracks have written even where a program goes wrong.
             propagate(world, &fresh);
             changes.merge(&std::mem::take(&mut fresh));
@@ -216,9 +232,9 @@ impl OwnSystems {
         Ok(())
     }
 
-    fn run_pure(&mut self, world: &mut World, time: Time) -> Result<(), Halt> {
+    fn run_pure(&mut self, world: &mut World, time: Time, cancelled: &AtomicBool) -> Result<(), Halt> {
         let mut fresh = Changes::default();
-        let result = animate_all(&mut self.scripts, world, time, &mut fresh);
+        let result = animate_all(&mut self.scripts, world, time, &mut fresh, cancelled);
         for system in &self.pure {
             propagate(world, &fresh);
             self.written.merge(&std::mem::take(&mut fresh));
@@ -235,10 +251,11 @@ fn animate_all(
     world: &mut World,
     time: Time,
     changes: &mut Changes,
+    cancelled: &AtomicBool,
 ) -> Result<(), Halt> {
     scripts.look_up(world);
     animate(world, time, changes);
-    Ok(scripts.run(world, time, changes)?)
+    scripts.run(world, time, changes, cancelled)
 }
 
 /// Runs one system, believes what it declares, and gives newcomers their places.

@@ -63,10 +63,10 @@ enum Place<'a> {
 const ANY: RangeInclusive<f64> = f64::NEG_INFINITY..=f64::INFINITY;
 const POSITIVE: RangeInclusive<f64> = 0.0..=f64::INFINITY;
 /// Greater than 0: as small as the file format allows.
-const SIZE: RangeInclusive<f64> = 1e-60..=f64::INFINITY;
+pub(super) const SIZE: RangeInclusive<f64> = 1e-60..=f64::INFINITY;
 const SHARE: RangeInclusive<f64> = 0.0..=1.0;
 const SHININESS: RangeInclusive<f64> = 0.0..=Specular::LARGEST_SHININESS as f64;
-const IOR: RangeInclusive<f64> = Refractive::SMALLEST_IOR..=Refractive::LARGEST_IOR;
+pub(super) const IOR: RangeInclusive<f64> = Refractive::SMALLEST_IOR..=Refractive::LARGEST_IOR;
 /// Of a spot light, from rim to rim.
 const ANGLE: RangeInclusive<f64> = 1e-60..=PI;
 /// Of a view: less than half a turn.

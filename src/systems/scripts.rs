@@ -1,11 +1,13 @@
 //! Writes what programs say about a moment, after all tracks.
 
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use hecs::{Entity, World};
 
-use super::Changes;
 use super::property::{Parts, PartsQuery, Written, declare, sources, value};
+use super::refusal::refusal;
+use super::{Changes, Halt};
 use crate::components::{self, Animated, Motion, Name, Order, Property, ScriptId};
 use crate::script::{Data, Programs, Read, ScriptError, Stop, Surroundings, Unknown, limits};
 use crate::time::{Time, Timeline};
@@ -149,8 +151,15 @@ impl Scripts {
     ///
     /// # Errors
     ///
-    /// If a program goes wrong. Then values may be left from another moment.
-    pub fn run(&mut self, world: &mut World, time: Time, changes: &mut Changes) -> Result<(), ScriptFailure> {
+    /// If a program goes wrong, or if `cancelled` becomes true, which is looked at before each of them. Then values may be left from
+    /// another moment.
+    pub fn run(
+        &mut self,
+        world: &mut World,
+        time: Time,
+        changes: &mut Changes,
+        cancelled: &AtomicBool,
+    ) -> Result<(), Halt> {
         let Some(running) = &mut self.running else { return Ok(()) };
         let Some(driven) = running.driven.take() else { return Ok(()) };
         running.surroundings.turn_to(time.seconds(), running.timeline.rate.frames_at(time));
@@ -162,6 +171,7 @@ impl Scripts {
             driven,
             world,
             changes,
+            cancelled,
         }
         .run();
         running.driven = Some(driven);
@@ -222,18 +232,22 @@ struct Moment<'a> {
     seconds: f64,
     world: &'a mut World,
     changes: &'a mut Changes,
+    cancelled: &'a AtomicBool,
 }
 
 impl Moment<'_> {
-    fn run(mut self) -> (Driven, Result<(), ScriptFailure>) {
+    fn run(mut self) -> (Driven, Result<(), Halt>) {
         let result = (0..self.driven.channels.len()).try_for_each(|place| self.drive(place));
         (self.driven, result)
     }
 
     /// Sets a value, after those that it depends on.
-    fn drive(&mut self, place: usize) -> Result<(), ScriptFailure> {
+    fn drive(&mut self, place: usize) -> Result<(), Halt> {
         let mut stack = vec![place];
         while let Some(&place) = stack.last() {
+            if self.cancelled.load(Ordering::Relaxed) {
+                return Err(Halt::Cancelled);
+            }
             if self.states[place] == State::Done {
                 stack.pop();
                 continue;
@@ -245,7 +259,7 @@ impl Moment<'_> {
                     self.write(&channel, value);
                     self.states[place] = State::Done;
                 }
-                Err(Stop::Error(error)) => return Err(self.failure(&channel, error)),
+                Err(Stop::Error(error)) => return Err(self.failure(&channel, error).into()),
                 Err(Stop::Needs(read)) => {
                     let in_vain = self.in_vain.entry(place).or_default();
                     *in_vain += self.running.surroundings.work();
@@ -253,7 +267,7 @@ impl Moment<'_> {
                         let message = "this takes too long".to_owned();
                         let mistake =
                             self.mistake(&read, &stack, message, "read after very many others", None);
-                        return Err(self.failure(&channel, mistake));
+                        return Err(self.failure(&channel, mistake).into());
                     }
                     let answer = self.answer(&read, &stack).map_err(|error| self.failure(&channel, error))?;
                     stack.extend(answer);
@@ -283,8 +297,11 @@ impl Moment<'_> {
         let name = channel.name.strip_prefix(prefix).unwrap_or(&channel.name);
         surroundings.belong(channel.order.map_or(0, |order| order.0), name, base);
         let data = programs.language.run(program, surroundings)?;
-        notation.value(&data, transfer).ok_or_else(|| {
-            let (message, help) = notation.mismatch(&data);
+        let value = notation.value(&data, transfer).ok_or_else(|| notation.mismatch(&data));
+        let refused = |value| {
+            refusal(channel.property, value).map_or(Ok(value), |(message, help)| Err((message, Some(help))))
+        };
+        value.and_then(refused).map_err(|(message, help)| {
             let help = help.map(str::to_owned);
             Stop::Error(Box::new(ScriptError::whole(program.text(), message, "this is the value", help)))
         })

@@ -18,6 +18,7 @@ mod fuzz;
 mod masses;
 mod moves;
 mod parts;
+mod scripts;
 mod things;
 mod values;
 mod views;

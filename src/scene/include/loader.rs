@@ -16,7 +16,7 @@ use crate::scene::programs::{self, Compiled};
 use crate::scene::quote::{linked, short};
 use crate::scene::reparse::Parsed;
 use crate::scene::validate::{At, Problems, validate};
-use crate::script::limits;
+use crate::script::Room;
 
 /// Files that include each other may go so deep.
 const DEEPEST: usize = 32;
@@ -126,8 +126,8 @@ struct Loader {
     tried: HashSet<PathBuf>,
     /// The file that is being read, after those that include it.
     underway: Vec<usize>,
-    /// How many entities have been spawned.
-    spawned: u64,
+    /// How much may yet be spawned.
+    room: Room,
 }
 
 impl Loader {
@@ -154,9 +154,8 @@ impl Loader {
         let own = self.loaded.files.first().unwrap_or(&file);
         let seed = own.document.as_ref().map_or(0, |document| document.sampling.seed);
         if let Some(document) = &mut file.document {
-            let mut room = limits::ENTITIES.saturating_sub(self.spawned);
-            programs::spawn(document, folder, seed, &mut room, &mut self.loaded.paths, &mut file.problems);
-            self.spawned = limits::ENTITIES - room;
+            let Self { loaded: Files { paths, .. }, room, .. } = self;
+            programs::spawn(document, folder, seed, room, paths, &mut file.problems);
         }
         let wanted: Vec<String> = file.document.iter().flat_map(SceneDocument::included_files).collect();
         self.loaded.files.push(file);

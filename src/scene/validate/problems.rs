@@ -38,6 +38,16 @@ struct Inside {
     span: Range<usize>,
 }
 
+/// What is wrong with a spawned entity: one call in a loop makes the same mistake again and again.
+#[derive(Debug, PartialEq)]
+struct Repeatable {
+    /// Of which script, and by the call at which byte of it.
+    call: (u32, u32),
+    /// The value's place in the entity.
+    value: Vec<Step>,
+    label: String,
+}
+
 /// What has names in a scene.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Named {
@@ -53,6 +63,10 @@ struct Problem {
     message: String,
     label: String,
     help: Option<String>,
+    /// `None` unless it may come again,
+    repeatable: Option<Repeatable>,
+    /// and how often it was found.
+    times: usize,
 }
 
 /// A value's place in the document: a path from the scene to it, kept on the stack while the document is walked.
@@ -94,6 +108,9 @@ impl Problems {
     /// More than this nobody reads.
     pub(in crate::scene) const MOST: usize = 50;
 
+    /// The label of a name that there is not.
+    const UNKNOWN: &'static str = "unknown";
+
     pub(in crate::scene) fn add(
         &mut self,
         at: &At<'_>,
@@ -101,16 +118,31 @@ impl Problems {
         label: impl Into<String>,
         help: impl Into<String>,
     ) {
-        if self.is_full() {
-            self.unlisted += 1;
+        let (path, label) = (at.path(), label.into());
+        let repeatable = self.spawned.repeatable(&path, &label);
+        if self.is_repeated(repeatable.as_ref()) || self.is_unlisted() {
             return;
         }
-        let (message, label, help) = (message.into(), label.into(), Some(help.into()));
-        let (path, inside) = match self.spawned.call(&at.path()) {
-            Some((path, inside)) => (path, Some(inside)),
-            None => (at.path(), None),
+        let (message, help) = (message.into(), Some(help.into()));
+        let (path, inside) = match &repeatable {
+            Some(Repeatable { call, .. }) => (Spawned::path(*call), Some(self.spawned.inside(*call))),
+            None => (path, None),
         };
-        self.listed.push(Problem { path, inside, message, label, help });
+        self.listed.push(Problem { path, inside, message, label, help, repeatable, times: 1 });
+    }
+
+    /// Counts a mistake that was found before.
+    fn is_repeated(&mut self, repeatable: Option<&Repeatable>) -> bool {
+        let Some(repeatable) = repeatable else { return false };
+        let mut listed = self.listed.iter_mut();
+        let before = listed.find(|problem| problem.repeatable.as_ref() == Some(repeatable));
+        before.map(|problem| problem.times += 1).is_some()
+    }
+
+    /// Counts a mistake that there is no room for in the list.
+    fn is_unlisted(&mut self) -> bool {
+        self.unlisted += usize::from(self.is_full());
+        self.is_full()
     }
 
     /// A mistake in a script: in the text at this place, or in a file of its own.
@@ -120,13 +152,13 @@ impl Problems {
         source: Option<Arc<Source>>,
         error: &ScriptError,
     ) {
-        if self.listed.len() == Self::MOST {
-            self.unlisted += 1;
+        if self.is_unlisted() {
             return;
         }
         let (message, label) = (error.message.clone(), error.label.clone());
         let inside = Some(Inside { source, span: error.span.clone() });
-        self.listed.push(Problem { path: at.index(0).path(), inside, message, label, help: help_for(error) });
+        let (path, help) = (at.index(0).path(), help_for(error));
+        self.listed.push(Problem { path, inside, message, label, help, repeatable: None, times: 1 });
     }
 
     /// The entities from this place on are spawned by scripts.
@@ -151,8 +183,8 @@ impl Problems {
         name: &str,
         known: impl FnOnce() -> Vec<Cow<'n, str>>,
     ) {
-        if self.is_full() {
-            self.unlisted += 1;
+        let repeatable = self.spawned.repeatable(&at.path(), Self::UNKNOWN);
+        if self.is_repeated(repeatable.as_ref()) || self.is_unlisted() {
             return;
         }
         let known = known();
@@ -163,7 +195,7 @@ impl Problems {
             Named::Camera => ("camera", "cameras"),
         };
         let message = format!("there is no {singular} \"{}\"", short(name));
-        self.add(at, message, "unknown", remedy(name, &known, plural));
+        self.add(at, message, Self::UNKNOWN, remedy(name, &known, plural));
     }
 
     /// More mistakes that are only counted.
@@ -186,7 +218,8 @@ impl Problems {
         let spans = locate(text, &paths);
         let mut ordered = BTreeMap::new();
         for (index, (problem, span)) in self.listed.into_iter().zip(spans).enumerate() {
-            let Problem { message, label, help, inside, .. } = problem;
+            let Problem { message, help, inside, times, .. } = problem;
+            let label = if times > 1 { format!("{} ({times} times)", problem.label) } else { problem.label };
             let (start, end) = (span.start, span.end);
             let (span, source) = match inside {
                 Some(Inside { source: Some(source), span }) => (span, Some(source)),
@@ -201,14 +234,21 @@ impl Problems {
 }
 
 impl Spawned {
-    /// For the path of a spawned entity, or into it: the path of the script, and the call.
-    fn call(&self, path: &[Step]) -> Option<(Vec<Step>, Inside)> {
-        let [Step::Field("entities"), Step::Index(index), ..] = path else { return None };
-        let (script, byte) = *self.calls.get(index.checked_sub(self.first)?)?;
+    /// For the path of a spawned entity, or one into it.
+    fn repeatable(&self, path: &[Step], label: &str) -> Option<Repeatable> {
+        let [Step::Field("entities"), Step::Index(index), value @ ..] = path else { return None };
+        let call = *self.calls.get(index.checked_sub(self.first)?)?;
+        Some(Repeatable { call, value: value.to_vec(), label: label.to_owned() })
+    }
+
+    /// The path of the script of a call.
+    fn path((script, _): (u32, u32)) -> Vec<Step> {
+        vec![Step::Field("spawn"), Step::Index(script as usize), Step::Index(0)]
+    }
+
+    fn inside(&self, (script, byte): (u32, u32)) -> Inside {
         let start = byte as usize;
-        let source = self.files.get(&script).cloned();
-        let inside = Inside { source, span: start..start + "spawn".len() };
-        Some((vec![Step::Field("spawn"), Step::Index(script as usize), Step::Index(0)], inside))
+        Inside { source: self.files.get(&script).cloned(), span: start..start + "spawn".len() }
     }
 }
 

@@ -1,0 +1,197 @@
+//! What programs can call and read, and how it is called.
+
+use super::{Surroundings, maths, spawning};
+
+/// What a program is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Purpose {
+    /// It gives a value.
+    Drive,
+    /// It spawns entities.
+    Spawn,
+}
+
+/// The functions that a program can call.
+pub(super) struct Known<'a> {
+    pub(super) own: &'a [String],
+    pub(super) purpose: Purpose,
+}
+
+impl Known<'_> {
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        let usages = USUAL.iter().chain(self.purpose.usages());
+        usages.map(|usage| name_in(usage)).chain(self.own.iter().map(String::as_str))
+    }
+
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.names().any(|known| known == name)
+    }
+}
+
+impl Purpose {
+    /// How those functions are called that only such programs have.
+    fn usages(self) -> &'static [&'static str] {
+        match self {
+            Self::Drive => &READING,
+            Self::Spawn => &spawning::USAGES,
+        }
+    }
+
+    fn other(self) -> Self {
+        match self {
+            Self::Drive => Self::Spawn,
+            Self::Spawn => Self::Drive,
+        }
+    }
+
+    /// Names of what is given to such programs.
+    pub(super) fn variables(self) -> impl Iterator<Item = &'static str> {
+        let given: &[&str] = match self {
+            Self::Drive => &Surroundings::NAMES,
+            Self::Spawn => &[],
+        };
+        given.iter().copied().chain(maths::CONSTANTS.map(|(name, _)| name))
+    }
+
+    /// Where a name belongs that only programs for something else know.
+    pub(super) fn elsewhere(self, name: &str) -> Option<&'static str> {
+        let functions = |purpose: Self| purpose.usages().iter().any(|usage| name_in(usage) == name);
+        match self {
+            Self::Drive if functions(self.other()) => {
+                Some("it is for scripts in the scene's `spawn` list, which make entities")
+            }
+            Self::Spawn if functions(self.other()) || Surroundings::NAMES.contains(&name) => Some(
+                "it is for scripts that drive a value; one that spawns runs once, before there is a time",
+            ),
+            _ => None,
+        }
+    }
+}
+
+/// How functions are called.
+const USUAL: [&str; 50] = [
+    "sin(x)",
+    "cos(x)",
+    "tan(x)",
+    "asin(x)",
+    "acos(x)",
+    "atan(x)",
+    "atan2(y, x)",
+    "sinh(x)",
+    "cosh(x)",
+    "tanh(x)",
+    "exp(x)",
+    "ln(x)",
+    "log(x)",
+    "log2(x)",
+    "sqrt(x)",
+    "cbrt(x)",
+    "pow(x, y)",
+    "hypot(x, y)",
+    "abs(x)",
+    "sign(x)",
+    "floor(x)",
+    "ceil(x)",
+    "round(x)",
+    "trunc(x)",
+    "fract(x)",
+    "mod(x, y)",
+    "min(a, b)",
+    "max(a, b)",
+    "clamp(x, low, high)",
+    "mix(a, b, share)",
+    "step(edge, x)",
+    "smoothstep(low, high, x)",
+    "radians(x)",
+    "degrees(x)",
+    "random(i)",
+    "noise(x)",
+    "length(v)",
+    "distance(a, b)",
+    "normalize(v)",
+    "dot(a, b)",
+    "cross(a, b)",
+    "sum(list)",
+    "len(list)",
+    "push(list, value)",
+    "pop(list)",
+    "append(a, b)",
+    "reverse(list)",
+    "contains(list, value)",
+    "keys(map)",
+    "range(from, to, step)",
+];
+
+/// Of programs that give values.
+const READING: [&str; 1] = ["value(name, channel)"];
+
+fn name_in(usage: &str) -> &str {
+    usage.split('(').next().unwrap_or(usage)
+}
+
+/// How a function is called, if it is one of the language's.
+pub(super) fn usage(name: &str) -> Option<String> {
+    let mut usages = USUAL.iter().chain(&READING).chain(&spawning::USAGES);
+    let usage = usages.find(|usage| name_in(usage) == name)?;
+    Some(format!("it is called as `{usage}`"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::script::{Language, Stop, limits};
+
+    #[test]
+    fn the_description_has_every_function_every_name_and_every_limit() {
+        let description = include_str!("language.md");
+        for usage in USUAL.iter().chain(&READING).chain(&spawning::USAGES) {
+            assert!(description.contains(&format!("`{usage}`")), "{usage}");
+        }
+        for name in Purpose::Drive.variables() {
+            assert!(description.contains(&format!("`{name}`")), "{name}");
+        }
+        let section = description.split("# Limits").nth(1).unwrap();
+        for limit in [
+            "100 000 operations".to_owned(),
+            "200 000, and 100 more".to_owned(),
+            format!("{} values, maps {}, texts {} bytes", limits::LIST, limits::MAP, limits::TEXT),
+            format!("{} variables", limits::VARIABLES),
+            format!("{} values", limits::ARGUMENTS),
+            format!("{} functions", limits::FUNCTIONS),
+            format!("{} KiB", limits::PROGRAM >> 10),
+            format!("{} MiB", limits::SPAWNED_TEXT >> 20),
+            format!("{} calls", limits::CALLS),
+            format!("{} deep, {} in functions", limits::NESTING, limits::NESTING_IN_FUNCTIONS),
+        ] {
+            let text = section.split_whitespace().collect::<Vec<_>>().join(" ");
+            assert!(text.contains(&limit), "{limit}");
+        }
+        assert_eq!(
+            (limits::OPERATIONS, limits::SPAWNING_OPERATIONS, limits::OPERATIONS_PER_ENTITY),
+            (100_000, 200_000, 100)
+        );
+        assert_eq!(
+            (limits::ENTITIES, limits::PROGRAM, limits::SPAWNED_TEXT),
+            (1_000_000, 64 << 10, 64 << 20)
+        );
+    }
+
+    #[test]
+    fn every_function_that_is_named_is_there_and_says_how_it_is_called() {
+        let language = Language::new(0);
+        for usage in USUAL.iter().chain(&READING) {
+            let name = name_in(usage);
+            let program = language.compile(&format!("{name}(1, 2, 3, 4, 5, 6, 7)")).unwrap();
+            let Err(Stop::Error(error)) = language.run(&program, &mut Surroundings::default()) else {
+                panic!("{name}");
+            };
+            assert_eq!(error.help, Some(format!("it is called as `{usage}`")));
+            let arguments = usage.matches(',').count() + 1;
+            let program =
+                language.compile(&format!("{name}({})", vec!["#{}"; arguments].join(", "))).unwrap();
+            let result = language.run(&program, &mut Surroundings::default());
+            let missing = matches!(&result, Err(Stop::Error(error)) if error.message.contains("no function"));
+            assert!(!missing, "{name}: {result:?}");
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! What programs may not give, as it may not be written in a file either. Light, colours and coefficients are not refused but held to
+//! their ranges.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::property::{IOR, SIZE};
+use crate::components::Property;
+use crate::timeline::Value;
+
+/// What is wrong with a value, and how to mend it.
+pub(super) fn refusal(property: Property, value: Value) -> Option<(String, &'static str)> {
+    match value {
+        Value::Number(number) => refused_number(property, number),
+        Value::Vector(vector) => refused_vector(property, vector),
+        Value::Rotation(_) | Value::Color(_) => None,
+    }
+}
+
+/// A good number, what is expected of it, and how to keep it so.
+type Expected = (bool, String, &'static str);
+
+fn refused_number(property: Property, number: f64) -> Option<(String, &'static str)> {
+    let (good, expected, help) = match property {
+        Property::Radius
+        | Property::CheckerSize
+        | Property::LightRadius
+        | Property::LightWidth
+        | Property::LightHeight
+        | Property::ScreenDistance
+        | Property::ScreenWidth
+        | Property::ScreenHeight
+        | Property::Focus => length("a length", number),
+        Property::Aperture => nothing_negative("the lens's aperture", number),
+        Property::FogDensity => nothing_negative("the density of the fog", number),
+        Property::Ior => {
+            let expected = format!("ior must be from {} to {}", IOR.start(), IOR.end());
+            (IOR.contains(&number), expected, "1.33 is water, 1.5 glass")
+        }
+        Property::Angle => {
+            let expected = "the angle of a spot light must be above 0, at most 180 degrees".to_owned();
+            (number > 0.0 && number <= PI, expected, "clamp(x, 0.1, 180) keeps it there")
+        }
+        Property::Fov => {
+            let expected = "the field of view must be between 0 and 180 degrees".to_owned();
+            (number > 0.0 && number < PI, expected, "clamp(x, 1, 179) keeps it there")
+        }
+        _ => return None,
+    };
+    let shown = match property {
+        Property::Angle | Property::Fov => in_degrees(number),
+        _ => number,
+    };
+    (!good).then(|| (format!("{expected}, not {}", figure(shown)), help))
+}
+
+fn refused_vector(property: Property, vector: DVec3) -> Option<(String, &'static str)> {
+    let parts = vector.to_array();
+    let is_nothing = |part: &f64| part.abs() < *SIZE.start();
+    match property {
+        Property::Size => parts.into_iter().find_map(|edge| {
+            let (good, expected, help) = length("every edge of a box", edge);
+            (!good).then(|| (format!("{expected}, not {}", figure(edge)), help))
+        }),
+        Property::Scale => parts.iter().any(is_nothing).then(|| {
+            let help = "give a factor other than 0; max(x, 0.001) keeps it above 0";
+            ("a scale of 0 leaves nothing".to_owned(), help)
+        }),
+        Property::Normal | Property::Direction | Property::View | Property::Up => {
+            parts.iter().all(is_nothing).then(|| {
+                let help = "give a vector of any length but 0, as [0, 1, 0]";
+                ("a vector of length 0 has no direction".to_owned(), help)
+            })
+        }
+        Property::Falloff => parts.into_iter().enumerate().find_map(|(index, part)| {
+            let what = format!("c{index} of a falloff");
+            let (good, expected, _) =
+                if index == 0 { length(&what, part) } else { nothing_negative(&what, part) };
+            let help = "1 / (c0 + c1 d + c2 d^2) of the light is left at distance d; [1, 0, 0] never weakens";
+            (!good).then(|| (format!("{expected}, not {}", figure(part)), help))
+        }),
+        _ => None,
+    }
+}
+
+fn length(what: &str, number: f64) -> Expected {
+    let least = if number > 0.0 { "at least 1e-60" } else { "greater than 0" };
+    (SIZE.contains(&number), format!("{what} must be {least}"), "max(x, 0.001) keeps it above 0")
+}
+
+fn nothing_negative(what: &str, number: f64) -> Expected {
+    (number >= 0.0, format!("{what} must be 0 or more"), "max(x, 0) keeps it from falling below")
+}
+
+/// Without very many zeros.
+fn figure(number: f64) -> String {
+    let plain = number == 0.0 || (1e-6..1e9).contains(&number.abs());
+    if plain { number.to_string() } else { format!("{number:e}") }
+}
+
+/// Without what the way to radians has done to it.
+fn in_degrees(radians: f64) -> f64 {
+    const DIGITS: f64 = 1e9;
+    libm::round(radians.to_degrees() * DIGITS) / DIGITS
+}
