@@ -13,11 +13,12 @@ use super::spans::{Step, locate};
 /// ```
 /// use rayreel::Scene;
 ///
-/// let text = "(\n  camera: (position: (0, 0, -5), view: (0, 0, 1)),\n  entities: [\n    (name: \"a\"), (),\n    (),\n  ],\n)";
+/// let text = "(\n  materials: { \"clay\": (k_d: 1) }, camera: (position: (0, 0, -5), view: (0, 0, 1)),\n  entities: [\n    (name: \"a\", material: \"clay\"), (),\n    (),\n  ],\n)";
 /// let (_, sources) = Scene::from_text_with_sources("three.ron", text.to_owned())?;
 /// let lines = sources.entities(&[2, 0, 1]).map(|place| place.to_string());
 /// assert_eq!(lines.collect::<Vec<_>>(), ["three.ron:5", "three.ron:4", "three.ron:4"]);
 /// assert_eq!(sources.camera("camera").line, 2);
+/// assert_eq!((sources.material(0).as_deref(), sources.material(1)), (Some("clay"), None));
 /// # Ok::<(), rayreel::scene::LoadError>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -85,6 +86,17 @@ impl Sources {
         };
         let found = self.lines(0, &[path]).next();
         found.unwrap_or(SourceLine { file: "", line: 1 })
+    }
+
+    /// What an entity's material is called where the entity is written; `None` for one that has none there.
+    #[must_use]
+    pub fn material(&self, entity: usize) -> Option<String> {
+        let origin = self.origin(entity);
+        let (_, text) = self.file(origin.file)?;
+        let path = vec![Step::Field(origin.list), Step::Index(origin.index), Step::Field("material")];
+        let written = locate(text, &[path]).pop()?;
+        // Without such a field it is all of the entity that is found, which is no text.
+        ron::from_str(text.get(written)?).ok()
     }
 
     /// A file's name and text.
