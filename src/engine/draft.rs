@@ -1,18 +1,40 @@
 //! Quick pictures to begin with.
 
-use std::sync::atomic::AtomicBool;
-use std::time::Instant;
+use std::ops::ControlFlow::{self, Continue};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use super::report::FrameReport;
 use super::run::{Engine, EngineError};
 use crate::components::{FilmSettings, Sampling};
+use crate::systems::RayLimits;
 use crate::time::Time;
-use crate::trace::{Exposure, Film};
+use crate::trace::{Exposure, Film, Lighting, Signals};
+
+/// How much less than a frame a quick picture is, besides that it has one sample a pixel, at the frame's own moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Draft {
+    /// What the film's width and height are divided by; one pixel remains.
+    pub divisor: u32,
+    /// Samples of each light with a size, at most; 1 or more.
+    pub light_samples: u32,
+    /// Generations of rays, at most; 1 or more.
+    pub depth: u32,
+    /// Is anything in the way of light?
+    pub shadows: bool,
+}
+
+impl Draft {
+    /// Less in nothing but size.
+    #[must_use]
+    pub const fn sized(divisor: u32) -> Self {
+        Self { divisor, light_samples: u32::MAX, depth: u32::MAX, shadows: true }
+    }
+}
 
 impl Engine {
-    /// Renders a quick picture of a moment, unless `cancelled` becomes true on the way: with 1 / `divisor` of the film's width
-    /// and height, one pixel at least, and one sample a pixel, all at the moment itself. [`report`](Engine::report) then tells
-    /// of it; [`plan`](Engine::plan) still tells of the last frame.
+    /// Renders a quick picture of a moment, unless `cancelled` becomes true on the way. [`report`](Engine::report) then tells of
+    /// it; [`plan`](Engine::plan) still tells of the last frame.
     ///
     /// # Errors
     ///
@@ -20,39 +42,97 @@ impl Engine {
     pub fn render_draft_unless(
         &mut self,
         time: Time,
-        divisor: u32,
+        draft: Draft,
         cancelled: &AtomicBool,
     ) -> Result<Option<Film>, EngineError> {
-        if !self.seek_unless(time, cancelled)? {
+        self.render_draft_on(time, draft, &mut None, Signals::unless(cancelled), &mut |_| Continue(()))
+    }
+
+    /// As [`render_on`](Engine::render_on), a quick picture.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn render_draft_on(
+        &mut self,
+        time: Time,
+        draft: Draft,
+        begun: &mut Option<Exposure>,
+        signals: Signals<'_>,
+        visit: &mut dyn FnMut(&Exposure) -> ControlFlow<()>,
+    ) -> Result<Option<Film>, EngineError> {
+        if !self.seek_unless(time, signals.cancelled)? {
             return Ok(None);
         }
         let Some(preparation) = &mut self.preparation else { return Ok(None) };
-        let settings = preparation.exposure_settings();
-        preparation.expose_with(drafted(settings, divisor), &self.world);
-        let start = Instant::now();
+        let (settings, limits) = (preparation.exposure_settings(), preparation.ray_limits());
+        preparation.expose_with(draft.exposure_settings(settings), &self.world);
+        preparation.limit_rays(&draft.ray_limits(&limits));
         let (scene, camera, sampling) =
             (preparation.scene(), preparation.camera(), preparation.sampling(time));
-        let kernel = preparation.plan(&self.world).kernel();
-        let mut exposure = Exposure::new(camera.resolution(), sampling.samples);
-        let exposed = exposure.add(scene, camera, sampling, (0, sampling.samples), kernel, cancelled);
+        let mut kernel = preparation.plan(&self.world).kernel();
+        if !draft.shadows {
+            kernel.lighting = kernel.lighting.min(Lighting::Unshadowed);
+        }
+        let exposure = begun.get_or_insert_with(|| Exposure::new(camera.resolution(), sampling.samples));
+        let mut traced = Duration::ZERO;
+        let whole = add_all(signals, visit, exposure, |exposure| {
+            let start = Instant::now();
+            let whole = exposure.add(scene, camera, sampling, (0, sampling.samples), kernel, signals);
+            traced += start.elapsed();
+            whole
+        });
         preparation.expose_with(settings, &self.world);
-        if exposed.is_none() {
+        preparation.limit_rays(&limits);
+        self.report.trace = traced;
+        if !whole {
             return Ok(None);
         }
+        Ok(begun.take().map(|exposure| self.develop(exposure)))
+    }
+
+    /// Ends a picture; the report tells of it.
+    pub(super) fn develop(&mut self, exposure: Exposure) -> Film {
+        let start = Instant::now();
         let (film, effort) = exposure.develop();
         self.report = FrameReport {
-            trace: start.elapsed(),
+            trace: self.report.trace + start.elapsed(),
             rays: effort.rays,
             ends: effort.ends,
             guards: effort.guards,
             ..self.report
         };
-        Ok(Some(film))
+        film
     }
 }
 
-fn drafted((film, sampling): (FilmSettings, Sampling), divisor: u32) -> (FilmSettings, Sampling) {
-    let side = |pixels: u32| (pixels / divisor.max(1)).max(1);
-    let film = FilmSettings { width: side(film.width), height: side(film.height), ..film };
-    (film, Sampling { samples: 1, ..sampling })
+/// Adds to a picture until all is there, and looks at it at every pause; `false` if it ends before.
+pub(super) fn add_all(
+    signals: Signals<'_>,
+    visit: &mut dyn FnMut(&Exposure) -> ControlFlow<()>,
+    exposure: &mut Exposure,
+    mut add: impl FnMut(&mut Exposure) -> bool,
+) -> bool {
+    while !add(exposure) {
+        if signals.cancelled.load(Ordering::Relaxed) || visit(exposure).is_break() {
+            return false;
+        }
+    }
+    true
+}
+
+impl Draft {
+    fn exposure_settings(self, (film, sampling): (FilmSettings, Sampling)) -> (FilmSettings, Sampling) {
+        let side = |pixels: u32| (pixels / self.divisor.max(1)).max(1);
+        let film = FilmSettings { width: side(film.width), height: side(film.height), ..film };
+        (film, Sampling { samples: 1, ..sampling })
+    }
+
+    fn ray_limits(self, whole: &RayLimits) -> RayLimits {
+        let light_samples = whole.light_samples.iter();
+        RayLimits {
+            depth: whole.depth.min(self.depth).max(1),
+            light_samples: light_samples.map(|samples| (*samples).min(self.light_samples).max(1)).collect(),
+        }
+    }
 }

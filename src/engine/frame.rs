@@ -1,16 +1,18 @@
 //! Making frames: instant after instant while the shutter is open.
 
 use std::borrow::Cow;
+use std::ops::ControlFlow::{self, Continue};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
+use super::draft::add_all;
 use super::report::FrameReport;
 use super::run::{Engine, EngineError};
 use crate::components::Animated;
 use crate::systems::{Effect, Plan, Preparation, Shutter, Shutters, Verdict, propagate};
 use crate::time::Time;
 use crate::trace::reference::{Reference, ReferenceSums};
-use crate::trace::{Exposure, Film, KernelChoice, Lighting};
+use crate::trace::{Exposure, Film, KernelChoice, Lighting, Signals};
 
 /// Nobody cancels it.
 static NEVER: AtomicBool = AtomicBool::new(false);
@@ -42,29 +44,54 @@ impl Engine {
     ///
     /// As [`Engine::render_frame`].
     pub fn render_unless(&mut self, time: Time, cancelled: &AtomicBool) -> Result<Option<Film>, EngineError> {
+        self.render_on(time, &mut None, Signals::unless(cancelled), &mut |_| Continue(()))
+    }
+
+    /// Renders a moment as long as there is time, and goes on later, to the same bits: what has been traced is in `begun` until it
+    /// is a film. It belongs to this moment of the world as it is. `visit` is called at every pause, and says whether to go on.
+    ///
+    /// ```
+    /// use std::ops::ControlFlow;
+    /// use std::sync::atomic::AtomicBool;
+    /// use rayreel::trace::Signals;
+    /// use rayreel::{Engine, Time, World};
+    ///
+    /// let mut engine = Engine::new(World::new());
+    /// let (mut begun, never) = (None, AtomicBool::new(false));
+    /// let at_once = Signals { cancelled: &never, pause: &|| true };
+    /// assert!(engine.render_on(Time::ZERO, &mut begun, at_once, &mut |_| ControlFlow::Break(()))?.is_none());
+    ///
+    /// let film = engine.render_on(Time::ZERO, &mut begun, Signals::unless(&never), &mut |_| ControlFlow::Continue(()))?;
+    /// assert_eq!(film, Some(engine.render_at(Time::ZERO)?));
+    /// # Ok::<(), rayreel::EngineError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn render_on(
+        &mut self,
+        time: Time,
+        begun: &mut Option<Exposure>,
+        signals: Signals<'_>,
+        visit: &mut dyn FnMut(&Exposure) -> ControlFlow<()>,
+    ) -> Result<Option<Film>, EngineError> {
         let instants = self.instants(time);
-        let mut exposure = None;
-        let (mut trace, mut exposed) = (Duration::ZERO, true);
-        let sought = self.seek_all(time, &instants, cancelled, |preparation, kernel, range| {
-            let start = Instant::now();
+        let (mut traced, mut whole) = (Duration::ZERO, true);
+        let sought = self.seek_all(time, &instants, signals.cancelled, |preparation, kernel, range| {
             let (scene, camera) = (preparation.scene(), preparation.camera());
             let sampling = preparation.sampling(time);
-            let exposure =
-                exposure.get_or_insert_with(|| Exposure::new(camera.resolution(), sampling.samples));
-            exposed = exposure.add(scene, camera, sampling, range, kernel, cancelled).is_some();
-            trace += start.elapsed();
-            exposed
+            let exposure = begun.get_or_insert_with(|| Exposure::new(camera.resolution(), sampling.samples));
+            whole = add_all(signals, visit, exposure, |exposure| {
+                let start = Instant::now();
+                let whole = exposure.add(scene, camera, sampling, range, kernel, signals);
+                traced += start.elapsed();
+                whole
+            });
+            whole
         })?;
-        let Some(exposure) = exposure.filter(|_| exposed && sought) else {
-            return Ok(None);
-        };
-        let start = Instant::now();
-        let (film, effort) = exposure.develop();
-        self.report.trace = trace + start.elapsed();
-        self.report.rays = effort.rays;
-        self.report.ends = effort.ends;
-        self.report.guards = effort.guards;
-        Ok(Some(film))
+        self.report.trace = traced;
+        Ok(begun.take_if(|_| whole && sought).map(|exposure| self.develop(exposure)))
     }
 
     /// Renders a moment by the reference path, which asks every shape for every ray: slow, single-threaded, and the same

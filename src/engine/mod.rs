@@ -12,6 +12,7 @@ mod report;
 mod run;
 
 pub use cast::{Hit, IntoRay, Ray, SecondaryRay};
+pub use draft::Draft;
 pub use probe::Probe;
 pub use report::FrameReport;
 pub use run::{Engine, EngineError};

@@ -36,7 +36,7 @@ pub use context::Context;
 pub use own::{Halt, OwnSystems, Step};
 pub use plan::{Effect, Plan, Verdict};
 pub use prepare::{Filming, Preparation, film_settings, filming};
-pub(crate) use prepare::{Shutter, Shutters};
+pub(crate) use prepare::{RayLimits, Shutter, Shutters};
 pub use propagate::propagate;
 pub use property::value;
 pub use scripts::{ScriptFailure, Scripts};

@@ -88,7 +88,7 @@ pub use bounds::Bounds;
 pub use camera::Camera;
 pub use dielectric::Boundary;
 pub use effects::{KernelChoice, Lighting, Paths};
-pub use exposure::{Effort, Exposure, RayCounts, TreeEnds};
+pub use exposure::{Effort, Exposure, RayCounts, Signals, TreeEnds};
 pub use film::Film;
 pub use geometry::{Geometry, Precision, PreparedShape, Slot};
 pub use guards::Guards;

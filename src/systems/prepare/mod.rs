@@ -44,6 +44,15 @@ pub struct Preparation {
     trees: u32,
 }
 
+/// How many rays surfaces send out, at most.
+#[derive(Clone, Debug)]
+pub(crate) struct RayLimits {
+    /// Generations, 1 or more.
+    pub(crate) depth: u32,
+    /// Of every light, 1 or more.
+    pub(crate) light_samples: Vec<u32>,
+}
+
 /// Slots by entity. Ids are small and dense, so that a list does.
 #[derive(Clone, Debug, Default)]
 struct SlotTable(Vec<Option<(Entity, Slot)>>);
@@ -203,6 +212,20 @@ impl Preparation {
         self.sampling = sampling;
         if set(&mut self.film, film) {
             self.camera = prepared_camera(world, film, self.moment);
+        }
+    }
+
+    /// How many rays surfaces send out.
+    pub(crate) fn ray_limits(&self) -> RayLimits {
+        let light_samples = self.scene.lights.iter().map(|light| light.samples).collect();
+        RayLimits { depth: self.scene.depth, light_samples }
+    }
+
+    /// Sets it, until the next update that reads settings.
+    pub(crate) fn limit_rays(&mut self, limits: &RayLimits) {
+        self.scene.depth = limits.depth;
+        for (light, samples) in self.scene.lights.iter_mut().zip(&limits.light_samples) {
+            light.samples = *samples;
         }
     }
 

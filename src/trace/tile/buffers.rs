@@ -63,6 +63,9 @@ impl TileBuffers {
         let count = (tile.width * tile.height) as usize;
         self.pixels.resize(count, Rgb::ZERO);
         if E::MIRRORS {
+            // A sample that was ended may have left some.
+            self.next.clear();
+            self.beyond.clear();
             self.pixels.fill(Rgb::ZERO);
             self.tree_sizes.clear();
             self.tree_sizes.resize(count, 1);

@@ -1,5 +1,7 @@
 //! A single ray: what it meets, the light there, and the rays that go on.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use super::buffers::{QueuedRay, Tile, TileBuffers};
 use crate::color::Rgb;
 use crate::trace::branch::{Branches, LARGEST_TREE, PathState, branches};
@@ -18,9 +20,16 @@ pub(super) struct Follower<'a, L> {
     pub(super) leaves: &'a L,
     pub(super) tile: Tile,
     pub(super) sample: u32,
+    /// Ends the sample: what it brings is not wanted any more.
+    pub(super) cancelled: &'a AtomicBool,
 }
 
 impl<L: Leaves> Follower<'_, L> {
+    #[inline(always)]
+    pub(super) fn is_ended(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+
     /// Follows a pixel's camera ray; without one, the camera is not in a finite place.
     #[inline(always)]
     pub(super) fn start<E: Effects>(
@@ -141,6 +150,10 @@ impl<L: Leaves> Follower<'_, L> {
         let lit = Lit { ray, state, surface, material, diffuse, asker, normal };
         let TileBuffers { scratch, rays_traced, last_occluders, .. } = buffers;
         for ((index, source), last_occluder) in self.moment.lights.iter().zip(last_occluders) {
+            // A light may have thousands of samples.
+            if E::EXTRAS && source.samples > 1 && self.is_ended() {
+                break;
+            }
             let added = from_light::<E>((*index, source), &lit, |shadow_ray| {
                 rays_traced.shadow += 1;
                 let seen = (surface, state.inside);
