@@ -70,7 +70,7 @@ fn a_long_session_grows_in_nothing_and_stays_right() {
         if edit % 50 == 0 {
             let shown = last_full(&events);
             let mut cold = Engine::load(&scene).unwrap();
-            assert!(cold.render_frame(shown.info.frame).unwrap() == shown.film, "edit {edit}");
+            assert!(cold.render_frame(shown.info.frame).unwrap() == *shown.film, "edit {edit}");
             held.extend(Held::now());
         }
     }
@@ -121,6 +121,7 @@ fn is_read(events: &Receiver<Event>) -> bool {
             Event::Broken(_) => return false,
             Event::Shown(_) => {}
             Event::Failed(error) => panic!("{error}"),
+            Event::NotShown(mistakes) => panic!("{mistakes:?}"),
         }
     }
 }

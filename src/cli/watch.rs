@@ -38,14 +38,12 @@ pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Re
             let _ = sender.send(event);
         }
     }));
-    let server =
-        Server::start(arguments.port.unwrap_or(0), session.handle()).with_context(|| {
-            match arguments.port {
-                Some(port) => {
-                    format!("cannot serve at port {port}; without --port one that is free is taken")
-                }
-                None => "cannot serve at any port of 127.0.0.1".to_owned(),
+    let server = Server::start_for(&arguments.allow_host, arguments.port.unwrap_or(0), session.handle())
+        .with_context(|| match arguments.port.filter(|port| *port != 0) {
+            Some(port) => {
+                format!("cannot serve at port {port}; without --port one that is free is taken")
             }
+            None => "cannot serve at any port of 127.0.0.1".to_owned(),
         })?;
     print::result_line(&format!("{}: http://{}/", arguments.scene.display(), server.address()))?;
     while !interrupted.load(Ordering::Relaxed) {
@@ -96,7 +94,8 @@ impl Teller {
                 print::error_line(&format!("{}: {stays}", self.scene));
             }
             Event::Failed(error) => Failure::from(error).print(),
-            Event::Shown(shown) => self.show(&shown),
+            Event::NotShown(mistakes) => print::error_line(&mistakes.text),
+            Event::Shown(shown) => self.show(shown),
         }
     }
 

@@ -42,7 +42,7 @@ enum Content {
 
 /// What the file system tells of a file without reading it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Stamp {
+pub(super) struct Stamp {
     modified: Option<SystemTime>,
     length: u64,
     identity: (u64, u64, i64, i64),
@@ -67,6 +67,18 @@ impl Files {
             }
             self.0.insert(path.clone(), seen);
         }
+    }
+
+    /// What the files hold is not known any more: another look finds them changed.
+    pub(super) fn forget(&mut self) {
+        for seen in self.0.values_mut() {
+            seen.content = Content::Unknown;
+        }
+    }
+
+    /// What the file system tells of the files now.
+    pub(super) fn stamps(&self) -> Vec<Option<Stamp>> {
+        self.0.keys().map(|path| Stamp::now(path)).collect()
     }
 
     /// Does the file system tell of something else? Reads no file.

@@ -2,7 +2,9 @@
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Condvar, Mutex, PoisonError};
+use std::sync::{Condvar, Mutex, OnceLock, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
@@ -70,29 +72,101 @@ pub(super) struct Mailbox {
     posted: Condvar,
     /// Is anything in it that the work in hand must make way for?
     waiting: AtomicBool,
+    /// Is it more than the next of many pictures in a row?
+    pressing: AtomicBool,
+}
+
+/// How long to wait for commands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Patience {
+    None,
+    Until(Instant),
+    Endless,
 }
 
 impl Mailbox {
     pub(super) fn post(&self, command: Command) {
         let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_pressing = !matches!(command, Command::View(View::Seek { playing: true, .. }));
         commands.push(command);
         self.waiting.store(true, Ordering::Relaxed);
+        self.pressing.fetch_or(is_pressing, Ordering::Relaxed);
         self.posted.notify_one();
     }
 
-    /// All commands since the last time, in order. With `patience` there is at least one.
-    pub(super) fn take(&self, patience: bool) -> Vec<Command> {
-        let commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut commands = self
-            .posted
-            .wait_while(commands, |commands| patience && commands.is_empty())
-            .unwrap_or_else(PoisonError::into_inner);
+    /// All commands since the last time, in order.
+    pub(super) fn take(&self, patience: Patience) -> Vec<Command> {
+        let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
+        while commands.is_empty() {
+            commands = match patience {
+                Patience::None => break,
+                Patience::Endless => self.posted.wait(commands).unwrap_or_else(PoisonError::into_inner),
+                Patience::Until(end) => {
+                    let rest = end.saturating_duration_since(Instant::now());
+                    if rest.is_zero() {
+                        break;
+                    }
+                    self.posted.wait_timeout(commands, rest).unwrap_or_else(PoisonError::into_inner).0
+                }
+            };
+        }
         self.waiting.store(false, Ordering::Relaxed);
+        self.pressing.store(false, Ordering::Relaxed);
         std::mem::take(&mut commands)
+    }
+
+    /// Takes back the commands to read the files, for somebody who is about to do so; were there any?
+    pub(super) fn take_reload(&self) -> bool {
+        let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
+        let count = commands.len();
+        commands.retain(|command| !matches!(command, Command::Reload));
+        commands.len() < count
     }
 
     /// Becomes true when a command arrives.
     pub(super) fn waiting(&self) -> &AtomicBool {
         &self.waiting
+    }
+
+    /// Becomes true when a command arrives that is not the next of many pictures in a row.
+    pub(super) fn pressing(&self) -> &AtomicBool {
+        &self.pressing
+    }
+
+    /// Does something that makes way for commands and, so long after it calls what it is given, also for the rest of the work:
+    /// then [`waiting`](Self::waiting) is true without any. Says whether it came to that.
+    pub(super) fn within<T>(
+        &self,
+        deadline: Option<Duration>,
+        work: impl FnOnce(&(dyn Fn() + Sync)) -> T,
+    ) -> (T, bool) {
+        let Some(deadline) = deadline else { return (work(&|| ()), false) };
+        let (begun, done, late) = (OnceLock::new(), AtomicBool::new(false), AtomicBool::new(false));
+        let result = thread::scope(|scope| {
+            let clock = scope.spawn(|| {
+                while !done.load(Ordering::Acquire) {
+                    let Some(begun) = begun.get() else {
+                        thread::park();
+                        continue;
+                    };
+                    let rest = deadline.saturating_sub(Instant::elapsed(begun));
+                    if rest.is_zero() {
+                        late.store(true, Ordering::Relaxed);
+                        self.waiting.store(true, Ordering::Relaxed);
+                        return;
+                    }
+                    thread::park_timeout(rest);
+                }
+            });
+            let result = work(&|| {
+                if begun.set(Instant::now()).is_ok() {
+                    clock.thread().unpark();
+                }
+            });
+            done.store(true, Ordering::Release);
+            clock.thread().unpark();
+            result
+        });
+        (result, late.into_inner())
     }
 }

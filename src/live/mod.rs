@@ -8,12 +8,19 @@
 //!
 //! The [`Watcher`] notices that files hold something else. The [`Session`] owns the engine, on a thread of its own; it is
 //! asked by commands, and puts up its [`State`] and its pictures where all can see them at any time, so that a page that comes
-//! late, or again, sees what the others see. The [`Server`] shows both to a browser on the same machine, and to nobody else.
+//! late, or again, sees what the others see. Quick pictures lead up to one that takes long, which is shown while it is made; what
+//! is asked in between ends the work at once, and loses nothing of it that is still wanted. The [`Server`] shows all that to a
+//! browser on the same machine, and to nobody else.
 
 mod board;
+mod director;
+mod easel;
 mod files;
 mod guard;
+mod ladder;
 mod mailbox;
+mod making;
+mod page;
 mod server;
 mod session;
 mod spot;
@@ -22,6 +29,7 @@ mod state;
 mod watcher;
 
 pub use board::Picture;
+pub use guard::{HostName, NoHostName};
 pub use mailbox::{Answer, Command, Detail, View};
 pub use server::Server;
 pub use session::{Event, Handle, Session, SessionSettings, Shown};

@@ -6,21 +6,23 @@ use crate::components::{Name, Order};
 use crate::engine::{Engine, EngineError, Probe};
 use crate::scene::Sources;
 use crate::time::Time;
-use crate::trace::Surface;
 use crate::trace::reference::RayEnd;
+use crate::trace::{Film, Surface};
 
-/// What the first sample of a pixel sees.
+/// What a pixel shows, and what its first sample sees.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Spot {
     /// Column and row, from 0 at the top left of the film.
     pub pixel: (u32, u32),
-    /// Linear colour of the sample.
+    /// Linear colour: of the pixel in the full picture, if there is one, or of its first sample.
     pub linear: [f32; 3],
     /// The same as the bytes of a frame file.
     pub bytes: [u8; 3],
-    /// How many samples a pixel has.
+    /// How many samples that is the mean of.
     pub samples: u32,
-    /// `None` where the camera's ray meets nothing.
+    /// How many the pixel has in the full picture.
+    pub all: u32,
+    /// `None` where the ray of the first sample meets nothing.
     pub surface: Option<Seen>,
 }
 
@@ -29,6 +31,8 @@ pub struct Spot {
 pub struct Seen {
     /// The entity's name or, where it has none, `#` and its place in document order.
     pub entity: String,
+    /// What its material is called where the entity is written.
+    pub material: Option<String>,
     /// Where it is written, as `ball.ron:12`.
     pub place: Option<String>,
     /// In scene units.
@@ -40,15 +44,17 @@ pub struct Seen {
 }
 
 impl Spot {
-    /// What a pixel sees at a moment. `None` outside the film, and for a camera that is nowhere.
+    /// What a pixel sees at a moment, of which there may be the full picture. `None` outside the film, and for a camera that is
+    /// nowhere.
     pub(super) fn of(
         engine: &mut Engine,
         sources: &Sources,
         time: Time,
         pixel: (u32, u32),
+        picture: Option<&Film>,
     ) -> Result<Option<Self>, EngineError> {
         engine.seek_sample(time, 0)?;
-        let samples = engine.sampling().map_or(1, |sampling| sampling.samples);
+        let all = engine.sampling().map_or(1, |sampling| sampling.samples);
         let Some(probe) = engine.probe(pixel.0, pixel.1) else { return Ok(None) };
         let surface = probe.tree.rays.first().and_then(|first| match &first.end {
             RayEnd::Surface(lit) => {
@@ -57,9 +63,12 @@ impl Spot {
             }
             RayEnd::Background(_) | RayEnd::BeyondDepth(_) => None,
         });
-        let color = probe.color();
+        let (color, samples) = match picture {
+            Some(film) => (film.pixel(pixel.0, pixel.1), all),
+            None => (probe.color(), 1),
+        };
         let bytes = engine.film_settings().transfer.encode(color);
-        Ok(Some(Self { pixel, linear: color.to_array(), bytes, samples, surface }))
+        Ok(Some(Self { pixel, linear: color.to_array(), bytes, samples, all, surface }))
     }
 }
 
@@ -71,6 +80,7 @@ impl Seen {
         let place = order.and_then(|order| sources.entities(&[order]).next().map(|line| line.to_string()));
         Self {
             entity: world.get::<&Name>(entity).map_or_else(|_| unnamed(), |name| name.0.clone()),
+            material: order.and_then(|order| sources.material(order)),
             place,
             point: surface.point.to_array(),
             normal: surface.facing_normal().to_array(),

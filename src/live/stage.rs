@@ -1,16 +1,19 @@
 //! The scene that is on show, ready to be rendered.
 
+use std::ops::ControlFlow::{self, Continue};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use super::ladder::Target;
+use super::mailbox::Detail;
 use super::spot::Spot;
 use super::state::{Planned, Times};
 use crate::components::FilmSettings;
-use crate::engine::{Engine, EngineError, FrameReport};
+use crate::engine::{Draft, Engine, EngineError, FrameReport};
 use crate::scene::{LoadError, Reader, Scene, Sources};
 use crate::systems::Effect;
 use crate::time::Timeline;
-use crate::trace::Film;
+use crate::trace::{Exposure, Film, Signals};
 
 /// A scene, with what is needed to say where things are written.
 pub(super) struct Stage {
@@ -22,17 +25,6 @@ pub(super) struct Stage {
 pub(super) struct Read {
     pub(super) scene: Scene,
     sources: Sources,
-}
-
-/// How to render.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Render {
-    /// As to a file.
-    Full,
-    /// One sample a pixel, of the film's width and height divided by this.
-    Draft(u32),
-    /// The same, to begin with.
-    Coarse(u32),
 }
 
 impl Stage {
@@ -65,9 +57,15 @@ impl Stage {
         self.engine.report()
     }
 
-    /// How many samples a pixel of a full picture has.
-    pub(super) fn samples(&self) -> u32 {
-        self.engine.sampling().map_or(1, |sampling| sampling.samples)
+    /// What a picture as good as this has.
+    pub(super) fn target(&self, detail: Detail) -> Target {
+        let FilmSettings { width, height, .. } = self.film_settings();
+        let (divisor, samples) = match detail {
+            Detail::Full => (1, self.engine.sampling().map_or(1, |sampling| sampling.samples)),
+            Detail::Draft => (1, 1),
+            Detail::Half => (2, 1),
+        };
+        Target { film: (width, height), divisor, samples }
     }
 
     /// What a frame calls for; `made` if it is the last full picture.
@@ -77,26 +75,48 @@ impl Stage {
         Ok(plan.map(Planned::all).unwrap_or_default())
     }
 
-    /// A picture of a frame; `None` if it was cancelled.
-    pub(super) fn render(
+    /// A quick picture of a frame; `None` if it was cancelled. Calls `begin` when all is ready for rays.
+    pub(super) fn draft(
         &mut self,
         frame: u32,
-        render: Render,
+        draft: Draft,
         cancelled: &AtomicBool,
+        begin: &(dyn Fn() + Sync),
     ) -> Result<Option<Film>, EngineError> {
         let time = self.timeline().time_of(frame);
-        match render {
-            Render::Full => self.engine.render_unless(time, cancelled),
-            Render::Draft(divisor) | Render::Coarse(divisor) => {
-                self.engine.render_draft_unless(time, divisor, cancelled)
-            }
+        let pause = || {
+            begin();
+            false
+        };
+        let signals = Signals { cancelled, pause: &pause };
+        self.engine.render_draft_on(time, draft, &mut None, signals, &mut |_| Continue(()))
+    }
+
+    /// A picture of a frame, or as much of it as there is time for: see [`Engine::render_on`].
+    pub(super) fn render_on(
+        &mut self,
+        (frame, detail): (u32, Detail),
+        begun: &mut Option<Exposure>,
+        signals: Signals<'_>,
+        visit: &mut dyn FnMut(&Exposure) -> ControlFlow<()>,
+    ) -> Result<Option<Film>, EngineError> {
+        let time = self.timeline().time_of(frame);
+        match detail {
+            Detail::Full => self.engine.render_on(time, begun, signals, visit),
+            Detail::Draft => self.engine.render_draft_on(time, Draft::sized(1), begun, signals, visit),
+            Detail::Half => self.engine.render_draft_on(time, Draft::sized(2), begun, signals, visit),
         }
     }
 
-    /// What a pixel sees.
-    pub(super) fn spot(&mut self, frame: u32, pixel: (u32, u32)) -> Result<Option<Spot>, EngineError> {
+    /// What a pixel sees of a frame, of which there may be the full picture.
+    pub(super) fn spot(
+        &mut self,
+        frame: u32,
+        pixel: (u32, u32),
+        picture: Option<&Film>,
+    ) -> Result<Option<Spot>, EngineError> {
         let time = self.timeline().time_of(frame);
-        Spot::of(&mut self.engine, &self.sources, time, pixel)
+        Spot::of(&mut self.engine, &self.sources, time, pixel, picture)
     }
 
     /// The share of a frame's time that is saved without an effect, `None` for one that is not needed; nothing after the last

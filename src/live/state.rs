@@ -32,6 +32,8 @@ pub struct State {
     pub before: Option<PictureInfo>,
     /// Is a better picture under way?
     pub rendering: bool,
+    /// How much of it there is, 0 to 1.
+    pub progress: f64,
     /// What is wrong with the files as they are; the scene is then the last good one.
     pub mistakes: Option<Mistakes>,
     /// What is wrong with this frame.
@@ -57,9 +59,11 @@ pub struct PictureInfo {
     pub width: u32,
     /// In pixels.
     pub height: u32,
+    /// The film that it is of, in pixels: width and height.
+    pub film: (u32, u32),
     /// As it is rendered to a file, bit for bit?
     pub full: bool,
-    /// Coarse, for lack of time?
+    /// Coarse or unfinished, for lack of time?
     pub coarse: bool,
 }
 
@@ -109,6 +113,11 @@ impl Mistakes {
         let place = error.mistakes().next().map(|mistake| located(mistake.file, mistake.place));
         let count = error.mistakes().count() + error.unlisted();
         Self { count, text: error.render(false), place }
+    }
+
+    pub(super) fn of_picture(error: &str) -> Self {
+        let text = format!("the picture cannot be shown: {error}; another size of the film may help");
+        Self { count: 1, text, place: None }
     }
 
     pub(super) fn of_frame(error: &EngineError) -> Self {

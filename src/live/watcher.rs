@@ -23,7 +23,9 @@ use super::files::Files;
 /// A save is over when nothing has happened for so long.
 pub const QUIET: Duration = Duration::from_millis(25);
 /// Files that never rest are looked at nevertheless.
-const PATIENCE: Duration = Duration::from_millis(500);
+const PATIENCE: Duration = Duration::from_millis(75);
+/// How often they are looked after by somebody who waits for a change.
+const GLANCE: Duration = Duration::from_millis(5);
 /// How often files are looked after if the system tells of changes.
 const HEARTBEAT: Duration = Duration::from_millis(500);
 /// How often if it does not.
@@ -87,9 +89,32 @@ impl Watcher {
         Self { files, messages, thread: Some(thread) }
     }
 
-    /// Takes what the files hold now for known: for whoever is about to read them. What was written before needs no call.
-    pub fn look(&self) {
-        lock(&self.files).look();
+    /// Takes what the files hold now for known: for whoever is about to read them. What was written before needs no call. Says
+    /// whether it is something else than what was known.
+    pub fn look(&self) -> bool {
+        lock(&self.files).look()
+    }
+
+    /// Waits for so long, unless the file system tells that the files are being written; were they at rest?
+    pub(super) fn stay(&self, time: Duration) -> bool {
+        let start = Instant::now();
+        // What is known may become something else in the meantime, on this watcher's thread.
+        let (stamps, touched) = {
+            let files = lock(&self.files);
+            (files.stamps(), files.are_touched())
+        };
+        while start.elapsed() < time {
+            thread::sleep(GLANCE);
+            if touched || lock(&self.files).stamps() != stamps {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Takes nothing that the files hold for known: they could not be read, which may pass without any trace of it.
+    pub fn doubt(&self) {
+        lock(&self.files).forget();
     }
 
     /// Keeps to these files from now on, whether they are there or not. They were read since `since`, after a

@@ -1,8 +1,8 @@
 //! `rayreel watch` as a person in a terminal meets it.
 
 use std::fs;
-use std::io::{BufRead, BufReader, Read};
-use std::net::TcpListener;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{TcpListener, TcpStream};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
@@ -78,6 +78,69 @@ fn the_terminal_tells_and_the_current_frame_is_written() {
     }
 }
 
+/// The address that is printed first.
+fn address(child: &mut Child) -> String {
+    let mut line = String::new();
+    BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+    line.split_once(": http://").unwrap().1.trim_end_matches("/\n").to_owned()
+}
+
+/// Nothing that the file system tells changes when a file can be read again.
+#[cfg(target_os = "linux")]
+#[test]
+fn files_that_cannot_be_read_for_a_while_are_read_later_without_another_save() {
+    let is_there = Command::new("prlimit").arg("--version").stdout(Stdio::null()).status();
+    if !is_there.is_ok_and(|status| status.success()) {
+        println!("there is no prlimit: it was not tried");
+        return;
+    }
+    for more in [&[][..], &["--poll"]] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path();
+        fs::write(path.join("ball.ron"), scene(1.0, "")).unwrap();
+        let arguments = [&["ball.ron", "--frame", "3", "--out", "now.ppm"], more].concat();
+        let mut child = watch(path, &arguments).spawn().unwrap();
+        address(&mut child);
+        let first = rendered(path);
+        until("the first frame", || fs::read(path.join("now.ppm")).ok() == first);
+        let limit = |files: &str| {
+            let arguments = ["--pid", &child.id().to_string(), &format!("--nofile={files}:")];
+            assert!(Command::new("prlimit").args(arguments).status().unwrap().success());
+        };
+        limit("3");
+        fs::write(path.join("new"), scene(1.5, "")).unwrap();
+        fs::rename(path.join("new"), path.join("ball.ron")).unwrap();
+        let second = rendered(path);
+        sleep(Duration::from_millis(2500));
+        assert!(fs::read(path.join("now.ppm")).ok() == first);
+        limit("1000");
+        until("the second frame", || fs::read(path.join("now.ppm")).ok() == second);
+        let told = String::from_utf8(interrupt(child).stderr).unwrap();
+        assert_eq!(told.matches("Too many open files").count(), 1, "{told}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn any_free_port_is_taken_for_0_and_other_names_are_allowed() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("ball.ron"), scene(1.0, "")).unwrap();
+    let arguments = ["ball.ron", "--port", "0", "--allow-host", "localhost:9000", "--allow-host", "desk"];
+    let mut child = watch(folder.path(), &arguments).spawn().unwrap();
+    let address = address(&mut child);
+    for (host, status) in
+        [(address.as_str(), "200"), ("localhost:9000", "200"), ("desk:7", "200"), ("localhost:9001", "403")]
+    {
+        let mut stream = TcpStream::connect(&address).unwrap();
+        write!(stream, "GET /state HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n").unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        assert!(answer.starts_with(&format!("HTTP/1.1 {status} ")), "{host}: {answer}");
+        assert_eq!(answer.contains("--allow-host"), status == "403", "{answer}");
+    }
+    interrupt(child);
+}
+
 /// What is said of arguments that cannot be, and that it ends with an error.
 fn refused(folder: &TempDir, arguments: &[&str]) -> String {
     let mut child = watch(folder.path(), arguments).spawn().unwrap();
@@ -97,4 +160,6 @@ fn what_cannot_be_served_or_written_is_told_at_once() {
     assert!(told.contains(&format!("cannot serve at port {port}")) && told.contains("--port"), "{told}");
     let told = refused(&folder, &["ball.ron", "--out", "now.jpeg"]);
     assert!(told.contains("now.jpeg") && told.contains(".png"), "{told}");
+    let told = refused(&folder, &["ball.ron", "--allow-host", "http://desk/"]);
+    assert!(told.contains("http://desk/") && told.contains("localhost:9000"), "{told}");
 }

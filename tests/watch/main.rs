@@ -7,7 +7,10 @@
 use std::time::Duration;
 
 mod command;
+mod drafts;
 mod editors;
+mod ladder;
+mod saves;
 mod session;
 mod watcher;
 

@@ -41,13 +41,18 @@ pub(crate) fn scene(radius: f64, more: &str) -> String {
 
 impl Stage {
     pub(crate) fn new(text: Option<&str>) -> Self {
+        Self::with(text, false)
+    }
+
+    /// With a full picture after every edit, if `finish`.
+    pub(crate) fn with(text: Option<&str>, finish: bool) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("ball.ron");
         if let Some(text) = text {
             fs::write(&path, text).unwrap();
         }
         let (sender, events) = channel();
-        let settings = SessionSettings { scene: path, frame: 0, watching: Watching::Events, finish: false };
+        let settings = SessionSettings { scene: path, frame: 0, watching: Watching::Events, finish };
         let session = Session::start(settings, move |event| {
             let _ = sender.send(event);
         });
@@ -59,7 +64,7 @@ impl Stage {
     }
 
     /// In one piece, however busy the machine is.
-    fn save(&self, text: &str) {
+    pub(crate) fn save(&self, text: &str) {
         self.save_as("ball.ron", text);
     }
 
@@ -68,7 +73,7 @@ impl Stage {
         fs::rename(self.path("new"), self.path(file)).unwrap();
     }
 
-    fn next(&self) -> Event {
+    pub(crate) fn next(&self) -> Event {
         self.events.recv_timeout(AT_MOST).unwrap()
     }
 
@@ -102,11 +107,12 @@ impl Stage {
             match self.next() {
                 Event::Shown(shown) if shown.info.full => {
                     let mut cold = Engine::load(self.path("ball.ron")).unwrap();
-                    assert!(cold.render_frame(shown.info.frame).unwrap() == shown.film);
+                    assert!(cold.render_frame(shown.info.frame).unwrap() == *shown.film);
                     return shown;
                 }
                 Event::Broken(error) => broken(error),
                 Event::Failed(error) => panic!("{error}"),
+                Event::NotShown(mistakes) => panic!("{mistakes:?}"),
                 Event::Reloaded(_) | Event::Shown(_) => {}
             }
         }
@@ -120,19 +126,27 @@ impl Stage {
         }
     }
 
-    fn sees(&self, pixel: (u32, u32)) -> Option<Spot> {
+    pub(crate) fn sees(&self, pixel: (u32, u32)) -> Option<Spot> {
         let (sender, answer) = channel();
         let send = move |spot| sender.send(spot).unwrap();
         self.session.handle().post(Command::Probe(pixel, Answer(Box::new(send))));
         answer.recv_timeout(AT_MOST).unwrap()
     }
 
-    fn seek(&self, frame: u32) {
+    pub(crate) fn seek(&self, frame: u32) {
         self.session.handle().post(Command::View(View::Seek { frame, playing: false }));
     }
 
+    pub(crate) fn play_on(&self, frame: u32) {
+        self.session.handle().post(Command::View(View::Seek { frame, playing: true }));
+    }
+
     /// Waits until the state is as it should be.
-    fn comes_to(&self, what: &str, is: impl Fn(&rayreel::live::State) -> bool) -> rayreel::live::State {
+    pub(crate) fn comes_to(
+        &self,
+        what: &str,
+        is: impl Fn(&rayreel::live::State) -> bool,
+    ) -> rayreel::live::State {
         let start = Instant::now();
         loop {
             let state = self.session.handle().state();
@@ -262,12 +276,28 @@ fn a_pixel_says_what_it_sees() {
     stage.shows_what_a_cold_start_shows();
     let spot = stage.sees((32, 18)).unwrap();
     let surface = spot.surface.unwrap();
-    assert_eq!(surface.entity, "ball");
+    assert_eq!((surface.entity.as_str(), surface.material.as_deref()), ("ball", Some("clay")));
     let place = format!("{}:8", stage.path("ball.ron").display());
     assert_eq!(surface.place.as_deref(), Some(place.as_str()));
     assert!((surface.point[2] + 1.0).abs() < 0.1 && surface.normal[2] < -0.9);
     assert_eq!(stage.sees((0, 0)).unwrap().surface, None);
     assert_eq!(stage.sees((64, 0)), None);
+}
+
+/// At an edge, where samples differ.
+#[test]
+fn a_pixel_has_the_colour_of_the_picture() {
+    for samples in [1, 4, 16] {
+        let text = scene(1.0, "").replacen("Scene(", &format!("Scene(sampling: (samples: {samples}),"), 1);
+        let stage = Stage::new(Some(&text));
+        let shown = stage.shows_what_a_cold_start_shows();
+        for i in 0..64 {
+            let spot = stage.sees((i, 18)).unwrap();
+            assert_eq!(spot.linear, shown.film.pixel(i, 18).to_array(), "{i} of {samples}");
+            assert_eq!(spot.bytes, shown.transfer.encode(shown.film.pixel(i, 18)));
+            assert_eq!((spot.samples, spot.all), (samples, samples));
+        }
+    }
 }
 
 #[test]
@@ -282,26 +312,6 @@ fn costs_are_measured_for_what_is_needed_only() {
     for planned in state.plan {
         assert_eq!(planned.cost.is_some(), planned.needed, "{}", planned.effect);
     }
-}
-
-#[test]
-fn a_draft_has_one_sample_and_leaves_the_frame_as_it_is() {
-    use std::sync::atomic::AtomicBool;
-    let engine = |text: String| Engine::from_scene(rayreel::Scene::from_text("ball.ron", text).unwrap());
-    let sampled = scene(1.0, "").replacen("Scene(", "Scene(sampling: (samples: 4),", 1);
-    let never = AtomicBool::new(false);
-    let (mut plain, mut sampled) = (engine(scene(1.0, "")), engine(sampled));
-    let time = plain.timeline().time_of(3);
-    let (one, four) = (plain.render_at(time).unwrap(), sampled.render_at(time).unwrap());
-    assert!(one != four);
-    let plan = sampled.plan().cloned();
-    assert!(sampled.render_draft_unless(time, 1, &never).unwrap().unwrap() == one);
-    assert_eq!(sampled.plan().cloned(), plan);
-    let coarse = sampled.render_draft_unless(time, 5, &never).unwrap().unwrap();
-    assert_eq!((coarse.width(), coarse.height()), (12, 7));
-    assert_eq!(sampled.report().rays.camera, 84);
-    assert!(sampled.render_at(time).unwrap() == four);
-    assert_eq!(sampled.render_draft_unless(time, 1, &AtomicBool::new(true)).unwrap(), None);
 }
 
 #[test]

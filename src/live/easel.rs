@@ -1,0 +1,165 @@
+//! Where pictures are made ready to be seen.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::board::{Board, Picture};
+use super::session::{Event, Shown};
+use super::state::{Mistakes, PictureInfo, Planned, State, Times};
+use crate::color::Transfer;
+use crate::output;
+use crate::trace::Film;
+
+/// Makes files of films, or says why not.
+type Encode = fn(&Film, Transfer) -> Result<Vec<u8>, String>;
+
+/// Puts up pictures, and tells of them.
+pub(super) struct Easel {
+    board: Arc<Board>,
+    tell: Box<dyn FnMut(Event) + Send>,
+    encode: Encode,
+    last_id: u64,
+    latest: Option<(PictureInfo, Arc<Film>)>,
+}
+
+/// A picture that has been made.
+pub(super) struct Made {
+    pub(super) film: Film,
+    pub(super) transfer: Transfer,
+    pub(super) quality: Quality,
+    /// What it took, but for encoding.
+    pub(super) times: Times,
+    pub(super) rays: u64,
+    /// What its frame calls for, if that is known.
+    pub(super) plan: Option<Vec<Planned>>,
+    /// Does another one follow?
+    pub(super) rendering: bool,
+}
+
+/// How good it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Quality {
+    /// Coarse or unfinished; so much of the better one is there, 0 to 1.
+    Coarse(f64),
+    /// A draft that was asked for.
+    Draft,
+    /// As it is rendered to a file.
+    Full,
+}
+
+impl Easel {
+    pub(super) fn new(board: Arc<Board>, tell: Box<dyn FnMut(Event) + Send>) -> Self {
+        let encode: Encode =
+            |film, transfer| output::encode_quickly(film, transfer).map_err(|error| error.to_string());
+        Self { board, tell, encode, last_id: 0, latest: None }
+    }
+
+    pub(super) fn tell(&mut self, event: Event) {
+        (self.tell)(event);
+    }
+
+    /// The latest picture of the frame that is on show, of the scene as it is, if there is one.
+    pub(super) fn latest(&self) -> Option<(PictureInfo, &Arc<Film>)> {
+        let state = self.board.state();
+        let (info, film) = self.latest.as_ref()?;
+        (info.frame == state.frame && info.reloads == state.reloads).then_some((*info, film))
+    }
+
+    /// Puts a picture up. One that cannot be shown is a mistake of its frame, and says so: then it is `false`.
+    pub(super) fn put_up(&mut self, state: &State, made: Made) -> bool {
+        let start = Instant::now();
+        let png = match (self.encode)(&made.film, made.transfer) {
+            Ok(png) => png,
+            Err(error) => {
+                let mistakes = Mistakes::of_picture(&error);
+                self.board.change(|state| {
+                    state.frame_mistakes = Some(mistakes.clone());
+                    state.rendering = false;
+                });
+                self.tell(Event::NotShown(mistakes));
+                return false;
+            }
+        };
+        let Made { film, transfer, quality, mut times, rays, plan, rendering } = made;
+        times.encode = Times::milliseconds(start.elapsed());
+        let info = self.info(state, &film, quality);
+        let film = Arc::new(film);
+        self.latest = Some((info, Arc::clone(&film)));
+        self.board.hang(Picture { info, png: png.into() });
+        self.board.change(|state| {
+            state.picture = Some(info);
+            state.times = times;
+            state.rays = rays;
+            state.rendering = rendering;
+            state.progress = match quality {
+                Quality::Coarse(share) => share,
+                Quality::Draft | Quality::Full => 1.0,
+            };
+            state.frame_mistakes = None;
+            if let Some(plan) = plan {
+                state.plan = plan;
+            }
+        });
+        self.tell(Event::Shown(Shown { info, film, transfer, times, rays }));
+        true
+    }
+
+    /// Tells of a picture that is not the one to be seen now.
+    pub(super) fn hand_over(&mut self, state: &State, made: Made) {
+        let Made { film, transfer, quality, times, rays, .. } = made;
+        let info = self.info(state, &film, quality);
+        self.tell(Event::Shown(Shown { info, film: Arc::new(film), transfer, times, rays }));
+    }
+
+    fn info(&mut self, state: &State, film: &Film, quality: Quality) -> PictureInfo {
+        self.last_id += 1;
+        PictureInfo {
+            id: self.last_id,
+            frame: state.frame,
+            reloads: state.reloads,
+            width: film.width(),
+            height: film.height(),
+            film: state.film,
+            full: quality == Quality::Full,
+            coarse: matches!(quality, Quality::Coarse(_)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::channel;
+
+    use super::*;
+
+    #[test]
+    fn a_picture_that_cannot_be_encoded_says_so_and_is_not_waited_for() {
+        let state = State { rendering: true, ..State::default() };
+        let board = Arc::new(Board::new(state.clone()));
+        let (sender, events) = channel();
+        let tell = move |event| sender.send(event).unwrap();
+        let mut easel = Easel::new(Arc::clone(&board), Box::new(tell));
+        let made = |quality| Made {
+            film: Film::new(2, 1),
+            transfer: Transfer::Classic,
+            quality,
+            times: Times::default(),
+            rays: 0,
+            plan: None,
+            rendering: quality != Quality::Full,
+        };
+        for quality in [Quality::Coarse(0.0), Quality::Coarse(0.5), Quality::Draft, Quality::Full] {
+            board.change(|state| state.rendering = true);
+            easel.encode = |_, _| Err("no room".to_owned());
+            assert!(!easel.put_up(&state, made(quality)));
+            let told = board.state();
+            assert!(!told.rendering && told.frame_mistakes.unwrap().text.contains("no room"));
+            assert!(matches!(events.try_recv(), Ok(Event::NotShown(_))));
+            // The next one may be shown again.
+            easel.encode = |_, _| Ok(Vec::new());
+            assert!(easel.put_up(&state, made(quality)));
+            assert_eq!(board.state().frame_mistakes, None);
+            assert!(matches!(events.try_recv(), Ok(Event::Shown(_))));
+        }
+    }
+}

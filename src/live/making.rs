@@ -1,0 +1,368 @@
+//! How a session's pictures are made: coarse ones, the one that is asked for, and what is owed to an edit.
+
+use std::ops::ControlFlow::{Break, Continue};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use super::director::{Director, Next, Place};
+use super::easel::{Made, Quality};
+use super::ladder::{self, Care, Step, Target};
+use super::mailbox::Detail;
+use super::session::Event;
+use super::state::{State, Times};
+use crate::engine::FrameReport;
+use crate::trace::{Exposure, Film, Signals};
+
+/// A picture in the making is looked at for the first time after so long: most are done by then.
+const FIRST_VISIT: Duration = Duration::from_millis(300);
+/// And then so often.
+const VISIT: Duration = Duration::from_millis(200);
+/// Showing it takes one in so many parts of the time, at most;
+const SHOWING: u64 = 10;
+/// it is shown again after one in so many parts more of the time, so that the first ones come quickly and a long one does not
+/// keep a browser busy,
+const MORE: u64 = 3;
+/// or so many milliseconds.
+const SELDOM: u64 = 5000;
+/// A picture of which there is nothing to be seen gets so much time, or twice what it should take, before a coarse one is made.
+const SOON: Duration = Duration::from_millis(50);
+/// What is owed while others are on show gets so much time at once though another one is asked for.
+const SLICE: Duration = Duration::from_millis(20);
+
+/// The picture that is asked for, in the making.
+pub(super) struct Begun {
+    frame: u32,
+    detail: Detail,
+    exposure: Option<Exposure>,
+    traced: Duration,
+    /// Has any of it been shown?
+    is_shown: bool,
+}
+
+/// A full picture that is made while others are on show.
+pub(super) struct Aside {
+    frame: u32,
+    exposure: Option<Exposure>,
+    traced: Duration,
+}
+
+/// When a picture in the making is looked at, and shown. In milliseconds since the start.
+struct Visits {
+    start: Instant,
+    due: AtomicU64,
+    last_shown: AtomicU64,
+    showing: AtomicU64,
+}
+
+impl Visits {
+    fn new() -> Self {
+        Self {
+            start: Instant::now(),
+            due: AtomicU64::new(whole_milliseconds(FIRST_VISIT)),
+            last_shown: AtomicU64::new(0),
+            showing: AtomicU64::new(0),
+        }
+    }
+
+    fn now(&self) -> u64 {
+        whole_milliseconds(self.start.elapsed())
+    }
+
+    fn are_due(&self) -> bool {
+        self.now() >= self.due.load(Ordering::Relaxed)
+    }
+
+    /// Is it time to show what there is?
+    fn show(&self) -> bool {
+        let last = self.last_shown.load(Ordering::Relaxed);
+        let showing = self.showing.load(Ordering::Relaxed);
+        showing <= self.now() / SHOWING && self.now() - last >= (last / MORE).min(SELDOM)
+    }
+
+    fn shown(&self, since: u64) {
+        self.showing.fetch_add(self.now() - since, Ordering::Relaxed);
+        self.last_shown.store(self.now(), Ordering::Relaxed);
+    }
+
+    fn go_on(&self) {
+        self.due.store(self.now() + whole_milliseconds(VISIT), Ordering::Relaxed);
+    }
+
+    /// The time that went into the picture itself.
+    fn traced(&self) -> f64 {
+        (self.now() - self.showing.load(Ordering::Relaxed)) as f64
+    }
+}
+
+fn whole_milliseconds(time: Duration) -> u64 {
+    u64::try_from(time.as_millis()).unwrap_or(u64::MAX)
+}
+
+/// Camera rays of a part of a picture: at least those of a sample of a tile, as so many are lost when it is ended.
+fn rays(share: f64, target: Target) -> u64 {
+    const IN_HAND: u64 = 256;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
+    let rays = (share * target.rays()) as u64;
+    rays.max(IN_HAND)
+}
+
+impl Director {
+    pub(super) fn make_next(&mut self) {
+        match self.next {
+            Next::Nothing => {}
+            Next::Step(step, place) => self.climb(step, place),
+            Next::Picture(detail) => self.finish(detail),
+            Next::Rest(until) => self.rest(until),
+            Next::Cost(index) => self.measure(index),
+        }
+    }
+
+    /// Makes a coarse picture and puts it up, unless a command comes in between: then it is still the next thing to do. What
+    /// takes too long for a first picture gives way to something lesser.
+    fn climb(&mut self, step: Step, place: Place) {
+        let state = self.handle.board.state();
+        let Some(stage) = &mut self.stage else {
+            self.next = Next::Nothing;
+            return;
+        };
+        let mailbox = &self.handle.mailbox;
+        let deadline = if place == Place::Between { None } else { step.deadline() };
+        let (film, is_late) = mailbox
+            .within(deadline, |begin| stage.draft(state.frame, step.draft(), mailbox.waiting(), begin));
+        let report = *stage.report();
+        let took = Times::milliseconds(report.trace);
+        let film = match film {
+            Ok(Some(film)) => film,
+            Ok(None) => {
+                if is_late {
+                    self.pace.note_failure(step, took, state.film);
+                    self.next = Next::Step(step.lesser(state.film), place);
+                }
+                return;
+            }
+            Err(error) => return self.fail(error),
+        };
+        let is_pilot = self.pace.is_unknown();
+        self.pace.moment = Times::milliseconds(report.animate + report.prepare);
+        self.pace.note(step.care(), took, report.rays.camera);
+        if place == Place::First && is_pilot {
+            let better = self.pace.first(state.film, ladder::FIRST, 2);
+            if step.is_surpassed_by(better, took) {
+                self.next = Next::Step(better, place);
+                return;
+            }
+        }
+        self.last_step = Some((step, took));
+        self.next = match place {
+            Place::InARow => Next::Rest(self.end_of_row()),
+            Place::First | Place::Between => self.after_step(),
+        };
+        self.put_up(&state, Quality::Coarse(self.progress()), film, report.trace);
+    }
+
+    /// A finer step, or the picture itself.
+    fn after_step(&self) -> Next {
+        let finer = self
+            .stage
+            .as_ref()
+            .zip(self.last_step)
+            .and_then(|(stage, (step, took))| self.pace.finer(step, took, stage.target(self.detail)));
+        finer.map_or(Next::Picture(self.detail), |step| Next::Step(step, Place::Between))
+    }
+
+    /// How much there is of the picture that is asked for, 0 to 1.
+    fn progress(&self) -> f64 {
+        let exposure = self.begun.as_ref().and_then(|begun| begun.exposure.as_ref());
+        exposure.map_or(0.0, Exposure::share)
+    }
+
+    /// Makes the picture that is asked for, and shows it on the way. A command that comes in between does not lose what there is,
+    /// unless it asks for something else. If there is nothing to be seen of the frame yet and it takes longer than it should, a
+    /// coarse picture comes first.
+    fn finish(&mut self, detail: Detail) {
+        let state = self.handle.board.state();
+        let kept = self.begun.take().filter(|begun| (begun.frame, begun.detail) == (state.frame, detail));
+        let frame = state.frame;
+        let new = Begun { frame, detail, exposure: None, traced: Duration::ZERO, is_shown: false };
+        let mut begun = kept.unwrap_or(new);
+        let Self { stage: Some(stage), pace, easel, handle, last_step, next, .. } = self else {
+            self.next = Next::Nothing;
+            return;
+        };
+        let (target, transfer, mailbox) =
+            (stage.target(detail), stage.film_settings().transfer, &handle.mailbox);
+        let expected = Duration::try_from_secs_f64(2e-3 * pace.expected(target).unwrap_or(0.0));
+        let deadline = expected.unwrap_or(Duration::MAX).max(SOON);
+        let is_first = easel.latest().is_none();
+        let (visits, traced_before) = (Visits::new(), Times::milliseconds(begun.traced));
+        let mut visit = |exposure: &Exposure| {
+            let since = visits.now();
+            let traced = traced_before + visits.traced();
+            let so_far = exposure.share();
+            pace.note(Care::Whole, traced, rays(so_far, target));
+            // Now that more is known there may be room for another step; after more has been seen it would be one back.
+            let step = last_step.filter(|_| !begun.is_shown);
+            if let Some(finer) = step.and_then(|(step, took)| pace.finer(step, took, target)) {
+                *next = Next::Step(finer, Place::Between);
+                return Break(());
+            }
+            handle.board.change(|state| state.progress = so_far);
+            let beneath = easel.latest().map(|(_, film)| Arc::clone(film));
+            if let Some(beneath) = beneath.filter(|_| visits.show()) {
+                let made = Made {
+                    film: exposure.develop_over(&beneath),
+                    transfer,
+                    quality: Quality::Coarse(so_far),
+                    times: Times { trace: traced, ..state.times },
+                    rays: state.rays,
+                    plan: None,
+                    rendering: true,
+                };
+                if !easel.put_up(&state, made) {
+                    *next = Next::Nothing;
+                    return Break(());
+                }
+                visits.shown(since);
+                begun.is_shown = true;
+            }
+            visits.go_on();
+            Continue(())
+        };
+        let (film, is_late) = mailbox.within(is_first.then_some(deadline), |begin| {
+            let pause = || {
+                begin();
+                visits.are_due()
+            };
+            let signals = Signals { cancelled: mailbox.waiting(), pause: &pause };
+            stage.render_on((frame, detail), &mut begun.exposure, signals, &mut visit)
+        });
+        let report = *stage.report();
+        begun.traced += report.trace;
+        match film {
+            Ok(Some(film)) => {
+                self.pace.moment = Times::milliseconds(report.animate + report.prepare);
+                self.pace.note(Care::Whole, Times::milliseconds(begun.traced), report.rays.camera);
+                if detail == Detail::Full {
+                    self.full_of = state.reloads;
+                }
+                self.next = self.after_picture();
+                let quality = if detail == Detail::Full { Quality::Full } else { Quality::Draft };
+                self.put_up(&state, quality, film, begun.traced);
+            }
+            Ok(None) => {
+                if is_late && is_first {
+                    let share = begun.exposure.as_ref().map_or(0.0, Exposure::share);
+                    self.pace.note(Care::Whole, Times::milliseconds(begun.traced), rays(share, target));
+                    self.next = self.first_step();
+                }
+                self.begun = Some(begun);
+            }
+            Err(error) => self.fail(error),
+        }
+    }
+
+    /// After the picture that was asked for there may be a full one to be made.
+    fn after_picture(&self) -> Next {
+        match (self.owes(), self.is_playing) {
+            (false, _) => Next::Nothing,
+            (true, false) => Next::Picture(Detail::Full),
+            (true, true) => Next::Rest(self.end_of_row()),
+        }
+    }
+
+    /// Is there no full picture yet since the last edit, though somebody waits for it?
+    pub(super) fn owes(&self) -> bool {
+        let is_wanted = self.settings.finish || self.detail == Detail::Full;
+        is_wanted && self.full_of < self.handle.board.state().reloads
+    }
+
+    /// Waits for the next of many pictures in a row, and makes what is owed meanwhile. If none is asked for any more, the last one
+    /// becomes as good as it can be.
+    fn rest(&mut self, until: Instant) {
+        if Instant::now() < until {
+            if self.owes() {
+                self.work_aside(until);
+            }
+            return;
+        }
+        self.is_playing = false;
+        let is_coarse = self.easel.latest().is_none_or(|(info, _)| info.coarse);
+        self.next = if is_coarse { self.after_step() } else { self.after_picture() };
+        let is_over = self.next == Next::Nothing;
+        self.handle.board.change(|state| state.rendering = !is_over);
+    }
+
+    /// Goes on with the full picture that is owed to the last edit: of the frame that was on show when there first was time for it.
+    fn work_aside(&mut self, until: Instant) {
+        let state = self.handle.board.state();
+        let Some(stage) = &mut self.stage else { return };
+        let mut aside =
+            self.aside.take().unwrap_or(Aside { frame: state.frame, exposure: None, traced: Duration::ZERO });
+        let (mailbox, start) = (&self.handle.mailbox, Instant::now());
+        let pause = || {
+            let is_asked = mailbox.waiting().load(Ordering::Relaxed) && start.elapsed() >= SLICE;
+            is_asked || Instant::now() >= until
+        };
+        let signals = Signals { cancelled: mailbox.pressing(), pause: &pause };
+        let frame = (aside.frame, Detail::Full);
+        let film = stage.render_on(frame, &mut aside.exposure, signals, &mut |_| Break(()));
+        aside.traced += stage.report().trace;
+        match film {
+            Ok(None) => self.aside = Some(aside),
+            Ok(Some(film)) => {
+                self.full_of = state.reloads;
+                let state = State { frame: aside.frame, ..state };
+                if let Some(made) = self.made(&state, Quality::Full, film, aside.traced) {
+                    self.easel.hand_over(&state, made);
+                }
+            }
+            Err(error) => {
+                // There is none of this frame.
+                self.full_of = state.reloads;
+                self.easel.tell(Event::Failed(error));
+            }
+        }
+    }
+
+    fn put_up(&mut self, state: &State, quality: Quality, film: Film, traced: Duration) {
+        if let Some(made) = self.made(state, quality, film, traced)
+            && !self.easel.put_up(state, made)
+        {
+            self.next = Next::Nothing;
+        }
+    }
+
+    fn made(&mut self, state: &State, quality: Quality, film: Film, traced: Duration) -> Option<Made> {
+        let rendering = self.next != Next::Nothing;
+        let stage = self.stage.as_mut()?;
+        let (report, transfer) = (*stage.report(), stage.film_settings().transfer);
+        let mut times = state.times;
+        times.set_frame(&FrameReport { trace: traced, ..report });
+        let plan = match quality {
+            Quality::Coarse(_) => None,
+            Quality::Draft | Quality::Full => stage.planned(state.frame, quality == Quality::Full).ok(),
+        };
+        Some(Made { film, transfer, quality, times, rays: report.rays.total(), plan, rendering })
+    }
+
+    /// Measures what an effect costs, and goes on with the next one. Any command ends it.
+    fn measure(&mut self, index: usize) {
+        let state = self.handle.board.state();
+        let Some(stage) = &mut self.stage else { return };
+        self.next = Next::Nothing;
+        let plan = if index == 0 { stage.planned(state.frame, false) } else { Ok(state.plan) };
+        let cost = stage.cost(state.frame, index, self.handle.mailbox.waiting());
+        match plan.and_then(|plan| Ok((plan, cost?))) {
+            Ok((mut plan, Some(cost))) => {
+                self.next = Next::Cost(index + 1);
+                if let Some(planned) = plan.get_mut(index) {
+                    planned.cost = cost;
+                }
+                self.handle.board.change(|state| state.plan = plan);
+            }
+            Ok((_, None)) => self.handle.board.change(|state| state.rendering = false),
+            Err(error) => self.fail(error),
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! Quick pictures, and pictures that are made piece by piece.
+
+use std::ops::ControlFlow::{Break, Continue};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
+use rayreel::engine::Draft;
+use rayreel::trace::Signals;
+use rayreel::{Engine, Film, Rgb, Scene};
+
+use crate::session::scene;
+
+fn engine(text: String) -> Engine {
+    Engine::from_scene(Scene::from_text("ball.ron", text).unwrap())
+}
+
+#[test]
+fn a_draft_has_one_sample_and_leaves_the_frame_as_it_is() {
+    let sampled = scene(1.0, "").replacen("Scene(", "Scene(sampling: (samples: 4),", 1);
+    let never = AtomicBool::new(false);
+    let (mut plain, mut sampled) = (engine(scene(1.0, "")), engine(sampled));
+    let time = plain.timeline().time_of(3);
+    let (one, four) = (plain.render_at(time).unwrap(), sampled.render_at(time).unwrap());
+    assert!(one != four);
+    let plan = sampled.plan().cloned();
+    assert!(sampled.render_draft_unless(time, Draft::sized(1), &never).unwrap().unwrap() == one);
+    assert_eq!(sampled.plan().cloned(), plan);
+    let coarse = sampled.render_draft_unless(time, Draft::sized(5), &never).unwrap().unwrap();
+    assert_eq!((coarse.width(), coarse.height()), (12, 7));
+    assert_eq!(sampled.report().rays.camera, 84);
+    assert!(sampled.render_at(time).unwrap() == four);
+    let cancelled = AtomicBool::new(true);
+    assert_eq!(sampled.render_draft_unless(time, Draft::sized(1), &cancelled).unwrap(), None);
+}
+
+/// A light with a size, glass, a lens and an open shutter.
+fn rich(samples: u32, instants: u32) -> String {
+    let more = r#"(name: "glass", shape: Sphere(radius: 0.6), material: "glass", transform: (translation: (0.6, 0.4, -2))),
+        (light: Area(shape: Sphere(radius: 1), intensity: (1, 0.9, 0.8), samples: 8), transform: (translation: (-3, 5, -3))),"#;
+    scene(1.0, more)
+        .replacen(
+            "Scene(",
+            &format!("Scene(quality: (depth: 7), sampling: (samples: {samples}, instants: {instants}),"),
+            1,
+        )
+        .replace("materials: {", "materials: { \"glass\": (refractive: (k_t: 0.9, ior: 1.5)),")
+        .replace("target: (0, 0, 0)", "target: (0, 0, 0), lens: (aperture: 0.2, focus: 5), shutter: 0.5")
+}
+
+#[test]
+fn less_is_left_out_of_a_draft_than_it_is_asked_for_and_the_scene_stays_whole() {
+    let mut engine = engine(rich(4, 2));
+    let (time, never) = (engine.timeline().time_of(3), AtomicBool::new(false));
+    let whole = engine.render_at(time).unwrap();
+    let plain = Draft { light_samples: 1, depth: 2, ..Draft::sized(1) };
+    let bare = Draft { shadows: false, depth: 1, ..plain };
+    let mut last = u64::MAX;
+    for draft in [Draft::sized(1), plain, bare, Draft { divisor: 4, ..bare }, Draft { divisor: 64, ..bare }] {
+        engine.render_draft_unless(time, draft, &never).unwrap().unwrap();
+        let rays = engine.report().rays;
+        assert!(rays.total() < last, "{draft:?}");
+        assert!(draft.shadows || (rays.shadow, rays.refraction) == (0, 0), "{draft:?}");
+        last = rays.total();
+        // Rays that are asked for by themselves see all of the scene.
+        assert_eq!(engine.render_at(time).unwrap(), whole);
+    }
+    assert_eq!(last, 1);
+}
+
+/// Ends it at many places, at once or after the samples in hand, and goes on.
+#[test]
+fn a_picture_made_in_pieces_has_the_bits_and_the_rays_of_one_made_at_once() {
+    for (samples, instants) in [(1, 1), (3, 1), (4, 4), (5, 2)] {
+        let mut engine = engine(rich(samples, instants));
+        let time = engine.timeline().time_of(3);
+        let once = engine.render_at(time).unwrap();
+        let report = *engine.report();
+        for rest in 1..6 {
+            let (mut begun, mut pieces, mut shares) = (None, 0, vec![0.0]);
+            let film = loop {
+                let (asked, cancelled) = (AtomicU32::new(0), AtomicBool::new(false));
+                let pause = || {
+                    let now = asked.fetch_add(1, Ordering::Relaxed) >= rest;
+                    // Every other time all that is in hand is lost.
+                    cancelled.store(now && pieces % 2 == 0, Ordering::Relaxed);
+                    now
+                };
+                let signals = Signals { cancelled: &cancelled, pause: &pause };
+                let mut visit = |_: &_| Break(());
+                let film = engine.render_on(time, &mut begun, signals, &mut visit).unwrap();
+                pieces += 1;
+                if let Some(film) = film {
+                    break film;
+                }
+                shares.extend(begun.as_ref().map(rayreel::trace::Exposure::share));
+            };
+            assert!(film == once && pieces > 2, "{samples} {instants} {rest}: {pieces}");
+            assert_eq!(engine.report().rays, report.rays, "{samples} {instants} {rest}");
+            assert_eq!(engine.report().ends, report.ends);
+            assert!(
+                shares.is_sorted() && shares.iter().all(|share| (0.0..1.0).contains(share)),
+                "{shares:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn what_there_is_of_a_picture_lies_over_another_one() {
+    let mut engine = engine(rich(2, 1));
+    let time = engine.timeline().time_of(0);
+    let whole = engine.render_at(time).unwrap();
+    let beneath = Film::from_pixels(2, 1, [Rgb::new(1.0, 0.0, 0.0), Rgb::new(0.0, 0.0, 1.0)].into_iter());
+    let (never, mut seen) = (AtomicBool::new(false), Vec::new());
+    let asked = AtomicU32::new(0);
+    let pause = || asked.fetch_add(1, Ordering::Relaxed) % 3 == 2;
+    let signals = Signals { cancelled: &never, pause: &pause };
+    let mut visit = |exposure: &rayreel::trace::Exposure| {
+        seen.push(exposure.develop_over(&beneath));
+        Continue(())
+    };
+    assert!(engine.render_on(time, &mut None, signals, &mut visit).unwrap() == Some(whole.clone()));
+    let finished = |film: &Film| {
+        (0..36)
+            .flat_map(|j| (0..64).map(move |i| (i, j)))
+            .filter(|(i, j)| film.pixel(*i, *j) == whole.pixel(*i, *j))
+            .count()
+    };
+    let counts: Vec<usize> = seen.iter().map(finished).collect();
+    assert!(counts.len() > 2 && counts[0] < 64 * 36 && counts.last() > counts.first(), "{counts:?}");
+    // Where nothing has come yet the other one is seen, as large as this one.
+    let first = &seen[0];
+    let others = (0..64).filter(|i| first.pixel(*i, 35) == beneath.pixel(i / 32, 0)).count();
+    assert!(others > 0, "{first:?}");
+}

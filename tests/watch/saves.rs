@@ -1,0 +1,86 @@
+//! Files that are saved more quickly than anybody looks, or slowly, or that cannot be read for a while.
+
+use std::fs;
+use std::io::Write;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use rayreel::live::Event;
+
+use crate::session::{Stage, scene};
+
+/// Some 60 saves in a second.
+const OFTEN: Duration = Duration::from_millis(16);
+const FOR: Duration = Duration::from_secs(3);
+
+/// Saves as often as a simulation writes its frames, and says what came of it.
+fn saved_often(save: impl Fn(&Stage, &str)) -> (usize, usize) {
+    let stage = Stage::new(Some(&scene(1.0, "")));
+    stage.shows_what_a_cold_start_shows();
+    let start = Instant::now();
+    let mut radius = 0.5;
+    while start.elapsed() < FOR {
+        radius += 0.001;
+        save(&stage, &scene(radius, ""));
+        sleep(OFTEN);
+    }
+    let events = stage.events_within(Duration::from_secs(1));
+    let broken = events.iter().filter(|event| matches!(event, Event::Broken(_))).count();
+    let mut shown: Vec<u64> = events
+        .iter()
+        .filter_map(|event| if let Event::Shown(shown) = event { Some(shown.info.reloads) } else { None })
+        .collect();
+    shown.dedup();
+    // The last one is what stays.
+    let mut cold = rayreel::Engine::load(stage.path("ball.ron")).unwrap();
+    let last = events.iter().rev().find_map(|event| match event {
+        Event::Shown(shown) if shown.info.full => Some(shown),
+        _ => None,
+    });
+    assert!(cold.render_frame(0).unwrap() == *last.unwrap().film);
+    (shown.len(), broken)
+}
+
+#[test]
+fn saves_in_place_that_never_rest_are_shown_and_are_no_mistake() {
+    let (shown, broken) = saved_often(|stage, text| fs::write(stage.path("ball.ron"), text).unwrap());
+    assert!(shown > 6 && broken == 0, "{shown} shown, {broken} told broken");
+}
+
+#[test]
+fn renames_that_never_rest_are_shown_several_times_a_second() {
+    let (shown, broken) = saved_often(Stage::save);
+    assert!(shown > 9 && broken == 0, "{shown} shown, {broken} told broken");
+}
+
+/// Whatever the pieces and the pauses between them.
+#[test]
+fn a_file_that_is_being_written_is_no_mistake() {
+    let stage = Stage::new(Some(&scene(1.0, "")));
+    stage.shows_what_a_cold_start_shows();
+    for (radius, (pieces, pause)) in
+        [0.5, 0.6, 0.7, 0.8].into_iter().zip([(2, 20), (5, 20), (12, 20), (30, 8)])
+    {
+        let text = scene(radius, "");
+        stage.events_within(Duration::from_millis(200));
+        let mut file = fs::File::create(stage.path("ball.ron")).unwrap();
+        let (mut last, mut longest) = (Instant::now(), Duration::ZERO);
+        for piece in text.as_bytes().chunks(text.len().div_ceil(pieces)) {
+            sleep(Duration::from_millis(pause));
+            file.write_all(piece).unwrap();
+            file.flush().unwrap();
+            longest = longest.max(last.elapsed());
+            last = Instant::now();
+        }
+        if longest < Duration::from_millis(28) {
+            stage.shows_what_a_cold_start_shows();
+        } else {
+            // The machine was busy with something else, and the file at rest in between.
+            stage.shows_in_the_end_what_a_cold_start_shows();
+        }
+    }
+    // What stays broken is told, and only once.
+    fs::write(stage.path("ball.ron"), "Scene(").unwrap();
+    let events = stage.events_within(Duration::from_secs(3));
+    assert_eq!(events.iter().filter(|event| matches!(event, Event::Broken(_))).count(), 1, "{events:?}");
+}
