@@ -9,7 +9,10 @@ mod page {
 }
 
 use std::fs;
-use std::thread::sleep;
+use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
+use std::net::TcpStream;
+use std::path::Path;
+use std::thread::{self, sleep};
 use std::time::{Duration, Instant};
 
 use page::browser::Browser;
@@ -43,8 +46,12 @@ struct Preview {
 
 impl Preview {
     fn new() -> Self {
+        Self::of(SCENE)
+    }
+
+    fn of(text: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("ball.ron"), SCENE).unwrap();
+        fs::write(folder.path().join("ball.ron"), text).unwrap();
         let session = session(&folder);
         let server = Server::start(0, session.handle()).unwrap();
         let port = server.address().port();
@@ -145,11 +152,11 @@ fn the_page_shows_scrubs_plays_and_recovers() {
     assert_ne!(browser.evaluate("pixel()"), before[1]);
 }
 
-/// For the pixel in the middle of the picture on the screen, as the page shows it.
-const PIXEL: &str = "(window.pixel = () => { const canvas = document.createElement('canvas'), image = at('now'); \
+/// For a pixel, as the one in the middle, of the picture on the screen, as the page shows it.
+const PIXEL: &str = "(window.pixel = (right = 0.5, down = 0.5) => { const canvas = document.createElement('canvas'), image = at('now'); \
     canvas.width = image.naturalWidth; canvas.height = image.naturalHeight; \
     const context = canvas.getContext('2d'); context.drawImage(image, 0, 0); \
-    return [...context.getImageData(canvas.width / 2, canvas.height / 2, 1, 1).data].join(); }, true)";
+    return [...context.getImageData(Math.round(canvas.width * right), Math.round(canvas.height * down), 1, 1).data].join(); }, true)";
 
 #[test]
 fn a_frame_that_fails_can_be_left_again() {
@@ -192,6 +199,190 @@ fn two_pages_do_not_keep_each_other_waiting() {
     }
     one.evaluate("(seek(2), true)");
     until(&other, "shown.full && shown.frame === 2 && view.frame === 2");
+}
+
+/// A browser opens six connections to a server at most.
+#[test]
+fn more_pages_than_connections_all_hear_and_ask() {
+    for kind in ["tab", "window"] {
+        let preview = Preview::new();
+        let Some(browser) = open(&preview) else { return };
+        until(&browser, "shown !== null && shown.full");
+        let mut pages = Vec::new();
+        for _ in 0..9 {
+            pages.push(browser.open_another(kind));
+            browser.go(&format!("http://127.0.0.1:{}/", preview.port));
+            until(&browser, "state !== null");
+        }
+        preview.save(&SCENE.replace("radius: 1", "radius: 1.2"));
+        for (frame, page) in (1..).zip(&pages) {
+            browser.switch_to(page);
+            until(&browser, "shown !== null && shown.full && shown.reloads === 2");
+            browser.evaluate(&format!("(seek({frame}), true)"));
+            until(&browser, &format!("shown.full && shown.frame === {frame} && asked === null"));
+            browser.evaluate("(probe([80, 45]), true)");
+            until(&browser, "at('spot').innerText.includes('clay')");
+        }
+    }
+}
+
+#[test]
+fn nothing_is_told_before_there_is_anything() {
+    let preview = Preview::of("Scene(");
+    let Some(browser) = open(&preview) else { return };
+    until(&browser, "!at('wrong').hidden && at('status').textContent === 'nothing to show yet'");
+    let text = browser.evaluate("document.body.innerText");
+    for hollow in ["rays", "0 k", "left out", "0.00 ms"] {
+        assert!(!text.as_str().unwrap().contains(hollow), "{hollow}: {text}");
+    }
+    preview.save(SCENE);
+    until(&browser, "shown !== null && shown.full && at('times').innerText.includes('rays')");
+    until(&browser, "document.body.innerText.includes('others are left out')");
+}
+
+#[test]
+fn a_server_that_is_away_stays_so_whatever_is_pressed() {
+    let mut preview = Preview::new();
+    let Some(browser) = open(&preview) else { return };
+    until(&browser, "shown !== null && shown.full");
+    preview.server = None;
+    until(&browser, "at('status').textContent === 'the server is away'");
+    for key in ['w', 'b', 'l', 'f', '1', ' ', '\u{e014}', '\u{e012}', 'r', 'm', '.', ' '] {
+        browser.press(key);
+        browser.evaluate("(draw(), true)");
+        assert_eq!(browser.evaluate("at('status').textContent"), json!("the server is away"), "{key:?}");
+    }
+    preview.restart();
+    until(&browser, "at('status').textContent === '160 × 90'");
+}
+
+#[test]
+fn another_scene_begins_with_its_own_frame() {
+    let mut preview = Preview::new();
+    let Some(browser) = open(&preview) else { return };
+    until(&browser, "shown !== null && shown.full");
+    browser.evaluate("(seek(7), probe([80, 45]), true)");
+    until(&browser, "shown.full && shown.frame === 7 && view.spot !== null");
+    // The same scene again keeps its own.
+    preview.server = None;
+    preview.restart();
+    until(&browser, "shown !== null && shown.full && shown.frame === 7 && !away");
+    preview.server = None;
+    let scene = preview.folder.path().join("other.ron");
+    fs::write(&scene, SCENE).unwrap();
+    let settings = SessionSettings { scene, frame: 5, watching: Watching::Events, finish: false };
+    preview.session = Session::start(settings, |_| {});
+    preview.server = Some(Server::start(preview.port, preview.session.handle()).unwrap());
+    until(&browser, "state.scene.endsWith('other.ron') && shown !== null && shown.full && !away");
+    assert_eq!(browser.evaluate("[shown.frame, view.frame, view.spot]"), json!([5, 5, null]));
+}
+
+#[test]
+fn pictures_keep_their_shapes() {
+    let preview = Preview::new();
+    let Some(browser) = open(&preview) else { return };
+    until(&browser, "shown !== null && shown.full");
+    for (index, (width, height)) in [(90, 160), (200, 50), (60, 60), (60, 60)].into_iter().enumerate() {
+        preview.save(
+            &SCENE
+                .replace("width: 160, height: 90", &format!("width: {width}, height: {height}"))
+                .replace("radius: 1", &format!("radius: 1.{index}")),
+        );
+        until(&browser, &format!("shown.full && shown.reloads === {} && compared !== null", index + 2));
+        for press in ["w", "b"] {
+            browser.evaluate(&format!("(at({press:?} === 'w' ? 'wipe' : 'swap').click(), true)"));
+            until(&browser, "at('before').complete && at('before').naturalWidth > 0");
+            let shapes =
+                "['now', 'before'].map(id => { const image = at(id), box = image.getBoundingClientRect();
+                return Math.abs(box.width / box.height / (image.naturalWidth / image.naturalHeight) - 1); })";
+            let off: Vec<f64> = serde_json::from_value(browser.evaluate(shapes)).unwrap();
+            assert!(off.iter().all(|off| *off < 0.02), "{width} x {height}: {off:?}");
+            // It lies within the picture.
+            let within = "(() => { const [film, before] = ['film', 'before'].map(id => at(id).getBoundingClientRect());
+                return before.left > film.left - 1 && before.right < film.right + 1 && before.top > film.top - 1
+                    && before.bottom < film.bottom + 1; })()";
+            assert_eq!(browser.evaluate(within), json!(true));
+        }
+    }
+}
+
+#[test]
+fn the_pixel_panel_tells_what_the_picture_shows() {
+    let preview = Preview::of(&SCENE.replacen("Scene(", "Scene(sampling: (samples: 16),", 1));
+    let Some(browser) = open(&preview) else { return };
+    until(&browser, "shown !== null && shown.full");
+    browser.evaluate(PIXEL);
+    // Across the ball's edge, where samples differ.
+    for i in (20..140).step_by(3) {
+        browser.evaluate(&format!("(probe([{i}, 45]), true)"));
+        until(&browser, &format!("at('spot').innerText.includes('{i}, 45')"));
+        let bytes = browser.evaluate(&format!("pixel({i} / 160, 0.5).split(',').slice(0, 3).join(', ')"));
+        let told = browser.evaluate("at('spot').innerText");
+        assert!(told.as_str().unwrap().contains(bytes.as_str().unwrap()), "{i}: {bytes} {told}");
+        assert!(told.as_str().unwrap().contains("mean of 16 samples"), "{told}");
+    }
+    browser.click("#film");
+    until(&browser, "at('spot').innerText.includes('clay')");
+}
+
+#[test]
+fn a_long_picture_shows_how_far_it_has_come() {
+    let preview = Preview::new();
+    let Some(browser) = open(&preview) else { return };
+    until(&browser, "shown !== null && shown.full && at('progress').hidden");
+    let slow = SCENE.replace("width: 160, height: 90", "width: 1600, height: 900");
+    preview.save(&slow.replacen("Scene(", "Scene(sampling: (samples: 8),", 1));
+    until(&browser, "shown.reloads === 2 && shown.coarse && !at('progress').hidden");
+    let mut seen = Vec::new();
+    let start = Instant::now();
+    while browser.evaluate("shown.full") != json!(true) {
+        assert!(start.elapsed() < AT_MOST);
+        seen.push(browser.evaluate("[at('progress').value, at('percent').textContent]"));
+    }
+    let values: Vec<f64> = seen.iter().filter_map(|seen| seen[0].as_f64()).collect();
+    assert!(values.is_sorted() && values.last() > values.first(), "{values:?}");
+    assert!(seen.iter().any(|seen| seen[1].as_str().unwrap().ends_with(" %")), "{seen:?}");
+    until(&browser, "at('progress').hidden && at('percent').textContent === ''");
+    // What comes after it makes way for an edit.
+    preview.save(SCENE);
+    until(&browser, "shown.full && shown.reloads === 3");
+}
+
+#[test]
+fn on_a_phone_a_mistake_can_be_read_and_its_place_is_seen() {
+    let preview = Preview::new();
+    let Some(browser) = open(&preview) else { return };
+    let phone = json!({ "width": 360, "height": 640, "deviceScaleFactor": 2, "mobile": true });
+    browser.emulate("Emulation.setDeviceMetricsOverride", &phone);
+    until(&browser, "shown !== null && shown.full && innerWidth === 360");
+    let far = " ".repeat(150);
+    for broken in [
+        SCENE.replace("\"clay\"),", "\"caly\"),"),
+        SCENE.replace("(name: \"ball\",", &format!("(name: \"ball\",{far}shope: 3,")),
+        SCENE.replace("width: 160", &format!("{far}width: -160")),
+        "Scene(".to_owned(),
+    ] {
+        let before = browser.evaluate("wrongText");
+        preview.save(&broken);
+        until(
+            &browser,
+            &format!("!at('wrong').hidden && wrongText !== {before} && wrongText === state.mistakes.text"),
+        );
+        // All words are within the page; only lines of the file are scrolled, to where the caret is.
+        let outside =
+            "[...at('wrong').querySelectorAll('h2, p')].some(part => { const range = document.createRange();
+            range.selectNodeContents(part);
+            return [...range.getClientRects()].some(box => box.left < 0 || box.right > innerWidth); })";
+        assert_eq!(browser.evaluate(outside), json!(false), "{broken}");
+        assert_eq!(browser.evaluate("at('wrong').scrollLeft"), json!(0));
+        let caret = "[...at('wrong').querySelectorAll('pre')].every(lines => {
+            const at = lines.firstChild.data.indexOf('^'), range = document.createRange();
+            if (at < 0) return true;
+            range.setStart(lines.firstChild, at); range.setEnd(lines.firstChild, at + 1);
+            const box = range.getBoundingClientRect();
+            return box.left >= 0 && box.right <= innerWidth; })";
+        assert_eq!(browser.evaluate(caret), json!(true), "{broken}");
+    }
 }
 
 #[test]
@@ -259,10 +450,65 @@ fn only_this_machines_own_pages_are_served() {
     }
 }
 
+/// Of the head and of the body, in pieces and not at all.
+#[test]
+fn who_begins_to_ask_and_does_not_go_on_is_sent_away() {
+    let preview = Preview::new();
+    let host = format!("127.0.0.1:{}", preview.port);
+    let head = format!("POST /view HTTP/1.1\r\nHost: {host}\r\nContent-Length: 20\r\n\r\n");
+    let visitors: Vec<_> = ["", "GET", &head[..30], &head, &(head.clone() + "{")]
+        .into_iter()
+        .map(|begun| {
+            let mut stream = TcpStream::connect(("127.0.0.1", preview.port)).unwrap();
+            stream.write_all(begun.as_bytes()).unwrap();
+            stream.set_read_timeout(Some(AT_MOST)).unwrap();
+            thread::spawn(move || {
+                let mut answer = Vec::new();
+                // It ends, with an answer or without.
+                let end = stream.read_to_end(&mut answer);
+                assert!(end.is_ok() || end.is_err_and(|error| error.kind() == ErrorKind::ConnectionReset));
+            })
+        })
+        .collect();
+    // A page is not: it listens for as long as it likes.
+    let mut page = TcpStream::connect(("127.0.0.1", preview.port)).unwrap();
+    write!(page, "GET /events HTTP/1.1\r\nHost: {host}\r\n\r\n").unwrap();
+    for visitor in visitors {
+        visitor.join().unwrap();
+    }
+    sleep(Duration::from_secs(6));
+    preview.save(&SCENE.replace("radius: 1", "radius: 1.3"));
+    let mut heard = String::new();
+    let mut lines = BufReader::new(page);
+    while !heard.contains("\"reloads\":2") {
+        heard.clear();
+        assert!(lines.read_line(&mut heard).unwrap() > 0);
+    }
+    let large = "x".repeat(1 << 20);
+    assert_eq!(request(preview.port, "POST", "/view", &[("Host", &host)], &large).status, 408);
+}
+
 #[test]
 fn the_page_needs_nothing_from_elsewhere() {
-    let page = include_str!("../src/live/page.html");
-    for foreign in ["http://", "https://", "//cdn", "@import", "<script src", "<link rel=\"stylesheet\""] {
-        assert!(!page.contains(foreign), "{foreign}");
+    let preview = Preview::new();
+    let host = format!("127.0.0.1:{}", preview.port);
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/live/page");
+    for file in fs::read_dir(folder).unwrap() {
+        let file = file.unwrap();
+        let (name, text) =
+            (file.file_name().into_string().unwrap(), fs::read_to_string(file.path()).unwrap());
+        for foreign in ["://", "//cdn", "@import"] {
+            assert!(!text.contains(foreign), "{name}: {foreign}");
+        }
+        // All of it is served, and is what it is called.
+        let path = if name == "page.html" { "/".to_owned() } else { format!("/{name}") };
+        let answer = request(preview.port, "GET", &path, &[("Host", &host)], "");
+        let kind = match name.rsplit_once('.').unwrap().1 {
+            "html" => "text/html",
+            "css" => "text/css",
+            _ => "text/javascript",
+        };
+        assert!(answer.status == 200 && answer.body == text, "{name}: {}", answer.status);
+        assert!(answer.head.contains(&format!("content-type: {kind}; charset=utf-8")), "{}", answer.head);
     }
 }

@@ -7,6 +7,7 @@ use clap_complete::Shell;
 
 use rayreel::Time;
 use rayreel::components::{FilmSettings, Quality};
+use rayreel::live::HostName;
 use rayreel::output::Sheet;
 use rayreel::time::FrameList;
 use rayreel::trace::Precision;
@@ -138,6 +139,7 @@ pub(super) enum Format {
   rayreel watch scenes/first_light.ron
   rayreel watch scenes/first_light.ron --port 4000
   rayreel watch scenes/first_light.ron --out now.png
+  rayreel watch scenes/first_light.ron --port 4000 --allow-host localhost:9000
 
 Prints the address of a page for this machine's browser: the picture, the timeline, what is wrong
 with the files, and what each pixel sees. Every save of the scene, of what it includes and of its
@@ -146,9 +148,12 @@ Ctrl-C ends it, with 130.")]
 pub(super) struct WatchArguments {
     /// The scene file
     pub(super) scene: PathBuf,
-    /// The page's port on 127.0.0.1 [default: one that is free]
-    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..))]
+    /// The page's port on 127.0.0.1; 0 is one that is free [default: 0]
+    #[arg(long, value_name = "NUMBER")]
     pub(super) port: Option<u16>,
+    /// Answer under this name too, as localhost:9000 with `ssh -L 9000:127.0.0.1:4000`; without a port, at any [can be repeated]
+    #[arg(long, value_name = "NAME[:PORT]")]
+    pub(super) allow_host: Vec<HostName>,
     /// The first frame to show [default: 0]
     #[arg(long, value_name = "INDEX", value_parser = parse_index, allow_hyphen_values = true)]
     pub(super) frame: Option<u32>,

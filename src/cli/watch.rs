@@ -95,7 +95,7 @@ impl Teller {
             }
             Event::Failed(error) => Failure::from(error).print(),
             Event::NotShown(mistakes) => print::error_line(&mistakes.text),
-            Event::Shown(shown) => self.show(shown),
+            Event::Shown(shown) => self.show(&shown),
         }
     }
 

@@ -2,7 +2,7 @@
 //!
 //! | request | answer |
 //! |---|---|
-//! | `GET /` | the page |
+//! | `GET /` | the page; its style and its programs under their names |
 //! | `GET /state` | the [`State`](super::State), as JSON |
 //! | `GET /events` | the same whenever it changes, as server-sent events |
 //! | `GET /picture/1795/7` | picture 7 of session 1795, as PNG |
@@ -10,15 +10,15 @@
 //! | `POST /probe` | tells what a pixel `[column, row]` sees: a [`Spot`](super::Spot) or null, as JSON |
 
 use std::convert::Infallible;
-use std::future::IntoFuture;
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::pin::pin;
+use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use axum::Router;
-use axum::body::Bytes;
+use axum::body::{Bytes, to_bytes};
 use axum::extract::{Path, Request, State};
 use axum::http::header::{CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, HeaderName, HeaderValue};
 use axum::http::{HeaderMap, StatusCode};
@@ -28,18 +28,27 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use futures_util::future::select;
 use futures_util::stream::{self, Stream};
+use hyper_util::rt::{TokioExecutor, TokioIo, TokioTimer};
+use hyper_util::server::conn::auto;
+use hyper_util::service::TowerToHyperService;
 use tokio::runtime::Builder;
 use tokio::sync::oneshot;
+use tokio::time::timeout;
 
-use super::guard::admits;
+use super::guard::{Guard, HostName};
 use super::mailbox::{Answer, Command, View};
+use super::page::FILES;
 use super::session::Handle;
 
-const PAGE: &str = include_str!("page.html");
-
 /// What the page may do: ask this server, and nobody else.
-const POLICY: &str = "default-src 'none'; img-src 'self' blob: data:; connect-src 'self'; style-src 'unsafe-inline'; \
-                      script-src 'unsafe-inline'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+const POLICY: &str = "default-src 'none'; img-src 'self' data:; connect-src 'self'; style-src 'self'; script-src 'self'; \
+                      worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+/// A request that has not come in so much time does not come any more.
+const PATIENCE: Duration = Duration::from_secs(5);
+/// Nothing that is asked needs more bytes.
+const LARGEST_BODY: usize = 1 << 12;
+/// When there is no room for another connection, there may be later.
+const NO_ROOM: Duration = Duration::from_millis(100);
 
 /// A server on this machine's own address, 127.0.0.1, on a thread of its own, until it is dropped.
 #[derive(Debug)]
@@ -52,7 +61,7 @@ pub struct Server {
 #[derive(Clone)]
 struct Shared {
     session: Handle,
-    port: u16,
+    guard: Arc<Guard>,
 }
 
 impl Server {
@@ -62,17 +71,26 @@ impl Server {
     ///
     /// If the port is taken, or may not be used.
     pub fn start(port: u16, session: Handle) -> io::Result<Self> {
+        Self::start_for(&[], port, session)
+    }
+
+    /// As [`start`](Self::start), for browsers that know it by these names too.
+    ///
+    /// # Errors
+    ///
+    /// As [`start`](Self::start).
+    pub fn start_for(hosts: &[HostName], port: u16, session: Handle) -> io::Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
         listener.set_nonblocking(true)?;
         let port = listener.local_addr()?.port();
         let runtime = Builder::new_current_thread().enable_io().enable_time().build()?;
         let (stop, stopped) = oneshot::channel();
+        let router = router(Shared { session, guard: Arc::new(Guard::new(port, hosts)) });
         let thread = thread::spawn(move || {
             runtime.block_on(async {
                 let Ok(listener) = tokio::net::TcpListener::from_std(listener) else { return };
-                let serving = axum::serve(listener, router(Shared { session, port })).into_future();
                 // Pages listen for as long as they are open: nobody waits for them.
-                select(pin!(serving), stopped).await;
+                select(pin!(serve(&listener, &router)), stopped).await;
             });
         });
         Ok(Self { port, stop: Some(stop), thread: Some(thread) })
@@ -96,9 +114,31 @@ impl Drop for Server {
     }
 }
 
+/// Answers whoever comes. Who begins to ask and does not go on is sent away.
+async fn serve(listener: &tokio::net::TcpListener, router: &Router) {
+    let mut connections = auto::Builder::new(TokioExecutor::new()).http1_only();
+    connections.http1().timer(TokioTimer::new()).header_read_timeout(PATIENCE);
+    let connections = Arc::new(connections);
+    loop {
+        let Ok((stream, _)) = listener.accept().await else {
+            tokio::time::sleep(NO_ROOM).await;
+            continue;
+        };
+        // News are short, and somebody waits for them.
+        let _ = stream.set_nodelay(true);
+        let (connections, service) = (Arc::clone(&connections), TowerToHyperService::new(router.clone()));
+        tokio::spawn(async move {
+            // What goes wrong is the visitor's own affair.
+            let _ = connections.serve_connection(TokioIo::new(stream), service).await;
+        });
+    }
+}
+
 fn router(shared: Shared) -> Router {
-    Router::new()
-        .route("/", get(page))
+    let files = FILES.into_iter().fold(Router::new(), |router, (path, kind, text)| {
+        router.route(path, get(move || async move { ([(CONTENT_TYPE, kind)], text) }))
+    });
+    files
         .route("/state", get(state))
         .route("/events", get(events))
         .route("/picture/{session}/{id}", get(picture))
@@ -110,10 +150,15 @@ fn router(shared: Shared) -> Router {
 
 /// Turns strangers away, and tells browsers to be strict.
 async fn guarded(State(shared): State<Shared>, headers: HeaderMap, request: Request, next: Next) -> Response {
-    let mut response = if admits(&headers, shared.port) {
-        next.run(request).await
+    let mut response = if shared.guard.admits(&headers) {
+        match whole(request).await {
+            Some(request) => next.run(request).await,
+            None => (StatusCode::REQUEST_TIMEOUT, "the request is too slow or too large\n").into_response(),
+        }
     } else {
-        (StatusCode::FORBIDDEN, "this page is for this machine's own browser\n").into_response()
+        let why = "this page is for this machine's own browser; under another name or port than its own, as behind \
+                   `ssh -L`, `rayreel watch --allow-host NAME:PORT` allows it\n";
+        (StatusCode::FORBIDDEN, why).into_response()
     };
     let headers = response.headers_mut();
     for (name, value) in [
@@ -128,8 +173,11 @@ async fn guarded(State(shared): State<Shared>, headers: HeaderMap, request: Requ
     response
 }
 
-async fn page() -> impl IntoResponse {
-    ([(CONTENT_TYPE, "text/html; charset=utf-8")], PAGE)
+/// A request with all of its body.
+async fn whole(request: Request) -> Option<Request> {
+    let (head, body) = request.into_parts();
+    let bytes = timeout(PATIENCE, to_bytes(body, LARGEST_BODY)).await.ok()?.ok()?;
+    Some(Request::from_parts(head, bytes.into()))
 }
 
 async fn state(State(shared): State<Shared>) -> Response {

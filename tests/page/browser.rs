@@ -28,7 +28,7 @@ impl Browser {
         let mut browser = Self { driver, _output: output, port, session: String::new() };
         // Tests may run as root, in containers with little shared memory.
         let size = format!("--window-size={size}");
-        let arguments = ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", &size];
+        let arguments = ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu", &size];
         let wanted = json!({ "alwaysMatch": { "goog:chromeOptions": { "args": arguments } } });
         let session = browser.ask("/session", &json!({ "capabilities": wanted }));
         browser.session = session["sessionId"].as_str().unwrap().to_owned();
@@ -49,6 +49,19 @@ impl Browser {
 
     pub(crate) fn go(&self, url: &str) {
         self.ask_session("url", &json!({ "url": url }));
+    }
+
+    /// Opens another `tab` or `window` and goes there.
+    pub(crate) fn open_another(&self, kind: &str) -> String {
+        let opened = self.ask_session("window/new", &json!({ "type": kind }));
+        let handle = opened["handle"].as_str().unwrap().to_owned();
+        self.switch_to(&handle);
+        handle
+    }
+
+    pub(crate) fn switch_to(&self, handle: &str) {
+        self.ask_session("window", &json!({ "handle": handle }));
+        self.emulate("Page.bringToFront", &json!({}));
     }
 
     /// What an expression is in the page.

@@ -307,7 +307,7 @@ fn no_script_makes_it_fail() {
     let folder = std::env::var_os("RAYREEL_SCRIPTS").map(PathBuf::from);
     let written = AtomicUsize::new(0);
     let good = AtomicUsize::new(0);
-    fuzz("random scripts", &any::<u64>().no_shrink(), |seed| {
+    fuzz("random scripts", 400, &any::<u64>().no_shrink(), |seed| {
         let text = scene(seed);
         if let Some(folder) = &folder {
             let number = written.fetch_add(1, Ordering::Relaxed);

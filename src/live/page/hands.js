@@ -1,0 +1,78 @@
+"use strict";
+// Buttons, pointers and keys.
+
+const step = frames => { pause(); seek(view.frame + frames); };
+const toggle = () => playing ? pause() : play();
+const setLoop = () => { view.loop = !view.loop; keep(); draw(); };
+const setWipe = () => { if (!at("wipe").disabled) compare({ wipe: view.wipe === null ? 0.5 : null, swap: false }); };
+const setSwap = () => { if (!at("swap").disabled) compare({ swap: !view.swap }); };
+const moveEdge = by => { if (view.wipe !== null) compare({ wipe: Math.max(0, Math.min(1, view.wipe + by)) }); };
+// Another pixel, as seen from the one that is marked, or from the middle.
+function moveSpot(right, down) {
+  const [width, height] = film(), [i, j] = view.spot ?? [width >> 1, height >> 1];
+  const inside = (place, count) => Math.max(0, Math.min(count - 1, place));
+  if (shown) probe([inside(i + right, width), inside(j + down, height)]);
+}
+const finish = () => ask("finish");
+const measure = () => { if (!at("measure").disabled) { pause(); ask("measure"); } };
+const faster = by => {
+  const options = [...at("speed").options].map(option => Number(option.value));
+  setSpeed(options[Math.max(0, Math.min(options.length - 1, options.indexOf(view.speed) + by))]);
+};
+
+at("scrubber").oninput = event => { const frame = Number(event.target.value); if (playing) { playing = null; asked = null; } seek(frame); };
+at("back").onclick = () => step(-1);
+at("forth").onclick = () => step(1);
+at("play").onclick = toggle;
+at("loop").onclick = setLoop;
+at("speed").onchange = event => setSpeed(Number(event.target.value));
+at("detail").onchange = event => { view.detail = event.target.value; keep(); ask({ detail: view.detail }); };
+at("finish").onclick = finish;
+at("measure").onclick = measure;
+at("fit").onclick = () => zoom(0);
+at("whole").onclick = () => zoom(1);
+at("larger").onclick = () => zoomBy(2);
+at("smaller").onclick = () => zoomBy(1 / 2);
+at("wipe").onclick = setWipe;
+at("swap").onclick = setSwap;
+at("help").onclick = () => at("keys").showModal();
+
+let wiping = false, wiped = false;  // at it; the click that follows belongs to it
+const moveWipe = event => {
+  const box = at("film").getBoundingClientRect();
+  compare({ wipe: Math.max(0, Math.min(1, (event.clientX - box.left) / box.width)) });
+};
+at("film").onpointerdown = event => {
+  const box = at("film").getBoundingClientRect();
+  const near = Math.abs(event.clientX - box.left - view.wipe * box.width) < 16;
+  wiping = wiped = event.isPrimary && event.button === 0 && near && at("film").classList.contains("wipe");
+  if (wiping) { at("film").setPointerCapture(event.pointerId); event.preventDefault(); }
+};
+at("film").onpointermove = event => { if (wiping) moveWipe(event); };
+at("film").onpointerup = at("film").onlostpointercapture = () => { wiping = false; };
+at("film").onclick = event => { if (!wiped && state && shown) probe(pixelOf(event)); wiped = false; };
+
+const keys = {
+  " ": toggle, ArrowLeft: event => step(event.shiftKey ? -10 : -1), ArrowRight: event => step(event.shiftKey ? 10 : 1),
+  Home: () => step(-Infinity), End: () => step(Infinity), l: setLoop, "[": () => faster(-1), "]": () => faster(1),
+  f: () => zoom(0), 1: () => zoom(1), "+": () => zoomBy(2), "=": () => zoomBy(2), "-": () => zoomBy(1 / 2),
+  w: setWipe, b: setSwap, ",": () => moveEdge(-0.02), ".": () => moveEdge(0.02), r: finish, m: measure, "?": () => at("keys").showModal(),
+};
+const marks = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+document.onkeydown = event => {
+  if (!state || event.ctrlKey || event.metaKey || at("keys").open) return;
+  const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, tag = event.target.tagName;
+  if (event.altKey) {
+    if (!marks[key]) return;
+    moveSpot(...marks[key].map(step => step * (event.shiftKey ? 10 : 1)));
+    event.preventDefault();
+    return;
+  }
+  // Lists, buttons and texts have keys of their own.
+  if (tag === "SELECT" || (key === " " && ["BUTTON", "SUMMARY"].includes(tag)) || (tag === "PRE" && key.length > 1)) return;
+  if (!keys[key]) return;
+  keys[key](event);
+  event.preventDefault();
+};
+new ResizeObserver(layout).observe(at("view"));
+connect();

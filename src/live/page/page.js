@@ -1,0 +1,131 @@
+"use strict";
+// What all parts of the page share, and what it hears of the session.
+
+const at = id => document.getElementById(id);
+const element = (name, text, attributes = {}) => {
+  const made = Object.assign(document.createElement(name), attributes);
+  if (text !== undefined) made.textContent = text;
+  return made;
+};
+
+// What the person looks at: it survives reloads of the scene, of the page, and of the server.
+const view = { zoom: 0, loop: true, speed: 1, detail: null, frame: null, spot: null, wipe: null, swap: false, scene: null };
+const storage = "rayreel" + location.host;
+try { Object.assign(view, JSON.parse(sessionStorage.getItem(storage))); } catch { /* as it is */ }
+const keep = () => { try { sessionStorage.setItem(storage, JSON.stringify(view)); } catch { /* not kept */ } };
+
+let state = null;      // of the session, as last told
+let away = false;      // is the server out of reach?
+let shown = null;      // the picture on the screen
+let loading = null;    // the picture that is being fetched
+let compared = null;   // the picture from before the edit that is loaded
+let asked = null;      // the frame that was asked for and has not come yet
+let playing = null;    // { since, from }
+
+const post = (path, body) => fetch(path, { method: "POST", body: JSON.stringify(body) });
+// One after the other, so that the last one asked for is the last one heard.
+let asking = Promise.resolve();
+const ask = what => asking = asking.then(() => post("view", what)).then(answer => { if (!answer.ok) asked = null; }, () => { asked = null; });
+
+// All pages of a browser hear of the session together, as it keeps few connections to one server. Where they cannot, each
+// listens for itself while it is seen.
+function connect() {
+  let news;
+  try { news = new SharedWorker("news.js"); } catch { listen(); return; }
+  news.port.onmessage = ({ data }) => receive(data);
+  news.onerror = listen;
+  const join = () => news.port.postMessage("join");
+  join();
+  addEventListener("pagehide", () => news.port.postMessage("leave"));
+  addEventListener("pageshow", event => { if (event.persisted) join(); });
+}
+
+function listen() {
+  let events = null;
+  const open = () => {
+    if (document.hidden) { events?.close(); events = null; return; }
+    if (events && events.readyState !== EventSource.CLOSED) return;
+    events = new EventSource("events");
+    events.onmessage = event => receive({ text: event.data, away: false });
+    events.onerror = () => {
+      receive({ away: true });
+      // A browser gives up on a server that refuses; a server that starts again is found.
+      if (events?.readyState === EventSource.CLOSED) setTimeout(open, 1000);
+    };
+  };
+  open();
+  document.addEventListener("visibilitychange", open);
+}
+
+function receive(news) {
+  away = news.away;
+  if (news.text && !away) hear(JSON.parse(news.text));
+  else drawStatus();
+}
+
+function hear(told) {
+  const other = state === null || state.session !== told.session;
+  state = told;
+  // Frames and pixels of another scene mean nothing in this one.
+  if (view.scene !== state.scene) Object.assign(view, { scene: state.scene, frame: null, spot: null });
+  if (other) { shown = compared = loading = asked = null; }
+  if (view.frame === null) view.frame = state.frame;
+  if (other && view.detail && view.detail !== state.detail) ask({ detail: view.detail });
+  // What was left coarse when nobody looked on any more is asked for again.
+  const left = state.picture && state.picture.coarse && !state.rendering;
+  if (other && (view.frame !== state.frame || left)) scrubbed = view.frame;
+  if (!other && asked === null && playing === null && scrubbed === null) view.frame = state.frame;
+  // It will not come: it cannot be made, or another page has asked for another one.
+  const rests = !state.rendering && (!state.picture || state.picture.frame === state.frame);
+  if (asked !== null && (state.frame_mistakes || rests && state.frame !== Math.min(asked, state.frames - 1))) asked = null;
+  // What could not be made is not asked for again.
+  if (state.frame_mistakes) playing = null;
+  follow();
+  fetchPicture();
+  draw();
+}
+
+// Written only if it is another one: what is written is read aloud.
+function write(place, text) {
+  if (place.textContent !== text) place.textContent = text;
+}
+
+function draw() {
+  if (!state) return;
+  const name = state.scene.split(/[\\/]/).pop();
+  const wrong = state.mistakes || state.frame_mistakes;
+  document.title = (wrong ? "✗ " : "") + name + " · rayreel";
+  at("scene").textContent = name;
+  at("scene").title = state.scene;
+  drawStatus();
+  drawTransport();
+  drawComparison();
+  drawMistakes(wrong);
+  drawTimes();
+  drawPlan();
+  at("fit").setAttribute("aria-pressed", view.zoom === 0);
+  at("whole").setAttribute("aria-pressed", view.zoom === 1);
+  at("wipe").setAttribute("aria-pressed", view.wipe !== null);
+  at("swap").setAttribute("aria-pressed", view.swap);
+}
+
+function drawStatus() {
+  const wrong = away || Boolean(state && (state.mistakes || state.frame_mistakes));
+  write(at("status"), status());
+  at("status").classList.toggle("wrong", wrong);
+  const waits = state !== null && state.rendering && !wrong && playing === null;
+  at("progress").hidden = !waits;
+  if (waits) at("progress").value = state.progress;
+  const percent = 100 * state?.progress;
+  at("percent").textContent = waits && percent > 0 ? `${percent.toFixed(percent < 9.95 ? 1 : 0)} %` : "";
+}
+
+function status() {
+  if (away) return "the server is away";
+  if (!state) return "connecting";
+  if (state.mistakes || state.frame_mistakes) return shown ? "last good picture" : "nothing to show yet";
+  if (!shown) return "reading";
+  const size = `${shown.width} × ${shown.height}`;
+  if (shown.full) return size;
+  return state.rendering ? `${size}, rendering` : `${size}, draft`;
+}

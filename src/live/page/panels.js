@@ -1,0 +1,127 @@
+"use strict";
+// What there is to read: a pixel, mistakes, times and the plan.
+
+function pixelOf(event) {
+  const box = at("film").getBoundingClientRect(), [width, height] = film();
+  const place = (from, size, count) => Math.max(0, Math.min(count - 1, Math.floor(from / size * count)));
+  return [place(event.clientX - box.left, box.width, width), place(event.clientY - box.top, box.height, height)];
+}
+
+function mark() {
+  at("mark").hidden = !view.spot;
+  if (!view.spot) return;
+  const [width, height] = film();
+  at("mark").style.left = 100 * (view.spot[0] + 0.5) / width + "%";
+  at("mark").style.top = 100 * (view.spot[1] + 0.5) / height + "%";
+}
+
+const numbers = list => list.map(number => String(Number(number.toPrecision(6)))).join(", ");
+
+function samplesTold({ samples, all }) {
+  if (samples < all) return `The first of ${all} samples.`;
+  return `The colour is the mean of ${all} samples; the place is what the first of them sees.`;
+}
+
+async function probe(pixel) {
+  view.spot = pixel;
+  keep();
+  mark();
+  const answer = await post("probe", pixel).catch(() => null);
+  if (!answer || !answer.ok || view.spot !== pixel) return;
+  const spot = await answer.json();
+  const rows = [["pixel", pixel.join(", ")]];
+  if (spot) {
+    if (spot.surface) {
+      const { entity, material, place, point, normal, distance } = spot.surface;
+      rows.push(["entity", entity]);
+      if (material) rows.push(["material", material]);
+      if (place) rows.push(["written in", place.split(/[\\/]/).pop(), place]);
+      rows.push(["point", numbers(point)], ["normal", numbers(normal)], ["distance", numbers([distance])]);
+    } else {
+      rows.push(["entity", "none: the background"]);
+    }
+    rows.push(["linear", numbers(spot.linear)], ["bytes", spot.bytes.join(", ")]);
+  } else {
+    rows.push(["entity", state.frame_mistakes ? "not known while this frame fails" : "outside the film"]);
+  }
+  const table = element("table");
+  for (const [name, value, title = ""] of rows) {
+    const row = table.insertRow();
+    row.append(element("th", name), element("td", value, { title }));
+    if (name === "bytes") {
+      const swatch = element("span", undefined, { className: "swatch" });
+      swatch.style.background = `rgb(${value})`;
+      row.lastChild.append(" ", swatch);
+    }
+  }
+  const parts = [element("h2", "Pixel"), table];
+  if (spot && spot.all > 1) parts.push(element("small", samplesTold(spot)));
+  at("spot").replaceChildren(...parts);
+}
+
+function drawMistakes(wrong) {
+  at("wrong").hidden = !wrong;
+  if (!wrong) return;
+  const count = wrong.count === 1 ? "1 mistake" : `${wrong.count} mistakes`;
+  write(at("wrong").querySelector("h2"), wrong.place ? `${count}, first at ${wrong.place}` : count);
+  if (wrongText === wrong.text) return;
+  wrongText = wrong.text;
+  at("messages").replaceChildren(...messages(wrong.text));
+  for (const lines of at("messages").querySelectorAll("pre")) lines.scrollLeft = caretLeft(lines);
+}
+
+let wrongText = null;  // that is shown
+
+// Words wrap; lines of files, which have numbers and bars before them, are scrolled by themselves.
+function messages(text) {
+  const parts = [];
+  for (const line of text.split("\n")) {
+    const name = /^(\s*\d*\s*\||\.\.\.)/.test(line) ? "pre" : "p", last = parts.at(-1);
+    if (last?.name === name) last.lines.push(line);
+    else parts.push({ name, lines: [line] });
+  }
+  const made = ({ name, lines }) => element(name, lines.join("\n"), name === "pre" ? { tabIndex: 0 } : {});
+  return parts.filter(({ lines }) => lines.some(line => line.trim())).map(made);
+}
+
+// How far to the right the first caret stands, if it is out of sight.
+function caretLeft(text) {
+  const lines = text.textContent.split("\n"), carets = lines.find(line => line.includes("^")) ?? "";
+  const left = text.scrollWidth * carets.indexOf("^") / Math.max(...lines.map(line => line.length));
+  return left < 0.7 * text.clientWidth ? 0 : left - text.clientWidth / 3;
+}
+
+const milliseconds = time => time < 10 ? time.toFixed(2) : time < 100 ? time.toFixed(1) : time.toFixed(0);
+
+function drawTimes() {
+  if (!state.picture) { at("times").replaceChildren(); return; }
+  const names = { read: "read files", build: "build the world", animate: "animate", prepare: "prepare", trace: "trace rays", encode: "encode" };
+  const most = Math.max(...Object.keys(names).map(name => state.times[name]), 1e-9);
+  const rows = Object.entries(names).map(([name, words]) => {
+    const time = state.times[name], row = element("tr"), first = element("td", words), bar = element("div", undefined, { className: "bar" });
+    bar.style.width = 100 * time / most + "%";
+    first.append(bar);
+    row.append(first, element("td", milliseconds(time) + " ms"));
+    return row;
+  });
+  const rays = element("tr");
+  const count = state.rays < 1e6 ? (state.rays / 1e3).toFixed(0) + " k" : (state.rays / 1e6).toFixed(1) + " M";
+  rays.append(element("td", "rays"), element("td", count));
+  at("times").replaceChildren(...rows, rays);
+}
+
+function drawPlan() {
+  const row = planned => {
+    const made = element("tr"), first = element("td", planned.effect);
+    first.append(element("small", planned.why));
+    made.append(first, element("td", planned.cost === null ? "" : `${Math.round(100 * planned.cost)} %`));
+    return made;
+  };
+  const needed = state.plan.filter(planned => planned.needed), others = state.plan.filter(planned => !planned.needed);
+  at("needed").replaceChildren(...needed.map(row));
+  at("left-out").replaceChildren(...others.map(row));
+  at("left-out").parentElement.hidden = others.length === 0;
+  at("left-out-count").textContent = others.length === 1 ? "1 other is left out" : `${others.length} others are left out`;
+  at("measure").disabled = state.rendering || needed.length === 0;
+}
+

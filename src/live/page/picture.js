@@ -1,0 +1,99 @@
+"use strict";
+// The picture on the screen, and the one before the edit.
+
+const address = picture => `picture/${state.session}/${picture.id}`;
+
+async function fetchPicture() {
+  const { picture, session } = state;
+  // Pages that nobody sees leave the connections, and the time, to those that are seen.
+  if (!picture || document.hidden || loading !== null || (shown && shown.id === picture.id)) return;
+  loading = picture.id;
+  const image = new Image();
+  image.fetchPriority = "high";
+  image.src = address(picture);
+  let good = true;
+  await image.decode().catch(() => { good = false; });
+  if (session !== state.session) return;
+  loading = null;
+  arrive(picture.frame);
+  if (good && !(shown && shown.id > picture.id)) {
+    Object.assign(image, { id: "now", draggable: false, alt: `Frame ${picture.frame}` });
+    at("now").replaceWith(image);
+    // For whoever measures; only the latest pictures, as a film has many.
+    if (playing || !shown || shown.reloads !== picture.reloads) performance.clearMarks("picture");
+    performance.mark("picture", { detail: picture });
+    shown = picture;
+    layout();
+    if (!picture.coarse && view.spot) probe(view.spot);
+  }
+  follow();
+  draw();
+  if (state.picture && state.picture.id !== picture.id) fetchPicture();
+}
+
+// Width and height of the film that the picture is of.
+const film = () => shown ? shown.film : state.film;
+
+function scale() {
+  const stage = at("view"), [width, height] = film();
+  const fitting = Math.min(stage.offsetWidth / width, stage.offsetHeight / height);
+  return view.zoom > 0 ? view.zoom / devicePixelRatio : fitting;
+}
+
+function layout() {
+  if (!state) return;
+  const [width, height] = film();
+  document.documentElement.style.setProperty("--aspect", height / width);
+  const now = scale();
+  at("view").style.overflow = view.zoom > 0 ? "auto" : "hidden";
+  at("film").style.width = width * now + "px";
+  at("film").style.height = height * now + "px";
+  at("film").classList.toggle("pixels", view.zoom >= 2 && shown !== null && shown.full);
+  mark();
+}
+
+function zoom(factor) {
+  const stage = at("view"), across = (stage.scrollLeft + stage.clientWidth / 2) / stage.scrollWidth;
+  const down = (stage.scrollTop + stage.clientHeight / 2) / stage.scrollHeight;
+  view.zoom = factor;
+  keep();
+  layout();
+  stage.scrollLeft = across * stage.scrollWidth - stage.clientWidth / 2;
+  stage.scrollTop = down * stage.scrollHeight - stage.clientHeight / 2;
+  draw();
+}
+
+const zoomBy = factor => state && zoom(Math.max(1 / 8, Math.min(32, scale() * devicePixelRatio * factor)));
+
+function compare(change) {
+  Object.assign(view, change);
+  keep();
+  draw();
+}
+
+function drawComparison() {
+  const before = state.before, wiping = view.wipe !== null;
+  at("wipe").disabled = at("swap").disabled = !before;
+  if (before && before.id !== compared) {
+    compared = before.id;
+    at("before").src = address(before);
+  }
+  if (before) keepShape(at("before"), before.film);
+  at("film").classList.toggle("wipe", Boolean(before) && wiping && !view.swap);
+  at("film").classList.toggle("swap", Boolean(before) && view.swap);
+  at("film").style.setProperty("--wipe", 100 * (view.wipe ?? 0.5) + "%");
+  at("compared").hidden = !before || !(wiping || view.swap);
+  if (before) {
+    const where = wiping && !view.swap ? "left: before the edit" : "before the edit";
+    at("compared").textContent = before.frame === view.frame ? where : `${where}, frame ${before.frame}`;
+  }
+}
+
+// As large as there is room for it over the picture.
+function keepShape(image, [width, height]) {
+  const [across, down] = film(), scale = Math.min(across / width, down / height);
+  image.style.width = 100 * scale * width / across + "%";
+  image.style.height = 100 * scale * height / down + "%";
+}
+
+document.addEventListener("visibilitychange", () => { if (state) fetchPicture(); });

@@ -1,0 +1,84 @@
+"use strict";
+// The timeline, and what is asked of the session.
+
+let scrubbed = null;   // where the person has moved to while a frame was still asked for
+
+function seek(frame) {
+  view.frame = Math.max(0, Math.min(frame, state ? state.frames - 1 : 0));
+  keep();
+  scrubbed = view.frame;
+  follow();
+  draw();
+}
+
+// One frame is asked for at a time, so that every one that was asked for is seen.
+function follow() {
+  if (scrubbed === null || asked !== null) return;
+  const frame = scrubbed;
+  scrubbed = null;
+  const settled = shown && !shown.coarse && shown.reloads === state.reloads && !state.frame_mistakes;
+  if (settled && !playing && shown.frame === frame && state.frame === frame) return;
+  asked = frame;
+  ask({ seek: { frame, playing: playing !== null } });
+}
+
+// What was asked for has come, or, in a scene that is shorter now, its last frame.
+function arrive(frame) {
+  if (asked === null || frame !== Math.min(asked, state.frames - 1)) return;
+  asked = null;
+  if (scrubbed === null) view.frame = frame;
+}
+
+function play() {
+  if (!state || state.frames < 2) return;
+  const from = view.frame >= state.frames - 1 ? 0 : view.frame;
+  playing = { since: performance.now(), from };
+  draw();
+  requestAnimationFrame(advance);
+}
+
+function pause() {
+  if (!playing) return;
+  playing = null;
+  // The picture of one that is stopped at is the full one.
+  asked = null;
+  seek(view.frame);
+}
+
+function advance(now) {
+  if (!playing) return;
+  const passed = Math.max(0, now - playing.since) / 1000 * state.rate * view.speed;
+  let frame = playing.from + Math.floor(passed);
+  if (frame >= state.frames) {
+    if (!view.loop) { view.frame = state.frames - 1; pause(); return; }
+    frame %= state.frames;
+  }
+  if (frame !== view.frame && asked === null) seek(frame);
+  requestAnimationFrame(advance);
+}
+
+// A change of the speed goes on from here.
+function setSpeed(speed) {
+  view.speed = speed;
+  keep();
+  if (playing) playing = { since: performance.now(), from: view.frame };
+  draw();
+}
+
+function drawTransport() {
+  const seconds = view.frame / state.rate, last = state.frames - 1;
+  const scrubber = at("scrubber");
+  scrubber.max = last;
+  scrubber.value = view.frame;
+  scrubber.disabled = last === 0;
+  scrubber.setAttribute("aria-valuetext", `frame ${view.frame}, ${seconds.toFixed(3)} seconds`);
+  at("moment").textContent = `frame ${view.frame} of 0–${last} · ${seconds.toFixed(3)} s`;
+  for (const id of ["back", "play", "forth"]) at(id).disabled = last === 0;
+  at("play").setAttribute("aria-label", playing ? "Pause" : "Play");
+  at("play").setAttribute("aria-pressed", playing !== null);
+  at("play").querySelector("path").setAttribute("d", playing ? "M3 2h4v12H3zM9 2h4v12H9z" : "M4 2l10 6-10 6z");
+  at("loop").setAttribute("aria-pressed", view.loop);
+  at("speed").value = String(view.speed);
+  at("detail").value = state.detail;
+}
+
