@@ -4,8 +4,8 @@ use hecs::Entity;
 
 use crate::color::Rgb;
 use crate::systems::Preparation;
-use crate::trace::Slot;
 use crate::trace::reference::RayTree;
+use crate::trace::{Slot, Surface};
 
 /// Everything that goes into a sample of a pixel: its rays, what they find, and what that adds to the colour.
 #[derive(Clone, Debug)]
@@ -31,6 +31,12 @@ impl<'a> Probe<'a> {
     #[must_use]
     pub fn entity(&self, slot: Slot) -> Entity {
         self.preparation.entity(slot)
+    }
+
+    /// What else is where a surface is, in document order.
+    #[must_use]
+    pub fn tied(&self, surface: &Surface) -> Vec<Slot> {
+        self.preparation.scene().tied(surface)
     }
 
     /// The lights, in the order in which surfaces list them.

@@ -25,7 +25,7 @@ impl Brightest {
         let around =
             background.max(if scene.fog.density > 0.0 { scene.fog.color.max_element() } else { 0.0 });
         let mut bounds = vec![rounded_up(background)];
-        for _ in 0..scene.depth {
+        for _ in 0..scene.depth.max(1) {
             let beyond = bounds.last().copied().unwrap_or(background);
             bounds.push(rounded_up(around.max(direct + surfaces.followed * beyond) * Self::SLACK));
         }

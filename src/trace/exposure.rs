@@ -217,24 +217,26 @@ impl Exposure {
         let efforts: Vec<Effort> = self
             .tiles
             .par_iter_mut()
-            .map_init(TileBuffers::default, |buffers, exposed| {
-                let mut effort = Effort::default();
-                for sample in from.max(exposed.samples)..to {
-                    if (signals.pause)() {
-                        break;
+            .map_init(
+                || TileBuffers::new(signals.cancelled),
+                |buffers, exposed| {
+                    let mut effort = Effort::default();
+                    for sample in from.max(exposed.samples)..to {
+                        if (signals.pause)() {
+                            break;
+                        }
+                        let whole = render_sample::<E>(moment, leaves, (exposed.tile, sample), buffers);
+                        let traced = buffers.take_effort();
+                        if !whole {
+                            break;
+                        }
+                        exposed.light.add(buffers.pixels());
+                        exposed.samples = sample + 1;
+                        effort += traced;
                     }
-                    let part = (exposed.tile, sample);
-                    let whole = render_sample::<E>(moment, leaves, part, buffers, signals.cancelled);
-                    let traced = buffers.take_effort();
-                    if !whole {
-                        break;
-                    }
-                    exposed.light.add(buffers.pixels());
-                    exposed.samples = sample + 1;
-                    effort += traced;
-                }
-                effort
-            })
+                    effort
+                },
+            )
             .collect();
         for effort in efforts {
             self.effort += effort;

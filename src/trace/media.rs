@@ -83,20 +83,16 @@ impl Nesting {
         direction: DVec3,
     ) -> Inside {
         let mut inside = inside;
-        let clear = |slot: Slot| scene.material(slot).refraction.is_some();
-        let slot = surface.hit.slot;
-        let entering =
-            |tied: Slot| surface.ties.normal_of(tied).is_some_and(|normal| direction.dot(normal) < 0.0);
-        for tied in surface.ties.slots().filter(|tied| clear(*tied) && !entering(*tied)) {
-            inside = self.left(inside, tied);
-        }
-        if !surface.from_outside {
-            inside = self.left(inside, slot);
-        }
-        let mut entered: Vec<Slot> =
-            surface.ties.slots().filter(|tied| clear(*tied) && entering(*tied)).collect();
-        if surface.from_outside {
-            entered.push(slot);
+        let mut entered: Vec<Slot> = Vec::new();
+        let tied = surface.ties.iter().map(|tie| (&tie.slot, direction.dot(tie.normal) < 0.0));
+        for (asked, entering) in tied.chain([(&surface.asked, surface.from_outside)]) {
+            for solid in scene.nesting_at(asked) {
+                if entering {
+                    entered.push(*solid);
+                } else {
+                    inside = self.left(inside, *solid);
+                }
+            }
         }
         entered.sort_unstable_by(|one, other| other.cmp(one));
         for slot in entered {

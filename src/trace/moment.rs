@@ -34,6 +34,11 @@ impl<'a> Moment<'a> {
         Self { scene, camera, sampling, brightest, pixel_centers, lights, start }
     }
 
+    /// How many generations of rays are traced: that of camera rays at least.
+    pub(super) fn generations(&self) -> u32 {
+        self.scene.depth.max(1)
+    }
+
     /// What is seen where the camera is not in a finite place.
     pub(super) fn nowhere(&self) -> Rgb {
         self.scene.background.towards(DVec3::Z)
@@ -55,7 +60,8 @@ impl Start {
                 (min - reach).cmple(eye).all() && (max + reach).cmpge(eye).all()
             })
         };
-        let mut solids: Vec<Slot> = scene.surfaces().clear.iter().copied().filter(near).collect();
+        let clear = scene.surfaces().clear.iter().copied().filter(|slot| scene.may_nest(*slot));
+        let mut solids: Vec<Slot> = clear.filter(near).collect();
         // Nested ones are smaller, and half-spaces are the largest. Of equals, the first in document order counts.
         let extent =
             |slot: &Slot| scene.geometry().bounds(*slot).map_or(f64::INFINITY, |bounds| bounds.extent());

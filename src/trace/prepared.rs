@@ -1,15 +1,17 @@
 //! A scene as arrays, ready for rays.
 
 use std::cmp::Ordering;
+use std::sync::atomic::Ordering::Relaxed;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::bvh::{Stack, Tree};
+use super::bvh::Tree;
+use super::copies::{Copies, Heap};
 use super::exact::{Double, Double3};
 use super::geometry::{Leaves, with_leaves};
-use super::media::Nesting;
-use super::shadow::{Crossing, Filter};
+use super::scratch::Scratch;
+use super::shadow::Crossing;
 use super::ties::Tie;
 use super::{
     Background, Bounds, Fog, Geometry, Guards, Light, Limit, Precision, PreparedShape, Ray, Refined, Root,
@@ -22,6 +24,8 @@ use crate::color::Rgb;
 pub struct PreparedScene {
     geometry: Geometry,
     materials: Vec<SurfaceMaterial>,
+    /// Of equal shapes the tree and what is beside it hold the first in document order.
+    copies: Copies,
     tree: Tree,
     /// Shapes without bounds, as planes, and shapes so much larger than the rest that they would spoil the tree.
     beside: Vec<Slot>,
@@ -34,25 +38,13 @@ pub struct PreparedScene {
     pub background: Background,
     /// What is between things.
     pub fog: Fog,
-    /// Generations of rays that are traced, 1 or more.
+    /// Generations of rays that are traced; that of camera rays is, whatever it says.
     pub depth: u32,
     /// How much of a sample's light may be left out, in linear light, by not following rays that bring little; 0 follows
     /// all.
     pub cutoff: f32,
     /// How shapes are asked.
     pub precision: Precision,
-}
-
-/// What searches need besides the scene, kept between rays so that none allocates.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Scratch {
-    pub(super) stack: Stack,
-    pub(super) guards: Guards,
-    /// Clear solids that rays of this tile are inside of.
-    pub(super) nesting: Nesting,
-    /// What a shadow ray crosses.
-    pub(super) crossings: Vec<Crossing>,
-    pub(super) filters: Vec<Filter>,
 }
 
 /// Where a ray meets a shape.
@@ -71,7 +63,7 @@ pub struct Hit {
 pub struct Closest {
     /// What is seen.
     pub hit: Hit,
-    /// What else is met there, in any order.
+    /// What else is met there, in any order; of equal shapes the first in document order stands for all.
     pub ties: Vec<Hit>,
 }
 
@@ -125,7 +117,9 @@ impl Closest {
 pub struct Surface {
     /// What found it.
     pub hit: Hit,
-    /// What else is there.
+    /// The first in document order of all shapes that equal the one it is on.
+    pub(super) asked: Slot,
+    /// What else is there, besides those; see [`PreparedScene::tied`].
     pub ties: Ties,
     /// The parameter of the ray that found it, right to some bits beyond an `f64`'s.
     pub t: Double,
@@ -153,6 +147,7 @@ impl PreparedScene {
             geometry,
             surfaces: Surfaces::of(&materials),
             materials,
+            copies: Copies::default(),
             tree: Tree::build(&[], &[]),
             beside: Vec::new(),
             lights: Vec::new(),
@@ -207,14 +202,22 @@ impl PreparedScene {
         }
         if any {
             self.surfaces = Surfaces::of(&self.materials);
+            self.sort_copies();
         }
         any
     }
 
+    fn sort_copies(&mut self) {
+        self.copies.sort(|slot| self.materials[slot.index()].refraction.is_some());
+    }
+
     fn rebuild_tree(&mut self) {
-        let bounded = self.geometry.slots().filter_map(|slot| Some((slot, self.geometry.bounds(slot)?)));
+        self.copies = Copies::of(&self.geometry);
+        self.sort_copies();
+        let asked = || self.geometry.slots().filter(|slot| self.first_equal(*slot) == *slot);
+        let bounded = asked().filter_map(|slot| Some((slot, self.geometry.bounds(slot)?)));
         let (mut slots, mut bounds): (Vec<Slot>, Vec<Bounds>) = bounded.unzip();
-        self.beside = self.geometry.slots().filter(|slot| self.geometry.bounds(*slot).is_none()).collect();
+        self.beside = asked().filter(|slot| self.geometry.bounds(*slot).is_none()).collect();
         let huge = huge_shapes(&bounds);
         for index in huge.into_iter().rev() {
             self.beside.push(slots.remove(index));
@@ -224,17 +227,63 @@ impl PreparedScene {
         self.tree = Tree::build(&slots, &bounds);
     }
 
+    /// The first in document order of all shapes that equal one: the one that is asked what a ray meets.
+    #[must_use]
+    #[inline]
+    pub(super) fn first_equal(&self, slot: Slot) -> Slot {
+        self.copies.first(slot)
+    }
+
+    /// The clear ones, of a shape and all that equal it, that may count among the solids that a ray is inside of.
+    pub(super) fn nesting_at<'a>(&'a self, asked: &'a Slot) -> &'a [Slot] {
+        match self.copies.heap(*asked) {
+            Some(heap) => heap.nesting(),
+            None if self.material(*asked).refraction.is_some() => std::slice::from_ref(asked),
+            None => &[],
+        }
+    }
+
+    /// May a clear shape count among the solids that a ray is inside of?
+    pub(super) fn may_nest(&self, clear: Slot) -> bool {
+        self.copies.heap(clear).is_none_or(|heap| heap.nesting().contains(&clear))
+    }
+
+    /// The shapes that a surface is on, besides the one that is seen, in document order.
+    #[must_use]
+    pub fn tied(&self, surface: &Surface) -> Vec<Slot> {
+        let asked = surface.ties.slots().chain([surface.asked]);
+        let mut tied: Vec<Slot> = Vec::new();
+        for slot in asked {
+            match self.copies.heap(slot) {
+                Some(heap) => tied.extend(heap.slots()),
+                None => tied.push(slot),
+            }
+        }
+        tied.retain(|slot| *slot != surface.hit.slot);
+        tied.sort_unstable();
+        tied
+    }
+
     /// The nearest surface that the ray meets; of several at the same place the first in document order.
     #[must_use]
-    pub(super) fn closest(&self, leaves: &impl Leaves, ray: &Ray, scratch: &mut Scratch) -> Option<Closest> {
-        let Scratch { stack, guards, .. } = scratch;
+    pub(super) fn closest(
+        &self,
+        leaves: &impl Leaves,
+        ray: &Ray,
+        scratch: &mut Scratch<'_>,
+    ) -> Option<Closest> {
+        let Scratch { stack, guards, cancelled, .. } = scratch;
         let mut best: Option<Closest> = None;
         let mut limit = f64::INFINITY;
         for slot in &self.beside {
+            if cancelled.load(Relaxed) {
+                return None;
+            }
             limit = Closest::meet(&mut best, *slot, leaves, ray, guards);
         }
-        self.tree
-            .visit_nearest(ray, limit, stack, |slot| Closest::meet(&mut best, slot, leaves, ray, guards));
+        self.tree.visit_nearest(ray, limit, stack, cancelled, |slot| {
+            Closest::meet(&mut best, slot, leaves, ray, guards)
+        });
         best
     }
 
@@ -246,12 +295,15 @@ impl PreparedScene {
         ray: &Ray,
         limit: &Limit,
         except: Option<Slot>,
-        scratch: &mut Scratch,
+        scratch: &mut Scratch<'_>,
     ) -> Option<Slot> {
-        let Scratch { stack, guards, .. } = scratch;
-        let mut hides = |slot: Slot| Some(slot) != except && leaves.stands_before(slot, ray, limit, guards);
-        let beside = self.beside.iter().copied().find(|slot| hides(*slot));
-        beside.or_else(|| self.tree.find_any(ray, limit.t(), stack, hides))
+        let Scratch { stack, guards, cancelled, .. } = scratch;
+        // Where there are several equal shapes, one of them is another than `except`.
+        let counts = |slot: Slot| Some(slot) != except || self.copies.heap(slot).is_some();
+        let mut hides = |slot: Slot| counts(slot) && leaves.stands_before(slot, ray, limit, guards);
+        let mut beside = self.beside.iter().copied();
+        let beside = beside.find(|slot| cancelled.load(Relaxed) || hides(*slot));
+        beside.or_else(|| self.tree.find_any(ray, limit.t(), stack, cancelled, hides))
     }
 
     /// Does anything opaque but `except` stand between the ray's origin and `limit`? If not, `scratch.crossings` are the surfaces
@@ -263,15 +315,18 @@ impl PreparedScene {
         ray: &Ray,
         limit: &Limit,
         except: Option<Slot>,
-        scratch: &mut Scratch,
+        scratch: &mut Scratch<'_>,
     ) -> bool {
-        let Scratch { stack, guards, crossings, .. } = scratch;
+        let Scratch { stack, guards, crossings, cancelled, .. } = scratch;
         crossings.clear();
         let mut hides = |slot: Slot| {
+            if let Some(heap) = self.copies.heap(slot) {
+                return self.heap_hides_or_filters(leaves, heap, ray, (limit, except), crossings, guards);
+            }
             Some(slot) != except && self.hides_or_filters(leaves, slot, ray, limit, crossings, guards)
         };
-        self.beside.iter().any(|slot| hides(*slot))
-            || self.tree.find_any(ray, limit.t(), stack, hides).is_some()
+        self.beside.iter().any(|slot| cancelled.load(Relaxed) || hides(*slot))
+            || self.tree.find_any(ray, limit.t(), stack, cancelled, hides).is_some()
     }
 
     /// Does the shape stand in the ray's way? A clear one never does, but adds where the ray crosses its surface.
@@ -284,13 +339,41 @@ impl PreparedScene {
         crossings: &mut Vec<Crossing>,
         guards: &mut Guards,
     ) -> bool {
+        // A ray that leaves a shape leaves all that equal it.
+        let asked = self.first_equal(slot);
         if self.material(slot).refraction.is_none() {
-            return leaves.stands_before(slot, ray, limit, guards);
+            return leaves.stands_before(asked, ray, limit, guards);
         }
-        if let Some(hit) = leaves.first_hit(slot, ray, guards)
+        if let Some(hit) = leaves.first_hit(asked, ray, guards)
             && leaves.is_before(&hit, ray, limit, guards)
         {
-            self.cross(leaves, ray, &hit, limit, crossings, guards);
+            self.cross(leaves, ray, &Hit { slot, ..hit }, limit, crossings, guards);
+        }
+        false
+    }
+
+    /// The same for equal shapes at once.
+    #[cold]
+    fn heap_hides_or_filters(
+        &self,
+        leaves: &impl Leaves,
+        heap: &Heap,
+        ray: &Ray,
+        (limit, except): (&Limit, Option<Slot>),
+        crossings: &mut Vec<Crossing>,
+        guards: &mut Guards,
+    ) -> bool {
+        if let Some(opaque) = heap.opaque(except) {
+            return self.hides_or_filters(leaves, opaque, ray, limit, crossings, guards);
+        }
+        let mut clear = heap.clear().iter().copied().filter(|slot| Some(*slot) != except);
+        if let Some(first) = clear.next() {
+            let from = crossings.len();
+            self.hides_or_filters(leaves, first, ray, limit, crossings, guards);
+            let of_first: Vec<Crossing> = crossings[from..].to_vec();
+            for crossing in of_first {
+                crossings.extend(clear.clone().map(|slot| Crossing { slot, ..crossing }));
+            }
         }
         false
     }
@@ -328,8 +411,8 @@ impl PreparedScene {
         closest: &Closest,
         guards: &mut Guards,
     ) -> Surface {
-        if closest.ties.is_empty() {
-            return surface_at(leaves, ray, closest.hit, Ties::default(), guards);
+        if closest.ties.is_empty() && self.copies.heap(closest.hit.slot).is_none() {
+            return surface_at(leaves, ray, closest.hit, closest.hit.slot, Ties::default(), guards);
         }
         self.tied_surface(leaves, ray, closest, guards)
     }
@@ -342,24 +425,36 @@ impl PreparedScene {
         closest: &Closest,
         guards: &mut Guards,
     ) -> Surface {
-        let first = closest.hit;
-        let clear = |hit: &Hit| self.material(hit.slot).refraction.is_some();
-        let tied = |hit: Hit, others: &mut dyn Iterator<Item = &Hit>, guards: &mut Guards| {
-            let ties = others.map(|tied| {
+        let mut shapes: Vec<Hit> = closest
+            .ties
+            .iter()
+            .chain([&closest.hit])
+            .map(|hit| Hit { slot: self.first_equal(hit.slot), ..*hit })
+            .collect();
+        shapes.sort_unstable_by_key(|hit| hit.slot);
+        shapes.dedup_by_key(|hit| hit.slot);
+        let seen_as = |hit: Hit, guards: &mut Guards| {
+            let asked = self.first_equal(hit.slot);
+            let others = shapes.iter().filter(|other| other.slot != asked).map(|tied| {
                 let normal = leaves.refined(ray, tied, guards).normal;
                 Tie { slot: tied.slot, normal }
             });
-            let ties = Ties::new(ties.collect());
-            surface_at(leaves, ray, hit, ties, guards)
+            let ties = Ties::new(others.collect());
+            surface_at(leaves, ray, hit, asked, ties, guards)
         };
-        let seen = tied(first, &mut closest.ties.iter(), guards);
-        let opaque = closest.ties.iter().filter(|tied| !clear(tied)).min_by_key(|tied| tied.slot);
-        match opaque {
-            Some(opaque) if !seen.from_outside && clear(&first) => {
-                let others = closest.ties.iter().filter(|other| other.slot != opaque.slot);
-                tied(*opaque, &mut others.chain([&first]), guards)
-            }
-            _ => seen,
+        let seen = seen_as(closest.hit, guards);
+        if seen.from_outside || self.material(closest.hit.slot).refraction.is_none() {
+            return seen;
+        }
+        let opaque = shapes.iter().filter_map(|hit| Some(Hit { slot: self.first_opaque(hit.slot)?, ..*hit }));
+        opaque.min_by_key(|hit| hit.slot).map_or(seen, |opaque| seen_as(opaque, guards))
+    }
+
+    /// The first opaque one, in document order, of a shape and all that equal it.
+    fn first_opaque(&self, asked: Slot) -> Option<Slot> {
+        match self.copies.heap(asked) {
+            Some(heap) => heap.opaque(None),
+            None => self.material(asked).refraction.is_none().then_some(asked),
         }
     }
 
@@ -373,7 +468,7 @@ impl PreparedScene {
     #[must_use]
     pub fn cast_all(&self, rays: &[Option<Ray>]) -> Vec<Option<Surface>> {
         with_leaves!(self, leaves => {
-            let cast = |scratch: &mut Scratch, ray: &Option<Ray>| {
+            let cast = |scratch: &mut Scratch<'_>, ray: &Option<Ray>| {
                 self.cast_at(leaves, ray.as_ref()?, scratch)
             };
             rays.par_iter().map_init(Scratch::default, cast).collect()
@@ -386,7 +481,7 @@ impl PreparedScene {
         Search { scene: self, scratch: Scratch::default() }
     }
 
-    fn cast_at(&self, leaves: &impl Leaves, ray: &Ray, scratch: &mut Scratch) -> Option<Surface> {
+    fn cast_at(&self, leaves: &impl Leaves, ray: &Ray, scratch: &mut Scratch<'_>) -> Option<Surface> {
         let closest = self.closest(leaves, ray, scratch)?;
         Some(self.surface(leaves, ray, &closest, &mut scratch.guards))
     }
@@ -397,7 +492,7 @@ impl PreparedScene {
 #[derive(Debug)]
 pub struct Search<'a> {
     scene: &'a PreparedScene,
-    scratch: Scratch,
+    scratch: Scratch<'static>,
 }
 
 impl Search<'_> {
@@ -448,11 +543,18 @@ impl Surface {
 }
 
 #[inline(always)]
-fn surface_at(leaves: &impl Leaves, ray: &Ray, hit: Hit, ties: Ties, guards: &mut Guards) -> Surface {
+fn surface_at(
+    leaves: &impl Leaves,
+    ray: &Ray,
+    hit: Hit,
+    asked: Slot,
+    ties: Ties,
+    guards: &mut Guards,
+) -> Surface {
     let Refined { t, point, normal } = leaves.refined(ray, &hit, guards);
     // A far side is met from inside, however the last bits of a grazing ray fall.
     let from_outside = !hit.far && ray.direction().dot(normal) <= 0.0;
-    Surface { hit, ties, t, point, normal, from_outside }
+    Surface { hit, asked, ties, t, point, normal, from_outside }
 }
 
 /// Indices of at most 64 boxes whose longest edge is over 2^16 times the median of all that have one, ascending.

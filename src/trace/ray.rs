@@ -21,7 +21,7 @@ pub struct Ray {
 /// The surface a ray leaves. Instead of moving the origin off the surface by some epsilon, the ray skips what it leaves.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Departure {
-    /// The shape that is left.
+    /// The shape that is left, or the first in document order of those that equal it.
     pub(super) slot: Slot,
     /// Out of it, or into it?
     pub(super) outward: bool,
@@ -96,7 +96,7 @@ impl Ray {
     #[must_use]
     #[inline(always)]
     pub(super) fn departing(surface: &Surface, outward: bool, direction: DVec3) -> Self {
-        let departure = Departure { slot: surface.hit.slot, outward, ties: surface.ties.clone() };
+        let departure = Departure { slot: surface.asked, outward, ties: surface.ties.clone() };
         Self::scaled(surface.point, direction, Some(departure))
     }
 

@@ -8,11 +8,11 @@ use super::film::PixelSum;
 use super::geometry::Leaves;
 use super::media::Inside;
 use super::moment::Moment;
-use super::prepared::Scratch;
+use super::scratch::Scratch;
 use super::shade::{ambient, held};
 use super::shadow::filtered;
 use super::surroundings::Passage;
-use super::{Camera, Closest, Film, Guards, Light, PreparedScene, Ray, Sampling, Slot, Surface};
+use super::{Camera, Closest, Film, Guards, Hit, Light, PreparedScene, Ray, Sampling, Slot, Surface};
 use crate::color::Rgb;
 
 /// All rays of one sample of a pixel, breadth first.
@@ -127,7 +127,7 @@ impl RayEnd {
 /// Makes samples of pixels, one ray tree after the other.
 pub struct Reference<'a> {
     moment: Moment<'a>,
-    scratch: Scratch,
+    scratch: Scratch<'static>,
 }
 
 impl<'a> Reference<'a> {
@@ -161,7 +161,7 @@ impl<'a> Reference<'a> {
         let state = PathState::at_camera(moment.scene, inside);
         let mut wave = vec![(RayKind::Camera, None, TreeRay { ray, state })];
         let (mut beyond, mut size) = (Vec::new(), 1);
-        for generations in (0..moment.scene.depth).rev() {
+        for generations in (0..moment.generations()).rev() {
             for (kind, parent, mut ray) in std::mem::take(&mut wave) {
                 let mut traced = trace(moment, scratch, kind, parent, &ray, asker);
                 ray.state.throughput *= traced.passage.transmitted;
@@ -230,7 +230,7 @@ pub fn render(scene: &PreparedScene, camera: &Camera, sampling: Sampling) -> Fil
 
 fn trace(
     moment: &Moment<'_>,
-    scratch: &mut Scratch,
+    scratch: &mut Scratch<'_>,
     kind: RayKind,
     parent: Option<usize>,
     ray: &TreeRay,
@@ -252,7 +252,7 @@ fn traced(
     kind: RayKind,
     parent: Option<usize>,
     ray: &TreeRay,
-    scratch: &Scratch,
+    scratch: &Scratch<'_>,
     passage: Passage,
     end: RayEnd,
 ) -> TracedRay {
@@ -271,7 +271,7 @@ fn traced(
 
 fn lit(
     scene: &PreparedScene,
-    scratch: &mut Scratch,
+    scratch: &mut Scratch<'_>,
     arrived: &TreeRay,
     surface: Surface,
     asker: Asker,
@@ -285,7 +285,12 @@ fn lit(
     LitSurface { ambient: ambient(scene, ambient_color), lights, surface }
 }
 
-fn reach(scene: &PreparedScene, scratch: &mut Scratch, light: (usize, &Light), lit: &Lit<'_>) -> LightReach {
+fn reach(
+    scene: &PreparedScene,
+    scratch: &mut Scratch<'_>,
+    light: (usize, &Light),
+    lit: &Lit<'_>,
+) -> LightReach {
     let (mut first, mut hidden, mut asked) = (None, 0, false);
     let own_shape = light.1.own_shape;
     let seen = (lit.surface, lit.state.inside);
@@ -309,7 +314,7 @@ fn reach(scene: &PreparedScene, scratch: &mut Scratch, light: (usize, &Light), l
 /// What share of a light comes through, or what opaque shape hides it.
 fn visibility(
     scene: &PreparedScene,
-    scratch: &mut Scratch,
+    scratch: &mut Scratch<'_>,
     shadow_ray: ShadowRay<'_>,
     own_shape: Option<Slot>,
     seen: (&Surface, Inside),
@@ -334,8 +339,9 @@ pub fn closest(scene: &PreparedScene, ray: &Ray) -> Option<Closest> {
     let mut best = None;
     let mut guards = Guards::default();
     for slot in geometry.slots() {
-        if let Some(hit) = geometry.first_hit(slot, ray, &mut guards) {
-            Closest::consider(&mut best, hit, geometry, ray, &mut guards);
+        // A ray that leaves a shape leaves all that equal it.
+        if let Some(hit) = geometry.first_hit(scene.first_equal(slot), ray, &mut guards) {
+            Closest::consider(&mut best, Hit { slot, ..hit }, geometry, ray, &mut guards);
         }
     }
     best

@@ -7,7 +7,7 @@ use super::direct::ShadowRay;
 use super::effects::Effects;
 use super::geometry::Leaves;
 use super::media::{Inside, Nesting};
-use super::prepared::Scratch;
+use super::scratch::Scratch;
 use super::surroundings::transmittance;
 use super::{PreparedScene, Slot, Surface};
 use crate::color::Rgb;
@@ -39,7 +39,7 @@ pub(super) fn visibility<E: Effects>(
     shadow_ray: ShadowRay<'_>,
     (own_shape, last_occluder): (Option<Slot>, &mut Option<Slot>),
     (surface, inside): (&Surface, Inside),
-    scratch: &mut Scratch,
+    scratch: &mut Scratch<'_>,
 ) -> Option<Rgb> {
     let ShadowRay { ray, limit, .. } = shadow_ray;
     if !E::CLEAR_SHADOWS {
@@ -63,7 +63,7 @@ pub(super) fn filtered(
     shadow_ray: ShadowRay<'_>,
     own_shape: Option<Slot>,
     (surface, inside): (&Surface, Inside),
-    scratch: &mut Scratch,
+    scratch: &mut Scratch<'_>,
 ) -> Rgb {
     let Scratch { crossings, nesting, filters, .. } = scratch;
     if crossings.is_empty() && !shadow_ray.from_behind && inside == Inside::NONE {
@@ -88,6 +88,9 @@ pub(super) fn filtered(
         from = to;
     };
     for crossing in crossings.iter() {
+        if !scene.may_nest(crossing.slot) {
+            continue;
+        }
         passed(nesting, inside, crossing.t);
         inside = if crossing.entering {
             nesting.entered(inside, crossing.slot)

@@ -6,8 +6,9 @@ use glam::DVec3;
 
 use super::Slot;
 
-/// The shapes, besides the one that is seen, that a ray meets exactly where it meets that one, each with its outward unit
-/// normal there. Mostly there are none, which costs nothing.
+/// The shapes, besides the one that is seen and those that equal it, that a ray meets exactly where it meets that one, each with
+/// its outward unit normal there. Of equal ones the first in document order stands for all. Mostly there are none, which costs
+/// nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ties(Option<Arc<[Tie]>>);
 
@@ -30,7 +31,12 @@ impl Ties {
 
     /// The shapes, in document order.
     pub fn slots(&self) -> impl Iterator<Item = Slot> {
-        self.0.iter().flat_map(|ties| ties.iter()).map(|tie| tie.slot)
+        self.iter().map(|tie| tie.slot)
+    }
+
+    /// The shapes with their normals, in document order.
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Tie> {
+        self.0.iter().flat_map(|ties| ties.iter())
     }
 
     /// If the shape is among them: its outward normal.

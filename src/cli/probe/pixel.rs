@@ -81,7 +81,7 @@ fn met(probe: &Probe<'_>, traced: &TracedRay) -> Vec<Entity> {
         LightReach::Hidden(slot) => Some(*slot),
         LightReach::NotAsked | LightReach::Reaches { .. } => None,
     });
-    let slots = std::iter::once(lit.surface.hit.slot).chain(lit.surface.ties.slots()).chain(hiding);
+    let slots = std::iter::once(lit.surface.hit.slot).chain(probe.tied(&lit.surface)).chain(hiding);
     slots.map(|slot| probe.entity(slot)).collect()
 }
 
@@ -182,7 +182,7 @@ impl Seen<'_> {
                     ("point", vector(surface.point)),
                     ("normal", vector(surface.facing_normal())),
                 ]);
-                for slot in surface.ties.slots() {
+                for slot in self.probe.tied(surface) {
                     facts.push(("also there", format!(" {}", self.places.text(self.probe.entity(slot)))));
                 }
                 let entity = self.places.text(self.probe.entity(surface.hit.slot));

@@ -1,5 +1,7 @@
 //! From the root to the leaves.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use super::node::{Link, Node};
 use super::{Slot, Tree};
 use crate::trace::Ray;
@@ -16,13 +18,14 @@ struct Pending {
 
 impl Tree {
     /// Visits every shape that the ray may meet before a limit, nearer boxes first. `visit` answers with the `t` from
-    /// which on it is no longer interested.
+    /// which on it is no longer interested. Once `cancelled` is true the rest is left out.
     #[inline]
     pub(in crate::trace) fn visit_nearest(
         &self,
         ray: &Ray,
         mut limit: f64,
         stack: &mut Stack,
+        cancelled: &AtomicBool,
         mut visit: impl FnMut(Slot) -> f64,
     ) {
         if self.nodes.is_empty() {
@@ -58,6 +61,9 @@ impl Tree {
                         break;
                     }
                     Link::Leaf { first, count } => {
+                        if cancelled.load(Ordering::Relaxed) {
+                            return;
+                        }
                         for slot in &self.slots[first..first + count] {
                             let wanted = visit(*slot);
                             if wanted < limit {
@@ -71,13 +77,15 @@ impl Tree {
         }
     }
 
-    /// A shape that the ray may meet before the limit and for which `found` holds, if there is any.
+    /// A shape that the ray may meet before the limit and for which `found` holds, if there is any. Once `cancelled` is true the
+    /// rest is left out.
     #[inline]
     pub(in crate::trace) fn find_any(
         &self,
         ray: &Ray,
         limit: f64,
         stack: &mut Stack,
+        cancelled: &AtomicBool,
         mut found: impl FnMut(Slot) -> bool,
     ) -> Option<Slot> {
         if self.nodes.is_empty() {
@@ -103,6 +111,9 @@ impl Tree {
                         break;
                     }
                     Link::Leaf { first, count } => {
+                        if cancelled.load(Ordering::Relaxed) {
+                            return None;
+                        }
                         let slots = &self.slots[first..first + count];
                         if let Some(slot) = slots.iter().find(|slot| found(**slot)) {
                             return Some(*slot);

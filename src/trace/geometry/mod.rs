@@ -5,6 +5,8 @@ mod textbook;
 
 use std::cmp::Ordering;
 
+use glam::{DAffine3, DVec3};
+
 use super::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 use super::{Bounds, Guards, Hit, Limit, Ray, Refined};
 
@@ -173,6 +175,57 @@ impl Geometry {
             (Kind::BoxImage, PreparedShape::BoxImage(shape)) => self.box_images[index] == *shape,
             _ => false,
         }
+    }
+
+    /// Are the shapes in two slots equal, part by part?
+    pub(super) fn are_equal(&self, one: Slot, other: Slot) -> bool {
+        let Place { kind, index } = self.places[other.index()];
+        let index = index as usize;
+        match kind {
+            Kind::Sphere => self.holds(one, &PreparedShape::Sphere(self.spheres[index])),
+            Kind::Plane => self.holds(one, &PreparedShape::Plane(self.planes[index])),
+            Kind::AlignedBox => self.holds(one, &PreparedShape::AlignedBox(self.boxes[index])),
+            Kind::SphereImage => self.holds(one, &PreparedShape::SphereImage(self.sphere_images[index])),
+            Kind::BoxImage => self.holds(one, &PreparedShape::BoxImage(self.box_images[index])),
+        }
+    }
+
+    /// Passes on the numbers that a shape is made of, and a last one that differs from kind to kind.
+    pub(super) fn numbers(&self, slot: Slot, mut each: impl FnMut(f64)) {
+        let Place { kind, index } = self.places[slot.index()];
+        let index = index as usize;
+        let mut all = |vectors: &[DVec3]| vectors.iter().flat_map(DVec3::to_array).for_each(&mut each);
+        let map = |forward: &DAffine3| {
+            let linear = forward.matrix3;
+            [linear.x_axis, linear.y_axis, linear.z_axis, forward.translation]
+        };
+        let last = match kind {
+            Kind::Sphere => {
+                let Sphere { center, radius } = self.spheres[index];
+                all(&[center]);
+                radius
+            }
+            Kind::Plane => {
+                let Plane { point, normal } = self.planes[index];
+                all(&[point, normal]);
+                1.0
+            }
+            Kind::AlignedBox => {
+                let AlignedBox { min, max } = self.boxes[index];
+                all(&[min, max]);
+                2.0
+            }
+            Kind::SphereImage => {
+                all(&map(self.sphere_images[index].forward()));
+                self.sphere_images[index].radius()
+            }
+            Kind::BoxImage => {
+                all(&map(self.box_images[index].forward()));
+                all(&[self.box_images[index].half()]);
+                3.0
+            }
+        };
+        each(last);
     }
 
     /// How many shapes there are.

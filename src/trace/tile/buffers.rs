@@ -1,11 +1,13 @@
 //! A tile's working memory. One per thread, reused from tile to tile.
 
+use std::sync::atomic::AtomicBool;
+
 use crate::color::Rgb;
 use crate::trace::Slot;
 use crate::trace::branch::TreeRay;
 use crate::trace::effects::Effects;
 use crate::trace::exposure::{Effort, RayCounts, TreeEnds};
-use crate::trace::prepared::Scratch;
+use crate::trace::scratch::Scratch;
 
 /// Pixels along a tile's side.
 pub(in crate::trace) const TILE: u32 = 16;
@@ -39,8 +41,8 @@ pub(super) struct QueuedRay {
 }
 
 /// The queue of the next generation, and what a sample brings to the tile's pixels.
-#[derive(Debug, Default)]
-pub(in crate::trace) struct TileBuffers {
+#[derive(Debug)]
+pub(in crate::trace) struct TileBuffers<'a> {
     /// The next generation's rays.
     pub(super) next: Vec<QueuedRay>,
     /// Room for the one after it.
@@ -49,7 +51,7 @@ pub(in crate::trace) struct TileBuffers {
     pub(super) beyond: Vec<QueuedRay>,
     /// How many rays of each pixel are traced.
     pub(super) tree_sizes: Vec<u32>,
-    pub(super) scratch: Scratch,
+    pub(super) scratch: Scratch<'a>,
     /// For every light that is on: what hid it from the last point of this tile that asked, if anything did.
     pub(super) last_occluders: Vec<Option<Slot>>,
     /// Row by row.
@@ -58,7 +60,22 @@ pub(in crate::trace) struct TileBuffers {
     pub(super) trees_ended: TreeEnds,
 }
 
-impl TileBuffers {
+impl<'a> TileBuffers<'a> {
+    /// Once `cancelled` is true, whatever is in them will do.
+    pub(in crate::trace) fn new(cancelled: &'a AtomicBool) -> Self {
+        Self {
+            next: Vec::new(),
+            spare: Vec::new(),
+            beyond: Vec::new(),
+            tree_sizes: Vec::new(),
+            scratch: Scratch::new(cancelled),
+            last_occluders: Vec::new(),
+            pixels: Vec::new(),
+            rays_traced: RayCounts::default(),
+            trees_ended: TreeEnds::default(),
+        }
+    }
+
     pub(super) fn begin<E: Effects>(&mut self, tile: Tile, lights: usize) {
         let count = (tile.width * tile.height) as usize;
         self.pixels.resize(count, Rgb::ZERO);

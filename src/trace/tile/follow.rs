@@ -20,16 +20,9 @@ pub(super) struct Follower<'a, L> {
     pub(super) leaves: &'a L,
     pub(super) tile: Tile,
     pub(super) sample: u32,
-    /// Ends the sample: what it brings is not wanted any more.
-    pub(super) cancelled: &'a AtomicBool,
 }
 
 impl<L: Leaves> Follower<'_, L> {
-    #[inline(always)]
-    pub(super) fn is_ended(&self) -> bool {
-        self.cancelled.load(Ordering::Relaxed)
-    }
-
     /// Follows a pixel's camera ray; without one, the camera is not in a finite place.
     #[inline(always)]
     pub(super) fn start<E: Effects>(
@@ -37,7 +30,7 @@ impl<L: Leaves> Follower<'_, L> {
         ray: Option<Ray>,
         pixel: u32,
         generations: u32,
-        buffers: &mut TileBuffers,
+        buffers: &mut TileBuffers<'_>,
     ) {
         let Some(ray) = ray else {
             buffers.pixels[pixel as usize] = self.moment.nowhere();
@@ -57,7 +50,7 @@ impl<L: Leaves> Follower<'_, L> {
         ray: Option<Ray>,
         pixel: u32,
         generations: u32,
-        buffers: &mut TileBuffers,
+        buffers: &mut TileBuffers<'_>,
     ) {
         self.start::<E>(ray, pixel, generations, buffers);
     }
@@ -70,7 +63,7 @@ impl<L: Leaves> Follower<'_, L> {
         state: &mut PathState,
         pixel: u32,
         generations: u32,
-        buffers: &mut TileBuffers,
+        buffers: &mut TileBuffers<'_>,
     ) {
         let scene = self.moment.scene;
         let Some(closest) = scene.closest(self.leaves, ray, &mut buffers.scratch) else {
@@ -101,7 +94,7 @@ impl<L: Leaves> Follower<'_, L> {
         light: Rgb,
         length: f64,
         pixel: u32,
-        buffers: &mut TileBuffers,
+        buffers: &mut TileBuffers<'_>,
     ) {
         let pixel = &mut buffers.pixels[pixel as usize];
         if !E::NESTING && !E::EXTRAS {
@@ -132,7 +125,7 @@ impl<L: Leaves> Follower<'_, L> {
         state: &PathState,
         surface: &Surface,
         pixel: u32,
-        buffers: &mut TileBuffers,
+        buffers: &mut TileBuffers<'_>,
     ) -> Rgb {
         let scene = self.moment.scene;
         // Among surfaces in the same place it may be another one that is seen than the first that was met.
@@ -151,7 +144,7 @@ impl<L: Leaves> Follower<'_, L> {
         let TileBuffers { scratch, rays_traced, last_occluders, .. } = buffers;
         for ((index, source), last_occluder) in self.moment.lights.iter().zip(last_occluders) {
             // A light may have thousands of samples.
-            if E::EXTRAS && source.samples > 1 && self.is_ended() {
+            if E::EXTRAS && source.samples > 1 && scratch.is_cancelled() {
                 break;
             }
             let added = from_light::<E>((*index, source), &lit, |shadow_ray| {
@@ -174,7 +167,7 @@ impl<L: Leaves> Follower<'_, L> {
         surface: &Surface,
         pixel: u32,
         generations: u32,
-        buffers: &mut TileBuffers,
+        buffers: &mut TileBuffers<'_>,
     ) {
         let TileBuffers { next, beyond, tree_sizes, scratch, rays_traced, trees_ended, .. } = buffers;
         let Branches { reflected, refracted, cut } =
@@ -207,7 +200,7 @@ fn deposit<E: Effects>(pixel: &mut Rgb, throughput: Rgb, light: Rgb) {
 }
 
 /// Rays that are not traced see the background.
-pub(super) fn give_up(moment: &Moment<'_>, buffers: &mut TileBuffers) {
+pub(super) fn give_up(moment: &Moment<'_>, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { beyond, pixels, trees_ended, .. } = buffers;
     for QueuedRay { tree, pixel } in beyond.iter() {
         let background = moment.scene.background.towards(tree.ray.direction());

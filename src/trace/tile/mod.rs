@@ -6,8 +6,6 @@
 mod buffers;
 mod follow;
 
-use std::sync::atomic::AtomicBool;
-
 pub(super) use buffers::{TILE, Tile, TileBuffers};
 
 use super::branch::TreeRay;
@@ -16,27 +14,26 @@ use super::geometry::Leaves;
 use super::moment::Moment;
 use follow::{Follower, give_up};
 
-/// Follows one sample of every pixel of a tile: what it brings is in the buffers afterwards. Says whether that is all, or
-/// `cancelled` became true on the way. Where a single ray may take long, every ray asks.
+/// Follows one sample of every pixel of a tile: what it brings is in the buffers afterwards. Says whether that is all: once nobody
+/// waits for it any more, it is left as it is. Every search looks for that, and so do pixels and rays that may take long.
 pub(super) fn render_sample<E: Effects>(
     moment: &Moment<'_>,
     leaves: &impl Leaves,
     (tile, sample): (Tile, u32),
-    buffers: &mut TileBuffers,
-    cancelled: &AtomicBool,
+    buffers: &mut TileBuffers<'_>,
 ) -> bool {
-    let mut generations = moment.scene.depth - 1;
-    let follower = Follower { moment, leaves, tile, sample, cancelled };
+    let mut generations = moment.generations() - 1;
+    let follower = Follower { moment, leaves, tile, sample };
     buffers.begin::<E>(tile, moment.lights.len());
     let (columns, rows) = (tile.i..tile.i + tile.width, tile.j..tile.j + tile.height);
     let mut pixel = 0;
     if moment.sampling.samples <= 1 {
         for j in rows {
-            if follower.is_ended() {
+            if buffers.scratch.is_cancelled() {
                 return false;
             }
             for ray in moment.pixel_centers.rays(columns.clone(), j) {
-                if E::EXTRAS && follower.is_ended() {
+                if E::EXTRAS && buffers.scratch.is_cancelled() {
                     return false;
                 }
                 follower.start::<E>(ray, pixel, generations, buffers);
@@ -45,7 +42,7 @@ pub(super) fn render_sample<E: Effects>(
         }
     } else {
         for (j, i) in rows.flat_map(|j| columns.clone().map(move |i| (j, i))) {
-            if follower.is_ended() {
+            if buffers.scratch.is_cancelled() {
                 return false;
             }
             let ray = moment.camera.spread_ray(moment.sampling, i, j, sample);
@@ -54,13 +51,13 @@ pub(super) fn render_sample<E: Effects>(
         }
     }
     if !E::MIRRORS {
-        return !follower.is_ended();
+        return !buffers.scratch.is_cancelled();
     }
     while !buffers.next.is_empty() {
         generations -= 1;
         let mut rays = std::mem::replace(&mut buffers.next, std::mem::take(&mut buffers.spare));
         for mut queued in rays.drain(..) {
-            if follower.is_ended() {
+            if buffers.scratch.is_cancelled() {
                 return false;
             }
             let TreeRay { ray, state } = &mut queued.tree;
@@ -69,5 +66,5 @@ pub(super) fn render_sample<E: Effects>(
         buffers.spare = rays;
     }
     give_up(moment, buffers);
-    !follower.is_ended()
+    !buffers.scratch.is_cancelled()
 }
