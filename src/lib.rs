@@ -64,7 +64,7 @@
 //! | `systems` | what happens each frame; `prepare` is the only bridge from world to kernel | components, timeline, script, trace, color, time | hecs, glam, rayon |
 //! | `engine` | world, systems and reused buffers | color, time, timeline, components, scene, systems, trace | hecs, glam, rayon |
 //! | `output` | frame files, sequences, sheets | trace, color, time | image, rayon |
-//! | `live` | watching and reloading scenes, the preview's server and page | color, time, components, scene, systems, engine, trace, output | notify, axum, hyper_util, tokio, futures_util, serde, serde_json |
+//! | `live` | watching and reloading scenes, the preview's server and page | color, time, components, scene, systems, engine, trace, output | hecs, notify, axum, hyper_util, tokio, futures_util, serde, serde_json |
 //! | `main`, `cli` | arguments to settings to calls, and all printing; binary only | rayreel | glam, clap, clap_complete, csv, indicatif, ctrlc, libc, signal_hook, anyhow, rayon, serde_json |
 
 pub mod color;
@@ -83,6 +83,6 @@ pub use color::Rgb;
 pub use engine::{Engine, EngineError, FrameReport, Hit, Ray};
 pub use hecs::{Entity, World};
 pub use scene::Scene;
-pub use systems::{Changes, Context, Effect, Plan, Step, Verdict};
+pub use systems::{Changes, Context, Effect, Fault, Plan, Step, Verdict};
 pub use time::Time;
 pub use trace::Film;

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use super::draft::add_all;
 use super::report::FrameReport;
 use super::run::{Engine, EngineError};
-use crate::components::Animated;
+use crate::components::{Animated, FilmSettings};
 use crate::systems::{Effect, Plan, Preparation, Shutter, Shutters, Verdict, propagate};
 use crate::time::Time;
 use crate::trace::reference::{Reference, ReferenceSums};
@@ -91,7 +91,12 @@ impl Engine {
             whole
         })?;
         self.report.trace = traced;
-        Ok(begun.take_if(|_| whole && sought).map(|exposure| self.develop(exposure)))
+        if !(whole && sought) {
+            return Ok(None);
+        }
+        let FilmSettings { width, height, .. } = self.film_settings();
+        let exposure = begun.take().unwrap_or_else(|| Exposure::new((width, height), 1));
+        Ok(Some(self.develop(exposure)))
     }
 
     /// Renders a moment by the reference path, which asks every shape for every ray: slow, single-threaded, and the same
@@ -111,7 +116,8 @@ impl Engine {
             Reference::new(scene, camera, sampling).add(sums, range);
             true
         })?;
-        Ok(sums.map_or_else(|| Film::new(0, 0), |sums| sums.develop(samples)))
+        let FilmSettings { width, height, .. } = self.film_settings();
+        Ok(sums.unwrap_or_else(|| ReferenceSums::new((width, height))).develop(samples))
     }
 
     /// What a moment calls for, and why, without making a picture: see [`Engine::plan`].

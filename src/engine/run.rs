@@ -10,8 +10,8 @@ use super::report::FrameReport;
 use crate::components::FilmSettings;
 use crate::scene::{LoadError, Scene, SceneScripts, ScriptMistake, ScriptSources};
 use crate::systems::{
-    self, Changes, Context, Effect, Halt, OwnSystems, Plan, Preparation, ScriptFailure, Scripts, Shutters,
-    Step, UnknownComponent,
+    self, Changes, Context, Effect, Fault, Halt, OwnSystems, Plan, Preparation, ScriptFailure, Scripts,
+    Shutters, Step, UnknownComponent,
 };
 use crate::time::Timeline;
 use crate::trace::reference::Reference;
@@ -270,6 +270,36 @@ impl Engine {
     /// Renders with everything compiled in, whatever a scene calls for: slower, and the same bits. For comparisons.
     pub fn set_full(&mut self, full: bool) {
         self.full = full;
+    }
+
+    /// The entities whose shapes are in the picture at the moment of the last frame or [`seek`](Engine::seek), in document
+    /// order. None before the first of them.
+    pub fn drawn(&self) -> impl Iterator<Item = hecs::Entity> {
+        self.preparation.iter().flat_map(|preparation| preparation.drawn().iter().copied())
+    }
+
+    /// What is wrong with the world at the moment of the last frame (the last of its instants, if its shutter was open) or
+    /// [`seek`](Engine::seek), in document order: what is not drawn or not taken as it is, why, and how to mend it. Nothing
+    /// before the first of them.
+    ///
+    /// ```
+    /// use rayreel::components::{Material, Shape, Transform};
+    /// use rayreel::{Engine, Rgb, Time, World};
+    ///
+    /// let mut world = World::new();
+    /// let clay = Material { k_a: 0.3, k_d: 0.7, color: Rgb::ONE, ambient_color: None };
+    /// let ball = world.spawn((Shape::Sphere { radius: -1.0 }, clay, Transform::IDENTITY));
+    /// let mut engine = Engine::new(world);
+    /// engine.seek(Time::ZERO)?;
+    /// let faults = engine.faults();
+    /// assert_eq!(faults[0].entity, ball);
+    /// assert_eq!(faults[0].to_string(), "is not drawn: its radius is -1");
+    /// assert_eq!(faults[0].remedy(), "make it greater than 0");
+    /// # Ok::<(), rayreel::EngineError>(())
+    /// ```
+    #[must_use]
+    pub fn faults(&self) -> Vec<Fault> {
+        self.preparation.as_ref().map_or_else(Vec::new, |preparation| preparation.faults(&self.world))
     }
 
     /// What the last frame cost.

@@ -9,6 +9,7 @@
 //! - [`OwnSystems`] runs what the program that uses the library has added, pure or stepped; both run before each of its steps.
 //! - [`propagate()`] turns transforms into world transforms, parents first.
 //! - [`Plan`] says which effects the moment calls for, and why.
+//! - [`Fault`]s say what is wrong with the moment, so that something is not drawn as it says.
 //! - [`Preparation`] is the only bridge from the world to the kernel: it carries shapes, materials, lights and the camera
 //!   over into arrays, in document order, and only what has changed.
 //!
@@ -18,6 +19,7 @@ mod animate;
 mod batches;
 mod changes;
 mod context;
+mod faults;
 mod left_out;
 mod order;
 mod own;
@@ -33,6 +35,7 @@ mod world_transform;
 pub use animate::animate;
 pub use changes::Changes;
 pub use context::Context;
+pub use faults::{Fault, FaultCause, FaultEffect, Instead};
 pub use own::{Halt, OwnSystems, Step};
 pub use plan::{Effect, Plan, Verdict};
 pub use prepare::{Filming, Preparation, film_settings, filming};

@@ -49,11 +49,16 @@ pub fn filming(world: &World, moment: Time) -> Option<Filming> {
 }
 
 /// The entity whose camera films the frame at `moment`: that of the shot, or else the first in document order.
-fn filming_camera(world: &World, moment: Time) -> Option<Entity> {
+pub(super) fn filming_camera(world: &World, moment: Time) -> Option<Entity> {
     let shots = first::<Shots>(world).0;
     let begun = shots.partition_point(|shot| shot.start <= moment.seconds());
     let shot = shots.get(begun.saturating_sub(1)).map(|shot| shot.camera);
     shot.filter(|camera| world.satisfies::<&Camera>(*camera)).or_else(|| first_entity::<Camera>(world))
+}
+
+/// Where an entity is in the world.
+pub(super) fn place_of(world: &World, entity: Option<Entity>) -> Option<DVec3> {
+    component::<WorldTransform>(world, entity).map(|transform| transform.affine.translation)
 }
 
 fn component<T: Component + Copy>(world: &World, entity: Option<Entity>) -> Option<T> {
@@ -69,11 +74,8 @@ struct Stance {
 }
 
 fn stance(world: &World, entity: Option<Entity>, camera: &Camera) -> Stance {
-    let place = |linked: Option<Entity>| {
-        component::<WorldTransform>(world, linked).map(|transform| transform.affine.translation)
-    };
-    let followed = place(component::<Follow>(world, entity).map(|Follow(entity)| entity));
-    let looked_at = place(component::<LookAt>(world, entity).map(|LookAt(entity)| entity));
+    let followed = place_of(world, component::<Follow>(world, entity).map(|Follow(entity)| entity));
+    let looked_at = place_of(world, component::<LookAt>(world, entity).map(|LookAt(entity)| entity));
     let outer = component::<WorldTransform>(world, entity).map(|transform| transform.affine);
     let direction = |own: DVec3| outer.map_or(own, |outer| outer.transform_vector3(own));
     let own_eye = outer.map_or(camera.position, |outer| outer.transform_point3(camera.position));

@@ -5,13 +5,15 @@ use std::f64::consts::PI;
 use super::settings::sane;
 use super::shape::towards_one;
 use crate::components::{AreaShape, Falloff, Light, LightKind, WorldTransform};
+use crate::systems::FaultCause;
 use crate::trace::{self, Cone, LightSource, Slot};
 
+/// A light in world space, or why there is none.
 pub(super) fn prepared_light(
     light: &Light,
     transform: &WorldTransform,
     own_shape: Option<Slot>,
-) -> Option<trace::Light> {
+) -> Result<trace::Light, FaultCause> {
     let center = transform.affine.translation;
     let source = match light.kind {
         LightKind::Point => LightSource::Point(center),
@@ -23,16 +25,20 @@ pub(super) fn prepared_light(
             LightSource::Towards(-transform.affine.transform_vector3(direction))
         }
     };
-    let place = match source {
-        LightSource::Towards(direction) => direction,
-        _ => center,
-    };
+    match source {
+        LightSource::Towards(direction) if !direction.is_finite() => {
+            return Err(FaultCause::NotFinite("direction"));
+        }
+        LightSource::Towards(_) => {}
+        _ if !center.is_finite() => return Err(FaultCause::NotFinite("transform")),
+        _ => {}
+    }
     let falloff = match light.falloff {
         None => None,
         Some(_) if matches!(source, LightSource::Towards(_)) => None,
         Some(falloff) => Some(prepared_falloff(falloff)?),
     };
-    place.is_finite().then_some(trace::Light {
+    Ok(trace::Light {
         source,
         intensity: sane(light.intensity),
         falloff,
@@ -45,34 +51,55 @@ pub(super) fn prepared_light(
     })
 }
 
-/// What shines of an area light. `None` where that is not a finite size.
-fn prepared_area(shape: AreaShape, transform: &WorldTransform) -> Option<LightSource> {
+/// What shines of an area light.
+fn prepared_area(shape: AreaShape, transform: &WorldTransform) -> Result<LightSource, FaultCause> {
     let (center, linear) = (transform.affine.translation, transform.affine.matrix3);
     match shape {
         AreaShape::Sphere { radius } => {
             let scale = transform.uniform_scale.unwrap_or_else(|| libm::cbrt(linear.determinant().abs()));
             let radius = radius * scale;
-            (0.0..=f64::MAX).contains(&radius).then_some(LightSource::Ball { center, radius })
+            let sized = (0.0..=f64::MAX).contains(&radius);
+            sized.then_some(LightSource::Ball { center, radius }).ok_or(out_of_size("radius", radius))
         }
         AreaShape::Rectangle { width, height } => {
             let halves = [linear.x_axis * (0.5 * width), linear.y_axis * (0.5 * height)];
-            halves.iter().all(|half| half.is_finite()).then_some(LightSource::Panel { center, halves })
+            match halves.iter().find(|half| !half.is_finite()) {
+                None => Ok(LightSource::Panel { center, halves }),
+                Some(_) => Err(FaultCause::NotFinite("size in the world")),
+            }
         }
     }
 }
 
-/// The cone about +z as the transform turns it. `None` where it is none.
-fn prepared_cone(angle: f64, softness: f64, transform: &WorldTransform) -> Option<Cone> {
-    let forward = transform.affine.matrix3.z_axis;
-    let axis = (forward * towards_one(forward.abs().max_element())).try_normalize()?;
-    let half = 0.5 * angle.min(PI);
-    let sane = half > 0.0 && (0.0..=1.0).contains(&softness);
-    sane.then(|| Cone { axis, inner: libm::cos((1.0 - softness) * half), outer: libm::cos(half) })
+fn out_of_size(what: &'static str, value: f64) -> FaultCause {
+    FaultCause::OutOfRange { what, value, range: "0 or more, and finite" }
 }
 
-/// `None` where it is none: a light must not brighten without bounds.
-fn prepared_falloff(falloff: Falloff) -> Option<trace::Falloff> {
+/// The cone about +z as the transform turns it.
+fn prepared_cone(angle: f64, softness: f64, transform: &WorldTransform) -> Result<Cone, FaultCause> {
+    let forward = transform.affine.matrix3.z_axis;
+    let axis = (forward * towards_one(forward.abs().max_element())).try_normalize();
+    let axis = axis.ok_or(FaultCause::NoDirection("own z axis"))?;
+    if angle.is_nan() || angle <= 0.0 {
+        return Err(FaultCause::NotPositive("angle", angle));
+    }
+    if !(0.0..=1.0).contains(&softness) {
+        return Err(FaultCause::OutOfRange { what: "softness", value: softness, range: "from 0 to 1" });
+    }
+    let half = 0.5 * angle.min(PI);
+    Ok(Cone { axis, inner: libm::cos((1.0 - softness) * half), outer: libm::cos(half) })
+}
+
+/// A light must not brighten without bounds.
+fn prepared_falloff(falloff: Falloff) -> Result<trace::Falloff, FaultCause> {
     let Falloff { constant, linear, quadratic } = falloff;
-    let sane = [constant, linear, quadratic].iter().all(|part| (0.0..=f64::MAX).contains(part));
-    (sane && constant > 0.0).then_some(trace::Falloff { constant, linear, quadratic })
+    for part in [constant, linear, quadratic] {
+        if !(0.0..=f64::MAX).contains(&part) {
+            return Err(out_of_size("falloff", part));
+        }
+    }
+    if constant == 0.0 {
+        return Err(FaultCause::NotPositive("constant of its falloff", constant));
+    }
+    Ok(trace::Falloff { constant, linear, quadratic })
 }

@@ -1,10 +1,13 @@
 //! The only bridge from the world to the kernel.
 
 mod camera;
+mod faults;
 mod light;
 mod material;
 mod settings;
 mod shape;
+
+use std::collections::BTreeSet;
 
 use hecs::{Entity, World};
 
@@ -16,6 +19,7 @@ use crate::components::{
 use crate::time::Time;
 use crate::trace::{self, Geometry, Precision, PreparedScene, Slot};
 use camera::prepared_camera;
+use faults::surface_fault;
 use light::prepared_light;
 use material::{Surfaced, surface_material};
 use settings::{first, linear_cutoff, prepared_background, prepared_fog, sane, sane_sampling};
@@ -29,6 +33,7 @@ pub use settings::film_settings;
 ///
 /// Entities with a [`Shape`] and a [`Material`] are drawn. Values that cannot be drawn, such as a scale of zero halfway
 /// through an animation or a NaN from a system, leave the entity out of the picture; nothing non-finite gets to the kernel.
+/// [`faults`](Preparation::faults) says which are left out, and why.
 #[derive(Clone, Debug)]
 pub struct Preparation {
     pub(super) scene: PreparedScene,
@@ -40,6 +45,8 @@ pub struct Preparation {
     entities: Vec<Entity>,
     lights: Vec<Entity>,
     slots: SlotTable,
+    /// Entities whose surfaces have numbers that are out of range.
+    unsound: BTreeSet<Entity>,
     /// How often the tree over the shapes has been built.
     trees: u32,
 }
@@ -88,14 +95,18 @@ impl Preparation {
         let mut materials = Vec::with_capacity(drawn.len());
         let mut entities = Vec::with_capacity(drawn.len());
         let mut slots = SlotTable::default();
+        let mut unsound = BTreeSet::new();
         let view = world.view_mut::<Surfaced<'_>>();
         for (_, entity) in drawn {
             if let Some(surface) = view.get(entity)
-                && let Some(shape) = prepared_shape(surface.0, surface.1)
+                && let Ok(shape) = prepared_shape(surface.0, surface.1)
             {
                 slots.insert(entity, geometry.push(shape));
                 entities.push(entity);
                 materials.push(surface_material(surface));
+                if surface_fault(entity, surface).is_some() {
+                    unsound.insert(entity);
+                }
             }
         }
         let film = film_settings(world);
@@ -108,6 +119,7 @@ impl Preparation {
             entities,
             lights: Vec::new(),
             slots,
+            unsound,
             trees: 1,
         };
         preparation.read_settings(world);
@@ -131,7 +143,13 @@ impl Preparation {
         let repainted = changes.materials().iter().chain(&checkered);
         let materials = repainted.filter_map(|entity| {
             let slot = self.slots.get(*entity)?;
-            Some((slot, surface_material(world.query_one_mut::<Surfaced<'_>>(*entity).ok()?)))
+            let surface = world.query_one_mut::<Surfaced<'_>>(*entity).ok()?;
+            if surface_fault(*entity, surface).is_some() {
+                self.unsound.insert(*entity);
+            } else {
+                self.unsound.remove(entity);
+            }
+            Some((slot, surface_material(surface)))
         });
         let surfaces_differ = self.scene.replace_materials(materials);
         let settings_differ = self.read_settings(world);
@@ -182,6 +200,12 @@ impl Preparation {
             Noise::Fixed => sampling,
             Noise::PerFrame => sampling.reseeded(time.lowest_terms().into()),
         }
+    }
+
+    /// The entities whose shapes are in the kernel's arrays, in document order.
+    #[must_use]
+    pub fn drawn(&self) -> &[Entity] {
+        &self.entities
     }
 
     /// The entity whose shape is in a slot.
@@ -246,9 +270,9 @@ impl Preparation {
                 continue;
             };
             match (self.slots.get(entity), prepared_shape(shape, transform)) {
-                (Some(slot), Some(shape)) if self.scene.geometry().holds(slot, &shape) => {}
-                (Some(slot), Some(shape)) => replacements.push((slot, shape)),
-                (None, None) => {}
+                (Some(slot), Ok(shape)) if self.scene.geometry().holds(slot, &shape) => {}
+                (Some(slot), Ok(shape)) => replacements.push((slot, shape)),
+                (None, Err(_)) => {}
                 _ => return None,
             }
         }
@@ -266,7 +290,7 @@ impl Preparation {
             .into_iter()
             .filter_map(|(entity, order, light, transform)| {
                 let own_shape = self.slots.get(entity);
-                Some((*order, entity, prepared_light(light, transform, own_shape)?))
+                Some((*order, entity, prepared_light(light, transform, own_shape).ok()?))
             })
             .collect();
         lights.sort_unstable_by_key(|(order, entity, _)| (*order, entity.id()));

@@ -3,14 +3,15 @@
 use glam::DVec3;
 
 use crate::components::{Shape, WorldTransform};
+use crate::systems::FaultCause;
 use crate::systems::world_transform::ExactAffine;
 use crate::trace::PreparedShape;
 use crate::trace::exact::{Double, Double3};
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 
-/// A shape in world space. `None` where it has no extent or is beyond all measure, so that squares of its coordinates
+/// A shape in world space, or why there is none: where it has no extent or is beyond all measure, squares of its coordinates
 /// would not be numbers any more.
-pub(super) fn prepared_shape(shape: &Shape, transform: &WorldTransform) -> Option<PreparedShape> {
+pub(super) fn prepared_shape(shape: &Shape, transform: &WorldTransform) -> Result<PreparedShape, FaultCause> {
     /// Magnitudes of world coordinates, and the inverse of sizes.
     const LARGEST: f64 = 1e150;
     let matrix = transform.affine.matrix3;
@@ -18,43 +19,67 @@ pub(super) fn prepared_shape(shape: &Shape, transform: &WorldTransform) -> Optio
     let largest = matrix.to_cols_array().into_iter().fold(0.0, |largest: f64, part| largest.max(part.abs()));
     // Near 1 a determinant is not in danger.
     let unit = matrix * towards_one(largest);
-    let measurable = transform.affine.is_finite()
-        && (1.0 / LARGEST..LARGEST).contains(&largest)
-        && translation.abs().max_element() < LARGEST
-        && unit.determinant() != 0.0;
-    if !measurable {
-        return None;
+    let measurable = |size: f64| (1.0 / LARGEST..LARGEST).contains(&size);
+    if !transform.affine.is_finite() {
+        return Err(FaultCause::NotFinite("transform"));
     }
-    let positive = |size: f64| {
-        let reach = size * largest;
-        size > 0.0 && (1.0 / LARGEST..LARGEST).contains(&reach)
+    if largest == 0.0 {
+        return Err(FaultCause::Flat);
+    }
+    if !measurable(largest) || translation.abs().max_element() >= LARGEST {
+        return Err(FaultCause::BeyondMeasure);
+    }
+    if unit.determinant() == 0.0 {
+        return Err(FaultCause::Flat);
+    }
+    let invertible = || {
+        let back = unit.inverse() * towards_one(largest);
+        let good = back.to_cols_array().into_iter().all(|part| part.abs() < LARGEST);
+        if good { Ok(transform.affine) } else { Err(FaultCause::Flat) }
+    };
+    let sized = |what: &'static str, size: f64| match size {
+        _ if size.is_nan() || size <= 0.0 => Err(FaultCause::NotPositive(what, size)),
+        _ if !measurable(size * largest) => Err(FaultCause::BeyondMeasure),
+        _ => Ok(()),
     };
     let exact = ExactAffine::of(transform);
     match *shape {
-        Shape::Sphere { radius } => match transform.uniform_scale {
-            Some(scale) if positive(radius) => {
-                Some(PreparedShape::Sphere(Sphere { center: translation, radius: radius * scale }))
-            }
-            _ => positive(radius)
-                .then(|| PreparedShape::SphereImage(SphereImage::new(transform.affine, radius))),
-        },
+        Shape::Sphere { radius } => {
+            sized("radius", radius)?;
+            Ok(match transform.uniform_scale {
+                Some(scale) => PreparedShape::Sphere(Sphere { center: translation, radius: radius * scale }),
+                None => PreparedShape::SphereImage(SphereImage::new(invertible()?, radius)),
+            })
+        }
+        Shape::Plane { normal } if !normal.is_finite() => Err(FaultCause::NotFinite("normal")),
         Shape::Plane { normal } => {
             let normal = normal_image(&exact, towards_one(largest), normal);
-            Plane::new(translation, normal).map(PreparedShape::Plane)
+            let plane = Plane::new(translation, normal).ok_or(FaultCause::NoDirection("normal"))?;
+            Ok(PreparedShape::Plane(plane))
         }
         Shape::Box { size } => {
-            if !(positive(size.x) && positive(size.y) && positive(size.z)) {
-                return None;
+            for edge in size.to_array() {
+                sized("edge", edge)?;
             }
             let half = Double3::decimal(size).times_power(0.5);
             match aligned_half(&exact, half) {
                 Some(half) => {
                     let (min, max) = (exact.translation - half, exact.translation + half);
                     let (min, max) = (min.rounded(), max.rounded());
-                    let extended = min.cmplt(max).all();
-                    extended.then_some(PreparedShape::AlignedBox(AlignedBox { min, max }))
+                    if let Some(axis) = (0..3).find(|axis| min[*axis] >= max[*axis]) {
+                        let edge = 2.0 * half.rounded()[axis];
+                        return Err(FaultCause::Lost { edge, place: translation[axis] });
+                    }
+                    Ok(PreparedShape::AlignedBox(AlignedBox { min, max }))
                 }
-                None => BoxImage::exact(exact.columns, exact.translation, half).map(PreparedShape::BoxImage),
+                None => {
+                    invertible()?;
+                    let edge = size.min_element() * largest;
+                    let place = translation.abs().max_element();
+                    BoxImage::exact(exact.columns, exact.translation, half)
+                        .map(PreparedShape::BoxImage)
+                        .ok_or(FaultCause::Lost { edge, place })
+                }
             }
         }
     }

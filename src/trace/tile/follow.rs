@@ -1,7 +1,5 @@
 //! A single ray: what it meets, the light there, and the rays that go on.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use super::buffers::{QueuedRay, Tile, TileBuffers};
 use crate::color::Rgb;
 use crate::trace::branch::{Branches, LARGEST_TREE, PathState, branches};

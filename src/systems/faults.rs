@@ -1,0 +1,173 @@
+//! What is wrong with a world at a moment.
+//!
+//! Files are refused when something in them is wrong. A world of one's own is not, nor is what tracks, scripts and systems make
+//! of one halfway through: whatever cannot be drawn is left out of the picture, and whatever is out of range is held to it. Here
+//! is what says so.
+
+use std::fmt;
+
+use hecs::Entity;
+
+/// Something about an entity that keeps it from showing as it says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fault {
+    /// Whose.
+    pub entity: Entity,
+    /// What becomes of it.
+    pub effect: FaultEffect,
+    /// Why.
+    pub cause: FaultCause,
+}
+
+/// What becomes of an entity with a [`Fault`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FaultEffect {
+    /// Its shape is not in the picture.
+    NotDrawn,
+    /// Its light lights nothing.
+    NoLight,
+    /// The picture shows the background alone.
+    NothingSeen,
+    /// The picture is mirrored, or squeezed to nothing.
+    Distorted,
+    /// It is drawn with another number, or as if the part were missing.
+    Instead(Instead),
+}
+
+/// What is taken for a part that is wrong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Instead {
+    /// This number.
+    Number(f64),
+    /// It is as if it were not there.
+    Nothing,
+    /// A camera looks along the world's +z.
+    AlongZ,
+}
+
+/// Why an entity has a [`Fault`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FaultCause {
+    /// It has a [`Shape`](crate::components::Shape) and no [`Material`](crate::components::Material).
+    NoMaterial,
+    /// It came without being declared, see [`Changes::anything`](super::Changes::anything).
+    Undeclared,
+    /// A number of a part of it is not finite.
+    NotFinite(&'static str),
+    /// Its own transform is finite; with those of its parents it is not.
+    Overflow,
+    /// A factor of its own scale is 0.
+    NoScale,
+    /// Its transform squeezes a direction to nothing: by the scales of its parents, or by rounding.
+    Flat,
+    /// A coordinate or a size, in the world, is not within 1e-150 and 1e150.
+    BeyondMeasure,
+    /// A number that must be greater than 0 is not.
+    NotPositive(&'static str, f64),
+    /// A vector that must have a direction has none.
+    NoDirection(&'static str),
+    /// An edge of a box is so short, and the box so far away, that its ends are rounded to one number.
+    Lost {
+        /// The edge's length in the world.
+        edge: f64,
+        /// The coordinate of its middle.
+        place: f64,
+    },
+    /// A number is not in its range.
+    OutOfRange {
+        /// Which number.
+        what: &'static str,
+        /// What it is.
+        value: f64,
+        /// What it may be.
+        range: &'static str,
+    },
+    /// An entity that it refers to is not there, or has no place.
+    Missing(&'static str),
+}
+
+impl Fault {
+    /// How to mend it.
+    #[must_use]
+    pub fn remedy(&self) -> String {
+        match self.cause {
+            FaultCause::NoMaterial => "give it a material".to_owned(),
+            FaultCause::Undeclared => "declare `changes.anything()` where it is spawned".to_owned(),
+            FaultCause::NotFinite(_) => {
+                "look for a division by zero or an overflow in what sets it: a track, a script or a system"
+                    .to_owned()
+            }
+            FaultCause::Overflow => "let its parents move and scale it less".to_owned(),
+            FaultCause::NoScale => "write factors other than 0".to_owned(),
+            FaultCause::Flat => {
+                "look for a scale of 0, or for scales of very different sizes, among its parents".to_owned()
+            }
+            FaultCause::BeyondMeasure => "keep coordinates and sizes between 1e-150 and 1e150".to_owned(),
+            FaultCause::NotPositive(..) => "make it greater than 0".to_owned(),
+            FaultCause::NoDirection(_) => "give it any length but zero, as (0, 1, 0)".to_owned(),
+            FaultCause::Lost { place, .. } => format!(
+                "make it longer than {}, or bring it nearer to the origin",
+                brief(place.abs().next_up() - place.abs())
+            ),
+            FaultCause::OutOfRange { range, .. } => format!("keep it {range}"),
+            FaultCause::Missing(_) => "refer to an entity that is there".to_owned(),
+        }
+    }
+}
+
+impl fmt::Display for Fault {
+    /// What becomes of it, and why: to follow the entity's name.
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.effect {
+            FaultEffect::NotDrawn => write!(formatter, "is not drawn: {}", self.cause),
+            FaultEffect::NoLight => write!(formatter, "gives no light: {}", self.cause),
+            FaultEffect::NothingSeen => write!(formatter, "sees nothing: {}", self.cause),
+            FaultEffect::Distorted => write!(formatter, "shows a distorted picture: {}", self.cause),
+            FaultEffect::Instead(instead) => {
+                write!(formatter, "is not as it says: {}, and ", self.cause)?;
+                match instead {
+                    Instead::Number(number) => write!(formatter, "counts as {}", brief(number)),
+                    Instead::Nothing => write!(formatter, "is left out"),
+                    Instead::AlongZ => write!(formatter, "+z is taken"),
+                }
+            }
+        }
+    }
+}
+
+impl fmt::Display for FaultCause {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoMaterial => write!(formatter, "it has a shape but no material"),
+            Self::Undeclared => write!(formatter, "it came without being declared"),
+            Self::NotFinite(what) => write!(formatter, "its {what} is not finite"),
+            Self::Overflow => {
+                write!(formatter, "its transform and those of its parents together are not finite")
+            }
+            Self::NoScale => write!(formatter, "its scale has a factor of 0"),
+            Self::Flat => write!(formatter, "its transform leaves no thickness of it in some direction"),
+            Self::BeyondMeasure => write!(formatter, "it is too large, too small or too far away"),
+            Self::NotPositive(what, value) => write!(formatter, "its {what} is {}", brief(*value)),
+            Self::NoDirection(what) => write!(formatter, "its {what} has no direction"),
+            Self::Lost { edge, place } => write!(
+                formatter,
+                "its edge of {} is lost at {}, where numbers are {} apart",
+                brief(*edge),
+                brief(*place),
+                brief(place.abs().next_up() - place.abs())
+            ),
+            Self::OutOfRange { what, value, .. } => write!(formatter, "its {what} is {}", brief(*value)),
+            Self::Missing(what) => write!(formatter, "the entity that it {what} is not there"),
+        }
+    }
+}
+
+/// A number as people write it.
+fn brief(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 || !size.is_finite() || (1e-4..1e7).contains(&size) {
+        format!("{value}")
+    } else {
+        format!("{value:e}")
+    }
+}
