@@ -1,15 +1,17 @@
 //! `rayreel check`
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use serde_json::{Value, json};
 
-use rayreel::scene::{LoadError, ScriptMistake};
+use rayreel::scene::{LoadError, ScriptMistake, Sources};
 use rayreel::{Engine, EngineError, Scene};
 
 use super::args::CheckArguments;
 use super::exit::Failure;
 use super::print;
+use super::warnings::Warnings;
 
 pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     let mut results = Vec::new();
@@ -19,10 +21,20 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
         let checked = check(path);
         good &= checked.is_ok();
         match checked {
-            Ok(count) if arguments.json => {
-                results.push(json!({ "scene": file, "ok": true, "mistakes": [], "frames": count }));
+            Ok(Good { count, warnings, sources }) if arguments.json => {
+                let warnings = warnings.to_json(Some(&sources));
+                results.push(json!({
+                    "scene": file,
+                    "ok": true,
+                    "mistakes": [],
+                    "frames": count,
+                    "warnings": warnings,
+                }));
             }
-            Ok(count) => print::result_line(&format!("{file}: ok, {}", frames(count)))?,
+            Ok(Good { count, warnings, sources }) => {
+                warnings.tell(Some(&sources));
+                print::result_line(&format!("{file}: ok, {}{}", frames(count), warnings.count()))?;
+            }
             Err(Wrong::Scene(error)) if arguments.json => results.push(mistakes(&error)),
             Err(Wrong::Script(mistake)) if arguments.json => results.push(json!({
                 "scene": file,
@@ -56,29 +68,37 @@ fn frames(count: u32) -> String {
     if count == 1 { "1 frame".to_owned() } else { format!("{count} frames") }
 }
 
+/// A scene without mistakes.
+struct Good {
+    /// Frames.
+    count: u32,
+    warnings: Warnings,
+    sources: Sources,
+}
+
 /// What is wrong with a scene.
 enum Wrong {
     Scene(LoadError),
     Script(Box<ScriptMistake>),
 }
 
-/// Reads a scene, runs its scripts in the first frame, one half-way and the last, and counts the frames.
-fn check(path: &Path) -> Result<u32, Wrong> {
-    let scene = Scene::load(path).map_err(Wrong::Scene)?;
+/// Reads a scene, prepares its first frame, one half-way and the last, and counts the frames.
+fn check(path: &Path) -> Result<Good, Wrong> {
+    let (scene, sources) = Scene::load_with_sources(path).map_err(Wrong::Scene)?;
     let timeline = scene.timeline;
     let count = timeline.frame_count();
-    if scene.scripts.is_empty() {
-        return Ok(count);
-    }
     let mut engine = Engine::from_scene(scene);
-    for frame in [0, count / 2, count - 1] {
+    let mut warnings = Warnings::default();
+    for frame in BTreeSet::from([0, count / 2, count - 1]) {
         match engine.seek(timeline.time_of(frame)) {
             Err(EngineError::Script(mistake)) => return Err(Wrong::Script(mistake.into())),
             Err(EngineError::Scene(error)) => return Err(Wrong::Scene(error)),
-            Ok(()) | Err(EngineError::UnknownComponent(_)) => {}
+            Ok(()) | Err(EngineError::UnknownComponent(_)) => {
+                warnings.look(&engine, &format!("frame {frame}"));
+            }
         }
     }
-    Ok(count)
+    Ok(Good { count, warnings, sources })
 }
 
 fn mistakes(error: &LoadError) -> Value {

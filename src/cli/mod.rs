@@ -18,6 +18,7 @@ mod render;
 mod report;
 mod settings;
 mod sheet;
+mod warnings;
 mod watch;
 
 use std::process::ExitCode;

@@ -94,3 +94,8 @@ pub(super) fn is_dumb() -> bool {
 fn error_word() -> &'static str {
     if is_colorful() { "\u{1b}[1m\u{1b}[91merror\u{1b}[0m\u{1b}[1m:\u{1b}[0m" } else { "error:" }
 }
+
+/// `warning:`, as bold and yellow as may be.
+pub(super) fn warning_word() -> &'static str {
+    if is_colorful() { "\u{1b}[1m\u{1b}[93mwarning\u{1b}[0m\u{1b}[1m:\u{1b}[0m" } else { "warning:" }
+}

@@ -6,8 +6,9 @@ use std::time::Instant;
 
 use anyhow::{Context, anyhow};
 
-use rayreel::Engine;
 use rayreel::output::{FrameWriter, Written, remove_leftovers};
+use rayreel::scene::Sources;
+use rayreel::{Engine, Scene};
 
 use super::args::RenderArguments;
 use super::draft;
@@ -56,14 +57,16 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
     let interrupted = cancelled.load(Ordering::Relaxed) && !complete;
     report.finish(start.elapsed(), interrupted);
 
+    let sources = sources_for(&report, arguments);
     if !arguments.json {
+        report.warnings.tell(sources.as_ref());
         if !report.shots.is_empty() {
             print::error_line(&report.plan());
         }
         print::error_line(&report.summary(&settings));
     }
     if arguments.json {
-        print::json(&report.to_json())?;
+        print::json(&report.to_json(sources.as_ref()))?;
     }
     rendered?;
     if interrupted {
@@ -73,6 +76,14 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
         return Err(anyhow!("not all frames were written").into());
     }
     Ok(())
+}
+
+/// The scene's texts, read again where there is something to look up in them: mostly there is not, and they are not kept.
+fn sources_for(report: &RenderReport, arguments: &RenderArguments) -> Option<Sources> {
+    if report.warnings.is_empty() || !arguments.scene.is_file() {
+        return None;
+    }
+    Scene::load_with_sources(&arguments.scene).ok().map(|(_, sources)| sources)
 }
 
 /// Renders every shot and hands it to the writer, which works beside. Where it cannot go on, what was handed over is written.
@@ -105,6 +116,7 @@ fn render_all(
                 break;
             }
         };
+        report.warnings.look(engine, &shot.moment());
         let path = settings.file_of(&shot);
         pending.push(ShotReport::new(&shot, Some(path.clone()), engine));
         writer.submit(ticket, path, film, transfer, format);

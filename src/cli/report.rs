@@ -5,11 +5,13 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
+use rayreel::scene::Sources;
 use rayreel::trace::{Guards, RayCounts, TreeEnds};
 use rayreel::{Effect, Engine, FrameReport, Plan};
 
 use super::args::RenderArguments;
 use super::settings::{RenderSettings, Shot};
+use super::warnings::Warnings;
 
 /// All frames of one call.
 #[derive(Debug)]
@@ -22,6 +24,7 @@ pub(super) struct RenderReport {
     pub(super) shots: Vec<ShotReport>,
     /// Once it is written.
     pub(super) sheet: Option<SheetReport>,
+    pub(super) warnings: Warnings,
     total: Duration,
     interrupted: bool,
 }
@@ -59,6 +62,7 @@ impl RenderReport {
             load,
             shots: Vec::new(),
             sheet: None,
+            warnings: Warnings::default(),
             total: Duration::ZERO,
             interrupted: false,
         }
@@ -69,8 +73,8 @@ impl RenderReport {
         self.interrupted = interrupted;
     }
 
-    /// One object.
-    pub(super) fn to_json(&self) -> Value {
+    /// One object. Lines are looked up in the sources.
+    pub(super) fn to_json(&self, sources: Option<&Sources>) -> Value {
         json!({
             "scene": self.scene.display().to_string(),
             "width": self.size.0,
@@ -81,6 +85,7 @@ impl RenderReport {
             "peak_memory_bytes": peak_memory(),
             "interrupted": self.interrupted,
             "sheet": self.sheet.as_ref().map(SheetReport::to_json),
+            "warnings": self.warnings.to_json(sources),
             "frames": self.shots.iter().map(ShotReport::to_json).collect::<Vec<_>>(),
         })
     }

@@ -20,6 +20,16 @@ pub(super) struct Shot {
     pub(super) time: Time,
 }
 
+impl Shot {
+    /// `frame 3`, or `1.5 s`.
+    pub(super) fn moment(&self) -> String {
+        match self.frame {
+            Some(frame) => format!("frame {frame}"),
+            None => format!("{} s", self.time.seconds()),
+        }
+    }
+}
+
 /// Which pictures to make.
 #[derive(Clone, Debug)]
 enum Selection {

@@ -30,6 +30,7 @@ pub(super) fn render(
         let Some(film) = engine.render_unless(shot.time, cancelled)? else {
             return Ok(());
         };
+        report.warnings.look(engine, &shot.moment());
         sheet.add(&film, shot.frame.unwrap_or(0), shot.time);
         let shot = ShotReport::new(&shot, None, engine);
         progress.done(&shot, report.shots.len() + 1);

@@ -107,6 +107,9 @@ impl Teller {
             shown.info.frame,
             in_millions(shown.rays as f64),
         ));
+        for warning in &shown.warnings {
+            print::error_line(&format!("{} {warning}", print::warning_word()));
+        }
         if let Some((path, format)) = &self.out
             && let Err(error) = output::write(path, &shown.film, shown.transfer, *format)
         {

@@ -32,6 +32,8 @@ pub(super) struct Made {
     pub(super) rays: u64,
     /// What its frame calls for, if that is known.
     pub(super) plan: Option<Vec<Planned>>,
+    /// What is not drawn as it says.
+    pub(super) warnings: Vec<String>,
     /// Does another one follow?
     pub(super) rendering: bool,
 }
@@ -80,7 +82,7 @@ impl Easel {
                 return false;
             }
         };
-        let Made { film, transfer, quality, mut times, rays, plan, rendering } = made;
+        let Made { film, transfer, quality, mut times, rays, plan, warnings, rendering } = made;
         times.encode = Times::milliseconds(start.elapsed());
         let info = self.info(state, &film, quality);
         let film = Arc::new(film);
@@ -100,15 +102,15 @@ impl Easel {
                 state.plan = plan;
             }
         });
-        self.tell(Event::Shown(Shown { info, film, transfer, times, rays }));
+        self.tell(Event::Shown(Shown { info, film, transfer, times, rays, warnings }));
         true
     }
 
     /// Tells of a picture that is not the one to be seen now.
     pub(super) fn hand_over(&mut self, state: &State, made: Made) {
-        let Made { film, transfer, quality, times, rays, .. } = made;
+        let Made { film, transfer, quality, times, rays, warnings, .. } = made;
         let info = self.info(state, &film, quality);
-        self.tell(Event::Shown(Shown { info, film: Arc::new(film), transfer, times, rays }));
+        self.tell(Event::Shown(Shown { info, film: Arc::new(film), transfer, times, rays, warnings }));
     }
 
     fn info(&mut self, state: &State, film: &Film, quality: Quality) -> PictureInfo {
@@ -146,6 +148,7 @@ mod tests {
             times: Times::default(),
             rays: 0,
             plan: None,
+            warnings: Vec::new(),
             rendering: quality != Quality::Full,
         };
         for quality in [Quality::Coarse(0.0), Quality::Coarse(0.5), Quality::Draft, Quality::Full] {

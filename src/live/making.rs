@@ -217,6 +217,7 @@ impl Director {
                     times: Times { trace: traced, ..state.times },
                     rays: state.rays,
                     plan: None,
+                    warnings: Vec::new(),
                     rendering: true,
                 };
                 if !easel.put_up(&state, made) {
@@ -343,7 +344,9 @@ impl Director {
             Quality::Coarse(_) => None,
             Quality::Draft | Quality::Full => stage.planned(state.frame, quality == Quality::Full).ok(),
         };
-        Some(Made { film, transfer, quality, times, rays: report.rays.total(), plan, rendering })
+        let warnings = if quality == Quality::Full { stage.warnings() } else { Vec::new() };
+        let rays = report.rays.total();
+        Some(Made { film, transfer, quality, times, rays, plan, warnings, rendering })
     }
 
     /// Measures what an effect costs, and goes on with the next one. Any command ends it.

@@ -58,6 +58,8 @@ pub struct Shown {
     pub times: Times,
     /// How many were traced.
     pub rays: u64,
+    /// What is not drawn as it says, a line each; looked for in full pictures alone.
+    pub warnings: Vec<String>,
 }
 
 /// A scene that is read again after every edit, on a thread of its own, until it is dropped.

@@ -1,5 +1,6 @@
 //! What a pixel sees.
 
+use hecs::{Entity, World};
 use serde::Serialize;
 
 use crate::components::{Name, Order};
@@ -74,17 +75,27 @@ impl Spot {
 
 impl Seen {
     fn of(engine: &Engine, sources: &Sources, probe: &Probe<'_>, surface: &Surface, distance: f64) -> Self {
-        let (world, entity) = (engine.world(), probe.entity(surface.hit.slot));
-        let order = world.get::<&Order>(entity).ok().and_then(|order| usize::try_from(order.0).ok());
-        let unnamed = || order.map_or_else(|| "#".to_owned(), |order| format!("#{order}"));
-        let place = order.and_then(|order| sources.entities(&[order]).next().map(|line| line.to_string()));
+        let (world, seen) = (engine.world(), probe.entity(surface.hit.slot));
+        let (entity, place) = named(world, sources, seen);
         Self {
-            entity: world.get::<&Name>(entity).map_or_else(|_| unnamed(), |name| name.0.clone()),
-            material: order.and_then(|order| sources.material(order)),
+            entity,
+            material: order_of(world, seen).and_then(|order| sources.material(order)),
             place,
             point: surface.point.to_array(),
             normal: surface.facing_normal().to_array(),
             distance,
         }
     }
+}
+
+/// An entity's name, or `#17` with its place in document order, and the line in which it starts.
+pub(super) fn named(world: &World, sources: &Sources, entity: Entity) -> (String, Option<String>) {
+    let order = order_of(world, entity);
+    let unnamed = || order.map_or_else(|| "#".to_owned(), |order| format!("#{order}"));
+    let place = order.and_then(|order| sources.entities(&[order]).next().map(|line| line.to_string()));
+    (world.get::<&Name>(entity).map_or_else(|_| unnamed(), |name| name.0.clone()), place)
+}
+
+fn order_of(world: &World, entity: Entity) -> Option<usize> {
+    world.get::<&Order>(entity).ok().and_then(|order| usize::try_from(order.0).ok())
 }

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::ladder::Target;
 use super::mailbox::Detail;
-use super::spot::Spot;
+use super::spot::{Spot, named};
 use super::state::{Planned, Times};
 use crate::components::FilmSettings;
 use crate::engine::{Draft, Engine, EngineError, FrameReport};
@@ -106,6 +106,26 @@ impl Stage {
             Detail::Draft => self.engine.render_draft_on(time, Draft::sized(1), begun, signals, visit),
             Detail::Half => self.engine.render_draft_on(time, Draft::sized(2), begun, signals, visit),
         }
+    }
+
+    /// What is wrong at the moment of the last picture, a line each, and how to mend it.
+    pub(super) fn warnings(&self) -> Vec<String> {
+        /// More nobody reads.
+        const MOST: usize = 10;
+        let faults = self.engine.faults();
+        let mut warnings: Vec<String> = faults
+            .iter()
+            .take(MOST)
+            .map(|fault| {
+                let (name, place) = named(self.engine.world(), &self.sources, fault.entity);
+                let place = place.map_or_else(String::new, |place| format!(" ({place})"));
+                format!("{name:?}{place} {fault}; {}", fault.remedy())
+            })
+            .collect();
+        if faults.len() > MOST {
+            warnings.push(format!("and {} more", faults.len() - MOST));
+        }
+        warnings
     }
 
     /// What a pixel sees of a frame, of which there may be the full picture.

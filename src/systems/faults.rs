@@ -147,7 +147,9 @@ impl fmt::Display for FaultCause {
             Self::NoScale => write!(formatter, "its scale has a factor of 0"),
             Self::Flat => write!(formatter, "its transform leaves no thickness of it in some direction"),
             Self::BeyondMeasure => write!(formatter, "it is too large, too small or too far away"),
-            Self::NotPositive(what, value) => write!(formatter, "its {what} is {}", brief(*value)),
+            Self::NotPositive(what, value) | Self::OutOfRange { what, value, .. } => {
+                write!(formatter, "its {what} is {}", brief(*value))
+            }
             Self::NoDirection(what) => write!(formatter, "its {what} has no direction"),
             Self::Lost { edge, place } => write!(
                 formatter,
@@ -156,7 +158,6 @@ impl fmt::Display for FaultCause {
                 brief(*place),
                 brief(place.abs().next_up() - place.abs())
             ),
-            Self::OutOfRange { what, value, .. } => write!(formatter, "its {what} is {}", brief(*value)),
             Self::Missing(what) => write!(formatter, "the entity that it {what} is not there"),
         }
     }

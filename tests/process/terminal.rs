@@ -107,7 +107,7 @@ fn scenes(random: &mut Random) -> (String, Vec<String>) {
         animate(format!("Script(\"throw \\\"{}\\\"\")", other().replace('\\', "\\\\"))),
         animate(format!("Script(\"{} {}\")", other().replace('\\', "\\\\"), other().replace('\\', "\\\\"))),
         animate(format!("ScriptFile(\"{}\")", other())),
-        animate(format!("{}(1)", evil)),
+        animate(format!("{evil}(1)")),
         format!(
             "({CAMERA}, spawn: [Script(\"spawn(#{{ name: `{evil}`, material: `{evil}` }}); spawn(#{{ `{evil}`: 1 }})\")])"
         ),

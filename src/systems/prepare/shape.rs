@@ -1,5 +1,7 @@
 //! Shapes in world space.
 
+use std::cmp::Ordering::Less;
+
 use glam::DVec3;
 
 use crate::components::{Shape, WorldTransform};
@@ -66,7 +68,8 @@ pub(super) fn prepared_shape(shape: &Shape, transform: &WorldTransform) -> Resul
                 Some(half) => {
                     let (min, max) = (exact.translation - half, exact.translation + half);
                     let (min, max) = (min.rounded(), max.rounded());
-                    if let Some(axis) = (0..3).find(|axis| min[*axis] >= max[*axis]) {
+                    if let Some(axis) = (0..3).find(|axis| min[*axis].partial_cmp(&max[*axis]) != Some(Less))
+                    {
                         let edge = 2.0 * half.rounded()[axis];
                         return Err(FaultCause::Lost { edge, place: translation[axis] });
                     }

@@ -206,8 +206,7 @@ impl Geometry {
                 radius
             }
             Kind::Plane => {
-                let Plane { point, normal } = self.planes[index];
-                all(&[point, normal]);
+                all(&[self.planes[index].point(), self.planes[index].unit_normal()]);
                 1.0
             }
             Kind::AlignedBox => {

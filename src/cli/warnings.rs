@@ -1,0 +1,151 @@
+//! Warnings: what of a scene is not drawn as it says.
+
+use std::collections::HashSet;
+use std::mem::discriminant;
+
+use serde_json::{Value, json};
+
+use rayreel::components::{Camera, Name, Order};
+use rayreel::scene::{SourceLine, Sources};
+use rayreel::{Engine, Entity, Fault, World};
+
+use super::print;
+
+/// More entities than this are only counted.
+const MOST: usize = 10;
+
+/// The faults of some moments.
+#[derive(Debug, Default)]
+pub(super) struct Warnings {
+    listed: Vec<Warning>,
+    /// Entities with faults that are not listed.
+    others: HashSet<Entity>,
+}
+
+/// A fault, at one moment or several.
+#[derive(Debug)]
+struct Warning {
+    fault: Fault,
+    whose: Whose,
+    /// The first, and how many more.
+    moment: String,
+    more: usize,
+}
+
+/// Who has a fault.
+#[derive(Debug)]
+enum Whose {
+    /// By name, if it has one, and place in document order, if it has that.
+    Entity(Option<String>, Option<usize>),
+    /// By name.
+    Camera(String),
+    Scene,
+}
+
+impl Whose {
+    fn of(world: &World, entity: Entity) -> Self {
+        let name = world.get::<&Name>(entity).ok().map(|name| name.0.clone());
+        let order = world.get::<&Order>(entity).ok().and_then(|order| usize::try_from(order.0).ok());
+        match (name, order) {
+            (Some(name), None) if world.satisfies::<&Camera>(entity) => Self::Camera(name),
+            (Some(_), None) => Self::Scene,
+            (name, order) => Self::Entity(name, order),
+        }
+    }
+
+    fn place<'a>(&self, sources: &'a Sources) -> Option<SourceLine<'a>> {
+        match self {
+            Self::Entity(_, order) => sources.entities(&[(*order)?]).next(),
+            Self::Camera(name) => Some(sources.camera(name)),
+            Self::Scene => None,
+        }
+    }
+
+    fn text(&self) -> String {
+        match self {
+            // As in the scene file: a name may hold anything.
+            Self::Entity(Some(name), _) => format!("{name:?}"),
+            Self::Entity(None, Some(order)) => format!("entity #{order}"),
+            Self::Entity(None, None) => "an entity".to_owned(),
+            Self::Camera(name) if name == "camera" => "the camera".to_owned(),
+            Self::Camera(name) => format!("camera {name:?}"),
+            Self::Scene => "the scene".to_owned(),
+        }
+    }
+}
+
+impl Warnings {
+    /// Takes note of what is wrong at the engine's moment, which is called `moment`.
+    pub(super) fn look(&mut self, engine: &Engine, moment: &str) {
+        for fault in engine.faults() {
+            let same = |known: &&mut Warning| {
+                known.fault.entity == fault.entity
+                    && discriminant(&known.fault.cause) == discriminant(&fault.cause)
+            };
+            if let Some(known) = self.listed.iter_mut().find(same) {
+                known.more += 1;
+            } else if self.listed.len() < MOST {
+                let whose = Whose::of(engine.world(), fault.entity);
+                self.listed.push(Warning { fault, whose, moment: moment.to_owned(), more: 0 });
+            } else {
+                self.others.insert(fault.entity);
+            }
+        }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.listed.is_empty()
+    }
+
+    /// `, 3 warnings`, or nothing.
+    pub(super) fn count(&self) -> String {
+        match self.listed.len() + self.others.len() {
+            0 => String::new(),
+            1 => ", 1 warning".to_owned(),
+            count => format!(", {count} warnings"),
+        }
+    }
+
+    /// Tells the person at the terminal; of entities that are in the sources, with their lines.
+    pub(super) fn tell(&self, sources: Option<&Sources>) {
+        for Warning { fault, whose, moment, more } in &self.listed {
+            let place = sources.and_then(|sources| whose.place(sources));
+            let place = place.map_or_else(String::new, |place| format!("{place}, "));
+            let more = match more {
+                0 => String::new(),
+                1 => " and one more".to_owned(),
+                more => format!(" and {more} more"),
+            };
+            print::error_line(&format!(
+                "{} {} {fault}\n --> {place}{moment}{more}\n  = help: {}",
+                print::warning_word(),
+                whose.text(),
+                fault.remedy()
+            ));
+        }
+        match self.others.len() {
+            0 => {}
+            1 => print::error_line(&format!("{} one more entity has a fault", print::warning_word())),
+            count => {
+                print::error_line(&format!("{} {count} more entities have faults", print::warning_word()));
+            }
+        }
+    }
+
+    /// The same for machines.
+    pub(super) fn to_json(&self, sources: Option<&Sources>) -> Value {
+        let one = |Warning { fault, whose, moment, more }: &Warning| {
+            let place = sources.and_then(|sources| whose.place(sources));
+            json!({
+                "entity": whose.text(),
+                "file": place.map(|place| place.file),
+                "line": place.map(|place| place.line),
+                "message": fault.to_string(),
+                "help": fault.remedy(),
+                "first": moment,
+                "more": more,
+            })
+        };
+        self.listed.iter().map(one).collect()
+    }
+}
