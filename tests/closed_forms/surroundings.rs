@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 
-use super::{assert_near, film, seen, tilted};
+use super::{assert_near, film, seen, tilted, triple};
 
 const FOG: [f64; 3] = [0.2, 0.4, 0.8];
 
@@ -210,5 +210,36 @@ fn squares_on_a_box_are_counted_from_the_lower_corners_of_its_faces() {
             }
         }
         assert!(counts.iter().all(|count| *count > 50), "{counts:?}");
+    }
+}
+
+/// A normal that moves a little moves the squares a little, right through where it is as near to one axis as to another.
+#[test]
+fn squares_follow_a_plane_whose_normal_moves() {
+    const SIDE: u32 = 64;
+    let squares = |normal: DVec3| {
+        let body = format!(
+            r#"film: (width: {SIDE}, height: {SIDE}), ambient: (1, 1, 1),
+            camera: (position: (0, 9, 9), target: (0, 0, 0), up: (0, 1, 0), fov: 30),
+            materials: {{ "m": (k_a: 1, checker: (color: (0, 0, 0), size: 0.6)) }},
+            entities: [(shape: Plane(normal: {}), material: "m")]"#,
+            triple(normal)
+        );
+        film(&body).pixels().iter().map(|pixel| pixel.x == 0.0).collect::<Vec<bool>>()
+    };
+    let from_to = [
+        (DVec3::new(0.0, 1.0, 0.9), DVec3::new(0.0, 1.0, 1.1)),
+        (DVec3::new(0.3, 1.0, 0.9), DVec3::new(0.3, 1.0, 1.1)),
+        (DVec3::new(-0.9, 1.0, 1.2), DVec3::new(-1.1, 1.0, 1.2)),
+        (DVec3::new(0.9, 0.2, 1.0), DVec3::new(1.1, 0.2, 1.0)),
+    ];
+    for (from, to) in from_to {
+        let normals = (0..=40).map(|step| from.lerp(to, f64::from(step) / 40.0));
+        let pictures: Vec<_> = normals.map(squares).collect();
+        for pair in pictures.windows(2) {
+            let changed = pair[0].iter().zip(&pair[1]).filter(|(one, other)| one != other).count();
+            let share = changed as f64 / f64::from(SIDE * SIDE);
+            assert!(share < 0.15, "{share} of all pixels change at once on the way from {from} to {to}");
+        }
     }
 }
