@@ -217,6 +217,29 @@ fn a_light_that_casts_no_shadows_reaches_what_faces_it() {
     assert_eq!(lit(&format!("{lamp}, casts_shadows: false)"), 9.0), [0; 3], "it is behind the surface");
 }
 
+/// Nothing stands in its way: neither in that of its highlights, nor, where it lights what is clear from behind, that itself.
+#[test]
+fn a_light_that_casts_no_shadows_makes_highlights_and_shines_through_what_is_clear() {
+    let lit = |material: &str, casts: bool, z: f64| {
+        let wall = r#"(shape: Box(size: (9, 9, 0.1)), material: "m", transform: (translation: (0, 0, -7)))"#;
+        let light = format!("Point(intensity: (1, 1, 1), casts_shadows: {casts})");
+        let light = format!("(light: {light}, transform: (translation: (0, 0, {z:?})))");
+        look_at("Plane(normal: (0, 0, -1))", material, &format!("{light}, {wall}], quality: (depth: 1)"))[0]
+    };
+    for shininess in [0, 1, 1000] {
+        let glossy = format!("(specular: (k_s: 0.4, shininess: {shininess}))");
+        assert_eq!([true, false].map(|casts| lit(&glossy, casts, -9.0)), [0, 102], "{shininess}");
+        assert_eq!(lit(&glossy, false, 9.0), 0, "a highlight of what is behind");
+    }
+    // k_d |N.L| of it, and k_t less where the surface counts.
+    for gloss in ["", "specular: (k_s: 1, shininess: 0)"] {
+        let clear = format!("(k_d: 0.6, color: (255, 255, 255), refractive: (k_t: 0.5, ior: 1), {gloss})");
+        // Both see the black background too, through the surface.
+        assert_eq!([true, false].map(|casts| lit(&clear, casts, 9.0)), [77, 153], "{gloss}");
+    }
+    assert_eq!([true, false].map(|casts| lit("(k_d: 0.6)", casts, 9.0)), [0, 0], "opaque");
+}
+
 #[test]
 fn falloff_weakens_a_light_with_distance() {
     let lit = |falloff: &str, distance: f64| {

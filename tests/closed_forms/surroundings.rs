@@ -95,6 +95,30 @@ fn fog_lies_behind_clear_surfaces() {
 }
 
 /// Straight down 0 and straight up 1: (1 + y)/2, on camera rays and in mirrors.
+/// Before a plate, in it and behind it; in it, fog and what is behind are dimmed alike by what the plate absorbs.
+#[test]
+fn fog_fills_clear_solids() {
+    let (density, thickness, absorption) = (0.3, 1.5, [0.0, 0.4, 2.0]);
+    let found = seen(
+        DVec3::new(0.0, 0.0, -4.0),
+        DVec3::Z,
+        &format!(
+            r#"quality: (cutoff: 0), fog: (color: (51, 102, 204), density: {density:?}),
+            materials: {{ "glass": (refractive: (k_t: 0.8, ior: 1.5, absorption: (0, 0.4, 2))) }},
+            entities: [(shape: Box(size: (9, 9, {thickness:?})), material: "glass", transform: (translation: (0, 0, {:?})))]"#,
+            0.5 * thickness
+        ),
+    );
+    let expected = [0, 1, 2].map(|channel| {
+        let fog = [51.0, 102.0, 204.0][channel] / 255.0;
+        let (before, inside) = (libm::exp(-density * 4.0), libm::exp(-density * thickness));
+        let absorbed = libm::exp(-absorption[channel] * thickness);
+        let from_inside = absorbed * (fog * (1.0 - inside) + inside * 0.8 * fog);
+        fog * (1.0 - before) + before * 0.8 * from_inside
+    });
+    assert_color(found, expected);
+}
+
 #[test]
 fn skies_go_with_the_height_of_the_direction() {
     let sky = "background: (bottom: (255, 0, 51), top: (0, 255, 51)), quality: (cutoff: 0)";
