@@ -47,7 +47,8 @@ fn uneven(bounds: &FrameBox, index: usize) -> Aabb {
     Aabb::new(min - growth, max + growth)
 }
 
-/// Pulls grandchildren up into wide nodes, and small subtrees together into leaves.
+/// Pulls grandchildren up into wide nodes. A subtree of no more shapes than a node has children becomes a node of shapes: their
+/// boxes are asked all at once before any of them is.
 struct Collapse<'a> {
     binary: &'a Bvh2,
     /// The shapes' slots, in the order of the boxes.
@@ -58,7 +59,6 @@ struct Collapse<'a> {
     /// The box around them.
     bounds: Vec<FrameBox>,
     nodes: Vec<Node>,
-    slots: Vec<Slot>,
 }
 
 impl<'a> Collapse<'a> {
@@ -70,7 +70,6 @@ impl<'a> Collapse<'a> {
             counts: vec![0; binary.nodes.len()],
             bounds: vec![FrameBox::EMPTY; binary.nodes.len()],
             nodes: Vec::new(),
-            slots: Vec::new(),
         };
         collapse.measure();
         collapse
@@ -112,22 +111,24 @@ impl<'a> Collapse<'a> {
                 self.fill(binary_index, wide_index, &mut pending);
             }
         }
-        Tree { frame, nodes: self.nodes, slots: self.slots }
+        Tree { frame, nodes: self.nodes }
     }
 
     fn is_small(&self, index: usize) -> bool {
-        self.counts[index] as usize <= Child::LARGEST_LEAF
+        self.counts[index] as usize <= WIDTH
     }
 
-    /// Fills one wide node with the descendants of a binary one, opening the largest boxes first.
+    /// Fills one wide node with the descendants of a binary one, opening the largest boxes first; all of them if they are few.
     fn fill(&mut self, binary_index: usize, wide_index: usize, pending: &mut Vec<(usize, usize)>) {
         let mut members = [0; WIDTH];
         members[0] = binary_index;
         let mut length = 1;
+        let few = self.is_small(binary_index);
+        let opens = |index: usize| if few { self.counts[index] > 1 } else { !self.is_small(index) };
         let half_area = |index: usize| self.bounds[index].half_area();
         while length < WIDTH {
             let open = (0..length)
-                .filter(|member| !self.is_small(members[*member]))
+                .filter(|member| opens(members[*member]))
                 .max_by(|left, right| half_area(members[*left]).total_cmp(&half_area(members[*right])));
             let Some(open) = open else { break };
             let first = self.binary.nodes[members[open]].first_index as usize;
@@ -136,35 +137,17 @@ impl<'a> Collapse<'a> {
             length += 1;
         }
         for (place, &member) in members[..length].iter().enumerate() {
-            let bounds = self.bounds[member];
-            let child = if self.is_small(member) {
-                self.leaf(member)
+            let child = if self.counts[member] == 1 {
+                let shape = self.binary.nodes[member].first_index as usize;
+                Child::leaf(self.given[self.binary.primitive_indices[shape] as usize])
             } else {
                 let next = self.nodes.len();
                 self.nodes.push(Node::empty());
                 pending.push((member, next));
                 Child::node(u32::try_from(next).unwrap_or(u32::MAX))
             };
-            self.nodes[wide_index].set(place, &bounds, child);
+            self.nodes[wide_index].set(place, &self.bounds[member], child);
         }
-    }
-
-    /// Gathers the slots under a small binary subtree, in document order.
-    fn leaf(&mut self, index: usize) -> Child {
-        let first = self.slots.len();
-        let mut open = vec![index];
-        while let Some(index) = open.pop() {
-            let node = &self.binary.nodes[index];
-            let start = node.first_index as usize;
-            if node.is_leaf() {
-                let members = &self.binary.primitive_indices[start..start + node.prim_count as usize];
-                self.slots.extend(members.iter().map(|member| self.given[*member as usize]));
-            } else {
-                open.extend([start, start + 1]);
-            }
-        }
-        self.slots[first..].sort_unstable();
-        Child::leaf(u32::try_from(first).unwrap_or(u32::MAX), self.counts[index])
     }
 }
 
@@ -185,7 +168,7 @@ mod tests {
             for link in tree.nodes[index].links() {
                 match link {
                     Link::Node(index) => open.push((index, depth + 1)),
-                    Link::Leaf { first, count } => found.extend(&tree.slots[first..first + count]),
+                    Link::Leaf(slot) => found.push(slot),
                 }
             }
         }

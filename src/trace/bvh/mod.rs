@@ -24,6 +24,4 @@ use node::Node;
 pub(super) struct Tree {
     frame: Frame,
     nodes: Vec<Node>,
-    /// The leaves' slots, leaf by leaf.
-    slots: Vec<Slot>,
 }

@@ -1,19 +1,20 @@
 //! Eight boxes against one ray.
 
+use super::Slot;
 use super::frame::{FrameBox, FrameRay};
 
 /// How many children a node has.
 pub(super) const WIDTH: usize = 8;
 
-/// A node's child: another node, or a leaf's range of slots.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// A node's child: another node, or a shape.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Child(u32);
 
 /// A child, read.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Link {
     Node(usize),
-    Leaf { first: usize, count: usize },
+    Leaf(Slot),
 }
 
 /// Eight children's boxes, plane by plane: lower x, y, z, then upper x, y, z.
@@ -27,27 +28,36 @@ pub(super) struct Node {
 }
 
 impl Child {
+    /// More than any slot has: there are at most 2^28.
     const LEAF: u32 = 1 << 31;
-    const COUNT_SHIFT: u32 = 28;
-    const FIRST: u32 = (1 << Self::COUNT_SHIFT) - 1;
-    /// The most slots of one leaf.
-    pub(super) const LARGEST_LEAF: usize = 8;
 
     pub(super) fn node(index: u32) -> Self {
         Self(index)
     }
 
-    pub(super) fn leaf(first: u32, count: u32) -> Self {
-        Self(Self::LEAF | (count - 1) << Self::COUNT_SHIFT | first)
+    pub(super) fn leaf(slot: Slot) -> Self {
+        Self(Self::LEAF | slot.0)
     }
 
+    #[inline]
     pub(super) fn read(self) -> Link {
         if self.0 & Self::LEAF == 0 {
             Link::Node(self.0 as usize)
         } else {
-            let count = ((self.0 & !Self::LEAF) >> Self::COUNT_SHIFT) + 1;
-            Link::Leaf { first: (self.0 & Self::FIRST) as usize, count: count as usize }
+            Link::Leaf(Slot(self.0 & !Self::LEAF))
         }
+    }
+
+    /// As a number.
+    #[inline]
+    pub(super) fn word(self) -> u32 {
+        self.0
+    }
+
+    /// From its number.
+    #[inline]
+    pub(super) fn from_word(word: u32) -> Self {
+        Self(word)
     }
 }
 
@@ -84,7 +94,7 @@ impl Node {
     /// Never stricter than exact arithmetic: the origin is taken at the cautious end, three roundings of at most 2^-24 each are
     /// made up for by lengthening the far side by 2^-20 (after Ize, "Robust BVH Ray Traversal", JCGT 2013), and a
     /// comparison with NaN (an unmoving ray in a plane) passes.
-    #[inline]
+    #[inline(always)]
     pub(super) fn entries(&self, ray: &FrameRay, limit: f32) -> (u32, [f32; WIDTH]) {
         let mut entry = [0.0_f32; WIDTH];
         let mut exit = [limit; WIDTH];

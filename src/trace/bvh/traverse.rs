@@ -1,19 +1,37 @@
-//! From the root to the leaves.
+//! From the root to the shapes.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::node::{Link, Node};
+use super::node::{Child, Link, Node};
 use super::{Slot, Tree};
 use crate::trace::Ray;
 
-/// Nodes and leaves still to be visited, kept between rays so that none allocates.
+/// Nodes and shapes still to be visited, kept between rays so that none allocates.
 #[derive(Clone, Debug, Default)]
 pub(in crate::trace) struct Stack(Vec<Pending>);
 
-#[derive(Clone, Copy, Debug)]
-struct Pending {
-    child: super::node::Child,
-    entry: f32,
+/// Where a ray may enter a child, as the bits of an `f32` that is not negative, and below them the child: in the order of
+/// entries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Pending(u64);
+
+impl Pending {
+    #[inline]
+    fn new(child: Child, entry: f32) -> Self {
+        Self(u64::from(entry.to_bits()) << 32 | u64::from(child.word()))
+    }
+
+    #[inline]
+    #[expect(clippy::cast_possible_truncation, reason = "the lower half")]
+    fn child(self) -> Child {
+        Child::from_word(self.0 as u32)
+    }
+
+    #[inline]
+    #[expect(clippy::cast_possible_truncation, reason = "the upper half")]
+    fn entry(self) -> f32 {
+        f32::from_bits((self.0 >> 32) as u32)
+    }
 }
 
 impl Tree {
@@ -42,34 +60,29 @@ impl Tree {
             while mask != 0 {
                 let index = mask.trailing_zeros() as usize;
                 mask &= mask - 1;
-                let pending = Pending { child: node.children[index], entry: entries[index] };
-                // Farther ones below, nearer ones on top.
-                let place =
-                    base + stack[base..].iter().take_while(|other| other.entry > pending.entry).count();
-                stack.insert(place, pending);
+                stack.push(Pending::new(node.children[index], entries[index]));
             }
+            farther_first(&mut stack[base..]);
             loop {
-                let Some(Pending { child, entry }) = stack.pop() else {
+                let Some(next) = stack.pop() else {
                     return;
                 };
-                if entry > frame_limit * Node::LENGTHEN {
+                if next.entry() > frame_limit * Node::LENGTHEN {
                     continue;
                 }
-                match child.read() {
+                match next.child().read() {
                     Link::Node(index) => {
                         node = &self.nodes[index];
                         break;
                     }
-                    Link::Leaf { first, count } => {
+                    Link::Leaf(slot) => {
                         if cancelled.load(Ordering::Relaxed) {
                             return;
                         }
-                        for slot in &self.slots[first..first + count] {
-                            let wanted = visit(*slot);
-                            if wanted < limit {
-                                limit = wanted;
-                                frame_limit = self.frame.limit(limit);
-                            }
+                        let wanted = visit(slot);
+                        if wanted < limit {
+                            limit = wanted;
+                            frame_limit = self.frame.limit(limit);
                         }
                     }
                 }
@@ -101,26 +114,29 @@ impl Tree {
             while mask != 0 {
                 let child = node.children[mask.trailing_zeros() as usize];
                 mask &= mask - 1;
-                stack.push(Pending { child, entry: 0.0 });
-            }
-            loop {
-                let Pending { child, .. } = stack.pop()?;
                 match child.read() {
-                    Link::Node(index) => {
-                        node = &self.nodes[index];
-                        break;
-                    }
-                    Link::Leaf { first, count } => {
-                        if cancelled.load(Ordering::Relaxed) {
-                            return None;
-                        }
-                        let slots = &self.slots[first..first + count];
-                        if let Some(slot) = slots.iter().find(|slot| found(**slot)) {
-                            return Some(*slot);
-                        }
-                    }
+                    Link::Node(_) => stack.push(Pending::new(child, 0.0)),
+                    Link::Leaf(_) if cancelled.load(Ordering::Relaxed) => return None,
+                    Link::Leaf(slot) if found(slot) => return Some(slot),
+                    Link::Leaf(_) => {}
                 }
             }
+            let Link::Node(index) = stack.pop()?.child().read() else {
+                return None;
+            };
+            node = &self.nodes[index];
+        }
+    }
+}
+
+/// Sorts a few by insertion: farther ones below, nearer ones on top.
+#[inline]
+fn farther_first(pushed: &mut [Pending]) {
+    for from in 1..pushed.len() {
+        let mut place = from;
+        while place > 0 && pushed[place - 1] < pushed[place] {
+            pushed.swap(place - 1, place);
+            place -= 1;
         }
     }
 }
