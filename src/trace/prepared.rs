@@ -11,7 +11,7 @@ use super::copies::{Copies, Heap};
 use super::exact::{Double, Double3};
 use super::geometry::{Leaves, with_leaves};
 use super::scratch::Scratch;
-use super::shadow::Crossing;
+use super::shadow::{Crossed, Look};
 use super::ties::Tie;
 use super::{
     Background, Bounds, Fog, Geometry, Guards, Light, Limit, Precision, PreparedShape, Ray, Refined, Root,
@@ -306,37 +306,38 @@ impl PreparedScene {
         beside.or_else(|| self.tree.find_any(ray, limit.t(), stack, cancelled, hides))
     }
 
-    /// Does anything opaque but `except` stand between the ray's origin and `limit`? If not, `scratch.crossings` are the surfaces
-    /// of clear shapes that the ray crosses there, in any order.
+    /// Anything opaque but `except` that stands between the ray's origin and `limit`. If there is nothing, `scratch.crossed` are
+    /// the clear shapes that do.
     #[must_use]
-    pub(super) fn is_hidden_or_filtered(
+    pub(super) fn occluder_or_crossed(
         &self,
         leaves: &impl Leaves,
         ray: &Ray,
         limit: &Limit,
         except: Option<Slot>,
         scratch: &mut Scratch<'_>,
-    ) -> bool {
-        let Scratch { stack, guards, crossings, cancelled, .. } = scratch;
-        crossings.clear();
-        let mut hides = |slot: Slot| {
-            if let Some(heap) = self.copies.heap(slot) {
-                return self.heap_hides_or_filters(leaves, heap, ray, (limit, except), crossings, guards);
-            }
-            Some(slot) != except && self.hides_or_filters(leaves, slot, ray, limit, crossings, guards)
+    ) -> Option<Slot> {
+        let Scratch { stack, guards, crossed, cancelled, .. } = scratch;
+        crossed.clear();
+        let mut hides = |slot: Slot| match self.copies.heap(slot) {
+            Some(heap) => self.heap_hides_or_is_crossed(leaves, heap, ray, (limit, except), crossed, guards),
+            None if Some(slot) == except => false,
+            None => self.hides_or_is_crossed(leaves, slot, (ray, limit), Look::Glance, crossed, guards),
         };
-        self.beside.iter().any(|slot| cancelled.load(Relaxed) || hides(*slot))
-            || self.tree.find_any(ray, limit.t(), stack, cancelled, hides).is_some()
+        let mut beside = self.beside.iter().copied();
+        let beside = beside.find(|slot| cancelled.load(Relaxed) || hides(*slot));
+        beside.or_else(|| self.tree.find_any(ray, limit.t(), stack, cancelled, hides))
     }
 
-    /// Does the shape stand in the ray's way? A clear one never does, but adds where the ray crosses its surface.
-    pub(super) fn hides_or_filters(
+    /// Does the shape stand in the ray's way? A clear one never does, but is added to those that are crossed.
+    #[inline]
+    pub(super) fn hides_or_is_crossed(
         &self,
         leaves: &impl Leaves,
         slot: Slot,
-        ray: &Ray,
-        limit: &Limit,
-        crossings: &mut Vec<Crossing>,
+        (ray, limit): (&Ray, &Limit),
+        look: Look,
+        crossed: &mut Vec<Crossed>,
         guards: &mut Guards,
     ) -> bool {
         // A ray that leaves a shape leaves all that equal it.
@@ -344,60 +345,33 @@ impl PreparedScene {
         if self.material(slot).refraction.is_none() {
             return leaves.stands_before(asked, ray, limit, guards);
         }
-        if let Some(hit) = leaves.first_hit(asked, ray, guards)
-            && leaves.is_before(&hit, ray, limit, guards)
-        {
-            self.cross(leaves, ray, &Hit { slot, ..hit }, limit, crossings, guards);
-        }
+        crossed.extend(Crossed::new(leaves, asked, (ray, limit), look, guards).map(|met| met.by(slot)));
         false
     }
 
     /// The same for equal shapes at once.
     #[cold]
-    fn heap_hides_or_filters(
+    fn heap_hides_or_is_crossed(
         &self,
         leaves: &impl Leaves,
         heap: &Heap,
         ray: &Ray,
         (limit, except): (&Limit, Option<Slot>),
-        crossings: &mut Vec<Crossing>,
+        crossed: &mut Vec<Crossed>,
         guards: &mut Guards,
     ) -> bool {
         if let Some(opaque) = heap.opaque(except) {
-            return self.hides_or_filters(leaves, opaque, ray, limit, crossings, guards);
+            return self.hides_or_is_crossed(leaves, opaque, (ray, limit), Look::Glance, crossed, guards);
         }
         let mut clear = heap.clear().iter().copied().filter(|slot| Some(*slot) != except);
         if let Some(first) = clear.next() {
-            let from = crossings.len();
-            self.hides_or_filters(leaves, first, ray, limit, crossings, guards);
-            let of_first: Vec<Crossing> = crossings[from..].to_vec();
-            for crossing in of_first {
-                crossings.extend(clear.clone().map(|slot| Crossing { slot, ..crossing }));
+            let from = crossed.len();
+            self.hides_or_is_crossed(leaves, first, (ray, limit), Look::Glance, crossed, guards);
+            if let Some(met) = crossed.get(from).copied() {
+                crossed.extend(clear.map(|slot| met.by(slot)));
             }
         }
         false
-    }
-
-    /// Where a ray crosses the surface of a shape that it first meets at `hit`.
-    fn cross(
-        &self,
-        leaves: &impl Leaves,
-        ray: &Ray,
-        hit: &Hit,
-        limit: &Limit,
-        crossings: &mut Vec<Crossing>,
-        guards: &mut Guards,
-    ) {
-        let Refined { t, point, normal } = leaves.refined(ray, hit, guards);
-        let (t, slot) = (t.rounded(), hit.slot);
-        let entering = !hit.far && ray.direction().dot(normal) < 0.0;
-        crossings.push(Crossing { t, slot, entering });
-        if entering && let Some(on) = self.geometry.far_side(slot, point, ray.direction()) {
-            let t = t + on;
-            if t < limit.t() {
-                crossings.push(Crossing { t, slot, entering: false });
-            }
-        }
     }
 
     /// The point that the ray found, with its normal. Of several surfaces at the same place it is the first in document order,

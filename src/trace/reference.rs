@@ -10,7 +10,7 @@ use super::media::Inside;
 use super::moment::Moment;
 use super::scratch::Scratch;
 use super::shade::{ambient, held};
-use super::shadow::filtered;
+use super::shadow::{Look, filtered_and_absorbed};
 use super::surroundings::Passage;
 use super::{Camera, Closest, Film, Guards, Hit, Light, PreparedScene, Ray, Sampling, Slot, Surface};
 use crate::color::Rgb;
@@ -320,15 +320,17 @@ fn visibility(
     seen: (&Surface, Inside),
 ) -> Result<Rgb, Slot> {
     let ShadowRay { ray, limit, .. } = shadow_ray;
-    scratch.crossings.clear();
     let geometry = scene.geometry();
+    scratch.crossed.clear();
     let hides = |slot: &Slot| {
-        let Scratch { crossings, guards, .. } = scratch;
-        Some(*slot) != own_shape && scene.hides_or_filters(geometry, *slot, ray, &limit, crossings, guards)
+        let Scratch { crossed, guards, .. } = scratch;
+        let look = Look::Whole;
+        Some(*slot) != own_shape
+            && scene.hides_or_is_crossed(geometry, *slot, (ray, &limit), look, crossed, guards)
     };
     match geometry.slots().find(hides) {
         Some(slot) => Err(slot),
-        None => Ok(filtered(scene, shadow_ray, own_shape, seen, scratch)),
+        None => Ok(filtered_and_absorbed(scene, geometry, shadow_ray, own_shape, seen, scratch)),
     }
 }
 

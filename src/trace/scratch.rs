@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::Guards;
 use super::bvh::Stack;
 use super::media::Nesting;
-use super::shadow::{Crossing, Filter};
+use super::shadow::{Crossed, Crossing, Filter};
 
 /// What searches need besides the scene, kept between rays so that none allocates.
 #[derive(Clone, Debug)]
@@ -16,7 +16,9 @@ pub(super) struct Scratch<'a> {
     pub(super) guards: Guards,
     /// Clear solids that rays of this tile are inside of.
     pub(super) nesting: Nesting,
-    /// What a shadow ray crosses.
+    /// The clear shapes in a shadow ray's way, in any order.
+    pub(super) crossed: Vec<Crossed>,
+    /// Where it crosses them.
     pub(super) crossings: Vec<Crossing>,
     pub(super) filters: Vec<Filter>,
 }
@@ -31,6 +33,7 @@ impl<'a> Scratch<'a> {
             stack: Stack::default(),
             guards: Guards::default(),
             nesting: Nesting::default(),
+            crossed: Vec::new(),
             crossings: Vec::new(),
             filters: Vec::new(),
         }

@@ -106,6 +106,11 @@ impl Leaves for Geometry {
         }
         self.refined_specially(ray, hit, guards)
     }
+
+    #[inline]
+    fn certain_crossings(&self, slot: Slot, ray: &Ray, limit: &Limit) -> Option<u32> {
+        self.crossings_at_a_glance(slot, ray, limit)
+    }
 }
 
 impl Geometry {

@@ -1,5 +1,6 @@
 //! All shapes of a scene, and how they answer a ray's questions: [`guaranteed`], or as textbooks have it.
 
+mod glance;
 mod guaranteed;
 mod textbook;
 
@@ -31,6 +32,12 @@ pub(super) trait Leaves: Sync {
 
     /// What the hit found.
     fn refined(&self, ray: &Ray, hit: &Hit, guards: &mut Guards) -> Refined;
+
+    /// How many times the ray crosses the shape's surface before `limit`, if that is certain at a glance.
+    #[inline]
+    fn certain_crossings(&self, _slot: Slot, _ray: &Ray, _limit: &Limit) -> Option<u32> {
+        None
+    }
 }
 
 /// How precisely shapes are asked what a ray meets.
