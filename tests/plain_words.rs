@@ -9,6 +9,7 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
+use rayon::prelude::*;
 use rayreel::scene::Place;
 use rayreel::{Engine, Scene};
 
@@ -329,7 +330,7 @@ fn every_mistake_is_told_in_a_readers_words() {
     assert!(Scene::from_text("scene.ron", SCENE.to_owned()).is_ok());
     let changes = changes();
     assert!(changes.len() > 20_000, "{}", changes.len());
-    let faults: Vec<String> = changes.iter().flat_map(faults).collect();
+    let faults: Vec<String> = changes.par_iter().flat_map_iter(faults).collect();
     let kinds: BTreeSet<&String> = faults.iter().collect();
     let some: Vec<String> = faults.iter().take(10).cloned().collect();
     assert!(

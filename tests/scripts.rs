@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use glam::{DQuat, DVec3};
 use rayreel::components::{Light, Material, Name, Order, Shape, Transform};
+use rayreel::engine::Draft;
 use rayreel::{Changes, Context, Engine, EngineError, Entity, Scene, Step};
 
 const HEAD: &str = r#"
@@ -297,7 +298,7 @@ fn a_frame_is_cancelled_while_its_scripts_run() {
         let start = Instant::now();
         let film = engine.render_unless("1".parse().unwrap(), &cancelled).unwrap();
         let waited = start.elapsed();
-        (film, engine.render_draft_unless("2".parse().unwrap(), 2, &cancelled).unwrap(), waited)
+        (film, engine.render_draft_unless("2".parse().unwrap(), Draft::sized(2), &cancelled).unwrap(), waited)
     });
     assert!(film.is_none() && draft.is_none());
     assert!(waited < Duration::from_secs(2), "{waited:?}");

@@ -128,8 +128,7 @@ impl Told {
     /// Of signs that make no word, number or text.
     fn of_signs(error: &LexError) -> Self {
         match error {
-            LexError::ImproperSymbol(sign, _) => Self::foreign(sign),
-            LexError::UnexpectedInput(sign) => Self::foreign(sign),
+            LexError::ImproperSymbol(sign, _) | LexError::UnexpectedInput(sign) => Self::foreign(sign),
             LexError::UnterminatedString => Self::with_help(
                 "this text is never closed",
                 "opened here",

@@ -2,6 +2,7 @@
 //! definition of the picture in the fewest words, and, as it keeps the whole tree of a pixel's rays, its explanation.
 
 use super::branch::{Branches, LARGEST_TREE, PathState, TreeRay, branches};
+use super::contribution::Budget;
 use super::direct::{Asker, Lit, ShadowRay, from_light};
 use super::effects::FullKernel;
 use super::film::PixelSum;
@@ -158,35 +159,35 @@ impl<'a> Reference<'a> {
         let inside = moment.inside(ray.origin(), &mut scratch.nesting);
         let asker = Asker { seed: moment.sampling.seed, pixel: (i, j), sample: index };
         let mut tree = Vec::new();
-        let state = PathState::at_camera(moment.scene, inside);
-        let mut wave = vec![(RayKind::Camera, None, TreeRay { ray, state })];
-        let (mut beyond, mut size) = (Vec::new(), 1);
+        let state = PathState::at_camera(inside);
+        let mut wave: Vec<Queued> = vec![(RayKind::Camera, None, TreeRay { ray, state })];
+        let (mut beyond, mut size, mut budget) = (Vec::new(), 1, Budget::new(moment.scene));
         for generations in (0..moment.generations()).rev() {
-            for (kind, parent, mut ray) in std::mem::take(&mut wave) {
-                let mut traced = trace(moment, scratch, kind, parent, &ray, asker);
+            let mut next = Vec::new();
+            for (kind, parent, mut ray) in wave {
+                let traced = trace(moment, scratch, kind, parent, &ray, asker);
                 ray.state.throughput *= traced.passage.transmitted;
                 if let RayEnd::Surface(lit) = &traced.end {
-                    let nesting = &mut scratch.nesting;
-                    let Branches { reflected, refracted, cut } = branches::<FullKernel>(
-                        moment,
-                        nesting,
-                        (&ray.ray, &ray.state),
-                        &lit.surface,
-                        generations,
-                    );
-                    traced.cut = cut;
+                    let arrived = (&ray.ray, &ray.state);
+                    let Branches { reflected, refracted } =
+                        branches::<FullKernel>(moment, &mut scratch.nesting, arrived, &lit.surface);
+                    let kinds = [(RayKind::Reflection, reflected), (RayKind::Refraction, refracted)];
                     let parent = Some(tree.len());
-                    for (kind, ray) in [(RayKind::Reflection, reflected), (RayKind::Refraction, refracted)] {
-                        let Some(ray) = ray else { continue };
-                        if generations > 0 && size < LARGEST_TREE {
-                            size += 1;
-                            wave.push((kind, parent, ray));
-                        } else {
-                            beyond.push((kind, parent, ray));
-                        }
-                    }
+                    next.extend(kinds.into_iter().filter_map(|(kind, ray)| Some((kind, parent, ray?))));
                 }
                 tree.push(traced);
+            }
+            let cut = negligible(moment, &mut budget, &next, generations);
+            wave = Vec::new();
+            for (queued, cut) in next.into_iter().zip(cut) {
+                if cut {
+                    tree[queued.1.unwrap_or(0)].cut += 1;
+                } else if generations > 0 && size < LARGEST_TREE {
+                    size += 1;
+                    wave.push(queued);
+                } else {
+                    beyond.push(queued);
+                }
             }
         }
         let beyond = beyond.into_iter().map(|(kind, parent, ray)| {
@@ -196,6 +197,21 @@ impl<'a> Reference<'a> {
         tree.extend(beyond);
         Some(RayTree { rays: tree })
     }
+}
+
+/// A ray to be traced, where it comes from, and the index of the ray that it continues.
+type Queued = (RayKind, Option<usize>, TreeRay);
+
+/// Which rays of a generation are cut, as they could not show.
+fn negligible(moment: &Moment<'_>, budget: &mut Budget, rays: &[Queued], generations: u32) -> Vec<bool> {
+    let most = |(_, _, ray): &Queued| moment.brightest.most(ray.state.throughput, generations);
+    let mut weighed: Vec<(f32, usize)> = rays.iter().map(most).zip(0..).collect();
+    let count = budget.cut(&mut weighed);
+    let mut cut = vec![false; rays.len()];
+    for (_, index) in &weighed[..count] {
+        cut[*index] = true;
+    }
+    cut
 }
 
 /// The samples of all pixels so far.

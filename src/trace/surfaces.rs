@@ -1,6 +1,9 @@
 //! What there is among a scene's surfaces, in short.
 
-use super::{Slot, SurfaceMaterial};
+use std::collections::BTreeMap;
+
+use super::{Checker, Slot, SurfaceMaterial};
+use crate::color::Rgb;
 
 /// The most of everything among a scene's surfaces.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -11,8 +14,6 @@ pub struct Surfaces {
     pub diffuse: f32,
     /// The largest specular coefficient.
     pub specular: f32,
-    /// The largest share of light along continuing rays, k_r + k_t.
-    pub followed: f32,
     /// Those that mirror, in document order.
     pub mirrors: Vec<Slot>,
     /// Those that are clear, in document order.
@@ -23,6 +24,47 @@ pub struct Surfaces {
     pub fresnel: bool,
     /// Are there squares?
     pub checkered: bool,
+    /// Materials that send on about as much are one.
+    answers: BTreeMap<u32, Answer>,
+}
+
+/// At most how some surfaces answer light.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Answer {
+    /// Ambient colour.
+    pub(super) ambient: Rgb,
+    /// Diffuse colour.
+    pub(super) diffuse: Rgb,
+    /// Specular coefficient.
+    pub(super) specular: f32,
+    /// Share of light along continuing rays, k_r + k_t.
+    pub(super) followed: f32,
+}
+
+impl Answer {
+    fn of(material: &SurfaceMaterial) -> Self {
+        let transmitted = material.refraction.map_or(0.0, |refraction| refraction.transmitted);
+        let second = |color: fn(&Checker) -> Rgb| material.checker.as_deref().map_or(Rgb::ZERO, color);
+        Self {
+            ambient: material.ambient.max(second(|checker| checker.ambient)),
+            diffuse: material.diffuse.max(second(|checker| checker.diffuse)),
+            specular: material.specular,
+            followed: material.reflected + transmitted,
+        }
+    }
+
+    /// The same for what sends on as much to 6 bits, or less than a 64th.
+    fn key(&self) -> u32 {
+        const DROPPED: u32 = f32::MANTISSA_DIGITS - 1 - 6;
+        self.followed.max(1.0 / 64.0).to_bits() >> DROPPED
+    }
+
+    fn widen(&mut self, other: &Self) {
+        self.ambient = self.ambient.max(other.ambient);
+        self.diffuse = self.diffuse.max(other.diffuse);
+        self.specular = self.specular.max(other.specular);
+        self.followed = self.followed.max(other.followed);
+    }
 }
 
 impl Surfaces {
@@ -31,12 +73,8 @@ impl Surfaces {
     pub(super) fn of(materials: &[SurfaceMaterial]) -> Self {
         let mut all = Self::default();
         for (slot, material) in (0..).map(Slot).zip(materials) {
-            let largest = |most: &mut f32, value: f32| *most = most.max(value);
-            largest(&mut all.ambient, material.ambient.max_element());
-            largest(&mut all.diffuse, material.diffuse.max_element());
-            largest(&mut all.specular, material.specular);
-            let transmitted = material.refraction.map_or(0.0, |refraction| refraction.transmitted);
-            largest(&mut all.followed, material.reflected + transmitted);
+            let answer = Answer::of(material);
+            all.answers.entry(answer.key()).or_default().widen(&answer);
             if material.reflected > 0.0 {
                 all.mirrors.push(slot);
             }
@@ -45,12 +83,18 @@ impl Surfaces {
                 all.absorbs |= refraction.absorption.max_element() > 0.0;
                 all.fresnel |= refraction.fresnel;
             }
-            if let Some(checker) = &material.checker {
-                largest(&mut all.ambient, checker.ambient.max_element());
-                largest(&mut all.diffuse, checker.diffuse.max_element());
-                all.checkered = true;
-            }
+            all.checkered |= material.checker.is_some();
+        }
+        for answer in all.answers.values() {
+            all.ambient = all.ambient.max(answer.ambient.max_element());
+            all.diffuse = all.diffuse.max(answer.diffuse.max_element());
+            all.specular = all.specular.max(answer.specular);
         }
         all
+    }
+
+    /// At most how they answer light. There are some hundreds of answers at most, however many surfaces there are.
+    pub(super) fn answers(&self) -> impl Iterator<Item = &Answer> {
+        self.answers.values()
     }
 }

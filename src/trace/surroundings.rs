@@ -40,10 +40,10 @@ impl Background {
     }
 
     /// No channel is brighter anywhere.
-    pub(super) fn brightest(&self) -> f32 {
+    pub(super) fn brightest(&self) -> Rgb {
         match self {
-            Self::Flat(color) => color.max_element(),
-            Self::Gradient { bottom, top } => bottom.max_element().max(top.max_element()),
+            Self::Flat(color) => *color,
+            Self::Gradient { bottom, top } => bottom.max(*top),
         }
     }
 }
@@ -126,6 +126,6 @@ mod tests {
         assert_eq!(sky.towards(DVec3::NEG_Y * 3.0), bottom);
         assert_eq!(sky.towards(DVec3::Y * 7.0), top);
         assert_eq!(sky.towards(DVec3::X), (bottom + top) * 0.5);
-        assert_eq!(sky.brightest(), 1.0);
+        assert_eq!(sky.brightest(), Rgb::new(1.0, 1.0, 0.5));
     }
 }

@@ -147,6 +147,43 @@ fn cutoffs_hold_where_all_is_bright() {
     }
 }
 
+/// A ball of glass on a checkered floor, by day; `inside` are shells in it.
+fn ball_of_glass(inside: &str) -> Engine {
+    engine(&format!(
+        r#"Scene(film: (width: 64, height: 36), camera: (position: (0, 1.6, -5), target: (0, 1, 0), fov: 40), ambient: (0.3, 0.3, 0.3),
+        background: (bottom: (255, 255, 255), top: (128, 179, 255)), materials: {{
+            "floor": (k_a: 0.5, k_d: 0.7, color: (220, 220, 220), checker: (color: (60, 60, 60), size: 0.5)),
+            "glass": (reflective: (k_r: 0.1), refractive: (k_t: 0.9, ior: 1.5, fresnel: true)),
+            "water": (reflective: (k_r: 0.1), refractive: (k_t: 0.9, ior: 1.33, fresnel: true)),
+            "bubble": (reflective: (k_r: 0.1), refractive: (k_t: 0.9, ior: 1, fresnel: true)) }},
+        entities: [(shape: Plane(normal: (0, 1, 0)), material: "floor"),
+            (shape: Sphere(radius: 1), material: "glass", transform: (translation: (0, 1, 0))), {inside}
+            (light: Point(intensity: (1, 1, 1)), transform: (translation: (4, 6, -4)))])"#
+    ))
+}
+
+/// What a cutoff leaves of trees that could be as large as they may be: rays in trees for every pixel.
+#[test]
+fn trees_of_glass_are_small() {
+    let shells = r#"(shape: Sphere(radius: 0.8), material: "water", transform: (translation: (0, 1, 0))),
+        (shape: Sphere(radius: 0.5), material: "bubble", transform: (translation: (0.1, 1, 0))),"#;
+    let each = |inside: &str, depth: u32, cutoff: f32| {
+        let mut engine = ball_of_glass(inside);
+        render(&mut engine, depth, cutoff);
+        let rays = engine.report().rays;
+        println!("depth {depth}, cutoff {cutoff}: {rays:?}");
+        in_trees(rays) as f64 / rays.camera as f64
+    };
+    let ball = [30, 200, 1000].map(|depth| each("", depth, 0.25));
+    assert!(ball[0] < 5.0, "{ball:?}");
+    assert!(
+        ball[1] <= 1.1 * ball[0] && ball[2] <= 1.1 * ball[0],
+        "more generations alone cost no rays: {ball:?}"
+    );
+    assert!(each(shells, 30, 255.0) < 10.0);
+    assert!(each(shells, 30, 20.0) < 150.0);
+}
+
 /// What is counted is what the trees of all samples say.
 #[test]
 fn ends_of_trees_are_counted_as_the_trees_say() {

@@ -96,7 +96,7 @@ fn the_first_picture_comes_soon_whatever_the_scene() {
 fn work_is_left_at_once_for_what_is_asked() {
     for (what, text) in heavy() {
         let mut best = Duration::MAX;
-        for frame in 1..TRIES as u32 {
+        for frame in (1..).take(TRIES - 1) {
             let stage = Stage::new(Some(&text));
             first_picture(&stage);
             sleep(Duration::from_millis(300));

@@ -28,7 +28,6 @@ impl Pending {
     }
 
     #[inline]
-    #[expect(clippy::cast_possible_truncation, reason = "the upper half")]
     fn entry(self) -> f32 {
         f32::from_bits((self.0 >> 32) as u32)
     }

@@ -5,8 +5,10 @@ use std::sync::atomic::AtomicBool;
 use crate::color::Rgb;
 use crate::trace::Slot;
 use crate::trace::branch::TreeRay;
+use crate::trace::contribution::Budget;
 use crate::trace::effects::Effects;
 use crate::trace::exposure::{Effort, RayCounts, TreeEnds};
+use crate::trace::moment::Moment;
 use crate::trace::scratch::Scratch;
 
 /// Pixels along a tile's side.
@@ -38,6 +40,10 @@ pub(super) struct QueuedRay {
     pub(super) tree: TreeRay,
     /// Index of the pixel in the tile.
     pub(super) pixel: u32,
+    /// Is it mirrored, or refracted?
+    pub(super) mirrored: bool,
+    /// Is it left out, as it could not show?
+    pub(super) cut: bool,
 }
 
 /// The queue of the next generation, and what a sample brings to the tile's pixels.
@@ -51,6 +57,10 @@ pub(in crate::trace) struct TileBuffers<'a> {
     pub(super) beyond: Vec<QueuedRay>,
     /// How many rays of each pixel are traced.
     pub(super) tree_sizes: Vec<u32>,
+    /// What may be left out of each pixel.
+    pub(super) budgets: Vec<Budget>,
+    /// What each of a pixel's next rays can bring, and its index in the queue.
+    pub(super) weighed: Vec<(f32, usize)>,
     pub(super) scratch: Scratch<'a>,
     /// For every light that is on: what hid it from the last point of this tile that asked, if anything did.
     pub(super) last_occluders: Vec<Option<Slot>>,
@@ -68,6 +78,8 @@ impl<'a> TileBuffers<'a> {
             spare: Vec::new(),
             beyond: Vec::new(),
             tree_sizes: Vec::new(),
+            budgets: Vec::new(),
+            weighed: Vec::new(),
             scratch: Scratch::new(cancelled),
             last_occluders: Vec::new(),
             pixels: Vec::new(),
@@ -76,7 +88,7 @@ impl<'a> TileBuffers<'a> {
         }
     }
 
-    pub(super) fn begin<E: Effects>(&mut self, tile: Tile, lights: usize) {
+    pub(super) fn begin<E: Effects>(&mut self, tile: Tile, moment: &Moment<'_>) {
         let count = (tile.width * tile.height) as usize;
         self.pixels.resize(count, Rgb::ZERO);
         if E::MIRRORS {
@@ -86,11 +98,13 @@ impl<'a> TileBuffers<'a> {
             self.pixels.fill(Rgb::ZERO);
             self.tree_sizes.clear();
             self.tree_sizes.resize(count, 1);
+            self.budgets.clear();
+            self.budgets.resize(count, Budget::new(moment.scene));
         }
         self.scratch.nesting.clear();
         if E::LIGHTS {
             self.last_occluders.clear();
-            self.last_occluders.resize(lights, None);
+            self.last_occluders.resize(moment.lights.len(), None);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::buffers::{QueuedRay, Tile, TileBuffers};
 use crate::color::Rgb;
-use crate::trace::branch::{Branches, LARGEST_TREE, PathState, branches};
+use crate::trace::branch::{Branches, PathState, branches};
 use crate::trace::direct::{Asker, Lit, from_light};
 use crate::trace::effects::Effects;
 use crate::trace::geometry::Leaves;
@@ -23,13 +23,7 @@ pub(super) struct Follower<'a, L> {
 impl<L: Leaves> Follower<'_, L> {
     /// Follows a pixel's camera ray; without one, the camera is not in a finite place.
     #[inline(always)]
-    pub(super) fn start<E: Effects>(
-        &self,
-        ray: Option<Ray>,
-        pixel: u32,
-        generations: u32,
-        buffers: &mut TileBuffers<'_>,
-    ) {
+    pub(super) fn start<E: Effects>(&self, ray: Option<Ray>, pixel: u32, buffers: &mut TileBuffers<'_>) {
         let Some(ray) = ray else {
             buffers.pixels[pixel as usize] = self.moment.nowhere();
             return;
@@ -37,8 +31,8 @@ impl<L: Leaves> Follower<'_, L> {
         buffers.rays_traced.camera += 1;
         let nesting = &mut buffers.scratch.nesting;
         let inside = if E::NESTING { self.moment.inside(ray.origin(), nesting) } else { Inside::NONE };
-        let mut state = PathState::at_camera(self.moment.scene, inside);
-        self.follow::<E>(&ray, &mut state, pixel, generations, buffers);
+        let mut state = PathState::at_camera(inside);
+        self.follow::<E>(&ray, &mut state, pixel, buffers);
     }
 
     /// As [`Follower::start`], not inlined: its code is long, and only where pixels have a single sample is a call worth saving.
@@ -47,20 +41,18 @@ impl<L: Leaves> Follower<'_, L> {
         &self,
         ray: Option<Ray>,
         pixel: u32,
-        generations: u32,
         buffers: &mut TileBuffers<'_>,
     ) {
-        self.start::<E>(ray, pixel, generations, buffers);
+        self.start::<E>(ray, pixel, buffers);
     }
 
-    /// Adds what the ray brings to its pixel, and queues what goes on, for which `generations` are left.
+    /// Adds what the ray brings to its pixel, and queues what goes on.
     #[inline(always)]
     pub(super) fn follow<E: Effects>(
         &self,
         ray: &Ray,
         state: &mut PathState,
         pixel: u32,
-        generations: u32,
         buffers: &mut TileBuffers<'_>,
     ) {
         let scene = self.moment.scene;
@@ -80,7 +72,7 @@ impl<L: Leaves> Follower<'_, L> {
         let length = if E::NESTING || E::EXTRAS { surface.distance(ray) } else { 0.0 };
         self.arrive::<E>(state, light, length, pixel, buffers);
         if E::MIRRORS && scene.material(surface.hit.slot).continues() {
-            self.send_on::<E>((ray, state), &surface, pixel, generations, buffers);
+            self.send_on::<E>((ray, state), &surface, pixel, buffers);
         }
     }
 
@@ -164,25 +156,13 @@ impl<L: Leaves> Follower<'_, L> {
         arrived: (&Ray, &PathState),
         surface: &Surface,
         pixel: u32,
-        generations: u32,
         buffers: &mut TileBuffers<'_>,
     ) {
-        let TileBuffers { next, beyond, tree_sizes, scratch, rays_traced, trees_ended, .. } = buffers;
-        let Branches { reflected, refracted, cut } =
-            branches::<E>(self.moment, &mut scratch.nesting, arrived, surface, generations);
-        trees_ended.cutoff += cut;
-        let size = &mut tree_sizes[pixel as usize];
-        let kinds = [(reflected, &mut rays_traced.reflection), (refracted, &mut rays_traced.refraction)];
-        for (tree, traced) in kinds {
-            let Some(tree) = tree else { continue };
-            let queued = QueuedRay { tree, pixel };
-            if generations > 0 && *size < LARGEST_TREE {
-                *size += 1;
-                *traced += 1;
-                next.push(queued);
-            } else {
-                beyond.push(queued);
-            }
+        let TileBuffers { next, scratch, .. } = buffers;
+        let Branches { reflected, refracted } =
+            branches::<E>(self.moment, &mut scratch.nesting, arrived, surface);
+        for (tree, mirrored) in [(reflected, true), (refracted, false)] {
+            next.extend(tree.map(|tree| QueuedRay { tree, pixel, mirrored, cut: false }));
         }
     }
 }
@@ -200,7 +180,7 @@ fn deposit<E: Effects>(pixel: &mut Rgb, throughput: Rgb, light: Rgb) {
 /// Rays that are not traced see the background.
 pub(super) fn give_up(moment: &Moment<'_>, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { beyond, pixels, trees_ended, .. } = buffers;
-    for QueuedRay { tree, pixel } in beyond.iter() {
+    for QueuedRay { tree, pixel, .. } in beyond.iter() {
         let background = moment.scene.background.towards(tree.ray.direction());
         pixels[*pixel as usize] += tree.state.throughput * background;
     }

@@ -5,6 +5,7 @@
 
 mod buffers;
 mod follow;
+mod select;
 
 pub(super) use buffers::{TILE, Tile, TileBuffers};
 
@@ -13,6 +14,7 @@ use super::effects::Effects;
 use super::geometry::Leaves;
 use super::moment::Moment;
 use follow::{Follower, give_up};
+use select::select;
 
 /// Follows one sample of every pixel of a tile: what it brings is in the buffers afterwards. Says whether that is all: once nobody
 /// waits for it any more, it is left as it is. Every search looks for that, and so do pixels and rays that may take long.
@@ -24,7 +26,7 @@ pub(super) fn render_sample<E: Effects>(
 ) -> bool {
     let mut generations = moment.generations() - 1;
     let follower = Follower { moment, leaves, tile, sample };
-    buffers.begin::<E>(tile, moment.lights.len());
+    buffers.begin::<E>(tile, moment);
     let (columns, rows) = (tile.i..tile.i + tile.width, tile.j..tile.j + tile.height);
     let mut pixel = 0;
     if moment.sampling.samples <= 1 {
@@ -36,7 +38,7 @@ pub(super) fn render_sample<E: Effects>(
                 if E::EXTRAS && buffers.scratch.is_cancelled() {
                     return false;
                 }
-                follower.start::<E>(ray, pixel, generations, buffers);
+                follower.start::<E>(ray, pixel, buffers);
                 pixel += 1;
             }
         }
@@ -46,7 +48,7 @@ pub(super) fn render_sample<E: Effects>(
                 return false;
             }
             let ray = moment.camera.spread_ray(moment.sampling, i, j, sample);
-            follower.start_apart::<E>(ray, pixel, generations, buffers);
+            follower.start_apart::<E>(ray, pixel, buffers);
             pixel += 1;
         }
     }
@@ -54,14 +56,15 @@ pub(super) fn render_sample<E: Effects>(
         return !buffers.scratch.is_cancelled();
     }
     while !buffers.next.is_empty() {
-        generations -= 1;
+        select(moment, generations, buffers);
+        generations = generations.saturating_sub(1);
         let mut rays = std::mem::replace(&mut buffers.next, std::mem::take(&mut buffers.spare));
         for mut queued in rays.drain(..) {
             if buffers.scratch.is_cancelled() {
                 return false;
             }
             let TreeRay { ray, state } = &mut queued.tree;
-            follower.follow::<E>(ray, state, queued.pixel, generations, buffers);
+            follower.follow::<E>(ray, state, queued.pixel, buffers);
         }
         buffers.spare = rays;
     }
