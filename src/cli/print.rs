@@ -73,6 +73,15 @@ pub(super) fn error(text: &str) {
     let _ = writeln!(stderr().lock(), "{} {}", error_word(), Printable(text));
 }
 
+/// A line that says what may be wrong, and lines about it.
+pub(super) fn warning(text: &str, about: &[String]) {
+    let mut told = format!("{} {}\n", warning_word(), Printable(text));
+    for line in about {
+        told += &format!("{}\n", Printable(line));
+    }
+    let _ = stderr().lock().write_all(told.as_bytes());
+}
+
 /// Mistakes in scenes, shown as a compiler would by `render`, which is told whether colours are welcome and escapes what it shows
 /// of files: its colours are the only commands.
 pub(super) fn mistakes(render: impl FnOnce(bool) -> String) {
@@ -96,6 +105,6 @@ fn error_word() -> &'static str {
 }
 
 /// `warning:`, as bold and yellow as may be.
-pub(super) fn warning_word() -> &'static str {
+fn warning_word() -> &'static str {
     if is_colorful() { "\u{1b}[1m\u{1b}[93mwarning\u{1b}[0m\u{1b}[1m:\u{1b}[0m" } else { "warning:" }
 }

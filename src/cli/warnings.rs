@@ -116,19 +116,13 @@ impl Warnings {
                 1 => " and one more".to_owned(),
                 more => format!(" and {more} more"),
             };
-            print::error_line(&format!(
-                "{} {} {fault}\n --> {place}{moment}{more}\n  = help: {}",
-                print::warning_word(),
-                whose.text(),
-                fault.remedy()
-            ));
+            let about = [format!(" --> {place}{moment}{more}"), format!("  = help: {}", fault.remedy())];
+            print::warning(&format!("{} {fault}", whose.text()), &about);
         }
         match self.others.len() {
             0 => {}
-            1 => print::error_line(&format!("{} one more entity has a fault", print::warning_word())),
-            count => {
-                print::error_line(&format!("{} {count} more entities have faults", print::warning_word()));
-            }
+            1 => print::warning("one more entity has a fault", &[]),
+            count => print::warning(&format!("{count} more entities have faults"), &[]),
         }
     }
 

@@ -108,7 +108,7 @@ impl Teller {
             in_millions(shown.rays as f64),
         ));
         for warning in &shown.warnings {
-            print::error_line(&format!("{} {warning}", print::warning_word()));
+            print::warning(warning, &[]);
         }
         if let Some((path, format)) = &self.out
             && let Err(error) = output::write(path, &shown.film, shown.transfer, *format)

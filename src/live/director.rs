@@ -15,10 +15,10 @@ use super::watcher::Watcher;
 use crate::engine::EngineError;
 use crate::scene::{LoadError, Reader};
 
-/// What is wrong with files is told when they have been at rest for so long,
-const RESTED: Duration = Duration::from_millis(30);
+/// What is wrong with files is told when they have been at rest for so long: on a busy machine those who write are kept waiting,
+const RESTED: Duration = Duration::from_millis(100);
 /// or, if they are not, after so much time.
-const DOUBT: Duration = Duration::from_millis(500);
+const DOUBT: Duration = Duration::from_secs(1);
 /// A coarse picture of many in a row should take this share of the time between them.
 const COARSE_IN_A_ROW: f64 = 0.5;
 /// Pictures that take longer, in milliseconds, begin with a coarse one.

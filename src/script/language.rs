@@ -1,9 +1,10 @@
 //! The language: Rhai with a library of its own, and nothing of the outside.
 
+use std::cell::Cell;
 use std::collections::HashSet;
 
 use rhai::packages::{BasicIteratorPackage, Package};
-use rhai::{AST, ASTNode, Dynamic, Engine, Expr, OptimizationLevel, Position, Scope, Stmt, Token};
+use rhai::{AST, ASTNode, Dynamic, Engine, Expr, LexError, OptimizationLevel, Position, Scope, Stmt, Token};
 
 use super::surroundings::{Read, Surroundings, unanswered, within};
 use super::vocabulary::{Known, Purpose};
@@ -152,6 +153,7 @@ pub(super) fn compile(
         let help = "what it holds as data can be made by loops, or be entities of the scene file".to_owned();
         return Err(ScriptError::whole(text, message, "too long", Some(help)));
     }
+    COMMAS.set(None);
     let ast = parser
         .compile_with_scope(outside, text)
         .map_err(|error| ScriptError::parsing(text, &error, purpose))?;
@@ -250,15 +252,34 @@ pub(super) fn parser(purpose: Purpose) -> Engine {
     engine.on_def_var(|_, variable, context| {
         Ok(variable.will_shadow || context.scope().len() < limits::VARIABLES)
     });
-    if purpose == Purpose::Spawn {
-        #[expect(deprecated, reason = "marked so because it may change, not because it will go")]
-        engine.on_parse_token(|token, _, _| match token {
-            // Kept by Rhai for later.
-            Token::Reserved(word) if *word == "spawn" => Token::Identifier(word),
-            token => token,
-        });
-    }
+    #[expect(deprecated, reason = "marked so because it may change, not because it will go")]
+    engine.on_parse_token(move |token, _, _| match token {
+        // Kept by Rhai for later.
+        Token::Reserved(word) if *word == "spawn" && purpose == Purpose::Spawn => Token::Identifier(word),
+        token if is_endless_head(&token) => Token::LexError(LexError::Runtime(LONG_HEAD.to_owned()).into()),
+        token => token,
+    });
     engine
+}
+
+/// What is said of a function of very many values.
+pub(super) const LONG_HEAD: &str = "a function of too many values";
+
+thread_local! {
+    /// The commas since the head of a function began in the text that is read on this thread.
+    static COMMAS: Cell<Option<usize>> = const { Cell::new(None) };
+}
+
+/// Is this a function's head of more values than it can be called with? Rhai compares each with each before.
+fn is_endless_head(token: &Token) -> bool {
+    let commas = match token {
+        Token::Fn => Some(0),
+        Token::Comma => COMMAS.get().map(|commas| commas + 1),
+        Token::RightParen => None,
+        _ => COMMAS.get(),
+    };
+    COMMAS.set(commas);
+    commas.is_some_and(|commas| commas > limits::ARGUMENTS)
 }
 
 /// Runs programs: limits, operators and functions, without randomness and surroundings.

@@ -227,6 +227,11 @@ fn mistakes_have_a_message_and_a_place() {
         ("1.5.2 + 1", "a name is missing", "2"),
         ("'ab'", "this is not one character", "'"),
         ("1 = 2", "this cannot be given a value", "1"),
+        (
+            "fn f(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r) { 1 }",
+            "a function of too many values",
+            ",",
+        ),
         ("fn f(a, a) { a }", "two are called `a`", "a"),
         ("fn f(a) { a } fn f(b) { b }", "there are two functions `f` of 1 value", "fn"),
         ("if true { fn f() { 1 } }", "a function inside of something else", "fn"),

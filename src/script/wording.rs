@@ -2,6 +2,7 @@
 
 use rhai::{EvalAltResult, LexError, ParseErrorType};
 
+use super::language::LONG_HEAD;
 use super::limits;
 use super::vocabulary::{Purpose, usage};
 
@@ -153,6 +154,11 @@ impl Told {
                 format!("`{}` cannot be a name", shortened(name)),
                 "not a name",
                 "names have letters, digits and `_`, and begin with no digit",
+            ),
+            LexError::Runtime(message) if message == LONG_HEAD => Self::with_help(
+                LONG_HEAD,
+                "too many",
+                format!("it takes at most {}; a list holds more", limits::ARGUMENTS),
             ),
             other => Self::here(lower_first(&other.to_string())),
         }

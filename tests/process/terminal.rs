@@ -220,3 +220,37 @@ fn check_bad(folder: &Path, scene: &str, text: &str) -> usize {
     };
     commands.iter().filter(|arguments| run(arguments)).count()
 }
+
+/// One has a mistake, the other is only warned of.
+const TOLD: [(&str, &str); 2] = [
+    ("wrong.ron", "(camera: (position: (0, 0, -5), target: (0, 0, 0)), ambent: 1)"),
+    (
+        "lost.ron",
+        "(camera: (position: (0, 0, -5), target: (0, 0, 0)), materials: { \"m\": (k_a: 1) }, entities: [
+            (name: \"far\", shape: Box(size: (1, 1, 1)), material: \"m\", transform: (translation: (1e17, 0, 0)))])",
+    ),
+];
+
+/// Its own lines stay lines, and on a terminal its own colours stay colours.
+#[test]
+fn what_is_said_by_itself_is_not_escaped() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for (name, scene) in TOLD {
+        fs::write(folder.join(name), scene).unwrap();
+        for command in ["check", "render", "explain"] {
+            let told = text(&rayreel(folder, [command, name]).stderr);
+            assert!(!told.contains("\\n") && !told.contains("\\u{"), "{command} {name}: {told}");
+            let lines = told.lines().filter(|line| line.contains(name) || line.contains("help: "));
+            assert!(lines.count() >= 2 || command == "explain", "{command} {name}: {told}");
+            // A terminal, where there is a program that makes one.
+            let line = format!("{} {command} {name}", crate::RAYREEL);
+            let mut terminal = crate::command("script", folder);
+            terminal.args(["--quiet", "--return", "--command", &line, "/dev/null"]).env("TERM", "xterm");
+            let Ok(child) = terminal.env_remove("NO_COLOR").spawn() else { continue };
+            let colored = text(&crate::output_of(child).stdout);
+            assert!(!colored.contains("\\u{") && !colored.contains("\\n"), "{command} {name}: {colored}");
+            assert!(colored.contains("\u{1b}[1m") || command == "explain", "{command} {name}: {colored}");
+        }
+    }
+}

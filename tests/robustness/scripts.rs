@@ -127,11 +127,10 @@ impl Author {
             };
         }
         let depth = depth - 1;
-        match self.below(14) {
+        match self.below(15) {
             0 | 1 => {
-                let operator = self.one_of(&[
-                    "+", "-", "*", "/", "%", "**", "==", "!=", "<", ">=", "&&", "||", "in", "..", "??",
-                ]);
+                let operator =
+                    self.one_of(&["+", "-", "*", "/", "%", "**", "==", "!=", "<", ">=", "in", "..", "??"]);
                 format!("({} {operator} {})", self.value(depth), self.value(depth))
             }
             2 | 3 => {
@@ -154,12 +153,24 @@ impl Author {
             10 => format!("{}.{}", self.name(), self.one_of(&["f0", "f1", "len()", "pop()", "x"])),
             11 => format!(
                 "if {} {{ {} }} else {{ {} }}",
-                self.value(depth),
+                self.condition(),
                 self.value(depth),
                 self.value(depth)
             ),
-            12 => format!("-{}", self.value(depth)),
+            12 => format!("-({})", self.value(depth)),
+            13 => format!("({} {} {})", self.condition(), self.one_of(&["&&", "||"]), self.condition()),
             _ => self.value(0),
+        }
+    }
+
+    /// What is not true or false by its looks alone is refused before it runs.
+    fn condition(&mut self) -> String {
+        match self.below(5) {
+            0 => "true".to_owned(),
+            1 => format!("len({}) < {}", self.name(), self.count()),
+            2 => format!("random({}) < 0.{}", self.name(), self.below(10)),
+            3 => format!("!({} == {})", self.value(1), self.value(1)),
+            _ => format!("{} {} {}", self.value(1), self.one_of(&["<", ">=", "==", "!="]), self.value(0)),
         }
     }
 
@@ -188,13 +199,21 @@ impl Author {
             return match self.below(8) {
                 0 | 1 => format!("for i in 0..{} {{ {block} }} ", self.count()),
                 2 => format!("for x in {} {{ {block} }} ", self.name()),
-                3 => format!("if {} {{ {block} }} ", self.value(1)),
-                4 => format!("while {} {{ {block} }} ", self.value(1)),
+                3 => format!("if {} {{ {block} }} ", self.condition()),
+                4 => format!("while {} {{ {block} }} ", self.condition()),
                 5 => format!("try {{ {block} }} catch (error) {{ {} }} ", self.block(0)),
-                6 => format!("do {{ {block} }} while {}; ", self.value(1)),
-                _ => format!("loop {{ {block} if {} {{ break; }} }} ", self.value(1)),
+                6 => format!("do {{ {block} }} while {}; ", self.condition()),
+                _ => format!("loop {{ {block} if {} {{ break; }} }} ", self.condition()),
             };
         }
+        if self.below(3) > 0 {
+            // What goes wrong in it does not end the program.
+            return format!("try {{ {} }} catch {{ }} ", self.simple_statement());
+        }
+        self.simple_statement()
+    }
+
+    fn simple_statement(&mut self) -> String {
         match self.below(10) {
             0 | 1 => format!("let {} = {}; ", self.name(), self.value(2)),
             2..=4 => {
@@ -251,7 +270,7 @@ impl Author {
         let (f, g) = (self.block(1), self.value(2));
         let mut text =
             format!("fn f(a) {{ let b = a; let c = [a]; let d = 1; let m = #{{}}; let s = \"\"; {f} {g} }} ");
-        let (g, again) = (self.value(2), self.value(1));
+        let (g, again) = (self.value(2), self.condition());
         let _ = write!(
             text,
             "fn g(a, b) {{ let c = b; let d = a; let m = #{{}}; let s = \"\"; if {again} {{ g({g}, a) }} else {{ f(b) }} }} "
