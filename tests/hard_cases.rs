@@ -277,13 +277,19 @@ fn sizes_and_scales_of_zero_are_refused() {
     let shape = |shape: &str| entity(&format!(r#"shape: {shape}, material: "m""#));
     for zero in ["0", "-0.0", "5e-324", "1e-61", "1e-400"] {
         let value: f64 = zero.parse().unwrap();
+        let refused = |what: &str| match value {
+            0.0 => format!("{what} must be greater than 0, not {value}"),
+            _ => format!("{value:e} is too small for {what}"),
+        };
         let radius = shape(&format!("Sphere(radius: {zero})"));
-        assert_eq!(radius, format!("the radius must be greater than 0, not {value}"));
+        assert_eq!(radius, refused("the radius"));
         let edge = shape(&format!("Box(size: (1, {zero}, 1))"));
-        assert_eq!(edge, format!("every edge of a box must be greater than 0, not {value}"));
+        assert_eq!(edge, refused("every edge of a box"));
         assert_eq!(shape(&format!("Plane(normal: (0, {zero}, 0))")), "the normal has no direction");
         for scale in [zero.to_owned(), format!("(1, 1, {zero})")] {
-            assert_eq!(entity(&format!("transform: (scale: {scale})")), "a scale of 0 leaves nothing");
+            let expected =
+                if value == 0.0 { "a scale of 0 leaves nothing".to_owned() } else { refused("a scale") };
+            assert_eq!(entity(&format!("transform: (scale: {scale})")), expected);
         }
         let axis = entity(&format!("transform: (rotation: AxisAngle(({zero}, 0, 0), 90))"));
         assert_eq!(axis, "the axis of the rotation has no direction");
