@@ -430,8 +430,8 @@ fn wrong_wishes_are_answered_with_what_would_be_right() {
         ),
         (
             vec!["corner.ron", "--pixel", "0,0", "--size", "0x9"],
-            1,
-            "error: --size 0x9: each side must be from 1 to 32768 pixels\n".to_owned(),
+            2,
+            "error: invalid value '0x9' for '--size <WIDTHxHEIGHT>': each side must be from 1 to 32768 pixels\n\nFor more information, try '--help'.\n".to_owned(),
         ),
         (
             vec!["corner.ron", "--rays", file],

@@ -13,7 +13,7 @@ use super::spans::{Step, locate};
 /// ```
 /// use rayreel::Scene;
 ///
-/// let text = "(\n  materials: { \"clay\": (k_d: 1) }, camera: (position: (0, 0, -5), view: (0, 0, 1)),\n  entities: [\n    (name: \"a\", material: \"clay\"), (),\n    (),\n  ],\n)";
+/// let text = "(\n  materials: { \"clay\": (k_d: 1) }, camera: (position: (0, 0, -5), view: (0, 0, 1)),\n  entities: [\n    (name: \"a\", shape: Sphere(radius: 1), material: \"clay\"), (),\n    (),\n  ],\n)";
 /// let (_, sources) = Scene::from_text_with_sources("three.ron", text.to_owned())?;
 /// let lines = sources.entities(&[2, 0, 1]).map(|place| place.to_string());
 /// assert_eq!(lines.collect::<Vec<_>>(), ["three.ron:5", "three.ron:4", "three.ron:4"]);

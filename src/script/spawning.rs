@@ -126,10 +126,12 @@ fn register_spawn(
             }
             let entity = Data::of(&entity);
             room.lock().unwrap_or_else(PoisonError::into_inner).admit(&entity)?;
-            count.fetch_add(1, Ordering::Relaxed);
             let spawned = Spawned { entity, at: places.byte(context.call_position()) };
             let mut take = take.lock().unwrap_or_else(PoisonError::into_inner);
-            take(spawned).or_else(failed)
+            take(spawned).or_else(failed)?;
+            // One that is refused buys no operations, however often the refusal is caught.
+            count.fetch_add(1, Ordering::Relaxed);
+            Ok(())
         },
     );
     left
