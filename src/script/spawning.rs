@@ -10,6 +10,9 @@ use super::data::kind;
 use super::vocabulary::Purpose;
 use super::{Data, ScriptError, language, limits, noise, work};
 
+/// Operations that it is to refuse an entity.
+const REFUSAL: usize = 100;
+
 /// How the functions of programs that spawn are called.
 pub(super) const USAGES: [&str; 12] = [
     "spawn(map)",
@@ -128,8 +131,11 @@ fn register_spawn(
             room.lock().unwrap_or_else(PoisonError::into_inner).admit(&entity)?;
             let spawned = Spawned { entity, at: places.byte(context.call_position()) };
             let mut take = take.lock().unwrap_or_else(PoisonError::into_inner);
-            take(spawned).or_else(failed)?;
-            // One that is refused buys no operations, however often the refusal is caught.
+            if let Err(message) = take(spawned) {
+                // It is as much work as one that is taken, and brings no operations, however often the refusal is caught.
+                work::add(REFUSAL);
+                return failed(message);
+            }
             count.fetch_add(1, Ordering::Relaxed);
             Ok(())
         },

@@ -579,6 +579,21 @@ fn what_is_spawned_takes_from_the_room_for_all() {
 }
 
 #[test]
+fn refused_entities_bring_no_operations() {
+    let asked = std::sync::Arc::new(std::sync::atomic::AtomicUsize::new(0));
+    let count = std::sync::Arc::clone(&asked);
+    let refuse = move |_: super::Spawned| {
+        count.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        Err("no".to_owned())
+    };
+    let text = "loop { try { spawn(#{}); } catch { } }";
+    let error = run_spawning(text, 0, &mut Room::default(), refuse).unwrap_err();
+    assert_eq!(error.message, "this takes too long");
+    let asked = asked.load(std::sync::atomic::Ordering::Relaxed);
+    assert!((1..=2000).contains(&asked), "{asked} entities are refused before it ends");
+}
+
+#[test]
 fn what_is_for_the_other_kind_of_script_is_not_called_mistyped() {
     let refused = |text: &str| {
         let error = run_spawning(text, 0, &mut Room::default(), |_| Ok(())).unwrap_err();
