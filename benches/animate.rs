@@ -9,10 +9,10 @@ use std::time::Instant;
 
 use glam::{DQuat, DVec3};
 
+use rayreel::animation::{Ease, Easing, Interpolate, Key, Rotation, Track};
 use rayreel::color::Rgb;
 use rayreel::components::{Animated, Channel, Material, Order, Property, Shape, Transform};
 use rayreel::systems::{animate, propagate};
-use rayreel::timeline::{Ease, Easing, Interpolate, Key, Rotation, Track};
 use rayreel::{Changes, Time, World};
 
 const FRAMES: u64 = 101;

@@ -56,17 +56,18 @@
 //! |---|---|---|---|
 //! | `color` | linear colour, sRGB | | glam |
 //! | `time` | seconds, frame rates, frame lists | | |
-//! | `timeline` | values over time, pure | color, time | glam |
-//! | `script` | small programs in scenes, sandboxed | color, time, timeline | glam, rhai |
+//! | `animation` | values over time, pure | color, time | glam |
+//! | `script` | small programs in scenes, sandboxed | color, time, animation | glam, rhai |
 //! | `trace` | the kernel: prepared arrays in, film out; no entities, no clock, no files | color | glam, rayon, obvhs, dashu_int |
-//! | `components` | what things are: plain data | color, time, timeline | glam, hecs |
-//! | `scene` | RON to world, diagnostics | components, timeline, script, color, time | hecs, glam, hashbrown, rayon, ron, serde, annotate_snippets, strsim |
-//! | `systems` | what happens each frame; `prepare` is the only bridge from world to kernel | components, timeline, script, trace, color, time | hecs, glam, rayon |
-//! | `engine` | world, systems and reused buffers | color, time, timeline, components, scene, systems, trace | hecs, glam, rayon |
+//! | `components` | what things are: plain data | color, time, animation | glam, hecs |
+//! | `scene` | RON to world, diagnostics | components, animation, script, color, time | hecs, glam, hashbrown, rayon, ron, serde, annotate_snippets, strsim |
+//! | `systems` | what happens each frame; `prepare` is the only bridge from world to kernel | components, animation, script, trace, color, time | hecs, glam, rayon |
+//! | `engine` | world, systems and reused buffers | color, time, animation, components, scene, systems, trace | hecs, glam, rayon |
 //! | `output` | frame files, sequences, sheets | trace, color, time | image, rayon |
 //! | `live` | watching and reloading scenes, the preview's server and page | color, time, components, scene, systems, engine, trace, output | hecs, notify, axum, hyper_util, tokio, futures_util, serde, serde_json |
 //! | `main`, `cli` | arguments to settings to calls, and all printing; binary only | rayreel | glam, clap, clap_complete, csv, indicatif, ctrlc, libc, signal_hook, anyhow, rayon, serde_json |
 
+pub mod animation;
 pub mod color;
 pub mod components;
 pub mod engine;
@@ -76,7 +77,6 @@ pub mod scene;
 pub mod script;
 pub mod systems;
 pub mod time;
-pub mod timeline;
 pub mod trace;
 
 pub use color::Rgb;

@@ -5,10 +5,10 @@
 
 use glam::DVec3;
 
+use rayreel::animation::{Notation, Value};
 use rayreel::color::Transfer;
 use rayreel::components::{Name, Property};
 use rayreel::systems::value;
-use rayreel::timeline::{Notation, Value};
 use rayreel::{Effect, Engine, Entity, Rgb, Scene, Time, Verdict};
 
 /// A scene in which every value can be written in place of its `@word`.

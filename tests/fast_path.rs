@@ -7,12 +7,12 @@ use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
+use rayreel::animation::{Easing, Key, Track};
 use rayreel::components::{
     Ambient, Animated, AreaShape, Background, Camera, Channel, Checker, Falloff, FilmSettings, Fog, Lens,
     Light, LightKind, Material, Projection, Property, Quality, Reflective, Refractive, Sampling, Shape,
     Specular, Transform, View,
 };
-use rayreel::timeline::{Easing, Key, Track};
 use rayreel::{Engine, Film, Rgb, Time, World};
 
 /// Which effects a scene may have, beside what every scene has.

@@ -27,11 +27,11 @@ use dashu_float::FBig;
 use glam::{DQuat, DVec3};
 use serde_json::Value;
 
+use rayreel::animation::{Ease, Easing, Key, Rotation, Track, slerp};
 use rayreel::components::{
     Ambient, Background, Camera, FilmSettings, Light, LightKind, Material, Quality, Reflective, Shape,
     Transform, View,
 };
-use rayreel::timeline::{Ease, Easing, Key, Rotation, Track, slerp};
 use rayreel::{Engine, Film, Rgb, Scene, Time, World, trace};
 
 /// The smallest number, numbers near the ends of what squares can hold, the ends themselves, and what is between.

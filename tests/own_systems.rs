@@ -4,11 +4,11 @@
 
 use glam::{DQuat, DVec3};
 
+use rayreel::animation::{Easing, Key, Track};
 use rayreel::components::{
     Animated, Camera, Channel, FilmSettings, Light, LightKind, Material, Name, Order, Parent, Property,
     Sampling, Shape, Transform, WorldTransform,
 };
-use rayreel::timeline::{Easing, Key, Track};
 use rayreel::{Context, Engine, Entity, Film, Rgb, Step, Time, World};
 
 const CLAY: Material = Material { k_a: 0.3, k_d: 0.7, color: Rgb::new(1.0, 0.5, 0.2), ambient_color: None };

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::{DQuat, DVec3};
 
 use super::Property;
+use crate::animation::{Orbit, Path, Track, Value};
 use crate::color::Rgb;
-use crate::timeline::{Orbit, Path, Track, Value};
 
 /// The motions that drive this entity's values, in the order in which they are applied.
 #[derive(Clone, Debug, Default)]

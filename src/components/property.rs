@@ -1,6 +1,6 @@
 //! Values that can move.
 
-use crate::timeline::{Kind, Notation};
+use crate::animation::{Kind, Notation};
 
 /// A value of an entity that a [`Motion`](super::Motion) can drive. Angles are radians here, light is linear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -1,18 +1,15 @@
 //! World, systems and kernel put together.
 
 mod cast;
-mod counterparts;
-mod draft;
-mod frame;
-mod matching;
-mod patch;
+#[expect(clippy::module_inception, reason = "what the folder is about")]
+mod engine;
 mod probe;
 mod reload;
+mod render;
 mod report;
-mod run;
 
 pub use cast::{Hit, IntoRay, Ray, SecondaryRay};
-pub use draft::Draft;
+pub use engine::{Engine, EngineError};
 pub use probe::Probe;
+pub use render::Draft;
 pub use report::FrameReport;
-pub use run::{Engine, EngineError};

@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::include::{Files, SceneFile};
+use super::files::{Files, SceneFile};
 use super::spans::{Step, locate};
 use super::{Diagnostic, Place};
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use hecs::World;
 
-use super::include::{Files, Texts};
+use super::files::{Files, Texts};
 use super::spawn::spawn;
 use super::{LoadError, SceneScripts, Sources};
 use crate::time::Timeline;

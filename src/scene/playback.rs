@@ -6,7 +6,7 @@ use super::document::{
     AnimationDocument, ColorDocument, EasingDocument, KeyDocument, OffsetDocument, RepeatDocument,
     RotationDocument, ScaleDocument, Triple,
 };
-use crate::timeline::{Ease, Easing, Interpolate, Key, Playback, Repeat};
+use crate::animation::{Ease, Easing, Interpolate, Key, Playback, Repeat};
 
 /// A value as it is written, which handles stand beside.
 pub(super) trait Written: Sized {

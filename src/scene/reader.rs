@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::include::Texts;
+use super::files::Texts;
 use super::{LoadError, Scene, Sources};
 
 /// Reads a scene again and again, and parses only what has changed: the cost of an edit among many entities is that of making

@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::Place;
-use super::include::Origin;
+use super::files::Origin;
 use super::printable::Printable;
 use super::spans::{Step, locate};
 

@@ -4,8 +4,8 @@ use glam::{DVec3, Vec3};
 use rhai::{Dynamic, FnPtr, ImmutableString};
 
 use super::arithmetic::number;
+use crate::animation::{Notation, Rotation, Value};
 use crate::color::Transfer;
-use crate::timeline::{Notation, Rotation, Value};
 
 /// A value that a program gives or is given.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,19 +6,19 @@ use std::collections::HashSet;
 use rhai::packages::{BasicIteratorPackage, Package};
 use rhai::{AST, ASTNode, Dynamic, Engine, Expr, LexError, OptimizationLevel, Position, Scope, Stmt, Token};
 
-use super::surroundings::{Read, Surroundings, unanswered, within};
+use super::context::{Read, ScriptContext, unanswered, within};
 use super::vocabulary::{Known, Purpose};
-use super::{Data, ScriptError, arithmetic, limits, lists, maths, noise, surroundings, work};
+use super::{Data, ScriptError, arithmetic, context, limits, lists, maths, noise, work};
 use crate::color::Transfer;
 
 /// Compiles and runs programs.
 ///
 /// ```
-/// use rayreel::script::{Data, Language, Surroundings};
+/// use rayreel::script::{Data, Language, ScriptContext};
 /// let language = Language::new(0);
 /// let program = language.compile("let half = 1 / 2; [3 * cos(t), half, 3 * sin(t)]")?;
-/// let mut surroundings = Surroundings::default();
-/// assert_eq!(language.run(&program, &mut surroundings).unwrap(), Data::from([3.0, 0.5, 0.0]));
+/// let mut context = ScriptContext::default();
+/// assert_eq!(language.run(&program, &mut context).unwrap(), Data::from([3.0, 0.5, 0.0]));
 /// # Ok::<(), rayreel::script::ScriptError>(())
 /// ```
 pub struct Language {
@@ -71,7 +71,7 @@ impl Programs {
 pub enum Stop {
     /// It went wrong.
     Error(Box<ScriptError>),
-    /// It reads a value that is not [known](Surroundings::know): to be run again when it is.
+    /// It reads a value that is not [known](ScriptContext::know): to be run again when it is.
     Needs(Read),
 }
 
@@ -82,8 +82,8 @@ impl Language {
         let mut engine = bare_engine();
         work::limit(&mut engine, |done| done > limits::OPERATIONS);
         noise::register(&mut engine, seed);
-        surroundings::register(&mut engine);
-        Self { parser: parser(Purpose::Drive), engine, outside: outside(&Surroundings::NAMES) }
+        context::register(&mut engine);
+        Self { parser: parser(Purpose::Drive), engine, outside: outside(&ScriptContext::NAMES) }
     }
 
     /// Reads a program: an expression, or statements of which the last is one.
@@ -100,12 +100,11 @@ impl Language {
     /// # Errors
     ///
     /// If it goes wrong, or reads what is not known yet.
-    pub fn run(&self, program: &Program, surroundings: &mut Surroundings) -> Result<Data, Stop> {
+    pub fn run(&self, program: &Program, context: &mut ScriptContext) -> Result<Data, Stop> {
         work::start();
-        let result = within(surroundings, || {
-            self.engine.eval_ast_with_scope::<Dynamic>(&mut Scope::new(), &program.ast)
-        });
-        surroundings.record_work(work::done());
+        let result =
+            within(context, || self.engine.eval_ast_with_scope::<Dynamic>(&mut Scope::new(), &program.ast));
+        context.record_work(work::done());
         match result {
             Ok(value) => Ok(Data::of(&value)),
             Err(error) => Err(match unanswered(&program.text, &error) {
@@ -282,7 +281,7 @@ fn is_endless_head(token: &Token) -> bool {
     commas.is_some_and(|commas| commas > limits::ARGUMENTS)
 }
 
-/// Runs programs: limits, operators and functions, without randomness and surroundings.
+/// Runs programs: limits, operators and functions, without randomness and context.
 pub(super) fn bare_engine() -> Engine {
     let mut engine = Engine::new_raw();
     engine

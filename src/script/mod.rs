@@ -5,13 +5,14 @@
 //! | | |
 //! |---|---|
 //! | [`Language`] | compiles and runs [programs](Program) |
-//! | [`Surroundings`] | what a program can read: the time, its entity, other channels |
-//! | [`Data`] | what it gives; [`Notation`](crate::timeline::Notation) makes an animated value of it |
+//! | [`ScriptContext`] | what a program can read: the time, its entity, other channels |
+//! | [`Data`] | what it gives; [`Notation`](crate::animation::Notation) makes an animated value of it |
 //! | [`run_spawning`] | runs a program that spawns |
 //! | [`ScriptError`] | what is wrong with a program, and where |
 //! | [`limits`] | how much a program may do |
 
 mod arithmetic;
+mod context;
 mod data;
 mod error;
 mod language;
@@ -20,15 +21,14 @@ mod lists;
 mod maths;
 mod noise;
 mod spawning;
-mod surroundings;
 #[cfg(test)]
 mod tests;
 mod vocabulary;
 mod wording;
 mod work;
 
+pub use context::{Read, ScriptContext};
 pub use data::Data;
 pub use error::{ScriptError, Unknown};
 pub use language::{Language, Program, Programs, Stop};
 pub use spawning::{Room, Spawned, run_spawning};
-pub use surroundings::{Read, Surroundings};

@@ -2,15 +2,15 @@
 
 use std::time::{Duration, Instant};
 
-use super::{Data, Language, Read, Room, Stop, Surroundings, limits, run_spawning};
+use super::{Data, Language, Read, Room, ScriptContext, Stop, limits, run_spawning};
 
 fn run(text: &str) -> Result<Data, Stop> {
     let language = Language::new(0);
     let program = language.compile(text).map_err(|error| Stop::Error(Box::new(error)))?;
-    let mut surroundings = Surroundings::new(24.0, 5.0);
-    surroundings.turn_to(2.5, 60.0);
-    surroundings.belong(3, "ball", Data::from([1.0, 2.0, 3.0]));
-    language.run(&program, &mut surroundings)
+    let mut context = ScriptContext::new(24.0, 5.0);
+    context.turn_to(2.5, 60.0);
+    context.belong(3, "ball", Data::from([1.0, 2.0, 3.0]));
+    language.run(&program, &mut context)
 }
 
 fn number(text: &str) -> f64 {
@@ -483,13 +483,13 @@ fn others_are_read_when_they_are_known() {
     let language = Language::new(0);
     let program =
         language.compile("let r = 0; try { r = value(\"ball\", \"Radius\"); } catch { } r * 2").unwrap();
-    let mut surroundings = Surroundings::default();
+    let mut context = ScriptContext::default();
     let read = Read { target: "ball".to_owned(), channel: "Radius".to_owned(), span: 21..26 };
-    assert_eq!(language.run(&program, &mut surroundings), Err(Stop::Needs(read.clone())));
-    surroundings.know(&read, Data::Number(1.5));
-    assert_eq!(language.run(&program, &mut surroundings), Ok(Data::Number(3.0)));
-    surroundings.turn_to(1.0, 24.0);
-    assert_eq!(language.run(&program, &mut surroundings), Err(Stop::Needs(read)));
+    assert_eq!(language.run(&program, &mut context), Err(Stop::Needs(read.clone())));
+    context.know(&read, Data::Number(1.5));
+    assert_eq!(language.run(&program, &mut context), Ok(Data::Number(3.0)));
+    context.turn_to(1.0, 24.0);
+    assert_eq!(language.run(&program, &mut context), Err(Stop::Needs(read)));
 }
 
 #[test]
@@ -497,7 +497,7 @@ fn randomness_is_a_function_of_its_arguments_and_the_seed() {
     let of = |seed: u64, text: &str| {
         let language = Language::new(seed);
         let program = language.compile(text).unwrap();
-        language.run(&program, &mut Surroundings::default()).unwrap()
+        language.run(&program, &mut ScriptContext::default()).unwrap()
     };
     assert_eq!(of(1, "random(3)"), of(1, "let a = random(7); random(3.0)"));
     assert_ne!(of(1, "random(3)"), of(2, "random(3)"));

@@ -1,6 +1,6 @@
 //! What programs can call and read, and how it is called.
 
-use super::{Surroundings, maths, spawning};
+use super::{ScriptContext, maths, spawning};
 
 /// What a program is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,7 +47,7 @@ impl Purpose {
     /// Names of what is given to such programs.
     pub(super) fn variables(self) -> impl Iterator<Item = &'static str> {
         let given: &[&str] = match self {
-            Self::Drive => &Surroundings::NAMES,
+            Self::Drive => &ScriptContext::NAMES,
             Self::Spawn => &[],
         };
         given.iter().copied().chain(maths::CONSTANTS.map(|(name, _)| name))
@@ -60,7 +60,7 @@ impl Purpose {
             Self::Drive if functions(self.other()) => {
                 Some("it is for scripts in the scene's `spawn` list, which make entities")
             }
-            Self::Spawn if functions(self.other()) || Surroundings::NAMES.contains(&name) => Some(
+            Self::Spawn if functions(self.other()) || ScriptContext::NAMES.contains(&name) => Some(
                 "it is for scripts that drive a value; one that spawns runs once, before there is a time",
             ),
             _ => None,
@@ -182,14 +182,14 @@ mod tests {
         for usage in USUAL.iter().chain(&READING) {
             let name = name_in(usage);
             let program = language.compile(&format!("{name}(1, 2, 3, 4, 5, 6, 7)")).unwrap();
-            let Err(Stop::Error(error)) = language.run(&program, &mut Surroundings::default()) else {
+            let Err(Stop::Error(error)) = language.run(&program, &mut ScriptContext::default()) else {
                 panic!("{name}");
             };
             assert_eq!(error.help, Some(format!("it is called as `{usage}`")));
             let arguments = usage.matches(',').count() + 1;
             let program =
                 language.compile(&format!("{name}({})", vec!["#{}"; arguments].join(", "))).unwrap();
-            let result = language.run(&program, &mut Surroundings::default());
+            let result = language.run(&program, &mut ScriptContext::default());
             let missing = matches!(&result, Err(Stop::Error(error)) if error.message.contains("no function"));
             assert!(!missing, "{name}: {result:?}");
         }

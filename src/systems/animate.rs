@@ -41,9 +41,9 @@ mod tests {
     use glam::{DQuat, DVec3};
 
     use super::*;
+    use crate::animation::{Easing, Key, Track, Value};
     use crate::components::{Channel, Motion, Property, Transform};
     use crate::systems::{propagate, value};
-    use crate::timeline::{Easing, Key, Track, Value};
 
     fn ramp(from: f64, to: f64) -> Track<DVec3> {
         let key = |time, value| Key { time, value: DVec3::splat(value), easing: Easing::Linear };

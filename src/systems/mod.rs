@@ -6,7 +6,7 @@
 //!
 //! - [`animate()`] writes what motions say about this moment.
 //! - [`Scripts`] write what programs say about it, after all tracks.
-//! - [`OwnSystems`] runs what the program that uses the library has added, pure or stepped; both run before each of its steps.
+//! - [`Schedule`] runs what the program that uses the library has added, pure or stepped; both run before each of its steps.
 //! - [`propagate()`] turns transforms into world transforms, parents first.
 //! - [`Plan`] says which effects the moment calls for, and why.
 //! - [`Fault`]s say what is wrong with the moment, so that something is not drawn as it says.
@@ -22,12 +22,12 @@ mod context;
 mod faults;
 mod left_out;
 mod order;
-mod own;
 mod plan;
 mod prepare;
 mod propagate;
 mod property;
 mod refusal;
+mod schedule;
 mod scripts;
 mod snapshot;
 mod world_transform;
@@ -36,11 +36,11 @@ pub use animate::animate;
 pub use changes::Changes;
 pub use context::Context;
 pub use faults::{Fault, FaultCause, FaultEffect, Instead};
-pub use own::{Halt, OwnSystems, Step};
 pub use plan::{Effect, Plan, Verdict};
 pub use prepare::{Filming, Preparation, film_settings, filming};
 pub(crate) use prepare::{RayLimits, Shutter, Shutters};
 pub use propagate::propagate;
 pub use property::value;
+pub use schedule::{Halt, Schedule, Step};
 pub use scripts::{ScriptFailure, Scripts};
 pub use snapshot::{Registry, Snapshot, UnknownComponent};

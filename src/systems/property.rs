@@ -7,12 +7,12 @@ use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 
 use super::Changes;
+use crate::animation::Value;
 use crate::color::Rgb;
 use crate::components::{
     Ambient, AreaShape, Background, Camera, Checker, Falloff, Fog, Light, LightKind, Material, Projection,
     Property, Reflective, Refractive, Shape, Specular, Transform, View,
 };
-use crate::timeline::Value;
 
 /// A query for the components that properties are values of, if an entity has them.
 pub(super) type PartsQuery<'a> = (

@@ -6,8 +6,8 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::property::{IOR, SIZE};
+use crate::animation::Value;
 use crate::components::Property;
-use crate::timeline::Value;
 
 /// What is wrong with a value, and how to mend it.
 pub(super) fn refusal(property: Property, value: Value) -> Option<(String, &'static str)> {

@@ -8,10 +8,10 @@ use hecs::{Entity, World};
 use super::property::{Parts, PartsQuery, Written, declare, sources, value};
 use super::refusal::refusal;
 use super::{Changes, Halt};
+use crate::animation::Value;
 use crate::components::{self, Animated, Motion, Name, Order, Property, ScriptId};
-use crate::script::{Data, Programs, Read, ScriptError, Stop, Surroundings, Unknown, limits};
+use crate::script::{Data, Programs, Read, ScriptContext, ScriptError, Stop, Unknown, limits};
 use crate::time::{Time, Timeline};
-use crate::timeline::Value;
 
 /// The programs of a scene, and which values they drive.
 #[derive(Debug, Default)]
@@ -36,7 +36,7 @@ pub struct ScriptFailure {
 struct Running {
     programs: Programs,
     timeline: Timeline,
-    surroundings: Surroundings,
+    context: ScriptContext,
     /// What programs drive, in document order; `None` until it has been looked up.
     driven: Option<Driven>,
     /// What the values are without programs.
@@ -89,9 +89,9 @@ impl Scripts {
         if programs.uses.is_empty() {
             return Self::default();
         }
-        let surroundings = Surroundings::new(timeline.rate.per_second(), timeline.duration);
+        let context = ScriptContext::new(timeline.rate.per_second(), timeline.duration);
         let (driven, bases, prefix) = (None, HashMap::new(), String::new());
-        Self { running: Some(Box::new(Running { programs, timeline, surroundings, driven, bases, prefix })) }
+        Self { running: Some(Box::new(Running { programs, timeline, context, driven, bases, prefix })) }
     }
 
     /// Are there none?
@@ -104,7 +104,7 @@ impl Scripts {
     pub fn set_timeline(&mut self, timeline: Timeline) {
         if let Some(running) = &mut self.running {
             running.timeline = timeline;
-            running.surroundings = Surroundings::new(timeline.rate.per_second(), timeline.duration);
+            running.context = ScriptContext::new(timeline.rate.per_second(), timeline.duration);
         }
     }
 
@@ -162,7 +162,7 @@ impl Scripts {
     ) -> Result<(), Halt> {
         let Some(running) = &mut self.running else { return Ok(()) };
         let Some(driven) = running.driven.take() else { return Ok(()) };
-        running.surroundings.turn_to(time.seconds(), running.timeline.rate.frames_at(time));
+        running.context.turn_to(time.seconds(), running.timeline.rate.frames_at(time));
         let (driven, result) = Moment {
             states: vec![State::Waiting; driven.channels.len()],
             in_vain: HashMap::new(),
@@ -262,7 +262,7 @@ impl Moment<'_> {
                 Err(Stop::Error(error)) => return Err(self.failure(&channel, error).into()),
                 Err(Stop::Needs(read)) => {
                     let in_vain = self.in_vain.entry(place).or_default();
-                    *in_vain += self.running.surroundings.work();
+                    *in_vain += self.running.context.work();
                     if *in_vain > limits::OPERATIONS_UNTIL_KNOWN {
                         let message = "this takes too long".to_owned();
                         let mistake =
@@ -278,7 +278,7 @@ impl Moment<'_> {
     }
 
     fn evaluate(&mut self, channel: &Channel) -> Result<Value, Stop> {
-        let Running { programs, surroundings, bases, prefix: last, .. } = &mut *self.running;
+        let Running { programs, context, bases, prefix: last, .. } = &mut *self.running;
         let (notation, transfer) = (channel.property.notation(), programs.transfer);
         let Some((program, prefix)) = programs.used(channel.script.0) else {
             let error = ScriptError::whole("", "there is no such script in the scene", "", None);
@@ -286,7 +286,7 @@ impl Moment<'_> {
         };
         if last != prefix {
             // The same names mean other entities.
-            surroundings.forget();
+            context.forget();
             prefix.clone_into(last);
         }
         let stored = bases.get(&(channel.entity, channel.property)).filter(|_| !channel.on_track);
@@ -295,8 +295,8 @@ impl Moment<'_> {
         let base = base.map_or(Data::Nothing, |base| notation.data(base, transfer));
         // A part's programs see names as the part has them.
         let name = channel.name.strip_prefix(prefix).unwrap_or(&channel.name);
-        surroundings.belong(channel.order.map_or(0, |order| order.0), name, base);
-        let data = programs.language.run(program, surroundings)?;
+        context.belong(channel.order.map_or(0, |order| order.0), name, base);
+        let data = programs.language.run(program, context)?;
         let value = notation.value(&data, transfer).ok_or_else(|| notation.mismatch(&data));
         let refused = |value| {
             refusal(channel.property, value).map_or(Ok(value), |(message, help)| Err((message, Some(help))))
@@ -357,7 +357,7 @@ impl Moment<'_> {
             return Err(self.mistake(read, stack, message, "reads it", None));
         };
         let data = property.notation().data(value, self.running.programs.transfer);
-        self.running.surroundings.know(read, data);
+        self.running.context.know(read, data);
         Ok(None)
     }
 

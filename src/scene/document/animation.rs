@@ -6,7 +6,7 @@ use serde::de::{Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use super::{ChannelDocument, ColorDocument, OffsetDocument, RotationDocument, ScaleDocument, Triple, whole};
-use crate::timeline::Notation;
+use crate::animation::Notation;
 
 /// One animated value.
 #[derive(Clone, Debug, PartialEq)]

@@ -14,16 +14,16 @@ use super::document::{
     RotationDocument, SamplingDocument, ScaleDocument, SceneDocument, ShotDocument, TimelineDocument,
     TrackDocument, TracksDocument, TransferDocument, Triple,
 };
-use super::include::Merged;
+use super::files::Merged;
+use super::paths::motion_along;
 use super::playback::{Written, keys, playback};
-use super::ways::way;
+use crate::animation::{Interpolate, Notation, Playback, Rotation, Track};
 use crate::color::{Rgb, Transfer};
 use crate::components::{
     Ambient, Animated, Background, Camera, Channel, FilmSettings, Fog, Follow, Lens, LookAt, Motion, Name,
     Noise, Parent, Projection, Quality, Sampling, ScriptId, Shot, Shots, Transform, View, WorldTransform,
 };
 use crate::time::{FrameRate, Timeline};
-use crate::timeline::{Interpolate, Notation, Playback, Rotation, Track};
 
 /// Makes the world that a validated document describes. Entities get their places in document order.
 pub(super) fn spawn(Merged { document, parents, .. }: &Merged) -> (World, Timeline) {
@@ -283,7 +283,7 @@ where
     Motion: From<Track<T>>,
 {
     let TrackDocument::Keys(written) = document else {
-        return way(document, playback);
+        return motion_along(document, playback);
     };
     Track::new(keys(written, value)).map(|track| track.played(playback).into())
 }

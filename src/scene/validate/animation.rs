@@ -3,15 +3,15 @@
 use std::collections::HashMap;
 
 use super::entities::{box_size, rotation, scale};
-use super::{At, Problems, cameras, channels, check, lights, settings, ways};
+use super::{At, Problems, cameras, channels, check, lights, paths, settings};
+use crate::animation::Notation;
 use crate::components::Property;
 use crate::scene::document::{
     AnimationDocument, ChannelDocument, EasingDocument, OffsetDocument, RepeatDocument, SceneDocument,
     TrackDocument, TracksDocument, Triple,
 };
-use crate::scene::include::Scope;
+use crate::scene::files::Scope;
 use crate::scene::quote::Figure;
-use crate::timeline::Notation;
 
 pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_>, problems: &mut Problems) {
     let mut seen = HashMap::new();
@@ -147,7 +147,7 @@ fn keys<T>(
     let keys = match track {
         TrackDocument::Keys(keys) => keys,
         TrackDocument::Path { .. } | TrackDocument::Orbit { .. } => {
-            return ways::validate(channel.0, track, at, problems);
+            return paths::validate(channel.0, track, at, problems);
         }
         // Found to be right or wrong when they were compiled.
         TrackDocument::Script(_) | TrackDocument::ScriptFile(_) => return,

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::entities::SLASH;
 use super::{At, Named, Problems, check};
 use crate::scene::document::{CameraDocument, SceneDocument, ShotDocument};
-use crate::scene::include::Scope;
+use crate::scene::files::Scope;
 use crate::scene::quote::{Figure, short};
 
 pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_>, problems: &mut Problems) {

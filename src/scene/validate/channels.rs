@@ -6,7 +6,7 @@ use crate::scene::document::{
     AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument, LightDocument,
     MaterialDocument, SceneDocument, ShapeDocument,
 };
-use crate::scene::include::{KnownEntity, Lookup, Scope};
+use crate::scene::files::{KnownEntity, Lookup, Scope};
 
 pub(super) fn target(
     document: &SceneDocument,

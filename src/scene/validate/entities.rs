@@ -9,7 +9,7 @@ use crate::scene::document::{
     EntityDocument, MaterialDocument, RotationDocument, ScaleDocument, SceneDocument, ShapeDocument,
     TransformDocument, Triple,
 };
-use crate::scene::include::{Lookup, Scope};
+use crate::scene::files::{Lookup, Scope};
 use crate::scene::quote::{linked, short};
 
 /// What a `/` is for.

@@ -2,7 +2,7 @@
 
 use super::{At, Problems};
 use crate::scene::document::SceneDocument;
-use crate::scene::include::{Clash, MOST_INCLUDED, Scope};
+use crate::scene::files::{Clash, MOST_INCLUDED, Scope};
 use crate::scene::quote::short;
 
 pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_>, problems: &mut Problems) {

@@ -7,12 +7,12 @@ mod entities;
 mod includes;
 mod lights;
 mod materials;
+mod paths;
 mod problems;
 mod settings;
-mod ways;
 
 use super::document::SceneDocument;
-use super::include::Scope;
+use super::files::Scope;
 pub(super) use problems::{At, Problems, help_for};
 use problems::{Named, check};
 

@@ -1,6 +1,6 @@
 //! Keyed values.
 
-use super::curve::{Gap, Stretch};
+use super::hermite::{Gap, Stretch};
 use super::{Easing, Interpolate, Playback, Repeat};
 
 /// A value at a moment, and how to go on from there.
@@ -33,7 +33,7 @@ impl<T: Interpolate> Track<T> {
     /// The same keys, played otherwise.
     ///
     /// ```
-    /// use rayreel::timeline::{Easing, Key, Playback, Repeat, Track};
+    /// use rayreel::animation::{Easing, Key, Playback, Repeat, Track};
     /// let key = |time, value| Key { time, value, easing: Easing::Linear };
     /// let track = Track::new(vec![key(0.0, 1.0), key(2.0, 3.0)]).unwrap();
     /// let track = track.played(Playback { repeat: Repeat::PingPong, offset: 1.0, speed: 2.0 });
@@ -47,7 +47,7 @@ impl<T: Interpolate> Track<T> {
     /// The value at `seconds`.
     ///
     /// ```
-    /// use rayreel::timeline::{Easing, Key, Track};
+    /// use rayreel::animation::{Easing, Key, Track};
     /// let key = |time, value, easing| Key { time, value, easing };
     /// let track = Track::new(vec![key(0.0, 1.0, Easing::EaseInOut), key(2.0, 3.0, Easing::Hold)]).unwrap();
     /// assert_eq!((track.at(-1.0), track.at(1.0), track.at(9.0)), (1.0, 2.0, 3.0));
@@ -109,7 +109,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::timeline::{Ease, Rotation};
+    use crate::animation::{Ease, Rotation};
 
     fn every_easing() -> Vec<Easing> {
         let mut all = vec![Easing::Hold, Easing::Linear, Easing::EaseIn, Easing::EaseOut, Easing::EaseInOut];

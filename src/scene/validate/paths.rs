@@ -2,10 +2,10 @@
 
 use super::animation::easing;
 use super::{At, Problems, check};
+use crate::animation::Notation;
 use crate::components::Property;
 use crate::scene::document::{EasingDocument, TrackDocument};
 use crate::scene::quote::Figure;
-use crate::timeline::Notation;
 
 /// A track that is not keyed.
 pub(super) fn validate<T>(

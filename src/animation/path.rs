@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::Pace;
 use super::arc_length::{ArcLength, Segment};
-use super::curve::{Gap, Stretch, distance};
+use super::hermite::{Gap, Stretch, distance};
 
 /// A smooth curve through waypoints, along which the distance made is what its [`Pace`] says: with an even pace, the speed
 /// is constant, however unevenly the waypoints lie.
@@ -69,7 +69,7 @@ impl Path {
     ///
     /// ```
     /// use glam::DVec3;
-    /// use rayreel::timeline::Path;
+    /// use rayreel::animation::Path;
     /// let path = Path::new(&[DVec3::ZERO, DVec3::new(3.0, 0.0, 4.0)], false).unwrap();
     /// assert!((path.length() - 5.0).abs() < 1e-12);
     /// ```
@@ -83,7 +83,7 @@ impl Path {
     ///
     /// ```
     /// use glam::DVec3;
-    /// use rayreel::timeline::{Pace, Path};
+    /// use rayreel::animation::{Pace, Path};
     /// let corners = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 0.0, 3.0), DVec3::new(0.0, 0.0, 3.0)];
     /// let path = Path::new(&corners, true).unwrap().paced(Pace::lasting(8.0));
     /// assert_eq!([path.at(0.0), path.at(8.0)], [corners[0]; 2]);
@@ -151,7 +151,7 @@ fn power_of_two(number: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::timeline::{Ease, Easing, Playback, Repeat};
+    use crate::animation::{Ease, Easing, Playback, Repeat};
 
     /// Long ways and short ones, gentle turns and sharp ones.
     fn uneven() -> Vec<DVec3> {

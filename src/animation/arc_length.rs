@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::curve::{hermite, hermite_velocity};
+use super::hermite::{hermite, hermite_velocity};
 
 /// A cubic Hermite segment, from the point where it starts.
 #[derive(Clone, Copy, Debug, PartialEq)]

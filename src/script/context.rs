@@ -11,7 +11,7 @@ use super::{Data, work};
 
 /// The moment, and what the program belongs to.
 #[derive(Clone, Debug, Default)]
-pub struct Surroundings {
+pub struct ScriptContext {
     seconds: f64,
     frame: f64,
     fps: f64,
@@ -42,7 +42,7 @@ struct Wish {
     position: Position,
 }
 
-impl Surroundings {
+impl ScriptContext {
     /// Names that stand for what programs are given.
     pub(super) const NAMES: [&'static str; 7] = ["t", "frame", "fps", "duration", "index", "name", "base"];
 
@@ -103,14 +103,14 @@ impl Surroundings {
 
 thread_local! {
     /// Those of the program that runs on this thread: the language's functions are the same for all programs.
-    static CURRENT: RefCell<Surroundings> = RefCell::default();
+    static CURRENT: RefCell<ScriptContext> = RefCell::default();
 }
 
-/// Runs something in these surroundings.
-pub(super) fn within<R>(surroundings: &mut Surroundings, run: impl FnOnce() -> R) -> R {
-    CURRENT.with_borrow_mut(|current| std::mem::swap(current, surroundings));
+/// Runs something in these context.
+pub(super) fn within<R>(context: &mut ScriptContext, run: impl FnOnce() -> R) -> R {
+    CURRENT.with_borrow_mut(|current| std::mem::swap(current, context));
     let result = run();
-    CURRENT.with_borrow_mut(|current| std::mem::swap(current, surroundings));
+    CURRENT.with_borrow_mut(|current| std::mem::swap(current, context));
     result
 }
 

@@ -52,7 +52,7 @@ impl Orbit {
     ///
     /// ```
     /// use glam::DVec3;
-    /// use rayreel::timeline::{Orbit, Pace};
+    /// use rayreel::animation::{Orbit, Pace};
     /// let orbit = Orbit::new(DVec3::ZERO, DVec3::Y, 2.0, 1.0).unwrap().paced(Pace::lasting(8.0));
     /// assert_eq!(orbit.at(0.0), DVec3::new(0.0, 1.0, 2.0)); // +z
     /// assert_eq!(orbit.at(2.0), DVec3::new(2.0, 1.0, 0.0)); // +x
@@ -85,7 +85,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
-    use crate::timeline::{Ease, Easing, Playback, Repeat};
+    use crate::animation::{Ease, Easing, Playback, Repeat};
 
     #[test]
     fn angles_grow_as_rotations_about_the_axis_do() {

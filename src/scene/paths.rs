@@ -1,14 +1,14 @@
-//! Ways through points and around an axis as the file has them, for the timeline.
+//! Paths through points and orbits around an axis, from the file to motions.
 
 use glam::DVec3;
 
 use super::document::TrackDocument;
 use super::playback::easing;
+use crate::animation::{Orbit, Pace, Path, Playback};
 use crate::components::Motion;
-use crate::timeline::{Orbit, Pace, Path, Playback};
 
-/// `None` for what is no way, or wrong.
-pub(super) fn way<T>(document: &TrackDocument<T>, playback: Playback) -> Option<Motion> {
+/// The motion along a path or an orbit; `None` for other tracks, and for one that is wrong.
+pub(super) fn motion_along<T>(document: &TrackDocument<T>, playback: Playback) -> Option<Motion> {
     match document {
         TrackDocument::Keys(_) | TrackDocument::Script(_) | TrackDocument::ScriptFile(_) => None,
         TrackDocument::Path { points, closed, start, duration, speed, ease } => {

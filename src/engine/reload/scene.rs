@@ -1,7 +1,7 @@
 //! Another scene in place of the one before.
 
 use super::patch::patch;
-use super::run::Engine;
+use crate::engine::engine::Engine;
 use crate::scene::Scene;
 
 impl Engine {

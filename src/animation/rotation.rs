@@ -62,7 +62,7 @@ fn unit(quaternion: DQuat) -> DQuat {
 ///
 /// ```
 /// use glam::DQuat;
-/// use rayreel::timeline::slerp;
+/// use rayreel::animation::slerp;
 /// let (from, to) = (DQuat::IDENTITY, DQuat::from_xyzw(0.0, 1.0, 0.0, 0.0)); // half a turn about y
 /// let quarter = slerp(from, to, 0.5);
 /// assert!((quarter.y - 0.5f64.sqrt()).abs() < 1e-15 && (quarter.w - 0.5f64.sqrt()).abs() < 1e-15);

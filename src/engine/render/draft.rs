@@ -4,9 +4,9 @@ use std::ops::ControlFlow::{self, Continue};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use super::report::FrameReport;
-use super::run::{Engine, EngineError};
 use crate::components::{FilmSettings, Sampling};
+use crate::engine::engine::{Engine, EngineError};
+use crate::engine::report::FrameReport;
 use crate::systems::RayLimits;
 use crate::time::Time;
 use crate::trace::{Exposure, Film, Lighting, Signals};
@@ -92,7 +92,7 @@ impl Engine {
     }
 
     /// Ends a picture; the report tells of it.
-    pub(super) fn develop(&mut self, exposure: Exposure) -> Film {
+    pub(in crate::engine) fn develop(&mut self, exposure: Exposure) -> Film {
         let start = Instant::now();
         let (film, effort) = exposure.develop();
         self.report = FrameReport {
@@ -107,7 +107,7 @@ impl Engine {
 }
 
 /// Adds to a picture until all is there, and looks at it at every pause; `false` if it ends before.
-pub(super) fn add_all(
+pub(in crate::engine) fn add_all(
     signals: Signals<'_>,
     visit: &mut dyn FnMut(&Exposure) -> ControlFlow<()>,
     exposure: &mut Exposure,

@@ -21,21 +21,19 @@
 
 mod angle;
 mod arc_length;
-mod curve;
-mod ease;
+mod cubic_bezier;
 mod easing;
+mod hermite;
 mod interpolate;
 mod orbit;
 mod pace;
 mod path;
 mod playback;
 mod rotation;
-mod timing;
 mod track;
 mod value;
 
-pub use ease::Ease;
-pub use easing::Easing;
+pub use easing::{Ease, Easing};
 pub use interpolate::Interpolate;
 pub use orbit::Orbit;
 pub use pace::Pace;

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::curve::hermite;
+use super::hermite::hermite;
 
 /// A value that can stand between others.
 pub trait Interpolate: Clone {

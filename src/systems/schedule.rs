@@ -71,7 +71,7 @@ impl From<ScriptFailure> for Halt {
 /// Where there are both, steps work on a world of their own, and pure systems on a fresh copy of it for every frame. World
 /// transforms are up to date whenever a system runs.
 #[derive(Default)]
-pub struct OwnSystems {
+pub struct Schedule {
     pure: Vec<System>,
     stepped: Vec<Stepped>,
     registry: Registry,
@@ -86,7 +86,7 @@ pub struct OwnSystems {
     scripts: Scripts,
 }
 
-impl OwnSystems {
+impl Schedule {
     /// Are there none?
     #[must_use]
     pub fn is_empty(&self) -> bool {
@@ -271,10 +271,10 @@ fn run(system: &System, world: &mut World, time: Time, step: Option<f64>, change
     }
 }
 
-impl std::fmt::Debug for OwnSystems {
+impl std::fmt::Debug for Schedule {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         formatter
-            .debug_struct("OwnSystems")
+            .debug_struct("Schedule")
             .field("pure", &self.pure.len())
             .field("stepped", &self.stepped.len())
             .finish_non_exhaustive()

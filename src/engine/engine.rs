@@ -10,7 +10,7 @@ use super::report::FrameReport;
 use crate::components::FilmSettings;
 use crate::scene::{LoadError, Scene, SceneScripts, ScriptMistake, ScriptSources};
 use crate::systems::{
-    self, Changes, Context, Effect, Fault, Halt, OwnSystems, Plan, Preparation, ScriptFailure, Scripts,
+    self, Changes, Context, Effect, Fault, Halt, Plan, Preparation, Schedule, ScriptFailure, Scripts,
     Shutters, Step, UnknownComponent,
 };
 use crate::time::Timeline;
@@ -80,7 +80,7 @@ use crate::trace::{self, Precision};
 pub struct Engine {
     pub(super) world: World,
     pub(super) timeline: Timeline,
-    pub(super) systems: OwnSystems,
+    pub(super) systems: Schedule,
     /// Written since the last preparation.
     pub(super) changes: Changes,
     pub(super) preparation: Option<Preparation>,
@@ -160,7 +160,7 @@ impl Engine {
         Self {
             world,
             timeline: Timeline::still(),
-            systems: OwnSystems::default(),
+            systems: Schedule::default(),
             changes: Changes::all(),
             preparation: None,
             precision: Precision::default(),

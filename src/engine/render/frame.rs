@@ -6,9 +6,9 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use super::draft::add_all;
-use super::report::FrameReport;
-use super::run::{Engine, EngineError};
 use crate::components::{Animated, FilmSettings};
+use crate::engine::engine::{Engine, EngineError};
+use crate::engine::report::FrameReport;
 use crate::systems::{Effect, Plan, Preparation, Shutter, Shutters, Verdict, propagate};
 use crate::time::Time;
 use crate::trace::reference::{Reference, ReferenceSums};
@@ -219,7 +219,11 @@ impl Engine {
     }
 
     /// As [`Engine::seek`], and says whether it was not cancelled.
-    pub(super) fn seek_unless(&mut self, time: Time, cancelled: &AtomicBool) -> Result<bool, EngineError> {
+    pub(in crate::engine) fn seek_unless(
+        &mut self,
+        time: Time,
+        cancelled: &AtomicBool,
+    ) -> Result<bool, EngineError> {
         self.report = FrameReport { time, ..FrameReport::default() };
         Ok(self.bring(time, cancelled)?.is_some())
     }

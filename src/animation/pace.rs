@@ -26,7 +26,7 @@ impl Pace {
     /// range in between.
     ///
     /// ```
-    /// use rayreel::timeline::{Easing, Pace};
+    /// use rayreel::animation::{Easing, Pace};
     /// let pace = Pace { start: 1.0, ease: Easing::EaseIn, ..Pace::lasting(2.0) };
     /// assert_eq!([0.0, 1.0, 2.0, 3.0, 4.0].map(|seconds| pace.progress(seconds)), [0.0, 0.0, 0.25, 1.0, 1.0]);
     /// ```
@@ -48,7 +48,7 @@ impl Pace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::timeline::{Ease, Repeat};
+    use crate::animation::{Ease, Repeat};
 
     #[test]
     fn progress_is_as_eased_as_its_name_says() {
