@@ -151,7 +151,7 @@ proptest! {
         all.set_full(true);
         first.set_full(true);
         prop_assert!(first_frame(&mut all) == first_frame(&mut first));
-        prop_assert_eq!(all.report().guards, first.report().guards);
+        prop_assert_eq!(all.report().escalations, first.report().escalations);
         prop_assert_eq!(all.report().rays, first.report().rays);
     }
 }
@@ -182,7 +182,7 @@ fn rays_ask_a_heap_once() {
                 }
                 let mut engine = Engine::new(world);
                 first_frame(&mut engine);
-                engine.report().guards.contested
+                engine.report().escalations.contested
             };
             let (few, many) = (questions(2), questions(300));
             assert!(many <= few + few / 2 + 64, "{shape:?}, {transform:?}, {clear:?}: {few} became {many}");

@@ -115,17 +115,13 @@ fn contact_shadows_reach_the_contact() {
         assert_eq!(floor.point, DVec3::new(way, 0.0, 0.0));
         let shadow = floor.leave_towards(DVec3::Y).unwrap();
         let ball = scene.cast(&shadow).unwrap();
-        assert_eq!(ball.hit.slot.index(), 1);
+        assert_eq!(ball.hit.id.index(), 1);
         assert!(steps(ball.distance(&shadow), expected) <= 2, "{way}");
     }
     // At the contact itself both are left at once.
     let arrived = Ray::new(DVec3::NEG_Y, DVec3::Y).unwrap();
     let contact = scene.cast(&arrived).unwrap();
     let inside = scene.cast(&contact.leave_towards(DVec3::Y).unwrap()).unwrap();
-    assert_eq!(
-        (inside.hit.slot.index(), inside.point),
-        (1, DVec3::new(0.0, 2.0, 0.0)),
-        "up through the ball"
-    );
+    assert_eq!((inside.hit.id.index(), inside.point), (1, DVec3::new(0.0, 2.0, 0.0)), "up through the ball");
     assert!(scene.cast(&contact.leave_towards(DVec3::NEG_Y).unwrap()).is_none());
 }

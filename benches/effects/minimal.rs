@@ -21,7 +21,7 @@ pub(super) fn ambient(scene: &PreparedScene, camera: &Camera) -> Film {
         for i in 0..columns {
             let closest = camera.ray(i, j).and_then(|ray| search.closest(&ray));
             pixels.push(match closest {
-                Some(closest) => scene.material(closest.hit.slot).ambient * scene.ambient,
+                Some(closest) => scene.material(closest.hit.id).ambient * scene.ambient,
                 None => background,
             });
         }
@@ -42,7 +42,7 @@ pub(super) fn diffuse(scene: &PreparedScene, camera: &Camera) -> Film {
                 pixels.push(background);
                 continue;
             };
-            let material = scene.material(closest.hit.slot);
+            let material = scene.material(closest.hit.id);
             let mut color = material.ambient * scene.ambient;
             if material.diffuse != Rgb::ZERO {
                 let surface = search.surface(&ray, &closest);

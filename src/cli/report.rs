@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use rayreel::scene::Sources;
-use rayreel::trace::{Guards, RayCounts, TreeEnds};
+use rayreel::trace::{Escalations, RayCounts, TreeEnds};
 use rayreel::{Effect, Engine, FrameReport, Plan};
 
 use super::args::RenderArguments;
@@ -170,7 +170,7 @@ impl ShotReport {
     fn to_json(&self) -> Value {
         let RayCounts { camera, shadow, reflection, refraction } = self.cost.rays;
         let TreeEnds { depth, cutoff } = self.cost.ends;
-        let Guards { open, contested, rough, overflowed } = self.cost.guards;
+        let Escalations { ambiguous, contested, rough, overflowed } = self.cost.escalations;
         json!({
             "frame": self.frame,
             "time": self.cost.time.seconds(),
@@ -189,7 +189,7 @@ impl ShotReport {
             },
             "needed": self.needed.iter().map(|effect| effect.name()).collect::<Vec<_>>(),
             "not_followed": { "depth": depth, "cutoff": cutoff },
-            "guards": { "open": open, "contested": contested, "rough": rough, "overflowed": overflowed },
+            "guards": { "open": ambiguous, "contested": contested, "rough": rough, "overflowed": overflowed },
         })
     }
 }

@@ -11,3 +11,9 @@ pub use transfer::Transfer;
 /// Linear RGB light: a radiance, an intensity or a reflectance per channel. 1.0 is full, more is brighter;
 /// never negative, never NaN.
 pub type Rgb = glam::Vec3;
+
+/// Rounds a share or a channel to the precision of colours.
+#[expect(clippy::cast_possible_truncation, reason = "colour is f32")]
+pub(crate) fn to_f32(value: f64) -> f32 {
+    value as f32
+}

@@ -28,12 +28,12 @@ pub struct Hit {
     pub point: DVec3,
     /// The unit normal, on the side that the ray came from.
     pub normal: DVec3,
-    surface: trace::Surface,
+    surface: trace::SurfacePoint,
 }
 
 impl Hit {
     /// `exponent` says by which power of two the direction was scaled before the kernel took it over.
-    pub(super) fn new(entity: Entity, ray: &trace::Ray, exponent: i32, surface: trace::Surface) -> Self {
+    pub(super) fn new(entity: Entity, ray: &trace::Ray, exponent: i32, surface: trace::SurfacePoint) -> Self {
         // However short the direction was, no way is none. Adding zero makes negative zeros positive.
         let t = if surface.t.rounded() == 0.0 { 0.0 } else { libm::ldexp(surface.t.rounded(), exponent) };
         Self {

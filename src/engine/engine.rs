@@ -330,7 +330,7 @@ impl Engine {
         let preparation = self.preparation.as_ref()?;
         let (ray, exponent) = ray.into_ray()?;
         let surface = preparation.scene().cast(&ray)?;
-        Some(Hit::new(preparation.entity(surface.hit.slot), &ray, exponent, surface))
+        Some(Hit::new(preparation.entity(surface.hit.id), &ray, exponent, surface))
     }
 
     /// As [`cast`](Engine::cast) for many rays, on the current rayon pool's threads. The answers are in the rays' order.
@@ -352,7 +352,7 @@ impl Engine {
             .zip(rays.iter().zip(exponents))
             .map(|(surface, (ray, exponent))| {
                 let surface = surface?;
-                Some(Hit::new(preparation.entity(surface.hit.slot), ray.as_ref()?, exponent, surface))
+                Some(Hit::new(preparation.entity(surface.hit.id), ray.as_ref()?, exponent, surface))
             })
             .collect()
     }

@@ -5,7 +5,7 @@ use hecs::Entity;
 use crate::color::Rgb;
 use crate::systems::Preparation;
 use crate::trace::reference::RayTree;
-use crate::trace::{Slot, Surface};
+use crate::trace::{ShapeId, SurfacePoint};
 
 /// Everything that goes into a sample of a pixel: its rays, what they find, and what that adds to the colour.
 #[derive(Clone, Debug)]
@@ -29,13 +29,13 @@ impl<'a> Probe<'a> {
 
     /// Whose shape is in a slot.
     #[must_use]
-    pub fn entity(&self, slot: Slot) -> Entity {
+    pub fn entity(&self, slot: ShapeId) -> Entity {
         self.preparation.entity(slot)
     }
 
     /// What else is where a surface is, in document order.
     #[must_use]
-    pub fn tied(&self, surface: &Surface) -> Vec<Slot> {
+    pub fn tied(&self, surface: &SurfacePoint) -> Vec<ShapeId> {
         self.preparation.scene().tied(surface)
     }
 

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use crate::time::Time;
-use crate::trace::{Guards, RayCounts, TreeEnds};
+use crate::trace::{Escalations, RayCounts, TreeEnds};
 
 /// What the last frame cost, phase by phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +23,7 @@ pub struct FrameReport {
     /// How many were not traced, though a surface sent them on.
     pub ends: TreeEnds,
     /// How often arithmetic had to be helped.
-    pub guards: Guards,
+    pub escalations: Escalations,
 }
 
 impl Default for FrameReport {
@@ -37,7 +37,7 @@ impl Default for FrameReport {
             trace: none,
             rays: RayCounts::default(),
             ends: TreeEnds::default(),
-            guards: Guards::default(),
+            escalations: Escalations::default(),
         }
     }
 }

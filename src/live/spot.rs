@@ -8,7 +8,7 @@ use crate::engine::{Engine, EngineError, Probe};
 use crate::scene::Sources;
 use crate::time::Time;
 use crate::trace::reference::RayEnd;
-use crate::trace::{Film, Surface};
+use crate::trace::{Film, SurfacePoint};
 
 /// What a pixel shows, and what its first sample sees.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -74,8 +74,14 @@ impl Spot {
 }
 
 impl Seen {
-    fn of(engine: &Engine, sources: &Sources, probe: &Probe<'_>, surface: &Surface, distance: f64) -> Self {
-        let (world, seen) = (engine.world(), probe.entity(surface.hit.slot));
+    fn of(
+        engine: &Engine,
+        sources: &Sources,
+        probe: &Probe<'_>,
+        surface: &SurfacePoint,
+        distance: f64,
+    ) -> Self {
+        let (world, seen) = (engine.world(), probe.entity(surface.hit.id));
         let (entity, place) = named(world, sources, seen);
         Self {
             entity,

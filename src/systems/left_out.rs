@@ -21,7 +21,7 @@ impl Preparation {
             Effect::Specular => less.repaint(|material| material.specular = 0.0),
             Effect::Shadows => less.scene.lights.iter_mut().for_each(|light| light.casts_shadows = false),
             Effect::AreaLights => less.shrink_lights(|source| match *source {
-                LightSource::Ball { center, .. } | LightSource::Panel { center, .. } => {
+                LightSource::Sphere { center, .. } | LightSource::Rectangle { center, .. } => {
                     LightSource::Point(center)
                 }
                 other => other,
@@ -61,7 +61,7 @@ impl Preparation {
         let painted: Vec<_> = self
             .scene
             .geometry()
-            .slots()
+            .ids()
             .map(|slot| {
                 let mut material = self.scene.material(slot).clone();
                 paint(&mut material);

@@ -10,7 +10,7 @@ use hecs::{Component, World};
 use super::Preparation;
 use crate::color::Rgb;
 use crate::components::{Checker, Fog, Light, Reflective, Refractive, Specular};
-use crate::trace::{self, Background, KernelChoice, LightSource, Lighting, Paths, Slot};
+use crate::trace::{self, Background, KernelChoice, LightSource, Lighting, Paths, ShapeId};
 
 /// Something that a picture may show or not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -224,7 +224,7 @@ impl<'a> Survey<'a> {
         if surfaces.mirrors.len() + surfaces.clear.len() > MOST {
             return true;
         }
-        let seen = |slot: &Slot| {
+        let seen = |slot: &ShapeId| {
             scene.geometry().bounds(*slot).is_none_or(|bounds| self.preparation.camera().may_see(&bounds))
         };
         surfaces.mirrors.iter().chain(&surfaces.clear).any(seen)

@@ -7,7 +7,7 @@
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use crate::components::{Transform, WorldTransform};
-use crate::trace::exact::{Double, Double3};
+use crate::trace::math::{Double, Double3};
 
 /// An affine map whose numbers are [`Double`]s, by columns.
 #[derive(Clone, Copy, Debug)]

@@ -45,7 +45,7 @@ impl KernelChoice {
 }
 
 /// What a kernel has compiled in.
-pub(super) trait Effects {
+pub(crate) trait Effects {
     const LIGHTS: bool;
     const SHADOWS: bool;
     const CLEAR_SHADOWS: bool;
@@ -57,10 +57,10 @@ pub(super) trait Effects {
 }
 
 /// A kernel by its numbers: how much of [`Lighting`], how much of [`Paths`], and the extras or not.
-pub(super) struct Kernel<const LIGHTING: u8, const PATHS: u8, const EXTRAS: bool>;
+pub(crate) struct Kernel<const LIGHTING: u8, const PATHS: u8, const EXTRAS: bool>;
 
 /// The kernel with everything in it.
-pub(super) type FullKernel = Kernel<3, 2, true>;
+pub(crate) type FullKernel = Kernel<3, 2, true>;
 
 impl<const LIGHTING: u8, const PATHS: u8, const EXTRAS: bool> Effects for Kernel<LIGHTING, PATHS, EXTRAS> {
     const LIGHTS: bool = LIGHTING > 0;
@@ -100,4 +100,4 @@ macro_rules! with_kernel {
     }};
 }
 
-pub(super) use with_kernel;
+pub(crate) use with_kernel;

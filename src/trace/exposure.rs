@@ -1,83 +1,19 @@
 //! The fast path: tiles over all threads.
 
 use std::fmt;
-use std::ops::AddAssign;
 use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
 
-use super::effects::{Effects, FullKernel, with_kernel};
-use super::film::PixelSum;
-use super::geometry::{Leaves, Textbook};
-use super::moment::Moment;
-use super::tile::{TILE, Tile, TileBuffers, render_sample};
-use super::{Camera, Film, Guards, KernelChoice, Precision, PreparedScene, Sampling};
 use crate::color::Rgb;
-
-/// What a picture took.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Effort {
-    /// Rays.
-    pub rays: RayCounts,
-    /// What ended trees of rays before they ended by themselves.
-    pub ends: TreeEnds,
-    /// How often arithmetic had to be helped.
-    pub guards: Guards,
-}
-
-/// How many rays were traced, by what for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct RayCounts {
-    /// From the camera.
-    pub camera: u64,
-    /// From surfaces to lights.
-    pub shadow: u64,
-    /// From mirrors.
-    pub reflection: u64,
-    /// Through the surfaces of clear media.
-    pub refraction: u64,
-}
-
-/// How many rays were not traced, though a surface sent them on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct TreeEnds {
-    /// They were beyond the last generation, or beyond the most rays that a sample may have.
-    pub depth: u64,
-    /// They could not have brought enough light to show.
-    pub cutoff: u64,
-}
-
-impl RayCounts {
-    /// All of them.
-    #[must_use]
-    pub fn total(&self) -> u64 {
-        self.camera + self.shadow + self.reflection + self.refraction
-    }
-}
-
-impl AddAssign for RayCounts {
-    fn add_assign(&mut self, other: Self) {
-        self.camera += other.camera;
-        self.shadow += other.shadow;
-        self.reflection += other.reflection;
-        self.refraction += other.refraction;
-    }
-}
-
-impl AddAssign for TreeEnds {
-    fn add_assign(&mut self, other: Self) {
-        self.depth += other.depth;
-        self.cutoff += other.cutoff;
-    }
-}
-
-impl AddAssign for Effort {
-    fn add_assign(&mut self, other: Self) {
-        self.rays += other.rays;
-        self.ends += other.ends;
-        self.guards += other.guards;
-    }
-}
+use crate::trace::effects::{Effects, FullKernel, KernelChoice, with_kernel};
+use crate::trace::effort::Effort;
+use crate::trace::film::{Film, PixelSum};
+use crate::trace::light::RenderContext;
+use crate::trace::math::Sampling;
+use crate::trace::query::{Intersector, Textbook};
+use crate::trace::scene::{Camera, Precision, PreparedScene};
+use crate::trace::stages::{TILE, Tile, TileBuffers, render_sample};
 
 /// What may end tracing before all is traced.
 #[derive(Clone, Copy)]
@@ -189,28 +125,28 @@ impl Exposure {
         kernel: KernelChoice,
         signals: Signals<'_>,
     ) -> bool {
-        let moment = Moment::new(scene, camera, sampling);
+        let context = RenderContext::new(scene, camera, sampling);
         match scene.precision {
             Precision::Guaranteed => {
-                let leaves = scene.geometry();
-                with_kernel!(kernel, Chosen => self.add_with::<Chosen>(&moment, leaves, samples, signals))
+                let shapes = scene.geometry();
+                with_kernel!(kernel, Chosen => self.add_with::<Chosen>(&context, shapes, samples, signals))
             }
             // For comparisons: as it is.
             Precision::TextbookF64 => {
-                let leaves = Textbook::<f64>::new(scene.geometry());
-                self.add_with::<FullKernel>(&moment, &leaves, samples, signals)
+                let shapes = Textbook::<f64>::new(scene.geometry());
+                self.add_with::<FullKernel>(&context, &shapes, samples, signals)
             }
             Precision::TextbookF32 => {
-                let leaves = Textbook::<f32>::new(scene.geometry());
-                self.add_with::<FullKernel>(&moment, &leaves, samples, signals)
+                let shapes = Textbook::<f32>::new(scene.geometry());
+                self.add_with::<FullKernel>(&context, &shapes, samples, signals)
             }
         }
     }
 
     fn add_with<E: Effects>(
         &mut self,
-        moment: &Moment<'_>,
-        leaves: &impl Leaves,
+        context: &RenderContext<'_>,
+        shapes: &impl Intersector,
         (from, to): (u32, u32),
         signals: Signals<'_>,
     ) -> bool {
@@ -225,7 +161,7 @@ impl Exposure {
                         if (signals.pause)() {
                             break;
                         }
-                        let whole = render_sample::<E>(moment, leaves, (exposed.tile, sample), buffers);
+                        let whole = render_sample::<E>(context, shapes, (exposed.tile, sample), buffers);
                         let traced = buffers.take_effort();
                         if !whole {
                             break;
@@ -283,7 +219,7 @@ impl Exposure {
         let mut film = Film::new(self.width, self.height);
         let mut effort = self.effort;
         for exposed in &self.tiles {
-            effort.guards.overflowed += exposed.light.develop(exposed.tile, self.samples, &mut film);
+            effort.escalations.overflowed += exposed.light.develop(exposed.tile, self.samples, &mut film);
         }
         (film, effort)
     }

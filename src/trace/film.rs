@@ -69,7 +69,7 @@ impl Film {
     /// Stores pixels of row `j` from column `i` on, and says how many had overflowed: those are saturated, so that a film is
     /// always finite.
     #[inline]
-    pub(super) fn store(&mut self, i: u32, j: u32, pixels: impl ExactSizeIterator<Item = Rgb>) -> u64 {
+    pub(crate) fn store(&mut self, i: u32, j: u32, pixels: impl ExactSizeIterator<Item = Rgb>) -> u64 {
         let start = j as usize * self.width as usize + i as usize;
         let mut overflowed = 0;
         for (stored, pixel) in self.pixels[start..start + pixels.len()].iter_mut().zip(pixels) {
@@ -83,17 +83,17 @@ impl Film {
 /// What the samples of a pixel add up to. In `f64`, so that the mean of equal samples is exactly their value, and that of
 /// 2^16 samples is as good as that of two.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct PixelSum(DVec3);
+pub(crate) struct PixelSum(DVec3);
 
 impl PixelSum {
     #[inline]
-    pub(super) fn add(&mut self, sample: Rgb) {
+    pub(crate) fn add(&mut self, sample: Rgb) {
         self.0 += sample.as_dvec3();
     }
 
     /// Divided by the number of samples, and rounded to `f32` once.
     #[inline]
-    pub(super) fn mean(self, samples: u32) -> Rgb {
+    pub(crate) fn mean(self, samples: u32) -> Rgb {
         (self.0 / f64::from(samples)).as_vec3()
     }
 }

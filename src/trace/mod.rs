@@ -9,7 +9,7 @@
 //!
 //! The picture is made tile by tile ([`Exposure`]), and a tile sample by sample: memory does not grow with their number.
 //! Samples are added up in the order of their indices, in `f64`, in which the mean of equal samples is exactly their value.
-//! Where samples lie is in [`mod@sampler`].
+//! Where samples lie is in [`Sampling`].
 //!
 //! # What a picture needs, and no more
 //!
@@ -53,55 +53,30 @@
 //!
 #![doc = include_str!("numerics.md")]
 
-mod algebraic;
-mod bounds;
-mod branch;
 mod bvh;
-mod camera;
-mod contribution;
-mod copies;
-mod dielectric;
-mod direct;
 mod effects;
-pub mod exact;
+mod effort;
 mod exposure;
 mod film;
-mod geometry;
-mod guards;
 mod light;
-mod material;
-mod media;
-mod moment;
-mod prepared;
-mod ray;
+pub mod math;
+mod query;
+mod rays;
 pub mod reference;
-mod root;
-pub mod sampler;
-mod scratch;
-mod shade;
-mod shadow;
+mod scene;
 pub mod shapes;
-mod squares;
-mod surfaces;
-mod surroundings;
-mod ties;
-mod tile;
+mod stages;
 
-pub use bounds::Bounds;
-pub use camera::Camera;
-pub use dielectric::Boundary;
 pub use effects::{KernelChoice, Lighting, Paths};
-pub use exposure::{Effort, Exposure, RayCounts, Signals, TreeEnds};
+pub use effort::{Effort, RayCounts, TreeEnds};
+pub use exposure::{Exposure, Signals};
 pub use film::Film;
-pub use geometry::{Geometry, Precision, PreparedShape, Slot};
-pub use guards::Guards;
-pub use light::{Cone, Falloff, Light, LightSource};
-pub use material::{Checker, Refraction, SurfaceMaterial};
-pub use prepared::{Closest, Hit, PreparedScene, Search, Surface};
-pub use ray::{Limit, Ray};
-pub use root::{Refined, Root};
-pub use sampler::Sampling;
-pub use squares::Squares;
-pub use surfaces::Surfaces;
-pub use surroundings::{Background, Fog, Passage};
-pub use ties::Ties;
+pub use light::Boundary;
+pub use math::{Root, Sampling};
+pub use query::{ClosestHit, Escalations, Hit, Search, SurfacePoint};
+pub use rays::{Limit, Ray, ShapeId, Ties};
+pub use scene::{
+    Background, Camera, Checker, CheckerPattern, Cone, Falloff, Fog, Geometry, Light, LightSource,
+    MaterialSummary, Passage, Precision, PreparedScene, PreparedShape, Refraction, SurfaceMaterial,
+};
+pub use shapes::{Bounds, RefinedHit};

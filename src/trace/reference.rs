@@ -1,20 +1,17 @@
 //! The slow path: every ray asks every shape. It is the oracle that the fast path is held against, bit for bit, the
 //! definition of the picture in the fewest words, and, as it keeps the whole tree of a pixel's rays, its explanation.
 
-use super::branch::{Branches, LARGEST_TREE, PathState, TreeRay, branches};
-use super::contribution::Budget;
-use super::direct::{Asker, Lit, ShadowRay, from_light};
-use super::effects::FullKernel;
-use super::film::PixelSum;
-use super::geometry::Leaves;
-use super::media::Inside;
-use super::moment::Moment;
-use super::scratch::Scratch;
-use super::shade::{ambient, held};
-use super::shadow::{Look, filtered_and_absorbed};
-use super::surroundings::Passage;
-use super::{Camera, Closest, Film, Guards, Hit, Light, PreparedScene, Ray, Sampling, Slot, Surface};
 use crate::color::Rgb;
+use crate::trace::effects::FullKernel;
+use crate::trace::film::{Film, PixelSum};
+use crate::trace::light::{
+    Budget, LARGEST_TREE, LightScratch, LitPoint, MediumStack, PathState, RenderContext, SampleId,
+    SecondaryRays, ShadowRay, TreeRay, ambient, filtered_and_absorbed, from_light, held, secondary_rays,
+};
+use crate::trace::math::Sampling;
+use crate::trace::query::{Escalations, Look, Scratch, SurfacePoint, closest};
+use crate::trace::rays::{Ray, ShapeId};
+use crate::trace::scene::{Camera, Light, Passage, PreparedScene};
 
 /// All rays of one sample of a pixel, breadth first.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,7 +32,7 @@ pub struct TracedRay {
     /// What share of the light along it reaches the pixel, before the mean over samples is taken.
     pub throughput: Rgb,
     /// The clear solids that it is inside of, the last entered first.
-    pub inside: Vec<Slot>,
+    pub inside: Vec<ShapeId>,
     /// What happens to light on the way.
     pub passage: Passage,
     /// What it finds.
@@ -70,7 +67,7 @@ pub enum RayEnd {
 #[derive(Clone, Debug, PartialEq)]
 pub struct LitSurface {
     /// The point.
-    pub surface: Surface,
+    pub surface: SurfacePoint,
     /// Ambient light sent back along the ray.
     pub ambient: Rgb,
     /// For every light of the scene, in document order, what comes of it.
@@ -85,7 +82,7 @@ pub enum LightReach {
     NotAsked,
     /// Something stands in its way, wherever it is asked; the first in document order of all that stand in the way of the first
     /// shadow ray.
-    Hidden(Slot),
+    Hidden(ShapeId),
     /// It is sent back along the ray with this colour.
     Reaches {
         /// The mean over the light's samples.
@@ -127,25 +124,25 @@ impl RayEnd {
 
 /// Makes samples of pixels, one ray tree after the other.
 pub struct Reference<'a> {
-    moment: Moment<'a>,
-    scratch: Scratch<'static>,
+    context: RenderContext<'a>,
+    scratch: LightScratch<'static>,
 }
 
 impl<'a> Reference<'a> {
     /// For a scene at one moment.
     #[must_use]
     pub fn new(scene: &'a PreparedScene, camera: &'a Camera, sampling: Sampling) -> Self {
-        Self { moment: Moment::new(scene, camera, sampling), scratch: Scratch::default() }
+        Self { context: RenderContext::new(scene, camera, sampling), scratch: LightScratch::default() }
     }
 
     /// Adds samples `from..to` of every pixel to the sums, which are in rows from the top.
     pub fn add(&mut self, sums: &mut ReferenceSums, (from, to): (u32, u32)) {
-        let (columns, rows) = self.moment.camera.resolution();
+        let (columns, rows) = self.context.camera.resolution();
         let pixels = (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j)));
         for ((i, j), sum) in pixels.zip(&mut sums.sums) {
             for sample in from..to {
                 let tree = self.sample(i, j, sample);
-                sum.add(tree.map_or_else(|| self.moment.nowhere(), |tree| tree.color()));
+                sum.add(tree.map_or_else(|| self.context.nowhere(), |tree| tree.color()));
             }
         }
     }
@@ -153,31 +150,31 @@ impl<'a> Reference<'a> {
     /// The rays of sample `index` of the pixel in column `i` and row `j`. `None` if the camera is not in a finite place.
     #[must_use]
     pub fn sample(&mut self, i: u32, j: u32, index: u32) -> Option<RayTree> {
-        let Self { moment, scratch } = self;
-        let ray = moment.camera.sample_ray(moment.sampling, i, j, index)?;
-        scratch.nesting.clear();
-        let inside = moment.inside(ray.origin(), &mut scratch.nesting);
-        let asker = Asker { seed: moment.sampling.seed, pixel: (i, j), sample: index };
+        let Self { context, scratch } = self;
+        let ray = context.camera.sample_ray(context.sampling, i, j, index)?;
+        scratch.media.clear();
+        let medium = context.medium(ray.origin(), &mut scratch.media);
+        let asker = SampleId { seed: context.sampling.seed, pixel: (i, j), sample: index };
         let mut tree = Vec::new();
-        let state = PathState::at_camera(inside);
+        let state = PathState::at_camera(medium);
         let mut wave: Vec<Queued> = vec![(RayKind::Camera, None, TreeRay { ray, state })];
-        let (mut beyond, mut size, mut budget) = (Vec::new(), 1, Budget::new(moment.scene));
-        for generations in (0..moment.generations()).rev() {
+        let (mut beyond, mut size, mut budget) = (Vec::new(), 1, Budget::new(context.scene));
+        for generations in (0..context.generations()).rev() {
             let mut next = Vec::new();
             for (kind, parent, mut ray) in wave {
-                let traced = trace(moment, scratch, kind, parent, &ray, asker);
+                let traced = trace(context, scratch, kind, parent, &ray, asker);
                 ray.state.throughput *= traced.passage.transmitted;
                 if let RayEnd::Surface(lit) = &traced.end {
                     let arrived = (&ray.ray, &ray.state);
-                    let Branches { reflected, refracted } =
-                        branches::<FullKernel>(moment, &mut scratch.nesting, arrived, &lit.surface);
+                    let SecondaryRays { reflected, refracted } =
+                        secondary_rays::<FullKernel>(context, &mut scratch.media, arrived, &lit.surface);
                     let kinds = [(RayKind::Reflection, reflected), (RayKind::Refraction, refracted)];
                     let parent = Some(tree.len());
                     next.extend(kinds.into_iter().filter_map(|(kind, ray)| Some((kind, parent, ray?))));
                 }
                 tree.push(traced);
             }
-            let cut = negligible(moment, &mut budget, &next, generations);
+            let cut = negligible(context, &mut budget, &next, generations);
             wave = Vec::new();
             for (queued, cut) in next.into_iter().zip(cut) {
                 if cut {
@@ -191,7 +188,7 @@ impl<'a> Reference<'a> {
             }
         }
         let beyond = beyond.into_iter().map(|(kind, parent, ray)| {
-            let background = moment.scene.background.towards(ray.ray.direction());
+            let background = context.scene.background.towards(ray.ray.direction());
             traced(kind, parent, &ray, scratch, Passage::CLEAR, RayEnd::BeyondDepth(background))
         });
         tree.extend(beyond);
@@ -203,8 +200,13 @@ impl<'a> Reference<'a> {
 type Queued = (RayKind, Option<usize>, TreeRay);
 
 /// Which rays of a generation are cut, as they could not show.
-fn negligible(moment: &Moment<'_>, budget: &mut Budget, rays: &[Queued], generations: u32) -> Vec<bool> {
-    let most = |(_, _, ray): &Queued| moment.brightest.most(ray.state.throughput, generations);
+fn negligible(
+    context: &RenderContext<'_>,
+    budget: &mut Budget,
+    rays: &[Queued],
+    generations: u32,
+) -> Vec<bool> {
+    let most = |(_, _, ray): &Queued| context.brightest.most(ray.state.throughput, generations);
     let mut weighed: Vec<(f32, usize)> = rays.iter().map(most).zip(0..).collect();
     let count = budget.cut(&mut weighed);
     let mut cut = vec![false; rays.len()];
@@ -245,21 +247,21 @@ pub fn render(scene: &PreparedScene, camera: &Camera, sampling: Sampling) -> Fil
 }
 
 fn trace(
-    moment: &Moment<'_>,
-    scratch: &mut Scratch<'_>,
+    context: &RenderContext<'_>,
+    scratch: &mut LightScratch<'_>,
     kind: RayKind,
     parent: Option<usize>,
     ray: &TreeRay,
-    asker: Asker,
+    asker: SampleId,
 ) -> TracedRay {
-    let scene = moment.scene;
+    let scene = context.scene;
     let Some(closest) = closest(scene, &ray.ray) else {
-        let passage = ray.state.passage::<FullKernel>(scene, &scratch.nesting, f64::INFINITY);
+        let passage = ray.state.passage::<FullKernel>(scene, &scratch.media, f64::INFINITY);
         let background = scene.background.towards(ray.ray.direction());
         return traced(kind, parent, ray, scratch, passage, RayEnd::Background(background));
     };
-    let surface = scene.surface(scene.geometry(), &ray.ray, &closest, &mut Guards::default());
-    let passage = ray.state.passage::<FullKernel>(scene, &scratch.nesting, surface.distance(&ray.ray));
+    let surface = scene.surface(scene.geometry(), &ray.ray, &closest, &mut Escalations::default());
+    let passage = ray.state.passage::<FullKernel>(scene, &scratch.media, surface.distance(&ray.ray));
     let lit = lit(scene, scratch, ray, surface, asker);
     traced(kind, parent, ray, scratch, passage, RayEnd::Surface(Box::new(lit)))
 }
@@ -268,11 +270,11 @@ fn traced(
     kind: RayKind,
     parent: Option<usize>,
     ray: &TreeRay,
-    scratch: &Scratch<'_>,
+    scratch: &LightScratch<'_>,
     passage: Passage,
     end: RayEnd,
 ) -> TracedRay {
-    let inside = scratch.nesting.solids(ray.state.inside).collect();
+    let inside = scratch.media.solids(ray.state.medium).collect();
     TracedRay {
         kind,
         parent,
@@ -287,41 +289,41 @@ fn traced(
 
 fn lit(
     scene: &PreparedScene,
-    scratch: &mut Scratch<'_>,
+    scratch: &mut LightScratch<'_>,
     arrived: &TreeRay,
-    surface: Surface,
-    asker: Asker,
+    surface: SurfacePoint,
+    asker: SampleId,
 ) -> LitSurface {
-    let material = scene.material(surface.hit.slot);
-    let (ambient_color, diffuse) = material.colors_at(&surface);
+    let material = scene.material(surface.hit.id);
+    let (ambient_color, diffuse) = material.colors_at(surface.point, surface.normal);
     let TreeRay { ray, state } = arrived;
     let normal = surface.facing_normal();
-    let lit = Lit { ray, state, surface: &surface, material, diffuse, asker, normal };
+    let lit = LitPoint { ray, state, surface: &surface, material, diffuse, asker, normal };
     let lights = scene.lights.iter().enumerate().map(|light| reach(scene, scratch, light, &lit)).collect();
     LitSurface { ambient: ambient(scene, ambient_color), lights, surface }
 }
 
 fn reach(
     scene: &PreparedScene,
-    scratch: &mut Scratch<'_>,
+    scratch: &mut LightScratch<'_>,
     light: (usize, &Light),
-    lit: &Lit<'_>,
+    lit: &LitPoint<'_>,
 ) -> LightReach {
     let (mut first, mut hidden, mut asked) = (None, 0, false);
     let own_shape = light.1.own_shape;
-    let seen = (lit.surface, lit.state.inside);
+    let seen = (lit.surface, lit.state.medium);
     let added = from_light::<FullKernel>(light, lit, |shadow_ray| {
         asked = true;
         let share = visibility(scene, scratch, shadow_ray, own_shape, seen);
-        if let Err(slot) = share {
-            first.get_or_insert(slot);
+        if let Err(id) = share {
+            first.get_or_insert(id);
             hidden += 1;
         }
         share.ok()
     });
     let color = added.unwrap_or(Rgb::ZERO);
     match first {
-        Some(slot) if color == Rgb::ZERO => LightReach::Hidden(slot),
+        Some(id) if color == Rgb::ZERO => LightReach::Hidden(id),
         None if color == Rgb::ZERO && !asked => LightReach::NotAsked,
         _ => LightReach::Reaches { color, hidden },
     }
@@ -330,37 +332,22 @@ fn reach(
 /// What share of a light comes through, or what opaque shape hides it.
 fn visibility(
     scene: &PreparedScene,
-    scratch: &mut Scratch<'_>,
+    scratch: &mut LightScratch<'_>,
     shadow_ray: ShadowRay<'_>,
-    own_shape: Option<Slot>,
-    seen: (&Surface, Inside),
-) -> Result<Rgb, Slot> {
+    own_shape: Option<ShapeId>,
+    seen: (&SurfacePoint, MediumStack),
+) -> Result<Rgb, ShapeId> {
     let ShadowRay { ray, limit, .. } = shadow_ray;
     let geometry = scene.geometry();
-    scratch.crossed.clear();
-    let hides = |slot: &Slot| {
-        let Scratch { crossed, guards, .. } = scratch;
+    scratch.search.crossed.clear();
+    let hides = |id: &ShapeId| {
+        let Scratch { crossed, escalations, .. } = &mut scratch.search;
         let look = Look::Whole;
-        Some(*slot) != own_shape
-            && scene.hides_or_is_crossed(geometry, *slot, (ray, &limit), look, crossed, guards)
+        Some(*id) != own_shape
+            && scene.hides_or_is_crossed(geometry, *id, (ray, &limit), look, crossed, escalations)
     };
-    match geometry.slots().find(hides) {
-        Some(slot) => Err(slot),
+    match geometry.ids().find(hides) {
+        Some(id) => Err(id),
         None => Ok(filtered_and_absorbed(scene, geometry, shadow_ray, own_shape, seen, scratch)),
     }
-}
-
-/// The nearest surface; of several at the same place the first in document order.
-#[must_use]
-pub fn closest(scene: &PreparedScene, ray: &Ray) -> Option<Closest> {
-    let geometry = scene.geometry();
-    let mut best = None;
-    let mut guards = Guards::default();
-    for slot in geometry.slots() {
-        // A ray that leaves a shape leaves all that equal it.
-        if let Some(hit) = geometry.first_hit(scene.first_equal(slot), ray, &mut guards) {
-            Closest::consider(&mut best, Hit { slot, ..hit }, geometry, ray, &mut guards);
-        }
-    }
-    best
 }

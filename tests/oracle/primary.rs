@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use rayreel::trace::{Geometry, Precision, PreparedScene, Ray, Surface, SurfaceMaterial};
+use rayreel::trace::{Geometry, Precision, PreparedScene, Ray, SurfaceMaterial, SurfacePoint};
 
 use crate::categories::Case;
 use crate::exact::{Exact, Shape, along, exact, length, magnitude, quotient, rounded, vector};
@@ -85,8 +85,8 @@ fn compare(name: &str, case: &Case, expected: &Expected, scene: &PreparedScene, 
                 wrong(format!("{error} ulp"));
             }
             tally.errors.push(error);
-            if *index != surface.hit.slot.index() {
-                wrong(format!("{:?} instead of {index:?}", surface.hit.slot));
+            if *index != surface.hit.id.index() {
+                wrong(format!("{:?} instead of {index:?}", surface.hit.id));
             }
             if from_outside.is_some_and(|from_outside| from_outside != surface.from_outside) {
                 wrong(format!("from outside: {}", surface.from_outside));
@@ -108,7 +108,7 @@ fn compare(name: &str, case: &Case, expected: &Expected, scene: &PreparedScene, 
 }
 
 /// By how many units in the last place the kernel's distance is off.
-pub(crate) fn distance_error(ray: &Ray, surface: &Surface, expected: &Exact) -> f64 {
+pub(crate) fn distance_error(ray: &Ray, surface: &SurfacePoint, expected: &Exact) -> f64 {
     let found = surface.distance(ray);
     if !found.is_finite() {
         return f64::NAN;

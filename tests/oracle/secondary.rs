@@ -6,7 +6,7 @@ use std::fmt;
 
 use glam::DVec3;
 
-use rayreel::trace::{PreparedScene, Ray, Surface};
+use rayreel::trace::{PreparedScene, Ray, SurfacePoint};
 
 use crate::exact::{Exact, Exact3, Shape, along, length, magnitude, rounded, vector};
 use crate::primary::{distance_error, is_rounded, scene, unit_in_last_place};
@@ -42,21 +42,21 @@ pub(crate) struct World {
 #[derive(Clone)]
 pub(crate) struct Found {
     pub(crate) arrived: Ray,
-    pub(crate) surface: Surface,
+    pub(crate) surface: SurfacePoint,
 }
 
 impl fmt::Debug for Found {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (from, along) = (self.arrived.origin(), self.arrived.direction());
         let (slot, far) = (self.slot(), if self.surface.hit.far { " far" } else { "" });
-        let Surface { point, normal, .. } = &self.surface;
+        let SurfacePoint { point, normal, .. } = &self.surface;
         write!(f, "[{from:?} + t {along:?} finds {slot}{far} at {point:?}, normal {normal:?}]")
     }
 }
 
 impl Found {
     pub(crate) fn slot(&self) -> usize {
-        self.surface.hit.slot.index()
+        self.surface.hit.id.index()
     }
 
     /// How steeply the ray meets the surface: the cosine of its angle with the normal.

@@ -81,7 +81,7 @@ fn met(probe: &Probe<'_>, traced: &TracedRay) -> Vec<Entity> {
         LightReach::Hidden(slot) => Some(*slot),
         LightReach::NotAsked | LightReach::Reaches { .. } => None,
     });
-    let slots = std::iter::once(lit.surface.hit.slot).chain(probe.tied(&lit.surface)).chain(hiding);
+    let slots = std::iter::once(lit.surface.hit.id).chain(probe.tied(&lit.surface)).chain(hiding);
     slots.map(|slot| probe.entity(slot)).collect()
 }
 
@@ -185,7 +185,7 @@ impl Seen<'_> {
                 for slot in self.probe.tied(surface) {
                     facts.push(("also there", format!(" {}", self.places.text(self.probe.entity(slot)))));
                 }
-                let entity = self.places.text(self.probe.entity(surface.hit.slot));
+                let entity = self.places.text(self.probe.entity(surface.hit.id));
                 (format!("meets {entity} from {side}"), self.contributions(lit))
             }
         };
@@ -292,13 +292,13 @@ impl Seen<'_> {
             })
         });
         json!({
-            "entity": entity(surface.hit.slot),
+            "entity": entity(surface.hit.id),
             "t": surface.t.rounded(),
             "distance": surface.distance(&traced.ray),
             "point": surface.point.to_array(),
             "normal": surface.facing_normal().to_array(),
             "from_outside": surface.from_outside,
-            "also_there": surface.ties.slots().map(entity).collect::<Vec<_>>(),
+            "also_there": surface.ties.ids().map(entity).collect::<Vec<_>>(),
             "ambient": lit.ambient.to_array(),
             "lights": lights.collect::<Vec<_>>(),
         })

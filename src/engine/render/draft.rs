@@ -99,7 +99,7 @@ impl Engine {
             trace: self.report.trace + start.elapsed(),
             rays: effort.rays,
             ends: effort.ends,
-            guards: effort.guards,
+            escalations: effort.escalations,
             ..self.report
         };
         film

@@ -172,7 +172,7 @@ fn light_faults(world: &World, faults: &mut Vec<Fault>) {
             .and_then(|transform| prepared_light(light, transform, None));
         // It keeps its place among the lights, which are numbered.
         let prepared = prepared.and_then(|light| match light.source {
-            LightSource::Towards(DVec3::ZERO) => Err(FaultCause::NoDirection("direction")),
+            LightSource::Directional(DVec3::ZERO) => Err(FaultCause::NoDirection("direction")),
             _ => Ok(light),
         });
         if let Err(cause) = prepared {

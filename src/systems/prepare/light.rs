@@ -6,13 +6,13 @@ use super::settings::sane;
 use super::shape::towards_one;
 use crate::components::{AreaShape, Falloff, Light, LightKind, WorldTransform};
 use crate::systems::FaultCause;
-use crate::trace::{self, Cone, LightSource, Slot};
+use crate::trace::{self, Cone, LightSource, ShapeId};
 
 /// A light in world space, or why there is none.
 pub(super) fn prepared_light(
     light: &Light,
     transform: &WorldTransform,
-    own_shape: Option<Slot>,
+    own_shape: Option<ShapeId>,
 ) -> Result<trace::Light, FaultCause> {
     let center = transform.affine.translation;
     let source = match light.kind {
@@ -22,20 +22,20 @@ pub(super) fn prepared_light(
             LightSource::Spot(center, prepared_cone(angle, softness, transform)?)
         }
         LightKind::Directional { direction } => {
-            LightSource::Towards(-transform.affine.transform_vector3(direction))
+            LightSource::Directional(-transform.affine.transform_vector3(direction))
         }
     };
     match source {
-        LightSource::Towards(direction) if !direction.is_finite() => {
+        LightSource::Directional(direction) if !direction.is_finite() => {
             return Err(FaultCause::NotFinite("direction"));
         }
-        LightSource::Towards(_) => {}
+        LightSource::Directional(_) => {}
         _ if !center.is_finite() => return Err(FaultCause::NotFinite("transform")),
         _ => {}
     }
     let falloff = match light.falloff {
         None => None,
-        Some(_) if matches!(source, LightSource::Towards(_)) => None,
+        Some(_) if matches!(source, LightSource::Directional(_)) => None,
         Some(falloff) => Some(prepared_falloff(falloff)?),
     };
     Ok(trace::Light {
@@ -59,12 +59,12 @@ fn prepared_area(shape: AreaShape, transform: &WorldTransform) -> Result<LightSo
             let scale = transform.uniform_scale.unwrap_or_else(|| libm::cbrt(linear.determinant().abs()));
             let radius = radius * scale;
             let sized = (0.0..=f64::MAX).contains(&radius);
-            sized.then_some(LightSource::Ball { center, radius }).ok_or(out_of_size("radius", radius))
+            sized.then_some(LightSource::Sphere { center, radius }).ok_or(out_of_size("radius", radius))
         }
         AreaShape::Rectangle { width, height } => {
             let halves = [linear.x_axis * (0.5 * width), linear.y_axis * (0.5 * height)];
             match halves.iter().find(|half| !half.is_finite()) {
-                None => Ok(LightSource::Panel { center, halves }),
+                None => Ok(LightSource::Rectangle { center, halves }),
                 Some(_) => Err(FaultCause::NotFinite("size in the world")),
             }
         }

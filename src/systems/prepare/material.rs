@@ -2,7 +2,7 @@
 
 use super::settings::sane;
 use crate::components::{Checker, Material, Reflective, Refractive, Shape, Specular, WorldTransform};
-use crate::trace::{self, Refraction, Squares, SurfaceMaterial};
+use crate::trace::{self, CheckerPattern, Refraction, SurfaceMaterial};
 
 /// The components that say what a surface looks like, and where its squares are.
 pub(super) type Surfaced<'a> = (
@@ -54,14 +54,14 @@ fn prepared_refraction(refractive: &Refractive) -> Option<Refraction> {
 }
 
 /// `None` where there are none: on spheres, and where squares have no size.
-fn prepared_squares(checker: &Checker, shape: &Shape, transform: &WorldTransform) -> Option<Squares> {
+fn prepared_squares(checker: &Checker, shape: &Shape, transform: &WorldTransform) -> Option<CheckerPattern> {
     let (map, size) = (transform.affine, checker.size);
     if size.is_nan() || size <= 0.0 {
         return None;
     }
     match *shape {
         Shape::Sphere { .. } => None,
-        Shape::Plane { normal } => Some(Squares::on_plane(map, normal, size)),
-        Shape::Box { size: edges } => Some(Squares::on_box(map, edges * 0.5, size)),
+        Shape::Plane { normal } => Some(CheckerPattern::on_plane(map, normal, size)),
+        Shape::Box { size: edges } => Some(CheckerPattern::on_box(map, edges * 0.5, size)),
     }
 }

@@ -17,7 +17,7 @@ use crate::components::{
     Ambient, Checker, FilmSettings, Light, Material, Noise, Order, Quality, Sampling, Shape, WorldTransform,
 };
 use crate::time::Time;
-use crate::trace::{self, Geometry, Precision, PreparedScene, Slot};
+use crate::trace::{self, Geometry, Precision, PreparedScene, ShapeId};
 use camera::prepared_camera;
 use faults::surface_fault;
 use light::prepared_light;
@@ -62,10 +62,10 @@ pub(crate) struct RayLimits {
 
 /// Slots by entity. Ids are small and dense, so that a list does.
 #[derive(Clone, Debug, Default)]
-struct SlotTable(Vec<Option<(Entity, Slot)>>);
+struct SlotTable(Vec<Option<(Entity, ShapeId)>>);
 
 impl SlotTable {
-    fn insert(&mut self, entity: Entity, slot: Slot) {
+    fn insert(&mut self, entity: Entity, slot: ShapeId) {
         let index = entity.id() as usize;
         if self.0.len() <= index {
             self.0.resize(index + 1, None);
@@ -73,7 +73,7 @@ impl SlotTable {
         self.0[index] = Some((entity, slot));
     }
 
-    fn get(&self, entity: Entity) -> Option<Slot> {
+    fn get(&self, entity: Entity) -> Option<ShapeId> {
         let (found, slot) = self.0.get(entity.id() as usize).copied().flatten()?;
         (found == entity).then_some(slot)
     }
@@ -210,7 +210,7 @@ impl Preparation {
 
     /// The entity whose shape is in a slot.
     #[must_use]
-    pub fn entity(&self, slot: Slot) -> Entity {
+    pub fn entity(&self, slot: ShapeId) -> Entity {
         self.entities[slot.index()]
     }
 

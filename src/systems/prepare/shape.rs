@@ -8,7 +8,7 @@ use crate::components::{Shape, WorldTransform};
 use crate::systems::FaultCause;
 use crate::systems::world_transform::ExactAffine;
 use crate::trace::PreparedShape;
-use crate::trace::exact::{Double, Double3};
+use crate::trace::math::{Double, Double3};
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 
 /// A shape in world space, or why there is none: where it has no extent or is beyond all measure, squares of its coordinates

@@ -6,14 +6,15 @@ use obvhs::bvh2::Bvh2;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use rayon::prelude::*;
 
+use super::Tree;
 use super::frame::{Frame, FrameBox};
 use super::node::{Child, Node, WIDTH};
-use super::{Slot, Tree};
-use crate::trace::Bounds;
+use crate::trace::rays::ShapeId;
+use crate::trace::shapes::Bounds;
 
 impl Tree {
     /// A tree over these shapes.
-    pub(in crate::trace) fn build(slots: &[Slot], bounds: &[Bounds]) -> Self {
+    pub(crate) fn build(ids: &[ShapeId], bounds: &[Bounds]) -> Self {
         let frame = Frame::of(bounds);
         let boxes: Vec<FrameBox> = bounds.par_iter().map(|bounds| frame.bounds(bounds)).collect();
         let uneven: Vec<Aabb> =
@@ -29,7 +30,7 @@ impl Tree {
             SortPrecision::U64,
             0,
         );
-        Collapse::new(&binary, slots, &boxes).run(frame)
+        Collapse::new(&binary, ids, &boxes).run(frame)
     }
 }
 
@@ -52,7 +53,7 @@ fn uneven(bounds: &FrameBox, index: usize) -> Aabb {
 struct Collapse<'a> {
     binary: &'a Bvh2,
     /// The shapes' slots, in the order of the boxes.
-    given: &'a [Slot],
+    given: &'a [ShapeId],
     boxes: &'a [FrameBox],
     /// How many shapes lie under each binary node.
     counts: Vec<u32>,
@@ -62,7 +63,7 @@ struct Collapse<'a> {
 }
 
 impl<'a> Collapse<'a> {
-    fn new(binary: &'a Bvh2, given: &'a [Slot], boxes: &'a [FrameBox]) -> Self {
+    fn new(binary: &'a Bvh2, given: &'a [ShapeId], boxes: &'a [FrameBox]) -> Self {
         let mut collapse = Self {
             binary,
             given,
@@ -159,7 +160,7 @@ mod tests {
     use super::*;
 
     /// The tree's slots in order, and how many nodes lie above its deepest leaf.
-    fn walk(tree: &Tree) -> (Vec<Slot>, usize) {
+    fn walk(tree: &Tree) -> (Vec<ShapeId>, usize) {
         let mut found = Vec::new();
         let mut deepest = 0;
         let mut open = vec![(0, 1)];
@@ -168,7 +169,7 @@ mod tests {
             for link in tree.nodes[index].links() {
                 match link {
                     Link::Node(index) => open.push((index, depth + 1)),
-                    Link::Leaf(slot) => found.push(slot),
+                    Link::Leaf(id) => found.push(id),
                 }
             }
         }
@@ -187,11 +188,11 @@ mod tests {
         ];
         for place in places {
             for half in [0.0, 1e-60, 0.4] {
-                let slots: Vec<Slot> = (0..count).map(Slot).collect();
+                let ids: Vec<ShapeId> = (0..count).map(ShapeId).collect();
                 let bounds: Vec<Bounds> =
                     (0..count).map(|index| Bounds::around(place(index), DVec3::splat(half))).collect();
-                let (found, depth) = walk(&Tree::build(&slots, &bounds));
-                assert_eq!(found, slots);
+                let (found, depth) = walk(&Tree::build(&ids, &bounds));
+                assert_eq!(found, ids);
                 assert!(depth <= 14, "{depth} nodes deep");
             }
         }

@@ -2,29 +2,30 @@
 
 use glam::DVec3;
 
-use crate::trace::{Bounds, Ray};
+use crate::trace::rays::Ray;
+use crate::trace::shapes::Bounds;
 
 /// Moves the median shape to the origin and scales by a power of two so that all boxes lie within -1..=1, where `f32` has
 /// its digits. It is a function of the shapes alone.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Frame {
+pub(crate) struct Frame {
     origin: DVec3,
     scale: f64,
 }
 
 /// A box in the frame, rounded outwards.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FrameBox {
-    pub(super) min: [f32; 3],
-    pub(super) max: [f32; 3],
+pub(crate) struct FrameBox {
+    pub(crate) min: [f32; 3],
+    pub(crate) max: [f32; 3],
 }
 
 impl FrameBox {
     /// A box around nothing.
-    pub(super) const EMPTY: Self = Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
+    pub(crate) const EMPTY: Self = Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
 
     /// The box around both.
-    pub(super) fn union(&self, other: &Self) -> Self {
+    pub(crate) fn union(&self, other: &Self) -> Self {
         Self {
             min: std::array::from_fn(|axis| self.min[axis].min(other.min[axis])),
             max: std::array::from_fn(|axis| self.max[axis].max(other.max[axis])),
@@ -32,7 +33,7 @@ impl FrameBox {
     }
 
     /// Half the surface, by which the chance that a ray meets it goes.
-    pub(super) fn half_area(&self) -> f32 {
+    pub(crate) fn half_area(&self) -> f32 {
         let [x, y, z] = std::array::from_fn(|axis| self.max[axis] - self.min[axis]);
         x * y + y * z + z * x
     }
@@ -43,17 +44,17 @@ impl FrameBox {
 /// The origin is an interval. Planes that the ray enters by are measured from the end that lets it enter earlier, planes it
 /// leaves by from the other.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FrameRay {
-    pub(super) near_origin: [f32; 3],
-    pub(super) far_origin: [f32; 3],
-    pub(super) inverse: [f32; 3],
+pub(crate) struct FrameRay {
+    pub(crate) near_origin: [f32; 3],
+    pub(crate) far_origin: [f32; 3],
+    pub(crate) inverse: [f32; 3],
     /// Does the ray run down this axis, entering by the upper plane?
-    pub(super) downward: [bool; 3],
+    pub(crate) downward: [bool; 3],
 }
 
 impl Frame {
     /// The frame of these boxes.
-    pub(super) fn of(bounds: &[Bounds]) -> Self {
+    pub(crate) fn of(bounds: &[Bounds]) -> Self {
         let median = |axis: usize| {
             let mut centers: Vec<f64> = bounds.iter().map(|bounds| bounds.center()[axis]).collect();
             let middle = centers.len() / 2;
@@ -72,18 +73,18 @@ impl Frame {
     }
 
     /// A box, rounded outwards.
-    pub(super) fn bounds(&self, bounds: &Bounds) -> FrameBox {
+    pub(crate) fn bounds(&self, bounds: &Bounds) -> FrameBox {
         let (min, max) = ((bounds.min - self.origin) * self.scale, (bounds.max - self.origin) * self.scale);
         FrameBox { min: min.to_array().map(below), max: max.to_array().map(above) }
     }
 
     /// A distance along a ray, rounded up.
-    pub(super) fn limit(&self, t: f64) -> f32 {
+    pub(crate) fn limit(&self, t: f64) -> f32 {
         above(t * self.scale)
     }
 
     /// A ray.
-    pub(super) fn ray(&self, ray: &Ray) -> FrameRay {
+    pub(crate) fn ray(&self, ray: &Ray) -> FrameRay {
         /// Below this a component's reciprocal would leave `f32`: such a ray never fails the axis.
         const SLOWEST: f64 = 1e-30;
         /// Four times what rounding to `f32` can shift the origin by. The shapes' own rounding shifts what they accept by a

@@ -13,15 +13,14 @@ mod frame;
 mod node;
 mod traverse;
 
-pub(super) use traverse::Stack;
+pub(crate) use traverse::Stack;
 
-use super::Slot;
 use frame::Frame;
 use node::Node;
 
 /// The tree over the shapes that have bounds.
 #[derive(Clone, Debug)]
-pub(super) struct Tree {
+pub(crate) struct Tree {
     frame: Frame,
     nodes: Vec<Node>,
 }

@@ -1,28 +1,28 @@
 //! Eight boxes against one ray.
 
-use super::Slot;
 use super::frame::{FrameBox, FrameRay};
+use crate::trace::rays::ShapeId;
 
 /// How many children a node has.
-pub(super) const WIDTH: usize = 8;
+pub(crate) const WIDTH: usize = 8;
 
 /// A node's child: another node, or a shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Child(u32);
+pub(crate) struct Child(u32);
 
 /// A child, read.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Link {
+pub(crate) enum Link {
     Node(usize),
-    Leaf(Slot),
+    Leaf(ShapeId),
 }
 
 /// Eight children's boxes, plane by plane: lower x, y, z, then upper x, y, z.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-pub(super) struct Node {
+pub(crate) struct Node {
     planes: [[f32; WIDTH]; 6],
-    pub(super) children: [Child; WIDTH],
+    pub(crate) children: [Child; WIDTH],
     /// Which children there are, as a bit mask.
     used: u32,
 }
@@ -31,41 +31,41 @@ impl Child {
     /// More than any slot has: there are at most 2^28.
     const LEAF: u32 = 1 << 31;
 
-    pub(super) fn node(index: u32) -> Self {
+    pub(crate) fn node(index: u32) -> Self {
         Self(index)
     }
 
-    pub(super) fn leaf(slot: Slot) -> Self {
-        Self(Self::LEAF | slot.0)
+    pub(crate) fn leaf(id: ShapeId) -> Self {
+        Self(Self::LEAF | id.0)
     }
 
     #[inline]
-    pub(super) fn read(self) -> Link {
+    pub(crate) fn read(self) -> Link {
         if self.0 & Self::LEAF == 0 {
             Link::Node(self.0 as usize)
         } else {
-            Link::Leaf(Slot(self.0 & !Self::LEAF))
+            Link::Leaf(ShapeId(self.0 & !Self::LEAF))
         }
     }
 
     /// As a number.
     #[inline]
-    pub(super) fn word(self) -> u32 {
+    pub(crate) fn word(self) -> u32 {
         self.0
     }
 
     /// From its number.
     #[inline]
-    pub(super) fn from_word(word: u32) -> Self {
+    pub(crate) fn from_word(word: u32) -> Self {
         Self(word)
     }
 }
 
 impl Node {
     /// What far sides are multiplied by: 1 + 2^-20.
-    pub(super) const LENGTHEN: f32 = 1.0 + 1.0 / 1_048_576.0;
+    pub(crate) const LENGTHEN: f32 = 1.0 + 1.0 / 1_048_576.0;
 
-    pub(super) fn empty() -> Self {
+    pub(crate) fn empty() -> Self {
         let (lower, upper) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
         Self {
             planes: [lower, lower, lower, upper, upper, upper],
@@ -74,7 +74,7 @@ impl Node {
         }
     }
 
-    pub(super) fn set(&mut self, index: usize, bounds: &FrameBox, child: Child) {
+    pub(crate) fn set(&mut self, index: usize, bounds: &FrameBox, child: Child) {
         for axis in 0..3 {
             self.planes[axis][index] = bounds.min[axis];
             self.planes[axis + 3][index] = bounds.max[axis];
@@ -85,7 +85,7 @@ impl Node {
 
     /// The children that there are.
     #[cfg(test)]
-    pub(super) fn links(&self) -> impl Iterator<Item = Link> {
+    pub(crate) fn links(&self) -> impl Iterator<Item = Link> {
         (0..WIDTH).filter(|index| self.used & (1 << index) != 0).map(|index| self.children[index].read())
     }
 
@@ -95,7 +95,7 @@ impl Node {
     /// made up for by lengthening the far side by 2^-20 (after Ize, "Robust BVH Ray Traversal", JCGT 2013), and a
     /// comparison with NaN (an unmoving ray in a plane) passes.
     #[inline(always)]
-    pub(super) fn entries(&self, ray: &FrameRay, limit: f32) -> (u32, [f32; WIDTH]) {
+    pub(crate) fn entries(&self, ray: &FrameRay, limit: f32) -> (u32, [f32; WIDTH]) {
         let mut entry = [0.0_f32; WIDTH];
         let mut exit = [limit; WIDTH];
         for axis in 0..3 {

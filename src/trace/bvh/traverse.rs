@@ -2,13 +2,13 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::Tree;
 use super::node::{Child, Link, Node};
-use super::{Slot, Tree};
-use crate::trace::Ray;
+use crate::trace::rays::{Ray, ShapeId};
 
 /// Nodes and shapes still to be visited, kept between rays so that none allocates.
 #[derive(Clone, Debug, Default)]
-pub(in crate::trace) struct Stack(Vec<Pending>);
+pub(crate) struct Stack(Vec<Pending>);
 
 /// Where a ray may enter a child, as the bits of an `f32` that is not negative, and below them the child: in the order of
 /// entries.
@@ -37,13 +37,13 @@ impl Tree {
     /// Visits every shape that the ray may meet before a limit, nearer boxes first. `visit` answers with the `t` from
     /// which on it is no longer interested. Once `cancelled` is true the rest is left out.
     #[inline]
-    pub(in crate::trace) fn visit_nearest(
+    pub(crate) fn visit_nearest(
         &self,
         ray: &Ray,
         mut limit: f64,
         stack: &mut Stack,
         cancelled: &AtomicBool,
-        mut visit: impl FnMut(Slot) -> f64,
+        mut visit: impl FnMut(ShapeId) -> f64,
     ) {
         if self.nodes.is_empty() {
             return;
@@ -74,11 +74,11 @@ impl Tree {
                         node = &self.nodes[index];
                         break;
                     }
-                    Link::Leaf(slot) => {
+                    Link::Leaf(id) => {
                         if cancelled.load(Ordering::Relaxed) {
                             return;
                         }
-                        let wanted = visit(slot);
+                        let wanted = visit(id);
                         if wanted < limit {
                             limit = wanted;
                             frame_limit = self.frame.limit(limit);
@@ -92,14 +92,14 @@ impl Tree {
     /// A shape that the ray may meet before the limit and for which `found` holds, if there is any. Once `cancelled` is true the
     /// rest is left out.
     #[inline]
-    pub(in crate::trace) fn find_any(
+    pub(crate) fn find_any(
         &self,
         ray: &Ray,
         limit: f64,
         stack: &mut Stack,
         cancelled: &AtomicBool,
-        mut found: impl FnMut(Slot) -> bool,
-    ) -> Option<Slot> {
+        mut found: impl FnMut(ShapeId) -> bool,
+    ) -> Option<ShapeId> {
         if self.nodes.is_empty() {
             return None;
         }
@@ -116,7 +116,7 @@ impl Tree {
                 match child.read() {
                     Link::Node(_) => stack.push(Pending::new(child, 0.0)),
                     Link::Leaf(_) if cancelled.load(Ordering::Relaxed) => return None,
-                    Link::Leaf(slot) if found(slot) => return Some(slot),
+                    Link::Leaf(id) if found(id) => return Some(id),
                     Link::Leaf(_) => {}
                 }
             }

@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 
+use super::bounds::Bounds;
+use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, RefinedHit, Side};
 use super::sphere::U;
-use super::{Crossing, Face, Facet, Meeting, Side, Verdict};
-use crate::trace::algebraic::{Exact, Exact3, ExactRoot};
-use crate::trace::exact::{Compensated3, Double};
-use crate::trace::{Bounds, Ray, Refined, Root};
+use crate::trace::math::{Compensated3, Double, Exact, Exact3, ExactRoot, Root};
+use crate::trace::rays::Ray;
 
 /// An axis-aligned box in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,11 +21,11 @@ pub struct AlignedBox {
 const SLOWEST: f64 = 1e-300;
 
 /// A ray in a space of its own that it was taken into, and by how much each coordinate may be off.
-pub(super) struct Inexact {
-    pub(super) origin: DVec3,
-    pub(super) direction: DVec3,
-    pub(super) origin_error: DVec3,
-    pub(super) direction_error: DVec3,
+pub(crate) struct Inexact {
+    pub(crate) origin: DVec3,
+    pub(crate) direction: DVec3,
+    pub(crate) origin_error: DVec3,
+    pub(crate) direction_error: DVec3,
 }
 
 /// What `f64` can say of an inexact ray and a slab.
@@ -33,7 +33,7 @@ enum Along {
     /// It enters here and leaves there.
     Through(Root, Root),
     /// It goes along it, inside.
-    Inside,
+    MediumStack,
     /// It goes along it, outside.
     Outside,
     /// Too close to call.
@@ -58,7 +58,7 @@ impl Inexact {
         if d_error > 0.0 {
             Along::Open
         } else if o - o_error > min && o + o_error < max {
-            Along::Inside
+            Along::MediumStack
         } else if o + o_error < min || o - o_error > max {
             Along::Outside
         } else {
@@ -68,18 +68,18 @@ impl Inexact {
 }
 
 /// One of a box's three slabs, as a ray sees it: its planes are `low` and `high` ahead, and come closer with `speed`.
-pub(super) struct Slab {
-    pub(super) low: Exact,
-    pub(super) high: Exact,
-    pub(super) speed: Exact,
+pub(crate) struct Slab {
+    pub(crate) low: Exact,
+    pub(crate) high: Exact,
+    pub(crate) speed: Exact,
 }
 
 impl Slab {
     /// Where the ray enters and where it leaves the slab.
-    fn meetings(&self, axis: usize) -> [Meeting; 2] {
+    fn meetings(&self, axis: usize) -> [ExactHit; 2] {
         let upwards = self.speed.sign().is_gt();
         let (near, far) = if upwards { (&self.low, &self.high) } else { (&self.high, &self.low) };
-        let meeting = |height: &Exact, upper: bool, side: Side| Meeting {
+        let meeting = |height: &Exact, upper: bool, side: Side| ExactHit {
             t: ExactRoot::quotient(height, &self.speed),
             face: Face { axis, upper },
             side,
@@ -89,8 +89,8 @@ impl Slab {
 }
 
 /// Where a line enters and where it leaves what three slabs have in common, closed ones: a line in a face touches it.
-pub(super) fn crossing(slabs: &[Slab; 3]) -> Option<Crossing> {
-    let mut crossing: Option<Crossing> = None;
+pub(crate) fn cross_exactly(slabs: &[Slab; 3]) -> Option<ExactCrossing> {
+    let mut crossing: Option<ExactCrossing> = None;
     for (axis, slab) in slabs.iter().enumerate() {
         if slab.speed.sign().is_eq() {
             if slab.low.sign().is_gt() || slab.high.sign().is_lt() {
@@ -112,18 +112,18 @@ pub(super) fn crossing(slabs: &[Slab; 3]) -> Option<Crossing> {
 }
 
 /// The nearest of the planes ahead, where a line comes out that is inside or goes inwards from the surface.
-pub(super) fn exit(slabs: &[Slab; 3]) -> Option<Meeting> {
+pub(crate) fn exit_exactly(slabs: &[Slab; 3]) -> Option<ExactHit> {
     let moving = slabs.iter().enumerate().filter(|(_, slab)| slab.speed.sign().is_ne());
     let exits = moving.map(|(axis, slab)| {
         let [_, exit] = slab.meetings(axis);
         exit
     });
-    exits.min_by(|one, other| one.t.cmp(&other.t)).map(Meeting::ahead)
+    exits.min_by(|one, other| one.t.cmp(&other.t)).map(ExactHit::ahead)
 }
 
 /// A face's outward normal.
 #[inline]
-pub(super) fn outward(face: Face) -> DVec3 {
+pub(crate) fn outward(face: Face) -> DVec3 {
     let mut normal = DVec3::ZERO;
     normal[face.axis] = if face.upper { 1.0 } else { -1.0 };
     normal
@@ -133,7 +133,7 @@ impl AlignedBox {
     /// The smallest `t >= 0` on the box.
     #[must_use]
     #[inline]
-    pub fn first_hit(&self, ray: &Ray) -> Verdict {
+    pub fn intersect(&self, ray: &Ray) -> Intersection {
         let (origin, direction) = (ray.origin(), ray.direction());
         // A difference times a reciprocal is rounded three times; its sign is right.
         let (entry, exit) = if direction.abs().min_element() > SLOWEST {
@@ -145,19 +145,19 @@ impl AlignedBox {
         };
         let close = 8.0 * U * entry.abs().max(exit.abs());
         if exit < 0.0 || entry > exit + close {
-            return Verdict::Miss;
+            return Intersection::Miss;
         }
         if entry > exit - close {
-            return Verdict::Open;
+            return Intersection::Ambiguous;
         }
         // Adding zero makes a negative zero positive.
         let t = if entry >= 0.0 { entry } else { exit } + 0.0;
-        Verdict::Hit(Root::within(t, 4.0 * U * t))
+        Intersection::Hit(Root::within(t, 4.0 * U * t))
     }
 
-    /// As [`AlignedBox::first_hit`], for a ray that is known within bounds.
+    /// As [`AlignedBox::intersect`], for a ray that is known within bounds.
     #[inline]
-    pub(super) fn first_crossing(&self, ray: &Inexact) -> Verdict {
+    pub(crate) fn first_crossing(&self, ray: &Inexact) -> Intersection {
         let (mut entry, mut exit) = (Root::within(f64::NEG_INFINITY, 0.0), Root::within(f64::INFINITY, 0.0));
         for axis in 0..3 {
             match ray.slab(axis, self.min[axis], self.max[axis]) {
@@ -165,33 +165,33 @@ impl AlignedBox {
                     entry = entry.later(near);
                     exit = exit.earlier(far);
                 }
-                Along::Inside => {}
-                Along::Outside => return Verdict::Miss,
-                Along::Open => return Verdict::Open,
+                Along::MediumStack => {}
+                Along::Outside => return Intersection::Miss,
+                Along::Open => return Intersection::Ambiguous,
             }
         }
         if entry.earliest() > exit.latest() || exit.latest() < 0.0 {
-            Verdict::Miss
+            Intersection::Miss
         } else if entry.latest() >= exit.earliest() {
-            Verdict::Open
+            Intersection::Ambiguous
         } else if entry.earliest() > 0.0 {
-            Verdict::Hit(entry)
+            Intersection::Hit(entry)
         } else if entry.latest() < 0.0 && exit.earliest() > 0.0 {
-            Verdict::Hit(exit)
+            Intersection::Hit(exit)
         } else {
-            Verdict::Open
+            Intersection::Ambiguous
         }
     }
 
     /// Where the ray's line is in the box, decided exactly.
-    pub(in crate::trace) fn crossing(&self, origin: DVec3, direction: &Exact3) -> Option<Crossing> {
-        crossing(&self.exact_slabs(origin, direction))
+    pub(crate) fn cross_exactly(&self, origin: DVec3, direction: &Exact3) -> Option<ExactCrossing> {
+        cross_exactly(&self.exact_slabs(origin, direction))
     }
 
     /// Where a ray that starts on the box and goes inwards comes out, decided exactly. From an edge it may come out at once, by the
     /// other face.
-    pub(in crate::trace) fn exit(&self, origin: DVec3, direction: &Exact3) -> Option<Meeting> {
-        exit(&self.exact_slabs(origin, direction))
+    pub(crate) fn exit_exactly(&self, origin: DVec3, direction: &Exact3) -> Option<ExactHit> {
+        exit_exactly(&self.exact_slabs(origin, direction))
     }
 
     fn exact_slabs(&self, origin: DVec3, direction: &Exact3) -> [Slab; 3] {
@@ -206,22 +206,16 @@ impl AlignedBox {
     /// The meeting near an inexact `t`. `None` near edges, where more than one face might be met.
     #[must_use]
     #[inline(always)]
-    pub(in crate::trace) fn refined(
-        &self,
-        origin: DVec3,
-        direction: DVec3,
-        t: f64,
-        _far: bool,
-    ) -> Option<Refined> {
+    pub(crate) fn refine(&self, origin: DVec3, direction: DVec3, t: f64, _far: bool) -> Option<RefinedHit> {
         /// Quotients of smaller numbers might lose digits.
         const TINY: f64 = 1e-140;
         let face = self.only_face(origin, direction, t).filter(|face| direction[face.axis].abs() > TINY)?;
         let t = Double::difference(self.plane(face), origin[face.axis]) / direction[face.axis].into();
-        Some(self.surface_on(origin, direction, t, face))
+        Some(self.surface_point(origin, direction, t, face))
     }
 
     /// Every `t` of which few bits are certain is solved exactly.
-    pub(in crate::trace) fn solved(&self, _origin: DVec3, _direction: DVec3, _t: f64) -> Option<Refined> {
+    pub(crate) fn solve(&self, _origin: DVec3, _direction: DVec3, _t: f64) -> Option<RefinedHit> {
         None
     }
 
@@ -240,7 +234,7 @@ impl AlignedBox {
 
     /// The face that a ray certainly meets at `t`, or, if it is inside already, at which it certainly comes out.
     #[inline]
-    pub(super) fn clear_face(&self, ray: &Inexact, t: f64, inside: bool) -> Option<Face> {
+    pub(crate) fn clear_face(&self, ray: &Inexact, t: f64, inside: bool) -> Option<Face> {
         let never = |t: f64| (Root::within(t, 0.0), Face::default());
         let (mut nears, mut fars) = ([never(f64::NEG_INFINITY); 3], [never(f64::INFINITY); 3]);
         for axis in 0..3 {
@@ -250,7 +244,7 @@ impl AlignedBox {
                     nears[axis] = (near, Face { axis, upper: !upwards });
                     fars[axis] = (far, Face { axis, upper: upwards });
                 }
-                Along::Inside | Along::Outside => {}
+                Along::MediumStack | Along::Outside => {}
                 Along::Open => return None,
             }
         }
@@ -285,7 +279,7 @@ impl AlignedBox {
 
     /// Where a ray that starts on the box and goes inwards comes out: only faces ahead count.
     #[must_use]
-    pub fn far_hit(&self, origin: DVec3, direction: DVec3) -> Verdict {
+    pub fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
         let mut nearest = f64::INFINITY;
         for axis in 0..3 {
             let d = direction[axis];
@@ -295,51 +289,39 @@ impl AlignedBox {
             }
         }
         let t = nearest.max(0.0);
-        Verdict::Hit(Root::within(t, 4.0 * U * t))
+        Intersection::Hit(Root::within(t, 4.0 * U * t))
     }
 
     /// The same for a ray that is known within bounds.
-    pub(super) fn rough_exit(&self, ray: &Inexact) -> Verdict {
+    pub(crate) fn rough_exit(&self, ray: &Inexact) -> Intersection {
         let mut exit = Root::within(f64::INFINITY, 0.0);
         for axis in 0..3 {
             match ray.slab(axis, self.min[axis], self.max[axis]) {
                 Along::Through(_, far) => exit = exit.earlier(far),
-                Along::Inside | Along::Outside => {}
-                Along::Open => return Verdict::Open,
+                Along::MediumStack | Along::Outside => {}
+                Along::Open => return Intersection::Ambiguous,
             }
         }
-        if exit.earliest() > 0.0 { Verdict::Hit(exit) } else { Verdict::Open }
+        if exit.earliest() > 0.0 { Intersection::Hit(exit) } else { Intersection::Ambiguous }
     }
 
     /// The meeting at `t` with a face: the point has the face's own coordinate.
     #[inline(always)]
-    pub(in crate::trace) fn surface_on(
-        &self,
-        origin: DVec3,
-        direction: DVec3,
-        t: Double,
-        face: Face,
-    ) -> Refined {
+    pub(crate) fn surface_point(&self, origin: DVec3, direction: DVec3, t: Double, face: Face) -> RefinedHit {
         let place = Compensated3::along(origin, direction, t.rounded()).moved(direction * t.rest());
         let mut point = place.clamp(self.min, self.max);
         point[face.axis] = self.plane(face);
-        Refined { t, point, normal: outward(face) }
+        RefinedHit { t, point, normal: outward(face) }
     }
 
     /// A face's coordinate.
     #[inline]
-    pub(super) fn plane(&self, face: Face) -> f64 {
+    pub(crate) fn plane(&self, face: Face) -> f64 {
         if face.upper { self.max[face.axis] } else { self.min[face.axis] }
     }
 
     /// The plane of the only face that can be met there.
-    pub(in crate::trace) fn facet(
-        &self,
-        origin: DVec3,
-        direction: DVec3,
-        t: f64,
-        _far: bool,
-    ) -> Option<Facet> {
+    pub(crate) fn facet(&self, origin: DVec3, direction: DVec3, t: f64, _far: bool) -> Option<Facet> {
         let face = self.only_face(origin, direction, t)?;
         Some(Facet { row: DVec3::AXES[face.axis], offset: self.plane(face) })
     }
@@ -362,12 +344,12 @@ mod tests {
     use super::*;
 
     fn first(origin: DVec3, direction: DVec3) -> Option<f64> {
-        UNIT.first_hit(&Ray::new(origin, direction)?)
-            .decided(direction, || UNIT.crossing(origin, &direction.into()))
+        UNIT.intersect(&Ray::new(origin, direction)?)
+            .decided(direction, || UNIT.cross_exactly(origin, &direction.into()))
     }
 
     fn far(origin: DVec3, direction: DVec3) -> Option<f64> {
-        UNIT.far_hit(origin, direction).decided(DVec3::X, || None)
+        UNIT.exit(origin, direction).decided(DVec3::X, || None)
     }
 
     const UNIT: AlignedBox = AlignedBox { min: DVec3::NEG_ONE, max: DVec3::ONE };
@@ -394,11 +376,11 @@ mod tests {
     fn hits_are_put_onto_their_face() {
         let (origin, direction) = (DVec3::new(0.3, 0.1, -3.7), DVec3::new(0.05, 0.13, 1.0));
         let t = first(origin, direction).unwrap();
-        let Refined { point, normal, .. } = UNIT.refined(origin, direction, t, false).unwrap();
+        let RefinedHit { point, normal, .. } = UNIT.refine(origin, direction, t, false).unwrap();
         assert_eq!((point.z, normal), (-1.0, DVec3::NEG_Z));
         let t = first(DVec3::ZERO, DVec3::new(0.2, -1.0, 0.0)).unwrap();
-        let Refined { point, normal, .. } =
-            UNIT.refined(DVec3::ZERO, DVec3::new(0.2, -1.0, 0.0), t, false).unwrap();
+        let RefinedHit { point, normal, .. } =
+            UNIT.refine(DVec3::ZERO, DVec3::new(0.2, -1.0, 0.0), t, false).unwrap();
         assert_eq!(
             (point, normal),
             (DVec3::new(0.2, -1.0, 0.0), DVec3::NEG_Y),
@@ -412,8 +394,8 @@ mod tests {
         // From an edge it comes out at once, by the other face.
         let (origin, direction) = (DVec3::new(0.0, 1.0, -1.0), DVec3::new(0.0, 1.0, 1.0));
         assert_eq!(far(origin, direction), Some(0.0));
-        let face = UNIT.exit(origin, &direction.into()).unwrap().face;
-        let Refined { point, normal, .. } = UNIT.surface_on(origin, direction, Double::ZERO, face);
+        let face = UNIT.exit_exactly(origin, &direction.into()).unwrap().face;
+        let RefinedHit { point, normal, .. } = UNIT.surface_point(origin, direction, Double::ZERO, face);
         assert_eq!((point, normal), (origin, DVec3::Y));
     }
 }

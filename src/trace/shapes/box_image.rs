@@ -2,13 +2,13 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::affine::{bounds_of_image, condition, exact_inverse};
-use super::aligned_box::{Inexact, Slab, crossing, exit};
+use super::aligned_box::{AlignedBox, Inexact, Slab, cross_exactly, exit_exactly};
+use super::bounds::Bounds;
+use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, RefinedHit};
 use super::sphere::{U, newton_step};
-use super::{AlignedBox, Crossing, Face, Facet, Meeting, Verdict};
-use crate::trace::algebraic::{Exact, Exact3};
-use crate::trace::exact::{Compensated3, Double, Double3, offset_height};
-use crate::trace::{Bounds, Ray, Refined};
+use super::sphere_image::{bounds_of_image, condition, exact_inverse};
+use crate::trace::math::{Compensated3, Double, Double3, Exact, Exact3, offset_height};
+use crate::trace::rays::Ray;
 
 /// A box under an affine map.
 ///
@@ -115,18 +115,18 @@ impl BoxImage {
     /// The smallest `t >= 0` on the box.
     #[must_use]
     #[inline]
-    pub fn first_hit(&self, ray: &Ray) -> Verdict {
+    pub fn intersect(&self, ray: &Ray) -> Intersection {
         self.near.first_crossing(&self.seen(ray.origin(), ray.direction()))
     }
 
     /// Where the ray's line is in the box, decided exactly.
-    pub(in crate::trace) fn crossing(&self, origin: DVec3, direction: &Exact3) -> Option<Crossing> {
-        crossing(&self.exact_slabs(origin, direction))
+    pub(crate) fn cross_exactly(&self, origin: DVec3, direction: &Exact3) -> Option<ExactCrossing> {
+        cross_exactly(&self.exact_slabs(origin, direction))
     }
 
     /// Where a ray that starts on the box and goes inwards comes out, decided exactly.
-    pub(in crate::trace) fn exit(&self, origin: DVec3, direction: &Exact3) -> Option<Meeting> {
-        exit(&self.exact_slabs(origin, direction))
+    pub(crate) fn exit_exactly(&self, origin: DVec3, direction: &Exact3) -> Option<ExactHit> {
+        exit_exactly(&self.exact_slabs(origin, direction))
     }
 
     fn exact_slabs(&self, origin: DVec3, direction: &Exact3) -> [Slab; 3] {
@@ -142,13 +142,7 @@ impl BoxImage {
     /// The meeting near an inexact `t`, by a Newton step towards the face. `far` says that the ray comes from inside. `None` near
     /// edges, where more than one face might be met.
     #[must_use]
-    pub(in crate::trace) fn refined(
-        &self,
-        origin: DVec3,
-        direction: DVec3,
-        t: f64,
-        far: bool,
-    ) -> Option<Refined> {
+    pub(crate) fn refine(&self, origin: DVec3, direction: DVec3, t: f64, far: bool) -> Option<RefinedHit> {
         let face = self.near.clear_face(&self.seen(origin, direction), t, far)?;
         let place = Compensated3::along(origin, direction, t);
         let row = self.rows[face.axis];
@@ -156,24 +150,18 @@ impl BoxImage {
         let beyond = (place.dot(row) - offset.into()).rounded();
         let step = newton_step(beyond, row.dot(direction));
         let point = place.moved(direction * step);
-        Some(Refined { t: Double::sum(t, step), point, normal: self.normal(face) })
+        Some(RefinedHit { t: Double::sum(t, step), point, normal: self.normal(face) })
     }
 
     /// Every `t` of which few bits are certain is solved exactly.
-    pub(in crate::trace) fn solved(&self, _origin: DVec3, _direction: DVec3, _t: f64) -> Option<Refined> {
+    pub(crate) fn solve(&self, _origin: DVec3, _direction: DVec3, _t: f64) -> Option<RefinedHit> {
         None
     }
 
     /// The meeting at `t` on a face.
-    pub(in crate::trace) fn surface_on(
-        &self,
-        origin: DVec3,
-        direction: DVec3,
-        t: Double,
-        face: Face,
-    ) -> Refined {
+    pub(crate) fn surface_point(&self, origin: DVec3, direction: DVec3, t: Double, face: Face) -> RefinedHit {
         let place = Compensated3::along(origin, direction, t.rounded());
-        Refined { t, point: place.moved(direction * t.rest()), normal: self.normal(face) }
+        RefinedHit { t, point: place.moved(direction * t.rest()), normal: self.normal(face) }
     }
 
     fn normal(&self, face: Face) -> DVec3 {
@@ -182,18 +170,12 @@ impl BoxImage {
 
     /// Where a ray that starts on the box and goes inwards comes out.
     #[must_use]
-    pub fn far_hit(&self, origin: DVec3, direction: DVec3) -> Verdict {
+    pub fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
         self.near.rough_exit(&self.seen(origin, direction))
     }
 
     /// The plane of the face that is certainly met there.
-    pub(in crate::trace) fn facet(
-        &self,
-        origin: DVec3,
-        direction: DVec3,
-        t: f64,
-        far: bool,
-    ) -> Option<Facet> {
+    pub(crate) fn facet(&self, origin: DVec3, direction: DVec3, t: f64, far: bool) -> Option<Facet> {
         let face = self.near.clear_face(&self.seen(origin, direction), t, far)?;
         let offset = if face.upper { self.high[face.axis] } else { self.low[face.axis] };
         Some(Facet { row: self.rows[face.axis], offset })
@@ -234,9 +216,9 @@ mod tests {
         let mirrored = BoxImage::new(map, DVec3::ONE).unwrap();
         let origin = DVec3::new(-4.0, 0.2, 0.1);
         let ray = Ray::new(origin, DVec3::X).unwrap();
-        let exact = || mirrored.crossing(origin, &DVec3::X.into());
-        let t = mirrored.first_hit(&ray).decided(DVec3::X, exact).unwrap();
-        let Refined { point, normal, .. } = mirrored.refined(origin, DVec3::X, t, false).unwrap();
+        let exact = || mirrored.cross_exactly(origin, &DVec3::X.into());
+        let t = mirrored.intersect(&ray).decided(DVec3::X, exact).unwrap();
+        let RefinedHit { point, normal, .. } = mirrored.refine(origin, DVec3::X, t, false).unwrap();
         assert_eq!((t, point, normal), (3.0, DVec3::new(-1.0, 0.2, 0.1), DVec3::NEG_X));
     }
 }

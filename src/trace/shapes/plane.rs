@@ -2,12 +2,10 @@
 
 use glam::DVec3;
 
+use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, RefinedHit, Side};
 use super::sphere::{U, newton_step};
-use super::{Crossing, Face, Facet, Meeting, Side, Verdict};
-use crate::trace::algebraic::{Exact3, ExactRoot};
-use crate::trace::exact::{Compensated3, Double, Double3, dot};
-use crate::trace::ray::scaled;
-use crate::trace::{Ray, Refined, Root};
+use crate::trace::math::{Compensated3, Double, Double3, Exact3, ExactRoot, Root, dot, scaled};
+use crate::trace::rays::Ray;
 
 /// An infinite plane in world space, two-sided.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +40,7 @@ impl Plane {
     /// The `t >= 0` on the plane. A ray along the plane misses it, also when it lies in it.
     #[must_use]
     #[inline]
-    pub fn first_hit(&self, ray: &Ray) -> Verdict {
+    pub fn intersect(&self, ray: &Ray) -> Intersection {
         let (origin, direction) = (ray.origin(), ray.direction());
         let to_plane = self.point - origin;
         let (height, speed) = (to_plane.dot(self.normal), direction.dot(self.normal));
@@ -54,56 +52,44 @@ impl Plane {
         let error = (height_error + t.abs() * speed_error) * inverse.abs() + 4.0 * U * t.abs();
         let certain = speed.abs() > 1024.0 * speed_error;
         if certain && t > error {
-            Verdict::Hit(Root::within(t, error))
+            Intersection::Hit(Root::within(t, error))
         } else if certain && t < -error {
-            Verdict::Miss
+            Intersection::Miss
         } else {
-            Verdict::Open
+            Intersection::Ambiguous
         }
     }
 
     /// Where the ray's line meets the plane, decided exactly: it leaves as it enters.
-    pub(in crate::trace) fn crossing(&self, origin: DVec3, direction: &Exact3) -> Option<Crossing> {
+    pub(crate) fn cross_exactly(&self, origin: DVec3, direction: &Exact3) -> Option<ExactCrossing> {
         let normal = Exact3::from(self.normal);
         let speed = normal.dot(direction);
         if speed.sign().is_eq() {
             return None;
         }
         let height = normal.dot(&(&Exact3::from(self.point) - &origin.into()));
-        let meeting = Meeting::new(ExactRoot::quotient(&height, &speed), Side::Either);
+        let meeting = ExactHit::new(ExactRoot::quotient(&height, &speed), Side::Either);
         Some([meeting.clone(), meeting])
     }
 
     /// The meeting near an inexact `t`: one Newton step from the height that is left there, in twice the working precision.
     #[must_use]
     #[inline(always)]
-    pub(in crate::trace) fn refined(
-        &self,
-        origin: DVec3,
-        direction: DVec3,
-        t: f64,
-        _far: bool,
-    ) -> Option<Refined> {
+    pub(crate) fn refine(&self, origin: DVec3, direction: DVec3, t: f64, _far: bool) -> Option<RefinedHit> {
         let place = Compensated3::along(origin, direction, t);
         let height = place.minus(self.point).dot(self.normal).rounded();
         let step = newton_step(height, direction.dot(self.normal));
         let point = place.moved(direction * step);
-        Some(Refined { t: Double::sum(t, step), point, normal: self.unit_normal })
+        Some(RefinedHit { t: Double::sum(t, step), point, normal: self.unit_normal })
     }
 
     /// Every `t` of which few bits are certain is solved exactly.
-    pub(in crate::trace) fn solved(&self, _origin: DVec3, _direction: DVec3, _t: f64) -> Option<Refined> {
+    pub(crate) fn solve(&self, _origin: DVec3, _direction: DVec3, _t: f64) -> Option<RefinedHit> {
         None
     }
 
     /// The plane of a face that may be flush with one of a box: only across an axis they are the same numbers.
-    pub(in crate::trace) fn facet(
-        &self,
-        _origin: DVec3,
-        _direction: DVec3,
-        _t: f64,
-        _far: bool,
-    ) -> Option<Facet> {
+    pub(crate) fn facet(&self, _origin: DVec3, _direction: DVec3, _t: f64, _far: bool) -> Option<Facet> {
         let row = self.unit_normal.abs();
         let axis = (0..3).find(|axis| row[*axis] == 1.0)?;
         Some(Facet { row, offset: self.point[axis] })
@@ -117,26 +103,26 @@ impl Plane {
 
     /// A straight ray never meets the plane that it leaves again.
     #[must_use]
-    pub fn far_hit(&self, _origin: DVec3, _direction: DVec3) -> Verdict {
-        Verdict::Miss
+    pub fn exit(&self, _origin: DVec3, _direction: DVec3) -> Intersection {
+        Intersection::Miss
     }
 
     /// Likewise.
-    pub(in crate::trace) fn exit(&self, _origin: DVec3, _direction: &Exact3) -> Option<Meeting> {
+    pub(crate) fn exit_exactly(&self, _origin: DVec3, _direction: &Exact3) -> Option<ExactHit> {
         None
     }
 
     /// The meeting at `t`.
     #[must_use]
-    pub(in crate::trace) fn surface_on(
+    pub(crate) fn surface_point(
         &self,
         origin: DVec3,
         direction: DVec3,
         t: Double,
         _face: Face,
-    ) -> Refined {
+    ) -> RefinedHit {
         let place = Compensated3::along(origin, direction, t.rounded());
-        Refined { t, point: place.moved(direction * t.rest()), normal: self.unit_normal }
+        RefinedHit { t, point: place.moved(direction * t.rest()), normal: self.unit_normal }
     }
 }
 
@@ -149,7 +135,7 @@ mod tests {
         let floor = Plane::new(DVec3::ZERO, DVec3::Y).unwrap();
         let first = |origin: DVec3, direction: DVec3| {
             let ray = Ray::new(origin, direction)?;
-            floor.first_hit(&ray).decided(direction, || floor.crossing(origin, &direction.into()))
+            floor.intersect(&ray).decided(direction, || floor.cross_exactly(origin, &direction.into()))
         };
         assert_eq!(first(DVec3::new(0.0, 2.0, 0.0), DVec3::new(1.0, -1.0, 0.0)), Some(2.0));
         assert_eq!(first(DVec3::new(0.0, -2.0, 0.0), DVec3::new(1.0, 1.0, 0.0)), Some(2.0));

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-use super::{Crossing, Face, Facet, Meeting, Side, Verdict};
-use crate::trace::algebraic::{Exact, Exact3, ExactRoot};
-use crate::trace::exact::{Compensated3, Double, Double3, square_difference};
-use crate::trace::{Bounds, Ray, Refined, Root};
+use super::bounds::Bounds;
+use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, RefinedHit, Side};
+use crate::trace::math::{Compensated3, Double, Double3, Exact, Exact3, ExactRoot, Root, square_difference};
+use crate::trace::rays::Ray;
 
 /// A sphere in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +17,7 @@ pub struct Sphere {
 }
 
 /// Half a unit in the last place of 1.
-pub(super) const U: f64 = f64::EPSILON / 2.0;
+pub(crate) const U: f64 = f64::EPSILON / 2.0;
 
 /// The first `t >= 0` at which `t direction` is `radius` away from `to_center`.
 ///
@@ -27,13 +27,13 @@ pub(super) const U: f64 = f64::EPSILON / 2.0;
 /// chapter 7). `inverse_square` is 1 / direction.direction, `roughness` how many times worse than rounded once the arguments
 /// are.
 #[inline(always)]
-pub(super) fn first_root(
+pub(crate) fn first_root(
     to_center: DVec3,
     direction: DVec3,
     inverse_square: f64,
     radius: f64,
     roughness: f64,
-) -> Verdict {
+) -> Intersection {
     let u = U * roughness;
     let b = to_center.dot(direction);
     let squared_radius = radius * radius;
@@ -43,7 +43,7 @@ pub(super) fn first_root(
     // The worst that was ever seen is half of this.
     let q_error = 32.0 * u * (b * projection + squared_radius);
     if q < -q_error {
-        return Verdict::Miss;
+        return Intersection::Miss;
     }
     let squared_distance = to_center.dot(to_center);
     let c = squared_distance - squared_radius;
@@ -56,45 +56,45 @@ pub(super) fn first_root(
     let one = c / s;
     if clear && s > 0.0 && one > error {
         // From outside, ahead: the other root is farther.
-        return Verdict::Hit(Root::within(one, error));
+        return Intersection::Hit(Root::within(one, error));
     }
     let other = s * inverse_square;
     let (near, far) = if one < other { (one, other) } else { (other, one) };
     let (near, far) = (Root::within(near, error), Root::within(far, error));
     let near_is_behind = near.latest() < 0.0;
     if clear && near.earliest() > 0.0 {
-        Verdict::Hit(near)
+        Intersection::Hit(near)
     } else if clear && near_is_behind && far.earliest() > 0.0 {
-        Verdict::Hit(far)
+        Intersection::Hit(far)
     } else if clear && near_is_behind && far.latest() < 0.0 {
-        Verdict::Miss
+        Intersection::Miss
     } else {
-        Verdict::Open
+        Intersection::Ambiguous
     }
 }
 
 /// Where a line through the zero point is `radius` away from `to_center`, without any rounding.
-pub(super) fn roots(to_center: &Exact3, direction: &Exact3, radius: &Exact) -> Option<Crossing> {
+pub(crate) fn roots(to_center: &Exact3, direction: &Exact3, radius: &Exact) -> Option<ExactCrossing> {
     let (a, b) = (direction.dot(direction), to_center.dot(direction));
     let c = &to_center.dot(to_center) - &(radius * radius);
     let [near, far] = ExactRoot::of_quadratic(&a, &b, &c)?;
-    Some([Meeting::new(near, Side::Entry), Meeting::new(far, Side::Exit)])
+    Some([ExactHit::new(near, Side::Entry), ExactHit::new(far, Side::Exit)])
 }
 
 /// Where such a line comes out that starts on the sphere and goes inwards: where it comes nearest to the center, if rounding has put
 /// it beside the sphere.
-pub(super) fn last_root(to_center: &Exact3, direction: &Exact3, radius: &Exact) -> Meeting {
+pub(crate) fn last_root(to_center: &Exact3, direction: &Exact3, radius: &Exact) -> ExactHit {
     let far = roots(to_center, direction, radius).map(|[_, far]| far);
     let nearest = || {
         let (a, b) = (direction.dot(direction), to_center.dot(direction));
-        Meeting::new(ExactRoot::quotient(&b, &a), Side::Exit)
+        ExactHit::new(ExactRoot::quotient(&b, &a), Side::Exit)
     };
     far.unwrap_or_else(nearest).ahead()
 }
 
 /// The farther root, as [`first_root`] computes it, of a ray that starts on the sphere and goes inwards.
 #[inline(always)]
-pub(super) fn far_root(to_center: DVec3, direction: DVec3, radius: f64, roughness: f64) -> Verdict {
+pub(crate) fn far_root(to_center: DVec3, direction: DVec3, radius: f64, roughness: f64) -> Intersection {
     let u = U * roughness;
     let (a, b) = (direction.dot(direction), to_center.dot(direction));
     let squared_radius = radius * radius;
@@ -106,15 +106,15 @@ pub(super) fn far_root(to_center: DVec3, direction: DVec3, radius: f64, roughnes
     let t = (b + root) / a;
     let error = 64.0 * u * (to_center.dot(to_center) + squared_radius) / root;
     if q > 1024.0 * q_error && b > 0.0 && t > error {
-        Verdict::Hit(Root::within(t, error))
+        Intersection::Hit(Root::within(t, error))
     } else {
-        Verdict::Open
+        Intersection::Ambiguous
     }
 }
 
 /// A Newton step, or none where the ray grazes so that it leads nowhere.
 #[inline]
-pub(super) fn newton_step(residual: f64, slope: f64) -> f64 {
+pub(crate) fn newton_step(residual: f64, slope: f64) -> f64 {
     let step = -residual / slope;
     if step.is_finite() { step } else { 0.0 }
 }
@@ -123,17 +123,17 @@ impl Sphere {
     /// The smallest `t >= 0` on the sphere.
     #[must_use]
     #[inline]
-    pub fn first_hit(&self, ray: &Ray) -> Verdict {
+    pub fn intersect(&self, ray: &Ray) -> Intersection {
         first_root(self.center - ray.origin(), ray.direction(), ray.inverse_square(), self.radius, 1.0)
     }
 
     /// Where the ray's line enters and leaves the sphere, decided exactly.
-    pub(in crate::trace) fn crossing(&self, origin: DVec3, direction: &Exact3) -> Option<Crossing> {
+    pub(crate) fn cross_exactly(&self, origin: DVec3, direction: &Exact3) -> Option<ExactCrossing> {
         roots(&(&Exact3::from(self.center) - &origin.into()), direction, &self.radius.into())
     }
 
     /// Where a ray that starts on the sphere and goes inwards comes out, decided exactly.
-    pub(in crate::trace) fn exit(&self, origin: DVec3, direction: &Exact3) -> Option<Meeting> {
+    pub(crate) fn exit_exactly(&self, origin: DVec3, direction: &Exact3) -> Option<ExactHit> {
         Some(last_root(&(&Exact3::from(self.center) - &origin.into()), direction, &self.radius.into()))
     }
 
@@ -141,18 +141,12 @@ impl Sphere {
     /// precision.
     #[must_use]
     #[inline(always)]
-    pub(in crate::trace) fn refined(
-        &self,
-        origin: DVec3,
-        direction: DVec3,
-        t: f64,
-        _far: bool,
-    ) -> Option<Refined> {
+    pub(crate) fn refine(&self, origin: DVec3, direction: DVec3, t: f64, _far: bool) -> Option<RefinedHit> {
         Some(self.stepped(origin, direction, t))
     }
 
     #[inline(always)]
-    fn stepped(&self, origin: DVec3, direction: DVec3, t: f64) -> Refined {
+    fn stepped(&self, origin: DVec3, direction: DVec3, t: f64) -> RefinedHit {
         let place = Compensated3::along(origin, direction, t);
         let from_center = place.minus(self.center);
         let slope = 2.0 * from_center.rounded().dot(direction);
@@ -160,10 +154,10 @@ impl Sphere {
         Self::met(Double::sum(t, step), place, from_center, direction * step)
     }
 
-    /// The same near a `t` of which few bits are certain. Where [`Sphere::first_hit`] is certain of a hit, its error is at most a
+    /// The same near a `t` of which few bits are certain. Where [`Sphere::intersect`] is certain of a hit, its error is at most a
     /// 256th of half the chord, so that three Newton steps leave less than 2^-60 of it.
     #[must_use]
-    pub(in crate::trace) fn solved(&self, origin: DVec3, direction: DVec3, t: f64) -> Option<Refined> {
+    pub(crate) fn solve(&self, origin: DVec3, direction: DVec3, t: f64) -> Option<RefinedHit> {
         let better = self.stepped(origin, direction, t).t.rounded();
         let good = self.stepped(origin, direction, better).t.rounded();
         Some(self.stepped(origin, direction, good))
@@ -171,37 +165,31 @@ impl Sphere {
 
     /// Where a ray that starts on the sphere and goes inwards comes out. A ray that only grazes it comes out at once.
     #[must_use]
-    pub fn far_hit(&self, origin: DVec3, direction: DVec3) -> Verdict {
+    pub fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
         far_root(self.center - origin, direction, self.radius, 1.0)
     }
 
     /// The meeting at `t`.
     #[must_use]
-    pub(in crate::trace) fn surface_on(
+    pub(crate) fn surface_point(
         &self,
         origin: DVec3,
         direction: DVec3,
         t: Double,
         _face: Face,
-    ) -> Refined {
+    ) -> RefinedHit {
         let place = Compensated3::along(origin, direction, t.rounded());
         Self::met(t, place, place.minus(self.center), direction * t.rest())
     }
 
     /// The meeting a short way on from a place.
     #[inline]
-    fn met(t: Double, place: Compensated3, from_center: Compensated3, way: DVec3) -> Refined {
-        Refined { t, point: place.moved(way), normal: from_center.moved(way).normalize_or(DVec3::Y) }
+    fn met(t: Double, place: Compensated3, from_center: Compensated3, way: DVec3) -> RefinedHit {
+        RefinedHit { t, point: place.moved(way), normal: from_center.moved(way).normalize_or(DVec3::Y) }
     }
 
     /// It has none.
-    pub(in crate::trace) fn facet(
-        &self,
-        _origin: DVec3,
-        _direction: DVec3,
-        _t: f64,
-        _far: bool,
-    ) -> Option<Facet> {
+    pub(crate) fn facet(&self, _origin: DVec3, _direction: DVec3, _t: f64, _far: bool) -> Option<Facet> {
         None
     }
 
@@ -224,8 +212,8 @@ mod tests {
 
     fn first(sphere: &Sphere, origin: DVec3, direction: DVec3) -> Option<f64> {
         sphere
-            .first_hit(&Ray::new(origin, direction)?)
-            .decided(direction, || sphere.crossing(origin, &direction.into()))
+            .intersect(&Ray::new(origin, direction)?)
+            .decided(direction, || sphere.cross_exactly(origin, &direction.into()))
     }
 
     #[test]

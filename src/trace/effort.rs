@@ -1,0 +1,70 @@
+//! What a picture took.
+
+use std::ops::AddAssign;
+
+use super::query::Escalations;
+
+/// What a picture took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Rays.
+    pub rays: RayCounts,
+    /// What ended trees of rays before they ended by themselves.
+    pub ends: TreeEnds,
+    /// How often arithmetic had to be helped.
+    pub escalations: Escalations,
+}
+
+/// How many rays were traced, by what for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RayCounts {
+    /// From the camera.
+    pub camera: u64,
+    /// From surfaces to lights.
+    pub shadow: u64,
+    /// From mirrors.
+    pub reflection: u64,
+    /// Through the surfaces of clear media.
+    pub refraction: u64,
+}
+
+/// How many rays were not traced, though a surface sent them on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TreeEnds {
+    /// They were beyond the last generation, or beyond the most rays that a sample may have.
+    pub depth: u64,
+    /// They could not have brought enough light to show.
+    pub cutoff: u64,
+}
+
+impl RayCounts {
+    /// All of them.
+    #[must_use]
+    pub fn total(&self) -> u64 {
+        self.camera + self.shadow + self.reflection + self.refraction
+    }
+}
+
+impl AddAssign for RayCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.camera += other.camera;
+        self.shadow += other.shadow;
+        self.reflection += other.reflection;
+        self.refraction += other.refraction;
+    }
+}
+
+impl AddAssign for TreeEnds {
+    fn add_assign(&mut self, other: Self) {
+        self.depth += other.depth;
+        self.cutoff += other.cutoff;
+    }
+}
+
+impl AddAssign for Effort {
+    fn add_assign(&mut self, other: Self) {
+        self.rays += other.rays;
+        self.ends += other.ends;
+        self.escalations += other.escalations;
+    }
+}

@@ -1,0 +1,76 @@
+//! What the kernel works with at one moment: what it is given, and what follows from that for all rays.
+
+use std::cmp::Ordering;
+
+use glam::DVec3;
+
+use super::contribution::Brightest;
+use super::medium_stack::{MediumStack, MediumStacks};
+use crate::color::Rgb;
+use crate::trace::math::Sampling;
+use crate::trace::rays::ShapeId;
+use crate::trace::scene::{Camera, Light, PixelCenters, PreparedScene};
+use crate::trace::shapes::Bounds;
+
+/// A scene, the camera, which samples to take, and what follows.
+pub(crate) struct RenderContext<'a> {
+    pub(crate) scene: &'a PreparedScene,
+    pub(crate) camera: &'a Camera,
+    pub(crate) sampling: Sampling,
+    pub(crate) brightest: Brightest,
+    pub(crate) pixel_centers: PixelCenters,
+    /// Those that are on, with their indices in document order.
+    pub(crate) lights: Vec<(usize, &'a Light)>,
+    start: Start,
+}
+
+/// The clear solids that camera rays may start inside of, outer ones first.
+struct Start(Vec<ShapeId>);
+
+impl<'a> RenderContext<'a> {
+    pub(crate) fn new(scene: &'a PreparedScene, camera: &'a Camera, sampling: Sampling) -> Self {
+        let lights = scene.lights.iter().enumerate();
+        let lights = lights.filter(|(_, light)| light.intensity != Rgb::ZERO).collect();
+        let (brightest, start) = (Brightest::of(scene), Start::new(scene, camera));
+        let pixel_centers = camera.pixel_centers();
+        Self { scene, camera, sampling, brightest, pixel_centers, lights, start }
+    }
+
+    /// How many generations of rays are traced: that of camera rays at least.
+    pub(crate) fn generations(&self) -> u32 {
+        self.scene.depth.max(1)
+    }
+
+    /// What is seen where the camera is not in a finite place.
+    pub(crate) fn nowhere(&self) -> Rgb {
+        self.scene.background.towards(DVec3::Z)
+    }
+
+    /// The solids that a ray from here is inside of.
+    pub(crate) fn medium(&self, origin: DVec3, media: &mut MediumStacks) -> MediumStack {
+        let around = self.start.0.iter().filter(|id| self.scene.geometry().contains(**id, origin));
+        around.fold(MediumStack::NONE, |medium, id| media.added(medium, *id))
+    }
+}
+
+impl Start {
+    fn new(scene: &PreparedScene, camera: &Camera) -> Self {
+        let (eye, reach) = camera.eye();
+        let near = |id: &ShapeId| {
+            let bounds = scene.geometry().bounds(*id);
+            bounds.is_none_or(|Bounds { min, max }| {
+                (min - reach).cmple(eye).all() && (max + reach).cmpge(eye).all()
+            })
+        };
+        let clear = scene.surfaces().clear.iter().copied().filter(|id| scene.may_nest(*id));
+        let mut solids: Vec<ShapeId> = clear.filter(near).collect();
+        // Nested ones are smaller, and half-spaces are the largest. Of equals, the first in document order counts.
+        let extent =
+            |id: &ShapeId| scene.geometry().bounds(*id).map_or(f64::INFINITY, |bounds| bounds.extent());
+        solids.sort_by(|one, other| {
+            let larger_first = extent(other).partial_cmp(&extent(one)).unwrap_or(Ordering::Equal);
+            larger_first.then(other.cmp(one))
+        });
+        Self(solids)
+    }
+}

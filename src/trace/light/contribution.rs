@@ -1,0 +1,219 @@
+//! How much a ray can still add to a pixel, so that rays are not followed which cannot show.
+//!
+//! B(n) bounds the radiance, channel by channel, along any ray with n generations left. B(0) is the background's. A ray with more
+//! sees the background, or fog, or a surface of some material: its own light, which is at most what all lights together can make
+//! of it, plus what its continuations bring, whose shares add up to at most its k_r + k_t. So B(n) is the most over all materials of
+//! direct + (k_r + k_t) B(n-1): what shines brightest and what sends most on are seldom the same, and glass that shows no light of
+//! its own and passes on no more than it gets adds nothing, however many generations are left.
+//!
+//! A sample has a [`Budget`] of light that may be left out, and a ray that is cut is charged with the most that it can bring, its
+//! throughput times B: what is cut adds up to no more than the budget. It is spent generation by generation, when all rays of a
+//! sample's next generation are known, on those that can bring least; so nothing is set aside for rays that end by themselves.
+//! Shared out from ray to ray instead, most of it goes with rays that leave for the sky, and ten times as many are followed. Both
+//! paths know a generation whole before they follow any ray of it, so that no cut depends on an order.
+
+use glam::DVec3;
+
+use crate::color::Rgb;
+use crate::trace::scene::{LightSource, PreparedScene};
+
+/// B(n) for n = 0, 1, 2 .., each rounded up to a power of two, so that small changes of a scene do not move it.
+#[derive(Clone, Debug)]
+pub(crate) struct Brightest(Vec<Rgb>);
+
+impl Brightest {
+    pub(crate) fn of(scene: &PreparedScene) -> Self {
+        let background = scene.background.brightest().as_dvec3();
+        let fog = if scene.fog.density > 0.0 { scene.fog.color } else { Rgb::ZERO };
+        let around = background.max(fog.as_dvec3());
+        let lights = all_lights(scene);
+        let answers: Vec<(DVec3, f64)> = scene
+            .surfaces()
+            .answers()
+            .map(|answer| {
+                let scattered = answer.diffuse.as_dvec3() + f64::from(answer.specular);
+                let direct = answer.ambient.as_dvec3() * scene.ambient.as_dvec3() + scattered * lights;
+                (direct, f64::from(answer.followed))
+            })
+            .collect();
+        let mut beyond = background;
+        let mut bounds = vec![rounded_up(beyond)];
+        for _ in 0..scene.depth.max(1) {
+            let shown = answers.iter().map(|(direct, followed)| direct + beyond * *followed);
+            // Held to a number, as infinity times nothing is none.
+            beyond = shown.fold(around, DVec3::max).min(DVec3::MAX);
+            bounds.push(rounded_up(beyond));
+        }
+        Self(bounds)
+    }
+
+    /// The most that a ray can bring in any channel.
+    pub(crate) fn most(&self, throughput: Rgb, generations: u32) -> f32 {
+        let bound = self.0.get(generations as usize).copied().unwrap_or(Rgb::INFINITY);
+        (throughput * bound).max_element()
+    }
+}
+
+/// How much of a sample's light may still be left out.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Budget {
+    /// For everything.
+    rest: f64,
+    /// Of it, for the least in generations of which some are followed.
+    least: f64,
+}
+
+impl Budget {
+    /// A little less than the cutoff, as bounds are rounded, and throughputs twice in each of 1000 generations.
+    const OF_CUTOFF: f64 = 1.0 - 1.0 / 1024.0;
+    /// The other part is kept for the day when all that is left fits in.
+    const FOR_LEAST: f64 = 0.8;
+    /// What a generation may spend of what there is for the least.
+    const AT_ONCE: f64 = 0.1;
+
+    pub(crate) fn new(scene: &PreparedScene) -> Self {
+        let rest = f64::from(scene.cutoff) * Self::OF_CUTOFF;
+        Self { rest, least: rest * Self::FOR_LEAST }
+    }
+
+    /// Decides which rays of a sample's next generation are cut, and pays for them. Each is given with the most that it can bring, in
+    /// the order in which they would be followed. Those that are cut are the first so many after they are sorted.
+    pub(crate) fn cut(&mut self, rays: &mut [(f32, usize)]) -> usize {
+        if self.rest <= 0.0 {
+            return 0;
+        }
+        let all: f64 = rays.iter().map(|(most, _)| f64::from(*most)).sum();
+        if all <= self.rest {
+            self.rest -= all;
+            return rays.len();
+        }
+        let allowed = (self.least * Self::AT_ONCE).min(self.rest);
+        if !rays.iter().any(|(most, _)| f64::from(*most) <= allowed) {
+            return 0;
+        }
+        rays.sort_unstable_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
+        let (mut spent, mut count) = (0.0, 0);
+        while let Some((most, _)) = rays.get(count)
+            && spent + f64::from(*most) <= allowed
+        {
+            spent += f64::from(*most);
+            count += 1;
+        }
+        self.rest -= spent;
+        self.least -= spent;
+        count
+    }
+}
+
+/// The intensities of all lights where they are strongest.
+fn all_lights(scene: &PreparedScene) -> DVec3 {
+    let strongest = scene.lights.iter().map(|light| {
+        let nearest = match (&light.falloff, &light.source) {
+            (_, LightSource::Directional(_)) | (None, _) => 1.0,
+            (Some(falloff), _) => falloff.at(0.0),
+        };
+        light.intensity.as_dvec3() * nearest
+    });
+    strongest.sum()
+}
+
+/// The next powers of two. What is too large for `f32` becomes infinite, which bounds it too.
+fn rounded_up(bound: DVec3) -> Rgb {
+    const MANTISSA: u32 = 0x007f_ffff;
+    let power = |bound: f32| {
+        if bound > 0.0 && bound < f32::MAX / 2.0 && bound.to_bits() & MANTISSA != 0 {
+            f32::from_bits((bound.to_bits() & !MANTISSA) + MANTISSA + 1)
+        } else {
+            bound
+        }
+    };
+    Rgb::from_array(bound.as_vec3().to_array().map(power))
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::trace::scene::{Geometry, PreparedShape, Refraction, SurfaceMaterial};
+    use crate::trace::shapes::Sphere;
+
+    fn scene(materials: Vec<SurfaceMaterial>) -> PreparedScene {
+        let mut geometry = Geometry::default();
+        for _ in &materials {
+            let sphere = Sphere { center: DVec3::ZERO, radius: 1.0 };
+            let _ = geometry.push(PreparedShape::Sphere(sphere));
+        }
+        PreparedScene::new(geometry, materials)
+    }
+
+    fn lit(k_a: f32) -> SurfaceMaterial {
+        SurfaceMaterial { ambient: Rgb::new(k_a, 0.5 * k_a, 0.0), ..SurfaceMaterial::default() }
+    }
+
+    fn glass(k_r: f32, k_t: f32) -> SurfaceMaterial {
+        let refraction = Refraction { transmitted: k_t, ior: 1.5, absorption: Rgb::ZERO, fresnel: true };
+        SurfaceMaterial { reflected: k_r, refraction: Some(refraction), ..SurfaceMaterial::default() }
+    }
+
+    /// What is brightest and what sends on most are different surfaces: neither adds to the other.
+    #[test]
+    fn glass_adds_no_light_of_its_own_however_deep() {
+        let mut scene = scene(vec![lit(0.75), glass(0.1, 0.9)]);
+        (scene.depth, scene.ambient) = (1000, Rgb::ONE);
+        let bounds = |scene: &PreparedScene| Brightest::of(scene).0;
+        assert_eq!(bounds(&scene)[0], Rgb::ZERO, "the background");
+        assert!(bounds(&scene)[1..].iter().all(|bound| *bound == Rgb::new(1.0, 0.5, 0.0)));
+        // A mirror that shines: 0.75 (1 + 1/2 + 1/4 ..) is 1.5, and rounded up once.
+        let mirror = SurfaceMaterial { reflected: 0.5, ..lit(0.75) };
+        let _ = scene.replace_materials([(crate::trace::ShapeId(0), mirror)]);
+        assert_eq!(bounds(&scene)[1000], Rgb::new(2.0, 1.0, 0.0));
+        // Light that may double: 3/4 2^1000, which is too much for a number.
+        let _ = scene.replace_materials([(crate::trace::ShapeId(1), glass(1.0, 1.0))]);
+        assert_eq!(bounds(&scene)[2], Rgb::new(2.0, 1.0, 0.0));
+        assert_eq!(bounds(&scene)[1000], Rgb::new(f32::INFINITY, f32::INFINITY, 0.0));
+    }
+
+    proptest! {
+        /// Generation after generation: those that are cut are the least, they add up to no more than the cutoff, and the order in
+        /// which rays are given does not matter.
+        #[test]
+        fn budgets_hold_whatever_comes(
+            cutoff in 1e-4..1.0_f32,
+            generations in prop::collection::vec(prop::collection::vec(-9.0..1.0_f32, 0..40), 1..20),
+        ) {
+            let mut scene = scene(Vec::new());
+            scene.cutoff = cutoff;
+            let (mut budget, mut backwards) = (Budget::new(&scene), Budget::new(&scene));
+            let mut spent = 0.0;
+            for generation in generations {
+                let most = generation.iter().map(|digits| libm::exp10f(*digits));
+                let mut rays: Vec<(f32, usize)> = most.zip(0..).collect();
+                let mut reversed: Vec<(f32, usize)> = rays.iter().rev().copied().collect();
+                let count = budget.cut(&mut rays);
+                prop_assert_eq!(backwards.cut(&mut reversed), count);
+                let sorted = |rays: &[(f32, usize)]| {
+                    let mut cut: Vec<usize> = rays[..count].iter().map(|(_, index)| *index).collect();
+                    cut.sort_unstable();
+                    cut
+                };
+                prop_assert_eq!(sorted(&rays), sorted(&reversed));
+                let least_left = rays[count..].iter().map(|(most, _)| *most).fold(f32::INFINITY, f32::min);
+                prop_assert!(rays[..count].iter().all(|(most, _)| *most <= least_left));
+                spent += rays[..count].iter().map(|(most, _)| f64::from(*most)).sum::<f64>();
+                prop_assert!(spent < f64::from(cutoff));
+            }
+        }
+    }
+
+    #[test]
+    fn bounds_are_the_next_powers_of_two() {
+        for (bound, power) in [(0.0, 0.0), (1.0, 1.0), (1.000_001, 2.0), (0.3, 0.5), (700.0, 1024.0)] {
+            assert_eq!(rounded_up(DVec3::new(bound, 0.0, 8.0)), Rgb::new(power, 0.0, 8.0));
+        }
+        for bound in [f32::INFINITY, f32::MAX, f32::from_bits(1)] {
+            assert!(rounded_up(DVec3::splat(bound.into())).min_element() >= bound);
+        }
+        assert_eq!(rounded_up(DVec3::splat(1e60)), Rgb::INFINITY);
+    }
+}

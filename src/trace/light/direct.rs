@@ -1,0 +1,133 @@
+//! What lights add at a surface point.
+
+use glam::DVec3;
+
+use super::secondary::PathState;
+use super::shading::{diffuse, intensity, length, specular};
+use crate::color::Rgb;
+use crate::trace::effects::Effects;
+use crate::trace::math::{Dimension, PixelSamples, scaled};
+use crate::trace::query::SurfacePoint;
+use crate::trace::rays::{Limit, Ray};
+use crate::trace::scene::{Light, LightSource, SurfaceMaterial};
+
+/// A surface point to be lit.
+pub(crate) struct LitPoint<'a> {
+    /// The ray that found it.
+    pub(crate) ray: &'a Ray,
+    /// What it carries.
+    pub(crate) state: &'a PathState,
+    pub(crate) surface: &'a SurfacePoint,
+    pub(crate) material: &'a SurfaceMaterial,
+    /// The diffuse colour there.
+    pub(crate) diffuse: Rgb,
+    pub(crate) asker: SampleId,
+    /// The unit normal on the side that the ray came from.
+    pub(crate) normal: DVec3,
+}
+
+/// For which sample the light is asked.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SampleId {
+    pub(crate) seed: u64,
+    /// The pixel's column and row.
+    pub(crate) pixel: (u32, u32),
+    /// Index of the pixel's sample.
+    pub(crate) sample: u32,
+}
+
+/// A ray towards a light.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ShadowRay<'a> {
+    pub(crate) ray: &'a Ray,
+    /// Where the light is.
+    pub(crate) limit: Limit,
+    /// Does the light come from the other side, through the clear medium behind the surface?
+    pub(crate) from_behind: bool,
+}
+
+/// What light number `index` adds, if anything: of an extended one, the mean over its samples. `visible` answers what share of the
+/// light comes through, if any.
+#[inline(always)]
+pub(crate) fn from_light<E: Effects>(
+    (index, light): (usize, &Light),
+    lit: &LitPoint<'_>,
+    mut visible: impl FnMut(ShadowRay<'_>) -> Option<Rgb>,
+) -> Option<Rgb> {
+    match light.source {
+        LightSource::Point(place) | LightSource::Spot(place, _) => {
+            from_place::<E>(light, lit, place, &mut visible)
+        }
+        LightSource::Directional(direction) => {
+            // From a place that is not finite there is no way to any other light by itself.
+            let (to_light, _) = lit.surface.point.is_finite().then(|| scaled(direction))??;
+            arriving::<E>(light, lit, to_light, Limit::NONE, &mut visible)
+        }
+        LightSource::Sphere { .. } | LightSource::Rectangle { .. } if !E::EXTRAS => None,
+        LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
+            let dimension = Dimension::Light { light: to_u32(index), path: lit.state.path };
+            let SampleId { seed, pixel: (i, j), sample } = lit.asker;
+            let samples = PixelSamples::new(seed, i, j);
+            let first = sample.wrapping_mul(light.samples);
+            let sum: DVec3 = (0..light.samples)
+                .filter_map(|sample| {
+                    let square = samples.pair(dimension, first.wrapping_add(sample));
+                    let place = light.source.place(lit.surface.point, square);
+                    from_place::<E>(light, lit, place, &mut visible)
+                })
+                .map(Rgb::as_dvec3)
+                .sum();
+            Some((sum / f64::from(light.samples)).as_vec3())
+        }
+    }
+}
+
+/// What a light adds from one of its places. It adds nothing at the very point.
+#[inline(always)]
+fn from_place<E: Effects>(
+    light: &Light,
+    lit: &LitPoint<'_>,
+    place: DVec3,
+    visible: &mut impl FnMut(ShadowRay<'_>) -> Option<Rgb>,
+) -> Option<Rgb> {
+    let (to_light, scale) = scaled(place - lit.surface.point)?;
+    arriving::<E>(light, lit, to_light, Limit::new(scale.recip(), place), visible)
+}
+
+/// What a light adds that is as far as `limit` in a direction that is [`scaled`]. It adds nothing, and no ray is sent, if it is behind
+/// what is opaque, if it shines elsewhere, or if the surface scatters none of it back along the ray that found it.
+#[inline(always)]
+fn arriving<E: Effects>(
+    light: &Light,
+    lit: &LitPoint<'_>,
+    to_light: DVec3,
+    limit: Limit,
+    visible: &mut impl FnMut(ShadowRay<'_>) -> Option<Rgb>,
+) -> Option<Rgb> {
+    let LitPoint { surface, material, normal, .. } = *lit;
+    let length = length(to_light);
+    let cosine = normal.dot(to_light) / length;
+    let from_behind = E::CLEAR_SHADOWS && cosine < 0.0 && material.refraction.is_some();
+    if !(cosine > 0.0 || from_behind) {
+        return None;
+    }
+    let intensity = intensity::<E>(light, to_light, length, limit.t());
+    let mut color = diffuse(lit.diffuse, intensity, cosine.abs());
+    if E::EXTRAS && material.specular > 0.0 && !from_behind && intensity != Rgb::ZERO {
+        color += specular(material, intensity, normal, to_light, -lit.ray.direction());
+    }
+    if color == Rgb::ZERO {
+        return None;
+    }
+    if !(E::SHADOWS && light.casts_shadows) {
+        return Some(color);
+    }
+    // Normals face the ray that arrived, and so does the side that is left. The point is finite, as there is a way to the light.
+    let ray = Ray::departing(surface.point, to_light, surface.departure(surface.from_outside != from_behind));
+    let share = visible(ShadowRay { ray: &ray, limit, from_behind })?;
+    Some(if E::CLEAR_SHADOWS { color * share } else { color })
+}
+
+fn to_u32(index: usize) -> u32 {
+    u32::try_from(index).unwrap_or(u32::MAX)
+}

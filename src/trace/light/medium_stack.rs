@@ -1,0 +1,141 @@
+//! Which clear solids a ray is inside of.
+
+use glam::DVec3;
+
+use crate::color::Rgb;
+use crate::trace::query::SurfacePoint;
+use crate::trace::rays::ShapeId;
+use crate::trace::scene::{PreparedScene, Refraction};
+
+/// The solids that a ray is inside of, the last entered first: the one that counts. A place in a [`MediumStacks`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct MediumStack(u32);
+
+impl MediumStack {
+    /// Of none.
+    pub(crate) const NONE: Self = Self(0);
+}
+
+/// Lists of solids that share their tails: a ray that enters a solid puts it before the list of the ray it continues.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct MediumStacks(Vec<(ShapeId, MediumStack)>);
+
+impl MediumStacks {
+    pub(crate) fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    /// A mark to go back to.
+    pub(crate) fn mark(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Forgets all places that were made since a mark.
+    pub(crate) fn truncate(&mut self, mark: usize) {
+        self.0.truncate(mark);
+    }
+
+    /// The list, the last entered first.
+    pub(crate) fn solids(&self, mut medium: MediumStack) -> impl Iterator<Item = ShapeId> {
+        std::iter::from_fn(move || {
+            let (id, outer) = self.node(medium)?;
+            medium = outer;
+            Some(id)
+        })
+    }
+
+    fn node(&self, medium: MediumStack) -> Option<(ShapeId, MediumStack)> {
+        Some(self.0[medium.0.checked_sub(1)? as usize])
+    }
+
+    /// With a solid before the others, unless it is among them.
+    pub(crate) fn entered(&mut self, medium: MediumStack, id: ShapeId) -> MediumStack {
+        if self.solids(medium).any(|other| other == id) {
+            return medium;
+        }
+        self.added(medium, id)
+    }
+
+    /// With a solid before the others, among which it is not.
+    pub(crate) fn added(&mut self, medium: MediumStack, id: ShapeId) -> MediumStack {
+        self.0.push((id, medium));
+        MediumStack(u32::try_from(self.0.len()).unwrap_or(0))
+    }
+
+    /// Without a solid.
+    pub(crate) fn left(&mut self, medium: MediumStack, id: ShapeId) -> MediumStack {
+        let Some(depth) = self.solids(medium).position(|other| other == id) else {
+            return medium;
+        };
+        let later: Vec<ShapeId> = self.solids(medium).take(depth).collect();
+        let mut rest = medium;
+        for _ in 0..=depth {
+            rest = self.node(rest).map_or(MediumStack::NONE, |(_, outer)| outer);
+        }
+        later.into_iter().rev().fold(rest, |medium, id| self.added(medium, id))
+    }
+
+    /// After a ray with this direction has gone through a surface and through all that is tied with it there. What is entered at once is entered
+    /// in such an order that the first in document order counts.
+    pub(crate) fn through(
+        &mut self,
+        scene: &PreparedScene,
+        medium: MediumStack,
+        surface: &SurfacePoint,
+        direction: DVec3,
+    ) -> MediumStack {
+        let mut medium = medium;
+        let mut entered: Vec<ShapeId> = Vec::new();
+        let tied = surface.ties.iter().map(|tie| (&tie.id, direction.dot(tie.normal) < 0.0));
+        for (asked, entering) in tied.chain([(&surface.asked, surface.from_outside)]) {
+            for solid in scene.nesting_at(asked) {
+                if entering {
+                    entered.push(*solid);
+                } else {
+                    medium = self.left(medium, *solid);
+                }
+            }
+        }
+        entered.sort_unstable_by(|one, other| other.cmp(one));
+        for id in entered {
+            medium = self.entered(medium, id);
+        }
+        medium
+    }
+
+    /// The index of refraction that counts: 1 outside of everything.
+    pub(crate) fn ior(&self, scene: &PreparedScene, medium: MediumStack) -> f64 {
+        self.innermost(scene, medium).map_or(1.0, |refraction| refraction.ior)
+    }
+
+    /// What the medium takes away per unit of length.
+    pub(crate) fn absorption(&self, scene: &PreparedScene, medium: MediumStack) -> Rgb {
+        self.innermost(scene, medium).map_or(Rgb::ZERO, |refraction| refraction.absorption)
+    }
+
+    fn innermost<'a>(&self, scene: &'a PreparedScene, medium: MediumStack) -> Option<&'a Refraction> {
+        let (id, _) = self.node(medium)?;
+        scene.material(id).refraction.as_ref()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_entered_counts_and_any_may_be_left() {
+        let mut media = MediumStacks::default();
+        let list = |media: &MediumStacks, medium| media.solids(medium).map(|id| id.0).collect::<Vec<_>>();
+        let one = media.entered(MediumStack::NONE, ShapeId(1));
+        let two = media.entered(one, ShapeId(2));
+        let three = media.entered(two, ShapeId(3));
+        assert_eq!(list(&media, three), [3, 2, 1]);
+        assert_eq!(media.entered(three, ShapeId(2)), three);
+        let without = media.left(three, ShapeId(2));
+        assert_eq!(list(&media, without), [3, 1]);
+        assert_eq!(media.left(three, ShapeId(3)), two);
+        assert_eq!(media.left(two, ShapeId(7)), two);
+        assert_eq!(list(&media, three), [3, 2, 1], "lists do not change");
+    }
+}

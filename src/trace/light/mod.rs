@@ -1,0 +1,22 @@
+//! What light does at surfaces and in between: the physics, shared by the stages and the reference path.
+
+mod context;
+mod contribution;
+mod dielectric;
+mod direct;
+mod filter;
+mod medium_stack;
+mod scratch;
+mod secondary;
+mod shading;
+mod transmission;
+
+pub(crate) use context::RenderContext;
+pub(crate) use contribution::Budget;
+pub use dielectric::Boundary;
+pub(crate) use direct::{LitPoint, SampleId, ShadowRay, from_light};
+pub(crate) use medium_stack::MediumStack;
+pub(crate) use scratch::LightScratch;
+pub(crate) use secondary::{LARGEST_TREE, PathState, SecondaryRays, TreeRay, secondary_rays};
+pub(crate) use shading::{ambient, held};
+pub(crate) use transmission::{filtered_and_absorbed, visibility};

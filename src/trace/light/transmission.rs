@@ -1,0 +1,174 @@
+//! What comes through between a surface and a light.
+//!
+//! Opaque shapes let nothing through. Clear ones let k_t through at each crossing of their surface, and exp(-absorption length)
+//! inside, without bending the ray: shadows of glass are tinted, and no light is gathered in them.
+
+use super::direct::ShadowRay;
+use super::filter::Filter;
+use super::medium_stack::{MediumStack, MediumStacks};
+use super::scratch::LightScratch;
+use crate::color::Rgb;
+use crate::trace::effects::Effects;
+use crate::trace::query::{Crossed, Intersector, Scratch, SurfacePoint};
+use crate::trace::rays::ShapeId;
+use crate::trace::scene::{PreparedScene, transmittance};
+
+/// What share of a light comes to a surface point, channel by channel; `None` where nothing does. The light is given by its own
+/// shape, and by what hid it from the last point that asked, which is asked first: neighbours are mostly in the same shadow.
+/// `inside` are the solids that the surface is seen from.
+#[inline(always)]
+pub(crate) fn visibility<E: Effects>(
+    scene: &PreparedScene,
+    shapes: &impl Intersector,
+    shadow_ray: ShadowRay<'_>,
+    (own_shape, last_occluder): (Option<ShapeId>, &mut Option<ShapeId>),
+    (surface, medium): (&SurfacePoint, MediumStack),
+    scratch: &mut LightScratch<'_>,
+) -> Option<Rgb> {
+    let ShadowRay { ray, limit, .. } = shadow_ray;
+    if let Some(id) = *last_occluder
+        && Some(id) != own_shape
+        && shapes.occludes(id, ray, &limit, &mut scratch.search.escalations)
+    {
+        return None;
+    }
+    if !E::CLEAR_SHADOWS {
+        *last_occluder = scene.occluder(shapes, ray, &limit, own_shape, &mut scratch.search);
+        return last_occluder.is_none().then_some(Rgb::ONE);
+    }
+    *last_occluder = scene.occluder_or_crossed(shapes, ray, &limit, own_shape, &mut scratch.search);
+    let visible = last_occluder.is_none();
+    visible.then(|| filtered(scene, shapes, shadow_ray, own_shape, (surface, medium), scratch))
+}
+
+/// What clear shapes leave of the light. Those in the way are in `scratch.search.crossed`.
+fn filtered(
+    scene: &PreparedScene,
+    shapes: &impl Intersector,
+    shadow_ray: ShadowRay<'_>,
+    own_shape: Option<ShapeId>,
+    (surface, medium): (&SurfacePoint, MediumStack),
+    scratch: &mut LightScratch<'_>,
+) -> Rgb {
+    if scratch.search.crossed.is_empty() && !shadow_ray.from_behind && medium == MediumStack::NONE {
+        return Rgb::ONE;
+    }
+    let absorbs = |id: ShapeId| {
+        scene.material(id).refraction.is_some_and(|refraction| refraction.absorption != Rgb::ZERO)
+    };
+    let behind = shadow_ray.from_behind.then_some(surface);
+    let mut behind = behind.into_iter().flat_map(|surface| surface.ties.ids().chain([surface.asked]));
+    let absorbed = scene.surfaces().absorbs
+        && (scratch.search.crossed.iter().any(|crossed| absorbs(crossed.id()))
+            || scratch.media.solids(medium).any(absorbs)
+            || behind.any(|asked| scene.nesting_at(&asked).iter().copied().any(absorbs)));
+    if absorbed {
+        filtered_and_absorbed(scene, shapes, shadow_ray, own_shape, (surface, medium), scratch)
+    } else {
+        filtered_alone(scene, shapes, shadow_ray, own_shape, surface, scratch)
+    }
+}
+
+/// As [`filtered_and_absorbed`], where nothing absorbs: no matter where the crossings are.
+fn filtered_alone(
+    scene: &PreparedScene,
+    shapes: &impl Intersector,
+    ShadowRay { ray, limit, from_behind }: ShadowRay<'_>,
+    own_shape: Option<ShapeId>,
+    surface: &SurfacePoint,
+    scratch: &mut LightScratch<'_>,
+) -> Rgb {
+    let Scratch { crossed, crossings, escalations, .. } = &mut scratch.search;
+    if from_behind && Some(surface.hit.id) != own_shape {
+        crossed.push(Crossed::Times(surface.hit.id, 1));
+    }
+    crossed.sort_unstable_by_key(Crossed::id);
+    let mut share = Rgb::ONE;
+    for crossed in crossed.iter() {
+        let Some(refraction) = scene.material(crossed.id()).refraction else { continue };
+        let times = if let Crossed::Times(_, times) = crossed {
+            *times
+        } else {
+            crossings.clear();
+            crossed.cross(scene, shapes, (ray, &limit), crossings, escalations);
+            if crossings.len() > 1 { 2 } else { 1 }
+        };
+        for _ in 0..times {
+            share *= refraction.transmitted;
+        }
+    }
+    share
+}
+
+/// What clear shapes leave of the light, given in `scratch.search.crossed` what is in the ray's way: the product of k_t for every
+/// crossing and of what is absorbed in between, shape by shape in document order.
+pub(crate) fn filtered_and_absorbed(
+    scene: &PreparedScene,
+    shapes: &impl Intersector,
+    shadow_ray: ShadowRay<'_>,
+    own_shape: Option<ShapeId>,
+    (surface, medium): (&SurfacePoint, MediumStack),
+    scratch: &mut LightScratch<'_>,
+) -> Rgb {
+    let LightScratch { search, media, filters } = scratch;
+    let Scratch { crossed, crossings, escalations, .. } = search;
+    let ShadowRay { ray, limit, .. } = shadow_ray;
+    crossings.clear();
+    for crossed in crossed.iter() {
+        crossed.cross(scene, shapes, (ray, &limit), crossings, escalations);
+    }
+    filters.clear();
+    // Places in the nesting that are made here are of no use to anybody else.
+    let mark = media.mark();
+    let mut medium = medium;
+    if shadow_ray.from_behind {
+        medium = media.through(scene, medium, surface, ray.direction());
+        filters.push(Filter { id: surface.hit.id, crossings: 1, length: 0.0 });
+    }
+    crossings.sort_unstable_by(|one, other| {
+        let along = one.t.total_cmp(&other.t).then(one.id.cmp(&other.id));
+        along.then(other.entering.cmp(&one.entering))
+    });
+    let per_t = ray.direction().length();
+    let mut from = 0.0;
+    let mut passed = |media: &MediumStacks, medium: MediumStack, to: f64| {
+        if let Some(id) = media.solids(medium).find(|id| Some(*id) != own_shape) {
+            let length = (to - from) * per_t;
+            filters.push(Filter { id, crossings: 0, length: length.max(0.0) });
+        }
+        from = to;
+    };
+    for crossing in crossings.iter() {
+        if !scene.may_nest(crossing.id) {
+            continue;
+        }
+        passed(media, medium, crossing.t);
+        medium = if crossing.entering {
+            media.entered(medium, crossing.id)
+        } else {
+            media.left(medium, crossing.id)
+        };
+    }
+    passed(media, medium, limit.t());
+    filters.extend(crossings.iter().map(|crossing| Filter { id: crossing.id, crossings: 1, length: 0.0 }));
+    media.truncate(mark);
+    filters.retain(|filter| Some(filter.id) != own_shape);
+    product(scene, filters)
+}
+
+fn product(scene: &PreparedScene, filters: &mut [Filter]) -> Rgb {
+    // Parts of one solid's way stay in their order along the ray.
+    filters.sort_by_key(|filter| filter.id);
+    let mut share = Rgb::ONE;
+    for same in filters.chunk_by(|one, other| one.id == other.id) {
+        let Some(refraction) = scene.material(same[0].id).refraction else { continue };
+        for _ in 0..same.iter().map(|filter| filter.crossings).sum() {
+            share *= refraction.transmitted;
+        }
+        if refraction.absorption != Rgb::ZERO {
+            let length = same.iter().map(|filter| filter.length).sum();
+            share *= transmittance(refraction.absorption, length);
+        }
+    }
+    share
+}

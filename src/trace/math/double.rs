@@ -1,0 +1,245 @@
+//! Numbers of some 106 bits.
+
+use std::cmp::Ordering;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use super::error_free::{quick_two_sum, two_product, two_sum};
+
+/// An unevaluated sum `high + low`, where `high` is the sum rounded to `f64`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Double {
+    pub(crate) high: f64,
+    pub(crate) low: f64,
+}
+
+impl Double {
+    /// Nothing.
+    pub const ZERO: Self = Self { high: 0.0, low: 0.0 };
+
+    /// One.
+    pub const ONE: Self = Self { high: 1.0, low: 0.0 };
+
+    /// a - b, exactly.
+    #[must_use]
+    #[inline]
+    pub fn difference(a: f64, b: f64) -> Self {
+        let (high, low) = two_sum(a, -b);
+        Self { high, low }
+    }
+
+    /// a + b, exactly.
+    #[must_use]
+    #[inline]
+    pub fn sum(a: f64, b: f64) -> Self {
+        let (high, low) = two_sum(a, b);
+        Self { high, low }
+    }
+
+    /// a * b, exactly.
+    #[must_use]
+    #[inline]
+    pub fn product(a: f64, b: f64) -> Self {
+        let (high, low) = two_product(a, b);
+        Self { high, low }
+    }
+
+    /// The short decimal number that this one was rounded from: the one of at most 15 digits that has this nearest `f64`. Where there
+    /// is none, the number itself.
+    ///
+    /// ```
+    /// use rayreel::trace::exact::Double;
+    /// let decimal = Double::decimal;
+    /// assert_ne!(0.1 + 0.2, 0.3);
+    /// assert_eq!((decimal(0.1) + decimal(0.2)).rounded(), 0.3);
+    /// assert_eq!(decimal(0.1 + 0.2).rest(), 0.0); // 0.30000000000000004 has 17 digits
+    /// ```
+    #[must_use]
+    #[inline]
+    pub fn decimal(number: f64) -> Self {
+        /// Whole numbers have at most 15 digits here, and powers of ten are exact.
+        const LARGEST: f64 = 1e15;
+        if number == number.trunc() {
+            return number.into();
+        }
+        for power in [1e3, 1e8, 1e15, 1e22] {
+            let digits = (number * power).round();
+            if digits.abs() > LARGEST {
+                break;
+            }
+            if digits / power == number {
+                // The residual of a rounded quotient is an f64.
+                let rest = Self::from(digits) - Self::product(number, power);
+                let (high, low) = quick_two_sum(number, rest.rounded() / power);
+                return Self { high, low };
+            }
+        }
+        number.into()
+    }
+
+    /// Times a power of two, exactly.
+    #[must_use]
+    #[inline]
+    pub fn scaled(self, power: f64) -> Self {
+        Self { high: self.high * power, low: self.low * power }
+    }
+
+    /// Rounded to `f64`.
+    #[must_use]
+    #[inline]
+    pub fn rounded(self) -> f64 {
+        self.high
+    }
+
+    /// What rounding to `f64` leaves over.
+    #[must_use]
+    #[inline]
+    pub fn rest(self) -> f64 {
+        self.low
+    }
+
+    /// Without its sign.
+    #[must_use]
+    pub fn abs(self) -> Self {
+        if self.high < 0.0 { -self } else { self }
+    }
+
+    /// The square root of a number that is not negative; 0 for one that is.
+    #[must_use]
+    #[inline]
+    pub fn sqrt(self) -> Self {
+        if self.high <= 0.0 {
+            return Self::ZERO;
+        }
+        let root = self.high.sqrt();
+        let residual = self - Self::product(root, root);
+        let (high, low) = quick_two_sum(root, residual.high / (2.0 * root));
+        Self { high, low }
+    }
+
+    /// Less than, equal to or greater than zero.
+    #[must_use]
+    #[inline]
+    pub fn sign(self) -> Ordering {
+        self.high.partial_cmp(&0.0).unwrap_or(Ordering::Equal)
+    }
+}
+
+impl From<f64> for Double {
+    #[inline]
+    fn from(high: f64) -> Self {
+        Self { high, low: 0.0 }
+    }
+}
+
+impl Add for Double {
+    type Output = Self;
+
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        let (high, error) = two_sum(self.high, other.high);
+        let (low, low_error) = two_sum(self.low, other.low);
+        let (high, error) = quick_two_sum(high, error + low);
+        let (high, low) = quick_two_sum(high, error + low_error);
+        Self { high, low }
+    }
+}
+
+impl Neg for Double {
+    type Output = Self;
+
+    #[inline]
+    fn neg(self) -> Self {
+        Self { high: -self.high, low: -self.low }
+    }
+}
+
+impl Sub for Double {
+    type Output = Self;
+
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        self + -other
+    }
+}
+
+impl Mul for Double {
+    type Output = Self;
+
+    #[inline]
+    fn mul(self, other: Self) -> Self {
+        let (high, error) = two_product(self.high, other.high);
+        let (high, low) = quick_two_sum(high, error + (self.high * other.low + self.low * other.high));
+        Self { high, low }
+    }
+}
+
+impl Div for Double {
+    type Output = Self;
+
+    #[inline]
+    fn div(self, other: Self) -> Self {
+        let first = self.high / other.high;
+        let rest = self - other * first;
+        let (high, low) = quick_two_sum(first, rest.high / other.high);
+        Self { high, low }
+    }
+}
+
+impl Mul<f64> for Double {
+    type Output = Self;
+
+    #[inline]
+    fn mul(self, other: f64) -> Self {
+        let (high, error) = two_product(self.high, other);
+        let (high, low) = quick_two_sum(high, error + self.low * other);
+        Self { high, low }
+    }
+}
+
+impl PartialOrd for Double {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        match self.high.partial_cmp(&other.high)? {
+            Ordering::Equal => self.low.partial_cmp(&other.low),
+            order => Some(order),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_products_quotients_and_roots_have_a_hundred_bits() {
+        let third = Double::from(1.0) / Double::from(3.0);
+        let rest = third * Double::from(3.0) - Double::from(1.0);
+        assert!(rest.rounded().abs() < 1e-31, "{rest:?}");
+        let two = Double::from(2.0);
+        let rest = two.sqrt() * two.sqrt() - two;
+        assert!(rest.rounded().abs() < 1e-30, "{rest:?}");
+        let tiny = Double::difference(1.0, -1e-30) - Double::from(1.0);
+        assert!((tiny.rounded() - 1e-30).abs() < 1e-45);
+        assert_eq!(
+            Double::product(1.0 + f64::EPSILON, 1.0 - f64::EPSILON).rest(),
+            -f64::EPSILON * f64::EPSILON
+        );
+    }
+
+    #[test]
+    fn decimal_numbers_are_what_was_written() {
+        for (sum, expected) in
+            [([0.4, 0.3], 0.7), ([1.1, -0.4], 0.7), ([0.1, 0.2], 0.3), ([1e-9, 2e-9], 3e-9)]
+        {
+            assert_eq!((Double::decimal(sum[0]) + Double::decimal(sum[1])).rounded(), expected);
+        }
+        for whole in [0.0, -3.0, 1e15, 1e300, 5e-324, f64::MAX, 1.0 / 3.0 * 1e-30] {
+            assert_eq!(Double::decimal(whole), Double::from(whole), "{whole:e}");
+        }
+        // Every number of few digits is exactly its decimals to a hundred bits.
+        for digits in 1..100_000_u32 {
+            let number = Double::decimal(f64::from(digits) / 1e4);
+            let rest = number * Double::from(1e4) - Double::from(f64::from(digits));
+            assert!(rest.rounded().abs() <= f64::from(digits) * 1e-31, "{digits}");
+        }
+    }
+}

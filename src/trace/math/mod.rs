@@ -1,0 +1,25 @@
+//! Arithmetic with more digits than `f64` has, for the few decisions and distances that need them.
+//!
+//! A [`Double`] is an unevaluated sum of two `f64` and carries some 106 bits (Dekker, "A Floating-Point Technique for
+//! Extending the Available Precision", 1971; Joldes, Muller, Popescu, "Tight and Rigorous Error Bounds for Basic Building
+//! Blocks of Double-Word Arithmetic", 2017). Sums of products are rounded once (Shewchuk, "Adaptive Precision Floating-Point
+//! Arithmetic", 1997). Only + - * / and square roots are used, so that the bits are the same everywhere.
+
+mod algebraic;
+mod compensated;
+mod double;
+mod error_free;
+mod root;
+mod sampling;
+mod scaling;
+mod sums;
+mod vector;
+
+pub(crate) use algebraic::{Exact, Exact3, ExactRoot};
+pub use compensated::Compensated3;
+pub use double::Double;
+pub use root::Root;
+pub use sampling::{Dimension, PixelSamples, Sampling, disc};
+pub(crate) use scaling::scaled;
+pub use sums::{dot, offset_height, square_difference};
+pub use vector::Double3;

@@ -1,0 +1,147 @@
+//! Vectors of such numbers.
+
+use std::ops::{Add, Neg, Sub};
+
+use glam::DVec3;
+
+use super::double::Double;
+
+/// Three [`Double`]s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Double3 {
+    /// Along x.
+    pub x: Double,
+    /// Along y.
+    pub y: Double,
+    /// Along z.
+    pub z: Double,
+}
+
+impl Double3 {
+    /// The unit vector along x.
+    pub const X: Self = Self { x: Double::ONE, y: Double::ZERO, z: Double::ZERO };
+    /// The unit vector along y.
+    pub const Y: Self = Self { x: Double::ZERO, y: Double::ONE, z: Double::ZERO };
+    /// The unit vector along z.
+    pub const Z: Self = Self { x: Double::ZERO, y: Double::ZERO, z: Double::ONE };
+
+    /// a - b, exactly.
+    #[must_use]
+    #[inline]
+    pub fn difference(a: DVec3, b: DVec3) -> Self {
+        Self {
+            x: Double::difference(a.x, b.x),
+            y: Double::difference(a.y, b.y),
+            z: Double::difference(a.z, b.z),
+        }
+    }
+
+    /// The sum of the products.
+    #[must_use]
+    #[inline]
+    pub fn dot(self, other: Self) -> Double {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    /// Times a number.
+    #[must_use]
+    #[inline]
+    pub fn scaled(self, factor: Double) -> Self {
+        Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
+    }
+
+    /// a + b, exactly.
+    #[must_use]
+    pub fn sum(a: DVec3, b: DVec3) -> Self {
+        Self { x: Double::sum(a.x, b.x), y: Double::sum(a.y, b.y), z: Double::sum(a.z, b.z) }
+    }
+
+    /// In each coordinate, the short decimal number that it was rounded from.
+    #[must_use]
+    pub fn decimal(vector: DVec3) -> Self {
+        let [x, y, z] = vector.to_array().map(Double::decimal);
+        Self { x, y, z }
+    }
+
+    /// The cross product.
+    #[must_use]
+    pub fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.y * other.z - self.z * other.y,
+            y: self.z * other.x - self.x * other.z,
+            z: self.x * other.y - self.y * other.x,
+        }
+    }
+
+    /// Times a power of two, exactly.
+    #[must_use]
+    pub fn times_power(self, power: f64) -> Self {
+        Self { x: self.x.scaled(power), y: self.y.scaled(power), z: self.z.scaled(power) }
+    }
+
+    /// As [x, y, z].
+    #[must_use]
+    pub fn to_array(self) -> [Double; 3] {
+        [self.x, self.y, self.z]
+    }
+
+    /// What rounding to `f64` leaves over.
+    #[must_use]
+    pub fn rest(self) -> DVec3 {
+        DVec3::new(self.x.rest(), self.y.rest(), self.z.rest())
+    }
+
+    /// Divided by a number.
+    #[must_use]
+    pub fn over(self, divisor: Double) -> Self {
+        Self { x: self.x / divisor, y: self.y / divisor, z: self.z / divisor }
+    }
+
+    /// Rounded to `f64`.
+    #[must_use]
+    #[inline]
+    pub fn rounded(self) -> DVec3 {
+        DVec3::new(self.x.rounded(), self.y.rounded(), self.z.rounded())
+    }
+}
+
+impl From<[Double; 3]> for Double3 {
+    #[inline]
+    fn from([x, y, z]: [Double; 3]) -> Self {
+        Self { x, y, z }
+    }
+}
+
+impl From<DVec3> for Double3 {
+    #[inline]
+    fn from(vector: DVec3) -> Self {
+        Self { x: vector.x.into(), y: vector.y.into(), z: vector.z.into() }
+    }
+}
+
+impl Add for Double3 {
+    type Output = Self;
+
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
+    }
+}
+
+impl Neg for Double3 {
+    type Output = Self;
+
+    #[inline]
+    fn neg(self) -> Self {
+        Self { x: -self.x, y: -self.y, z: -self.z }
+    }
+}
+
+impl Sub for Double3 {
+    type Output = Self;
+
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
+    }
+}

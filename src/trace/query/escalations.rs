@@ -1,0 +1,33 @@
+//! How often more arithmetic than `f64` was called for.
+
+use std::ops::AddAssign;
+
+/// Counts how often `f64` did not suffice. The picture is right however large these numbers are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Escalations {
+    /// Does the ray meet the shape? Decided exactly, as `f64`'s error bounds left it open.
+    pub ambiguous: u64,
+    /// Which of two is nearer, or is it before the light? Decided exactly.
+    pub contested: u64,
+    /// Points whose distance had so few certain bits that one Newton step would not have made it right.
+    pub rough: u64,
+    /// Pixels whose sum overflowed, and that were kept finite.
+    pub overflowed: u64,
+}
+
+impl Escalations {
+    /// Questions answered by more than `f64`, of every kind.
+    #[must_use]
+    pub fn total(&self) -> u64 {
+        self.ambiguous + self.contested + self.rough
+    }
+}
+
+impl AddAssign for Escalations {
+    fn add_assign(&mut self, other: Self) {
+        self.ambiguous += other.ambiguous;
+        self.contested += other.contested;
+        self.rough += other.rough;
+        self.overflowed += other.overflowed;
+    }
+}

@@ -1,0 +1,244 @@
+//! Every verdict and every digit right: `f64` where its error bounds suffice, exact arithmetic where they do not.
+
+use std::cmp::Ordering;
+
+use glam::DVec3;
+
+use super::escalations::Escalations;
+use super::hit::Hit;
+use super::intersector::Intersector;
+use crate::trace::math::{Double, Double3, Exact3, Root};
+use crate::trace::rays::{Limit, Ray, ShapeId};
+use crate::trace::scene::{Geometry, Kind, Place};
+use crate::trace::shapes::{ExactHit, Face, Intersection, RefinedHit, Side};
+
+/// 2^-36: nearer to a light than so, compared with its distance, what a ray meets is compared with the light's exact place, which
+/// the ray, of a rounded direction, passes by.
+const NEAR: f64 = f64::from_bits((1023 - 36) << 52);
+
+/// 2^-44: some units in the last place of a light's place, which is rounded too: a panel flush with a ceiling is on it.
+const ROUNDED: f64 = f64::from_bits((1023 - 44) << 52);
+
+/// 2^-20: a normal that is on the wrong side by more than so is not so by rounding.
+const CLEARLY: f64 = f64::from_bits((1023 - 20) << 52);
+
+/// Evaluates an expression with `$shape` bound to the shape at a slot, whatever its kind.
+macro_rules! ask {
+    ($geometry:expr, $id:expr, $shape:ident => $question:expr) => {{
+        let Place { kind, index } = $geometry.places[$id.index()];
+        let index = index as usize;
+        match kind {
+            Kind::Sphere => {
+                let $shape = &$geometry.spheres[index];
+                $question
+            }
+            Kind::Plane => {
+                let $shape = &$geometry.planes[index];
+                $question
+            }
+            Kind::AlignedBox => {
+                let $shape = &$geometry.boxes[index];
+                $question
+            }
+            Kind::SphereImage => {
+                let $shape = &$geometry.sphere_images[index];
+                $question
+            }
+            Kind::BoxImage => {
+                let $shape = &$geometry.box_images[index];
+                $question
+            }
+        }
+    }};
+}
+
+impl Intersector for Geometry {
+    /// The shape that the ray leaves is met again only from inside, on its far side; and so is every other shape whose
+    /// surface coincided with it where the ray starts, each in its own sense.
+    #[inline]
+    fn intersect(&self, id: ShapeId, ray: &Ray, escalations: &mut Escalations) -> Option<Hit> {
+        if let Some(departure) = ray.departure() {
+            if id == departure.id {
+                return if departure.outward { None } else { self.exit(id, ray, escalations) };
+            }
+            if let Some(normal) = departure.ties.normal_of(id) {
+                return if ray.direction().dot(normal) < 0.0 {
+                    self.exit(id, ray, escalations)
+                } else {
+                    None
+                };
+            }
+        }
+        self.near_hit(id, ray, escalations)
+    }
+
+    #[inline]
+    fn compare(&self, ray: &Ray, hit: &Hit, other: &Hit, escalations: &mut Escalations) -> Ordering {
+        if !hit.root.may_equal(&other.root) {
+            return hit.root.t().total_cmp(&other.root.t());
+        }
+        escalations.contested += 1;
+        if self.meet_one_plane(hit, other, ray) {
+            return Ordering::Equal;
+        }
+        match (self.exactly(hit.id, hit.far, ray), self.exactly(other.id, other.far, ray)) {
+            (Some(one), Some(two)) => one.t.cmp(&two.t),
+            _ => hit.root.t().total_cmp(&other.root.t()),
+        }
+    }
+
+    #[inline]
+    fn is_before(&self, hit: &Hit, ray: &Ray, limit: &Limit, escalations: &mut Escalations) -> bool {
+        let (nearer, farther) = (limit.t() * (1.0 - NEAR), limit.t() * (1.0 + NEAR));
+        if hit.root.latest() < nearer || hit.root.earliest() > farther {
+            return hit.root.latest() < nearer;
+        }
+        escalations.contested += 1;
+        self.exactly_before(hit, ray, limit)
+    }
+
+    #[inline(always)]
+    fn refine(&self, ray: &Ray, hit: &Hit, escalations: &mut Escalations) -> RefinedHit {
+        let (origin, direction, t) = (ray.origin(), ray.direction(), hit.root.t());
+        if !hit.root.is_rounded()
+            && !hit.root.is_rough()
+            && let Some(refined) = ask!(self, hit.id, shape => shape.refine(origin, direction, t, hit.far))
+        {
+            return refined;
+        }
+        self.refine_specially(ray, hit, escalations)
+    }
+
+    #[inline]
+    fn certain_crossings(&self, id: ShapeId, ray: &Ray, limit: &Limit) -> Option<u32> {
+        self.crossings_at_a_glance(id, ray, limit)
+    }
+}
+
+impl Geometry {
+    /// Refines a hit whose `t` is not just a few roundings off, or that is near an edge.
+    #[cold]
+    fn refine_specially(&self, ray: &Ray, hit: &Hit, escalations: &mut Escalations) -> RefinedHit {
+        let (origin, direction, t) = (ray.origin(), ray.direction(), hit.root.t());
+        if hit.root.is_rough() && !hit.root.is_rounded() {
+            escalations.rough += 1;
+            if let Some(solved) = ask!(self, hit.id, shape => shape.solve(origin, direction, t)) {
+                return solved;
+            }
+        }
+        let Some(meeting) = self.exactly(hit.id, hit.far, ray) else {
+            return ask!(self, hit.id, shape => shape.surface_point(origin, direction, t.into(), Face::default()));
+        };
+        let (t, face) = (meeting.t.rounded(), meeting.face);
+        let refined = ask!(self, hit.id, shape => shape.surface_point(origin, direction, t, face));
+        // From so far away that the shape is smaller than the points there are, no normal can be told but by its side.
+        let direction = direction.normalize();
+        let wrong = match meeting.side {
+            Side::Entry => refined.normal.dot(direction) > CLEARLY,
+            Side::Exit => refined.normal.dot(direction) < -CLEARLY,
+            Side::Either => false,
+        };
+        if wrong {
+            let outward = if matches!(meeting.side, Side::Entry) { -direction } else { direction };
+            return RefinedHit { normal: outward, ..refined };
+        }
+        refined
+    }
+
+    /// Is the point inside the shape, as solids go?
+    #[must_use]
+    pub(crate) fn contains(&self, id: ShapeId, point: DVec3) -> bool {
+        ask!(self, id, shape => shape.contains(point))
+    }
+
+    /// How far on a line leaves a shape that it enters at a point of its surface. `None` where it never does.
+    #[must_use]
+    pub(crate) fn far_side(&self, id: ShapeId, point: DVec3, direction: DVec3) -> Option<f64> {
+        match ask!(self, id, shape => shape.exit(point, direction)) {
+            Intersection::Hit(root) => Some(root.t()),
+            Intersection::Miss => None,
+            Intersection::Ambiguous => {
+                let exit = ask!(self, id, shape => shape.exit_exactly(point, &direction.into()))?;
+                Some(exit.t.rounded().rounded())
+            }
+        }
+    }
+
+    #[inline]
+    fn near_hit(&self, id: ShapeId, ray: &Ray, escalations: &mut Escalations) -> Option<Hit> {
+        // The ray is read by each kind of shape for itself: copied here, it would go through memory a second time.
+        let verdict = ask!(self, id, shape => shape.intersect(ray));
+        self.decided(verdict, id, false, ray, escalations)
+    }
+
+    #[cold]
+    fn exit(&self, id: ShapeId, ray: &Ray, escalations: &mut Escalations) -> Option<Hit> {
+        let verdict = ask!(self, id, shape => shape.exit(ray.origin(), ray.direction()));
+        self.decided(verdict, id, true, ray, escalations)
+    }
+
+    #[inline(always)]
+    fn decided(
+        &self,
+        verdict: Intersection,
+        id: ShapeId,
+        far: bool,
+        ray: &Ray,
+        escalations: &mut Escalations,
+    ) -> Option<Hit> {
+        let root = match verdict {
+            Intersection::Hit(root) => root,
+            Intersection::Miss => return None,
+            Intersection::Ambiguous => {
+                escalations.ambiguous += 1;
+                Root::rounded(self.exactly(id, far, ray)?.t.rounded())
+            }
+        };
+        // What is infinitely far away is not met.
+        (root.t() < f64::INFINITY).then_some(Hit { root, id, far })
+    }
+
+    /// Where the ray first meets the shape, or, if it starts there and goes inwards, where it comes out; without any rounding.
+    #[cold]
+    fn exactly(&self, id: ShapeId, far: bool, ray: &Ray) -> Option<ExactHit> {
+        self.exactly_met(id, far, ray.origin(), &ray.direction().into())
+    }
+
+    fn exactly_met(&self, id: ShapeId, far: bool, origin: DVec3, direction: &Exact3) -> Option<ExactHit> {
+        if far {
+            return ask!(self, id, shape => shape.exit_exactly(origin, direction));
+        }
+        let crossing = ask!(self, id, shape => shape.cross_exactly(origin, direction))?;
+        crossing.into_iter().find(|meeting| meeting.t.sign().is_ge())
+    }
+
+    /// Do both meet one and the same plane, as they do where faces are flush? Then they need not be compared.
+    fn meet_one_plane(&self, hit: &Hit, other: &Hit, ray: &Ray) -> bool {
+        let facet = |hit: &Hit| {
+            let (origin, direction, t) = (ray.origin(), ray.direction(), hit.root.t());
+            ask!(self, hit.id, shape => shape.facet(origin, direction, t, hit.far))
+        };
+        facet(hit).is_some_and(|one| facet(other) == Some(one))
+    }
+
+    /// Does the shape stand between the ray's origin and the light's very place, which the ray passes by as far as its direction is
+    /// rounded? A shape that the light lies on, as far as its place is known, does not.
+    #[cold]
+    fn exactly_before(&self, hit: &Hit, ray: &Ray, limit: &Limit) -> bool {
+        let (id, origin) = (hit.id, ray.origin());
+        let exact_way = Double3::difference(limit.place(), origin);
+        let way = exact_way.rounded();
+        let sizes = origin.abs().max_element() + limit.place().abs().max_element();
+        let latest = -ROUNDED * sizes / way.abs().max_element();
+        if let Some(met) = ask!(self, id, shape => shape.refine(origin, way, 1.0, hit.far)) {
+            // A direction that is off by u in each coordinate is off by so much in t, times 1 over the cosine.
+            let error = 16.0 * f64::EPSILON * (1.0 + way.length() / met.normal.dot(way).abs());
+            let beyond = (met.t - Double::from(1.0)).rounded() - latest;
+            if beyond.abs() > error {
+                return beyond < 0.0;
+            }
+        }
+        self.exactly_met(id, hit.far, origin, &exact_way.into())
+            .is_some_and(|met| (met.t.rounded() - Double::from(1.0)).rounded() < latest)
+    }
+}

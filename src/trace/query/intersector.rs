@@ -1,0 +1,35 @@
+//! The questions that a search asks of shapes, whatever their precision.
+
+use std::cmp::Ordering;
+
+use super::escalations::Escalations;
+use super::hit::Hit;
+use crate::trace::rays::{Limit, Ray, ShapeId};
+use crate::trace::shapes::RefinedHit;
+
+/// The leaves of a search: the shapes, asked with some precision.
+pub(crate) trait Intersector: Sync {
+    /// Where the ray first meets the shape, if it does.
+    fn intersect(&self, id: ShapeId, ray: &Ray, escalations: &mut Escalations) -> Option<Hit>;
+
+    /// Which of a ray's hits is nearer.
+    fn compare(&self, ray: &Ray, hit: &Hit, other: &Hit, escalations: &mut Escalations) -> Ordering;
+
+    /// Is the hit nearer than `limit`?
+    fn is_before(&self, hit: &Hit, ray: &Ray, limit: &Limit, escalations: &mut Escalations) -> bool;
+
+    /// Does the shape stand in the ray's way before `limit`?
+    #[inline]
+    fn occludes(&self, id: ShapeId, ray: &Ray, limit: &Limit, escalations: &mut Escalations) -> bool {
+        self.intersect(id, ray, escalations).is_some_and(|hit| self.is_before(&hit, ray, limit, escalations))
+    }
+
+    /// What the hit found.
+    fn refine(&self, ray: &Ray, hit: &Hit, escalations: &mut Escalations) -> RefinedHit;
+
+    /// How many times the ray crosses the shape's surface before `limit`, if that is certain at a glance.
+    #[inline]
+    fn certain_crossings(&self, _slot: ShapeId, _ray: &Ray, _limit: &Limit) -> Option<u32> {
+        None
+    }
+}

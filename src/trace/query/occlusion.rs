@@ -1,0 +1,108 @@
+//! What stands between a surface and a light.
+
+use std::sync::atomic::Ordering::Relaxed;
+
+use super::crossings::{Crossed, Look};
+use super::escalations::Escalations;
+use super::intersector::Intersector;
+use super::scratch::Scratch;
+use crate::trace::rays::{Limit, Ray, ShapeId};
+use crate::trace::scene::{EqualGroup, PreparedScene};
+
+impl PreparedScene {
+    /// Anything but `except` that stands between the ray's origin and `limit`: whatever is found first.
+    #[must_use]
+    pub(crate) fn occluder(
+        &self,
+        shapes: &impl Intersector,
+        ray: &Ray,
+        limit: &Limit,
+        except: Option<ShapeId>,
+        scratch: &mut Scratch<'_>,
+    ) -> Option<ShapeId> {
+        let Scratch { stack, escalations, cancelled, .. } = scratch;
+        // Where there are several equal shapes, one of them is another than `except`.
+        let counts = |id: ShapeId| Some(id) != except || self.copies.heap(id).is_some();
+        let mut hides = |id: ShapeId| counts(id) && shapes.occludes(id, ray, limit, escalations);
+        let mut beside = self.beside.iter().copied();
+        let beside = beside.find(|id| cancelled.load(Relaxed) || hides(*id));
+        beside.or_else(|| self.tree.find_any(ray, limit.t(), stack, cancelled, hides))
+    }
+
+    /// Anything opaque but `except` that stands between the ray's origin and `limit`. If there is nothing, `scratch.crossed` are
+    /// the clear shapes that do.
+    #[must_use]
+    pub(crate) fn occluder_or_crossed(
+        &self,
+        shapes: &impl Intersector,
+        ray: &Ray,
+        limit: &Limit,
+        except: Option<ShapeId>,
+        scratch: &mut Scratch<'_>,
+    ) -> Option<ShapeId> {
+        let Scratch { stack, escalations, crossed, cancelled, .. } = scratch;
+        crossed.clear();
+        let mut hides = |id: ShapeId| match self.copies.heap(id) {
+            Some(heap) => {
+                self.heap_hides_or_is_crossed(shapes, heap, ray, (limit, except), crossed, escalations)
+            }
+            None if Some(id) == except => false,
+            None => self.hides_or_is_crossed(shapes, id, (ray, limit), Look::Glance, crossed, escalations),
+        };
+        let mut beside = self.beside.iter().copied();
+        let beside = beside.find(|id| cancelled.load(Relaxed) || hides(*id));
+        beside.or_else(|| self.tree.find_any(ray, limit.t(), stack, cancelled, hides))
+    }
+
+    /// Does the shape stand in the ray's way? A clear one never does, but is added to those that are crossed.
+    #[inline]
+    pub(crate) fn hides_or_is_crossed(
+        &self,
+        shapes: &impl Intersector,
+        id: ShapeId,
+        (ray, limit): (&Ray, &Limit),
+        look: Look,
+        crossed: &mut Vec<Crossed>,
+        escalations: &mut Escalations,
+    ) -> bool {
+        // A ray that leaves a shape leaves all that equal it.
+        let asked = self.first_equal(id);
+        if self.material(id).refraction.is_none() {
+            return shapes.occludes(asked, ray, limit, escalations);
+        }
+        crossed.extend(Crossed::new(shapes, asked, (ray, limit), look, escalations).map(|met| met.by(id)));
+        false
+    }
+
+    /// The same for equal shapes at once.
+    #[cold]
+    fn heap_hides_or_is_crossed(
+        &self,
+        shapes: &impl Intersector,
+        heap: &EqualGroup,
+        ray: &Ray,
+        (limit, except): (&Limit, Option<ShapeId>),
+        crossed: &mut Vec<Crossed>,
+        escalations: &mut Escalations,
+    ) -> bool {
+        if let Some(opaque) = heap.opaque(except) {
+            return self.hides_or_is_crossed(
+                shapes,
+                opaque,
+                (ray, limit),
+                Look::Glance,
+                crossed,
+                escalations,
+            );
+        }
+        let mut clear = heap.clear().iter().copied().filter(|id| Some(*id) != except);
+        if let Some(first) = clear.next() {
+            let from = crossed.len();
+            self.hides_or_is_crossed(shapes, first, (ray, limit), Look::Glance, crossed, escalations);
+            if let Some(met) = crossed.get(from).copied() {
+                crossed.extend(clear.map(|id| met.by(id)));
+            }
+        }
+        false
+    }
+}

@@ -1,0 +1,313 @@
+//! The shapes as textbooks have them, in `f64` or `f32`: the quadratic with b^2 - 4ac, slabs by reciprocals, points by
+//! origin + t direction, and rays that start a little ahead of where they are, by an epsilon that fits no scene.
+//!
+//! They are here to be compared with. What they get wrong is shown by `tests/oracle`, what they cost in `benches/precision.rs`.
+
+use std::cmp::Ordering;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::escalations::Escalations;
+use super::hit::Hit;
+use super::intersector::Intersector;
+use crate::trace::math::{Double, Root};
+use crate::trace::rays::{Limit, Ray, ShapeId};
+use crate::trace::scene::{Geometry, Kind, Place};
+use crate::trace::shapes::RefinedHit;
+
+/// `f64` or `f32`.
+pub(crate) trait Number:
+    Copy
+    + PartialOrd
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Send
+    + Sync
+{
+    const ZERO: Self;
+    /// How far ahead rays start that leave a surface.
+    const AHEAD: Self;
+    fn new(value: f64) -> Self;
+    fn value(self) -> f64;
+    fn sqrt(self) -> Self;
+}
+
+impl Number for f64 {
+    const ZERO: Self = 0.0;
+    const AHEAD: Self = 1e-9;
+
+    fn new(value: f64) -> Self {
+        value
+    }
+
+    fn value(self) -> f64 {
+        self
+    }
+
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+}
+
+impl Number for f32 {
+    const ZERO: Self = 0.0;
+    const AHEAD: Self = 1e-4;
+
+    #[expect(clippy::cast_possible_truncation, reason = "single precision is what is wanted")]
+    fn new(value: f64) -> Self {
+        value as Self
+    }
+
+    fn value(self) -> f64 {
+        self.into()
+    }
+
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+}
+
+/// Three coordinates.
+#[derive(Clone, Copy)]
+struct Vector<T>([T; 3]);
+
+impl<T: Number> Vector<T> {
+    fn new(vector: DVec3) -> Self {
+        Self(vector.to_array().map(T::new))
+    }
+
+    fn value(self) -> DVec3 {
+        DVec3::from_array(self.0.map(T::value))
+    }
+
+    #[inline]
+    fn minus(self, other: Self) -> Self {
+        Self(std::array::from_fn(|axis| self.0[axis] - other.0[axis]))
+    }
+
+    #[inline]
+    fn along(self, direction: Self, t: T) -> Self {
+        Self(std::array::from_fn(|axis| self.0[axis] + direction.0[axis] * t))
+    }
+
+    #[inline]
+    fn dot(self, other: Self) -> T {
+        self.0[0] * other.0[0] + self.0[1] * other.0[1] + self.0[2] * other.0[2]
+    }
+}
+
+/// The way into a shape's own space.
+struct Back<T> {
+    translation: Vector<T>,
+    rows: [Vector<T>; 3],
+}
+
+impl<T: Number> Back<T> {
+    fn new(forward: &DAffine3) -> Self {
+        let rows = forward.matrix3.inverse().transpose();
+        Self {
+            translation: Vector::new(forward.translation),
+            rows: [rows.x_axis, rows.y_axis, rows.z_axis].map(Vector::new),
+        }
+    }
+
+    fn direction(&self, direction: Vector<T>) -> Vector<T> {
+        Vector(self.rows.map(|row| row.dot(direction)))
+    }
+
+    fn point(&self, point: Vector<T>) -> Vector<T> {
+        self.direction(point.minus(self.translation))
+    }
+
+    fn normal(&self, own: DVec3) -> DVec3 {
+        let [x, y, z] = self.rows.map(Vector::value);
+        DMat3::from_cols(x, y, z) * own
+    }
+}
+
+/// All shapes of a scene in one number type.
+pub(crate) struct Textbook<T> {
+    places: Vec<Place>,
+    spheres: Vec<(Vector<T>, T)>,
+    planes: Vec<(Vector<T>, Vector<T>)>,
+    boxes: Vec<[Vector<T>; 2]>,
+    sphere_images: Vec<(Back<T>, T)>,
+    box_images: Vec<(Back<T>, [Vector<T>; 2])>,
+}
+
+impl<T: Number> Textbook<T> {
+    pub(crate) fn new(geometry: &Geometry) -> Self {
+        let vector = Vector::<T>::new;
+        Self {
+            places: geometry.places.clone(),
+            spheres: geometry
+                .spheres
+                .iter()
+                .map(|sphere| (vector(sphere.center), T::new(sphere.radius)))
+                .collect(),
+            planes: geometry
+                .planes
+                .iter()
+                .map(|plane| (vector(plane.point()), vector(plane.unit_normal())))
+                .collect(),
+            boxes: geometry.boxes.iter().map(|shape| [vector(shape.min), vector(shape.max)]).collect(),
+            sphere_images: geometry
+                .sphere_images
+                .iter()
+                .map(|shape| (Back::new(shape.forward()), T::new(shape.radius())))
+                .collect(),
+            box_images: geometry
+                .box_images
+                .iter()
+                .map(|shape| (Back::new(shape.forward()), [vector(-shape.half()), vector(shape.half())]))
+                .collect(),
+        }
+    }
+}
+
+#[inline]
+fn sphere<T: Number>(
+    center: Vector<T>,
+    radius: T,
+    origin: Vector<T>,
+    direction: Vector<T>,
+    least: T,
+) -> Option<T> {
+    let (two, four) = (T::new(2.0), T::new(4.0));
+    let from_center = origin.minus(center);
+    let a = direction.dot(direction);
+    let b = two * from_center.dot(direction);
+    let c = from_center.dot(from_center) - radius * radius;
+    let discriminant = b * b - four * a * c;
+    if discriminant < T::ZERO {
+        return None;
+    }
+    let root = discriminant.sqrt();
+    let (near, far) = ((-b - root) / (two * a), (-b + root) / (two * a));
+    [near, far].into_iter().find(|t| *t >= least)
+}
+
+#[inline]
+fn slabs<T: Number>(
+    [min, max]: &[Vector<T>; 2],
+    origin: Vector<T>,
+    direction: Vector<T>,
+    least: T,
+) -> Option<T> {
+    let lesser = |a: T, b: T| if a < b { a } else { b };
+    let greater = |a: T, b: T| if a > b { a } else { b };
+    let (mut entry, mut exit) = (T::new(f64::NEG_INFINITY), T::new(f64::INFINITY));
+    for axis in 0..3 {
+        let inverse = T::new(1.0) / direction.0[axis];
+        let at_min = (min.0[axis] - origin.0[axis]) * inverse;
+        let at_max = (max.0[axis] - origin.0[axis]) * inverse;
+        entry = greater(entry, lesser(at_min, at_max));
+        exit = lesser(exit, greater(at_min, at_max));
+    }
+    if entry > exit {
+        return None;
+    }
+    [entry, exit].into_iter().find(|t| *t >= least)
+}
+
+#[inline]
+fn plane<T: Number>(
+    point: Vector<T>,
+    normal: Vector<T>,
+    origin: Vector<T>,
+    direction: Vector<T>,
+    least: T,
+) -> Option<T> {
+    let t = point.minus(origin).dot(normal) / direction.dot(normal);
+    (t >= least).then_some(t)
+}
+
+/// The outward normal of the face that a point is nearest to.
+fn face_normal(min: DVec3, max: DVec3, point: DVec3) -> DVec3 {
+    let from_center = (point - (min + max) * 0.5) / ((max - min) * 0.5);
+    let size = from_center.abs();
+    let axis = if size.x >= size.y && size.x >= size.z {
+        DVec3::X
+    } else if size.y >= size.z {
+        DVec3::Y
+    } else {
+        DVec3::Z
+    };
+    axis * from_center.dot(axis).signum()
+}
+
+impl<T: Number> Intersector for Textbook<T> {
+    #[inline]
+    fn intersect(&self, id: ShapeId, ray: &Ray, _guards: &mut Escalations) -> Option<Hit> {
+        let (origin, direction) = (Vector::<T>::new(ray.origin()), Vector::<T>::new(ray.direction()));
+        let least = if ray.departure().is_some() { T::AHEAD } else { T::ZERO };
+        let Place { kind, index } = self.places[id.index()];
+        let index = index as usize;
+        let t = match kind {
+            Kind::Sphere => {
+                let (center, radius) = self.spheres[index];
+                sphere(center, radius, origin, direction, least)
+            }
+            Kind::Plane => {
+                let (point, normal) = self.planes[index];
+                plane(point, normal, origin, direction, least)
+            }
+            Kind::AlignedBox => slabs(&self.boxes[index], origin, direction, least),
+            Kind::SphereImage => {
+                let (back, radius) = &self.sphere_images[index];
+                sphere(
+                    Vector::new(DVec3::ZERO),
+                    *radius,
+                    back.point(origin),
+                    back.direction(direction),
+                    least,
+                )
+            }
+            Kind::BoxImage => {
+                let (back, own) = &self.box_images[index];
+                slabs(own, back.point(origin), back.direction(direction), least)
+            }
+        }?;
+        let t = t.value();
+        (t < f64::INFINITY).then_some(Hit { root: Root::within(t, 0.0), id, far: false })
+    }
+
+    #[inline]
+    fn compare(&self, _ray: &Ray, hit: &Hit, other: &Hit, _guards: &mut Escalations) -> Ordering {
+        hit.root.t().total_cmp(&other.root.t())
+    }
+
+    #[inline]
+    fn is_before(&self, hit: &Hit, _ray: &Ray, limit: &Limit, _guards: &mut Escalations) -> bool {
+        hit.root.t() < limit.t()
+    }
+
+    #[inline]
+    fn refine(&self, ray: &Ray, hit: &Hit, _guards: &mut Escalations) -> RefinedHit {
+        let t = hit.root.t();
+        let point = Vector::<T>::new(ray.origin()).along(Vector::new(ray.direction()), T::new(t));
+        let Place { kind, index } = self.places[hit.id.index()];
+        let index = index as usize;
+        let normal = match kind {
+            Kind::Sphere => point.minus(self.spheres[index].0).value(),
+            Kind::Plane => self.planes[index].1.value(),
+            Kind::AlignedBox => {
+                let [min, max] = self.boxes[index];
+                face_normal(min.value(), max.value(), point.value())
+            }
+            Kind::SphereImage => {
+                let (back, _) = &self.sphere_images[index];
+                back.normal(back.point(point).value())
+            }
+            Kind::BoxImage => {
+                let (back, [min, max]) = &self.box_images[index];
+                back.normal(face_normal(min.value(), max.value(), back.point(point).value()))
+            }
+        };
+        RefinedHit { t: Double::from(t), point: point.value(), normal: normal.normalize_or(DVec3::Y) }
+    }
+}

@@ -1,0 +1,35 @@
+//! How far shadow rays are followed.
+
+use glam::DVec3;
+
+/// How far a shadow ray is followed: as far as the light is.
+#[derive(Clone, Copy, Debug)]
+pub struct Limit {
+    t: f64,
+    /// The light's exact place; the ray's own direction is rounded. Not finite where the light is infinitely far away.
+    place: DVec3,
+}
+
+impl Limit {
+    /// Without end.
+    pub const NONE: Self = Self { t: f64::INFINITY, place: DVec3::INFINITY };
+
+    /// Where a ray is at `t`, as far as its direction's rounding allows.
+    #[must_use]
+    #[inline]
+    pub(crate) fn new(t: f64, place: DVec3) -> Self {
+        Self { t, place }
+    }
+
+    /// The ray's `t` there.
+    #[must_use]
+    #[inline]
+    pub fn t(&self) -> f64 {
+        self.t
+    }
+
+    /// The light's place.
+    pub(crate) fn place(&self) -> DVec3 {
+        self.place
+    }
+}

@@ -1,0 +1,14 @@
+//! Rays, and what they know of the surfaces that they leave.
+
+mod departure;
+mod limit;
+mod ray;
+mod shape_id;
+mod ties;
+
+pub(crate) use departure::Departure;
+pub use limit::Limit;
+pub use ray::Ray;
+pub use shape_id::ShapeId;
+pub(crate) use ties::Tie;
+pub use ties::Ties;

@@ -1,0 +1,341 @@
+//! Camera rays.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use crate::trace::math::{Dimension, Double, PixelSamples, Sampling, disc, scaled};
+use crate::trace::rays::Ray;
+use crate::trace::shapes::Bounds;
+
+/// The camera, ready to make rays: an eye and a grid of pixels on a screen before it.
+///
+/// With n the unit view direction, u = (up x n)/|up x n| to the right and v = n x u upwards, pixel (i, j) is at
+/// `eye + (-W/2 + W i/(columns-1)) u + (H/2 - H j/(rows-1)) v + d n`: i counts columns to the right, j rows downwards, and
+/// the outermost pixels lie on the screen's edges. A resolution of 1 means the middle. Coordinates are left-handed: x
+/// right, y up, z forward.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    eye: DVec3,
+    right: DVec3,
+    up: DVec3,
+    forward: DVec3,
+    width: f64,
+    height: f64,
+    distance: f64,
+    columns: u32,
+    rows: u32,
+    lens: Option<Lens>,
+}
+
+/// A thin lens in the eye, across the view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Lens {
+    radius: f64,
+    /// The distance of the plane in focus, in distances of the screen.
+    focus: f64,
+}
+
+impl Camera {
+    /// A camera at `eye`, looking along `view` with `up` upwards, whose screen at `distance` is `size` (W, H) wide and high
+    /// and has `resolution` (columns, rows) pixels.
+    ///
+    /// Directions may have any length. Where there is no view direction it looks along +z; where `up` is parallel to the
+    /// view, the world axis y, or else z, takes its place. Both are legitimate moments of a camera that moves.
+    #[must_use]
+    pub fn new(
+        eye: DVec3,
+        view: DVec3,
+        up: DVec3,
+        distance: f64,
+        size: (f64, f64),
+        resolution: (u32, u32),
+    ) -> Self {
+        let view = scaled(view).map_or(DVec3::Z, |(view, _)| view);
+        let forward = view.normalize();
+        let across = |up: DVec3| {
+            let (up, _) = scaled(up)?;
+            let right = cross(up, view);
+            (right.length_squared() > 1e-24 * up.length_squared() * view.length_squared())
+                .then(|| right.normalize())
+        };
+        let right = across(up).or_else(|| across(DVec3::Y)).or_else(|| across(DVec3::Z)).unwrap_or(DVec3::X);
+        Self {
+            eye,
+            right,
+            up: forward.cross(right),
+            forward: forward * distance,
+            width: size.0,
+            height: size.1,
+            distance,
+            columns: resolution.0,
+            rows: resolution.1,
+            lens: None,
+        }
+    }
+
+    /// The same camera turned about its view by `angle`, radians, by the right-hand rule about the view direction: a quarter
+    /// turn of the camera puts its up where its left was.
+    #[must_use]
+    pub fn rolled(self, angle: f64) -> Self {
+        if angle == 0.0 || !angle.is_finite() {
+            return self;
+        }
+        let (sine, cosine) = libm::sincos(angle);
+        let (right, up) = (self.right, self.up);
+        Self { right: right * cosine + up * sine, up: up * cosine - right * sine, ..self }
+    }
+
+    /// The same camera with a thin lens around the eye, `aperture` in diameter. What is at `focus` from the eye along the
+    /// view direction is sharp; at z the blur is as large as a disc of diameter aperture |focus - z| / focus there would
+    /// look. Without an aperture, or with numbers that are not finite or not positive, there is no lens.
+    ///
+    /// A lens shows where pixels have several samples: a single one passes through its centre.
+    #[must_use]
+    pub fn with_lens(self, aperture: f64, focus: f64) -> Self {
+        let lens = Lens { radius: 0.5 * aperture, focus: focus / self.distance };
+        let exists = [lens.radius, lens.focus].into_iter().all(|part| part > 0.0 && part.is_finite());
+        Self { lens: exists.then_some(lens), ..self }
+    }
+
+    /// The same camera with a pinhole.
+    #[must_use]
+    pub fn without_lens(self) -> Self {
+        Self { lens: None, ..self }
+    }
+
+    /// From the eye to the centre of pixel (i, j): P1 - P0.
+    #[must_use]
+    #[inline]
+    pub fn towards(&self, i: u32, j: u32) -> DVec3 {
+        self.through(f64::from(i), f64::from(j))
+    }
+
+    /// From the eye to a place on the screen, in columns from the centre of the first and rows from the centre of the first.
+    #[inline]
+    fn through(&self, column: f64, row: f64) -> DVec3 {
+        self.right * self.across(column) + self.up * self.upwards(row) + self.forward
+    }
+
+    #[inline]
+    fn across(&self, column: f64) -> f64 {
+        if self.columns > 1 {
+            -0.5 * self.width + self.width * column / f64::from(self.columns - 1)
+        } else {
+            self.width * column
+        }
+    }
+
+    #[inline]
+    fn upwards(&self, row: f64) -> f64 {
+        if self.rows > 1 {
+            0.5 * self.height - self.height * row / f64::from(self.rows - 1)
+        } else {
+            0.0 - self.height * row
+        }
+    }
+
+    /// The ray through the centre of pixel (i, j). `None` only if the eye or the screen is not finite.
+    #[must_use]
+    #[inline(always)]
+    pub fn ray(&self, i: u32, j: u32) -> Option<Ray> {
+        Ray::new(self.eye, self.towards(i, j))
+    }
+
+    /// The centres of all pixels.
+    pub(crate) fn pixel_centers(&self) -> PixelCenters {
+        let columns = (0..self.columns).map(|i| self.right * self.across(f64::from(i))).collect();
+        let rows = (0..self.rows).map(|j| self.up * self.upwards(f64::from(j))).collect();
+        PixelCenters { eye: self.eye, forward: self.forward, columns, rows }
+    }
+
+    /// The ray of sample `index` of pixel (i, j). A single sample is in the pixel's centre; several are spread evenly over
+    /// the square of half a pitch around it. The pitch is W/(columns-1), or W where there is one column: pixels border on
+    /// each other, and the outermost reach beyond the screen's edges by half a pitch. With a lens, several samples start all
+    /// over it, towards the place in the plane in focus that the eye sees through theirs on the screen.
+    ///
+    /// `None` only if the eye or the screen is not finite.
+    #[must_use]
+    #[inline]
+    pub fn sample_ray(&self, sampling: Sampling, i: u32, j: u32, index: u32) -> Option<Ray> {
+        if sampling.samples <= 1 {
+            return self.ray(i, j);
+        }
+        self.spread_ray(sampling, i, j, index)
+    }
+
+    /// As [`Camera::sample_ray`], where there are several.
+    pub(crate) fn spread_ray(&self, sampling: Sampling, i: u32, j: u32, index: u32) -> Option<Ray> {
+        let samples = PixelSamples::new(sampling.seed, i, j);
+        let [right, down] = samples.pair(Dimension::Pixel, index).map(|place| place - 0.5);
+        let towards = self.through(f64::from(i) + right, f64::from(j) + down);
+        let Some(lens) = self.lens else {
+            return Ray::new(self.eye, towards);
+        };
+        let [right, up] = disc(samples.pair(Dimension::Lens, index)).map(|place| lens.radius * place);
+        let place = self.right * right + self.up * up;
+        Ray::new(self.eye + place, towards * lens.focus - place)
+    }
+
+    /// Where rays come together, and how far from there they may start.
+    pub(crate) fn eye(&self) -> (DVec3, f64) {
+        (self.eye, self.lens.map_or(0.0, |lens| lens.radius))
+    }
+
+    /// Has it a lens, so that what is out of focus may be blurred?
+    #[must_use]
+    pub fn has_lens(&self) -> bool {
+        self.lens.is_some()
+    }
+
+    /// May a ray of the camera meet something in the box? `false` only where none can.
+    #[must_use]
+    pub fn may_see(&self, bounds: &Bounds) -> bool {
+        if self.lens.is_some() || self.distance.is_nan() || self.distance <= 0.0 {
+            return true;
+        }
+        let pitch = |size: f64, pixels: u32| size / f64::from(pixels.saturating_sub(1).max(1));
+        // From the middle to half a pitch beyond the outermost pixels, and as much again to be safe.
+        let (width, height) = (self.width.abs(), self.height.abs());
+        let across = 0.5 * width + pitch(width, self.columns);
+        let upwards = 0.5 * height + pitch(height, self.rows);
+        let ahead = self.forward / self.distance;
+        let normals = [
+            ahead,
+            ahead * across + self.right * self.distance,
+            ahead * across - self.right * self.distance,
+            ahead * upwards + self.up * self.distance,
+            ahead * upwards - self.up * self.distance,
+        ];
+        let beyond = |normal: DVec3| {
+            let farthest = DVec3::select(normal.cmpgt(DVec3::ZERO), bounds.max, bounds.min) - self.eye;
+            let height = farthest.dot(normal);
+            height < -1e-9 * normal.length() * (farthest.length() + self.eye.length())
+        };
+        !normals.into_iter().any(beyond)
+    }
+
+    /// The eye, P0.
+    #[must_use]
+    pub fn position(&self) -> DVec3 {
+        self.eye
+    }
+
+    /// Unit vectors to the right of the picture, up in it, and along the view: u, v and n.
+    #[must_use]
+    pub fn axes(&self) -> [DVec3; 3] {
+        [self.right, self.up, self.right.cross(self.up)]
+    }
+
+    /// From the eye to the screen, d; scene units.
+    #[must_use]
+    pub fn distance(&self) -> f64 {
+        self.distance
+    }
+
+    /// Columns and rows.
+    #[must_use]
+    pub fn resolution(&self) -> (u32, u32) {
+        (self.columns, self.rows)
+    }
+}
+
+/// The centres of all pixels: what those of a column, and those of a row, have in common.
+pub(crate) struct PixelCenters {
+    eye: DVec3,
+    forward: DVec3,
+    columns: Vec<DVec3>,
+    rows: Vec<DVec3>,
+}
+
+impl PixelCenters {
+    /// [`Camera::ray`] of some columns' pixels in row `j`.
+    #[inline]
+    pub(crate) fn rays(&self, columns: Range<u32>, j: u32) -> impl Iterator<Item = Option<Ray>> {
+        let Self { eye, forward, .. } = *self;
+        let upwards = self.rows[j as usize];
+        let columns = &self.columns[columns.start as usize..columns.end as usize];
+        columns.iter().map(move |across| Ray::new(eye, *across + upwards + forward))
+    }
+}
+
+/// a x b, each component rounded once: of nearly parallel vectors, rounding on the way would leave little else.
+fn cross(a: DVec3, b: DVec3) -> DVec3 {
+    let component =
+        |a: f64, b: f64, c: f64, d: f64| (Double::product(a, b) - Double::product(c, d)).rounded();
+    DVec3::new(component(a.y, b.z, a.z, b.y), component(a.z, b.x, a.x, b.z), component(a.x, b.y, a.y, b.x))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example() -> Camera {
+        let eye = DVec3::new(-2.0, -2.0, 0.0);
+        Camera::new(eye, DVec3::new(1.0, 1.0, 0.0), DVec3::Z, 1.0, (2.0, 2.0), (201, 201))
+    }
+
+    #[test]
+    fn the_worked_example() {
+        let root = 2.0_f64.sqrt();
+        let expected = DVec3::new(1.9 / root, 0.1 / root, 0.8);
+        assert!((example().towards(10, 20) - expected).length() < 1e-15);
+    }
+
+    #[test]
+    fn columns_run_right_and_rows_run_down() {
+        // 3 columns, 2 rows: swapped, the corners would not be on the edges.
+        let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.0, (4.0, 1.0), (3, 2));
+        assert_eq!(camera.towards(0, 0), DVec3::new(-2.0, 0.5, 1.0));
+        assert_eq!(camera.towards(2, 0), DVec3::new(2.0, 0.5, 1.0));
+        assert_eq!(camera.towards(1, 1), DVec3::new(0.0, -0.5, 1.0));
+    }
+
+    #[test]
+    fn a_resolution_of_one_is_the_middle() {
+        let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 2.0, (4.0, 1.0), (1, 1));
+        assert_eq!(camera.towards(0, 0), DVec3::new(0.0, 0.0, 2.0));
+    }
+
+    #[test]
+    fn samples_cover_half_a_pitch_around_the_pixels() {
+        for (resolution, pitch) in [((1, 1), (4.0, 1.0)), ((3, 2), (2.0, 1.0))] {
+            let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.0, (4.0, 1.0), resolution);
+            let (i, j) = (resolution.0 - 1, resolution.1 - 1);
+            let centre = camera.towards(i, j);
+            assert_eq!(camera.sample_ray(Sampling::default(), i, j, 0), camera.ray(i, j));
+            let sampling = Sampling { samples: 1024, seed: 3 };
+            let (mut least, mut most) = (DVec3::MAX, DVec3::MIN);
+            for index in 0..sampling.samples {
+                let direction = camera.sample_ray(sampling, i, j, index).unwrap().direction();
+                let offset = direction / direction.z - centre;
+                least = least.min(offset);
+                most = most.max(offset);
+            }
+            // The outermost of n numbers, one in each n-th, are within an n-th of the ends.
+            for (low, high, pitch) in [(least.x, most.x, pitch.0), (least.y, most.y, pitch.1)] {
+                assert!((-0.5..-0.499).contains(&(low / pitch)) && (0.499..0.5).contains(&(high / pitch)));
+            }
+        }
+    }
+
+    #[test]
+    fn degenerate_views_are_finite() {
+        for (view, up) in [
+            (DVec3::ZERO, DVec3::Y),
+            (DVec3::Z, DVec3::Z),
+            (DVec3::Y, DVec3::Y),
+            (DVec3::Y, DVec3::ZERO),
+            (DVec3::new(1e-300, 0.0, 0.0), DVec3::Y),
+            (DVec3::X, DVec3::new(1.0, 1e-30, 0.0)),
+        ] {
+            let camera = Camera::new(DVec3::ZERO, view, up, 1.0, (2.0, 2.0), (3, 3));
+            for (i, j) in [(0, 0), (1, 1), (2, 2)] {
+                assert!(camera.towards(i, j).is_finite(), "{view} {up}");
+            }
+            assert!(
+                (camera.right.length() - 1.0).abs() < 1e-12 && camera.right.dot(camera.forward).abs() < 1e-12
+            );
+        }
+    }
+}

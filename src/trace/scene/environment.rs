@@ -1,0 +1,130 @@
+//! What is where nothing else is: the background, and fog on the way.
+
+use glam::DVec3;
+
+use crate::color::{Rgb, to_f32};
+
+/// What a ray sees that meets nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Background {
+    /// The same everywhere.
+    Flat(Rgb),
+    /// `bottom` straight down, `top` straight up; in between a share (1 + y)/2 of `top`, for the unit direction's y.
+    Gradient {
+        /// Straight down.
+        bottom: Rgb,
+        /// Straight up.
+        top: Rgb,
+    },
+}
+
+impl Default for Background {
+    /// Black.
+    fn default() -> Self {
+        Self::Flat(Rgb::ZERO)
+    }
+}
+
+impl Background {
+    /// What is seen in a direction, of any length but zero.
+    #[must_use]
+    pub fn towards(&self, direction: DVec3) -> Rgb {
+        match *self {
+            Self::Flat(color) => color,
+            Self::Gradient { bottom, top } => {
+                let share = to_f32(0.5 + 0.5 * (direction.y / direction.length()));
+                bottom * (1.0 - share) + top * share
+            }
+        }
+    }
+
+    /// No channel is brighter anywhere.
+    pub(crate) fn brightest(&self) -> Rgb {
+        match self {
+            Self::Flat(color) => *color,
+            Self::Gradient { bottom, top } => bottom.max(*top),
+        }
+    }
+}
+
+/// Air that is not clear: over a length d a share exp(-density d) is seen of what is behind, and `color` for the rest.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Fog {
+    /// What is seen where nothing else is.
+    pub color: Rgb,
+    /// Per unit of length, 0 or more.
+    pub density: f64,
+}
+
+/// What the way along a ray does to light: `transmitted` times what comes in at its end, plus `added`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passage {
+    /// What share comes through.
+    pub transmitted: Rgb,
+    /// What is added on the way.
+    pub added: Rgb,
+}
+
+impl Passage {
+    /// Nothing on the way.
+    pub const CLEAR: Self = Self { transmitted: Rgb::ONE, added: Rgb::ZERO };
+
+    /// Through `length` of a medium that absorbs, with fog in it.
+    pub(crate) fn through(absorption: Rgb, fog: &Fog, length: f64) -> Self {
+        let absorbed = transmittance(absorption, length);
+        let seen = share(fog.density, length);
+        Self { transmitted: absorbed * seen, added: absorbed * (fog.color * (1.0 - seen)) }
+    }
+
+    /// What comes out at this end.
+    #[must_use]
+    pub fn of(&self, light: Rgb) -> Rgb {
+        self.transmitted * light + self.added
+    }
+}
+
+/// Beer and Lambert's law, channel by channel: exp(-absorption length). The length may be infinite.
+pub(crate) fn transmittance(absorption: Rgb, length: f64) -> Rgb {
+    Rgb::from_array(absorption.to_array().map(|coefficient| share(f64::from(coefficient), length)))
+}
+
+/// exp(-coefficient length); 1 where the coefficient is 0, however long the way is.
+fn share(coefficient: f64, length: f64) -> f32 {
+    if coefficient == 0.0 { 1.0 } else { to_f32(libm::exp(-coefficient * length)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_infinite_way_hides_all_or_nothing() {
+        let absorption = Rgb::new(0.0, 1e-9, 2.0);
+        assert_eq!(transmittance(absorption, f64::INFINITY), Rgb::new(1.0, 0.0, 0.0));
+        let fog = Fog { color: Rgb::splat(0.5), density: 1e-3 };
+        assert_eq!(Passage::through(Rgb::ZERO, &fog, f64::INFINITY).of(Rgb::ONE), Rgb::splat(0.5));
+        assert_eq!(Passage::through(Rgb::ZERO, &Fog::default(), f64::INFINITY), Passage::CLEAR);
+    }
+
+    #[test]
+    fn media_thin_out_as_exponentials_do() {
+        let absorption = Rgb::new(0.5, 1.0, 2.0);
+        let through = transmittance(absorption, 1.5);
+        for (channel, coefficient) in through.to_array().into_iter().zip(absorption.to_array()) {
+            assert!((f64::from(channel) - libm::exp(-1.5 * f64::from(coefficient))).abs() < 1e-7);
+        }
+        // Twice as far is the same twice.
+        let difference = transmittance(absorption, 3.0) - through * through;
+        assert!(difference.abs().max_element() < 1e-7);
+    }
+
+    #[test]
+    fn a_gradient_goes_from_bottom_to_top() {
+        let (bottom, top) = (Rgb::new(1.0, 0.0, 0.5), Rgb::new(0.0, 1.0, 0.5));
+        let sky = Background::Gradient { bottom, top };
+        assert_eq!(sky.towards(DVec3::NEG_Y * 3.0), bottom);
+        assert_eq!(sky.towards(DVec3::Y * 7.0), top);
+        assert_eq!(sky.towards(DVec3::X), (bottom + top) * 0.5);
+        assert_eq!(sky.brightest(), Rgb::new(1.0, 1.0, 0.5));
+    }
+}

@@ -1,0 +1,152 @@
+//! Shapes that are equal to the last bit, and so in the very same place.
+//!
+//! Whatever a ray asks of one of them, all give the same answer. So the first in document order is asked for all, and a heap of
+//! a hundred thousand costs a ray what a single shape costs. Which of them is seen, which hides a light and which let it
+//! through is a question of their materials, and is answered here once for all rays.
+
+use rayon::prelude::*;
+
+use super::geometry::Geometry;
+use crate::trace::rays::ShapeId;
+
+/// Which of a scene's shapes equal others.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct EqualShapes {
+    heaps: Vec<EqualGroup>,
+    /// By slot: in which heap it is. Empty in a scene without heaps.
+    heap_of: Vec<Option<u32>>,
+}
+
+/// Two or more equal shapes.
+#[derive(Clone, Debug)]
+pub(crate) struct EqualGroup {
+    /// All of them, in document order.
+    ids: Vec<ShapeId>,
+    /// The clear ones, in document order.
+    clear: Vec<ShapeId>,
+    /// The first two opaque ones.
+    opaque: Vec<ShapeId>,
+    /// See [`EqualGroup::nesting`].
+    media: Vec<ShapeId>,
+}
+
+impl EqualShapes {
+    /// Finds the heaps among shapes. Which of them are clear is still to be said.
+    pub(crate) fn of(geometry: &Geometry) -> Self {
+        let ids: Vec<ShapeId> = geometry.ids().collect();
+        let fingerprints: Vec<u64> = ids.par_iter().map(|id| fingerprint(geometry, *id)).collect();
+        let mut suspects: Vec<(u64, ShapeId)> =
+            repeated(&fingerprints).into_iter().map(|index| (fingerprints[index], ids[index])).collect();
+        suspects.par_sort_unstable();
+        let mut heaps = Vec::new();
+        for alike in suspects.chunk_by(|one, other| one.0 == other.0) {
+            let mut rest: Vec<ShapeId> = alike.iter().map(|(_, id)| *id).collect();
+            // All of them are equal, unless different shapes happen to have one fingerprint.
+            while let Some(first) = rest.first().copied() {
+                let equals = |id: &ShapeId| *id == first || geometry.are_equal(first, *id);
+                let (equal, others) = rest.into_iter().partition(equals);
+                heaps.extend(EqualGroup::new(equal));
+                rest = others;
+            }
+        }
+        let mut heap_of = vec![None; if heaps.is_empty() { 0 } else { ids.len() }];
+        for (index, heap) in (0..).zip(&heaps) {
+            for id in &heap.ids {
+                heap_of[id.index()] = Some(index);
+            }
+        }
+        Self { heaps, heap_of }
+    }
+
+    /// Says which shapes are clear.
+    pub(crate) fn sort(&mut self, is_clear: impl Fn(ShapeId) -> bool) {
+        for heap in &mut self.heaps {
+            heap.sort(&is_clear);
+        }
+    }
+
+    /// The heap that a shape is in.
+    #[inline]
+    pub(crate) fn heap(&self, id: ShapeId) -> Option<&EqualGroup> {
+        let index = (*self.heap_of.get(id.index())?)?;
+        Some(&self.heaps[index as usize])
+    }
+
+    /// The first in document order of all that equal a shape: the one that rays ask.
+    #[inline]
+    pub(crate) fn first(&self, id: ShapeId) -> ShapeId {
+        self.heap(id).map_or(id, |heap| heap.ids[0])
+    }
+}
+
+impl EqualGroup {
+    /// `None` for a single shape.
+    fn new(ids: Vec<ShapeId>) -> Option<Self> {
+        let (clear, opaque, media) = (Vec::new(), Vec::new(), Vec::new());
+        (ids.len() > 1).then_some(Self { ids, clear, opaque, media })
+    }
+
+    fn sort(&mut self, is_clear: impl Fn(ShapeId) -> bool) {
+        const EACH_END: usize = 2;
+        self.clear = self.ids.iter().copied().filter(|id| is_clear(*id)).collect();
+        self.opaque = self.ids.iter().copied().filter(|id| !is_clear(*id)).take(2).collect();
+        let last = self.clear.len().saturating_sub(EACH_END).max(EACH_END);
+        self.media = self.clear.iter().copied().take(EACH_END).collect();
+        self.media.extend(self.clear.iter().skip(last));
+    }
+
+    /// All of them, in document order.
+    pub(crate) fn ids(&self) -> &[ShapeId] {
+        &self.ids
+    }
+
+    /// The first opaque one, of those that are not `except`.
+    pub(crate) fn opaque(&self, except: Option<ShapeId>) -> Option<ShapeId> {
+        self.opaque.iter().copied().find(|id| Some(*id) != except)
+    }
+
+    /// The clear ones, in document order.
+    pub(crate) fn clear(&self) -> &[ShapeId] {
+        &self.clear
+    }
+
+    /// The clear ones that may count among the solids that a ray is inside of. They are entered and left together, so that
+    /// only the first and the last can ever be the innermost, or the ones beside them, where those are a light's own shape.
+    pub(crate) fn media(&self) -> &[ShapeId] {
+        &self.media
+    }
+}
+
+/// A number that equal shapes have in common, and others hardly ever.
+fn fingerprint(geometry: &Geometry, id: ShapeId) -> u64 {
+    // The multiplier of Knuth's multiplicative hashing, The Art of Computer Programming 3, section 6.4, for 64 bits.
+    const MULTIPLIER: u64 = 0x9e37_79b9_7f4a_7c15;
+    let mut fingerprint = 0_u64;
+    geometry.numbers(id, |number| {
+        fingerprint = (fingerprint.rotate_left(29) ^ number.to_bits()).wrapping_mul(MULTIPLIER);
+    });
+    fingerprint ^ fingerprint >> 32
+}
+
+/// The indices of all values that may be there twice: a sieve first, as mostly there are none.
+fn repeated(values: &[u64]) -> Vec<usize> {
+    const BITS_A_VALUE: usize = 16;
+    let bits = (values.len() * BITS_A_VALUE).next_power_of_two().max(64);
+    let (mut once, mut twice) = (vec![0_u64; bits / 64], vec![0_u64; bits / 64]);
+    let place = |value: u64| {
+        let bit = value & (bits as u64 - 1);
+        ((bit / 64) as usize, 1_u64 << (bit % 64))
+    };
+    let mut any = false;
+    for value in values {
+        let (word, bit) = place(*value);
+        any |= once[word] & bit != 0;
+        twice[word] |= once[word] & bit;
+        once[word] |= bit;
+    }
+    let may_repeat = |index: &usize| {
+        let (word, bit) = place(values[*index]);
+        twice[word] & bit != 0
+    };
+    if any { (0..values.len()).filter(may_repeat).collect() } else { Vec::new() }
+}

@@ -1,0 +1,196 @@
+//! The shapes of a scene, in one array a kind.
+
+use glam::{DAffine3, DVec3};
+
+use crate::trace::rays::ShapeId;
+use crate::trace::shapes::{AlignedBox, Bounds, BoxImage, Plane, Sphere, SphereImage};
+
+/// A shape, ready to be asked. The closed set of what the kernel can draw.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PreparedShape {
+    /// Rigidly moved and uniformly scaled.
+    Sphere(Sphere),
+    /// Infinite.
+    Plane(Plane),
+    /// Along the world's axes.
+    AlignedBox(AlignedBox),
+    /// An ellipsoid.
+    SphereImage(SphereImage),
+    /// A turned or sheared box.
+    BoxImage(BoxImage),
+}
+
+/// The shapes, one array a kind, and a table from slots into them.
+#[derive(Clone, Debug, Default)]
+pub struct Geometry {
+    pub(crate) places: Vec<Place>,
+    pub(crate) spheres: Vec<Sphere>,
+    pub(crate) planes: Vec<Plane>,
+    pub(crate) boxes: Vec<AlignedBox>,
+    pub(crate) sphere_images: Vec<SphereImage>,
+    pub(crate) box_images: Vec<BoxImage>,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    pub(crate) kind: Kind,
+    pub(crate) index: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Sphere,
+    Plane,
+    AlignedBox,
+    SphereImage,
+    BoxImage,
+}
+
+impl Geometry {
+    /// The most shapes a scene can have, 2^28.
+    pub const LARGEST_COUNT: usize = 1 << 28;
+
+    /// Adds a shape after all others.
+    ///
+    /// # Panics
+    ///
+    /// With more than [`Self::LARGEST_COUNT`] shapes.
+    pub fn push(&mut self, shape: PreparedShape) -> ShapeId {
+        fn store<T>(list: &mut Vec<T>, kind: Kind, shape: T) -> Place {
+            list.push(shape);
+            Place { kind, index: to_index(list.len() - 1) }
+        }
+        let place = match shape {
+            PreparedShape::Sphere(shape) => store(&mut self.spheres, Kind::Sphere, shape),
+            PreparedShape::Plane(shape) => store(&mut self.planes, Kind::Plane, shape),
+            PreparedShape::AlignedBox(shape) => store(&mut self.boxes, Kind::AlignedBox, shape),
+            PreparedShape::SphereImage(shape) => store(&mut self.sphere_images, Kind::SphereImage, shape),
+            PreparedShape::BoxImage(shape) => store(&mut self.box_images, Kind::BoxImage, shape),
+        };
+        self.places.push(place);
+        ShapeId(to_index(self.places.len() - 1))
+    }
+
+    /// Puts another shape of the same kind into a slot; `false`, and nothing done, if the kinds differ.
+    #[must_use]
+    pub fn replace(&mut self, id: ShapeId, shape: PreparedShape) -> bool {
+        let Place { kind, index } = self.places[id.index()];
+        let index = index as usize;
+        match (kind, shape) {
+            (Kind::Sphere, PreparedShape::Sphere(shape)) => self.spheres[index] = shape,
+            (Kind::Plane, PreparedShape::Plane(shape)) => self.planes[index] = shape,
+            (Kind::AlignedBox, PreparedShape::AlignedBox(shape)) => self.boxes[index] = shape,
+            (Kind::SphereImage, PreparedShape::SphereImage(shape)) => self.sphere_images[index] = shape,
+            (Kind::BoxImage, PreparedShape::BoxImage(shape)) => self.box_images[index] = shape,
+            _ => return false,
+        }
+        true
+    }
+
+    /// Is this the very shape in the slot?
+    #[must_use]
+    pub fn holds(&self, id: ShapeId, shape: &PreparedShape) -> bool {
+        let Place { kind, index } = self.places[id.index()];
+        let index = index as usize;
+        match (kind, shape) {
+            (Kind::Sphere, PreparedShape::Sphere(shape)) => self.spheres[index] == *shape,
+            (Kind::Plane, PreparedShape::Plane(shape)) => self.planes[index] == *shape,
+            (Kind::AlignedBox, PreparedShape::AlignedBox(shape)) => self.boxes[index] == *shape,
+            (Kind::SphereImage, PreparedShape::SphereImage(shape)) => self.sphere_images[index] == *shape,
+            (Kind::BoxImage, PreparedShape::BoxImage(shape)) => self.box_images[index] == *shape,
+            _ => false,
+        }
+    }
+
+    /// Are the shapes in two slots equal, part by part?
+    pub(crate) fn are_equal(&self, one: ShapeId, other: ShapeId) -> bool {
+        let Place { kind, index } = self.places[other.index()];
+        let index = index as usize;
+        match kind {
+            Kind::Sphere => self.holds(one, &PreparedShape::Sphere(self.spheres[index])),
+            Kind::Plane => self.holds(one, &PreparedShape::Plane(self.planes[index])),
+            Kind::AlignedBox => self.holds(one, &PreparedShape::AlignedBox(self.boxes[index])),
+            Kind::SphereImage => self.holds(one, &PreparedShape::SphereImage(self.sphere_images[index])),
+            Kind::BoxImage => self.holds(one, &PreparedShape::BoxImage(self.box_images[index])),
+        }
+    }
+
+    /// Passes on the numbers that a shape is made of, and a last one that differs from kind to kind.
+    pub(crate) fn numbers(&self, id: ShapeId, mut each: impl FnMut(f64)) {
+        let Place { kind, index } = self.places[id.index()];
+        let index = index as usize;
+        let mut all = |vectors: &[DVec3]| vectors.iter().flat_map(DVec3::to_array).for_each(&mut each);
+        let map = |forward: &DAffine3| {
+            let linear = forward.matrix3;
+            [linear.x_axis, linear.y_axis, linear.z_axis, forward.translation]
+        };
+        let last = match kind {
+            Kind::Sphere => {
+                let Sphere { center, radius } = self.spheres[index];
+                all(&[center]);
+                radius
+            }
+            Kind::Plane => {
+                all(&[self.planes[index].point(), self.planes[index].unit_normal()]);
+                1.0
+            }
+            Kind::AlignedBox => {
+                let AlignedBox { min, max } = self.boxes[index];
+                all(&[min, max]);
+                2.0
+            }
+            Kind::SphereImage => {
+                all(&map(self.sphere_images[index].forward()));
+                self.sphere_images[index].radius()
+            }
+            Kind::BoxImage => {
+                all(&map(self.box_images[index].forward()));
+                all(&[self.box_images[index].half()]);
+                3.0
+            }
+        };
+        each(last);
+    }
+
+    /// How many shapes there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Is there nothing to see?
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.places.is_empty()
+    }
+
+    /// How many of them are planes.
+    #[must_use]
+    pub fn planes(&self) -> usize {
+        self.planes.len()
+    }
+
+    /// All slots, in document order.
+    pub fn ids(&self) -> impl ExactSizeIterator<Item = ShapeId> + use<> {
+        (0..to_index(self.places.len())).map(ShapeId)
+    }
+
+    /// A box around the shape; `None` for planes and for shapes that no box can be trusted with.
+    #[must_use]
+    pub fn bounds(&self, id: ShapeId) -> Option<Bounds> {
+        let Place { kind, index } = self.places[id.index()];
+        let index = index as usize;
+        match kind {
+            Kind::Sphere => Some(self.spheres[index].bounds()),
+            Kind::Plane => None,
+            Kind::AlignedBox => Some(self.boxes[index].bounds()),
+            Kind::SphereImage => self.sphere_images[index].bounds(),
+            Kind::BoxImage => self.box_images[index].bounds(),
+        }
+    }
+}
+
+fn to_index(length: usize) -> u32 {
+    assert!(length <= Geometry::LARGEST_COUNT, "a scene has at most 2^28 shapes");
+    u32::try_from(length).unwrap_or(u32::MAX)
+}

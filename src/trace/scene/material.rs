@@ -1,0 +1,68 @@
+//! How surfaces answer light.
+
+use super::checker::CheckerPattern;
+use crate::color::Rgb;
+use glam::DVec3;
+
+/// How a slot's surface answers light.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SurfaceMaterial {
+    /// Ambient coefficient times ambient colour.
+    pub ambient: Rgb,
+    /// Diffuse coefficient times colour.
+    pub diffuse: Rgb,
+    /// Specular coefficient, 0..=1; 0 where there are no highlights.
+    pub specular: f32,
+    /// The exponent of N.H in highlights, 0 or more.
+    pub shininess: f32,
+    /// Share of the mirrored ray, 0..=1; 0 where nothing is mirrored.
+    pub reflected: f32,
+    /// What goes through; `None` where nothing does.
+    pub refraction: Option<Refraction>,
+    /// CheckerPattern of other colours, if there are any.
+    pub checker: Option<Box<Checker>>,
+}
+
+/// A clear medium behind a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Refraction {
+    /// Share of the refracted ray, k_t, greater than 0, at most 1.
+    pub transmitted: f32,
+    /// Index of refraction, greater than 0.
+    pub ior: f64,
+    /// What the medium takes away per unit of length, 0 or more.
+    pub absorption: Rgb,
+    /// Is k_t shared between the refracted and the mirrored ray as Fresnel's equations say?
+    pub fresnel: bool,
+}
+
+/// CheckerPattern of two colours. The material's own colours are those of the square at the origin.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checker {
+    /// As [`SurfaceMaterial::ambient`], on every second square.
+    pub ambient: Rgb,
+    /// As [`SurfaceMaterial::diffuse`], on every second square.
+    pub diffuse: Rgb,
+    /// Where the squares are.
+    pub squares: CheckerPattern,
+}
+
+impl SurfaceMaterial {
+    /// Is anything of lights sent on?
+    pub(crate) fn scatters(&self) -> bool {
+        self.diffuse != Rgb::ZERO || self.specular > 0.0
+    }
+
+    /// Does the surface send rays on?
+    pub(crate) fn continues(&self) -> bool {
+        self.reflected > 0.0 || self.refraction.is_some()
+    }
+
+    /// Ambient and diffuse colours at a point of the surface with this outward normal.
+    pub(crate) fn colors_at(&self, point: DVec3, normal: DVec3) -> (Rgb, Rgb) {
+        match &self.checker {
+            Some(checker) if checker.squares.is_second(point, normal) => (checker.ambient, checker.diffuse),
+            _ => (self.ambient, self.diffuse),
+        }
+    }
+}

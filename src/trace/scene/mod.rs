@@ -1,0 +1,26 @@
+//! A scene at one moment, as arrays: shapes, materials, lights, the camera and what is around them. Nothing here is asked by rays.
+
+mod camera;
+mod checker;
+mod environment;
+mod equal_shapes;
+mod geometry;
+mod light;
+mod material;
+mod material_summary;
+mod precision;
+mod prepared_scene;
+
+pub use camera::Camera;
+pub(crate) use camera::PixelCenters;
+pub use checker::CheckerPattern;
+pub(crate) use environment::transmittance;
+pub use environment::{Background, Fog, Passage};
+pub(crate) use equal_shapes::EqualGroup;
+pub use geometry::{Geometry, PreparedShape};
+pub(crate) use geometry::{Kind, Place};
+pub use light::{Cone, Falloff, Light, LightSource};
+pub use material::{Checker, Refraction, SurfaceMaterial};
+pub use material_summary::MaterialSummary;
+pub use precision::Precision;
+pub use prepared_scene::PreparedScene;

@@ -1,0 +1,169 @@
+//! A scene as arrays, ready for rays.
+
+use super::environment::{Background, Fog};
+use super::equal_shapes::EqualShapes;
+use super::geometry::{Geometry, PreparedShape};
+use super::light::Light;
+use super::material::SurfaceMaterial;
+use super::material_summary::MaterialSummary;
+use super::precision::Precision;
+use crate::color::Rgb;
+use crate::trace::bvh::Tree;
+use crate::trace::rays::ShapeId;
+use crate::trace::shapes::Bounds;
+
+/// All that the kernel knows of a scene at one moment, apart from the camera.
+#[derive(Clone, Debug)]
+pub struct PreparedScene {
+    pub(crate) geometry: Geometry,
+    pub(crate) materials: Vec<SurfaceMaterial>,
+    /// Of equal shapes the tree and what is beside it hold the first in document order.
+    pub(crate) copies: EqualShapes,
+    pub(crate) tree: Tree,
+    /// Shapes without bounds, as planes, and shapes so much larger than the rest that they would spoil the tree.
+    pub(crate) beside: Vec<ShapeId>,
+    surfaces: MaterialSummary,
+    /// In document order.
+    pub lights: Vec<Light>,
+    /// I_a.
+    pub ambient: Rgb,
+    /// What rays see that meet nothing.
+    pub background: Background,
+    /// What is between things.
+    pub fog: Fog,
+    /// Generations of rays that are traced; that of camera rays is, whatever it says.
+    pub depth: u32,
+    /// How much of a sample's light may be left out, in linear light, by not following rays that bring little; 0 follows
+    /// all.
+    pub cutoff: f32,
+    /// How shapes are asked.
+    pub precision: Precision,
+}
+
+impl PreparedScene {
+    /// A scene of these shapes with one material each, without lights, black all around.
+    #[must_use]
+    pub fn new(geometry: Geometry, materials: Vec<SurfaceMaterial>) -> Self {
+        let mut scene = Self {
+            geometry,
+            surfaces: MaterialSummary::of(&materials),
+            materials,
+            copies: EqualShapes::default(),
+            tree: Tree::build(&[], &[]),
+            beside: Vec::new(),
+            lights: Vec::new(),
+            ambient: Rgb::ZERO,
+            background: Background::default(),
+            fog: Fog::default(),
+            depth: 1,
+            cutoff: 0.0,
+            precision: Precision::default(),
+        };
+        scene.rebuild_tree();
+        scene
+    }
+
+    /// The shapes.
+    #[must_use]
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
+    /// Puts other shapes of the same kinds into slots. `false` if a kind differs: the scene must then be made anew.
+    #[must_use]
+    pub fn replace_shapes(&mut self, replacements: &[(ShapeId, PreparedShape)]) -> bool {
+        let fits = replacements.iter().all(|(id, shape)| self.geometry.replace(*id, *shape));
+        if fits && !replacements.is_empty() {
+            self.rebuild_tree();
+        }
+        fits
+    }
+
+    /// The surface of a slot.
+    #[must_use]
+    pub fn material(&self, id: ShapeId) -> &SurfaceMaterial {
+        &self.materials[id.index()]
+    }
+
+    /// What there is among the surfaces.
+    #[must_use]
+    pub fn surfaces(&self) -> &MaterialSummary {
+        &self.surfaces
+    }
+
+    /// Replaces the surfaces of slots. Is any of them different?
+    pub fn replace_materials(
+        &mut self,
+        replacements: impl IntoIterator<Item = (ShapeId, SurfaceMaterial)>,
+    ) -> bool {
+        let mut any = false;
+        for (id, material) in replacements {
+            any |= self.materials[id.index()] != material;
+            self.materials[id.index()] = material;
+        }
+        if any {
+            self.surfaces = MaterialSummary::of(&self.materials);
+            self.sort_copies();
+        }
+        any
+    }
+
+    fn sort_copies(&mut self) {
+        self.copies.sort(|id| self.materials[id.index()].refraction.is_some());
+    }
+
+    fn rebuild_tree(&mut self) {
+        self.copies = EqualShapes::of(&self.geometry);
+        self.sort_copies();
+        let asked = || self.geometry.ids().filter(|id| self.first_equal(*id) == *id);
+        let bounded = asked().filter_map(|id| Some((id, self.geometry.bounds(id)?)));
+        let (mut ids, mut bounds): (Vec<ShapeId>, Vec<Bounds>) = bounded.unzip();
+        self.beside = asked().filter(|id| self.geometry.bounds(*id).is_none()).collect();
+        let huge = huge_shapes(&bounds);
+        for index in huge.into_iter().rev() {
+            self.beside.push(ids.remove(index));
+            bounds.remove(index);
+        }
+        self.beside.sort_unstable();
+        self.tree = Tree::build(&ids, &bounds);
+    }
+
+    /// The first in document order of all shapes that equal one: the one that is asked what a ray meets.
+    #[must_use]
+    #[inline]
+    pub(crate) fn first_equal(&self, id: ShapeId) -> ShapeId {
+        self.copies.first(id)
+    }
+
+    /// The clear ones, of a shape and all that equal it, that may count among the solids that a ray is inside of.
+    pub(crate) fn nesting_at<'a>(&'a self, asked: &'a ShapeId) -> &'a [ShapeId] {
+        match self.copies.heap(*asked) {
+            Some(heap) => heap.media(),
+            None if self.material(*asked).refraction.is_some() => std::slice::from_ref(asked),
+            None => &[],
+        }
+    }
+
+    /// May a clear shape count among the solids that a ray is inside of?
+    pub(crate) fn may_nest(&self, clear: ShapeId) -> bool {
+        self.copies.heap(clear).is_none_or(|heap| heap.media().contains(&clear))
+    }
+}
+
+/// Indices of at most 64 boxes whose longest edge is over 2^16 times the median of all that have one, ascending.
+fn huge_shapes(bounds: &[Bounds]) -> Vec<usize> {
+    const TIMES_MEDIAN: f64 = 65_536.0;
+    const MOST: usize = 64;
+    let mut extents: Vec<f64> = bounds.iter().map(Bounds::extent).filter(|extent| *extent > 0.0).collect();
+    if extents.is_empty() {
+        return Vec::new();
+    }
+    let middle = extents.len() / 2;
+    let median = *extents.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let mut huge: Vec<usize> =
+        (0..bounds.len()).filter(|index| bounds[*index].extent() > median * TIMES_MEDIAN).collect();
+    huge.sort_by(|left, right| bounds[*right].extent().total_cmp(&bounds[*left].extent()));
+    huge.truncate(MOST);
+    huge.sort_unstable();
+    huge
+}

@@ -1,0 +1,258 @@
+//! Ellipsoids: affine images of spheres.
+//!
+//! The ray is taken back into the sphere's own space, where `t` is the same.
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::bounds::Bounds;
+use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, RefinedHit};
+use super::sphere::{Sphere, far_root, first_root, last_root, newton_step, roots};
+use crate::trace::math::{Compensated3, Double, Double3, Exact, Exact3, square_difference};
+use crate::trace::rays::Ray;
+
+/// A sphere under an affine map: an ellipsoid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SphereImage {
+    map: Map,
+    sphere: Sphere,
+}
+
+/// An invertible affine map with its inverse.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Map {
+    forward: DAffine3,
+    /// The inverse of the linear part; the translation is subtracted first, which keeps more digits.
+    inverse: DMat3,
+    /// Its rows with a hundred bits: the geometry is what the entries of `forward` say, exactly.
+    exact_inverse: [Double3; 3],
+    /// How many times a rounding error can grow on the way back.
+    condition: f64,
+}
+
+impl Map {
+    fn new(forward: DAffine3) -> Self {
+        let DMat3 { x_axis, y_axis, z_axis } = forward.matrix3;
+        Self {
+            forward,
+            inverse: inverse(forward.matrix3),
+            exact_inverse: exact_inverse([x_axis, y_axis, z_axis].map(Double3::from)),
+            condition: condition(forward.matrix3),
+        }
+    }
+
+    #[inline]
+    fn point_back(&self, point: DVec3) -> DVec3 {
+        self.inverse * (point - self.forward.translation)
+    }
+
+    #[inline]
+    fn direction_back(&self, direction: DVec3) -> DVec3 {
+        self.inverse * direction
+    }
+
+    fn exact_point_back(&self, point: DVec3) -> Double3 {
+        let from_translation = Double3::difference(point, self.forward.translation);
+        self.exact_inverse.map(|row| row.dot(from_translation)).into()
+    }
+
+    #[inline]
+    fn place_back(&self, place: Compensated3) -> Compensated3 {
+        let from_translation = place.minus(self.forward.translation);
+        let [x, y, z] = &self.exact_inverse;
+        [from_translation.dot_exact(*x), from_translation.dot_exact(*y), from_translation.dot_exact(*z)]
+            .into()
+    }
+
+    /// How many times worse than rounded once points and directions are that were taken back.
+    fn roughness(&self) -> f64 {
+        8.0 * self.condition
+    }
+
+    /// Normals go by the inverse transpose; a mirroring map does not turn them inside out.
+    fn normal(&self, normal: DVec3) -> DVec3 {
+        (self.inverse.transpose() * normal).normalize_or(DVec3::Y)
+    }
+}
+
+/// The box around the image of an origin-centred box, padded for rounding. `None` for a map that stretches one direction so much
+/// more than another that the way back loses the digits which boxes in `f32` have to spare.
+pub(crate) fn bounds_of_image(forward: &DAffine3, half: DVec3, condition: f64) -> Option<Bounds> {
+    const WORST_CONDITION: f64 = 1e7;
+    if condition > WORST_CONDITION {
+        return None;
+    }
+    let DAffine3 { matrix3: DMat3 { x_axis, y_axis, z_axis }, translation } = *forward;
+    let reach = x_axis.abs() * half.x + y_axis.abs() * half.y + z_axis.abs() * half.z;
+    // Planes that are off by some units in the last place meet at corners that are off by so many times more.
+    let pad = 64.0 * f64::EPSILON * condition * (reach.max_element() + translation.abs().max_element());
+    Some(Bounds::around(translation, reach + DVec3::splat(pad)))
+}
+
+/// How many times a rounding error can grow on the way back through a map.
+pub(crate) fn condition(matrix: DMat3) -> f64 {
+    let norm = |matrix: DMat3| matrix.x_axis.length() + matrix.y_axis.length() + matrix.z_axis.length();
+    let inverse = inverse(matrix);
+    let condition = norm(matrix) * norm(inverse);
+    // Where all digits are lost the inverse is none, and says nothing of the condition.
+    let lost = norm(matrix * inverse - DMat3::IDENTITY) > 1e-3;
+    if lost { condition.max(f64::EPSILON.recip()) } else { condition }
+}
+
+/// A rounded inverse. By a power of two into the middle of the range first: a determinant is a product of three lengths.
+pub(crate) fn inverse(matrix: DMat3) -> DMat3 {
+    let largest = matrix.to_cols_array().into_iter().fold(0.0, |largest: f64, part| largest.max(part.abs()));
+    let scale = libm::ldexp(1.0, -libm::ilogb(largest).clamp(-1000, 1000));
+    (matrix * scale).inverse() * scale
+}
+
+/// The rows of an inverse, in double-double: cross products of the columns over the determinant.
+pub(crate) fn exact_inverse(columns: [Double3; 3]) -> [Double3; 3] {
+    let largest =
+        columns.iter().fold(0.0, |largest: f64, column| largest.max(column.rounded().abs().max_element()));
+    let scale = libm::ldexp(1.0, -libm::ilogb(largest).clamp(-1000, 1000));
+    let [a, b, c] = columns.map(|column| column.times_power(scale));
+    let rows = [b.cross(c), c.cross(a), a.cross(b)];
+    let determinant = a.dot(rows[0]);
+    rows.map(|row| row.over(determinant).times_power(scale))
+}
+
+impl SphereImage {
+    /// The image of an origin-centred sphere. The map must be invertible.
+    #[must_use]
+    pub fn new(forward: DAffine3, radius: f64) -> Self {
+        Self { map: Map::new(forward), sphere: Sphere { center: DVec3::ZERO, radius } }
+    }
+
+    /// The map.
+    #[must_use]
+    pub fn forward(&self) -> &DAffine3 {
+        &self.map.forward
+    }
+
+    /// The sphere's radius before it is mapped.
+    #[must_use]
+    pub fn radius(&self) -> f64 {
+        self.sphere.radius
+    }
+
+    /// The smallest `t >= 0` on the ellipsoid.
+    #[must_use]
+    #[inline]
+    pub fn intersect(&self, ray: &Ray) -> Intersection {
+        let (own, way) = (self.map.point_back(ray.origin()), self.map.direction_back(ray.direction()));
+        first_root(-own, way, way.dot(way).recip(), self.sphere.radius, self.map.roughness())
+    }
+
+    /// Where the ray's line enters and leaves the ellipsoid, decided exactly.
+    pub(crate) fn cross_exactly(&self, origin: DVec3, direction: &Exact3) -> Option<ExactCrossing> {
+        let (own, way, radius) = self.exactly_back(origin, direction);
+        roots(&own, &way, &radius)
+    }
+
+    /// Where a ray that starts on the ellipsoid and goes inwards comes out, decided exactly.
+    pub(crate) fn exit_exactly(&self, origin: DVec3, direction: &Exact3) -> Option<ExactHit> {
+        let (own, way, radius) = self.exactly_back(origin, direction);
+        Some(last_root(&own, &way, &radius))
+    }
+
+    /// The way from the origin to the center, the direction and the radius in the sphere's own space, all times the determinant of
+    /// the map: so nothing is divided by.
+    fn exactly_back(&self, origin: DVec3, direction: &Exact3) -> (Exact3, Exact3, Exact) {
+        let DAffine3 { matrix3, translation } = self.map.forward;
+        let [a, b, c] = [matrix3.x_axis, matrix3.y_axis, matrix3.z_axis].map(Exact3::from);
+        let rows = [b.cross(&c), c.cross(&a), a.cross(&b)];
+        let to_center = &Exact3::from(translation) - &origin.into();
+        let back = |vector: &Exact3| Exact3(rows.each_ref().map(|row| row.dot(vector)));
+        (back(&to_center), back(direction), &a.dot(&rows[0]) * &self.sphere.radius.into())
+    }
+
+    /// The meeting near an inexact `t`, by a Newton step in the sphere's own space.
+    #[must_use]
+    pub(crate) fn refine(&self, origin: DVec3, direction: DVec3, t: f64, _far: bool) -> Option<RefinedHit> {
+        Some(self.stepped(origin, direction, t))
+    }
+
+    fn stepped(&self, origin: DVec3, direction: DVec3, t: f64) -> RefinedHit {
+        let place = Compensated3::along(origin, direction, t);
+        let own = self.map.place_back(place);
+        let way = self.map.direction_back(direction);
+        let slope = 2.0 * own.rounded().dot(way);
+        let step = newton_step(own.beyond(self.sphere.radius).rounded(), slope);
+        let normal = self.map.normal(own.moved(way * step));
+        RefinedHit { t: Double::sum(t, step), point: place.moved(direction * step), normal }
+    }
+
+    /// The same near a `t` of which few bits are certain, as [`Sphere::solve`].
+    #[must_use]
+    pub(crate) fn solve(&self, origin: DVec3, direction: DVec3, t: f64) -> Option<RefinedHit> {
+        let better = self.stepped(origin, direction, t).t.rounded();
+        let good = self.stepped(origin, direction, better).t.rounded();
+        Some(self.stepped(origin, direction, good))
+    }
+
+    /// Where a ray that starts on the ellipsoid and goes inwards comes out.
+    #[must_use]
+    pub fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
+        let (own, way) = (self.map.point_back(origin), self.map.direction_back(direction));
+        far_root(-own, way, self.sphere.radius, self.map.roughness())
+    }
+
+    /// The meeting at `t`.
+    #[must_use]
+    pub(crate) fn surface_point(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        t: Double,
+        _face: Face,
+    ) -> RefinedHit {
+        let place = Compensated3::along(origin, direction, t.rounded());
+        let own = self.map.place_back(place).moved(self.map.direction_back(direction) * t.rest());
+        RefinedHit { t, point: place.moved(direction * t.rest()), normal: self.map.normal(own) }
+    }
+
+    /// It has none.
+    pub(crate) fn facet(&self, _origin: DVec3, _direction: DVec3, _t: f64, _far: bool) -> Option<Facet> {
+        None
+    }
+
+    /// Is the point within, not on the surface?
+    #[must_use]
+    pub fn contains(&self, point: DVec3) -> bool {
+        square_difference(self.map.exact_point_back(point), self.sphere.radius).sign().is_lt()
+    }
+
+    /// A box around it, unless its own numbers are too rough to say where it ends.
+    #[must_use]
+    pub fn bounds(&self) -> Option<Bounds> {
+        bounds_of_image(&self.map.forward, DVec3::splat(self.sphere.radius), self.map.condition)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DQuat;
+
+    #[test]
+    fn an_ellipsoid_is_hit_where_its_equation_says() {
+        let map = DAffine3::from_scale_rotation_translation(
+            DVec3::new(3.0, 1.0, 0.5),
+            DQuat::IDENTITY,
+            DVec3::new(0.0, 0.0, 5.0),
+        );
+        let ellipsoid = SphereImage::new(map, 1.0);
+        let first = |origin, direction: DVec3| {
+            let exact = || ellipsoid.cross_exactly(origin, &direction.into());
+            ellipsoid.intersect(&Ray::new(origin, direction)?).decided(direction, exact)
+        };
+        assert_eq!(first(DVec3::ZERO, DVec3::Z), Some(4.5));
+        let (origin, direction) = (DVec3::new(2.0, 0.0, 0.0), DVec3::Z);
+        let t = first(origin, direction).unwrap();
+        let RefinedHit { point, normal, .. } = ellipsoid.stepped(origin, direction, t);
+        // x^2/9 + z^2/0.25 = 1, gradient (2x/9, 0, 2z/0.25).
+        assert!((4.0 / 9.0 + (point.z - 5.0) * (point.z - 5.0) / 0.25 - 1.0).abs() < 1e-14);
+        let gradient = DVec3::new(2.0 * point.x / 9.0, 0.0, 2.0 * (point.z - 5.0) / 0.25).normalize();
+        assert!((normal - gradient).length() < 1e-14);
+    }
+}
