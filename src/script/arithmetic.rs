@@ -12,6 +12,7 @@ pub(super) type Outcome = Result<Dynamic, Box<EvalAltResult>>;
 
 /// An error whose place is that of the call. A second line is the remedy.
 pub(super) fn failed<T>(message: impl Into<String>) -> Result<T, Box<EvalAltResult>> {
+    work::add(limits::FAILURE);
     Err(EvalAltResult::ErrorArithmetic(message.into(), Position::NONE).into())
 }
 

@@ -10,6 +10,10 @@ pub const OPERATIONS_UNTIL_KNOWN: u64 = 1_000_000;
 pub const SPAWNING_OPERATIONS: u64 = 200_000;
 /// So many operations more for each spawned entity.
 pub const OPERATIONS_PER_ENTITY: u64 = 100;
+/// The most operations of a program that spawns, however many entities it has.
+pub const MOST_SPAWNING_OPERATIONS: u64 = 40_000_000;
+/// Operations that it is to say what is wrong, which a program may catch.
+pub(super) const FAILURE: usize = 10;
 /// The most entities that the programs of a scene spawn.
 pub const ENTITIES: u64 = 1_000_000;
 /// The most bytes of text in all of these, names included: 64 for each of them.

@@ -112,7 +112,7 @@ fn register_spawn(
     let spawned = Arc::clone(&count);
     work::limit(engine, move |done| {
         let more = spawned.load(Ordering::Relaxed) * limits::OPERATIONS_PER_ENTITY;
-        done > limits::SPAWNING_OPERATIONS + more
+        done > (limits::SPAWNING_OPERATIONS + more).min(limits::MOST_SPAWNING_OPERATIONS)
     });
     let left = Arc::new(Mutex::new(room));
     let room = Arc::clone(&left);
@@ -128,16 +128,19 @@ fn register_spawn(
                 ));
             }
             let entity = Data::of(&entity);
-            room.lock().unwrap_or_else(PoisonError::into_inner).admit(&entity)?;
-            let spawned = Spawned { entity, at: places.byte(context.call_position()) };
-            let mut take = take.lock().unwrap_or_else(PoisonError::into_inner);
-            if let Err(message) = take(spawned) {
-                // It is as much work as one that is taken, and brings no operations, however often the refusal is caught.
-                work::add(REFUSAL);
-                return failed(message);
+            let admitted = room.lock().unwrap_or_else(PoisonError::into_inner).admit(&entity);
+            let taken = admitted.and_then(|()| {
+                let spawned = Spawned { entity, at: places.byte(context.call_position()) };
+                let mut take = take.lock().unwrap_or_else(PoisonError::into_inner);
+                take(spawned).or_else(failed)
+            });
+            // One that is refused is as much work as one that is taken, and brings no operations, however often the refusal is
+            // caught.
+            match &taken {
+                Ok(()) => _ = count.fetch_add(1, Ordering::Relaxed),
+                Err(_) => work::add(REFUSAL),
             }
-            count.fetch_add(1, Ordering::Relaxed);
-            Ok(())
+            taken
         },
     );
     left
@@ -201,4 +204,105 @@ fn register_constructors(engine: &mut Engine) {
         let fields = Map::from([("width".into(), width), ("height".into(), height)]);
         tagged("Rectangle", Dynamic::from_map(fields))
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, Instant};
+
+    use super::*;
+
+    fn spawned(text: &str) -> Result<Vec<Data>, (String, usize)> {
+        spawned_into(text, &mut Room::default())
+    }
+
+    fn spawned_into(text: &str, room: &mut Room) -> Result<Vec<Data>, (String, usize)> {
+        let list = std::sync::Arc::new(std::sync::Mutex::new(Vec::new()));
+        let into = std::sync::Arc::clone(&list);
+        let take = move |spawned: Spawned| {
+            into.lock().unwrap().push(spawned.entity);
+            Ok(())
+        };
+        run_spawning(text, 0, room, take).map_err(|error| (error.message, error.span.start))?;
+        let list = list.lock().unwrap();
+        Ok(list.clone())
+    }
+
+    #[test]
+    fn entities_are_spawned_in_order_and_by_the_hundred() {
+        let list =
+            spawned("for i in 0..100 { spawn(#{ name: `ball ${i}`, shape: sphere(i / 2) }); }").unwrap();
+        assert_eq!(list.len(), 100);
+        let radius = Data::Map(vec![("radius".to_owned(), Data::Number(1.5))]);
+        let shape = Data::Map(vec![("Sphere".to_owned(), radius)]);
+        assert_eq!(
+            list[3],
+            Data::Map(vec![
+                ("name".to_owned(), Data::Text("ball 3".to_owned())),
+                ("shape".to_owned(), shape)
+            ])
+        );
+        assert_eq!(spawned("1;\n  spawn(3)").unwrap_err().1, 5);
+        for endless in ["", "let b = a;", "dot(a, a);", "let b = a + a;", "len(a);", "fn_with_a(a);"] {
+            let start = Instant::now();
+            let text = format!(
+                "fn fn_with_a(a) {{ a }} let a = []; for i in 0..256 {{ a.push(i); }} loop {{ {endless} }}"
+            );
+            assert_eq!(spawned(&text).unwrap_err().0, "this takes too long");
+            println!("{:>8.1?} {endless}", start.elapsed());
+            assert!(start.elapsed() < Duration::from_secs(2));
+        }
+    }
+
+    #[test]
+    fn calls_are_found_in_lines_of_any_length_soon() {
+        let start = Instant::now();
+        let text = format!(
+            "/* {} */\n/* ß */ for i in 0..20000 {{ spawn(#{{}}); }}\nspawn(#{{}});",
+            "ß".repeat(30_000)
+        );
+        let text = text.replacen('\n', "", 1);
+        let list = std::sync::Arc::new(std::sync::Mutex::new(Vec::new()));
+        let into = std::sync::Arc::clone(&list);
+        let take = move |spawned: Spawned| {
+            into.lock().unwrap().push(spawned.at);
+            Ok(())
+        };
+        run_spawning(&text, 0, &mut Room::default(), take).unwrap();
+        let calls: Vec<usize> = text.match_indices("spawn").map(|(at, _)| at).collect();
+        let list = list.lock().unwrap();
+        assert_eq!((list[0], list[19_999], list[20_000]), (calls[0], calls[0], calls[1]));
+        assert!(start.elapsed() < Duration::from_secs(1), "{:?}", start.elapsed());
+    }
+
+    #[test]
+    fn what_is_spawned_takes_from_the_room_for_all() {
+        let two = "spawn(#{ name: \"four\", other: [\"five5\", 1] }); spawn(#{ name: \"\" });";
+        let mut room = Room { entities: 5, text: 20 };
+        assert_eq!(spawned_into(two, &mut room).unwrap().len(), 2);
+        assert_eq!((room.entities, room.text), (3, 11));
+        spawned_into(two, &mut room).unwrap();
+        let (message, _) = spawned_into(two, &mut room).unwrap_err();
+        assert_eq!(message, "the texts of all spawned entities come to more than 64 MiB");
+        let (message, at) = spawned_into("spawn(#{});\nspawn(#{})", &mut room).unwrap_err();
+        assert_eq!((message.as_str(), at), ("the scripts of a scene spawn at most 1000000 entities", 12));
+        let growing =
+            "let s = \"x\"; for i in 0..11 { s += s; } for i in 0..1000000 { spawn(#{ name: s + i }); }";
+        assert!(spawned(growing).unwrap_err().0.contains("64 MiB"));
+    }
+
+    #[test]
+    fn refused_entities_bring_no_operations() {
+        let asked = std::sync::Arc::new(std::sync::atomic::AtomicUsize::new(0));
+        let count = std::sync::Arc::clone(&asked);
+        let refuse = move |_: Spawned| {
+            count.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            Err("no".to_owned())
+        };
+        let text = "loop { try { spawn(#{}); } catch { } }";
+        let error = run_spawning(text, 0, &mut Room::default(), refuse).unwrap_err();
+        assert_eq!(error.message, "this takes too long");
+        let asked = asked.load(std::sync::atomic::Ordering::Relaxed);
+        assert!((1..=2000).contains(&asked), "{asked} entities are refused before it ends");
+    }
 }

@@ -167,8 +167,13 @@ mod tests {
             assert!(text.contains(&limit), "{limit}");
         }
         assert_eq!(
-            (limits::OPERATIONS, limits::SPAWNING_OPERATIONS, limits::OPERATIONS_PER_ENTITY),
-            (100_000, 200_000, 100)
+            (
+                limits::OPERATIONS,
+                limits::SPAWNING_OPERATIONS,
+                limits::OPERATIONS_PER_ENTITY,
+                limits::MOST_SPAWNING_OPERATIONS
+            ),
+            (100_000, 200_000, 100, 40_000_000)
         );
         assert_eq!(
             (limits::ENTITIES, limits::PROGRAM, limits::SPAWNED_TEXT),

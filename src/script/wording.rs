@@ -293,9 +293,10 @@ impl Told {
                 "does a loop never end? What is the same in every frame can be written as keys".to_owned()
             }
             Purpose::Spawn => format!(
-                "does a loop never end? There are {} operations, and {} more for each entity",
+                "does a loop never end? There are {} operations, and {} more for each entity, {} at most",
                 limits::SPAWNING_OPERATIONS,
-                limits::OPERATIONS_PER_ENTITY
+                limits::OPERATIONS_PER_ENTITY,
+                limits::MOST_SPAWNING_OPERATIONS
             ),
         };
         Self::with_help("this takes too long", "still running here", help)
