@@ -10,7 +10,7 @@ use super::intersector::Intersector;
 use crate::trace::math::{Double, Double3, Exact3, Root};
 use crate::trace::rays::{Limit, Ray, ShapeId};
 use crate::trace::scene::{Geometry, Kind, Place};
-use crate::trace::shapes::{ExactHit, Face, Intersection, RefinedHit, Side};
+use crate::trace::shapes::{Bounds, ExactHit, Face, Intersection, RefinedHit, Side};
 
 /// 2^-36: nearer to a light than so, compared with its distance, what a ray meets is compared with the light's exact place, which
 /// the ray, of a rounded direction, passes by.
@@ -119,6 +119,16 @@ impl Geometry {
     /// Refines a hit whose `t` is not just a few roundings off, or that is near an edge.
     #[cold]
     fn refine_specially(&self, ray: &Ray, hit: &Hit, escalations: &mut Escalations) -> RefinedHit {
+        let mut refined = self.refine_precisely(ray, hit, escalations);
+        // From so far away that even a double-double `t` is coarser than the shape is large, the point is still on it as far as
+        // its bounds go: the tree relies on that for rays that go on from there.
+        if let Some(Bounds { min, max }) = self.bounds(hit.id) {
+            refined.point = refined.point.clamp(min, max);
+        }
+        refined
+    }
+
+    fn refine_precisely(&self, ray: &Ray, hit: &Hit, escalations: &mut Escalations) -> RefinedHit {
         let (origin, direction, t) = (ray.origin(), ray.direction(), hit.root.t());
         if hit.root.is_rough() && !hit.root.is_rounded() {
             escalations.rough += 1;
@@ -240,5 +250,49 @@ impl Geometry {
         }
         self.exactly_met(id, hit.far, origin, &exact_way.into())
             .is_some_and(|met| (met.t.rounded() - Double::from(1.0)).rounded() < latest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DAffine3, DQuat};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::trace::scene::{PreparedScene, PreparedShape, SurfaceMaterial};
+    use crate::trace::shapes::{AlignedBox, BoxImage, Sphere, SphereImage};
+
+    fn shape(kind: usize, turn: f64) -> Option<PreparedShape> {
+        let rotation = DQuat::from_euler(glam::EulerRot::XYZ, turn, 2.0 * turn, 3.0 * turn);
+        let map = DAffine3::from_scale_rotation_translation(DVec3::new(1.0, 2.0, 0.5), rotation, DVec3::ONE);
+        Some(match kind {
+            0 => PreparedShape::Sphere(Sphere { center: DVec3::ONE, radius: 1.5 }),
+            1 => PreparedShape::AlignedBox(AlignedBox { min: DVec3::ZERO, max: DVec3::new(2.0, 1.0, 3.0) }),
+            2 => PreparedShape::SphereImage(SphereImage::new(map, 1.0)),
+            _ => PreparedShape::BoxImage(BoxImage::new(map, DVec3::ONE)?),
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2_000))]
+
+        #[test]
+        fn points_lie_on_their_shapes_from_however_far_away(
+            kind in 0..4_usize, turn in 0.1..1.0_f64, exponent in 0..100, way in prop::array::uniform3(-1.0..1.0_f64),
+            aim in prop::array::uniform3(-0.4..0.4_f64),
+        ) {
+            let mut geometry = Geometry::default();
+            let Some(shape) = shape(kind, turn) else { return Ok(()) };
+            let id = geometry.push(shape);
+            let bounds = geometry.bounds(id).unwrap();
+            let scene = PreparedScene::new(geometry, vec![SurfaceMaterial::default()]);
+            let origin = DVec3::from(way) * libm::exp10(f64::from(exponent));
+            let target = DVec3::ONE + DVec3::from(aim);
+            let Some(surface) = Ray::new(origin, target - origin).and_then(|ray| scene.cast(&ray)) else {
+                return Ok(());
+            };
+            let on = surface.point.cmpge(bounds.min).all() && surface.point.cmple(bounds.max).all();
+            prop_assert!(on, "{} is not within {bounds:?}", surface.point);
+        }
     }
 }
