@@ -4,11 +4,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
 
+use super::begun::{Aside, Begun};
 use super::easel::Easel;
+use super::event::Event;
+use super::handle::{Handle, SessionSettings};
 use super::ladder::{self, Pace, Step};
 use super::mailbox::{Answer, Command, Detail, Patience, View};
-use super::making::{Aside, Begun};
-use super::session::{Event, Handle, SessionSettings};
 use super::stage::{Read, Stage};
 use super::state::{Mistakes, State, Times};
 use super::watcher::Watcher;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::board::{Board, Picture};
-use super::session::{Event, Shown};
+use super::event::{Event, Shown};
 use super::state::{Mistakes, PictureInfo, Planned, State, Times};
 use crate::color::Transfer;
 use crate::output;

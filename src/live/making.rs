@@ -2,102 +2,24 @@
 
 use std::ops::ControlFlow::{Break, Continue};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
+use super::begun::{Aside, Begun};
 use super::director::{Director, Next, Place};
 use super::easel::{Made, Quality};
+use super::event::Event;
 use super::ladder::{self, Care, Step, Target};
 use super::mailbox::Detail;
-use super::session::Event;
 use super::state::{State, Times};
+use super::visits::Visits;
 use crate::engine::FrameReport;
 use crate::trace::{Exposure, Film, Signals};
 
-/// A picture in the making is looked at for the first time after so long: most are done by then.
-const FIRST_VISIT: Duration = Duration::from_millis(300);
-/// And then so often.
-const VISIT: Duration = Duration::from_millis(200);
-/// Showing it takes one in so many parts of the time, at most;
-const SHOWING: u64 = 10;
-/// it is shown again after one in so many parts more of the time, so that the first ones come quickly and a long one does not
-/// keep a browser busy,
-const MORE: u64 = 3;
-/// or so many milliseconds.
-const SELDOM: u64 = 5000;
 /// A picture of which there is nothing to be seen gets so much time, or twice what it should take, before a coarse one is made.
 const SOON: Duration = Duration::from_millis(50);
 /// What is owed while others are on show gets so much time at once though another one is asked for.
 const SLICE: Duration = Duration::from_millis(20);
-
-/// The picture that is asked for, in the making.
-pub(super) struct Begun {
-    frame: u32,
-    detail: Detail,
-    exposure: Option<Exposure>,
-    traced: Duration,
-    /// Has any of it been shown?
-    is_shown: bool,
-}
-
-/// A full picture that is made while others are on show.
-pub(super) struct Aside {
-    frame: u32,
-    exposure: Option<Exposure>,
-    traced: Duration,
-}
-
-/// When a picture in the making is looked at, and shown. In milliseconds since the start.
-struct Visits {
-    start: Instant,
-    due: AtomicU64,
-    last_shown: AtomicU64,
-    showing: AtomicU64,
-}
-
-impl Visits {
-    fn new() -> Self {
-        Self {
-            start: Instant::now(),
-            due: AtomicU64::new(whole_milliseconds(FIRST_VISIT)),
-            last_shown: AtomicU64::new(0),
-            showing: AtomicU64::new(0),
-        }
-    }
-
-    fn now(&self) -> u64 {
-        whole_milliseconds(self.start.elapsed())
-    }
-
-    fn are_due(&self) -> bool {
-        self.now() >= self.due.load(Ordering::Relaxed)
-    }
-
-    /// Is it time to show what there is?
-    fn show(&self) -> bool {
-        let last = self.last_shown.load(Ordering::Relaxed);
-        let showing = self.showing.load(Ordering::Relaxed);
-        showing <= self.now() / SHOWING && self.now() - last >= (last / MORE).min(SELDOM)
-    }
-
-    fn shown(&self, since: u64) {
-        self.showing.fetch_add(self.now() - since, Ordering::Relaxed);
-        self.last_shown.store(self.now(), Ordering::Relaxed);
-    }
-
-    fn go_on(&self) {
-        self.due.store(self.now() + whole_milliseconds(VISIT), Ordering::Relaxed);
-    }
-
-    /// The time that went into the picture itself.
-    fn traced(&self) -> f64 {
-        (self.now() - self.showing.load(Ordering::Relaxed)) as f64
-    }
-}
-
-fn whole_milliseconds(time: Duration) -> u64 {
-    u64::try_from(time.as_millis()).unwrap_or(u64::MAX)
-}
 
 /// Camera rays of a part of a picture: at least those of a sample of a tile, as so many are lost when it is ended.
 fn rays(share: f64, target: Target) -> u64 {

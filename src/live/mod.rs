@@ -12,11 +12,14 @@
 //! is asked in between ends the work at once, and loses nothing of it that is still wanted. The [`Server`] shows all that to a
 //! browser on the same machine, and to nobody else.
 
+mod begun;
 mod board;
 mod director;
 mod easel;
+mod event;
 mod files;
 mod guard;
+mod handle;
 mod ladder;
 mod mailbox;
 mod making;
@@ -26,13 +29,16 @@ mod session;
 mod spot;
 mod stage;
 mod state;
+mod visits;
 mod watcher;
 
 pub use board::Picture;
+pub use event::{Event, Shown};
 pub use guard::{HostName, NoHostName};
+pub use handle::{Handle, SessionSettings};
 pub use mailbox::{Answer, Command, Detail, View};
 pub use server::Server;
-pub use session::{Event, Handle, Session, SessionSettings, Shown};
+pub use session::Session;
 pub use spot::{Seen, Spot};
 pub use state::{Mistakes, PictureInfo, Planned, State, Times};
 pub use watcher::{QUIET, Watcher, Watching};

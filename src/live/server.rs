@@ -36,9 +36,9 @@ use tokio::sync::oneshot;
 use tokio::time::timeout;
 
 use super::guard::{Guard, HostName};
+use super::handle::Handle;
 use super::mailbox::{Answer, Command, View};
 use super::page::FILES;
-use super::session::Handle;
 
 /// What the page may do: ask this server, and nobody else.
 const POLICY: &str = "default-src 'none'; img-src 'self' data:; connect-src 'self'; style-src 'self'; script-src 'self'; \

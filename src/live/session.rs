@@ -1,66 +1,16 @@
 //! A scene that is kept on show while its files are edited.
 
-use std::path::{self, PathBuf};
+use std::path;
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use tokio::sync::watch;
-
-use super::board::{Board, Picture};
+use super::board::Board;
 use super::director::Director;
-use super::mailbox::{Command, Mailbox};
-use super::state::{Mistakes, PictureInfo, State, Times};
-use super::watcher::Watching;
-use crate::color::Transfer;
-use crate::engine::EngineError;
-use crate::scene::LoadError;
-use crate::trace::Film;
-
-/// What to keep on show.
-#[derive(Clone, Debug)]
-pub struct SessionSettings {
-    /// The scene's file; it need not be there yet.
-    pub scene: PathBuf,
-    /// The first to be shown.
-    pub frame: u32,
-    /// How changes of files are noticed.
-    pub watching: Watching,
-    /// Does a full picture follow every edit, though drafts are asked for?
-    pub finish: bool,
-}
-
-/// What happens in a session, for whoever wants to tell it.
-#[derive(Debug)]
-pub enum Event {
-    /// The scene was read.
-    Reloaded(Times),
-    /// The files are wrong; the last good scene stays.
-    Broken(LoadError),
-    /// The frame cannot be made.
-    Failed(EngineError),
-    /// A picture was made, but cannot be shown.
-    NotShown(Mistakes),
-    /// A picture was made.
-    Shown(Shown),
-}
-
-/// A picture that was made.
-#[derive(Debug)]
-pub struct Shown {
-    /// Which.
-    pub info: PictureInfo,
-    /// Its pixels.
-    pub film: Arc<Film>,
-    /// How they become bytes.
-    pub transfer: Transfer,
-    /// What it took.
-    pub times: Times,
-    /// How many were traced.
-    pub rays: u64,
-    /// What is not drawn as it says, a line each; looked for in full pictures alone.
-    pub warnings: Vec<String>,
-}
+use super::event::Event;
+use super::handle::{Handle, SessionSettings};
+use super::mailbox::Command;
+use super::state::State;
 
 /// A scene that is read again after every edit, on a thread of its own, until it is dropped.
 ///
@@ -70,13 +20,6 @@ pub struct Shown {
 pub struct Session {
     handle: Handle,
     thread: Option<JoinHandle<()>>,
-}
-
-/// Asks a session and looks at it, from any thread.
-#[derive(Clone, Debug)]
-pub struct Handle {
-    pub(super) mailbox: Arc<Mailbox>,
-    pub(super) board: Arc<Board>,
 }
 
 impl Session {
@@ -112,31 +55,6 @@ impl Drop for Session {
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }
-    }
-}
-
-impl Handle {
-    /// Asks the session for something.
-    pub fn post(&self, command: Command) {
-        self.mailbox.post(command);
-    }
-
-    /// The session as it is now.
-    #[must_use]
-    pub fn state(&self) -> State {
-        self.board.state()
-    }
-
-    /// What becomes of the state.
-    #[must_use]
-    pub fn subscribe(&self) -> watch::Receiver<State> {
-        self.board.subscribe()
-    }
-
-    /// A picture; `None` once it is out of date.
-    #[must_use]
-    pub fn picture(&self, id: u64) -> Option<Picture> {
-        self.board.picture(id)
     }
 }
 

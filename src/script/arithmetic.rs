@@ -2,42 +2,18 @@
 //! that `/` always divides as real numbers do. Lists of numbers of the same length are added, subtracted, multiplied and divided
 //! part by part, and with a number each part alike.
 
-use rhai::{Dynamic, Engine, EvalAltResult, FLOAT, INT, ImmutableString, Position};
+use rhai::{Dynamic, Engine, EvalAltResult, FLOAT, INT, ImmutableString};
 
 use super::data::kind;
+use super::outcome::{Outcome, failed, finite, number};
 use super::work::Extent;
 use super::{limits, maths, work};
-
-pub(super) type Outcome = Result<Dynamic, Box<EvalAltResult>>;
-
-/// An error whose place is that of the call. A second line is the remedy.
-pub(super) fn failed<T>(message: impl Into<String>) -> Result<T, Box<EvalAltResult>> {
-    work::add(limits::FAILURE);
-    Err(EvalAltResult::ErrorArithmetic(message.into(), Position::NONE).into())
-}
-
-/// A number, if it is one.
-pub(super) fn finite(value: FLOAT) -> Outcome {
-    if value.is_nan() {
-        return failed(
-            "the result is not a number\nsome functions do not take all numbers: sqrt none below 0",
-        );
-    }
-    if value.is_infinite() {
-        return failed("the result is too large for a number\nnumbers reach to about 1.8e308");
-    }
-    Ok(Dynamic::from_float(value))
-}
 
 /// A whole number or another, as the latter.
 #[expect(
     clippy::cast_precision_loss,
     reason = "whole numbers beyond 2^53 round, as any number in a file does"
 )]
-pub(super) fn number(value: &Dynamic) -> Option<FLOAT> {
-    value.as_float().ok().or_else(|| value.as_int().ok().map(|whole| whole as FLOAT))
-}
-
 #[derive(Clone, Copy)]
 enum Operator {
     Add,

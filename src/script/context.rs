@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, NativeCallContext, Position};
 
-use super::error::span_of;
+use super::positions::span_of;
 use super::{Data, work};
 
 /// The moment, and what the program belongs to.

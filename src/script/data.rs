@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use rhai::{Dynamic, FnPtr, ImmutableString};
 
-use super::arithmetic::number;
+use super::outcome::number;
 use crate::animation::{Notation, Rotation, Value};
 use crate::color::Transfer;
 

@@ -8,6 +8,7 @@ use rhai::{AST, ASTNode, Dynamic, Engine, Expr, LexError, OptimizationLevel, Pos
 
 use super::context::{Read, ScriptContext, unanswered, within};
 use super::vocabulary::{Known, Purpose};
+use super::wording::LONG_HEAD;
 use super::{Data, ScriptError, arithmetic, context, limits, lists, maths, noise, work};
 use crate::color::Transfer;
 
@@ -260,9 +261,6 @@ pub(super) fn parser(purpose: Purpose) -> Engine {
     });
     engine
 }
-
-/// What is said of a function of very many values.
-pub(super) const LONG_HEAD: &str = "a function of too many values";
 
 thread_local! {
     /// The commas since the head of a function began in the text that is read on this thread.

@@ -2,9 +2,10 @@
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, FLOAT, INT, ImmutableString, Map};
 
-use super::arithmetic::{Outcome, equal, failed, finite};
+use super::arithmetic::equal;
 use super::data::kind;
 use super::maths::argument;
+use super::outcome::{Outcome, failed, finite};
 use super::{limits, work};
 
 /// The numbers of a list.

@@ -4,8 +4,8 @@ use std::f64::consts::{E, PI, TAU};
 
 use rhai::{Dynamic, Engine, FLOAT, INT, Module};
 
-use super::arithmetic::{Outcome, failed, finite, number};
 use super::data::kind;
+use super::outcome::{Outcome, failed, finite, number};
 use super::work;
 
 /// Names of numbers.

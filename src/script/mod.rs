@@ -20,6 +20,8 @@ pub mod limits;
 mod lists;
 mod maths;
 mod noise;
+mod outcome;
+mod positions;
 mod spawning;
 #[cfg(test)]
 mod tests;

@@ -2,8 +2,8 @@
 
 use rhai::{Dynamic, Engine, FLOAT};
 
-use super::arithmetic::finite;
 use super::maths::argument;
+use super::outcome::finite;
 
 /// Scrambles a number: the finalizer of SplitMix64 (Steele, Lea and Flood, "Fast Splittable Pseudorandom Number Generators",
 /// 2014).

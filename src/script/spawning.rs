@@ -5,29 +5,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rhai::{Dynamic, Engine, EvalAltResult, Map, NativeCallContext, Position, Scope};
 
-use super::arithmetic::failed;
 use super::data::kind;
+use super::outcome::failed;
 use super::vocabulary::Purpose;
 use super::{Data, ScriptError, language, limits, noise, work};
 
 /// Operations that it is to refuse an entity.
 const REFUSAL: usize = 100;
-
-/// How the functions of programs that spawn are called.
-pub(super) const USAGES: [&str; 12] = [
-    "spawn(map)",
-    "sphere(radius)",
-    "plane(normal)",
-    "box(size)",
-    "rectangle(width, height)",
-    "euler(x, y, z)",
-    "axis_angle(axis, degrees)",
-    "quaternion(x, y, z, w)",
-    "point(map)",
-    "spot(map)",
-    "directional(map)",
-    "area(map)",
-];
 
 /// What a program spawns: a map that mirrors an entity of the file format.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,6 +1,22 @@
 //! What programs can call and read, and how it is called.
 
-use super::{ScriptContext, maths, spawning};
+use super::{ScriptContext, maths};
+
+/// How the functions of programs that spawn are called.
+const SPAWNING: [&str; 12] = [
+    "spawn(map)",
+    "sphere(radius)",
+    "plane(normal)",
+    "box(size)",
+    "rectangle(width, height)",
+    "euler(x, y, z)",
+    "axis_angle(axis, degrees)",
+    "quaternion(x, y, z, w)",
+    "point(map)",
+    "spot(map)",
+    "directional(map)",
+    "area(map)",
+];
 
 /// What a program is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,7 +49,7 @@ impl Purpose {
     fn usages(self) -> &'static [&'static str] {
         match self {
             Self::Drive => &READING,
-            Self::Spawn => &spawning::USAGES,
+            Self::Spawn => &SPAWNING,
         }
     }
 
@@ -131,7 +147,7 @@ fn name_in(usage: &str) -> &str {
 
 /// How a function is called, if it is one of the language's.
 pub(super) fn usage(name: &str) -> Option<String> {
-    let mut usages = USUAL.iter().chain(&READING).chain(&spawning::USAGES);
+    let mut usages = USUAL.iter().chain(&READING).chain(&SPAWNING);
     let usage = usages.find(|usage| name_in(usage) == name)?;
     Some(format!("it is called as `{usage}`"))
 }
@@ -144,7 +160,7 @@ mod tests {
     #[test]
     fn the_description_has_every_function_every_name_and_every_limit() {
         let description = include_str!("language.md");
-        for usage in USUAL.iter().chain(&READING).chain(&spawning::USAGES) {
+        for usage in USUAL.iter().chain(&READING).chain(&SPAWNING) {
             assert!(description.contains(&format!("`{usage}`")), "{usage}");
         }
         for name in Purpose::Drive.variables() {

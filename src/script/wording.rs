@@ -2,9 +2,11 @@
 
 use rhai::{EvalAltResult, LexError, ParseErrorType};
 
-use super::language::LONG_HEAD;
 use super::limits;
 use super::vocabulary::{Purpose, usage};
+
+/// What is said of a function of very many values.
+pub(super) const LONG_HEAD: &str = "a function of too many values";
 
 /// What is said of a mistake.
 pub(super) struct Told {

@@ -5,9 +5,7 @@ use std::sync::atomic::AtomicBool;
 use hecs::World;
 
 use super::order::order_newcomers;
-use super::{
-    Changes, Context, Registry, ScriptFailure, Scripts, Snapshot, UnknownComponent, animate, propagate,
-};
+use super::{Changes, Context, Halt, Registry, Scripts, Snapshot, animate, propagate};
 use crate::time::Time;
 
 type System = Box<dyn Fn(&mut Context<'_>) + Send>;
@@ -36,29 +34,6 @@ struct Stepped {
     system: System,
     /// How many steps the world has been through.
     done: u64,
-}
-
-/// Why a world could not be brought to a moment.
-#[derive(Clone, Debug)]
-pub enum Halt {
-    /// It cannot be copied.
-    UnknownComponent(UnknownComponent),
-    /// A program gave no value.
-    Script(Box<ScriptFailure>),
-    /// Nobody waits for it any more.
-    Cancelled,
-}
-
-impl From<UnknownComponent> for Halt {
-    fn from(unknown: UnknownComponent) -> Self {
-        Self::UnknownComponent(unknown)
-    }
-}
-
-impl From<ScriptFailure> for Halt {
-    fn from(failure: ScriptFailure) -> Self {
-        Self::Script(Box::new(failure))
-    }
 }
 
 /// Pure and stepped systems, and the copies of the world that let them start over.

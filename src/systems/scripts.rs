@@ -5,9 +5,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use hecs::{Entity, World};
 
+use super::Changes;
+use super::halt::{Halt, ScriptFailure};
 use super::property::{Parts, PartsQuery, Written, declare, sources, value};
 use super::refusal::refusal;
-use super::{Changes, Halt};
 use crate::animation::Value;
 use crate::components::{self, Animated, Motion, Name, Order, Property, ScriptId};
 use crate::script::{Data, Programs, Read, ScriptContext, ScriptError, Stop, Unknown, limits};
@@ -17,19 +18,6 @@ use crate::time::{Time, Timeline};
 #[derive(Debug, Default)]
 pub struct Scripts {
     running: Option<Box<Running>>,
-}
-
-/// A program that gave no value.
-#[derive(Clone, Debug)]
-pub struct ScriptFailure {
-    /// Which program.
-    pub script: ScriptId,
-    /// What it drives: `Radius of "ball"`.
-    pub channel: String,
-    /// When, in seconds.
-    pub seconds: f64,
-    /// What is wrong.
-    pub error: Box<ScriptError>,
 }
 
 #[derive(Debug)]

@@ -11,10 +11,14 @@
 mod loader;
 mod merge;
 mod names;
+mod origin;
 mod read;
+mod scene_file;
 mod scope;
 
-pub(super) use loader::{Files, SceneFile, Texts};
+pub(super) use loader::Texts;
 pub(super) use merge::Merged;
-pub(super) use names::{Clash, MOST_INCLUDED, Origin};
+pub(super) use names::{Clash, MOST_INCLUDED};
+pub(super) use origin::Origin;
+pub(super) use scene_file::{Files, SceneFile};
 pub(super) use scope::{KnownEntity, Lookup, Scope};

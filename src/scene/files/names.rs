@@ -3,7 +3,7 @@
 use hashbrown::HashMap;
 use hashbrown::hash_map::Entry;
 
-use super::{Files, SceneFile};
+use super::{Files, Origin, SceneFile};
 use crate::scene::document::{EntityDocument, MaterialDocument};
 use crate::scene::validate::Problems;
 
@@ -77,14 +77,6 @@ impl<'a, T> Table<'a, T> {
     pub(super) fn get(&self, name: &str) -> Option<&T> {
         self.entries.get(name).map(|(_, value)| value)
     }
-}
-
-/// Where something is written: in which list of which file, at which index.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::scene) struct Origin {
-    pub(in crate::scene) file: usize,
-    pub(in crate::scene) list: &'static str,
-    pub(in crate::scene) index: usize,
 }
 
 /// A name that several files give.

@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
-use super::SceneFile;
-use super::names::{Clashes, Meaning, Names, Origin};
+use super::names::{Clashes, Meaning, Names};
+use super::{Origin, SceneFile};
 use crate::scene::Place;
 use crate::scene::document::{LightDocument, MaterialDocument, ShapeDocument};
 use crate::scene::spans::{Step, locate};

@@ -3,6 +3,7 @@
 mod animation;
 mod cameras;
 mod channels;
+mod easing;
 mod entities;
 mod includes;
 mod lights;

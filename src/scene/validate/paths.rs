@@ -1,6 +1,6 @@
 //! Ways through points and around an axis.
 
-use super::animation::easing;
+use super::easing::easing;
 use super::{At, Problems, check};
 use crate::animation::Notation;
 use crate::components::Property;

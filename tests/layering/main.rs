@@ -1,6 +1,8 @@
-//! Holds every source file against the table of layers in the crate's documentation.
+//! Holds every source file against the table of layers in the crate's documentation, and finds circles of imports.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
+
+mod circles;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

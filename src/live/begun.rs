@@ -1,0 +1,23 @@
+//! A picture that is in the making, and what is done beside it.
+
+use std::time::Duration;
+
+use super::mailbox::Detail;
+use crate::trace::Exposure;
+
+/// The picture that is asked for, in the making.
+pub(super) struct Begun {
+    pub(super) frame: u32,
+    pub(super) detail: Detail,
+    pub(super) exposure: Option<Exposure>,
+    pub(super) traced: Duration,
+    /// Has any of it been shown?
+    pub(super) is_shown: bool,
+}
+
+/// A full picture that is made while others are on show.
+pub(super) struct Aside {
+    pub(super) frame: u32,
+    pub(super) exposure: Option<Exposure>,
+    pub(super) traced: Duration,
+}

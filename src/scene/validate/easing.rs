@@ -1,0 +1,68 @@
+//! Easings: the numbers in them.
+
+use super::{At, Problems, check};
+use crate::animation::Notation;
+use crate::scene::document::{EasingDocument, OffsetDocument};
+use crate::scene::quote::Figure;
+
+pub(super) fn easing(easing: EasingDocument, notation: Notation, at: &At<'_>, problems: &mut Problems) {
+    /// So that values stay far from overflow.
+    const FARTHEST: f64 = 1000.0;
+    match easing {
+        EasingDocument::Steps(count) => {
+            let help = "write how many equal jumps to make, as Steps(8)";
+            check::count(count, u32::MAX, "the number of steps", help, &at.index(0), problems);
+        }
+        EasingDocument::Bezier(x1, y1, x2, y2) => {
+            for (index, x) in [(0, x1), (2, x2)] {
+                if !(0.0..=1.0).contains(&x) {
+                    let message = format!("a handle's time must be from 0 to 1, not {}", Figure(x));
+                    let help =
+                        "write Bezier(x1, y1, x2, y2), x being shares of the time, as in cubic-bezier of CSS";
+                    problems.add(&at.index(index), message, "out of range", help);
+                }
+            }
+            for (index, y) in [(1, y1), (3, y2)] {
+                if !(-FARTHEST..=FARTHEST).contains(&y) {
+                    let message = format!(
+                        "a handle's progress must be from -{FARTHEST} to {FARTHEST}, not {}",
+                        Figure(y)
+                    );
+                    let help = "0 is at this key, 1 at the next; a little below or above swings beyond them";
+                    problems.add(&at.index(index), message, "out of range", help);
+                }
+            }
+        }
+        EasingDocument::Handles(out, back) => {
+            for (index, offset) in [out, back].into_iter().enumerate() {
+                handle(offset, notation, &at.index(index), problems);
+            }
+        }
+        _ => {}
+    }
+}
+
+fn handle(offset: OffsetDocument, notation: Notation, at: &At<'_>, problems: &mut Problems) {
+    let one = matches!(notation, Notation::Number | Notation::Degrees);
+    match (offset, notation) {
+        (_, Notation::Rotation | Notation::Scale) => {
+            let message = "rotations and scales have no handles";
+            let help = "write another easing, as Cubic or InOutSine";
+            problems.add(at, message, "not here", help);
+        }
+        (OffsetDocument::Number(offset), _) if one => {
+            check::number(offset, at, problems);
+        }
+        (OffsetDocument::Triple(offset), _) if !one => {
+            check::vector(offset, at, problems);
+        }
+        (OffsetDocument::Number(_), _) => {
+            let help = "write how far it is from the key's value, as (1, 0, 0)";
+            problems.add(at, "a handle of three numbers is three numbers", "one number", help);
+        }
+        (OffsetDocument::Triple(_), _) => {
+            let help = "write how far it is from the key's value, as 0.5";
+            problems.add(at, "a handle of a number is a number", "three numbers", help);
+        }
+    }
+}

@@ -1,0 +1,30 @@
+//! What functions of programs give: a value, or what is wrong.
+
+use rhai::{Dynamic, EvalAltResult, FLOAT, Position};
+
+use super::{limits, work};
+
+pub(super) type Outcome = Result<Dynamic, Box<EvalAltResult>>;
+
+/// An error whose place is that of the call. A second line is the remedy.
+pub(super) fn failed<T>(message: impl Into<String>) -> Result<T, Box<EvalAltResult>> {
+    work::add(limits::FAILURE);
+    Err(EvalAltResult::ErrorArithmetic(message.into(), Position::NONE).into())
+}
+
+/// A number, if it is one.
+pub(super) fn finite(value: FLOAT) -> Outcome {
+    if value.is_nan() {
+        return failed(
+            "the result is not a number\nsome functions do not take all numbers: sqrt none below 0",
+        );
+    }
+    if value.is_infinite() {
+        return failed("the result is too large for a number\nnumbers reach to about 1.8e308");
+    }
+    Ok(Dynamic::from_float(value))
+}
+
+pub(super) fn number(value: &Dynamic) -> Option<FLOAT> {
+    value.as_float().ok().or_else(|| value.as_int().ok().map(|whole| whole as FLOAT))
+}
