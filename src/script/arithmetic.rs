@@ -9,11 +9,6 @@ use super::outcome::{Outcome, failed, finite, number};
 use super::work::Extent;
 use super::{limits, maths, work};
 
-/// A whole number or another, as the latter.
-#[expect(
-    clippy::cast_precision_loss,
-    reason = "whole numbers beyond 2^53 round, as any number in a file does"
-)]
 #[derive(Clone, Copy)]
 enum Operator {
     Add,

@@ -25,6 +25,11 @@ pub(super) fn finite(value: FLOAT) -> Outcome {
     Ok(Dynamic::from_float(value))
 }
 
+/// A whole number or another, as the latter.
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "whole numbers beyond 2^53 round, as any number in a file does"
+)]
 pub(super) fn number(value: &Dynamic) -> Option<FLOAT> {
     value.as_float().ok().or_else(|| value.as_int().ok().map(|whole| whole as FLOAT))
 }

@@ -1,15 +1,25 @@
 //! The kernel: prepared arrays in, [`Film`] out. It knows no entities, no clock and no files, and nothing in it can
 //! fail: whatever could be wrong was refused before a scene was prepared.
 //!
-//! ```text
-//! Camera -> camera ray -> closest hit -> refined surface point -> shadow rays, light by light -> shading
-//!               ^                                                                                 |
-//!               +---------------- mirrored and refracted rays, generation by generation <----------+
-//! ```
+//! # From pixel to film
 //!
-//! The picture is made tile by tile ([`Exposure`]), and a tile sample by sample: memory does not grow with their number.
-//! Samples are added up in the order of their indices, in `f64`, in which the mean of equal samples is exactly their value.
-//! Where samples lie is in [`Sampling`].
+//! Files in the order in which a camera ray goes through them:
+//!
+//! 1. `exposure` hands out the picture's tiles over all threads ([`Exposure`]), and `stages/sample` follows one sample of each of a
+//!    tile's pixels: memory does not grow with their number.
+//! 2. `scene/camera` makes the camera ray; where samples lie is in `math/sampling` ([`Sampling`]).
+//! 3. `query/closest_hit` finds what it meets first, through `bvh/traverse`; `query/guaranteed` asks the shapes, which are defined in
+//!    `shapes`.
+//! 4. `query/closest_hit` refines the winner to a surface point, where light or a mirror asks for it.
+//! 5. `light/direct` adds what each light brings there, and proposes shadow rays; `light/transmission` answers what comes through, by
+//!    `query/occlusion` and `query/crossings`.
+//! 6. `light/secondary` makes the mirrored and the refracted ray, `stages/select` keeps those of the next generation that can still
+//!    show, by `light/contribution`. They go on at 3.
+//! 7. `stages/follow` adds what each ray brings to its pixel, breadth first; `exposure` adds samples up in the order of their indices,
+//!    in `f64`, in which the mean of equal samples is exactly their value, and `film` holds the result.
+//!
+//! Folders import one way: `math` <- `rays` <- `shapes` <- `bvh` <- `scene` <- `query` <- `light` <- `stages`. What a scene holds is in
+//! `scene`, what rays ask of it in `query`, and what light does in `light`, which `stages` and [`mod@reference`] share.
 //!
 //! # What a picture needs, and no more
 //!
@@ -48,8 +58,8 @@
 //! not show, by a guaranteed bound (what is cut in a sample adds up to less than [`PreparedScene::cutoff`]), at the last
 //! generation, and at 4096 rays; rays beyond the last two see the background untraced. How many it was is in [`TreeEnds`].
 //!
-//! Two paths answer what a ray meets: [`PreparedScene`]'s tree of bounding boxes, and the linear scan in
-//! [`mod@reference`]. Both ask the same shapes the same questions, so that both make the same picture, bit for bit.
+//! Two paths answer what a ray meets: [`PreparedScene`]'s tree of bounding boxes, and the linear scan of the
+//! [reference path](mod@reference). Both ask the same shapes the same questions, so that both make the same picture, bit for bit.
 //!
 #![doc = include_str!("numerics.md")]
 

@@ -35,7 +35,7 @@ impl Tree {
 }
 
 /// A box a little larger, for the clustering alone, by an amount that differs from box to box. Where all neighbours are
-/// equally near, as in a regular row or a heap of coincident shapes, the clustering would merge a single pair in each pass.
+/// equally near, as in a regular row or a crowd of coincident shapes, the clustering would merge a single pair in each pass.
 #[expect(clippy::cast_precision_loss, reason = "24 bits of a hash")]
 fn uneven(bounds: &FrameBox, index: usize) -> Aabb {
     const OF_EXTENT: f32 = 1e-3;
@@ -52,7 +52,7 @@ fn uneven(bounds: &FrameBox, index: usize) -> Aabb {
 /// boxes are asked all at once before any of them is.
 struct Collapse<'a> {
     binary: &'a Bvh2,
-    /// The shapes' slots, in the order of the boxes.
+    /// The shapes' ids, in the order of the boxes.
     given: &'a [ShapeId],
     boxes: &'a [FrameBox],
     /// How many shapes lie under each binary node.
@@ -159,7 +159,7 @@ mod tests {
     use super::super::node::Link;
     use super::*;
 
-    /// The tree's slots in order, and how many nodes lie above its deepest leaf.
+    /// The tree's ids in order, and how many nodes lie above its deepest leaf.
     fn walk(tree: &Tree) -> (Vec<ShapeId>, usize) {
         let mut found = Vec::new();
         let mut deepest = 0;

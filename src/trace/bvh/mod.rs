@@ -1,6 +1,6 @@
 //! A tree of bounding boxes that says which shapes a ray may meet, and nothing else.
 //!
-//! The tree knows boxes and slots, never shapes. It is only ever asked to leave out what a ray cannot meet: every
+//! The tree knows boxes and ids, never shapes. It is only ever asked to leave out what a ray cannot meet: every
 //! rounding in it goes the cautious way, so that the picture does not depend on it.
 //!
 //! - [`frame`]: the coordinates in which boxes are kept in `f32`, and rays in those coordinates.

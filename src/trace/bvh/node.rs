@@ -28,7 +28,7 @@ pub(crate) struct Node {
 }
 
 impl Child {
-    /// More than any slot has: there are at most 2^28.
+    /// More than any id has: there are at most 2^28.
     const LEAF: u32 = 1 << 31;
 
     pub(crate) fn node(index: u32) -> Self {

@@ -56,7 +56,7 @@ impl Compensated3 {
         Self::sum(products, errors + self.rest * other)
     }
 
-    /// The sum of the products with numbers of a hundred bits.
+    /// The sum of the products with double-doubles.
     #[must_use]
     #[inline]
     pub fn dot_exact(self, other: Double3) -> Double {

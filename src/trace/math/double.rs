@@ -235,7 +235,7 @@ mod tests {
         for whole in [0.0, -3.0, 1e15, 1e300, 5e-324, f64::MAX, 1.0 / 3.0 * 1e-30] {
             assert_eq!(Double::decimal(whole), Double::from(whole), "{whole:e}");
         }
-        // Every number of few digits is exactly its decimals to a hundred bits.
+        // Every number of few digits is exactly its decimals to 106 bits.
         for digits in 1..100_000_u32 {
             let number = Double::decimal(f64::from(digits) / 1e4);
             let rest = number * Double::from(1e4) - Double::from(f64::from(digits));

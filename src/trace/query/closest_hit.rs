@@ -13,7 +13,7 @@ use crate::trace::rays::{Limit, Ray, ShapeId, Tie, Ties};
 use crate::trace::scene::PreparedScene;
 use crate::trace::shapes::RefinedHit;
 
-/// Evaluates an expression with `$leaves` bound to a scene's shapes, to be asked as its precision says.
+/// Evaluates an expression with `$shapes` bound to a scene's shapes, to be asked as its precision says.
 macro_rules! with_leaves {
     ($scene:expr, $shapes:ident => $work:expr) => {
         match $scene.precision {
@@ -211,7 +211,7 @@ impl PreparedScene {
 }
 
 /// The renderer's own questions, with what they need kept from ray to ray: nothing is allocated for each. Always asked with
-/// [`Precision::Guaranteed`].
+/// [`Precision::Guaranteed`](crate::trace::Precision::Guaranteed).
 #[derive(Debug)]
 pub struct Search<'a> {
     scene: &'a PreparedScene,

@@ -22,7 +22,7 @@ const ROUNDED: f64 = f64::from_bits((1023 - 44) << 52);
 /// 2^-20: a normal that is on the wrong side by more than so is not so by rounding.
 const CLEARLY: f64 = f64::from_bits((1023 - 20) << 52);
 
-/// Evaluates an expression with `$shape` bound to the shape at a slot, whatever its kind.
+/// Evaluates an expression with `$shape` bound to the shape with an id, whatever its kind.
 macro_rules! ask {
     ($geometry:expr, $id:expr, $shape:ident => $question:expr) => {{
         let Place { kind, index } = $geometry.places[$id.index()];

@@ -32,7 +32,7 @@ pub struct SurfacePoint {
     pub hit: Hit,
     /// The first in document order of all shapes that equal the one it is on.
     pub(crate) asked: ShapeId,
-    /// What else is there, besides those; see [`PreparedScene::tied`].
+    /// What else is there, besides those; see [`PreparedScene::tied`](crate::trace::PreparedScene::tied).
     pub ties: Ties,
     /// The parameter of the ray that found it, right to some bits beyond an `f64`'s.
     pub t: Double,
@@ -53,7 +53,7 @@ impl SurfacePoint {
 }
 
 impl SurfacePoint {
-    /// How far it is from the origin of the ray that found it: t |d| with a hundred bits, rounded once.
+    /// Returns how far it is from the origin of the ray that found it: t |d| in double-double, rounded once.
     #[must_use]
     pub fn distance(&self, ray: &Ray) -> f64 {
         let direction = Double3::from(ray.direction());

@@ -1,4 +1,4 @@
-//! The questions that a search asks of shapes, whatever their precision.
+//! What searches ask of shapes, whatever the precision.
 
 use std::cmp::Ordering;
 
@@ -7,7 +7,7 @@ use super::hit::Hit;
 use crate::trace::rays::{Limit, Ray, ShapeId};
 use crate::trace::shapes::RefinedHit;
 
-/// The leaves of a search: the shapes, asked with some precision.
+/// Intersects rays with shapes, at some precision.
 pub(crate) trait Intersector: Sync {
     /// Where the ray first meets the shape, if it does.
     fn intersect(&self, id: ShapeId, ray: &Ray, escalations: &mut Escalations) -> Option<Hit>;

@@ -1,6 +1,6 @@
 //! Shapes that are equal to the last bit, and so in the very same place.
 //!
-//! Whatever a ray asks of one of them, all give the same answer. So the first in document order is asked for all, and a heap of
+//! Whatever a ray asks of one of them, all give the same answer. So the first in document order is asked for all, and a group of
 //! a hundred thousand costs a ray what a single shape costs. Which of them is seen, which hides a light and which let it
 //! through is a question of their materials, and is answered here once for all rays.
 
@@ -13,7 +13,7 @@ use crate::trace::rays::ShapeId;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct EqualShapes {
     heaps: Vec<EqualGroup>,
-    /// By slot: in which heap it is. Empty in a scene without heaps.
+    /// By id: in which group it is. Empty in a scene without groups.
     heap_of: Vec<Option<u32>>,
 }
 
@@ -31,7 +31,7 @@ pub(crate) struct EqualGroup {
 }
 
 impl EqualShapes {
-    /// Finds the heaps among shapes. Which of them are clear is still to be said.
+    /// Finds the groups among shapes. Which of them are clear is still to be said.
     pub(crate) fn of(geometry: &Geometry) -> Self {
         let ids: Vec<ShapeId> = geometry.ids().collect();
         let fingerprints: Vec<u64> = ids.par_iter().map(|id| fingerprint(geometry, *id)).collect();
@@ -65,7 +65,7 @@ impl EqualShapes {
         }
     }
 
-    /// The heap that a shape is in.
+    /// Returns the group that a shape is in.
     #[inline]
     pub(crate) fn heap(&self, id: ShapeId) -> Option<&EqualGroup> {
         let index = (*self.heap_of.get(id.index())?)?;

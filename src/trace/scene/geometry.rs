@@ -20,7 +20,7 @@ pub enum PreparedShape {
     BoxImage(BoxImage),
 }
 
-/// The shapes, one array a kind, and a table from slots into them.
+/// The shapes, one array a kind, and a table from ids into them.
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
     pub(crate) places: Vec<Place>,
@@ -71,7 +71,7 @@ impl Geometry {
         ShapeId(to_index(self.places.len() - 1))
     }
 
-    /// Puts another shape of the same kind into a slot; `false`, and nothing done, if the kinds differ.
+    /// Puts another shape of the same kind in the place of one; `false`, and nothing done, if the kinds differ.
     #[must_use]
     pub fn replace(&mut self, id: ShapeId, shape: PreparedShape) -> bool {
         let Place { kind, index } = self.places[id.index()];
@@ -87,7 +87,7 @@ impl Geometry {
         true
     }
 
-    /// Is this the very shape in the slot?
+    /// Says whether a shape is exactly this one.
     #[must_use]
     pub fn holds(&self, id: ShapeId, shape: &PreparedShape) -> bool {
         let Place { kind, index } = self.places[id.index()];
@@ -102,7 +102,7 @@ impl Geometry {
         }
     }
 
-    /// Are the shapes in two slots equal, part by part?
+    /// Says whether two shapes are equal, part by part.
     pub(crate) fn are_equal(&self, one: ShapeId, other: ShapeId) -> bool {
         let Place { kind, index } = self.places[other.index()];
         let index = index as usize;
@@ -170,7 +170,7 @@ impl Geometry {
         self.planes.len()
     }
 
-    /// All slots, in document order.
+    /// Returns all ids, in document order.
     pub fn ids(&self) -> impl ExactSizeIterator<Item = ShapeId> + use<> {
         (0..to_index(self.places.len())).map(ShapeId)
     }

@@ -4,7 +4,7 @@ use super::checker::CheckerPattern;
 use crate::color::Rgb;
 use glam::DVec3;
 
-/// How a slot's surface answers light.
+/// How a shape's surface answers light.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SurfaceMaterial {
     /// Ambient coefficient times ambient colour.

@@ -69,7 +69,7 @@ impl PreparedScene {
         &self.geometry
     }
 
-    /// Puts other shapes of the same kinds into slots. `false` if a kind differs: the scene must then be made anew.
+    /// Puts other shapes of the same kinds in the place of some. `false` if a kind differs: the scene must then be made anew.
     #[must_use]
     pub fn replace_shapes(&mut self, replacements: &[(ShapeId, PreparedShape)]) -> bool {
         let fits = replacements.iter().all(|(id, shape)| self.geometry.replace(*id, *shape));
@@ -79,7 +79,7 @@ impl PreparedScene {
         fits
     }
 
-    /// The surface of a slot.
+    /// Returns the material of a shape.
     #[must_use]
     pub fn material(&self, id: ShapeId) -> &SurfaceMaterial {
         &self.materials[id.index()]
@@ -91,7 +91,7 @@ impl PreparedScene {
         &self.surfaces
     }
 
-    /// Replaces the surfaces of slots. Is any of them different?
+    /// Replaces the materials of shapes, and says whether any of them is different.
     pub fn replace_materials(
         &mut self,
         replacements: impl IntoIterator<Item = (ShapeId, SurfaceMaterial)>,

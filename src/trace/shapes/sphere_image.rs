@@ -23,7 +23,7 @@ struct Map {
     forward: DAffine3,
     /// The inverse of the linear part; the translation is subtracted first, which keeps more digits.
     inverse: DMat3,
-    /// Its rows with a hundred bits: the geometry is what the entries of `forward` say, exactly.
+    /// Its rows in double-double: the geometry is what the entries of `forward` say, exactly.
     exact_inverse: [Double3; 3],
     /// How many times a rounding error can grow on the way back.
     condition: f64,
