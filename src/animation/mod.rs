@@ -25,6 +25,7 @@ mod cubic_bezier;
 mod easing;
 mod hermite;
 mod interpolate;
+pub mod limits;
 mod orbit;
 mod pace;
 mod path;

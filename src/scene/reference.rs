@@ -9,6 +9,7 @@ mod tests {
 
     use serde::de::DeserializeOwned;
 
+    use crate::animation::Notation;
     use crate::scene::document::{
         AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument, ChannelDocument,
         CheckerDocument, EasingDocument, EntityDocument, FilmDocument, FogDocument, IncludeDocument,
@@ -18,6 +19,7 @@ mod tests {
         TransferDocument, TransformDocument, Triple,
     };
     use crate::scene::parse::options;
+    use crate::script::Data;
 
     const REFERENCE: &str = include_str!("reference.md");
 
@@ -161,6 +163,18 @@ mod tests {
             "the reference describes what the format has not: {:?}",
             sections.keys()
         );
+    }
+
+    #[test]
+    fn the_reference_says_how_far_numbers_go() {
+        use crate::animation::limits::{LARGEST, MOST_LIGHT, SMALLEST};
+        let said = REFERENCE.split_whitespace().collect::<Vec<_>>().join(" ");
+        let coordinates = format!("coordinates at most {LARGEST:e} in magnitude");
+        assert!(said.contains(&format!("{coordinates}; sizes must be at least {SMALLEST:e}.")));
+        assert!(said.contains(&format!("per scene unit of length in the world, 0 to {MOST_LIGHT:e} |")));
+        let huge = Data::Number(LARGEST * 10.0);
+        let (_, help) = Notation::Number.mismatch(&huge);
+        assert_eq!(help, Some(format!("numbers and coordinates reach to {LARGEST:e}").as_str()));
     }
 
     /// A type of the format that is not checked above would go unnoticed.

@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 use rhai::{Dynamic, FnPtr, ImmutableString};
 
 use super::outcome::number;
+use crate::animation::limits::{LARGEST, MOST_LIGHT};
 use crate::animation::{Notation, Rotation, Value};
 use crate::color::Transfer;
 
@@ -145,11 +146,6 @@ pub(super) fn kind(value: &Dynamic) -> &'static str {
 }
 
 impl Notation {
-    /// The largest magnitude of a number, as in scene files.
-    const LARGEST: f64 = 1e60;
-    /// The most light, likewise.
-    const MOST_LIGHT: f64 = 1e30;
-
     /// What is expected, with an example.
     #[must_use]
     pub fn expected(self) -> &'static str {
@@ -171,7 +167,7 @@ impl Notation {
     /// Colours are held to 0..=255, light to 0..=1e30.
     #[must_use]
     pub fn value(self, data: &Data, transfer: Transfer) -> Option<Value> {
-        let within = |number: &f64| number.abs() <= Self::LARGEST;
+        let within = |number: &f64| number.abs() <= LARGEST;
         let vector = || data.numbers::<3>().filter(|numbers| numbers.iter().all(within)).map(DVec3::from);
         Some(match self {
             Self::Number => Value::Number(data.number().filter(within)?),
@@ -201,7 +197,7 @@ impl Notation {
             Data::List(list) => list.as_slice(),
             other => std::slice::from_ref(other),
         };
-        let huge = parts.iter().filter_map(Data::number).any(|number| number.abs() > Self::LARGEST);
+        let huge = parts.iter().filter_map(Data::number).any(|number| number.abs() > LARGEST);
         let help = match data {
             _ if huge => Some("numbers and coordinates reach to 1e60"),
             Data::Nothing => Some("end the script with the value, without a semicolon after it"),
@@ -233,7 +229,7 @@ fn rotation(data: &Data) -> Option<Rotation> {
 }
 
 fn light(numbers: DVec3) -> Vec3 {
-    numbers.clamp(DVec3::ZERO, DVec3::splat(Notation::MOST_LIGHT)).as_vec3()
+    numbers.clamp(DVec3::ZERO, DVec3::splat(MOST_LIGHT)).as_vec3()
 }
 
 /// `#rrggbb`.

@@ -8,6 +8,7 @@ use hecs::{Entity, World};
 
 use super::Changes;
 use crate::animation::Value;
+use crate::animation::limits::SMALLEST;
 use crate::color::Rgb;
 use crate::components::{
     Ambient, AreaShape, Background, Camera, Checker, Falloff, Fog, Light, LightKind, Material, Projection,
@@ -63,14 +64,14 @@ enum Place<'a> {
 const ANY: RangeInclusive<f64> = f64::NEG_INFINITY..=f64::INFINITY;
 const POSITIVE: RangeInclusive<f64> = 0.0..=f64::INFINITY;
 /// Greater than 0: as small as the file format allows.
-pub(super) const SIZE: RangeInclusive<f64> = 1e-60..=f64::INFINITY;
+pub(super) const SIZE: RangeInclusive<f64> = SMALLEST..=f64::INFINITY;
 const SHARE: RangeInclusive<f64> = 0.0..=1.0;
 const SHININESS: RangeInclusive<f64> = 0.0..=Specular::LARGEST_SHININESS as f64;
 pub(super) const IOR: RangeInclusive<f64> = Refractive::SMALLEST_IOR..=Refractive::LARGEST_IOR;
 /// Of a spot light, from rim to rim.
-const ANGLE: RangeInclusive<f64> = 1e-60..=PI;
+const ANGLE: RangeInclusive<f64> = SMALLEST..=PI;
 /// Of a view: less than half a turn.
-const FIELD_OF_VIEW: RangeInclusive<f64> = 1e-60..=PI.next_down();
+const FIELD_OF_VIEW: RangeInclusive<f64> = SMALLEST..=PI.next_down();
 
 /// A value of an entity. `None` if the entity lacks it.
 ///

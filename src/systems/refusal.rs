@@ -5,8 +5,9 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::property::{IOR, SIZE};
+use super::property::IOR;
 use crate::animation::Value;
+use crate::animation::limits::SMALLEST;
 use crate::components::Property;
 
 /// What is wrong with a value, and how to mend it.
@@ -57,7 +58,7 @@ fn refused_number(property: Property, number: f64) -> Option<(String, &'static s
 
 fn refused_vector(property: Property, vector: DVec3) -> Option<(String, &'static str)> {
     let parts = vector.to_array();
-    let is_nothing = |part: &f64| part.abs() < *SIZE.start();
+    let is_nothing = |part: &f64| part.abs() < SMALLEST;
     match property {
         Property::Size => parts.into_iter().find_map(|edge| {
             let (good, expected, help) = length("every edge of a box", edge);
@@ -85,8 +86,8 @@ fn refused_vector(property: Property, vector: DVec3) -> Option<(String, &'static
 }
 
 fn length(what: &str, number: f64) -> Expected {
-    let least = if number > 0.0 { "at least 1e-60" } else { "greater than 0" };
-    (SIZE.contains(&number), format!("{what} must be {least}"), "max(x, 0.001) keeps it above 0")
+    let least = if number > 0.0 { format!("at least {SMALLEST:e}") } else { "greater than 0".to_owned() };
+    (number >= SMALLEST, format!("{what} must be {least}"), "max(x, 0.001) keeps it above 0")
 }
 
 fn nothing_negative(what: &str, number: f64) -> Expected {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use hashbrown::HashMap;
 
 use super::{At, Named, Problems, check};
+use crate::animation::limits::SMALLEST;
 use crate::scene::document::{
     EntityDocument, MaterialDocument, RotationDocument, ScaleDocument, SceneDocument, ShapeDocument,
     TransformDocument, Triple,
@@ -188,7 +189,7 @@ pub(super) fn rotation(rotation: &RotationDocument, at: &At<'_>, problems: &mut 
             for (index, part) in [x, y, z, w].into_iter().enumerate() {
                 good &= check::number(part, &at.index(index), problems);
             }
-            if good && [x, y, z, w].iter().all(|part| part.abs() < super::SMALLEST) {
+            if good && [x, y, z, w].iter().all(|part| part.abs() < SMALLEST) {
                 let label = if [x, y, z, w] == [0.0; 4] { "no rotation" } else { "too close to zero" };
                 let help = "write Quat(0, 0, 0, 1) for no turn at all";
                 problems.add(at, "the quaternion is zero", label, help);
@@ -205,7 +206,7 @@ pub(super) fn scale(scale: &ScaleDocument, at: &At<'_>, problems: &mut Problems)
         if value == 0.0 {
             let help = "write a factor other than 0; 1 changes nothing";
             problems.add(at, "a scale of 0 leaves nothing", "zero", help);
-        } else if value.abs() < super::SMALLEST {
+        } else if value.abs() < SMALLEST {
             check::too_small(value, "a scale", at, problems);
         }
     };

@@ -17,11 +17,6 @@ use super::files::Scope;
 pub(super) use problems::{At, Problems, help_for};
 use problems::{Named, check};
 
-/// The largest magnitude of a coordinate or a length: products of four stay finite.
-const LARGEST: f64 = 1e60;
-/// The smallest size. Written out: the inverse of the largest is rounded to a number just above it.
-const SMALLEST: f64 = 1e-60;
-
 /// Adds everything that is wrong with a file's document. The scope has the names that may be used in it.
 pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, problems: &mut Problems) {
     let scene = At::scene();

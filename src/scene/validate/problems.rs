@@ -261,14 +261,11 @@ pub(in crate::scene) fn help_for(error: &ScriptError) -> Option<String> {
 
 /// Ranges that many values share.
 pub(super) mod check {
-    use super::super::{LARGEST, SMALLEST};
     use super::{At, Problems};
+    use crate::animation::limits::{LARGEST, MOST_LIGHT, SMALLEST};
     use crate::components::{Refractive, Specular};
     use crate::scene::document::Triple;
     use crate::scene::quote::Figure;
-
-    /// The most light or absorption, well within single precision.
-    const MOST: f64 = 1e30;
 
     /// Finite, and not beyond all measure.
     pub(crate) fn number(value: f64, at: &At<'_>, problems: &mut Problems) -> bool {
@@ -386,9 +383,9 @@ pub(super) mod check {
                 let message = format!("absorption must not be negative, but is {}", Figure(value));
                 let help = "exp(-absorption l) is left after a length l inside; 0 is perfectly clear";
                 problems.add(&at, message, "below 0", help);
-            } else if value > MOST {
+            } else if value > MOST_LIGHT {
                 let message = format!("absorption of {} is too much", Figure(value));
-                problems.add(&at, message, "out of range", format!("write at most {MOST:e}"));
+                problems.add(&at, message, "out of range", format!("write at most {MOST_LIGHT:e}"));
             }
         }
     }
@@ -403,9 +400,9 @@ pub(super) mod check {
             if value < 0.0 {
                 let message = format!("{what} must not be negative, but is {}", Figure(value));
                 problems.add(&at, message, "below 0", "write 0 or more; 1 is full light");
-            } else if value > MOST {
+            } else if value > MOST_LIGHT {
                 let message = format!("{what} of {} is too much light", Figure(value));
-                problems.add(&at, message, "out of range", format!("write at most {MOST:e}"));
+                problems.add(&at, message, "out of range", format!("write at most {MOST_LIGHT:e}"));
             }
         }
     }
