@@ -61,3 +61,16 @@ pub enum Notation {
     /// `[r, g, b]` from 0 to 255, or `"#rrggbb"`.
     Color,
 }
+
+impl Notation {
+    /// The kind of values that are written so.
+    #[must_use]
+    pub const fn kind(self) -> Kind {
+        match self {
+            Self::Number | Self::Degrees => Kind::Number,
+            Self::Vector | Self::Scale => Kind::Vector,
+            Self::Rotation => Kind::Rotation,
+            Self::Light | Self::Color => Kind::Color,
+        }
+    }
+}

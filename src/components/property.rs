@@ -1,236 +1,197 @@
-//! Values that can move.
+//! Values that can move: all facts of a property are a row here.
+//!
+//! | fact | from it follows |
+//! |---|---|
+//! | the name | what it is called in scene files, programs and messages |
+//! | [`Part`]: what has it | which entities, cameras and materials it can be a channel of; what a write to it changes |
+//! | [`Quantity`]: what it is | how its values are written; which keys are good; the range to which they are held; whether it can go along a path |
+//!
+//! For a new row the compiler asks where the value is (`systems::parts`), and for a case in `tests/every_channel.rs`; a test asks
+//! for its line in `scene/reference.md`. Only a new part or quantity has more to say: the compiler and the tests lead there.
 
+use super::quantity::Quantity;
+use super::table::table;
 use crate::animation::{Kind, Notation};
 
-/// A value of an entity that a [`Motion`](super::Motion) can drive. Angles are radians here, light is linear.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Property {
-    /// [`Transform::translation`](super::Transform::translation).
-    Translation,
-    /// [`Transform::rotation`](super::Transform::rotation).
-    Rotation,
-    /// [`Transform::scale`](super::Transform::scale).
-    Scale,
-    /// The radius of a [`Shape::Sphere`](super::Shape).
-    Radius,
-    /// The edges of a [`Shape::Box`](super::Shape).
-    Size,
-    /// The normal of a [`Shape::Plane`](super::Shape).
-    Normal,
-    /// [`Material::k_a`](super::Material::k_a).
-    Ka,
-    /// [`Material::k_d`](super::Material::k_d).
-    Kd,
-    /// [`Material::color`](super::Material::color).
-    Color,
-    /// [`Material::ambient_color`](super::Material::ambient_color).
-    AmbientColor,
-    /// [`Specular::k_s`](super::Specular::k_s).
-    Ks,
-    /// [`Specular::shininess`](super::Specular::shininess).
-    Shininess,
-    /// [`Reflective::k_r`](super::Reflective::k_r).
-    Kr,
-    /// [`Refractive::k_t`](super::Refractive::k_t).
-    Kt,
-    /// [`Refractive::ior`](super::Refractive::ior).
-    Ior,
-    /// [`Refractive::absorption`](super::Refractive::absorption).
-    Absorption,
-    /// [`Checker::color`](super::Checker::color).
-    CheckerColor,
-    /// [`Checker::size`](super::Checker::size).
-    CheckerSize,
-    /// [`Light::intensity`](super::Light::intensity).
-    Intensity,
-    /// The direction of a [`LightKind::Directional`](super::LightKind).
-    Direction,
-    /// The angle of a [`LightKind::Spot`](super::LightKind).
-    Angle,
-    /// The softness of a [`LightKind::Spot`](super::LightKind).
-    Softness,
-    /// The coefficients c0, c1, c2 of a [`Falloff`](super::Falloff).
+/// What an entity, a camera or the scene must have for a property to be a value of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Part {
+    /// Every entity has it.
+    Transform,
+    /// A shape that is a sphere.
+    Sphere,
+    /// A shape that is a box.
+    Box,
+    /// A shape that is a plane.
+    Plane,
+    /// A surface: a material of the file, or what an entity with a shape is made of.
+    Material,
+    /// A surface with highlights.
+    Specular,
+    /// A surface that mirrors.
+    Reflective,
+    /// A surface that light goes through.
+    Refractive,
+    /// A surface with squares.
+    Checker,
+    /// A light of any kind.
+    Light,
+    /// A light from infinitely far away.
+    DirectionalLight,
+    /// A light that shines into a cone.
+    SpotLight,
+    /// A light that weakens with distance.
     Falloff,
-    /// The radius of an [`AreaShape::Sphere`](super::AreaShape).
-    LightRadius,
-    /// The width of an [`AreaShape::Rectangle`](super::AreaShape).
-    LightWidth,
-    /// The height of an [`AreaShape::Rectangle`](super::AreaShape).
-    LightHeight,
-    /// [`Camera::position`](super::Camera::position).
-    Position,
-    /// [`View::Target`](super::View::Target).
-    Target,
-    /// [`View::Direction`](super::View::Direction).
+    /// An area light that is a sphere.
+    SphereLight,
+    /// An area light that is a rectangle.
+    RectangleLight,
+    /// Any camera.
+    Camera,
+    /// A camera that does not look at an entity.
     View,
-    /// [`Camera::up`](super::Camera::up).
-    Up,
-    /// [`Camera::roll`](super::Camera::roll).
-    Roll,
-    /// The angle of a [`Projection::FieldOfView`](super::Projection).
-    Fov,
-    /// The distance of a [`Projection::Screen`](super::Projection).
-    ScreenDistance,
-    /// The width of a [`Projection::Screen`](super::Projection) that is given one.
+    /// A camera without a screen.
+    FieldOfView,
+    /// A camera with a screen.
+    Screen,
+    /// A camera with a screen whose width is written.
     ScreenWidth,
-    /// The height of a [`Projection::Screen`](super::Projection).
-    ScreenHeight,
-    /// [`Lens::aperture`](super::Lens::aperture).
-    Aperture,
-    /// [`Lens::focus`](super::Lens::focus).
-    Focus,
-    /// [`Ambient`](super::Ambient).
-    Ambient,
-    /// The colour of a [`Background::Flat`](super::Background).
-    Background,
-    /// The bottom of a [`Background::Gradient`](super::Background).
-    BackgroundBottom,
-    /// The top of a [`Background::Gradient`](super::Background).
-    BackgroundTop,
-    /// [`Fog::color`](super::Fog::color).
-    FogColor,
-    /// [`Fog::density`](super::Fog::density).
-    FogDensity,
+    /// A camera with a lens.
+    Lens,
+    /// The scene.
+    AmbientLight,
+    /// The scene, where its background is one colour.
+    FlatBackground,
+    /// The scene, where its background is two colours.
+    Gradient,
+    /// The scene, where there is fog.
+    Fog,
+}
+
+table! {
+    /// A value of an entity that a [`Motion`](super::Motion) can drive. Angles are radians here, light is linear.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum Property: (Part, Quantity) {
+        /// [`Transform::translation`](super::Transform::translation).
+        Translation => (Part::Transform, Quantity::Point),
+        /// [`Transform::rotation`](super::Transform::rotation).
+        Rotation => (Part::Transform, Quantity::Rotation),
+        /// [`Transform::scale`](super::Transform::scale).
+        Scale => (Part::Transform, Quantity::Factors),
+        /// The radius of a [`Shape::Sphere`](super::Shape).
+        Radius => (Part::Sphere, Quantity::Length),
+        /// The edges of a [`Shape::Box`](super::Shape).
+        Size => (Part::Box, Quantity::Edges),
+        /// The normal of a [`Shape::Plane`](super::Shape).
+        Normal => (Part::Plane, Quantity::Direction),
+        /// [`Material::k_a`](super::Material::k_a).
+        Ka => (Part::Material, Quantity::Coefficient),
+        /// [`Material::k_d`](super::Material::k_d).
+        Kd => (Part::Material, Quantity::Coefficient),
+        /// [`Material::color`](super::Material::color).
+        Color => (Part::Material, Quantity::Color),
+        /// [`Material::ambient_color`](super::Material::ambient_color).
+        AmbientColor => (Part::Material, Quantity::Color),
+        /// [`Specular::k_s`](super::Specular::k_s).
+        Ks => (Part::Specular, Quantity::Coefficient),
+        /// [`Specular::shininess`](super::Specular::shininess).
+        Shininess => (Part::Specular, Quantity::Shininess),
+        /// [`Reflective::k_r`](super::Reflective::k_r).
+        Kr => (Part::Reflective, Quantity::Coefficient),
+        /// [`Refractive::k_t`](super::Refractive::k_t).
+        Kt => (Part::Refractive, Quantity::Coefficient),
+        /// [`Refractive::ior`](super::Refractive::ior).
+        Ior => (Part::Refractive, Quantity::RefractiveIndex),
+        /// [`Refractive::absorption`](super::Refractive::absorption).
+        Absorption => (Part::Refractive, Quantity::Absorption),
+        /// [`Checker::color`](super::Checker::color).
+        CheckerColor => (Part::Checker, Quantity::Color),
+        /// [`Checker::size`](super::Checker::size).
+        CheckerSize => (Part::Checker, Quantity::Length),
+        /// [`Light::intensity`](super::Light::intensity).
+        Intensity => (Part::Light, Quantity::Light),
+        /// The direction of a [`LightKind::Directional`](super::LightKind).
+        Direction => (Part::DirectionalLight, Quantity::Direction),
+        /// The angle of a [`LightKind::Spot`](super::LightKind).
+        Angle => (Part::SpotLight, Quantity::SpotAngle),
+        /// The softness of a [`LightKind::Spot`](super::LightKind).
+        Softness => (Part::SpotLight, Quantity::Softness),
+        /// The coefficients c0, c1, c2 of a [`Falloff`](super::Falloff).
+        Falloff => (Part::Falloff, Quantity::Falloff),
+        /// The radius of an [`AreaShape::Sphere`](super::AreaShape).
+        LightRadius => (Part::SphereLight, Quantity::Length),
+        /// The width of an [`AreaShape::Rectangle`](super::AreaShape).
+        LightWidth => (Part::RectangleLight, Quantity::Length),
+        /// The height of an [`AreaShape::Rectangle`](super::AreaShape).
+        LightHeight => (Part::RectangleLight, Quantity::Length),
+        /// [`Camera::position`](super::Camera::position).
+        Position => (Part::Camera, Quantity::Point),
+        /// [`View::Target`](super::View::Target).
+        Target => (Part::View, Quantity::Point),
+        /// [`View::Direction`](super::View::Direction).
+        View => (Part::View, Quantity::Direction),
+        /// [`Camera::up`](super::Camera::up).
+        Up => (Part::Camera, Quantity::Direction),
+        /// [`Camera::roll`](super::Camera::roll).
+        Roll => (Part::Camera, Quantity::Turn),
+        /// The angle of a [`Projection::FieldOfView`](super::Projection).
+        Fov => (Part::FieldOfView, Quantity::FieldOfView),
+        /// The distance of a [`Projection::Screen`](super::Projection).
+        ScreenDistance => (Part::Screen, Quantity::Length),
+        /// The width of a [`Projection::Screen`](super::Projection) that is given one.
+        ScreenWidth => (Part::ScreenWidth, Quantity::Length),
+        /// The height of a [`Projection::Screen`](super::Projection).
+        ScreenHeight => (Part::Screen, Quantity::Length),
+        /// [`Lens::aperture`](super::Lens::aperture).
+        Aperture => (Part::Lens, Quantity::Aperture),
+        /// [`Lens::focus`](super::Lens::focus).
+        Focus => (Part::Lens, Quantity::Length),
+        /// [`Ambient`](super::Ambient).
+        Ambient => (Part::AmbientLight, Quantity::Light),
+        /// The colour of a [`Background::Flat`](super::Background).
+        Background => (Part::FlatBackground, Quantity::Color),
+        /// The bottom of a [`Background::Gradient`](super::Background).
+        BackgroundBottom => (Part::Gradient, Quantity::Color),
+        /// The top of a [`Background::Gradient`](super::Background).
+        BackgroundTop => (Part::Gradient, Quantity::Color),
+        /// [`Fog::color`](super::Fog::color).
+        FogColor => (Part::Fog, Quantity::Color),
+        /// [`Fog::density`](super::Fog::density).
+        FogDensity => (Part::Fog, Quantity::Density),
+    }
 }
 
 impl Property {
-    /// All, in the order of the file format's reference.
-    pub const ALL: [Self; 43] = [
-        Self::Translation,
-        Self::Rotation,
-        Self::Scale,
-        Self::Radius,
-        Self::Size,
-        Self::Normal,
-        Self::Ka,
-        Self::Kd,
-        Self::Color,
-        Self::AmbientColor,
-        Self::Ks,
-        Self::Shininess,
-        Self::Kr,
-        Self::Kt,
-        Self::Ior,
-        Self::Absorption,
-        Self::CheckerColor,
-        Self::CheckerSize,
-        Self::Intensity,
-        Self::Direction,
-        Self::Angle,
-        Self::Softness,
-        Self::Falloff,
-        Self::LightRadius,
-        Self::LightWidth,
-        Self::LightHeight,
-        Self::Position,
-        Self::Target,
-        Self::View,
-        Self::Up,
-        Self::Roll,
-        Self::Fov,
-        Self::ScreenDistance,
-        Self::ScreenWidth,
-        Self::ScreenHeight,
-        Self::Aperture,
-        Self::Focus,
-        Self::Ambient,
-        Self::Background,
-        Self::BackgroundBottom,
-        Self::BackgroundTop,
-        Self::FogColor,
-        Self::FogDensity,
-    ];
+    /// The one with a name.
+    pub(crate) fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|property| property.name() == name)
+    }
 
     /// Its name in scene files.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Translation => "Translation",
-            Self::Rotation => "Rotation",
-            Self::Scale => "Scale",
-            Self::Radius => "Radius",
-            Self::Size => "Size",
-            Self::Normal => "Normal",
-            Self::Ka => "Ka",
-            Self::Kd => "Kd",
-            Self::Color => "Color",
-            Self::AmbientColor => "AmbientColor",
-            Self::Ks => "Ks",
-            Self::Shininess => "Shininess",
-            Self::Kr => "Kr",
-            Self::Kt => "Kt",
-            Self::Ior => "Ior",
-            Self::Absorption => "Absorption",
-            Self::CheckerColor => "CheckerColor",
-            Self::CheckerSize => "CheckerSize",
-            Self::Intensity => "Intensity",
-            Self::Direction => "Direction",
-            Self::Angle => "Angle",
-            Self::Softness => "Softness",
-            Self::Falloff => "Falloff",
-            Self::LightRadius => "LightRadius",
-            Self::LightWidth => "LightWidth",
-            Self::LightHeight => "LightHeight",
-            Self::Position => "Position",
-            Self::Target => "Target",
-            Self::View => "View",
-            Self::Up => "Up",
-            Self::Roll => "Roll",
-            Self::Fov => "Fov",
-            Self::ScreenDistance => "ScreenDistance",
-            Self::ScreenWidth => "ScreenWidth",
-            Self::ScreenHeight => "ScreenHeight",
-            Self::Aperture => "Aperture",
-            Self::Focus => "Focus",
-            Self::Ambient => "Ambient",
-            Self::Background => "Background",
-            Self::BackgroundBottom => "BackgroundBottom",
-            Self::BackgroundTop => "BackgroundTop",
-            Self::FogColor => "FogColor",
-            Self::FogDensity => "FogDensity",
-        }
+        self.row().0
+    }
+
+    /// What has such a value.
+    pub(crate) const fn part(self) -> Part {
+        self.row().1.0
+    }
+
+    /// What its values are.
+    pub(crate) const fn quantity(self) -> Quantity {
+        self.row().1.1
     }
 
     /// How its values are written in scene files and programs.
     #[must_use]
     pub const fn notation(self) -> Notation {
-        match (self, self.kind()) {
-            (Self::Angle | Self::Roll | Self::Fov, _) => Notation::Degrees,
-            (Self::Scale, _) => Notation::Scale,
-            (Self::Absorption | Self::Intensity | Self::Ambient, _) => Notation::Light,
-            (_, Kind::Number) => Notation::Number,
-            (_, Kind::Vector) => Notation::Vector,
-            (_, Kind::Rotation) => Notation::Rotation,
-            (_, Kind::Color) => Notation::Color,
-        }
+        self.quantity().notation()
     }
 
     /// The kind of its values.
     #[must_use]
     pub const fn kind(self) -> Kind {
-        match self {
-            Self::Translation
-            | Self::Scale
-            | Self::Size
-            | Self::Normal
-            | Self::Direction
-            | Self::Falloff
-            | Self::Position
-            | Self::Target
-            | Self::View
-            | Self::Up => Kind::Vector,
-            Self::Rotation => Kind::Rotation,
-            Self::Color
-            | Self::AmbientColor
-            | Self::Absorption
-            | Self::CheckerColor
-            | Self::Intensity
-            | Self::Ambient
-            | Self::Background
-            | Self::BackgroundBottom
-            | Self::BackgroundTop
-            | Self::FogColor => Kind::Color,
-            _ => Kind::Number,
-        }
+        self.notation().kind()
     }
 }

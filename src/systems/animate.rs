@@ -4,7 +4,8 @@ use hecs::{Entity, World};
 
 use super::Changes;
 use super::batches::{BATCH, in_batches};
-use super::property::{Parts, PartsQuery, declare};
+use super::parts::{Parts, PartsQuery};
+use super::property::declare;
 use crate::components::Animated;
 use crate::time::Time;
 

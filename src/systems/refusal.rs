@@ -1,20 +1,17 @@
 //! What programs may not give, as it may not be written in a file either. Light, colours and coefficients are not refused but held to
 //! their ranges.
 
-use std::f64::consts::PI;
-
 use glam::DVec3;
 
-use super::property::IOR;
-use crate::animation::Value;
 use crate::animation::limits::SMALLEST;
-use crate::components::Property;
+use crate::animation::{Notation, Value};
+use crate::components::{Property, Quantity};
 
 /// What is wrong with a value, and how to mend it.
 pub(super) fn refusal(property: Property, value: Value) -> Option<(String, &'static str)> {
     match value {
-        Value::Number(number) => refused_number(property, number),
-        Value::Vector(vector) => refused_vector(property, vector),
+        Value::Number(number) => refused_number(property.quantity(), number),
+        Value::Vector(vector) => refused_vector(property.quantity(), vector),
         Value::Rotation(_) | Value::Color(_) => None,
     }
 }
@@ -22,59 +19,50 @@ pub(super) fn refusal(property: Property, value: Value) -> Option<(String, &'sta
 /// A good number, what is expected of it, and how to keep it so.
 type Expected = (bool, String, &'static str);
 
-fn refused_number(property: Property, number: f64) -> Option<(String, &'static str)> {
-    let (good, expected, help) = match property {
-        Property::Radius
-        | Property::CheckerSize
-        | Property::LightRadius
-        | Property::LightWidth
-        | Property::LightHeight
-        | Property::ScreenDistance
-        | Property::ScreenWidth
-        | Property::ScreenHeight
-        | Property::Focus => length("a length", number),
-        Property::Aperture => nothing_negative("the lens's aperture", number),
-        Property::FogDensity => nothing_negative("the density of the fog", number),
-        Property::Ior => {
-            let expected = format!("ior must be from {} to {}", IOR.start(), IOR.end());
-            (IOR.contains(&number), expected, "1.33 is water, 1.5 glass")
+fn refused_number(quantity: Quantity, number: f64) -> Option<(String, &'static str)> {
+    let range = quantity.range();
+    let (good, expected, help) = match quantity {
+        Quantity::Length => length("a length", number),
+        Quantity::Aperture => nothing_negative("the lens's aperture", number),
+        Quantity::Density => nothing_negative("the density of the fog", number),
+        Quantity::RefractiveIndex => {
+            let expected = format!("ior must be from {} to {}", range.start(), range.end());
+            (range.contains(&number), expected, "1.33 is water, 1.5 glass")
         }
-        Property::Angle => {
+        Quantity::SpotAngle => {
             let expected = "the angle of a spot light must be above 0, at most 180 degrees".to_owned();
-            (number > 0.0 && number <= PI, expected, "clamp(x, 0.1, 180) keeps it there")
+            (number > 0.0 && number <= *range.end(), expected, "clamp(x, 0.1, 180) keeps it there")
         }
-        Property::Fov => {
+        Quantity::FieldOfView => {
             let expected = "the field of view must be between 0 and 180 degrees".to_owned();
-            (number > 0.0 && number < PI, expected, "clamp(x, 1, 179) keeps it there")
+            (number > 0.0 && number <= *range.end(), expected, "clamp(x, 1, 179) keeps it there")
         }
         _ => return None,
     };
-    let shown = match property {
-        Property::Angle | Property::Fov => in_degrees(number),
+    let shown = match quantity.notation() {
+        Notation::Degrees => in_degrees(number),
         _ => number,
     };
     (!good).then(|| (format!("{expected}, not {}", figure(shown)), help))
 }
 
-fn refused_vector(property: Property, vector: DVec3) -> Option<(String, &'static str)> {
+fn refused_vector(quantity: Quantity, vector: DVec3) -> Option<(String, &'static str)> {
     let parts = vector.to_array();
     let is_nothing = |part: &f64| part.abs() < SMALLEST;
-    match property {
-        Property::Size => parts.into_iter().find_map(|edge| {
+    match quantity {
+        Quantity::Edges => parts.into_iter().find_map(|edge| {
             let (good, expected, help) = length("every edge of a box", edge);
             (!good).then(|| (format!("{expected}, not {}", figure(edge)), help))
         }),
-        Property::Scale => parts.iter().any(is_nothing).then(|| {
+        Quantity::Factors => parts.iter().any(is_nothing).then(|| {
             let help = "give a factor other than 0; max(x, 0.001) keeps it above 0";
             ("a scale of 0 leaves nothing".to_owned(), help)
         }),
-        Property::Normal | Property::Direction | Property::View | Property::Up => {
-            parts.iter().all(is_nothing).then(|| {
-                let help = "give a vector of any length but 0, as [0, 1, 0]";
-                ("a vector of length 0 has no direction".to_owned(), help)
-            })
-        }
-        Property::Falloff => parts.into_iter().enumerate().find_map(|(index, part)| {
+        Quantity::Direction => parts.iter().all(is_nothing).then(|| {
+            let help = "give a vector of any length but 0, as [0, 1, 0]";
+            ("a vector of length 0 has no direction".to_owned(), help)
+        }),
+        Quantity::Falloff => parts.into_iter().enumerate().find_map(|(index, part)| {
             let what = format!("c{index} of a falloff");
             let (good, expected, _) =
                 if index == 0 { length(&what, part) } else { nothing_negative(&what, part) };

@@ -7,7 +7,8 @@ use hecs::{Entity, World};
 
 use super::Changes;
 use super::halt::{Halt, ScriptFailure};
-use super::property::{Parts, PartsQuery, Written, declare, sources, value};
+use super::parts::{Parts, PartsQuery, value};
+use super::property::{Written, declare, sources};
 use super::refusal::refusal;
 use crate::animation::Value;
 use crate::components::{self, Animated, Motion, Name, Order, Property, ScriptId};
@@ -321,8 +322,7 @@ impl Moment<'_> {
             let message = format!("there is no entity \"{}\"", read.target);
             return Err(self.mistake(read, stack, message, "reads from it", Some(unknown)));
         };
-        let Some(property) = Property::ALL.into_iter().find(|property| property.name() == read.channel)
-        else {
+        let Some(property) = Property::named(&read.channel) else {
             let known = Property::ALL.into_iter().map(|property| property.name().to_owned());
             let unknown = unknown(&read.channel, "channels", known.collect());
             let message = format!("there is no channel {}", read.channel);

@@ -43,8 +43,7 @@ impl<'de> Deserialize<'de> for ChannelDocument {
             }
 
             fn visit_str<E: Error>(self, name: &str) -> Result<Property, E> {
-                let named = Property::ALL.into_iter().find(|property| property.name() == name);
-                named.ok_or_else(|| E::unknown_variant(name, ChannelDocument::NAMES))
+                Property::named(name).ok_or_else(|| E::unknown_variant(name, ChannelDocument::NAMES))
             }
 
             fn visit_enum<A: EnumAccess<'de>>(self, data: A) -> Result<Property, A::Error> {

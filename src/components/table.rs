@@ -1,0 +1,27 @@
+//! Enums whose variants come with facts: one row each.
+
+/// Makes an enum of rows `Variant => facts,` with the list `ALL` of its variants, in the order of the rows, and a method
+/// `row` that gives a variant's name and its facts.
+macro_rules! table {
+    (
+        $(#[$about:meta])*
+        $visibility:vis enum $name:ident: $facts:ty {
+            $($(#[$row_about:meta])* $row:ident => $fact:expr,)*
+        }
+    ) => {
+        $(#[$about])*
+        $visibility enum $name { $($(#[$row_about])* $row,)* }
+
+        impl $name {
+            /// All, in the order in which they are told.
+            #[allow(dead_code, reason = "some tables are gone through by tests alone")]
+            $visibility const ALL: [Self; [$(Self::$row),*].len()] = [$(Self::$row),*];
+
+            const fn row(self) -> (&'static str, $facts) {
+                match self { $(Self::$row => (stringify!($row), $fact),)* }
+            }
+        }
+    };
+}
+
+pub(crate) use table;

@@ -1,0 +1,243 @@
+//! Where the values of properties are in the components of an entity: one line for each property.
+
+use glam::{DQuat, DVec3};
+use hecs::{Entity, World};
+
+use crate::animation::Value;
+use crate::animation::limits::SMALLEST;
+use crate::color::Rgb;
+use crate::components::{
+    Ambient, AreaShape, Background, Camera, Checker, Falloff, Fog, Light, LightKind, Material, Projection,
+    Property, Quantity, Reflective, Refractive, Shape, Specular, Transform, View,
+};
+
+/// Makes, of a list of the components that properties are values of, the query for those that an entity has, what it finds,
+/// and a way to read one value of an entity.
+macro_rules! parts {
+    ($($part:ident: $component:ident,)*) => {
+        /// A query for the components that properties are values of, if an entity has them.
+        pub(super) type PartsQuery<'a> = ($(Option<&'a mut $component>,)*);
+
+        /// What an entity has of them.
+        pub(super) struct Parts<'a> {
+            $(pub(super) $part: Option<&'a mut $component>,)*
+        }
+
+        impl<'a> Parts<'a> {
+            pub(super) fn new(($($part,)*): <PartsQuery<'a> as hecs::Query>::Item<'a>) -> Self {
+                Self { $($part,)* }
+            }
+        }
+
+        /// A value of an entity. `None` if the entity lacks it.
+        ///
+        /// What is not written has the value that takes its place: an ambient colour is the colour, and a camera with a
+        /// view direction has a target in that direction.
+        #[must_use]
+        pub fn value(world: &World, entity: Entity, property: Property) -> Option<Value> {
+            // Of copies, so that nothing is written.
+            $(let mut $part = world.get::<&$component>(entity).ok().map(|found| *found);)*
+            let mut parts = Parts { $($part: $part.as_mut(),)* };
+            parts.get(property)
+        }
+    };
+}
+
+parts! {
+    transform: Transform,
+    shape: Shape,
+    material: Material,
+    specular: Specular,
+    reflective: Reflective,
+    refractive: Refractive,
+    checker: Checker,
+    light: Light,
+    camera: Camera,
+    ambient: Ambient,
+    background: Background,
+    fog: Fog,
+}
+
+/// Where a value is.
+enum Place<'a> {
+    Number(&'a mut f64),
+    Single(&'a mut f32),
+    Vector(&'a mut DVec3),
+    Falloff(&'a mut Falloff),
+    Rotation(&'a mut DQuat),
+    Color(&'a mut Rgb),
+}
+
+impl Parts<'_> {
+    /// Writes a value, held to its range, and says whether it is different from what it was. Nothing is written if the entity
+    /// lacks it, or if it is of another kind.
+    pub(super) fn set(&mut self, property: Property, value: Value) -> bool {
+        self.place(property).is_some_and(|place| place.write(held(value, property.quantity())))
+    }
+
+    fn get(&mut self, property: Property) -> Option<Value> {
+        Some(self.place(property)?.read())
+    }
+
+    /// Where a value is, if the entity has it.
+    fn place(&mut self, property: Property) -> Option<Place<'_>> {
+        /// What a pattern finds, if there is such a thing.
+        macro_rules! within {
+            ($part:expr, $pattern:pat => $place:expr) => {
+                match $part {
+                    $pattern => $place,
+                    _ => return None,
+                }
+            };
+        }
+        use AreaShape::Rectangle;
+        use Background::{Flat, Gradient};
+        use LightKind::{Directional, Spot};
+        use Place::{Color, Number, Rotation, Single, Vector};
+        use Projection::{FieldOfView, Screen};
+        Some(match property {
+            Property::Translation => Vector(&mut self.transform.as_mut()?.translation),
+            Property::Rotation => Rotation(&mut self.transform.as_mut()?.rotation),
+            Property::Scale => Vector(&mut self.transform.as_mut()?.scale),
+            Property::Radius => within!(self.shape.as_mut()?, Shape::Sphere { radius } => Number(radius)),
+            Property::Size => within!(self.shape.as_mut()?, Shape::Box { size } => Vector(size)),
+            Property::Normal => within!(self.shape.as_mut()?, Shape::Plane { normal } => Vector(normal)),
+            Property::Ka => Single(&mut self.material.as_mut()?.k_a),
+            Property::Kd => Single(&mut self.material.as_mut()?.k_d),
+            Property::Color => Color(&mut self.material.as_mut()?.color),
+            Property::AmbientColor => Color(ambient_color(self.material.as_mut()?)),
+            Property::Ks => Single(&mut self.specular.as_mut()?.k_s),
+            Property::Shininess => Single(&mut self.specular.as_mut()?.shininess),
+            Property::Kr => Single(&mut self.reflective.as_mut()?.k_r),
+            Property::Kt => Single(&mut self.refractive.as_mut()?.k_t),
+            Property::Ior => Number(&mut self.refractive.as_mut()?.ior),
+            Property::Absorption => Color(&mut self.refractive.as_mut()?.absorption),
+            Property::CheckerColor => Color(&mut self.checker.as_mut()?.color),
+            Property::CheckerSize => Number(&mut self.checker.as_mut()?.size),
+            Property::Intensity => Color(&mut self.light.as_mut()?.intensity),
+            Property::Direction => {
+                within!(self.light_kind()?, Directional { direction } => Vector(direction))
+            }
+            Property::Angle => within!(self.light_kind()?, Spot { angle, .. } => Number(angle)),
+            Property::Softness => within!(self.light_kind()?, Spot { softness, .. } => Number(softness)),
+            Property::Falloff => Place::Falloff(self.light.as_mut()?.falloff.as_mut()?),
+            Property::LightRadius => {
+                within!(self.area_shape()?, AreaShape::Sphere { radius } => Number(radius))
+            }
+            Property::LightWidth => within!(self.area_shape()?, Rectangle { width, .. } => Number(width)),
+            Property::LightHeight => within!(self.area_shape()?, Rectangle { height, .. } => Number(height)),
+            Property::Position => Vector(&mut self.camera.as_mut()?.position),
+            Property::Target => Vector(target(self.camera.as_mut()?)),
+            Property::View => Vector(view(self.camera.as_mut()?)),
+            Property::Up => Vector(&mut self.camera.as_mut()?.up),
+            Property::Roll => Number(&mut self.camera.as_mut()?.roll),
+            Property::Fov => within!(self.projection()?, FieldOfView { vertical } => Number(vertical)),
+            Property::ScreenDistance => {
+                within!(self.projection()?, Screen { distance, .. } => Number(distance))
+            }
+            Property::ScreenWidth => {
+                within!(self.projection()?, Screen { width: Some(width), .. } => Number(width))
+            }
+            Property::ScreenHeight => within!(self.projection()?, Screen { height, .. } => Number(height)),
+            Property::Aperture => Number(&mut self.camera.as_mut()?.lens.as_mut()?.aperture),
+            Property::Focus => Number(&mut self.camera.as_mut()?.lens.as_mut()?.focus),
+            Property::Ambient => Color(&mut self.ambient.as_mut()?.0),
+            Property::Background => within!(self.background.as_mut()?, Flat(color) => Color(color)),
+            Property::BackgroundBottom => {
+                within!(self.background.as_mut()?, Gradient { bottom, .. } => Color(bottom))
+            }
+            Property::BackgroundTop => within!(self.background.as_mut()?, Gradient { top, .. } => Color(top)),
+            Property::FogColor => Color(&mut self.fog.as_mut()?.color),
+            Property::FogDensity => Number(&mut self.fog.as_mut()?.density),
+        })
+    }
+
+    fn light_kind(&mut self) -> Option<&mut LightKind> {
+        Some(&mut self.light.as_mut()?.kind)
+    }
+
+    fn area_shape(&mut self) -> Option<&mut AreaShape> {
+        match self.light_kind()? {
+            LightKind::Area { shape, .. } => Some(shape),
+            _ => None,
+        }
+    }
+
+    fn projection(&mut self) -> Option<&mut Projection> {
+        Some(&mut self.camera.as_mut()?.projection)
+    }
+}
+
+/// The colour in ambient light; a material without one is given its colour.
+fn ambient_color(material: &mut Material) -> &mut Rgb {
+    material.ambient_color.get_or_insert(material.color)
+}
+
+/// The point that a camera looks at; one with a direction is given one.
+fn target(camera: &mut Camera) -> &mut DVec3 {
+    if let View::Direction(direction) = camera.view {
+        camera.view = View::Target(camera.position + direction);
+    }
+    vector(&mut camera.view)
+}
+
+/// The direction in which a camera looks; one with a target is given one.
+fn view(camera: &mut Camera) -> &mut DVec3 {
+    if let View::Target(point) = camera.view {
+        camera.view = View::Direction(point - camera.position);
+    }
+    vector(&mut camera.view)
+}
+
+fn vector(view: &mut View) -> &mut DVec3 {
+    match view {
+        View::Target(vector) | View::Direction(vector) => vector,
+    }
+}
+
+/// A value in the range of its quantity: a curve through values of a range may leave it.
+fn held(value: Value, quantity: Quantity) -> Value {
+    let range = quantity.range();
+    let within = |number: f64| number.clamp(*range.start(), *range.end());
+    match value {
+        Value::Number(number) => Value::Number(within(number)),
+        Value::Vector(vector) => Value::Vector(vector.map(within)),
+        Value::Color(color) => Value::Color(color.max(Rgb::ZERO)),
+        Value::Rotation(rotation) => Value::Rotation(rotation),
+    }
+}
+
+impl Place<'_> {
+    fn read(self) -> Value {
+        match self {
+            Self::Number(place) => Value::Number(*place),
+            Self::Single(place) => Value::Number(f64::from(*place)),
+            Self::Vector(place) => Value::Vector(*place),
+            Self::Falloff(place) => Value::Vector(DVec3::new(place.constant, place.linear, place.quadratic)),
+            Self::Rotation(place) => Value::Rotation(*place),
+            Self::Color(place) => Value::Color(*place),
+        }
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "coefficients are f32")]
+    fn write(self, value: Value) -> bool {
+        match (self, value) {
+            (Self::Number(place), Value::Number(value)) => put(place, value),
+            (Self::Single(place), Value::Number(value)) => put(place, value as f32),
+            (Self::Vector(place), Value::Vector(value)) => put(place, value),
+            (Self::Falloff(place), Value::Vector(DVec3 { x, y: linear, z: quadratic })) => {
+                put(place, Falloff { constant: x.clamp(SMALLEST, f64::INFINITY), linear, quadratic })
+            }
+            (Self::Rotation(place), Value::Rotation(value)) => put(place, value),
+            (Self::Color(place), Value::Color(value)) => put(place, value),
+            _ => false,
+        }
+    }
+}
+
+/// Is it different from what it was?
+fn put<T: PartialEq>(place: &mut T, value: T) -> bool {
+    let differs = *place != value;
+    *place = value;
+    differs
+}
