@@ -10,6 +10,8 @@ mod tests {
     use serde::de::DeserializeOwned;
 
     use crate::animation::Notation;
+    use crate::animation::limits::{LARGEST, MOST_LIGHT, SMALLEST};
+    use crate::components::{Property, Quantity};
     use crate::scene::document::{
         AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument, ChannelDocument,
         CheckerDocument, EasingDocument, EntityDocument, FilmDocument, FogDocument, IncludeDocument,
@@ -165,9 +167,68 @@ mod tests {
         );
     }
 
+    /// What the reference calls the keys of a channel.
+    fn keys(quantity: Quantity) -> String {
+        let range = quantity.range();
+        match quantity {
+            Quantity::Point => "points".to_owned(),
+            Quantity::Direction => "directions".to_owned(),
+            Quantity::Rotation => "Rotations".to_owned(),
+            Quantity::Turn => "numbers".to_owned(),
+            Quantity::Factors => "a factor or three".to_owned(),
+            Quantity::Length => "numbers greater than 0".to_owned(),
+            Quantity::Edges => "three edge lengths greater than 0".to_owned(),
+            Quantity::Coefficient | Quantity::Softness => {
+                format!("numbers from {} to {}", range.start(), range.end())
+            }
+            Quantity::Shininess => format!("numbers from {} to {:e}", range.start(), range.end()),
+            Quantity::RefractiveIndex => format!("numbers from {} to {}", range.start(), range.end()),
+            Quantity::Absorption => format!("three numbers, {} to {MOST_LIGHT:e}", range.start()),
+            Quantity::Light => format!("RGB, {} or more", range.start()),
+            Quantity::Color => "colours, and are blended as light".to_owned(),
+            Quantity::SpotAngle => format!("numbers greater than 0, at most {}", range.end().to_degrees()),
+            Quantity::FieldOfView => {
+                format!("numbers between 0 and {}", range.end().next_up().to_degrees())
+            }
+            Quantity::Falloff => {
+                let rest = format!("c0 greater than 0 and the others {} or more", range.start());
+                format!("coefficients (c0, c1, c2), {rest}")
+            }
+            Quantity::Aperture | Quantity::Density => format!("numbers, {} or more", range.start()),
+        }
+    }
+
+    #[test]
+    fn the_reference_says_what_the_keys_of_every_channel_are() {
+        let section = REFERENCE.split("\n## Channel\n").nth(1).unwrap();
+        let bullets: Vec<&str> = section.split("\n\n").next().unwrap().split("\n- ").skip(1).collect();
+        assert_eq!(bullets.len(), Property::ALL.len());
+        let mut before = String::new();
+        for (property, bullet) in Property::ALL.into_iter().zip(bullets) {
+            let (name, keys) = (property.name(), keys(property.quantity()));
+            assert!(bullet.starts_with(&format!("`{name}`: ")), "{name}: {bullet}");
+            if bullet.contains("keys are") {
+                assert!(bullet.contains(&format!("keys are {keys}.")), "{name}: {bullet}");
+            } else {
+                assert!(bullet.contains("likewise") && keys == before, "{name}: {bullet}");
+            }
+            let in_degrees = property.notation() == Notation::Degrees;
+            assert_eq!(bullet.contains("in degrees"), in_degrees, "{name}: {bullet}");
+            before = keys;
+        }
+    }
+
+    #[test]
+    fn the_reference_says_what_goes_along_paths() {
+        let points = Property::ALL.into_iter().filter(|property| property.quantity() == Quantity::Point);
+        let points: Vec<&str> = points.map(Property::name).collect();
+        let [rest @ .., last] = &points[..] else { panic!() };
+        let said = REFERENCE.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(said.matches(&format!("For {} and {last}.", rest.join(", "))).count(), 2);
+    }
+
     #[test]
     fn the_reference_says_how_far_numbers_go() {
-        use crate::animation::limits::{LARGEST, MOST_LIGHT, SMALLEST};
         let said = REFERENCE.split_whitespace().collect::<Vec<_>>().join(" ");
         let coordinates = format!("coordinates at most {LARGEST:e} in magnitude");
         assert!(said.contains(&format!("{coordinates}; sizes must be at least {SMALLEST:e}.")));

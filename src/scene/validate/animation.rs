@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::easing::easing;
 use super::entities::{box_size, rotation, scale};
 use super::{At, Problems, cameras, channels, check, lights, paths, settings};
-use crate::components::Property;
+use crate::components::{Property, Quantity};
 use crate::scene::document::{
     AnimationDocument, ChannelDocument, RepeatDocument, SceneDocument, TrackDocument, TracksDocument, Triple,
 };
@@ -91,48 +91,49 @@ fn tracks(animation: &AnimationDocument, at: &At<'_>, problems: &mut Problems) {
 }
 
 fn number(property: Property, value: f64, at: &At<'_>, problems: &mut Problems) {
-    match property {
-        Property::Shininess => check::shininess(value, at, problems),
-        Property::Ior => check::ior(value, at, problems),
-        Property::Roll => {
-            check::number(value, at, problems);
-        }
-        Property::Angle => lights::angle(value, at, problems),
-        Property::Softness => lights::softness(value, at, problems),
-        Property::Fov => cameras::field_of_view(value, at, problems),
-        Property::Aperture => cameras::aperture(value, at, problems),
-        Property::FogDensity => settings::density(value, at, problems),
-        Property::Ka | Property::Kd | Property::Ks | Property::Kr | Property::Kt => {
-            check::coefficient(value, property.name(), at, problems);
-        }
-        _ => {
+    match property.quantity() {
+        Quantity::Length => {
             check::size(value, property.name(), at, problems);
+        }
+        Quantity::Coefficient => check::coefficient(value, property.name(), at, problems),
+        Quantity::Shininess => check::shininess(value, at, problems),
+        Quantity::RefractiveIndex => check::ior(value, at, problems),
+        Quantity::SpotAngle => lights::angle(value, at, problems),
+        Quantity::Softness => lights::softness(value, at, problems),
+        Quantity::FieldOfView => cameras::field_of_view(value, at, problems),
+        Quantity::Aperture => cameras::aperture(value, at, problems),
+        Quantity::Density => settings::density(value, at, problems),
+        _ => {
+            check::number(value, at, problems);
         }
     }
 }
 
 fn vector(property: Property, value: Triple, at: &At<'_>, problems: &mut Problems) {
-    match property {
-        Property::Intensity => check::intensity(value, "the intensity", at, problems),
-        Property::Ambient => check::intensity(value, "ambient light", at, problems),
-        Property::Absorption => check::absorption(value, at, problems),
-        Property::Falloff => lights::falloff(value, at, problems),
-        Property::Size => box_size(value, at, problems),
-        Property::Direction => {
-            check::direction(value, "the direction", at, problems);
+    match property.quantity() {
+        Quantity::Direction => {
+            check::direction(value, noun(property), at, problems);
         }
-        Property::Normal => {
-            check::direction(value, "the normal", at, problems);
-        }
-        Property::View => {
-            check::direction(value, "view", at, problems);
-        }
-        Property::Up => {
-            check::direction(value, "up", at, problems);
-        }
+        Quantity::Edges => box_size(value, at, problems),
+        Quantity::Absorption => check::absorption(value, at, problems),
+        Quantity::Light => check::intensity(value, noun(property), at, problems),
+        Quantity::Falloff => lights::falloff(value, at, problems),
         _ => {
             check::vector(value, at, problems);
         }
+    }
+}
+
+/// What a value is called in messages.
+fn noun(property: Property) -> &'static str {
+    match property {
+        Property::Normal => "the normal",
+        Property::Direction => "the direction",
+        Property::View => "view",
+        Property::Up => "up",
+        Property::Intensity => "the intensity",
+        Property::Ambient => "ambient light",
+        _ => property.name(),
     }
 }
 

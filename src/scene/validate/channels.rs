@@ -1,7 +1,7 @@
 //! Has what is animated such a value?
 
 use super::{At, Named, Problems};
-use crate::components::Property;
+use crate::components::{Part, Property};
 use crate::scene::document::{
     AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument, LightDocument,
     MaterialDocument, SceneDocument, ShapeDocument,
@@ -36,15 +36,15 @@ pub(super) fn target(
         (None, Some(name)) => material_target(scope, property, name, at, problems),
         (Some(name), None) => {
             let lack = if name == SceneDocument::SCENE {
-                lack_of_scene(document, property)
+                lack_of_scene(document, property.part())
             } else if let Some((_, camera)) = document.named_cameras().find(|(known, _)| *known == name) {
-                lack_of_camera(camera, property)
+                lack_of_camera(camera, property.part())
             } else if name == SceneDocument::CAMERA && !scope.is_scene() {
                 // A part for whose camera there is no place yet.
                 None
             } else {
                 match scope.entity(name) {
-                    Lookup::Found(entity) => lack_of_entity(entity, property),
+                    Lookup::Found(entity) => lack_of_entity(entity, property.part()),
                     Lookup::Unread => None,
                     Lookup::Missing => {
                         let cameras = document.named_cameras().map(|(name, _)| name.into());
@@ -72,10 +72,11 @@ fn material_target(
     let at = &animation.field("material");
     match scope.material(name) {
         Lookup::Missing => problems.add_unknown(at, Named::Material, name, || scope.material_names()),
-        _ if !of_material(property) => unfit(property, "a material", &animation.field("channel"), problems),
+        _ if !of_material(property.part()) => {
+            unfit(property, "a material", &animation.field("channel"), problems);
+        }
         Lookup::Found(material) => {
-            if let Some(part) = Part::with(property).filter(|part| !part.is_of(material)) {
-                let (message, label, help) = part.missing();
+            if let Some((message, label, help)) = missing(material, property.part()) {
                 problems.add(at, message, label, help);
             }
         }
@@ -83,222 +84,155 @@ fn material_target(
     }
 }
 
-/// What the scene is that lacks the value, if it does.
-fn lack_of_scene(document: &SceneDocument, property: Property) -> Option<&'static str> {
+/// What the scene is that lacks the part, if it does.
+fn lack_of_scene(document: &SceneDocument, part: Part) -> Option<&'static str> {
     let flat = matches!(document.background, BackgroundDocument::Flat(_));
-    match property {
-        Property::Ambient => None,
-        Property::Background if flat => None,
-        Property::Background => Some("a background of two colours"),
-        Property::BackgroundBottom | Property::BackgroundTop if !flat => None,
-        Property::BackgroundBottom | Property::BackgroundTop => Some("a background of one colour"),
-        Property::FogColor | Property::FogDensity if document.fog.is_some() => None,
-        Property::FogColor | Property::FogDensity => Some("a scene without `fog`"),
-        _ => Some("the scene"),
-    }
+    let (fits, otherwise) = match part {
+        Part::AmbientLight => return None,
+        Part::FlatBackground => (flat, "a background of two colours"),
+        Part::Gradient => (!flat, "a background of one colour"),
+        Part::Fog => (document.fog.is_some(), "a scene without `fog`"),
+        _ => (false, "the scene"),
+    };
+    (!fits).then_some(otherwise)
 }
 
-/// What the camera is that lacks the value, if it does.
-fn lack_of_camera(camera: &CameraDocument, property: Property) -> Option<&'static str> {
-    match (property, &camera.screen) {
-        (Property::Target | Property::View, _) if camera.look_at.is_some() => Some("a camera with `look_at`"),
-        (Property::Position | Property::Target | Property::View | Property::Up | Property::Roll, _)
-        | (Property::Fov, None)
-        | (Property::ScreenDistance | Property::ScreenHeight, Some(_)) => None,
-        (Property::Fov, Some(_)) => Some("a camera with a `screen`"),
-        (Property::ScreenWidth, Some(screen)) if screen.width.is_some() => None,
-        (Property::ScreenWidth, Some(_)) => Some("a screen without a `width`"),
-        (Property::ScreenDistance | Property::ScreenWidth | Property::ScreenHeight, None) => {
-            Some("a camera without a `screen`")
+/// What the camera is that lacks the part, if it does.
+fn lack_of_camera(camera: &CameraDocument, part: Part) -> Option<&'static str> {
+    let screen = camera.screen.as_ref();
+    let (fits, otherwise) = match part {
+        Part::Camera => return None,
+        Part::View => (camera.look_at.is_none(), "a camera with `look_at`"),
+        Part::FieldOfView => (screen.is_none(), "a camera with a `screen`"),
+        Part::Screen => (screen.is_some(), "a camera without a `screen`"),
+        Part::ScreenWidth if screen.is_none() => (false, "a camera without a `screen`"),
+        Part::ScreenWidth => {
+            (screen.is_some_and(|screen| screen.width.is_some()), "a screen without a `width`")
         }
-        (Property::Aperture | Property::Focus, _) if camera.lens.is_some() => None,
-        (Property::Aperture | Property::Focus, _) => Some("a camera without a `lens`"),
-        _ => Some("the camera"),
-    }
+        Part::Lens => (camera.lens.is_some(), "a camera without a `lens`"),
+        _ => (false, "the camera"),
+    };
+    (!fits).then_some(otherwise)
 }
 
-/// What the entity is that lacks the value, if it does.
-fn lack_of_entity(entity: KnownEntity<'_>, property: Property) -> Option<&'static str> {
-    match property {
-        Property::Translation | Property::Rotation | Property::Scale => None,
-        Property::Radius | Property::Size | Property::Normal => match (property, entity.shape) {
-            (Property::Radius, Some(ShapeDocument::Sphere { .. }))
-            | (Property::Size, Some(ShapeDocument::Box { .. }))
-            | (Property::Normal, Some(ShapeDocument::Plane { .. })) => None,
-            (Property::Radius, _) => Some("an entity that is no sphere"),
-            (Property::Size, _) => Some("an entity that is no box"),
-            _ => Some("an entity that is no plane"),
-        },
-        _ if of_light(property) => lack_of_light(entity.light, property),
-        _ if of_material(property) => match Part::with(property) {
-            Some(part) if entity.material.is_none_or(|material| !part.is_of(material)) => {
-                Some(part.entity_without())
-            }
-            None if entity.shape.is_none() => Some("an entity without a shape"),
-            _ => None,
-        },
-        _ => Some("an entity"),
-    }
+/// What the entity is that lacks the part, if it does.
+fn lack_of_entity(entity: KnownEntity<'_>, part: Part) -> Option<&'static str> {
+    use ShapeDocument::{Box, Plane, Sphere};
+    let lacks = |material: Option<&MaterialDocument>| material.is_none_or(|material| lacks(material, part));
+    let (fits, otherwise) = match part {
+        Part::Transform => return None,
+        Part::Sphere => (matches!(entity.shape, Some(Sphere { .. })), "an entity that is no sphere"),
+        Part::Box => (matches!(entity.shape, Some(Box { .. })), "an entity that is no box"),
+        Part::Plane => (matches!(entity.shape, Some(Plane { .. })), "an entity that is no plane"),
+        Part::Material => (entity.shape.is_some(), "an entity without a shape"),
+        Part::Specular => (!lacks(entity.material), "an entity that is not specular"),
+        Part::Reflective => (!lacks(entity.material), "an entity that does not mirror"),
+        Part::Refractive => (!lacks(entity.material), "an entity that is not refractive"),
+        Part::Checker => (!lacks(entity.material), "an entity that is not chequered"),
+        _ => return lack_of_light(entity.light, part),
+    };
+    (!fits).then_some(otherwise)
 }
 
-/// What the entity is whose light lacks the value, if it does.
-fn lack_of_light(light: Option<&LightDocument>, property: Property) -> Option<&'static str> {
+/// What the entity is whose light lacks the part, if it does.
+fn lack_of_light(light: Option<&LightDocument>, part: Part) -> Option<&'static str> {
     use AreaShapeDocument::{Rectangle, Sphere};
     use LightDocument::{Area, Directional, Point, Spot};
-    match (property, light) {
-        (Property::Intensity, Some(_))
-        | (Property::Direction, Some(Directional { .. }))
-        | (Property::Angle | Property::Softness, Some(Spot { .. }))
-        | (
-            Property::Falloff,
-            Some(
-                Point { falloff: Some(_), .. }
-                | Spot { falloff: Some(_), .. }
-                | Area { falloff: Some(_), .. },
-            ),
-        )
-        | (Property::LightRadius, Some(Area { shape: Sphere { .. }, .. }))
-        | (Property::LightWidth | Property::LightHeight, Some(Area { shape: Rectangle { .. }, .. })) => None,
-        (Property::Intensity, None) => Some("an entity without a light"),
-        (Property::Direction, _) => Some("an entity without a directional light"),
-        (Property::Falloff, _) => Some("an entity without a light with `falloff`"),
-        (Property::LightRadius, _) => Some("an entity without an Area light of the shape Sphere"),
-        (Property::LightWidth | Property::LightHeight, _) => {
-            Some("an entity without an Area light of the shape Rectangle")
+    let (fits, otherwise) = match part {
+        Part::Light => (light.is_some(), "an entity without a light"),
+        Part::DirectionalLight => {
+            (matches!(light, Some(Directional { .. })), "an entity without a directional light")
         }
-        _ => Some("an entity without a Spot light"),
-    }
+        Part::SpotLight => (matches!(light, Some(Spot { .. })), "an entity without a Spot light"),
+        Part::Falloff => {
+            let weakens = matches!(
+                light,
+                Some(
+                    Point { falloff: Some(_), .. }
+                        | Spot { falloff: Some(_), .. }
+                        | Area { falloff: Some(_), .. }
+                )
+            );
+            (weakens, "an entity without a light with `falloff`")
+        }
+        Part::SphereLight => {
+            let is_sphere = matches!(light, Some(Area { shape: Sphere { .. }, .. }));
+            (is_sphere, "an entity without an Area light of the shape Sphere")
+        }
+        Part::RectangleLight => {
+            let is_rectangle = matches!(light, Some(Area { shape: Rectangle { .. }, .. }));
+            (is_rectangle, "an entity without an Area light of the shape Rectangle")
+        }
+        _ => (false, "an entity"),
+    };
+    (!fits).then_some(otherwise)
 }
 
-fn of_light(property: Property) -> bool {
-    matches!(
-        property,
-        Property::Intensity
-            | Property::Direction
-            | Property::Angle
-            | Property::Softness
-            | Property::Falloff
-            | Property::LightRadius
-            | Property::LightWidth
-            | Property::LightHeight
-    )
+fn of_material(part: Part) -> bool {
+    use Part::{Checker, Material, Reflective, Refractive, Specular};
+    matches!(part, Material | Specular | Reflective | Refractive | Checker)
 }
 
-/// What not every material has.
-#[derive(Clone, Copy, Debug)]
-enum Part {
-    Specular,
-    Reflective,
-    Refractive,
-    Checker,
+fn lacks(material: &MaterialDocument, part: Part) -> bool {
+    missing(material, part).is_some()
 }
 
-impl Part {
-    /// The part that has a value, if it is in one.
-    fn with(property: Property) -> Option<Self> {
-        match property {
-            Property::Ks | Property::Shininess => Some(Self::Specular),
-            Property::Kr => Some(Self::Reflective),
-            Property::Kt | Property::Ior | Property::Absorption => Some(Self::Refractive),
-            Property::CheckerColor | Property::CheckerSize => Some(Self::Checker),
-            _ => None,
-        }
+/// Message, label and help for a part that the material could have, and has not.
+fn missing(material: &MaterialDocument, part: Part) -> Option<(&'static str, &'static str, &'static str)> {
+    match part {
+        Part::Specular if material.specular.is_none() => Some((
+            "a material that is not specular has neither k_s nor shininess",
+            "not specular",
+            "add `specular: (k_s: .., shininess: ..)` to the material",
+        )),
+        Part::Reflective if material.reflective.is_none() => Some((
+            "a material that does not mirror has no k_r",
+            "not reflective",
+            "add `reflective: (k_r: ..)` to the material",
+        )),
+        Part::Refractive if material.refractive.is_none() => Some((
+            "a material that is not refractive has neither k_t, ior nor absorption",
+            "not refractive",
+            "add `refractive: (k_t: .., ior: ..)` to the material",
+        )),
+        Part::Checker if material.checker.is_none() => Some((
+            "a material without squares has neither their colour nor their size",
+            "not chequered",
+            "add `checker: (color: .., size: ..)` to the material",
+        )),
+        _ => None,
     }
-
-    fn is_of(self, material: &MaterialDocument) -> bool {
-        match self {
-            Self::Specular => material.specular.is_some(),
-            Self::Reflective => material.reflective.is_some(),
-            Self::Refractive => material.refractive.is_some(),
-            Self::Checker => material.checker.is_some(),
-        }
-    }
-
-    /// Message, label and help for a material that lacks it.
-    fn missing(self) -> (&'static str, &'static str, &'static str) {
-        match self {
-            Self::Specular => (
-                "a material that is not specular has neither k_s nor shininess",
-                "not specular",
-                "add `specular: (k_s: .., shininess: ..)` to the material",
-            ),
-            Self::Reflective => (
-                "a material that does not mirror has no k_r",
-                "not reflective",
-                "add `reflective: (k_r: ..)` to the material",
-            ),
-            Self::Refractive => (
-                "a material that is not refractive has neither k_t, ior nor absorption",
-                "not refractive",
-                "add `refractive: (k_t: .., ior: ..)` to the material",
-            ),
-            Self::Checker => (
-                "a material without squares has neither their colour nor their size",
-                "not chequered",
-                "add `checker: (color: .., size: ..)` to the material",
-            ),
-        }
-    }
-
-    fn entity_without(self) -> &'static str {
-        match self {
-            Self::Specular => "an entity that is not specular",
-            Self::Reflective => "an entity that does not mirror",
-            Self::Refractive => "an entity that is not refractive",
-            Self::Checker => "an entity that is not chequered",
-        }
-    }
-}
-
-fn of_material(property: Property) -> bool {
-    Part::with(property).is_some()
-        || matches!(property, Property::Ka | Property::Kd | Property::Color | Property::AmbientColor)
 }
 
 fn unfit(property: Property, what: &str, at: &At<'_>, problems: &mut Problems) {
-    problems.add(at, format!("{what} has no {}", property.name()), "not here", home(property));
+    let message = format!("{what} has no {}", property.name());
+    problems.add(at, message, "not here", home(property.part()));
 }
 
-/// Where such a value is.
-fn home(property: Property) -> &'static str {
-    match property {
-        Property::Translation | Property::Rotation | Property::Scale => {
-            "entities have it; cameras have Position and Target"
-        }
-        Property::Radius => "entities with the shape Sphere have it",
-        Property::Size => "entities with the shape Box have it",
-        Property::Normal => "entities with the shape Plane have it",
-        Property::Ka | Property::Kd | Property::Color | Property::AmbientColor | Property::Kr => {
-            "materials have it, and entities with a shape"
-        }
-        Property::Ks | Property::Shininess => {
-            "materials that are specular have it, and entities made of them"
-        }
-        Property::Kt | Property::Ior | Property::Absorption => {
-            "materials that are refractive have it, and entities made of them"
-        }
-        Property::CheckerColor | Property::CheckerSize => {
-            "materials with `checker` have it, and entities made of them"
-        }
-        Property::Intensity | Property::Direction => "entities with a light have it",
-        Property::Angle | Property::Softness => "entities with a Spot light have it",
-        Property::Falloff => "lights with `falloff` have it: add `falloff: (1, 0, 0)` to the light",
-        Property::LightRadius => "entities with an Area light of the shape Sphere have it",
-        Property::LightWidth | Property::LightHeight => {
-            "entities with an Area light of the shape Rectangle have it"
-        }
-        Property::Position | Property::Target | Property::View | Property::Up | Property::Roll => {
-            "cameras have it: `target: \"camera\"`; entities have Translation"
-        }
-        Property::Fov => "the camera has it where it has no `screen`",
-        Property::ScreenDistance | Property::ScreenHeight => "the camera has it where it has a `screen`",
-        Property::ScreenWidth => "the camera has it where its `screen` has a `width`",
-        Property::Aperture | Property::Focus => "the camera has it where it has a `lens`",
-        Property::Ambient => "the scene has it: `target: \"scene\"`",
-        Property::Background => "the scene has it where its background is one colour",
-        Property::BackgroundBottom | Property::BackgroundTop => {
-            "the scene has it where its background is `(bottom: .., top: ..)`"
-        }
-        Property::FogColor | Property::FogDensity => "the scene has it where it has `fog`",
+/// Where such a part is.
+fn home(part: Part) -> &'static str {
+    match part {
+        Part::Transform => "entities have it; cameras have Position and Target",
+        Part::Sphere => "entities with the shape Sphere have it",
+        Part::Box => "entities with the shape Box have it",
+        Part::Plane => "entities with the shape Plane have it",
+        Part::Material | Part::Reflective => "materials have it, and entities with a shape",
+        Part::Specular => "materials that are specular have it, and entities made of them",
+        Part::Refractive => "materials that are refractive have it, and entities made of them",
+        Part::Checker => "materials with `checker` have it, and entities made of them",
+        Part::Light | Part::DirectionalLight => "entities with a light have it",
+        Part::SpotLight => "entities with a Spot light have it",
+        Part::Falloff => "lights with `falloff` have it: add `falloff: (1, 0, 0)` to the light",
+        Part::SphereLight => "entities with an Area light of the shape Sphere have it",
+        Part::RectangleLight => "entities with an Area light of the shape Rectangle have it",
+        Part::Camera | Part::View => "cameras have it: `target: \"camera\"`; entities have Translation",
+        Part::FieldOfView => "the camera has it where it has no `screen`",
+        Part::Screen => "the camera has it where it has a `screen`",
+        Part::ScreenWidth => "the camera has it where its `screen` has a `width`",
+        Part::Lens => "the camera has it where it has a `lens`",
+        Part::AmbientLight => "the scene has it: `target: \"scene\"`",
+        Part::FlatBackground => "the scene has it where its background is one colour",
+        Part::Gradient => "the scene has it where its background is `(bottom: .., top: ..)`",
+        Part::Fog => "the scene has it where it has `fog`",
     }
 }

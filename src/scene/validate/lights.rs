@@ -1,7 +1,7 @@
 //! Lights.
 
 use super::{At, Problems, check};
-use crate::components::AreaShape;
+use crate::components::{AreaShape, Quantity};
 use crate::scene::document::{AreaShapeDocument, LightDocument, Triple};
 use crate::scene::quote::Figure;
 
@@ -55,7 +55,7 @@ pub(super) fn angle(angle: f64, at: &At<'_>, problems: &mut Problems) {
 }
 
 pub(super) fn softness(softness: f64, at: &At<'_>, problems: &mut Problems) {
-    if !(0.0..=1.0).contains(&softness) {
+    if !Quantity::Softness.range().contains(&softness) {
         let message = format!("the softness of a spot light must be from 0 to 1, not {}", Figure(softness));
         let help = "0 is a hard rim, 1 fades all the way from the middle";
         problems.add(at, message, "out of range", help);

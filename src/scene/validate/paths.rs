@@ -3,7 +3,7 @@
 use super::easing::easing;
 use super::{At, Problems, check};
 use crate::animation::Notation;
-use crate::components::Property;
+use crate::components::{Property, Quantity};
 use crate::scene::document::{EasingDocument, TrackDocument};
 use crate::scene::quote::Figure;
 
@@ -14,7 +14,7 @@ pub(super) fn validate<T>(
     at: &At<'_>,
     problems: &mut Problems,
 ) {
-    if !matches!(property, Property::Translation | Property::Position | Property::Target) {
+    if property.quantity() != Quantity::Point {
         problems.add(
             at,
             format!("{} is not a point that could go along a way", property.name()),

@@ -263,7 +263,7 @@ pub(in crate::scene) fn help_for(error: &ScriptError) -> Option<String> {
 pub(super) mod check {
     use super::{At, Problems};
     use crate::animation::limits::{LARGEST, MOST_LIGHT, SMALLEST};
-    use crate::components::{Refractive, Specular};
+    use crate::components::Quantity;
     use crate::scene::document::Triple;
     use crate::scene::quote::Figure;
 
@@ -343,7 +343,7 @@ pub(super) mod check {
 
     /// A coefficient in 0..=1.
     pub(crate) fn coefficient(value: f64, what: &str, at: &At<'_>, problems: &mut Problems) {
-        if !(0.0..=1.0).contains(&value) {
+        if !Quantity::Coefficient.range().contains(&value) {
             let message = format!("{what} must be from 0 to 1, not {}", Figure(value));
             problems.add(at, message, "out of range", "write the share of the light, as 0.7");
         }
@@ -351,17 +351,19 @@ pub(super) mod check {
 
     /// An exponent of highlights.
     pub(crate) fn shininess(value: f64, at: &At<'_>, problems: &mut Problems) {
-        let largest = f64::from(Specular::LARGEST_SHININESS);
-        if !(0.0..=largest).contains(&value) {
-            let message = format!("shininess must be from 0 to {}, not {}", Figure(largest), Figure(value));
+        let range = Quantity::Shininess.range();
+        if !range.contains(&value) {
+            let largest = Figure(*range.end());
+            let message = format!("shininess must be from 0 to {largest}, not {}", Figure(value));
             problems.add(at, message, "out of range", "write 10 for a dull surface, 100 for a polished one");
         }
     }
 
     /// A refractive index.
     pub(crate) fn ior(value: f64, at: &At<'_>, problems: &mut Problems) {
-        let (smallest, largest) = (Refractive::SMALLEST_IOR, Refractive::LARGEST_IOR);
-        if !(smallest..=largest).contains(&value) {
+        let range = Quantity::RefractiveIndex.range();
+        if !range.contains(&value) {
+            let (smallest, largest) = (range.start(), range.end());
             let message = format!("ior must be from {smallest} to {largest}, not {}", Figure(value));
             problems.add(
                 at,
