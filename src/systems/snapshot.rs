@@ -4,11 +4,7 @@ use std::any::{TypeId, type_name};
 
 use hecs::{BuiltEntityClone, Component, Entity, EntityBuilderClone, EntityRef, World};
 
-use crate::components::{
-    Ambient, Animated, Background, Camera, Checker, FilmSettings, Fog, Follow, Light, LookAt, Material, Name,
-    Order, Parent, Quality, Reflective, Refractive, Sampling, Shape, Shots, Specular, Transform,
-    WorldTransform,
-};
+use crate::components::{self, with_components};
 
 /// The component types that a snapshot copies.
 #[derive(Clone, Debug)]
@@ -37,29 +33,12 @@ impl Default for Registry {
     /// All components of this crate.
     fn default() -> Self {
         let mut registry = Self { entries: Vec::new() };
-        registry.register::<Name>();
-        registry.register::<Order>();
-        registry.register::<Transform>();
-        registry.register::<Parent>();
-        registry.register::<WorldTransform>();
-        registry.register::<Shape>();
-        registry.register::<Material>();
-        registry.register::<Specular>();
-        registry.register::<Reflective>();
-        registry.register::<Refractive>();
-        registry.register::<Checker>();
-        registry.register::<Light>();
-        registry.register::<Camera>();
-        registry.register::<Follow>();
-        registry.register::<LookAt>();
-        registry.register::<Shots>();
-        registry.register::<FilmSettings>();
-        registry.register::<Ambient>();
-        registry.register::<Background>();
-        registry.register::<Fog>();
-        registry.register::<Quality>();
-        registry.register::<Sampling>();
-        registry.register::<Animated>();
+        macro_rules! register {
+            ($($component:ident: $_:ident,)*) => {
+                $(registry.register::<components::$component>();)*
+            };
+        }
+        with_components!(register);
         registry
     }
 }

@@ -1,12 +1,13 @@
 //! Turns a world into that of another scene, with as little as possible changed.
 
 use hecs::{Component, Entity, World};
+use rayon::prelude::*;
 
 use super::counterparts::Counterparts;
 use super::matching::{Matching, placed, shaped};
 use crate::components::{
-    Ambient, Animated, Background, Camera, Checker, FilmSettings, Fog, Follow, Light, LookAt, Material,
-    Order, Parent, Quality, Reflective, Refractive, Sampling, Shots, Specular,
+    self, Checker, Follow, LookAt, Material, Parent, Reflective, Refractive, Shape, Shots, Specular,
+    Transform, with_components,
 };
 use crate::systems::Changes;
 
@@ -66,41 +67,29 @@ fn translate_links(scene: &mut World, own: &Counterparts) {
     }
 }
 
-/// Writes the entities that have components of the same types as before. Names are the same.
+/// Writes the entities that have components of the same types as before.
 fn write(worlds: Worlds<'_>, changes: &mut Changes) {
-    let ((moved, resized), painted) = rayon::join(
-        || {
-            let moved = worlds.put_bits(placed).into_iter().chain(worlds.put_all::<Parent>());
-            (moved, worlds.put_bits(shaped))
-        },
-        || {
-            let painted = worlds.put_all::<Material>().into_iter();
-            let painted = painted.chain(worlds.put_all::<Specular>()).chain(worlds.put_all::<Reflective>());
-            let painted = painted.chain(worlds.put_all::<Refractive>()).chain(worlds.put_all::<Checker>());
-            worlds.put_all::<Order>();
-            // What motions write, they record.
-            worlds.put(|old: &mut Animated, new| {
-                std::mem::swap(old, new);
-                false
-            });
-            // These are read for every frame.
-            worlds.put_all::<Light>();
-            worlds.put_all::<Camera>();
-            worlds.put_all::<Follow>();
-            worlds.put_all::<LookAt>();
-            worlds.put_all::<Shots>();
-            worlds.put_all::<FilmSettings>();
-            worlds.put_all::<Ambient>();
-            worlds.put_all::<Background>();
-            worlds.put_all::<Fog>();
-            worlds.put_all::<Quality>();
-            worlds.put_all::<Sampling>();
-            painted
-        },
-    );
-    moved.for_each(|entity| changes.transform(entity));
-    resized.into_iter().for_each(|entity| changes.shape(entity));
-    painted.for_each(|entity| changes.material(entity));
+    macro_rules! writers {
+        ($($component:ident: $written:ident,)*) => {
+            &[$(|worlds| worlds.$written::<components::$component>(),)*]
+        };
+    }
+    let writers: &[fn(Worlds<'_>) -> Written] = with_components!(writers);
+    let written: Vec<Written> = writers.par_iter().map(|write| write(worlds)).collect();
+    for Written { entities, declare } in written {
+        entities.into_iter().for_each(|entity| declare(changes, entity));
+    }
+}
+
+/// The entities of the world in which components of one type are others now, and how that is declared.
+struct Written {
+    entities: Vec<Entity>,
+    declare: fn(&mut Changes, Entity),
+}
+
+impl Written {
+    /// Nothing has to be declared.
+    const NOTHING: Self = Self { entities: Vec::new(), declare: |_, _| {} };
 }
 
 /// Two worlds, the components of which are put from one to the other type by type.
@@ -111,7 +100,33 @@ struct Worlds<'a> {
     own: &'a Counterparts,
 }
 
+/// What is done with components of a type, by the words of [`with_components`].
 impl Worlds<'_> {
+    fn transform<T: Put>(self) -> Written {
+        Written { entities: self.put(T::put), declare: Changes::transform }
+    }
+
+    fn shape<T: Put>(self) -> Written {
+        Written { entities: self.put(T::put), declare: Changes::shape }
+    }
+
+    fn material<T: Put>(self) -> Written {
+        Written { entities: self.put(T::put), declare: Changes::material }
+    }
+
+    fn anew<T: Component>(self) -> Written {
+        self.put(|old: &mut T, new| {
+            std::mem::swap(old, new);
+            false
+        });
+        Written::NOTHING
+    }
+
+    #[expect(clippy::extra_unused_type_parameters, reason = "it is called as the other words are")]
+    fn kept<T: Component>(self) -> Written {
+        Written::NOTHING
+    }
+
     /// The entities of the world for which `put` says that something else is there now.
     fn put<T: Component>(self, put: impl Fn(&mut T, &mut T) -> bool) -> Vec<Entity> {
         let (mut old, mut new) = (self.world.query::<&mut T>(), self.scene.query::<(Entity, &mut T)>());
@@ -125,24 +140,43 @@ impl Worlds<'_> {
         }
         changed
     }
+}
 
-    /// Puts the new values in place, to the last bit.
-    fn put_all<T: Component + PartialEq>(self) -> Vec<Entity> {
-        self.put(|old: &mut T, new| {
-            let differs = *old != *new;
-            std::mem::swap(old, new);
-            differs
-        })
+/// A component from whose value something is prepared that is kept from moment to moment.
+trait Put: Component + PartialEq + Sized {
+    /// Puts the new value in place, to the last bit. Is it another one?
+    fn put(&mut self, new: &mut Self) -> bool {
+        let differs = *self != *new;
+        std::mem::swap(self, new);
+        differs
     }
+}
 
-    /// As [`put_all`](Self::put_all), but zeros of another sign are different: world transforms show them.
-    fn put_bits<T: Component, const N: usize>(self, bits: impl Fn(&T) -> [u64; N]) -> Vec<Entity> {
-        self.put(|old: &mut T, new| {
-            let differs = bits(old) != bits(new);
-            if differs {
-                std::mem::swap(old, new);
-            }
-            differs
-        })
+impl Put for Parent {}
+impl Put for Material {}
+impl Put for Specular {}
+impl Put for Reflective {}
+impl Put for Refractive {}
+impl Put for Checker {}
+
+/// Zeros of another sign are different: world transforms show them.
+impl Put for Transform {
+    fn put(&mut self, new: &mut Self) -> bool {
+        put_bits(self, new, placed)
     }
+}
+
+/// As those of transforms.
+impl Put for Shape {
+    fn put(&mut self, new: &mut Self) -> bool {
+        put_bits(self, new, shaped)
+    }
+}
+
+fn put_bits<T, const N: usize>(old: &mut T, new: &mut T, bits: impl Fn(&T) -> [u64; N]) -> bool {
+    let differs = bits(old) != bits(new);
+    if differs {
+        std::mem::swap(old, new);
+    }
+    differs
 }
