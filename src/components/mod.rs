@@ -40,4 +40,5 @@ pub use property::Property;
 pub(crate) use quantity::Quantity;
 pub use settings::{Ambient, Background, FilmSettings, Fog, Noise, Quality, Sampling};
 pub use shape::Shape;
+pub(crate) use table::table;
 pub use transform::{Parent, Transform, WorldTransform};

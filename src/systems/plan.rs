@@ -3,55 +3,12 @@
 //! An effect that is left out would not have changed a bit of the picture: the kernel that has only what the plan says is
 //! held against the one that has everything compiled in.
 
-use std::fmt;
-
 use hecs::{Component, World};
 
-use super::Preparation;
+use super::{Effect, Preparation};
 use crate::color::Rgb;
 use crate::components::{Checker, Fog, Light, Reflective, Refractive, Specular};
 use crate::trace::{self, Background, KernelChoice, LightSource, Lighting, Paths, ShapeId};
-
-/// Something that a picture may show or not.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Effect {
-    /// Light from everywhere.
-    Ambient,
-    /// Light scattered by matt surfaces.
-    Diffuse,
-    /// Highlights.
-    Specular,
-    /// Shadows of what is opaque.
-    Shadows,
-    /// Shadows of what is clear.
-    ClearShadows,
-    /// Lights with a size, and soft shadows.
-    AreaLights,
-    /// Lights that shine into a cone.
-    SpotLights,
-    /// Lights that weaken with distance.
-    Falloff,
-    /// Mirrors.
-    Reflection,
-    /// Clear media.
-    Refraction,
-    /// Clear media that mirror as Fresnel's equations say.
-    Fresnel,
-    /// Clear media that are tinted.
-    Absorption,
-    /// Squares.
-    Checker,
-    /// Fog.
-    Fog,
-    /// A background that is not the same everywhere.
-    Gradient,
-    /// Several samples in a pixel.
-    Antialiasing,
-    /// A lens.
-    DepthOfField,
-    /// Several instants in a frame.
-    MotionBlur,
-}
 
 /// Whether an effect is needed, and why.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -67,61 +24,6 @@ pub enum Verdict {
 pub struct Plan {
     verdicts: [Verdict; Effect::ALL.len()],
     kernel: KernelChoice,
-}
-
-impl Effect {
-    /// All, in the order in which they are told.
-    pub const ALL: [Self; 18] = [
-        Self::Ambient,
-        Self::Diffuse,
-        Self::Specular,
-        Self::Shadows,
-        Self::ClearShadows,
-        Self::AreaLights,
-        Self::SpotLights,
-        Self::Falloff,
-        Self::Reflection,
-        Self::Refraction,
-        Self::Fresnel,
-        Self::Absorption,
-        Self::Checker,
-        Self::Fog,
-        Self::Gradient,
-        Self::Antialiasing,
-        Self::DepthOfField,
-        Self::MotionBlur,
-    ];
-
-    /// Its name in words.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Ambient => "ambient light",
-            Self::Diffuse => "diffuse light",
-            Self::Specular => "highlights",
-            Self::Shadows => "shadows",
-            Self::ClearShadows => "clear shadows",
-            Self::AreaLights => "area lights",
-            Self::SpotLights => "spot lights",
-            Self::Falloff => "falloff",
-            Self::Reflection => "reflection",
-            Self::Refraction => "refraction",
-            Self::Fresnel => "Fresnel",
-            Self::Absorption => "absorption",
-            Self::Checker => "checker",
-            Self::Fog => "fog",
-            Self::Gradient => "gradient",
-            Self::Antialiasing => "antialiasing",
-            Self::DepthOfField => "depth of field",
-            Self::MotionBlur => "motion blur",
-        }
-    }
-}
-
-impl fmt::Display for Effect {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(self.name())
-    }
 }
 
 impl Verdict {
@@ -191,10 +93,6 @@ impl Plan {
         self.verdicts[Effect::MotionBlur as usize] = verdict;
     }
 }
-
-/// The effects that a kernel has all of or none of, beside those that it is named for.
-const EXTRAS: [Effect; 6] =
-    [Effect::Specular, Effect::SpotLights, Effect::Falloff, Effect::AreaLights, Effect::Checker, Effect::Fog];
 
 /// What the verdicts follow from.
 struct Survey<'a> {
@@ -398,7 +296,7 @@ impl<'a> Survey<'a> {
         } else {
             Paths::Mirrors
         };
-        let extras = EXTRAS.into_iter().any(needs);
+        let extras = Effect::ALL.into_iter().any(|effect| effect.is_extra() && needs(effect));
         KernelChoice { lighting, paths, extras }
     }
 }
