@@ -1,4 +1,4 @@
-//! `rayreel explain --path`: the drawing of a camera's way.
+//! `rayreel explain --path`: the drawing of a camera's path.
 
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
@@ -25,9 +25,9 @@ fn explain(arguments: &[&str]) -> (String, String) {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("around.ron"), AROUND).unwrap();
     let mut command = Command::cargo_bin("rayreel").unwrap();
-    command.current_dir(folder.path()).args(["explain", "around.ron", "--path", "way.svg"]).args(arguments);
+    command.current_dir(folder.path()).args(["explain", "around.ron", "--path", "path.svg"]).args(arguments);
     let output = command.assert().success().get_output().stdout.clone();
-    let drawing = fs::read_to_string(folder.path().join("way.svg")).unwrap();
+    let drawing = fs::read_to_string(folder.path().join("path.svg")).unwrap();
     (String::from_utf8(output).unwrap(), drawing)
 }
 
@@ -88,7 +88,7 @@ fn the_drawing_has_two_views_and_two_charts() {
     let (told, drawing) = explain(&[]);
     assert_eq!(
         told,
-        "way.svg: 96 frames, a way of 31.1 units at 7.85 units a second, turning by up to 90.0 degrees a second\n"
+        "path.svg: 96 frames, a path of 31.1 units at 7.85 units a second, turning by up to 90.0 degrees a second\n"
     );
     let elements = elements(&drawing);
     assert_eq!(elements[0].name, "svg");
@@ -156,12 +156,12 @@ fn no_text_lies_on_another() {
 #[test]
 fn chosen_frames_alone_are_drawn() {
     let (told, drawing) = explain(&["--frames", "0-48x2"]);
-    assert!(told.starts_with("way.svg: 25 frames, "), "{told}");
+    assert!(told.starts_with("path.svg: 25 frames, "), "{told}");
     let elements = elements(&drawing);
     let ticks = of(&elements, "ticks")[0].attribute("d").unwrap().matches('M').count();
     assert_eq!(ticks, 25);
     let (told, _) = explain(&["--frames", "7"]);
-    assert_eq!(told, "way.svg: 1 frame, the eye stands still\n");
+    assert_eq!(told, "path.svg: 1 frame, the eye stands still\n");
 }
 
 #[test]
@@ -170,19 +170,19 @@ fn of_very_many_frames_some_are_drawn_and_the_last_is_among_them() {
     fs::write(folder.path().join("long.ron"), AROUND.replace("duration: 4)", "duration: 600)")).unwrap();
     let told = |frames: &[&str]| {
         let mut command = Command::cargo_bin("rayreel").unwrap();
-        command.current_dir(folder.path()).args(["explain", "long.ron", "--path", "way.svg"]).args(frames);
+        command.current_dir(folder.path()).args(["explain", "long.ron", "--path", "path.svg"]).args(frames);
         String::from_utf8(command.assert().success().get_output().stdout.clone()).unwrap()
     };
     // Once around, at the same speed all the while.
     let all = told(&[]);
     assert!(
-        all.starts_with("way.svg: 4000 of 14400 frames, a way of 31.4 units at 0.05 units a second"),
+        all.starts_with("path.svg: 4000 of 14400 frames, a path of 31.4 units at 0.05 units a second"),
         "{all}"
     );
-    let drawing = fs::read_to_string(folder.path().join("way.svg")).unwrap();
+    let drawing = fs::read_to_string(folder.path().join("path.svg")).unwrap();
     assert!(drawing.contains(" frames drawn<") || drawing.contains("every frame drawn<"), "{drawing}");
-    assert!(told(&["--frames", "0-4000"]).starts_with("way.svg: 4000 of 4001 frames, "));
-    assert!(told(&["--frames", "0-3999"]).starts_with("way.svg: 4000 frames, "));
+    assert!(told(&["--frames", "0-4000"]).starts_with("path.svg: 4000 of 4001 frames, "));
+    assert!(told(&["--frames", "0-3999"]).starts_with("path.svg: 4000 frames, "));
 }
 
 /// A second name of the old drawing keeps what it had: the new one takes its place, and is not written into it.
@@ -190,12 +190,12 @@ fn of_very_many_frames_some_are_drawn_and_the_last_is_among_them() {
 fn a_drawing_is_whole_or_the_old_one_stays() {
     let folder = tempfile::tempdir().unwrap();
     let [scene, drawing, second_name] =
-        ["around.ron", "way.svg", "old.svg"].map(|name| folder.path().join(name));
+        ["around.ron", "path.svg", "old.svg"].map(|name| folder.path().join(name));
     fs::write(scene, AROUND).unwrap();
     fs::write(&drawing, "old").unwrap();
     fs::hard_link(&drawing, &second_name).unwrap();
     let mut command = Command::cargo_bin("rayreel").unwrap();
-    let arguments = ["explain", "around.ron", "--path", "way.svg", "--frames", "0-3"];
+    let arguments = ["explain", "around.ron", "--path", "path.svg", "--frames", "0-3"];
     command.current_dir(folder.path()).args(arguments).assert().success();
     assert!(fs::read_to_string(&drawing).unwrap().ends_with("</svg>\n"));
     assert_eq!(fs::read_to_string(&second_name).unwrap(), "old");
@@ -218,6 +218,6 @@ fn what_cannot_be_drawn_is_refused() {
     refused(&["around.ron"], 1, "`around.ron` is the scene itself: name another file for the drawing");
     refused(&["./around.ron"], 1, "is the scene itself");
     assert_eq!(fs::read_to_string(folder.path().join("around.ron")).unwrap(), AROUND);
-    refused(&["way.svg", "--measure"], 2, "cannot be used with");
-    refused(&["way.svg", "--frames", "96"], 1, "there is no frame 96");
+    refused(&["path.svg", "--measure"], 2, "cannot be used with");
+    refused(&["path.svg", "--frames", "96"], 1, "there is no frame 96");
 }

@@ -184,7 +184,7 @@ pub(super) struct CheckArguments {
   rayreel explain scenes/first_light.ron
   rayreel explain scenes/first_light.ron --frames 0-47 --measure
   rayreel explain scenes/first_light.ron --json
-  rayreel explain scenes/fly_around.ron --path way.svg
+  rayreel explain scenes/fly_around.ron --path path.svg
 
 What a frame does not call for is left out, and left out for a reason: no material has the effect,
 its coefficient is 0 at this time, the light is off, nothing moves while the shutter is open, or
@@ -210,7 +210,7 @@ pub(super) struct ExplainArguments {
     /// Tell too what the picture loses without each effect
     #[arg(long)]
     pub(super) measure: bool,
-    /// Draw the camera's way into this SVG file instead: from above, from the side, and its speed over time; of very many
+    /// Draw the camera's path into this SVG file instead: from above, from the side, and its speed over time; of very many
     /// frames 4000, spread evenly
     #[arg(long, value_name = "FILE", conflicts_with_all = ["size", "threads", "measure", "json"])]
     pub(super) path: Option<PathBuf>,

@@ -156,7 +156,7 @@ fn a_clear_surface_is_lit_from_behind() {
         let glossy = format!("{glass}, specular: (k_s: 1, shininess: 0)");
         assert_eq!(lit(&glossy, "Plane(normal: (0, 0, -1))", light), found, "there is no highlight");
         assert_eq!(lit("", "Plane(normal: (0, 0, -1))", light), [0.0; 3], "opaque");
-        // From inside, with the light outside: all of the camera's way of 6, and none of the light's.
+        // From inside, with the light outside: all of the camera's path of 6, and none of the light's.
         let found = lit(glass, "Plane(normal: (0, 0, 1))", light);
         for (found, absorption) in found.into_iter().zip(ABSORPTION) {
             assert_near(found, 0.5 * cosine * 0.8 * libm::exp(-absorption * 6.0), 1e-6);

@@ -22,7 +22,7 @@ fn what_cannot_be_written_is_absent() {
     for (arguments, told) in [
         (&["new", "mine.ron"][..], "cannot write `mine.ron`"),
         (&RENDER, "cannot write `out/first_light.0000.png`"),
-        (&["explain", FIRST_LIGHT, "--path", "way.svg"], "cannot write `way.svg`"),
+        (&["explain", FIRST_LIGHT, "--path", "path.svg"], "cannot write `path.svg`"),
     ] {
         let output = limited(folder, false, arguments);
         assert_eq!(output.status.code(), Some(1));
@@ -38,7 +38,7 @@ fn what_dies_while_it_writes_is_cleared_up_by_the_next() {
     for (arguments, written, names) in [
         (&["new", "mine.ron"][..], "a", &["mine.ron"][..]),
         (&RENDER, "b/out", &["first_light.0000.png", "first_light.0001.png", "first_light.0002.png"]),
-        (&["explain", FIRST_LIGHT, "--path", "way.svg"], "c", &["way.svg"]),
+        (&["explain", FIRST_LIGHT, "--path", "path.svg"], "c", &["path.svg"]),
     ] {
         let (here, written) = (folder.join(&written[..1]), folder.join(written));
         fs::create_dir(&here).unwrap();

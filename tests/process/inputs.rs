@@ -44,7 +44,7 @@ fn commands_end_whatever_is_named() {
             &["render", file],
             &["explain", file],
             &["probe", file, "--pixel", "0,0"],
-            &["explain", file, "--path", "way.svg"],
+            &["explain", file, "--path", "path.svg"],
             &["probe", FIRST_LIGHT, "--rays", file],
         ];
         for arguments in commands {

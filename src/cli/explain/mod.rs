@@ -1,7 +1,7 @@
 //! `rayreel explain`
 //!
 //! [`timeline`] collects when each effect is needed and why, [`cost`] renders with and without each of them, [`table`] tells.
-//! [`path`] draws the camera's way instead.
+//! [`path`] draws the camera's path instead.
 
 mod cost;
 mod path;

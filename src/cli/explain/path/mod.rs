@@ -1,4 +1,4 @@
-//! `rayreel explain --path`: the camera's way as a drawing.
+//! `rayreel explain --path`: the camera's path as a drawing.
 //!
 //! [`sample`] asks the engine where the camera is frame by frame, [`view`] draws that from above and from the side, [`chart`]
 //! draws speeds over time, and [`svg`] writes the lines down. [`axis`] chooses
@@ -26,7 +26,7 @@ use super::super::print;
 use sample::Journey;
 use svg::{Anchor, Frame, Svg};
 
-/// Draws the camera's way over these frames into a file, and tells its length and speed.
+/// Draws the camera's path over these frames into a file, and tells its length and speed.
 pub(super) fn draw(
     engine: &mut Engine,
     frames: &FrameList,
@@ -48,7 +48,7 @@ fn ensure_not_the_scene(file: &Path, scene: &Path) -> anyhow::Result<()> {
     };
     ensure!(
         !is_the_scene,
-        "`{}` is the scene itself: name another file for the drawing, as way.svg",
+        "`{}` is the scene itself: name another file for the drawing, as path.svg",
         file.display()
     );
     Ok(())
@@ -66,7 +66,7 @@ fn write(file: &Path, drawing: &str) -> anyhow::Result<()> {
 
 /// Two square views and two charts below them.
 fn drawing(journey: &Journey, name: &str) -> String {
-    let mut svg = Svg::new((960.0, 860.0), &format!("The camera's way in {name}"));
+    let mut svg = Svg::new((960.0, 860.0), &format!("The camera's path in {name}"));
     svg.text("title", [20.0, 28.0], Anchor::Start, name);
     svg.text("note", [20.0, 48.0], Anchor::Start, &journey.in_words());
     let frames = [
@@ -132,7 +132,7 @@ mod tests {
         assert_eq!(lines(&drawing, "eye"), [[10], [10], [10], [10], [2]]);
         assert_eq!(lines(&drawing, "value"), [[9, 9], [9, 9]]);
         assert!(
-            drawing.contains("20 frames in 2 shots, a way of 2.01 units at 1.12 units a second"),
+            drawing.contains("20 frames in 2 shots, a path of 2.01 units at 1.12 units a second"),
             "{drawing}"
         );
         assert!(drawing.contains(">wide, 0 s<") && drawing.contains(">close &amp; low, 1 s<"), "{drawing}");

@@ -10,7 +10,7 @@ use rayreel::{Engine, EngineError, Time};
 use super::axis::Steps;
 use super::things::Thing;
 
-/// The camera's way over the chosen frames.
+/// The camera's path over the chosen frames.
 pub(super) struct Journey {
     /// In the order of time; not empty, unless no frame was chosen.
     pub(super) moments: Vec<Moment>,
@@ -133,7 +133,7 @@ impl Journey {
             [least, most] if least == most => most,
             [least, most] => format!("{least} to {most}"),
         };
-        format!("a way of {} units at {speed} units a second", short(length))
+        format!("a path of {} units at {speed} units a second", short(length))
     }
 }
 

@@ -1,4 +1,4 @@
-//! What stands around the camera's way, as outlines.
+//! What stands around the camera's path, as outlines.
 
 use glam::{DMat3, DVec3};
 
