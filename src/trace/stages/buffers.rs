@@ -1,11 +1,14 @@
-//! A tile's working memory. One per thread, reused from tile to tile.
+//! A tile's working memory: what stages leave for the next ones. One per thread, reused from tile to tile.
 
 use std::sync::atomic::AtomicBool;
 
+use glam::DVec3;
+
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
-use crate::trace::effort::{Effort, RayCounts, TreeEnds};
-use crate::trace::light::{Budget, LightScratch, RenderContext, TreeRay};
+use crate::trace::effort::{Effort, RayCounts, StageCounts, TreeEnds};
+use crate::trace::light::{Budget, LightScratch, Proposal, RenderContext, TreeRay};
+use crate::trace::query::{ClosestHit, SurfacePoint};
 use crate::trace::rays::ShapeId;
 
 /// Pixels along a tile's side.
@@ -43,13 +46,39 @@ pub(crate) struct QueuedRay {
     pub(crate) cut: bool,
 }
 
-/// The queue of the next generation, and what a sample brings to the tile's pixels.
+/// A surface point that a ray of the wave found, to be lit.
+#[derive(Clone, Debug)]
+pub(crate) struct LitSurface {
+    /// Index of the ray in the wave.
+    pub(crate) ray: u32,
+    pub(crate) point: SurfacePoint,
+    /// The diffuse colour there.
+    pub(crate) diffuse: Rgb,
+    /// The unit normal on the side that the ray came from.
+    pub(crate) normal: DVec3,
+}
+
+/// What a tile's rays, generation by generation, leave from stage to stage.
 #[derive(Debug)]
 pub(crate) struct TileBuffers<'a> {
+    /// The rays of this generation, pixel by pixel.
+    pub(crate) wave: Vec<QueuedRay>,
+    /// What each ray of the wave meets first.
+    pub(crate) hits: Vec<Option<ClosestHit>>,
+    /// The surface points that light, a medium or a mirror asks for, in the order of the wave.
+    pub(crate) surfaces: Vec<LitSurface>,
+    /// The light at the far end of each ray of the wave, towards its origin.
+    pub(crate) radiance: Vec<Rgb>,
+    /// How far that is.
+    pub(crate) lengths: Vec<f64>,
+    /// What a sample of one light adds at surface points, by their indices.
+    pub(crate) proposals: Vec<(u32, Proposal)>,
+    /// What an extended light adds at each surface point, summed over its samples.
+    pub(crate) sums: Vec<DVec3>,
+    /// For every light that is on: what hid it from the last point of this tile that asked, if anything did.
+    pub(crate) last_occluders: Vec<Option<ShapeId>>,
     /// The next generation's rays.
     pub(crate) next: Vec<QueuedRay>,
-    /// Room for the one after it.
-    pub(crate) spare: Vec<QueuedRay>,
     /// Rays that are not traced any more.
     pub(crate) beyond: Vec<QueuedRay>,
     /// How many rays of each pixel are traced.
@@ -59,40 +88,47 @@ pub(crate) struct TileBuffers<'a> {
     /// What each of a pixel's next rays can bring, and its index in the queue.
     pub(crate) weighed: Vec<(f32, usize)>,
     pub(crate) scratch: LightScratch<'a>,
-    /// For every light that is on: what hid it from the last point of this tile that asked, if anything did.
-    pub(crate) last_occluders: Vec<Option<ShapeId>>,
     /// Row by row.
     pub(crate) pixels: Vec<Rgb>,
     pub(crate) rays_traced: RayCounts,
     pub(crate) trees_ended: TreeEnds,
+    pub(crate) entered: StageCounts,
 }
 
 impl<'a> TileBuffers<'a> {
     /// Once `cancelled` is true, whatever is in them will do.
     pub(crate) fn new(cancelled: &'a AtomicBool) -> Self {
         Self {
+            wave: Vec::new(),
+            hits: Vec::new(),
+            surfaces: Vec::new(),
+            radiance: Vec::new(),
+            lengths: Vec::new(),
+            proposals: Vec::new(),
+            sums: Vec::new(),
+            last_occluders: Vec::new(),
             next: Vec::new(),
-            spare: Vec::new(),
             beyond: Vec::new(),
             tree_sizes: Vec::new(),
             budgets: Vec::new(),
             weighed: Vec::new(),
             scratch: LightScratch::new(cancelled),
-            last_occluders: Vec::new(),
             pixels: Vec::new(),
             rays_traced: RayCounts::default(),
             trees_ended: TreeEnds::default(),
+            entered: StageCounts::default(),
         }
     }
 
+    /// Makes ready for a sample of a tile; one that was ended may have left something.
     pub(crate) fn begin<E: Effects>(&mut self, tile: Tile, context: &RenderContext<'_>) {
         let count = (tile.width * tile.height) as usize;
+        self.wave.clear();
+        self.pixels.clear();
         self.pixels.resize(count, Rgb::ZERO);
         if E::MIRRORS {
-            // A sample that was ended may have left some.
             self.next.clear();
             self.beyond.clear();
-            self.pixels.fill(Rgb::ZERO);
             self.tree_sizes.clear();
             self.tree_sizes.resize(count, 1);
             self.budgets.clear();
@@ -105,6 +141,12 @@ impl<'a> TileBuffers<'a> {
         }
     }
 
+    /// Once nobody waits for the sample any more, stages leave it as it is.
+    #[inline(always)]
+    pub(crate) fn is_cancelled(&self) -> bool {
+        self.scratch.search.is_cancelled()
+    }
+
     /// What the last sample brought, row by row.
     pub(crate) fn pixels(&self) -> &[Rgb] {
         &self.pixels
@@ -115,6 +157,7 @@ impl<'a> TileBuffers<'a> {
         Effort {
             rays: std::mem::take(&mut self.rays_traced),
             ends: std::mem::take(&mut self.trees_ended),
+            stages: std::mem::take(&mut self.entered),
             escalations: std::mem::take(&mut self.scratch.search.escalations),
         }
     }
