@@ -16,7 +16,7 @@ const TIME: u64 = 10;
 /// One that waits for something uses no time. On a machine that is busy with other things, all takes longer.
 const PATIENCE: Duration = Duration::from_secs(60);
 /// Bytes that people are to read.
-const MESSAGES: u64 = 1 << 20;
+const MESSAGES: u64 = 1 << 16;
 
 /// What runs took, at most.
 #[derive(Clone, Copy, Debug, Default)]
