@@ -52,7 +52,7 @@ pub(crate) trait Effects {
     const MIRRORS: bool;
     const MEDIA: bool;
     const EXTRAS: bool;
-    /// Do rays carry the solids that they are inside of?
+    /// Whether rays carry the solids that they are inside of.
     const NESTING: bool = Self::CLEAR_SHADOWS || Self::MEDIA;
 }
 

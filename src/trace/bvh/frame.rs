@@ -48,7 +48,7 @@ pub(crate) struct FrameRay {
     pub(crate) near_origin: [f32; 3],
     pub(crate) far_origin: [f32; 3],
     pub(crate) inverse: [f32; 3],
-    /// Does the ray run down this axis, entering by the upper plane?
+    /// Whether the ray runs down this axis, entering by the upper plane.
     pub(crate) downward: [bool; 3],
 }
 

@@ -42,7 +42,7 @@ pub(crate) struct ShadowRay {
     pub(crate) ray: Ray,
     /// Where the light is.
     pub(crate) limit: Limit,
-    /// Does the light come from the other side, through the clear medium behind the surface?
+    /// Whether the light comes from the other side, through the clear medium behind the surface.
     pub(crate) from_behind: bool,
 }
 

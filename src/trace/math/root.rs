@@ -62,19 +62,19 @@ impl Root {
         }
     }
 
-    /// Does it have fewer than 28 certain bits, more than half of an `f64`'s?
+    /// Returns whether it has fewer than 28 certain bits, about half of an `f64`'s.
     #[must_use]
     pub fn is_rough(&self) -> bool {
         self.error > self.t * (1.0 / 268_435_456.0)
     }
 
-    /// Is it right up to its rounding?
+    /// Returns whether it is right up to its rounding.
     #[must_use]
     pub fn is_rounded(&self) -> bool {
         self.error <= self.t * f64::EPSILON
     }
 
-    /// May both be the same?
+    /// Returns whether both may be the same.
     #[must_use]
     pub fn may_equal(&self, other: &Self) -> bool {
         self.earliest() <= other.latest() && other.earliest() <= self.latest()

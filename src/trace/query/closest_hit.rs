@@ -233,7 +233,7 @@ impl Search<'_> {
         self.scene.surface(&self.scene.geometry, ray, closest, &mut self.scratch.escalations)
     }
 
-    /// Does anything but `except` stand between the ray's origin and `limit`?
+    /// Returns whether anything but `except` stands between the ray's origin and `limit`.
     #[must_use]
     #[inline]
     pub fn is_hidden(&mut self, ray: &Ray, limit: &Limit, except: Option<ShapeId>) -> bool {

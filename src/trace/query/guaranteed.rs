@@ -155,7 +155,7 @@ impl Geometry {
         refined
     }
 
-    /// Is the point inside the shape, as solids go?
+    /// Returns whether the point is inside the shape, taken as a solid.
     #[must_use]
     pub(crate) fn contains(&self, id: ShapeId, point: DVec3) -> bool {
         ask!(self, id, shape => shape.contains(point))

@@ -12,7 +12,7 @@ pub struct Hit {
     pub root: Root,
     /// The shape.
     pub id: ShapeId,
-    /// Is this the far side of a shape that the ray left inwards?
+    /// Whether this is the far side of a shape that the ray left inwards.
     pub far: bool,
 }
 
@@ -40,7 +40,7 @@ pub struct SurfacePoint {
     pub point: DVec3,
     /// The outward unit normal; of a plane, its own.
     pub normal: DVec3,
-    /// Did the ray come from the side that the normal points to?
+    /// Whether the ray came from the side that the normal points to.
     pub from_outside: bool,
 }
 

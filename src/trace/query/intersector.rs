@@ -15,10 +15,10 @@ pub(crate) trait Intersector: Sync {
     /// Which of a ray's hits is nearer.
     fn compare(&self, ray: &Ray, hit: &Hit, other: &Hit, escalations: &mut Escalations) -> Ordering;
 
-    /// Is the hit nearer than `limit`?
+    /// Returns whether the hit is nearer than `limit`.
     fn is_before(&self, hit: &Hit, ray: &Ray, limit: &Limit, escalations: &mut Escalations) -> bool;
 
-    /// Does the shape stand in the ray's way before `limit`?
+    /// Returns whether the shape occludes the ray before `limit`.
     #[inline]
     fn occludes(&self, id: ShapeId, ray: &Ray, limit: &Limit, escalations: &mut Escalations) -> bool {
         self.intersect(id, ray, escalations).is_some_and(|hit| self.is_before(&hit, ray, limit, escalations))

@@ -33,7 +33,7 @@ impl<'a> Scratch<'a> {
         }
     }
 
-    /// Does nobody wait any more?
+    /// Returns whether nobody waits any more.
     #[inline(always)]
     pub(crate) fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)

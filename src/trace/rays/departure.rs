@@ -8,7 +8,7 @@ use super::ties::Ties;
 pub(crate) struct Departure {
     /// The shape that is left, or the first in document order of those that equal it.
     pub(crate) id: ShapeId,
-    /// Out of it, or into it?
+    /// Whether the ray goes out of it; else it goes into it.
     pub(crate) outward: bool,
     /// What else is left there.
     pub(crate) ties: Ties,

@@ -182,7 +182,7 @@ impl Camera {
         (self.eye, self.lens.map_or(0.0, |lens| lens.radius))
     }
 
-    /// Has it a lens, so that what is out of focus may be blurred?
+    /// Returns whether it has a lens, so that what is out of focus may be blurred.
     #[must_use]
     pub fn has_lens(&self) -> bool {
         self.lens.is_some()

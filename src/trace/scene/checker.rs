@@ -46,7 +46,7 @@ impl CheckerPattern {
         }
     }
 
-    /// Is the point on a square of the second colours?
+    /// Returns whether the point is on a square of the second colours.
     pub(crate) fn is_second(&self, point: DVec3, normal: DVec3) -> bool {
         let own = self.inverse * (point - self.translation);
         let [x, y] = match &self.surface {

@@ -158,7 +158,7 @@ impl Geometry {
         self.places.len()
     }
 
-    /// Is there nothing to see?
+    /// Returns whether there is nothing to see.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.places.is_empty()

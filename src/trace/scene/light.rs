@@ -17,7 +17,7 @@ pub struct Light {
     pub falloff: Option<Falloff>,
     /// How many of its places light a point; 1 unless it is extended.
     pub samples: u32,
-    /// Is it asked whether anything stands in its way?
+    /// Whether it casts shadows: shadow rays are followed to it.
     pub casts_shadows: bool,
     /// The light's own shape, which does not stand in its way.
     pub own_shape: Option<ShapeId>,
@@ -69,7 +69,7 @@ pub enum LightSource {
 }
 
 impl LightSource {
-    /// Has it a size?
+    /// Returns whether it has a size.
     #[must_use]
     pub fn is_extended(&self) -> bool {
         matches!(self, Self::Sphere { .. } | Self::Rectangle { .. })

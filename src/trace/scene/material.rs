@@ -32,7 +32,7 @@ pub struct Refraction {
     pub ior: f64,
     /// What the medium takes away per unit of length, 0 or more.
     pub absorption: Rgb,
-    /// Is k_t shared between the refracted and the mirrored ray as Fresnel's equations say?
+    /// Whether k_t is shared between the refracted and the mirrored ray as Fresnel's equations say.
     pub fresnel: bool,
 }
 
@@ -48,12 +48,12 @@ pub struct Checker {
 }
 
 impl SurfaceMaterial {
-    /// Is anything of lights sent on?
+    /// Returns whether it sends on anything of lights.
     pub(crate) fn scatters(&self) -> bool {
         self.diffuse != Rgb::ZERO || self.specular > 0.0
     }
 
-    /// Does the surface send rays on?
+    /// Returns whether it sends rays on.
     pub(crate) fn continues(&self) -> bool {
         self.reflected > 0.0 || self.refraction.is_some()
     }

@@ -19,11 +19,11 @@ pub struct MaterialSummary {
     pub mirrors: Vec<ShapeId>,
     /// Those that are clear, in document order.
     pub clear: Vec<ShapeId>,
-    /// Does one of the clear ones absorb?
+    /// Whether one of the clear ones absorbs.
     pub absorbs: bool,
-    /// Does one of the clear ones share light out as Fresnel's equations say?
+    /// Whether one of the clear ones shares light out as Fresnel's equations say.
     pub fresnel: bool,
-    /// Are there squares?
+    /// Whether there are squares.
     pub checkered: bool,
     /// Materials that send on about as much are one.
     answers: BTreeMap<u32, Answer>,

@@ -144,7 +144,7 @@ impl PreparedScene {
         }
     }
 
-    /// May a clear shape count among the solids that a ray is inside of?
+    /// Returns whether a clear shape may count among the solids that a ray is inside of.
     pub(crate) fn may_nest(&self, clear: ShapeId) -> bool {
         self.copies.heap(clear).is_none_or(|heap| heap.media().contains(&clear))
     }

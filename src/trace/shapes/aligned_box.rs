@@ -326,7 +326,7 @@ impl AlignedBox {
         Some(Facet { row: DVec3::AXES[face.axis], offset: self.plane(face) })
     }
 
-    /// Is the point within, not on the surface?
+    /// Returns whether the point is within, not on the surface.
     #[must_use]
     pub fn contains(&self, point: DVec3) -> bool {
         point.cmpgt(self.min).all() && point.cmplt(self.max).all()

@@ -181,7 +181,7 @@ impl BoxImage {
         Some(Facet { row: self.rows[face.axis], offset })
     }
 
-    /// Is the point within, not on the surface?
+    /// Returns whether the point is within, not on the surface.
     #[must_use]
     pub fn contains(&self, point: DVec3) -> bool {
         (0..3).all(|axis| {

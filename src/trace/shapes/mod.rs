@@ -4,7 +4,7 @@
 //!
 //! - `intersect`: the smallest `t >= 0` on the surface, with a bound of its error, unless `f64` leaves open whether there is
 //!   one. Shapes are closed sets: touching counts. Spheres and boxes are shells that are seen from inside too.
-//! - `exit`: the ray starts on the surface and goes into the shape; where does it come out?
+//! - `exit`: where a ray comes out that starts on the surface and goes into the shape.
 //! - `cross_exactly`: where its line enters and where it leaves the shape, without any rounding: for what `f64` leaves open, and for
 //!   comparisons too close to call.
 //! - `exit_exactly`: what `exit` asks, likewise.
@@ -12,7 +12,7 @@
 //!   unit normal there.
 //! - `solve`: the same from a `t` that is so rough that one Newton step would not do.
 //! - `surface_point`: the same at a `t` and on a face that are right already, from `cross_exactly` or from `exit_exactly`.
-//! - `facet`: in which plane is the face that is met at a `t`, if the surface is flat there and it is certain which face that is?
+//! - `facet`: the plane of the face that is met at a `t`, if the surface is flat there and it is certain which face that is.
 //! - `contains`: is a point inside, as solids go? Behind, of a plane.
 //! - `bounds`: a box around it, for shapes that have one.
 

@@ -95,7 +95,7 @@ impl Plane {
         Some(Facet { row, offset: self.point[axis] })
     }
 
-    /// Is the point in the half-space behind it, not on it?
+    /// Returns whether the point is in the half-space behind it, not on it.
     #[must_use]
     pub fn contains(&self, point: DVec3) -> bool {
         dot(Double3::difference(point, self.point), self.normal).sign().is_lt()

@@ -193,7 +193,7 @@ impl Sphere {
         None
     }
 
-    /// Is the point within, not on the surface?
+    /// Returns whether the point is within, not on the surface.
     #[must_use]
     pub fn contains(&self, point: DVec3) -> bool {
         square_difference(Double3::difference(point, self.center), self.radius).sign().is_lt()

@@ -216,7 +216,7 @@ impl SphereImage {
         None
     }
 
-    /// Is the point within, not on the surface?
+    /// Returns whether the point is within, not on the surface.
     #[must_use]
     pub fn contains(&self, point: DVec3) -> bool {
         square_difference(self.map.exact_point_back(point), self.sphere.radius).sign().is_lt()

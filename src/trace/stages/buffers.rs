@@ -40,9 +40,9 @@ pub(crate) struct QueuedRay {
     pub(crate) tree: TreeRay,
     /// Index of the pixel in the tile.
     pub(crate) pixel: u32,
-    /// Is it mirrored, or refracted?
+    /// Whether it is mirrored; else it is refracted.
     pub(crate) mirrored: bool,
-    /// Is it left out, as it could not show?
+    /// Whether it is left out, as it could not show.
     pub(crate) cut: bool,
 }
 
