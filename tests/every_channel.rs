@@ -9,7 +9,7 @@ use rayreel::animation::{Notation, Value};
 use rayreel::color::Transfer;
 use rayreel::components::{Name, Property};
 use rayreel::systems::value;
-use rayreel::{Effect, Engine, Entity, Rgb, Scene, Time, Verdict};
+use rayreel::{Effect, Engine, Entity, Need, Rgb, Scene, Time};
 
 /// A scene in which every value can be written in place of its `@word`.
 const SCENE: &str = r##"Scene(
@@ -277,10 +277,10 @@ fn every_value_moves_while_the_shutter_is_open() {
         let mut moving = moving(property, &case, "shutter: 0.5,");
         let mut verdict = |time| {
             let plan = moving.plan_at(time).unwrap().unwrap();
-            plan.verdict(Effect::MotionBlur)
+            plan.need(Effect::MotionBlur)
         };
         assert!(verdict(seconds(1)).is_needed(), "{}", property.name());
-        let still = Verdict::LeftOut("nothing moves while the shutter is open");
+        let still = Need::LeftOut("nothing moves while the shutter is open");
         assert_eq!(verdict(Time::from_ratio(5, 2).unwrap()), still, "{}", property.name());
     }
 }

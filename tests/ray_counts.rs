@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
 use rayreel::components::{Checker, Material, Shape, Transform};
-use rayreel::systems::{Effect, Verdict};
+use rayreel::systems::{Effect, Need};
 use rayreel::trace::{RayCounts, TreeEnds};
 use rayreel::{Engine, Rgb, Scene, World};
 
@@ -58,8 +58,8 @@ fn ends(depth: u64, cutoff: u64) -> TreeEnds {
     TreeEnds { depth: depth * PIXELS, cutoff: cutoff * PIXELS }
 }
 
-fn verdict(engine: &Engine, effect: Effect) -> Verdict {
-    engine.plan().unwrap().verdict(effect)
+fn need(engine: &Engine, effect: Effect) -> Need {
+    engine.plan().unwrap().need(effect)
 }
 
 const MATTE: &str = "(k_d: 1)";
@@ -121,7 +121,7 @@ fn a_spot_light_is_asked_only_in_its_cone() {
                 transform: (translation: (0, 0, -4), rotation: Euler({turned:?}, 0, 0)))]"
             ),
         );
-        assert!(verdict(&engine, Effect::SpotLights).is_needed());
+        assert!(need(&engine, Effect::SpotLights).is_needed());
         rays(&engine).shadow
     };
     assert_eq!(spot(90.0, 0.0), PIXELS);
@@ -174,7 +174,7 @@ fn every_pixels_sample_is_a_camera_ray_and_is_lit_for_itself() {
     for samples in [1, 2, 7, 64] {
         let engine = wall(MATTE, &format!("{LAMP}], sampling: (samples: {samples})"));
         assert_eq!(rays(&engine), each(samples, samples, 0, 0));
-        assert_eq!(verdict(&engine, Effect::Antialiasing).is_needed(), samples > 1);
+        assert_eq!(need(&engine, Effect::Antialiasing).is_needed(), samples > 1);
     }
 }
 
@@ -249,20 +249,20 @@ fn a_mirror_that_cannot_be_seen_costs_nothing() {
     let reason = "none can be seen, nor a mirror or glass that could show it";
     let behind = ball(-9.0, "");
     assert_eq!(rays(&behind), each(1, 0, 0, 0));
-    assert_eq!(verdict(&behind, Effect::Reflection), Verdict::LeftOut(reason));
+    assert_eq!(need(&behind, Effect::Reflection), Need::LeftOut(reason));
 
     let before = ball(-2.0, "");
     assert_eq!(rays(&before), each(1, 0, 1, 0), "the ball fills the view");
-    assert_eq!(verdict(&before, Effect::Reflection), Verdict::Needed("k_r is above 0"));
+    assert_eq!(need(&before, Effect::Reflection), Need::Needed("k_r is above 0"));
 
     // In the view, but behind a wall: looked for, and never met.
     let hidden = ball(3.0, r#"(shape: Plane(normal: (0, 0, 1)), material: "m")"#);
     assert_eq!(rays(&hidden), each(1, 0, 0, 0));
-    assert!(verdict(&hidden, Effect::Reflection).is_needed());
+    assert!(need(&hidden, Effect::Reflection).is_needed());
 
     // Out of the view, but shown by a mirror: all rays of the ball before the camera meet the background or the other ball.
     let shown = ball(-9.0, r#"(shape: Plane(normal: (0, 0, 1)), material: "mirror")"#);
-    assert!(verdict(&shown, Effect::Reflection).is_needed());
+    assert!(need(&shown, Effect::Reflection).is_needed());
     assert!(rays(&shown).reflection > PIXELS);
 }
 
@@ -282,7 +282,7 @@ fn glass_sends_one_ray_in_and_one_out() {
             let engine = glass_ball(&format!("(k_t: 0.9, ior: {ior:?})"), depth);
             assert_eq!(rays(&engine), each(1, 0, 0, refraction), "{depth}");
             assert_eq!(engine.report().ends, ends(beyond, 0), "{depth}");
-            assert!(!verdict(&engine, Effect::Fresnel).is_needed());
+            assert!(!need(&engine, Effect::Fresnel).is_needed());
         }
     }
 }
@@ -296,7 +296,7 @@ fn glass_that_mirrors_as_fresnel_says_splits_every_ray() {
         let others = u64::from(depth - 1);
         assert_eq!(rays(&engine), each(1, 0, others, others), "{depth}");
         assert_eq!(engine.report().ends, ends(2, 0), "{depth}");
-        assert!(verdict(&engine, Effect::Fresnel).is_needed());
+        assert!(need(&engine, Effect::Fresnel).is_needed());
         // There is no boundary where the index is that of empty space.
         let engine = glass_ball("(k_t: 0.9, ior: 1, fresnel: true)", depth);
         assert_eq!(rays(&engine), each(1, 0, 0, others.min(2)), "{depth}");
@@ -316,7 +316,7 @@ fn total_reflection_keeps_rays_inside() {
     assert_eq!(rays(&inside(1.5)), each(1, 0, 1, 0));
     assert_eq!(rays(&inside(1.33)), each(1, 0, 0, 1));
     let reason = "inside of clear media, light may be reflected totally";
-    assert_eq!(verdict(&inside(1.5), Effect::Reflection), Verdict::Needed(reason));
+    assert_eq!(need(&inside(1.5), Effect::Reflection), Need::Needed(reason));
 }
 
 #[test]
@@ -329,12 +329,12 @@ fn glass_out_of_the_view_is_asked_for_shadows_only() {
         ))
     };
     let glass = scene("refractive: (k_t: 0.5, ior: 1.5, absorption: (1, 0, 0))");
-    let needs = |effect| verdict(&glass, effect).is_needed();
+    let needs = |effect| need(&glass, effect).is_needed();
     assert_eq!(rays(&glass), each(1, 1, 0, 0));
     assert!(!needs(Effect::Refraction) && needs(Effect::ClearShadows) && needs(Effect::Absorption));
     let opaque = scene("k_a: 1");
     assert_eq!(rays(&opaque), each(1, 1, 0, 0));
-    assert!(!verdict(&opaque, Effect::ClearShadows).is_needed());
+    assert!(!need(&opaque, Effect::ClearShadows).is_needed());
 }
 
 #[test]
@@ -405,7 +405,7 @@ fn every_effect_is_called_for_by_something_and_left_out_without_it() {
             } else {
                 lonely_wall(material, more)
             };
-            (verdict(&engine, effect).is_needed(), rays(&engine))
+            (need(&engine, effect).is_needed(), rays(&engine))
         };
         assert_eq!(told(material, more), (true, with), "with {effect}");
         assert_eq!(told(other_material, other_more), (false, without), "without {effect}");
@@ -415,7 +415,7 @@ fn every_effect_is_called_for_by_something_and_left_out_without_it() {
         let engine = rendered_text(&format!(
             "Scene(film: (width: 8, height: 6, transfer: Classic), camera: (position: (0, 0, -4), view: (0, 0, 1), {lens}), sampling: (samples: {samples}))"
         ));
-        assert_eq!(verdict(&engine, Effect::DepthOfField).is_needed(), needed);
+        assert_eq!(need(&engine, Effect::DepthOfField).is_needed(), needed);
         assert_eq!(rays(&engine), each(samples, 0, 0, 0));
     }
 }
@@ -539,7 +539,7 @@ const UNSEEN: &str = r#"materials: { "m": (reflective: (k_r: 1), refractive: (k_
 #[test]
 fn what_is_left_out_is_left_out_for_its_own_reason() {
     for (body, effect, reason) in LEFT_OUT {
-        assert_eq!(verdict(&rendered(body), *effect), Verdict::LeftOut(reason), "{body}");
+        assert_eq!(need(&rendered(body), *effect), Need::LeftOut(reason), "{body}");
     }
     // A sphere has no squares; a scene file that asks for them is refused, a world of one's own is not.
     let mut world = World::new();
@@ -548,7 +548,7 @@ fn what_is_left_out_is_left_out_for_its_own_reason() {
     world.spawn((Shape::Sphere { radius: 1.0 }, Transform::default(), white, squares));
     let mut engine = Engine::new(world);
     engine.render_frame(0).unwrap();
-    assert_eq!(verdict(&engine, Effect::Checker), Verdict::LeftOut("no checkered surface is drawn"));
+    assert_eq!(need(&engine, Effect::Checker), Need::LeftOut("no checkered surface is drawn"));
 }
 
 #[test]
@@ -566,7 +566,7 @@ fn what_is_left_out_now_is_needed_later() {
         Effect::SpotLights,
         Effect::Falloff,
     ] {
-        assert!(verdict(&engine, effect).is_needed(), "{effect}");
+        assert!(need(&engine, effect).is_needed(), "{effect}");
     }
     let later = rays(&engine);
     engine.render_frame(0).unwrap();
@@ -593,67 +593,67 @@ fn lens_and_shutter_are_left_out_where_they_could_not_show() {
             "samples: 1",
             "",
             Effect::DepthOfField,
-            Verdict::LeftOut("a pixel has one sample, through the middle of the lens"),
+            Need::LeftOut("a pixel has one sample, through the middle of the lens"),
         ),
         (
             "lens: (aperture: 1, focus: 4)",
             "samples: 4",
             "",
             Effect::DepthOfField,
-            Verdict::Needed("the camera has a lens"),
+            Need::Needed("the camera has a lens"),
         ),
         (
             "lens: (aperture: 0, focus: 4)",
             "samples: 4",
             "",
             Effect::DepthOfField,
-            Verdict::LeftOut("the camera has no lens"),
+            Need::LeftOut("the camera has no lens"),
         ),
-        ("", "samples: 4", moves, Effect::MotionBlur, Verdict::LeftOut("the camera has no shutter")),
+        ("", "samples: 4", moves, Effect::MotionBlur, Need::LeftOut("the camera has no shutter")),
         (
             "shutter: 1",
             "samples: 1",
             moves,
             Effect::MotionBlur,
-            Verdict::LeftOut("all samples are taken at one instant"),
+            Need::LeftOut("all samples are taken at one instant"),
         ),
         (
             "shutter: 1",
             "samples: 4, instants: 1",
             moves,
             Effect::MotionBlur,
-            Verdict::LeftOut("all samples are taken at one instant"),
+            Need::LeftOut("all samples are taken at one instant"),
         ),
         (
             "shutter: 1",
             "samples: 4",
             "",
             Effect::MotionBlur,
-            Verdict::LeftOut("nothing moves while the shutter is open"),
+            Need::LeftOut("nothing moves while the shutter is open"),
         ),
         (
             "shutter: 1",
             "samples: 4",
             rests,
             Effect::MotionBlur,
-            Verdict::LeftOut("nothing moves while the shutter is open"),
+            Need::LeftOut("nothing moves while the shutter is open"),
         ),
         (
             "shutter: 1",
             "samples: 4",
             later,
             Effect::MotionBlur,
-            Verdict::LeftOut("nothing moves while the shutter is open"),
+            Need::LeftOut("nothing moves while the shutter is open"),
         ),
         (
             "shutter: 1",
             "samples: 4",
             moves,
             Effect::MotionBlur,
-            Verdict::Needed("something moves while the shutter is open"),
+            Need::Needed("something moves while the shutter is open"),
         ),
     ] {
         let engine = scene(camera, sampling, channel);
-        assert_eq!(verdict(&engine, effect), expected, "{camera} {sampling} {channel}");
+        assert_eq!(need(&engine, effect), expected, "{camera} {sampling} {channel}");
     }
 }

@@ -359,7 +359,7 @@ fn scripts_blur_what_they_move() {
         let mut engine = Engine::from_scene(Scene::from_text("scene.ron", text).unwrap());
         (
             engine.render_frame(10).unwrap(),
-            engine.plan().unwrap().verdict(rayreel::Effect::MotionBlur).is_needed(),
+            engine.plan().unwrap().need(rayreel::Effect::MotionBlur).is_needed(),
         )
     };
     let (moving, blurred) = with("[6 * t - 6, 0, 0]");

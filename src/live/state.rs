@@ -141,8 +141,8 @@ fn located(file: &str, place: Option<Place>) -> String {
 impl Planned {
     pub(super) fn all(plan: &Plan) -> Vec<Self> {
         let planned = |effect: Effect| {
-            let verdict = plan.verdict(effect);
-            Self { effect: effect.name(), needed: verdict.is_needed(), why: verdict.reason(), cost: None }
+            let need = plan.need(effect);
+            Self { effect: effect.name(), needed: need.is_needed(), why: need.reason(), cost: None }
         };
         Effect::ALL.into_iter().map(planned).collect()
     }

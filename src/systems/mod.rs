@@ -42,7 +42,7 @@ pub use effect::Effect;
 pub use faults::{Fault, FaultCause, FaultEffect, Instead};
 pub use halt::{Halt, ScriptFailure};
 pub use parts::value;
-pub use plan::{Plan, Verdict};
+pub use plan::{Need, Plan};
 pub use prepare::{Filming, Preparation, film_settings, filming};
 pub(crate) use prepare::{RayLimits, Shutter, Shutters};
 pub use propagate::propagate;

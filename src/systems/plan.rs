@@ -12,7 +12,7 @@ use crate::trace::{self, Background, KernelChoice, LightSource, Lighting, Paths,
 
 /// Whether an effect is needed, and why.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Verdict {
+pub enum Need {
     /// It is; what calls for it.
     Needed(&'static str),
     /// It is not; what is missing.
@@ -22,11 +22,11 @@ pub enum Verdict {
 /// What one moment calls for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plan {
-    verdicts: [Verdict; Effect::ALL.len()],
+    needs: [Need; Effect::ALL.len()],
     kernel: KernelChoice,
 }
 
-impl Verdict {
+impl Need {
     /// Is it needed?
     #[must_use]
     pub fn is_needed(self) -> bool {
@@ -47,19 +47,19 @@ impl Plan {
     #[must_use]
     pub(super) fn of(world: &World, preparation: &Preparation) -> Self {
         let survey = Survey::new(world, preparation);
-        Self { verdicts: Effect::ALL.map(|effect| survey.verdict(effect)), kernel: survey.kernel() }
+        Self { needs: Effect::ALL.map(|effect| survey.need(effect)), kernel: survey.kernel() }
     }
 
     /// Is the effect needed, and why?
     #[must_use]
-    pub fn verdict(&self, effect: Effect) -> Verdict {
-        self.verdicts[effect as usize]
+    pub fn need(&self, effect: Effect) -> Need {
+        self.needs[effect as usize]
     }
 
     /// Is the effect needed?
     #[must_use]
     pub fn needs(&self, effect: Effect) -> bool {
-        self.verdict(effect).is_needed()
+        self.need(effect).is_needed()
     }
 
     /// The effects that are needed.
@@ -75,9 +75,9 @@ impl Plan {
 
     /// What two instants of a frame call for together.
     pub(crate) fn join(&mut self, other: &Self) {
-        for (verdict, other) in self.verdicts.iter_mut().zip(&other.verdicts) {
-            if !verdict.is_needed() {
-                *verdict = *other;
+        for (need, other) in self.needs.iter_mut().zip(&other.needs) {
+            if !need.is_needed() {
+                *need = *other;
             }
         }
         let (one, other) = (self.kernel, other.kernel);
@@ -89,12 +89,12 @@ impl Plan {
     }
 
     /// Says what became of the shutter's instants.
-    pub(crate) fn set_motion_blur(&mut self, verdict: Verdict) {
-        self.verdicts[Effect::MotionBlur as usize] = verdict;
+    pub(crate) fn set_motion_blur(&mut self, need: Need) {
+        self.needs[Effect::MotionBlur as usize] = need;
     }
 }
 
-/// What the verdicts follow from.
+/// What needs follow from.
 struct Survey<'a> {
     world: &'a World,
     preparation: &'a Preparation,
@@ -137,8 +137,8 @@ impl<'a> Survey<'a> {
         self.is_lit() && (surfaces.diffuse > 0.0 || surfaces.specular > 0.0)
     }
 
-    fn verdict(&self, effect: Effect) -> Verdict {
-        use Verdict::{LeftOut, Needed};
+    fn need(&self, effect: Effect) -> Need {
+        use Need::{LeftOut, Needed};
         let scene = self.preparation.scene();
         let surfaces = scene.surfaces();
         match effect {
@@ -197,9 +197,9 @@ impl<'a> Survey<'a> {
         self.preparation.samples()
     }
 
-    fn unlit(&self) -> Verdict {
+    fn unlit(&self) -> Need {
         let none = !self.has::<Light>();
-        Verdict::LeftOut(if none { "there are no lights" } else { "all lights are off at this time" })
+        Need::LeftOut(if none { "there are no lights" } else { "all lights are off at this time" })
     }
 
     fn light_of(
@@ -207,22 +207,22 @@ impl<'a> Survey<'a> {
         kind: impl Fn(&trace::Light) -> bool,
         missing: &'static str,
         needed: &'static str,
-    ) -> Verdict {
+    ) -> Need {
         let scene = self.preparation.scene();
         let on = |light: &&trace::Light| light.intensity != Rgb::ZERO;
         if !scene.lights.iter().any(&kind) {
-            Verdict::LeftOut(missing)
+            Need::LeftOut(missing)
         } else if !scene.lights.iter().filter(on).any(kind) {
-            Verdict::LeftOut("it is off at this time")
+            Need::LeftOut("it is off at this time")
         } else if !self.scatters() {
-            Verdict::LeftOut("no surface answers lights: k_d and k_s are 0")
+            Need::LeftOut("no surface answers lights: k_d and k_s are 0")
         } else {
-            Verdict::Needed(needed)
+            Need::Needed(needed)
         }
     }
 
-    fn shadows(&self, effect: Effect) -> Verdict {
-        use Verdict::{LeftOut, Needed};
+    fn shadows(&self, effect: Effect) -> Need {
+        use Need::{LeftOut, Needed};
         let scene = self.preparation.scene();
         let surfaces = scene.surfaces();
         let casts = scene.lights.iter().any(|light| light.casts_shadows && light.intensity != Rgb::ZERO);
@@ -245,8 +245,8 @@ impl<'a> Survey<'a> {
         geometry.len() > 1 || geometry.planes() < geometry.len()
     }
 
-    fn continued(&self, effect: Effect) -> Verdict {
-        use Verdict::{LeftOut, Needed};
+    fn continued(&self, effect: Effect) -> Need {
+        use Need::{LeftOut, Needed};
         const OUT_OF_REACH: &str = "none can be seen, nor a mirror or glass that could show it";
         let surfaces = self.preparation.scene().surfaces();
         match effect {
@@ -266,9 +266,7 @@ impl<'a> Survey<'a> {
             _ if surfaces.clear.is_empty() => LeftOut("k_t is 0 at this time"),
             Effect::Absorption if !surfaces.absorbs => LeftOut("no medium absorbs"),
             // Shadows are tinted wherever they are seen.
-            Effect::Absorption if self.verdict(Effect::ClearShadows).is_needed() => {
-                Needed("a medium absorbs")
-            }
+            Effect::Absorption if self.need(Effect::ClearShadows).is_needed() => Needed("a medium absorbs"),
             _ if !self.continues => LeftOut(OUT_OF_REACH),
             Effect::Fresnel if !surfaces.fresnel => LeftOut("no material asks for it"),
             Effect::Fresnel => Needed("a clear material asks for it"),
@@ -278,7 +276,7 @@ impl<'a> Survey<'a> {
     }
 
     fn kernel(&self) -> KernelChoice {
-        let needs = |effect| self.verdict(effect).is_needed();
+        let needs = |effect| self.need(effect).is_needed();
         let clear = !self.preparation.scene().surfaces().clear.is_empty();
         let lighting = if !self.scatters() {
             Lighting::None

@@ -105,8 +105,8 @@ impl Explanation {
                 "effect": told.effect.name(),
                 "spans": told.spans.iter().map(|span| json!({
                     "frames": span.frames(),
-                    "needed": span.verdict.is_needed(),
-                    "why": span.verdict.reason(),
+                    "needed": span.need.is_needed(),
+                    "why": span.need.reason(),
                 })).collect::<Vec<_>>(),
                 "cost": self.costs.effect_json(told.effect, self.measure),
             })).collect::<Vec<_>>(),

@@ -1,4 +1,4 @@
-//! The verdicts and costs as a table.
+//! What is needed and what it costs, as a table.
 
 use rayreel::Effect;
 
@@ -11,9 +11,8 @@ pub(super) fn draw(timeline: &PlannedTimeline, costs: &Costs, measure: bool) -> 
     let (mut needed, mut left_out) = (Vec::new(), Vec::new());
     for told in timeline.effects() {
         for span in &told.spans {
-            let mut row =
-                vec![told.effect.name().to_owned(), span.in_words(), span.verdict.reason().to_owned()];
-            if span.verdict.is_needed() {
+            let mut row = vec![told.effect.name().to_owned(), span.in_words(), span.need.reason().to_owned()];
+            if span.need.is_needed() {
                 row.extend(cost_cells(told.effect, costs, measure));
                 needed.push(row);
             } else {

@@ -1,9 +1,9 @@
 //! When each effect is needed, and why.
 
 use rayreel::time::FrameList;
-use rayreel::{Effect, Engine, EngineError, Verdict};
+use rayreel::{Effect, Engine, EngineError, Need};
 
-/// The verdicts on all effects over the chosen frames.
+/// Which effects the chosen frames need.
 pub(super) struct PlannedTimeline {
     /// The frames that were looked at, ascending.
     frames: Vec<u32>,
@@ -12,16 +12,16 @@ pub(super) struct PlannedTimeline {
     told: Vec<Told>,
 }
 
-/// The verdicts on one effect.
+/// Which frames need one effect.
 pub(super) struct Told {
     pub(super) effect: Effect,
-    /// One for each verdict, in the order in which they first appear.
+    /// One for each answer, in the order in which they first appear.
     pub(super) spans: Vec<Span>,
 }
 
-/// The frames with the same verdict.
+/// The frames with the same answer.
 pub(super) struct Span {
-    pub(super) verdict: Verdict,
+    pub(super) need: Need,
     /// First and last frames of runs, each without a gap among those that were looked at.
     runs: Vec<(u32, u32)>,
     count: usize,
@@ -45,7 +45,7 @@ impl PlannedTimeline {
             let time = engine.timeline().time_of(frame);
             let Some(plan) = engine.plan_at(time)? else { continue };
             for told in &mut told {
-                told.add(plan.verdict(told.effect), frame, before);
+                told.add(plan.need(told.effect), frame, before);
             }
             frames.push(frame);
         }
@@ -75,7 +75,7 @@ impl PlannedTimeline {
         let mut samples: Vec<u32> =
             [0, last / 2, last].into_iter().filter_map(|index| self.frames.get(index).copied()).collect();
         for told in &self.told {
-            let needed: Vec<&Span> = told.spans.iter().filter(|span| span.verdict.is_needed()).collect();
+            let needed: Vec<&Span> = told.spans.iter().filter(|span| span.need.is_needed()).collect();
             let measured = needed.iter().any(|span| samples.iter().any(|frame| span.holds(*frame)));
             if let (false, Some(span)) = (measured, needed.first()) {
                 samples.push(span.runs[0].0);
@@ -113,9 +113,9 @@ impl PlannedTimeline {
 }
 
 impl Told {
-    fn add(&mut self, verdict: Verdict, frame: u32, before: Option<u32>) {
-        let index = self.spans.iter().position(|span| span.verdict == verdict).unwrap_or_else(|| {
-            self.spans.push(Span { verdict, runs: Vec::new(), count: 0, all: false });
+    fn add(&mut self, need: Need, frame: u32, before: Option<u32>) {
+        let index = self.spans.iter().position(|span| span.need == need).unwrap_or_else(|| {
+            self.spans.push(Span { need, runs: Vec::new(), count: 0, all: false });
             self.spans.len() - 1
         });
         let span = &mut self.spans[index];
@@ -127,11 +127,11 @@ impl Told {
     }
 
     pub(super) fn is_ever_needed(&self) -> bool {
-        self.spans.iter().any(|span| span.verdict.is_needed())
+        self.spans.iter().any(|span| span.need.is_needed())
     }
 
     fn is_always_needed(&self) -> bool {
-        self.spans.iter().all(|span| span.verdict.is_needed())
+        self.spans.iter().all(|span| span.need.is_needed())
     }
 }
 

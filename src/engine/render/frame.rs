@@ -9,7 +9,7 @@ use super::draft::add_all;
 use crate::components::{Animated, FilmSettings};
 use crate::engine::engine::{Engine, EngineError};
 use crate::engine::report::FrameReport;
-use crate::systems::{Effect, Plan, Preparation, Shutter, Shutters, Verdict, propagate};
+use crate::systems::{Effect, Need, Plan, Preparation, Shutter, Shutters, propagate};
 use crate::time::Time;
 use crate::trace::reference::{Reference, ReferenceSums};
 use crate::trace::{Exposure, Film, KernelChoice, Lighting, Signals};
@@ -200,12 +200,12 @@ impl Engine {
         Ok(true)
     }
 
-    fn motion_blur(&mut self, time: Time, moves: bool) -> Verdict {
+    fn motion_blur(&mut self, time: Time, moves: bool) -> Need {
         match self.shutter(time) {
-            Shutter::None => Verdict::LeftOut("the camera has no shutter"),
-            Shutter::OneInstant => Verdict::LeftOut("all samples are taken at one instant"),
-            Shutter::Open(..) if moves => Verdict::Needed("something moves while the shutter is open"),
-            Shutter::Open(..) => Verdict::LeftOut("nothing moves while the shutter is open"),
+            Shutter::None => Need::LeftOut("the camera has no shutter"),
+            Shutter::OneInstant => Need::LeftOut("all samples are taken at one instant"),
+            Shutter::Open(..) if moves => Need::Needed("something moves while the shutter is open"),
+            Shutter::Open(..) => Need::LeftOut("nothing moves while the shutter is open"),
         }
     }
 
