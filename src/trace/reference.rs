@@ -315,7 +315,7 @@ fn reach(
     let own_shape = light.1.own_shape;
     let seen = (lit.surface, lit.state.medium);
     let mut sum = DVec3::ZERO;
-    for sample in 0..light.1.samples {
+    for sample in 0..light.1.places() {
         let Some(Proposal { color, shadow }) = propose::<FullKernel>(light, lit, sample) else { continue };
         let share = shadow.map_or(Ok(Rgb::ONE), |shadow_ray| {
             asked = true;
@@ -329,7 +329,7 @@ fn reach(
             }
         }
     }
-    let color = (sum / f64::from(light.1.samples)).as_vec3();
+    let color = (sum / f64::from(light.1.places())).as_vec3();
     match first {
         Some(id) if color == Rgb::ZERO => LightReach::Hidden(id),
         None if color == Rgb::ZERO && !asked => LightReach::NotAsked,

@@ -82,10 +82,15 @@ impl Modules {
 
     fn add(&mut self, module: Module, text: &str) {
         // What only tests import is no part of the structure.
-        let code = code(text).replace("#[cfg(test)]\nuse ", "#[cfg(test)]\nno ");
+        let code = code(text);
+        let code = ["use", "pub(super) use", "pub(crate) use"]
+            .iter()
+            .fold(code, |code, form| code.replace(&format!("#[cfg(test)]\n{form} "), "\nno "));
+        // A word of its own, unlike the end of `diffuse`.
+        let code = format!(" {}", code.replace('\n', " "));
         let mut uses = Vec::new();
         let mut rest = String::new();
-        let mut statements = code.split("use ");
+        let mut statements = code.split(" use ");
         rest.push_str(statements.next().unwrap_or_default());
         for statement in statements {
             let (tree, after) = statement.split_once(';').unwrap_or((statement, ""));

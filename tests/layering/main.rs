@@ -41,9 +41,10 @@ fn layers(documentation: &str) -> BTreeMap<String, Layer> {
     layers
 }
 
-/// The code of a file: without comments, texts and unit tests.
+/// Returns the code of a file, without comments, texts and the unit tests at its end.
 fn code(text: &str) -> String {
-    let text = text.split("#[cfg(test)]").next().unwrap_or_default();
+    // Unit tests end a file; what else is for tests alone may stand anywhere.
+    let text = &text[..text.find("\nmod tests {").unwrap_or(text.len())];
     let mut code = String::new();
     for line in text.lines() {
         let line = line.split("//").next().unwrap_or_default();

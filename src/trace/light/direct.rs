@@ -74,7 +74,7 @@ pub(crate) fn propose<E: Effects>(
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
             let dimension = Dimension::Light { light: to_u32(index), path: lit.state.path };
             let SampleId { seed, pixel: (i, j), sample: of_pixel } = lit.asker;
-            let first = of_pixel.wrapping_mul(light.samples);
+            let first = of_pixel.wrapping_mul(light.places());
             let square = PixelSamples::new(seed, i, j).pair(dimension, first.wrapping_add(sample));
             from_place::<E>(light, lit, light.source.place(lit.surface.point, square))
         }

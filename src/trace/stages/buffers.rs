@@ -4,6 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
 
+use super::tile::Tile;
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
 use crate::trace::effort::{Effort, RayCounts, StageCounts, TreeEnds};
@@ -11,92 +12,71 @@ use crate::trace::light::{Budget, LightScratch, Proposal, RenderContext, TreeRay
 use crate::trace::query::{ClosestHit, SurfacePoint};
 use crate::trace::rays::ShapeId;
 
-/// Pixels along a tile's side.
-pub(crate) const TILE: u32 = 16;
-
-/// A rectangle of pixels.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Tile {
-    /// Leftmost column.
-    pub(crate) i: u32,
-    /// Uppermost row.
-    pub(crate) j: u32,
-    /// Columns, 1..=TILE.
-    pub(crate) width: u32,
-    /// Rows, 1..=TILE.
-    pub(crate) height: u32,
-}
-
-impl Tile {
-    /// Column and row of a pixel by its index.
-    pub(crate) fn pixel(&self, index: u32) -> (u32, u32) {
-        (self.i + index % self.width, self.j + index / self.width)
-    }
-}
-
 /// A ray on its way for a pixel.
 #[derive(Clone, Debug)]
-pub(crate) struct QueuedRay {
-    pub(crate) tree: TreeRay,
+pub(super) struct QueuedRay {
+    pub(super) tree: TreeRay,
     /// Index of the pixel in the tile.
-    pub(crate) pixel: u32,
+    pub(super) pixel: u32,
     /// Whether it is mirrored; else it is refracted.
-    pub(crate) mirrored: bool,
+    pub(super) mirrored: bool,
     /// Whether it is left out, as it could not show.
-    pub(crate) cut: bool,
+    pub(super) cut: bool,
 }
 
 /// A surface point that a ray of the wave found, to be lit.
 #[derive(Clone, Debug)]
-pub(crate) struct LitSurface {
+pub(super) struct FoundSurface {
     /// Index of the ray in the wave.
-    pub(crate) ray: u32,
-    pub(crate) point: SurfacePoint,
+    pub(super) ray: u32,
+    pub(super) point: SurfacePoint,
     /// The diffuse colour there.
-    pub(crate) diffuse: Rgb,
+    pub(super) diffuse: Rgb,
     /// The unit normal on the side that the ray came from.
-    pub(crate) normal: DVec3,
+    pub(super) normal: DVec3,
 }
 
 /// What a tile's rays, generation by generation, leave from stage to stage.
 #[derive(Debug)]
 pub(crate) struct TileBuffers<'a> {
-    /// The rays of this generation, pixel by pixel.
-    pub(crate) wave: Vec<QueuedRay>,
+    /// The rays that go through the stages now, pixel by pixel.
+    pub(super) wave: Vec<QueuedRay>,
     /// What each ray of the wave meets first.
-    pub(crate) hits: Vec<Option<ClosestHit>>,
+    pub(super) hits: Vec<Option<ClosestHit>>,
     /// The surface points that light, a medium or a mirror asks for, in the order of the wave.
-    pub(crate) surfaces: Vec<LitSurface>,
+    pub(super) surfaces: Vec<FoundSurface>,
     /// The light at the far end of each ray of the wave, towards its origin.
-    pub(crate) radiance: Vec<Rgb>,
-    /// How far that is.
-    pub(crate) lengths: Vec<f64>,
+    pub(super) radiance: Vec<Rgb>,
+    /// The length of each ray of the wave, scene units: infinite where it meets nothing, 0 where no length is asked for.
+    pub(super) lengths: Vec<f64>,
     /// What a sample of one light adds at surface points, by their indices.
-    pub(crate) proposals: Vec<(u32, Proposal)>,
+    pub(super) proposals: Vec<(u32, Proposal)>,
     /// What an extended light adds at each surface point, summed over its samples.
-    pub(crate) sums: Vec<DVec3>,
+    pub(super) light_sums: Vec<DVec3>,
     /// For every light that is on: what hid it from the last point of this tile that asked, if anything did.
-    pub(crate) last_occluders: Vec<Option<ShapeId>>,
-    /// The next generation's rays.
-    pub(crate) next: Vec<QueuedRay>,
+    pub(super) last_occluders: Vec<Option<ShapeId>>,
+    /// What the rays of this generation send on.
+    pub(super) next: Vec<QueuedRay>,
+    /// The rays of this generation, of which the wave is a part; kept for its memory.
+    pub(super) selected: Vec<QueuedRay>,
     /// Rays that are not traced any more.
-    pub(crate) beyond: Vec<QueuedRay>,
+    pub(super) beyond: Vec<QueuedRay>,
     /// How many rays of each pixel are traced.
-    pub(crate) tree_sizes: Vec<u32>,
+    pub(super) tree_sizes: Vec<u32>,
     /// What may be left out of each pixel.
-    pub(crate) budgets: Vec<Budget>,
+    pub(super) budgets: Vec<Budget>,
     /// What each of a pixel's next rays can bring, and its index in the queue.
-    pub(crate) weighed: Vec<(f32, usize)>,
-    pub(crate) scratch: LightScratch<'a>,
+    pub(super) weighed: Vec<(f32, usize)>,
+    pub(super) scratch: LightScratch<'a>,
     /// Row by row.
-    pub(crate) pixels: Vec<Rgb>,
-    pub(crate) rays_traced: RayCounts,
-    pub(crate) trees_ended: TreeEnds,
-    pub(crate) entered: StageCounts,
+    pub(super) pixels: Vec<Rgb>,
+    pub(super) rays_traced: RayCounts,
+    pub(super) trees_ended: TreeEnds,
+    pub(super) entered: StageCounts,
 }
 
 impl<'a> TileBuffers<'a> {
-    /// Once `cancelled` is true, whatever is in them will do.
+    /// Makes empty buffers. Once `cancelled` is true, whatever is in them will do.
     pub(crate) fn new(cancelled: &'a AtomicBool) -> Self {
         Self {
             wave: Vec::new(),
@@ -105,9 +85,10 @@ impl<'a> TileBuffers<'a> {
             radiance: Vec::new(),
             lengths: Vec::new(),
             proposals: Vec::new(),
-            sums: Vec::new(),
+            light_sums: Vec::new(),
             last_occluders: Vec::new(),
             next: Vec::new(),
+            selected: Vec::new(),
             beyond: Vec::new(),
             tree_sizes: Vec::new(),
             budgets: Vec::new(),
@@ -120,8 +101,8 @@ impl<'a> TileBuffers<'a> {
         }
     }
 
-    /// Makes ready for a sample of a tile; one that was ended may have left something.
-    pub(crate) fn begin<E: Effects>(&mut self, tile: Tile, context: &RenderContext<'_>) {
+    /// Makes ready for a sample of a tile, and clears what one that was cancelled left.
+    pub(super) fn begin<E: Effects>(&mut self, tile: Tile, context: &RenderContext<'_>) {
         let count = (tile.width * tile.height) as usize;
         self.wave.clear();
         self.pixels.clear();
@@ -141,9 +122,9 @@ impl<'a> TileBuffers<'a> {
         }
     }
 
-    /// Once nobody waits for the sample any more, stages leave it as it is.
+    /// Returns whether nobody waits for the sample any more: stages then leave it as it is.
     #[inline(always)]
-    pub(crate) fn is_cancelled(&self) -> bool {
+    pub(super) fn is_cancelled(&self) -> bool {
         self.scratch.search.is_cancelled()
     }
 

@@ -5,7 +5,7 @@ use crate::trace::light::RenderContext;
 use crate::trace::query::Intersector;
 
 /// Finds the closest hits of the wave.
-pub(crate) fn closest_hits(
+pub(super) fn closest_hits(
     context: &RenderContext<'_>,
     shapes: &impl Intersector,
     buffers: &mut TileBuffers<'_>,

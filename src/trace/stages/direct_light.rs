@@ -3,16 +3,16 @@
 
 use glam::DVec3;
 
-use super::buffers::{LitSurface, QueuedRay, TileBuffers};
-use super::sample::Sample;
+use super::buffers::{FoundSurface, QueuedRay, TileBuffers};
 use super::shadows::shadows;
+use super::tile::Sample;
 use crate::trace::effects::Effects;
 use crate::trace::light::{LitPoint, Proposal, SampleId, propose};
 use crate::trace::query::Intersector;
 use crate::trace::scene::Light;
 
 /// Adds what each light sends to the surface points of the wave, and on along the rays that found them.
-pub(crate) fn direct_light<E: Effects>(
+pub(super) fn direct_light<E: Effects>(
     sample: &Sample<'_>,
     shapes: &impl Intersector,
     buffers: &mut TileBuffers<'_>,
@@ -20,38 +20,38 @@ pub(crate) fn direct_light<E: Effects>(
     buffers.entered.direct_light += 1;
     let lights = &sample.context.lights;
     for (place, (index, light)) in lights.iter().enumerate() {
-        if light.samples > 1 {
-            buffers.sums.clear();
-            buffers.sums.resize(buffers.surfaces.len(), DVec3::ZERO);
+        if light.places() > 1 {
+            buffers.light_sums.clear();
+            buffers.light_sums.resize(buffers.surfaces.len(), DVec3::ZERO);
         }
-        for of_light in 0..light.samples {
+        for light_sample in 0..light.places() {
             // A light may have thousands of samples.
             if buffers.is_cancelled() {
                 return;
             }
-            propose_all::<E>(sample, (*index, light), of_light, buffers);
+            propose_all::<E>(sample, (*index, light), light_sample, buffers);
             if E::SHADOWS {
                 shadows::<E>(sample.context.scene, shapes, (place, light), buffers);
             }
             add(light, buffers);
         }
-        if light.samples > 1 {
+        if light.places() > 1 {
             add_means(light, buffers);
         }
     }
 }
 
-/// What a sample of a light could add at each surface point.
+/// Proposes what one sample of a light could add at each surface point.
 fn propose_all<E: Effects>(
     sample: &Sample<'_>,
     light: (usize, &Light),
-    of_light: u32,
+    light_sample: u32,
     buffers: &mut TileBuffers<'_>,
 ) {
     let TileBuffers { wave, surfaces, proposals, .. } = buffers;
     proposals.clear();
     for (at, surface) in (0..).zip(surfaces.iter()) {
-        let proposal = propose::<E>(light, &lit_point::<E>(sample, wave, surface), of_light);
+        let proposal = propose::<E>(light, &lit_point::<E>(sample, wave, surface), light_sample);
         proposals.extend(proposal.map(|proposal| (at, proposal)));
     }
 }
@@ -60,7 +60,7 @@ fn propose_all<E: Effects>(
 fn lit_point<'a, E: Effects>(
     sample: &Sample<'a>,
     wave: &'a [QueuedRay],
-    surface: &'a LitSurface,
+    surface: &'a FoundSurface,
 ) -> LitPoint<'a> {
     let QueuedRay { tree, pixel, .. } = &wave[surface.ray as usize];
     // Only lights with a size ask for it.
@@ -76,12 +76,12 @@ fn lit_point<'a, E: Effects>(
     }
 }
 
-/// Adds what is left of what was proposed.
+/// Adds what the shadows left of the proposals.
 fn add(light: &Light, buffers: &mut TileBuffers<'_>) {
-    let TileBuffers { surfaces, proposals, sums, radiance, .. } = buffers;
+    let TileBuffers { surfaces, proposals, light_sums, radiance, .. } = buffers;
     for (at, Proposal { color, .. }) in proposals.iter() {
-        if light.samples > 1 {
-            sums[*at as usize] += color.as_dvec3();
+        if light.places() > 1 {
+            light_sums[*at as usize] += color.as_dvec3();
         } else {
             radiance[surfaces[*at as usize].ray as usize] += *color;
         }
@@ -90,8 +90,8 @@ fn add(light: &Light, buffers: &mut TileBuffers<'_>) {
 
 /// Adds the means over an extended light's samples.
 fn add_means(light: &Light, buffers: &mut TileBuffers<'_>) {
-    let TileBuffers { surfaces, sums, radiance, .. } = buffers;
-    for (surface, sum) in surfaces.iter().zip(sums.iter()) {
-        radiance[surface.ray as usize] += (*sum / f64::from(light.samples)).as_vec3();
+    let TileBuffers { surfaces, light_sums, radiance, .. } = buffers;
+    for (surface, sum) in surfaces.iter().zip(light_sums.iter()) {
+        radiance[surface.ray as usize] += (*sum / f64::from(light.places())).as_vec3();
     }
 }

@@ -17,6 +17,8 @@ mod sample;
 mod shadows;
 mod sums;
 mod surfaces;
+mod tile;
 
-pub(crate) use buffers::{TILE, Tile, TileBuffers};
+pub(crate) use buffers::TileBuffers;
 pub(crate) use sample::render_sample;
+pub(crate) use tile::{TILE, Tile};

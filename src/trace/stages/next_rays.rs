@@ -5,10 +5,14 @@ use crate::trace::effects::Effects;
 use crate::trace::light::{LARGEST_TREE, RenderContext, SecondaryRays, secondary_rays};
 
 /// Queues the rays that the wave's surfaces send on.
-pub(crate) fn next_rays<E: Effects>(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
+pub(super) fn next_rays<E: Effects>(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.entered.next_rays += 1;
     let TileBuffers { wave, surfaces, next, scratch, .. } = buffers;
     for surface in surfaces.iter() {
+        // Many solids may be entered at one point.
+        if scratch.search.is_cancelled() {
+            return;
+        }
         if !context.scene.material(surface.point.hit.id).continues() {
             continue;
         }
@@ -22,12 +26,16 @@ pub(crate) fn next_rays<E: Effects>(context: &RenderContext<'_>, buffers: &mut T
     }
 }
 
-/// Makes the next wave of the queued rays, without what could not show, and what is beyond the last generation or the most rays of a
+/// Selects the queued rays that go on, without what could not show, and what is beyond the last generation or the most rays of a
 /// sample. `generations` are left for the queued rays, 0 if they see the background untraced.
-pub(crate) fn select(context: &RenderContext<'_>, generations: u32, buffers: &mut TileBuffers) {
+pub(super) fn select(
+    context: &RenderContext<'_>,
+    generations: u32,
+    selected: &mut Vec<QueuedRay>,
+    buffers: &mut TileBuffers<'_>,
+) {
     mark_negligible(context, generations, buffers);
-    let TileBuffers { wave, next, beyond, tree_sizes, rays_traced, trees_ended, .. } = buffers;
-    wave.clear();
+    let TileBuffers { next, beyond, tree_sizes, rays_traced, trees_ended, .. } = buffers;
     for queued in next.drain(..) {
         let size = &mut tree_sizes[queued.pixel as usize];
         if queued.cut {
@@ -35,7 +43,7 @@ pub(crate) fn select(context: &RenderContext<'_>, generations: u32, buffers: &mu
         } else if generations > 0 && *size < LARGEST_TREE {
             *size += 1;
             *(if queued.mirrored { &mut rays_traced.reflection } else { &mut rays_traced.refraction }) += 1;
-            wave.push(queued);
+            selected.push(queued);
         } else {
             beyond.push(queued);
         }
@@ -58,7 +66,7 @@ fn mark_negligible(context: &RenderContext<'_>, generations: u32, buffers: &mut 
 }
 
 /// Lets rays that are not traced see the background.
-pub(crate) fn give_up(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
+pub(super) fn give_up(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { beyond, pixels, trees_ended, .. } = buffers;
     for QueuedRay { tree, pixel, .. } in beyond.iter() {
         let background = context.scene.background.towards(tree.ray.direction());

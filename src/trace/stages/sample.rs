@@ -1,23 +1,19 @@
 //! One sample of each pixel of a tile, through all stages.
 
-use super::buffers::{Tile, TileBuffers};
+use super::buffers::TileBuffers;
 use super::camera_rays::camera_rays;
 use super::closest_hits::closest_hits;
 use super::direct_light::direct_light;
 use super::next_rays::{give_up, next_rays, select};
 use super::sums::add_to_pixels;
 use super::surfaces::surfaces;
+use super::tile::{Sample, Tile};
 use crate::trace::effects::Effects;
 use crate::trace::light::RenderContext;
 use crate::trace::query::Intersector;
 
-/// What is the same for all rays of a tile's sample.
-pub(crate) struct Sample<'a> {
-    pub(crate) context: &'a RenderContext<'a>,
-    pub(crate) tile: Tile,
-    /// Its index in a pixel.
-    pub(crate) index: u32,
-}
+/// Rays that go through the stages together, at most: a generation of more is taken in parts, so that memory does not grow with it.
+const LONGEST_WAVE: usize = 1024;
 
 /// Traces one sample of every pixel of a tile: what it brings is in the buffers afterwards. Says whether that is all: once nobody
 /// waits for it any more, it is left as it is. Every search looks for that, and so do stages that may take long.
@@ -33,29 +29,42 @@ pub(crate) fn render_sample<E: Effects>(
     let sample = Sample { context, tile, index };
     buffers.begin::<E>(tile, context);
     camera_rays::<E>(&sample, buffers);
+    trace_wave::<E>(&sample, shapes, buffers);
     let mut generations = context.generations() - 1;
-    loop {
-        closest_hits(context, shapes, buffers);
-        surfaces::<E>(context, shapes, buffers);
-        if E::LIGHTS {
-            direct_light::<E>(&sample, shapes, buffers);
-        }
-        if buffers.is_cancelled() {
-            return false;
-        }
-        add_to_pixels::<E>(context, buffers);
-        if !E::MIRRORS {
-            return true;
-        }
-        next_rays::<E>(context, buffers);
-        select(context, generations, buffers);
+    while E::MIRRORS && !buffers.next.is_empty() && !buffers.is_cancelled() {
+        let mut selected = std::mem::take(&mut buffers.selected);
+        select(context, generations, &mut selected, buffers);
         generations = generations.saturating_sub(1);
-        if buffers.wave.is_empty() {
-            break;
+        let mut rays = selected.drain(..);
+        while rays.len() > 0 && !buffers.is_cancelled() {
+            buffers.wave.clear();
+            buffers.wave.extend(rays.by_ref().take(LONGEST_WAVE));
+            trace_wave::<E>(&sample, shapes, buffers);
         }
+        drop(rays);
+        buffers.selected = selected;
     }
-    give_up(context, buffers);
-    true
+    if E::MIRRORS {
+        give_up(context, buffers);
+    }
+    !buffers.is_cancelled()
+}
+
+/// Takes the wave through all stages.
+fn trace_wave<E: Effects>(sample: &Sample<'_>, shapes: &impl Intersector, buffers: &mut TileBuffers<'_>) {
+    let context = sample.context;
+    closest_hits(context, shapes, buffers);
+    surfaces::<E>(context, shapes, buffers);
+    if E::LIGHTS {
+        direct_light::<E>(sample, shapes, buffers);
+    }
+    if buffers.is_cancelled() {
+        return;
+    }
+    add_to_pixels::<E>(context, buffers);
+    if E::MIRRORS {
+        next_rays::<E>(context, buffers);
+    }
 }
 
 #[cfg(test)]

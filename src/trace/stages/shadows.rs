@@ -6,9 +6,9 @@ use crate::trace::light::{Proposal, visibility};
 use crate::trace::query::Intersector;
 use crate::trace::scene::{Light, PreparedScene};
 
-/// Follows the shadow rays of what was proposed for the light in a place of the list of those that are on. What is hidden is dropped, and what
-/// comes through clear shapes is weakened.
-pub(crate) fn shadows<E: Effects>(
+/// Follows the shadow rays of what was proposed for a light, number `place` of those that are on: drops what is hidden, and
+/// weakens what comes through clear shapes.
+pub(super) fn shadows<E: Effects>(
     scene: &PreparedScene,
     shapes: &impl Intersector,
     (place, light): (usize, &Light),

@@ -6,7 +6,7 @@ use crate::trace::light::{RenderContext, held};
 
 /// Adds the light at the end of each ray to its pixel, ray by ray in the order of the wave, and what happens to light on the way to the
 /// ray's throughput.
-pub(crate) fn add_to_pixels<E: Effects>(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
+pub(super) fn add_to_pixels<E: Effects>(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.entered.sums += 1;
     let TileBuffers { wave, hits, radiance, lengths, pixels, scratch, .. } = buffers;
     for (index, queued) in wave.iter_mut().enumerate() {
@@ -16,7 +16,7 @@ pub(crate) fn add_to_pixels<E: Effects>(context: &RenderContext<'_>, buffers: &m
         }
         let pixel = &mut pixels[queued.pixel as usize];
         let state = &mut queued.tree.state;
-        if E::NESTING || E::EXTRAS {
+        if E::IN_MEDIA || E::EXTRAS {
             let passage = state.passage::<E>(context.scene, &scratch.media, lengths[index]);
             light = passage.of(light);
             *pixel += state.throughput * light;

@@ -1,6 +1,6 @@
 //! Refinement: the surface points that hits stand for, where light, a medium or a mirror asks for them.
 
-use super::buffers::{LitSurface, TileBuffers};
+use super::buffers::{FoundSurface, TileBuffers};
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
 use crate::trace::light::{MediumStack, PathState, RenderContext, ambient};
@@ -9,7 +9,7 @@ use crate::trace::scene::SurfaceMaterial;
 
 /// Finds the surface points of the wave's hits, and the light there that no light source gives: the background, and ambient
 /// light.
-pub(crate) fn surfaces<E: Effects>(
+pub(super) fn surfaces<E: Effects>(
     context: &RenderContext<'_>,
     shapes: &impl Intersector,
     buffers: &mut TileBuffers<'_>,
@@ -21,6 +21,10 @@ pub(crate) fn surfaces<E: Effects>(
     radiance.clear();
     lengths.clear();
     for ((index, queued), hit) in (0..).zip(wave.iter()).zip(hits.iter()) {
+        // Many shapes may be met at one point.
+        if scratch.search.is_cancelled() {
+            return;
+        }
         let (ray, state) = (&queued.tree.ray, &queued.tree.state);
         let Some(closest) = hit else {
             radiance.push(scene.background.towards(ray.direction()));
@@ -38,9 +42,9 @@ pub(crate) fn surfaces<E: Effects>(
         let material = scene.material(point.hit.id);
         let (color, diffuse) = colors::<E>(material, &point);
         radiance.push(ambient(scene, color));
-        lengths.push(if E::NESTING || E::EXTRAS { point.distance(ray) } else { 0.0 });
+        lengths.push(if E::IN_MEDIA || E::EXTRAS { point.distance(ray) } else { 0.0 });
         let normal = point.facing_normal();
-        surfaces.push(LitSurface { ray: index, point, diffuse, normal });
+        surfaces.push(FoundSurface { ray: index, point, diffuse, normal });
     }
 }
 
@@ -53,7 +57,7 @@ fn needs_point<E: Effects>(
 ) -> bool {
     let lit = E::LIGHTS && !context.lights.is_empty() && material.scatters();
     let continues = (E::MIRRORS && material.reflected > 0.0) || (E::MEDIA && material.refraction.is_some());
-    let in_medium = E::NESTING && state.medium != MediumStack::NONE;
+    let in_medium = E::IN_MEDIA && state.medium != MediumStack::NONE;
     let rare = E::EXTRAS && (context.scene.fog.density > 0.0 || material.checker.is_some());
     lit || continues || in_medium || rare
 }
