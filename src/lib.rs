@@ -1,10 +1,10 @@
 //! rayreel renders animated frame sequences of scenes made of spheres, planes and boxes, by recursive ray tracing on the CPU.
 //!
-//! It is an entity-component-system engine with a timeline: entities of a [hecs](hecs::World) world carry
-//! [components], [systems] bring the world to a moment in time, and the [trace] kernel makes the picture. A frame is a
-//! pure function of the scene and its index: the same bits on any number of threads, alone or in sequence.
+//! It is an entity-component-system engine with a timeline: entities of a [hecs](hecs::World) world carry [components], [systems]
+//! bring the world to a moment in time, and the [trace] kernel renders the picture. A frame is a pure function of the scene and
+//! its index: the same bits on any number of threads, alone or in sequence.
 //!
-//! # The way of a frame
+//! # From scene to frame
 //!
 //! ```text
 //! RON text -> scene::document -> scene::spawn -> hecs World
@@ -39,18 +39,19 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # Words
+//! # Terms
 //!
-//! *Track*: a value over time. *Film*: linear pixels of one frame. *Sequence*: the frames of a timeline. *Frame file*: what is
-//! written. *Order*: an entity's place in document order; every order that can reach a bit of a picture is this one.
-//! *Prepared*: in the kernel's arrays. *Reference path*: the same shapes over a linear scan, the oracle of the fast path.
+//! *Track*: a value over time. *Film*: the linear pixels of one frame. *Sequence*: the frames of a timeline. *Frame file*: a
+//! frame as written to disk. *Order*: an entity's place in document order; every order that can affect a bit of a picture is this
+//! one. *Prepared*: in the kernel's arrays. *Reference path*: the same shapes over a linear scan, the oracle of the fast path.
 //!
-//! Space is left-handed as one sees it: x right, y up, z forward. Colours are linear, 1 being the file's 255. Time is exact.
+//! Space is left-handed as seen by the viewer: x right, y up, z forward. Colours are linear, 1 being the file's 255. Time is
+//! exact.
 //!
 //! # Layers
 //!
-//! What each module may import, of this crate and of others; a test holds the sources against this table. `std`,
-//! `thiserror` and `libm` are open to all.
+//! The modules and crates that each module may import; a test checks the sources against this table. `std`, `thiserror` and
+//! `libm` are open to all.
 //!
 //! | module | holds | may import | outside crates |
 //! |---|---|---|---|

@@ -1,19 +1,19 @@
-//! How long a curve of Hermite segments is, and where on it a length from its start is.
+//! Measures the length of a curve of Hermite segments, and finds the point at a given length from its start.
 //!
 //! The speed |v(u)| of a cubic is the root of a polynomial, and its integral has no closed form. Each segment is halved until
-//! Gauss-Legendre quadrature of what is left agrees with that of its halves; such a panel is short enough for the same rule
-//! to measure any part of it, and so lengths are inverted by Newton's method within one panel.
+//! Gauss-Legendre quadrature of what is left agrees with that of its halves; such a panel is short enough for the same rule to
+//! measure any part of it, and so lengths are inverted by Newton's method within one panel.
 
 use glam::DVec3;
 
 use super::hermite::{hermite, hermite_velocity};
 
-/// A cubic Hermite segment, from the point where it starts.
+/// A cubic Hermite segment, relative to its start point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Segment {
-    /// From its start to its end.
+    /// The vector from its start to its end.
     pub(super) difference: DVec3,
-    /// Its derivatives at both.
+    /// Its derivatives at its start and its end.
     pub(super) slopes: [DVec3; 2],
 }
 
@@ -30,7 +30,7 @@ pub(super) struct ArcLength {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Panel {
     segment: usize,
-    /// Its parameters at both ends.
+    /// Its parameters at its start and its end.
     from: f64,
     to: f64,
     /// The length of the curve before it, and its own.
@@ -38,19 +38,19 @@ struct Panel {
     length: f64,
 }
 
-/// By how much of a segment's length a panel may be wrong. What is asked for is 1e-6.
+/// The largest error of a panel, as a share of the segment's length. 1e-6 is required.
 const TOLERANCE: f64 = 1e-13;
 
-/// A segment is halved no more often than this: only towards a point where it all but stops and turns.
+/// The most times that a segment is halved, reached only near a point where it all but stops and turns.
 const DEEPEST: u32 = 40;
 
 impl Segment {
-    /// The point at `u` in 0..=1, from the segment's start.
+    /// Returns the point at `u` in 0..=1, relative to the segment's start.
     pub(super) fn at(&self, u: f64) -> DVec3 {
         hermite(self.difference, self.slopes, u)
     }
 
-    /// Where it goes at `u`, as a unit vector.
+    /// Returns the direction of motion at `u`, as a unit vector.
     pub(super) fn direction(&self, u: f64) -> DVec3 {
         hermite_velocity(self.difference, self.slopes, u).normalize_or_zero()
     }
@@ -59,7 +59,7 @@ impl Segment {
         hermite_velocity(self.difference, self.slopes, u).length()
     }
 
-    /// The length between two parameters, exact for speeds that are polynomials of degree 15.
+    /// Computes the length between two parameters, exact for speeds that are polynomials of degree 15.
     fn length(&self, from: f64, to: f64) -> f64 {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         let pair = |(node, weight): (f64, f64)| {
@@ -69,7 +69,7 @@ impl Segment {
     }
 }
 
-/// The positive nodes of Gauss-Legendre quadrature with 8 of them, and their weights.
+/// The positive nodes of 8-point Gauss-Legendre quadrature, and their weights.
 const GAUSS_LEGENDRE: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_3),
@@ -78,7 +78,7 @@ const GAUSS_LEGENDRE: [(f64, f64); 4] = [
 ];
 
 impl ArcLength {
-    /// `None` where there are no segments.
+    /// Measures a curve of segments. `None` if there are no segments.
     pub(super) fn new(segments: Vec<Segment>) -> Option<Self> {
         let mut measured = Self { panels: Vec::new(), length: 0.0, segments };
         for index in 0..measured.segments.len() {
@@ -102,7 +102,7 @@ impl ArcLength {
         }
     }
 
-    /// Of the whole curve.
+    /// Returns the length of the whole curve.
     pub(super) fn length(&self) -> f64 {
         self.length
     }
@@ -111,17 +111,17 @@ impl ArcLength {
         &self.segments[index]
     }
 
-    /// The segment and the parameter in 0..=1 at which this length from the start is reached; the nearest end for lengths
-    /// beyond it.
+    /// Returns the segment and the parameter in 0..=1 at which this length from the start is reached; the nearest end for lengths
+    /// outside the curve.
     pub(super) fn place(&self, length: f64) -> (usize, f64) {
         let after = self.panels.partition_point(|panel| panel.before <= length);
         let panel = &self.panels[after.saturating_sub(1)];
         (panel.segment, self.parameter(panel, length - panel.before))
     }
 
-    /// Newton's method, and halving where it leaves what is known to hold the answer.
+    /// Inverts the length by Newton's method, with bisection where that leaves the bracket.
     fn parameter(&self, panel: &Panel, length: f64) -> f64 {
-        /// More than halving alone needs.
+        /// More iterations than bisection alone needs.
         const MOST: usize = 64;
         if length <= 0.0 {
             return panel.from;

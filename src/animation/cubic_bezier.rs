@@ -1,7 +1,7 @@
-//! Progress along a Bezier curve with two handles, as `cubic-bezier` of CSS Easing Functions Level 1.
+//! Progress along a Bezier curve with two handles, as `cubic-bezier` in CSS Easing Functions Level 1.
 
-/// Progress at elapsed fraction `u` in 0..=1 of the curve from (0, 0) to (1, 1) with handles (x1, y1) and (x2, y2), x
-/// being time and y progress. Times are held to 0..=1, so that every moment has one progress.
+/// Returns the progress at elapsed fraction `u` in 0..=1 of the curve from (0, 0) to (1, 1) with handles (x1, y1) and (x2, y2), x
+/// being time and y progress. Times are clamped to 0..=1, so that every moment has one progress.
 pub(super) fn bezier([x1, y1, x2, y2]: [f64; 4], u: f64) -> f64 {
     let (x1, x2) = (x1.clamp(0.0, 1.0), x2.clamp(0.0, 1.0));
     let (mut low, mut high) = (0.0, 1.0);
@@ -19,7 +19,7 @@ pub(super) fn bezier([x1, y1, x2, y2]: [f64; 4], u: f64) -> f64 {
     }
 }
 
-/// A coordinate of the curve at its parameter, in Bernstein's form: for handles in 0..=1 nothing cancels.
+/// Returns a coordinate of the curve at its parameter, in Bernstein form: for handles in 0..=1 nothing cancels.
 fn coordinate(first: f64, second: f64, parameter: f64) -> f64 {
     let rest = 1.0 - parameter;
     3.0 * (rest * rest * parameter * first + rest * parameter * parameter * second)
@@ -83,7 +83,7 @@ mod tests {
         }
     }
 
-    /// With x for y progress is time, up to rounding; also where the curve stands upright, as at a half for (1, 0).
+    /// With x as y, progress is time, up to rounding; also where the curve is vertical, as at a half for (1, 0).
     #[test]
     fn progress_is_that_of_the_moment_up_to_rounding() {
         let parts = [0.0, 0.1, 1.0 / 3.0, 0.5, 0.9, 1.0];

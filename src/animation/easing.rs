@@ -1,4 +1,4 @@
-//! How a segment between two keys is walked.
+//! How the segment between two keys is traversed.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -8,11 +8,10 @@ use super::cubic_bezier::bezier;
 
 /// How the value moves from one key to the next. It belongs to the key at which the segment starts.
 ///
-/// All but the last four go straight, and differ in the progress that they have made after a fraction u of the
-/// segment's time.
+/// All but the last four follow the straight segment, and differ in the progress made after a fraction u of the segment's time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Easing {
-    /// Stay at this key's value until the next key.
+    /// Stays at this key's value until the next key.
     Hold,
     /// At constant speed.
     #[default]
@@ -23,34 +22,32 @@ pub enum Easing {
     EaseOut,
     /// Starting and coming to rest: 3u^2 - 2u^3.
     EaseInOut,
-    /// As the family says: slow at first.
+    /// The family's own curve: slow at first.
     In(Ease),
-    /// The same backwards: slow at last.
+    /// The same reversed: slow at last.
     Out(Ease),
-    /// Both, half the way each: slow at first and at last.
+    /// Both, one half each: slow at first and at last.
     InOut(Ease),
-    /// So many equal jumps, at the ends of equal shares of the time, the last one at the next key; 0 is taken for 1.
+    /// This many equal jumps, at the ends of equal shares of the time, the last one at the next key; 0 counts as 1.
     Steps(u32),
-    /// The curve from (0, 0) to (1, 1), x being time and y progress, with handles (x1, y1) and (x2, y2), as
-    /// `cubic-bezier` in CSS. Times beyond 0..=1 are held to it; progress may leave it, and then the value swings
-    /// beyond the keys.
+    /// The curve from (0, 0) to (1, 1), x being time and y progress, with handles (x1, y1) and (x2, y2), as `cubic-bezier` in
+    /// CSS. Times outside 0..=1 are clamped; progress may leave that range, and then the value overshoots the keys.
     Bezier(f64, f64, f64, f64),
     /// A smooth curve through the keys: cubic Hermite with slopes from the neighbouring keys and their times.
     Cubic,
-    /// A smooth curve through the keys that keeps close to the straight way, without loops or cusps: centripetal
+    /// A smooth curve through the keys that stays close to the straight segments, without loops or cusps: centripetal
     /// Catmull-Rom.
     CatmullRom,
     /// A smooth curve through the keys, each component of which stays between the keys' values.
     Monotone,
-    /// A cubic Bezier curve of the value itself: how far its two handles are from this key's value and from the next one's,
-    /// as [`Interpolate::difference`](super::Interpolate::difference) has it. They stand at a third and at two thirds of the
-    /// time.
+    /// A cubic Bezier curve of the value itself: the offsets of its two handles from this key's value and from the next one's, as
+    /// [`Interpolate::difference`](super::Interpolate::difference) has it. They stand at a third and at two thirds of the time.
     Handles(DVec3, DVec3),
 }
 
 impl Easing {
-    /// Progress along the segment for elapsed fraction `u` in 0..=1: 0 at 0, and 1 at 1 for all but `Hold`. The smooth
-    /// curves bend the path itself, at even progress.
+    /// Returns the progress along the segment for elapsed fraction `u` in 0..=1: 0 at 0, and 1 at 1 for all but `Hold`. The
+    /// smooth curves bend the path itself, at even progress.
     #[must_use]
     pub fn progress(self, u: f64) -> f64 {
         match self {
@@ -75,10 +72,10 @@ impl Easing {
     }
 }
 
-/// How progress gathers speed: a rise from 0 to 1, slow at first. These are Penner's families, under the names by which the web
-/// and animation programs know them.
+/// How progress gathers speed: a rise from 0 to 1, slow at first. These are Penner's families, under the names used on the web
+/// and in animation software.
 ///
-/// [`Easing`] runs it forwards, backwards, or both, half the way each.
+/// [`Easing`] runs it forwards, backwards, or both, one half each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ease {
     /// A quarter of a cosine wave.
@@ -91,7 +88,7 @@ pub enum Ease {
     Quart,
     /// u^5.
     Quint,
-    /// (2^(10u) - 1) / 1023: doubles ten times. It starts at 0, where the often seen 2^(10u - 10) starts at 1/1024.
+    /// (2^(10u) - 1) / 1023: doubles ten times. It starts at 0, where the common 2^(10u - 10) starts at 1/1024.
     Expo,
     /// A quarter of a circle.
     Circ,
@@ -118,7 +115,7 @@ impl Ease {
         Self::Bounce,
     ];
 
-    /// The rise at `u` in 0..=1.
+    /// Returns the rise at `u` in 0..=1.
     pub(super) fn rise(self, u: f64) -> f64 {
         match self {
             Self::Sine => {
@@ -137,7 +134,7 @@ impl Ease {
         }
     }
 
-    /// The rise as half of a way there and back; what swings, swings as far as over a whole way, or slower.
+    /// Returns the rise as half of an ease in and out; what swings, swings as far as over the full range, or slower.
     pub(super) fn half_rise(self, u: f64) -> f64 {
         match self {
             Self::Back => back(u, 1.525 * OVERSHOOT),
@@ -147,20 +144,20 @@ impl Ease {
     }
 }
 
-/// Of `Back`: goes back by a tenth of the way.
+/// The constant of `Back`: it goes back by a tenth of the range.
 const OVERSHOOT: f64 = 1.70158;
 
 fn back(u: f64, overshoot: f64) -> f64 {
     u * u * ((overshoot + 1.0) * u - overshoot)
 }
 
-/// Ten `period`ths of a swing, growing as `Expo`.
+/// Returns ten `period`ths of a swing, growing as `Expo`.
 fn elastic(u: f64, period: f64) -> f64 {
     Ease::Expo.rise(u) * libm::cos((1.0 - u) * 10.0 * TAU / period)
 }
 
-/// A fall from 1 and three bounces, each half as long as the one before and a quarter as high: parabolas, 4/11, 8/11,
-/// 10/11 and 1 being the moments of touching the ground. Here the ground is at 1.
+/// Returns a fall from 1 and three bounces, each half as long as the one before and a quarter as high: parabolas that touch the
+/// ground at 4/11, 8/11, 10/11 and 1. Here the ground is at 1.
 fn bounces(u: f64) -> f64 {
     let (middle, height) = match u * 11.0 {
         time if time < 4.0 => (0.0, 0.0),
@@ -219,7 +216,7 @@ mod tests {
         }
     }
 
-    /// A thousandth of the time never makes more than a tenth of the way, and the ends are no exception: nothing jumps.
+    /// A thousandth of the time never makes more than a tenth of the progress, and the ends are no exception: nothing jumps.
     #[test]
     fn progress_is_continuous_up_to_the_ends() {
         for easing in steady().into_iter().chain(swinging()) {

@@ -1,16 +1,15 @@
-//! Smooth curves through keys, out of what lies between neighbouring keys.
+//! Smooth curves through keys, from the gaps between neighbouring keys.
 
 use glam::DVec3;
 
-/// What lies between a key and the next: the difference of their values, and how far apart they are, in seconds or
-/// along a curve.
+/// The gap between a key and the next: the difference of their values, and their distance, in seconds or along a curve.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Gap {
     pub(super) difference: DVec3,
     pub(super) length: f64,
 }
 
-/// A segment with the gaps on both sides of it; there are none beyond the first and the last key.
+/// A segment with the gaps on either side of it; there are none beyond the first and the last key.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stretch {
     pub(super) before: Option<Gap>,
@@ -18,20 +17,20 @@ pub(super) struct Stretch {
     pub(super) after: Option<Gap>,
 }
 
-/// The slope at a key, from the even slopes of the gaps on its left and right and from that of the parabola through the
-/// key and its neighbours.
+/// The rule for the slope at a key, from the average slopes of the gaps on its left and right and from that of the parabola
+/// through the key and its neighbours.
 type Rule = fn(left: DVec3, right: DVec3, parabola: DVec3) -> DVec3;
 
-/// A gap counts as no shorter than this share of another, so that slopes are finite however near two keys are.
+/// The smallest share of another gap that a gap counts as, so that slopes are finite however close two keys are.
 const SHORTEST: f64 = 1e-150;
 
 impl Stretch {
-    /// Slopes at both ends that make a parabola of a parabola.
+    /// Returns slopes at both ends that reproduce a parabola.
     pub(super) fn parabolic(self) -> [DVec3; 2] {
         self.slopes(|_, _, parabola| parabola)
     }
 
-    /// Slopes at both ends that let no component leave the range of its two keys (Steffen, A Simple Method for Monotonic
+    /// Returns slopes at both ends that let no component leave the range of its two keys (Steffen, A Simple Method for Monotonic
     /// Interpolation in One Dimension, 1990).
     pub(super) fn monotone(self) -> [DVec3; 2] {
         self.slopes(|left, right, parabola| {
@@ -41,8 +40,8 @@ impl Stretch {
         })
     }
 
-    /// Slopes of the centripetal Catmull-Rom curve, and how far along it elapsed fraction `u` of the time is; `None`
-    /// where the two keys have one value.
+    /// Returns the slopes of the centripetal Catmull-Rom curve, and the position along it at elapsed fraction `u` of the time;
+    /// `None` where the two keys have one value.
     ///
     /// Knots are as far apart as the square root of the distance of values, which rules out cusps and loops (Yuksel,
     /// Schaefer, Keyser, Parameterization and Applications of Catmull-Rom Curves, 2011); Barry and Goldman's pyramid
@@ -62,8 +61,8 @@ impl Stretch {
         Some((curve.parabolic(), along.clamp(0.0, 1.0)))
     }
 
-    /// Slopes at both ends, as differences over the segment's length. Where there is no neighbour, that of the straight
-    /// way.
+    /// Returns the slopes at both ends, as differences over the segment's length. Where there is no neighbour, that of the
+    /// straight line.
     fn slopes(self, rule: Rule) -> [DVec3; 2] {
         let slope = |left: Gap, right: Gap| {
             let even = |gap: Gap| gap.difference * (self.here.length / gap.length).min(1.0 / SHORTEST);
@@ -77,19 +76,19 @@ impl Stretch {
     }
 }
 
-/// Cubic Hermite: how far from the start of a segment with this difference and these slopes at its ends one is at `u`.
+/// Computes the offset from the start, at `u`, of the cubic Hermite segment with this difference and these slopes at its ends.
 pub(super) fn hermite(difference: DVec3, [start, end]: [DVec3; 2], u: f64) -> DVec3 {
     let rest = 1.0 - u;
     difference * (u * u * (3.0 - 2.0 * u)) + start * (u * rest * rest) - end * (u * u * rest)
 }
 
-/// How fast and where to the Hermite curve goes at `u`: its derivative.
+/// Computes the derivative of the Hermite curve at `u`.
 pub(super) fn hermite_velocity(difference: DVec3, [start, end]: [DVec3; 2], u: f64) -> DVec3 {
     let rest = 1.0 - u;
     difference * (6.0 * u * rest) + start * (rest * (1.0 - 3.0 * u)) - end * (u * (2.0 - 3.0 * u))
 }
 
-/// Length, without underflow.
+/// Returns the length of a vector, without underflow.
 pub(super) fn distance(difference: DVec3) -> f64 {
     let largest = difference.abs().max_element();
     if largest > 0.0 { largest * (difference / largest).length() } else { 0.0 }

@@ -4,18 +4,18 @@ use glam::{DVec3, Vec3};
 
 use super::hermite::hermite;
 
-/// A value that can stand between others.
+/// A value that can be interpolated.
 pub trait Interpolate: Clone {
-    /// The value at fraction `u` of the straight way, and on beyond its ends for `u` outside 0..=1. Exactly `from` at 0
-    /// and exactly `to` at 1.
+    /// Returns the value at fraction `u` of the straight line from `from` to `to`, extrapolated for `u` outside 0..=1. Exactly
+    /// `from` at 0 and exactly `to` at 1.
     #[must_use]
     fn between(from: &Self, to: &Self, u: f64) -> Self;
 
-    /// The straight way from one value to the other; a number's is along x.
+    /// Returns the straight-line difference from one value to the other; a number's is along x.
     #[must_use]
     fn difference(from: &Self, to: &Self) -> DVec3;
 
-    /// The value at fraction `u` in 0..=1 of a smooth curve that leaves `from` and arrives at `to` with these slopes:
+    /// Returns the value at fraction `u` in 0..=1 of a smooth curve that leaves `from` and arrives at `to` with these slopes: the
     /// differences that they would make over the whole segment.
     #[must_use]
     fn curve(from: &Self, to: &Self, slopes: [DVec3; 2], u: f64) -> Self;
@@ -49,7 +49,7 @@ impl Interpolate for DVec3 {
     }
 }
 
-/// Linear light; what would swing below zero is cut there.
+/// Linear light; overshoot below zero is clamped to zero.
 impl Interpolate for Vec3 {
     fn between(from: &Self, to: &Self, u: f64) -> Self {
         light(DVec3::between(&from.as_dvec3(), &to.as_dvec3(), u))
@@ -64,7 +64,7 @@ impl Interpolate for Vec3 {
     }
 }
 
-/// Nearest in single precision, and finite.
+/// Rounds to the nearest finite single-precision value.
 fn light(value: DVec3) -> Vec3 {
     value.clamp(DVec3::ZERO, DVec3::splat(f64::from(f32::MAX))).as_vec3()
 }

@@ -1,7 +1,7 @@
 //! Values over time, as pure functions: keys, easing, interpolation.
 //!
-//! A [`Track`] answers "what is the value at this second" and remembers nothing between questions. Which component a
-//! track drives is said in [`components::Channel`](crate::components::Channel); when it is asked is the business of
+//! A [`Track`] returns the value at a given second and keeps no state between calls. Which component a track drives is said in
+//! [`components::Channel`](crate::components::Channel); when it is evaluated is the business of
 //! [`systems::animate`](crate::systems::animate).
 //!
 //! ```text
@@ -10,7 +10,7 @@
 //!     -> smooth:   slopes from neighbouring keys, Interpolate::curve
 //! ```
 //!
-//! Points may also go along a [`Path`] through waypoints or in an [`Orbit`]:
+//! Points may also move along a [`Path`] through waypoints or in an [`Orbit`]:
 //!
 //! ```text
 //! seconds -> Pace: the share of the way -> Path: the curve's point at that length

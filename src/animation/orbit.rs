@@ -1,23 +1,23 @@
-//! A way around an axis.
+//! Circular motion about an axis.
 
 use glam::DVec3;
 
 use super::Pace;
 use super::angle::sine_cosine;
 
-/// A circle about an axis, walked at a [`Pace`].
+/// A circle about an axis, traversed at a [`Pace`].
 ///
 /// With n the unit vector along the axis, the point is at `center + height n + radius (cos a e + sin a (n x e))`. The
 /// direction e, in which the angle a is 0, is the part of +z that is across the axis; about an axis along z it is +x. Angles
 /// grow as rotations about the axis do: +90 degrees about y leads from +z to +x.
 ///
-/// Angles are counted in turns, and reduced to an eighth of a turn without rounding before sines are taken: after whole turns
-/// the point is the same to the last bit, and quarters of turns are exact.
+/// Angles are counted in turns, and reduced to an eighth of a turn without rounding before sines are computed: after whole turns
+/// the point is the same to the last bit, and quarter turns are exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orbit {
-    /// The middle of the circle, raised by the height.
+    /// The centre of the circle, raised by the height.
     center: DVec3,
-    /// From there to the angle 0, and to a quarter of a turn.
+    /// The vectors from there to the angle 0, and to a quarter turn.
     arms: [DVec3; 2],
     from: f64,
     turns: f64,
@@ -25,9 +25,9 @@ pub struct Orbit {
 }
 
 impl Orbit {
-    /// A circle of `radius` around `axis`, which goes through `center` and has any length but zero; `height` is how far along
-    /// the axis from there the circle is. All are in scene units. It is gone around once, from the angle 0, in one second.
-    /// `None` if the axis has no direction or a number is not finite.
+    /// Creates a circle of `radius` around `axis`, which goes through `center` and has any length but zero; `height` is the
+    /// distance along the axis from there to the circle. All are in scene units. It takes one second to go around once, from the
+    /// angle 0. `None` if the axis has no direction or a number is not finite.
     #[must_use]
     pub fn new(center: DVec3, axis: DVec3, radius: f64, height: f64) -> Option<Self> {
         let finite = center.is_finite() && axis.is_finite() && radius.is_finite() && height.is_finite();
@@ -36,19 +36,19 @@ impl Orbit {
         Some(Self { center: center + height * axis, arms, from: 0.0, turns: 1.0, pace: Pace::lasting(1.0) })
     }
 
-    /// The same circle from another angle and over another one; both are in turns, finite, and of any sign.
+    /// Returns the same circle from another start angle and over another angle; both are in turns, finite, and of any sign.
     #[must_use]
     pub fn turned(self, from: f64, turns: f64) -> Self {
         Self { from, turns, ..self }
     }
 
-    /// The same way at another pace.
+    /// Returns the same circle at another pace.
     #[must_use]
     pub fn paced(self, pace: Pace) -> Self {
         Self { pace, ..self }
     }
 
-    /// The point at `seconds`.
+    /// Returns the point at `seconds`.
     ///
     /// ```
     /// use glam::DVec3;
@@ -66,9 +66,9 @@ impl Orbit {
     }
 }
 
-/// Unit vectors across an axis of unit length to where angles are 0, and a quarter of a turn.
+/// Returns unit vectors across an axis of unit length, towards the angle 0 and towards a quarter turn.
 fn directions(axis: DVec3) -> [DVec3; 2] {
-    /// An axis within rounding of z is along it.
+    /// The tolerance within which an axis counts as being along z.
     const ALONG: f64 = 1e-12;
     // Both are exact where the axis is one of the coordinates' own.
     let quarter = DVec3::new(axis.y, -axis.x, 0.0);

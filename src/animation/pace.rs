@@ -1,13 +1,13 @@
-//! When a way is gone, and how it gathers speed.
+//! When a path is traversed, and how the motion gathers speed.
 
 use super::{Easing, Playback};
 
-/// When a way is gone, and which share of it at which moment.
+/// When a path is traversed, and which share of it is covered at each moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
-    /// When it begins; seconds, finite.
+    /// The start; seconds, finite.
     pub start: f64,
-    /// How long it takes; seconds, finite. Of 0 or less there is only the end of the way, from `start` on.
+    /// The duration; seconds, finite. At 0 or less there is only the end of the path, from `start` on.
     pub duration: f64,
     /// How progress is made: at constant speed with [`Easing::Linear`], and with those that bend curves between keys.
     pub ease: Easing,
@@ -16,14 +16,14 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// At constant speed from 0 s on, for this many seconds.
+    /// Returns a pace of constant speed from 0 s on, for this many seconds.
     #[must_use]
     pub fn lasting(duration: f64) -> Self {
         Self { start: 0.0, duration, ease: Easing::Linear, playback: Playback::default() }
     }
 
-    /// The share of the way that is made at `seconds`: 0 at the start and exactly 1 at the end. What swings leaves that
-    /// range in between.
+    /// Returns the share of the path that is covered at `seconds`: 0 at the start and exactly 1 at the end. An easing that
+    /// overshoots leaves that range in between.
     ///
     /// ```
     /// use rayreel::animation::{Easing, Pace};

@@ -1,4 +1,4 @@
-//! A smooth way through points, walked at a chosen pace.
+//! A smooth path through points, traversed at a chosen pace.
 
 use glam::DVec3;
 
@@ -6,46 +6,45 @@ use super::Pace;
 use super::arc_length::{ArcLength, Segment};
 use super::hermite::{Gap, Stretch, distance};
 
-/// A smooth curve through waypoints, along which the distance made is what its [`Pace`] says: with an even pace, the speed
-/// is constant, however unevenly the waypoints lie.
+/// A smooth curve through waypoints, along which the distance covered is set by its [`Pace`]: with an even pace, the speed is
+/// constant, however unevenly the waypoints lie.
 ///
-/// The curve is the centripetal Catmull-Rom spline, which has no loops and no cusps between two waypoints and keeps close to
-/// the straight way (Yuksel, Schaefer, Keyser, Parameterization and Applications of Catmull-Rom Curves, Computer-Aided
-/// Design 43, 2011). With waypoints p_i, their knots are t_(i+1) = t_i + |p_(i+1) - p_i|^(1/2); the pyramid of Barry and
-/// Goldman (A Recursive Evaluation Algorithm for a Class of Catmull-Rom Splines, SIGGRAPH 1988) over four of them is the
-/// cubic Hermite segment from p_i to p_(i+1) whose derivative at p_i is that of the parabola through p_(i-1), p_i and
-/// p_(i+1) at t_(i-1), t_i and t_(i+1). So it has one tangent at every waypoint. A closed curve goes through its first
-/// waypoint as through any other; an open one starts and ends along the derivative (p_1 - p_0) / (t_1 - t_0) of the straight
-/// way.
+/// The curve is the centripetal Catmull-Rom spline, which has no loops and no cusps between two waypoints and stays close to the
+/// straight segments (Yuksel, Schaefer, Keyser, Parameterization and Applications of Catmull-Rom Curves, Computer-Aided Design
+/// 43, 2011). With waypoints p_i, their knots are t_(i+1) = t_i + |p_(i+1) - p_i|^(1/2); the pyramid of Barry and Goldman (A
+/// Recursive Evaluation Algorithm for a Class of Catmull-Rom Splines, SIGGRAPH 1988) over four of them is the cubic Hermite
+/// segment from p_i to p_(i+1) whose derivative at p_i is that of the parabola through p_(i-1), p_i and p_(i+1) at t_(i-1), t_i
+/// and t_(i+1). So it has one tangent at every waypoint. A closed curve goes through its first waypoint as through any other; an
+/// open one starts and ends along the derivative (p_1 - p_0) / (t_1 - t_0) of the straight segment.
 ///
 /// Its arc length s(u) = integral of |p'(u)| du is measured and inverted to about 1e-13 of its segments.
 ///
-/// What is special:
-/// - Neighbouring waypoints nearer to each other than 1e-12 of the extent of all are one, and so are the first and the last
-///   of a closed curve.
-/// - One waypoint is a place to stand at. Two are a straight way, and closed, there and back.
-/// - Where waypoints lead straight back, the way turns on the spot, and the direction of its velocity jumps.
+/// Special cases:
+/// - Neighbouring waypoints closer to each other than 1e-12 of the extent of all are merged, and so are the first and the last of
+///   a closed curve.
+/// - One waypoint is a point at rest. Two are a straight line, and closed, there and back.
+/// - Where waypoints lead straight back, the path turns on the spot, and the direction of its velocity jumps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
-    /// One for each segment, and the last one's end if the curve is open.
+    /// One per segment, and the last one's end if the curve is open.
     waypoints: Vec<DVec3>,
     closed: bool,
-    /// Scene units for each unit of `curve`: a power of two.
+    /// Scene units per unit of `curve`: a power of two.
     scale: f64,
     /// `None` where all waypoints are one.
     curve: Option<ArcLength>,
     pace: Pace,
 }
 
-/// Waypoints this share of the extent of all apart are one.
+/// The distance, as a share of the extent of all, within which waypoints are one.
 const COINCIDENT: f64 = 1e-12;
 
 impl Path {
-    /// Coordinates of waypoints may have this magnitude.
+    /// The largest magnitude of a waypoint's coordinates.
     pub const LARGEST: f64 = 1e300;
 
-    /// A way through `points`, of which a closed one leads back from the last to the first, in one second. `None` if there is
-    /// no point or one is not finite or beyond [`Self::LARGEST`].
+    /// Creates a path through `points` that takes one second; a closed one leads back from the last to the first. `None` if there
+    /// is no point or one is not finite or beyond [`Self::LARGEST`].
     #[must_use]
     pub fn new(points: &[DVec3], closed: bool) -> Option<Self> {
         let first = *points.first()?;
@@ -59,13 +58,13 @@ impl Path {
         Some(Self { waypoints, closed, scale, curve, pace: Pace::lasting(1.0) })
     }
 
-    /// The same way at another pace.
+    /// Returns the same path at another pace.
     #[must_use]
     pub fn paced(self, pace: Pace) -> Self {
         Self { pace, ..self }
     }
 
-    /// From the start to the end, and once around a closed curve; scene units.
+    /// Returns the length from the start to the end, and once around a closed curve; scene units.
     ///
     /// ```
     /// use glam::DVec3;
@@ -78,8 +77,8 @@ impl Path {
         self.curve.as_ref().map_or(0.0, |curve| self.scale * curve.length())
     }
 
-    /// The point at `seconds`. Progress beyond the ends, of an easing that swings, goes on around a closed curve, and
-    /// straight on from an open one.
+    /// Returns the point at `seconds`. Progress beyond the ends, from an easing that overshoots, goes on around a closed curve,
+    /// and straight on from an open one.
     ///
     /// ```
     /// use glam::DVec3;
@@ -104,7 +103,7 @@ impl Path {
     }
 }
 
-/// The waypoints that are further apart than `least`.
+/// Returns the waypoints that are further apart than `least`.
 fn apart(points: &[DVec3], closed: bool, least: f64) -> Vec<DVec3> {
     let mut waypoints = points.to_vec();
     let near = |one: DVec3, other: DVec3| distance(one - other) <= least;
@@ -115,7 +114,7 @@ fn apart(points: &[DVec3], closed: bool, least: f64) -> Vec<DVec3> {
     waypoints
 }
 
-/// From each waypoint to the next, in units of `scale`.
+/// Returns the segments from each waypoint to the next, in units of `scale`.
 fn segments(waypoints: &[DVec3], closed: bool, scale: f64) -> Vec<Segment> {
     let gap = |(start, end): (&DVec3, &DVec3)| {
         let difference = (*end - *start) / scale;
@@ -142,7 +141,7 @@ fn segments(waypoints: &[DVec3], closed: bool, scale: f64) -> Vec<Segment> {
     gaps.iter().enumerate().map(segment).collect()
 }
 
-/// The largest power of two that is not above a number > 0; 1 for 0.
+/// Returns the largest power of two that is not above a number > 0; 1 for 0.
 fn power_of_two(number: f64) -> f64 {
     const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
     if number > 0.0 { f64::from_bits(number.max(f64::MIN_POSITIVE).to_bits() & EXPONENT) } else { 1.0 }
@@ -153,7 +152,7 @@ mod tests {
     use super::*;
     use crate::animation::{Ease, Easing, Playback, Repeat};
 
-    /// Long ways and short ones, gentle turns and sharp ones.
+    /// Long segments and short ones, gentle turns and sharp ones.
     fn uneven() -> Vec<DVec3> {
         [
             (0.0, 0.0, 0.0),
@@ -198,7 +197,7 @@ mod tests {
         }
     }
 
-    /// When a path is nearest to a point.
+    /// Returns when a path is nearest to a point.
     fn time_near(path: &Path, point: DVec3, duration: f64) -> f64 {
         const STEPS: u32 = 4000;
         let apart = |time: f64| path.at(time).distance(point);
@@ -213,7 +212,7 @@ mod tests {
         0.5 * (low + high)
     }
 
-    /// The largest change of velocity over `h` seconds on both sides.
+    /// Returns the largest change of velocity over `h` seconds on both sides.
     fn kink(path: &Path, time: f64, h: f64) -> f64 {
         let [before, at, after] = [time - h, time, time + h].map(|time| path.at(time));
         ((at - before) - (after - at)).length() / h

@@ -1,4 +1,4 @@
-//! Where in its keys a track is at a moment.
+//! The position of a track within its keys at a moment.
 
 /// How a track goes on before its first and after its last key.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -6,7 +6,7 @@ pub enum Repeat {
     /// The nearest key's value holds.
     #[default]
     Clamp,
-    /// From the start again: the last key's moment is the first key's, and shows its value.
+    /// Starts again: the last key's moment is the first key's, and shows its value.
     Loop,
     /// Back and forth.
     PingPong,
@@ -17,9 +17,9 @@ pub enum Repeat {
 pub struct Playback {
     /// How it goes on beyond the keys.
     pub repeat: Repeat,
-    /// The moment of the timeline that is 0 to the keys; seconds, finite.
+    /// The moment of the timeline that is 0 for the keys; seconds, finite.
     pub offset: f64,
-    /// Seconds of the keys for each of the timeline; finite and not 0. Negative ones play backwards.
+    /// Seconds of the keys per second of the timeline; finite and not 0. Negative speeds play backwards.
     pub speed: f64,
 }
 
@@ -30,7 +30,7 @@ impl Default for Playback {
 }
 
 impl Playback {
-    /// The keys' time at `seconds`, for keys from `first` to `last`.
+    /// Returns the keys' time at `seconds`, for keys from `first` to `last`.
     pub(super) fn time(self, seconds: f64, first: f64, last: f64) -> f64 {
         let time = (seconds - self.offset) * self.speed;
         let period = last - first;
@@ -52,7 +52,7 @@ impl Playback {
         }
     }
 
-    /// By how much a time since `first` may be wrong.
+    /// Returns the largest rounding error of a time since `first`.
     pub(super) fn rounding(self, seconds: f64, first: f64) -> f64 {
         4.0 * f64::EPSILON * ((seconds.abs() + self.offset.abs()) * self.speed.abs() + first.abs())
     }

@@ -1,4 +1,4 @@
-//! Rotations: how they are written, and the way between two of them.
+//! Rotations: how they are written, and the path between two of them.
 
 use std::f64::consts::TAU;
 
@@ -19,7 +19,7 @@ pub enum Rotation {
 }
 
 impl Rotation {
-    /// The unit quaternion. The identity where the axis or the quaternion has no direction.
+    /// Returns the unit quaternion; the identity where the axis or the quaternion has no direction.
     #[must_use]
     pub fn quaternion(self) -> DQuat {
         let about = |axis: DVec3, angle: f64| {
@@ -43,7 +43,7 @@ impl Rotation {
     }
 }
 
-/// Scaled to length 1, without overflow; the identity for a zero or non-finite quaternion.
+/// Scales a quaternion to length 1, without overflow; the identity for a zero or non-finite quaternion.
 fn unit(quaternion: DQuat) -> DQuat {
     let raw = quaternion.to_array();
     let largest = raw.iter().fold(0.0_f64, |largest, part| largest.max(part.abs()));
@@ -54,8 +54,8 @@ fn unit(quaternion: DQuat) -> DQuat {
     DQuat::from_xyzw(x, y, z, w).normalize()
 }
 
-/// Spherical linear interpolation between two unit quaternions, the short way, at fraction `u`; outside 0..=1 it turns
-/// on beyond the ends.
+/// Interpolates between two unit quaternions by spherical linear interpolation along the shorter arc, at fraction `u`; outside
+/// 0..=1 it turns on beyond the ends.
 ///
 /// Exact at both ends; equal, opposite and sign-flipped rotations are all finite (Shoemake, Animating Rotation with
 /// Quaternion Curves, 1985).
@@ -87,7 +87,7 @@ pub fn slerp(from: DQuat, to: DQuat, u: f64) -> DQuat {
     unit(from * (libm::sin((1.0 - u) * angle) / sine) + to * (libm::sin(u * angle) / sine))
 }
 
-/// The rotation by a rotation vector: its direction is the axis, its length the angle.
+/// Returns the rotation by a rotation vector: its direction is the axis, its length the angle.
 fn turn(vector: DVec3) -> DQuat {
     let angle = vector.length();
     let (sine, cosine) = libm::sincos(0.5 * angle);
@@ -96,7 +96,8 @@ fn turn(vector: DVec3) -> DQuat {
     DQuat::from_vec4((vector * ratio).extend(cosine))
 }
 
-/// The rotation vector of a unit quaternion, at most half a turn long. Of an exact half turn, the sign says which way.
+/// Returns the rotation vector of a unit quaternion, at most half a turn long. For an exact half turn, the sign decides the
+/// direction.
 fn rotation_vector(rotation: DQuat) -> DVec3 {
     let rotation = if rotation.w < 0.0 { -rotation } else { rotation };
     let sine = rotation.xyz().length();
@@ -104,7 +105,7 @@ fn rotation_vector(rotation: DQuat) -> DVec3 {
     rotation.xyz() * ratio
 }
 
-/// As [`rotation_vector`], but with whole turns more or less, to be as near to `expected` as may be.
+/// Returns a vector as [`rotation_vector`] does, but with whole turns added or removed to be as near to `expected` as possible.
 fn rotation_vector_near(rotation: DQuat, expected: DVec3) -> DVec3 {
     let vector = rotation_vector(rotation);
     let reference = if vector.length() > 1e-9 { vector } else { expected };
@@ -119,14 +120,14 @@ impl Interpolate for DQuat {
         slerp(*from, *to, u)
     }
 
-    /// The short way as a rotation vector, in the own axes, which are the same ones at both ends of it.
+    /// Returns the shorter arc as a rotation vector, in the rotation's own axes, which are the same ones at both ends of it.
     fn difference(from: &Self, to: &Self) -> DVec3 {
         rotation_vector(from.conjugate() * *to)
     }
 
-    /// Three turns about fixed axes after one another: off with the first slope, over, and into the last slope (Kim,
-    /// Kim, Shin, A General Construction Scheme for Unit Quaternion Curves with Simple High Order Derivatives, 1995).
-    /// About a single axis this is cubic Hermite of the angle.
+    /// Composes three turns about fixed axes: off with the first slope, over, and into the last slope (Kim, Kim, Shin, A General
+    /// Construction Scheme for Unit Quaternion Curves with Simple High Order Derivatives, 1995). About a single axis this is
+    /// cubic Hermite of the angle.
     fn curve(from: &Self, to: &Self, [start, end]: [DVec3; 2], u: f64) -> Self {
         let (off, into) = (start / 3.0, end / 3.0);
         let over = rotation_vector_near(

@@ -3,14 +3,14 @@
 use super::hermite::{Gap, Stretch};
 use super::{Easing, Interpolate, Playback, Repeat};
 
-/// A value at a moment, and how to go on from there.
+/// A value at a moment, and how to proceed from there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key<T> {
     /// Seconds from the start of the timeline; finite.
     pub time: f64,
     /// The value at that moment.
     pub value: T,
-    /// How to get from here to the next key.
+    /// How the value moves from here to the next key.
     pub easing: Easing,
 }
 
@@ -23,14 +23,14 @@ pub struct Track<T> {
 }
 
 impl<T: Interpolate> Track<T> {
-    /// A track through `keys`, whose times ascend. `None` if there is no key or the times do not ascend strictly.
+    /// Creates a track through `keys`, whose times ascend. `None` if there is no key or the times do not ascend strictly.
     #[must_use]
     pub fn new(keys: Vec<Key<T>>) -> Option<Self> {
         let ascending = keys.is_sorted_by(|left, right| left.time < right.time);
         (ascending && !keys.is_empty()).then(|| Self { keys, playback: Playback::default() })
     }
 
-    /// The same keys, played otherwise.
+    /// Returns the same keys with another playback.
     ///
     /// ```
     /// use rayreel::animation::{Easing, Key, Playback, Repeat, Track};
@@ -44,7 +44,7 @@ impl<T: Interpolate> Track<T> {
         Self { playback, ..self }
     }
 
-    /// The value at `seconds`.
+    /// Returns the value at `seconds`.
     ///
     /// ```
     /// use rayreel::animation::{Easing, Key, Track};
@@ -78,9 +78,8 @@ impl<T: Interpolate> Track<T> {
         }
     }
 
-    /// The segment after key `index`, of which there must be one, with its neighbours. Those of the outermost segments
-    /// depend on how the track goes on: a loop goes through its seam as through any key, and what turns back meets its
-    /// own image.
+    /// Returns the segment after key `index`, which must exist, with its neighbours. Those of the outermost segments depend on
+    /// how the track goes on: a loop passes its seam like any key, and what turns back meets its own image.
     fn stretch(&self, index: usize) -> Stretch {
         let last = self.keys.len() - 2;
         let image = |gap: Gap| Gap { difference: -gap.difference, ..gap };
@@ -96,7 +95,7 @@ impl<T: Interpolate> Track<T> {
         }
     }
 
-    /// What lies between key `index` and the next, of which there must be one.
+    /// Returns the gap between key `index` and the next, which must exist.
     fn gap(&self, index: usize) -> Gap {
         let (start, end) = (&self.keys[index], &self.keys[index + 1]);
         Gap { difference: T::difference(&start.value, &end.value), length: end.time - start.time }
@@ -126,7 +125,7 @@ mod tests {
         Track::new(keys).unwrap()
     }
 
-    /// Bernstein's form, in value and in light.
+    /// Compares with Bernstein's form, in value and in light.
     #[test]
     fn handles_make_bezier_curves_of_values() {
         let (from, to) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.0, 0.5, 2.0));
@@ -188,7 +187,7 @@ mod tests {
         }
     }
 
-    /// Uneven times and values: a long way, a short one, one there and back, one of two equal values.
+    /// Uneven times and values: a long segment, a short one, one there and back, one of two equal values.
     fn uneven<T: Interpolate>(value: impl Fn(f64, f64) -> T, easing: Easing) -> Track<T> {
         let keys = [
             (0.0, 0.0, 0.0),
@@ -207,13 +206,13 @@ mod tests {
 
     const SMOOTH: [Easing; 3] = [Easing::Cubic, Easing::CatmullRom, Easing::Monotone];
 
-    /// The largest difference of the slopes before and after some moment, both taken over `h` seconds.
+    /// Returns the largest difference of the slopes before and after some moment, both taken over `h` seconds.
     fn kink<T: Interpolate>(track: &Track<T>, time: f64, h: f64) -> f64 {
         let [before, at, after] = [time - h, time, time + h].map(|time| track.at(time));
         (T::difference(&before, &at) - T::difference(&at, &after)).length() / h
     }
 
-    /// Of a curve without kinks the difference of slopes vanishes with h.
+    /// Asserts that the difference of slopes vanishes with h, as it does for a curve without kinks.
     fn assert_smooth<T: Interpolate>(track: &Track<T>, times: &[f64], what: &str) {
         for time in times {
             let (wide, narrow) = (kink(track, *time, 1e-4), kink(track, *time, 1e-6));
@@ -274,7 +273,7 @@ mod tests {
         assert!(swings(Easing::Cubic) > 1.0);
     }
 
-    /// Where the polyline through many points of a track crosses itself in the plane.
+    /// Counts where the polyline through many points of a track crosses itself in the plane.
     fn crossings(track: &Track<DVec3>, from: f64, to: f64) -> usize {
         let points: Vec<DVec3> =
             (0..=400).map(|step| track.at(from + (to - from) * f64::from(step) / 400.0)).collect();
@@ -311,7 +310,7 @@ mod tests {
         }
     }
 
-    /// Barry and Goldman's pyramid, as it is written down, for keys whose knots are as even as their times.
+    /// Compares with Barry and Goldman's pyramid, as published, for keys whose knots are as even as their times.
     #[test]
     fn centripetal_segments_are_those_of_barry_and_goldman() {
         let knots = [0.0, 1.0, 3.0, 4.5];

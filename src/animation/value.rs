@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 
 use crate::color::Rgb;
 
-/// What a track says about a moment.
+/// The value of a track at a moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
     /// A number.
@@ -31,7 +31,7 @@ pub enum Kind {
 }
 
 impl Value {
-    /// Which kind it is.
+    /// Returns the kind of this value.
     #[must_use]
     pub const fn kind(self) -> Kind {
         match self {
@@ -43,12 +43,12 @@ impl Value {
     }
 }
 
-/// How an animated value is written in scene files, and so in programs.
+/// How an animated value is written in scene files and programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Notation {
     /// A number.
     Number,
-    /// A number of degrees; inside, radians.
+    /// A number of degrees; radians internally.
     Degrees,
     /// `[x, y, z]`.
     Vector,
@@ -63,7 +63,7 @@ pub enum Notation {
 }
 
 impl Notation {
-    /// The kind of values that are written so.
+    /// Returns the kind of the values written in this notation.
     #[must_use]
     pub const fn kind(self) -> Kind {
         match self {

@@ -1,4 +1,4 @@
-//! The two ways of reading file colours and writing bytes.
+//! The two conversions of file colours to linear light and to output bytes.
 
 use std::sync::LazyLock;
 
@@ -6,18 +6,18 @@ use super::Rgb;
 
 /// How file colours (0..=255 a channel) become linear light, and linear light becomes output bytes.
 ///
-/// Both ways are inverse to each other: a file colour that reaches a pixel unchanged comes back as its own bytes.
+/// Each pair of conversions is inverse: a file colour that reaches a pixel unchanged comes back as its own bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Transfer {
     /// File colours are sRGB and are decoded at load; pixels are encoded on output (IEC 61966-2-1). For pictures on screens.
     #[default]
     Srgb,
-    /// Linear throughout: byte = floor(255 v + 0.5), as in the classic local illumination model. For its arithmetic.
+    /// Linear throughout: byte = floor(255 v + 0.5), as in the classic local illumination model, for its arithmetic.
     Classic,
 }
 
 impl Transfer {
-    /// Linear light of a file colour whose channels are in 0..=255.
+    /// Returns the linear light of a file colour whose channels are in 0..=255.
     ///
     /// ```
     /// use rayreel::color::Transfer;
@@ -37,8 +37,8 @@ impl Transfer {
         rounded(linear)
     }
 
-    /// The file colour of linear light, as near as `f32` tells: what [`decode`](Self::decode) was given. Light beyond 1 is a
-    /// channel beyond 255.
+    /// Returns the file colour of linear light, to the precision of `f32`: what [`decode`](Self::decode) was given. Light beyond
+    /// 1 is a channel beyond 255.
     #[must_use]
     pub fn channels(self, linear: Rgb) -> [f64; 3] {
         linear.to_array().map(|channel| {
@@ -50,7 +50,7 @@ impl Transfer {
         })
     }
 
-    /// Output bytes of a linear pixel. Values outside 0..=1 are clamped.
+    /// Returns the output bytes of a linear pixel. Values outside 0..=1 are clamped.
     #[must_use]
     pub fn encode(self, pixel: Rgb) -> [u8; 3] {
         pixel.to_array().map(|channel| match self {
@@ -59,7 +59,7 @@ impl Transfer {
         })
     }
 
-    /// As [`encode`](Self::encode) for many pixels, which takes half the time for each.
+    /// Encodes many pixels as [`encode`](Self::encode) does, in half the time for each.
     #[must_use]
     pub fn encode_all(self, pixels: &[Rgb]) -> Vec<[u8; 3]> {
         match self {
@@ -74,48 +74,48 @@ fn rounded(linear: [f64; 3]) -> Rgb {
     Rgb::from_array(linear.map(|channel| channel as f32))
 }
 
-/// floor(255 v + 0.5) after clamping, in f64, where the product of a byte and an f32 is exact.
+/// Computes floor(255 v + 0.5) after clamping, in f64, where the product of a byte and an f32 is exact.
 ///
-/// A number beside 2^52 is rounded to the nearest integer, which its last bits are then; of two that are equally near the even
-/// one is taken, and there are two only for v = 1/2, where 128 is both even and the right one: 255 m / 2^n = k + 1/2 asks for a
-/// k for which 255 divides 2 k + 1.
+/// Adding 2^52 rounds a number to the nearest integer, which its last bits then are; of two equally near integers the even one is
+/// taken, and there are two only for v = 1/2, where 128 is both even and the right one: 255 m / 2^n = k + 1/2 requires a k for
+/// which 255 divides 2 k + 1.
 #[expect(clippy::cast_possible_truncation, reason = "the last byte is asked for")]
 fn classic_byte(linear: f32) -> u8 {
     const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
     (255.0 * f64::from(linear.clamp(0.0, 1.0)) + TWO_TO_52).to_bits() as u8
 }
 
-/// sRGB decoding, 0..=1 to 0..=1.
+/// Decodes sRGB, 0..=1 to 0..=1.
 fn srgb_to_linear(encoded: f64) -> f64 {
     if encoded <= 0.040_45 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }
 }
 
-/// sRGB encoding of a number from 0 on.
+/// Encodes a number from 0 up as sRGB.
 fn linear_to_srgb(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * libm::pow(linear, 1.0 / 2.4) - 0.055 }
 }
 
-/// sRGB encoding by comparison with the 255 decision levels half-way between neighbouring codes, so that it is the
-/// exact inverse of decoding and needs no power function per pixel.
+/// Encodes as sRGB by comparison with the 255 decision levels half-way between neighbouring codes, so that it is the exact
+/// inverse of decoding and needs no power function per pixel.
 fn srgb_byte(linear: f32) -> u8 {
     static LEVELS: LazyLock<SrgbLevels> = LazyLock::new(SrgbLevels::new);
     LEVELS.byte(linear.clamp(0.0, 1.0))
 }
 
-/// Where codes begin.
+/// The lower bounds of the codes.
 struct SrgbLevels {
-    /// The least `f32` of every code but 0, and what none reaches.
+    /// The least `f32` of every code but 0, followed by a value that none reaches.
     least: [f32; 256],
-    /// The code of the least number of every bucket: numbers from 2^-13 to 1 whose exponents and first six bits are the same.
+    /// The code of the least number in every bucket: numbers from 2^-13 to 1 with the same exponent and first six bits.
     first: [u8; Self::BUCKETS],
 }
 
 impl SrgbLevels {
-    /// Bits that numbers of a bucket do not share.
+    /// The number of low bits in which numbers of a bucket differ.
     const SHIFT: u32 = f32::MANTISSA_DIGITS - 1 - 6;
-    /// The bucket of 2^-13; all below has code 0.
+    /// The bucket of 2^-13; everything below has code 0.
     const START: u32 = (127 - 13) << 6;
-    /// 13 powers of two, and 1.
+    /// The number of buckets: 13 powers of two, and 1.
     const BUCKETS: usize = 13 * 64 + 1;
 
     fn new() -> Self {
@@ -139,7 +139,7 @@ impl SrgbLevels {
         Self { least, first }
     }
 
-    /// The code of a number in 0..=1.
+    /// Returns the code of a number in 0..=1.
     fn byte(&self, linear: f32) -> u8 {
         let bucket = (linear.to_bits() >> Self::SHIFT).saturating_sub(Self::START) as usize;
         let mut code = self.first.get(bucket).copied().unwrap_or(0);

@@ -1,4 +1,4 @@
-//! What moves by tracks.
+//! Animated values.
 
 use std::sync::Arc;
 
@@ -15,21 +15,21 @@ pub struct Animated(pub Vec<Channel>);
 /// A value of an entity, and how it moves.
 #[derive(Clone, Debug)]
 pub struct Channel {
-    /// Which value.
+    /// The value.
     pub property: Property,
     /// How it moves: of the property's [`kind`](Property::kind), or nothing moves.
     pub motion: Motion,
 }
 
 impl Channel {
-    /// A value that moves like this.
+    /// Creates a channel for a property and its motion.
     #[must_use]
     pub fn new(property: Property, motion: impl Into<Motion>) -> Self {
         Self { property, motion: motion.into() }
     }
 }
 
-/// A value as a function of time. Cheap to clone: entities that are made of one material share its motions.
+/// A value as a function of time. Cheap to clone: entities made of one material share its motions.
 #[derive(Clone, Debug)]
 pub enum Motion {
     /// Keyed numbers.
@@ -40,20 +40,20 @@ pub enum Motion {
     Rotation(Arc<Track<DQuat>>),
     /// Keyed light.
     Color(Arc<Track<Rgb>>),
-    /// Points on a way through waypoints.
+    /// Points on a path through waypoints.
     Path(Arc<Path>),
     /// Points on a circle.
     Orbit(Arc<Orbit>),
-    /// A program says it.
+    /// A value given by a program.
     Script(ScriptId),
 }
 
-/// A program of the scene, by its place among them.
+/// A program of the scene, by its index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ScriptId(pub usize);
 
 impl Motion {
-    /// The value at `seconds`. `None` for a program, which needs more than the time.
+    /// Returns the value at `seconds`. `None` for a program, which needs more than the time.
     #[must_use]
     pub fn at(&self, seconds: f64) -> Option<Value> {
         Some(match self {

@@ -1,4 +1,4 @@
-//! From where the picture is taken.
+//! The camera, its lens and its shots.
 
 use glam::DVec3;
 use hecs::Entity;
@@ -8,32 +8,32 @@ use hecs::Entity;
 /// Points and directions are in the entity's own space, which its [`WorldTransform`](super::WorldTransform), if it has one,
 /// takes to the world; sizes of the screen and the lens, and distances from the eye, are the world's.
 ///
-/// Some moments of cameras that move have no view or no upright, and still a picture. A camera whose target is where it
-/// stands looks along the world's +z. Where the view is parallel to `up`, the world's y is up, or, if the view is parallel
-/// to that too, its z: so that a camera that passes over its target with y up turns about its view at that moment, and by
-/// half a turn from one side to the other.
+/// Some moments of moving cameras have no view or no upright, and still a picture. A camera that stands at its target looks along
+/// the world's +z. Where the view is parallel to `up`, the world's y is up, or, if the view is parallel to that too, its z: so
+/// that a camera that passes over its target with y up turns about its view at that moment, and by half a turn from one side to
+/// the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// The eye, P0.
     pub position: DVec3,
-    /// Which way it looks.
+    /// The view direction or target.
     pub view: View,
     /// VUP: the direction that is up in the picture; any length, not parallel to the view.
     pub up: DVec3,
-    /// How far it is turned about the view, radians, by the right-hand rule about the view direction: +90 degrees put what
-    /// was up to the left, and the picture's contents turn clockwise.
+    /// The rotation about the view, radians, by the right-hand rule about the view direction: +90 degrees put what was up to the
+    /// left, and the picture's contents turn clockwise.
     pub roll: f64,
     /// The screen's size and distance.
     pub projection: Projection,
-    /// `None` is a pinhole: everything is sharp.
+    /// The lens. `None` is a pinhole: everything is sharp.
     pub lens: Option<Lens>,
-    /// The share of the time from frame to frame during which the shutter is open, > 0, at most 1, centred on the frame's
-    /// time: what moves is blurred. `None` is an instant: everything is sharp.
+    /// The share of the time from frame to frame during which the shutter is open, > 0, at most 1, centred on the frame's time:
+    /// what moves is blurred. `None` is an instant: everything is sharp.
     pub shutter: Option<f64>,
 }
 
 impl Default for Camera {
-    /// Five units before the origin, looking at it, 45 degrees high.
+    /// Returns a camera five units before the origin, looking at it, 45 degrees high.
     fn default() -> Self {
         Self {
             position: DVec3::new(0.0, 0.0, -5.0),
@@ -47,31 +47,31 @@ impl Default for Camera {
     }
 }
 
-/// The camera goes along with an entity without turning: the entity's place in the world is added to its position and to the
+/// The entity with which the camera moves, without turning: its place in the world is added to the camera's position and to the
 /// point that it looks at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Follow(pub Entity);
 
-/// The camera looks at an entity's place in the world, whatever its [`View`] says.
+/// The entity at whose place in the world the camera looks, whatever its [`View`] says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LookAt(pub Entity);
 
-/// Which camera films when. A world has at most one of it; without it the first camera in document order films.
+/// The cuts between cameras. A world has at most one; without it the first camera in document order films.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shots(pub Vec<Shot>);
 
-/// From a moment on, a camera films.
+/// A camera that films from a moment on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shot {
-    /// Seconds; later than that of the shot before. The first shot is also what comes before it. A frame belongs to the last
-    /// shot that starts no later than the frame's moment, both rounded once to `f64`; all of the frame, even if its shutter
-    /// is open across the cut.
+    /// Seconds; later than that of the shot before. The first shot also covers the time before it. A frame belongs to the last
+    /// shot that starts no later than the frame's moment, both rounded once to `f64`; all of the frame, even if its shutter is
+    /// open across the cut.
     pub start: f64,
     /// The entity with the camera.
     pub camera: Entity,
 }
 
-/// Which way a camera looks.
+/// The direction in which a camera looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum View {
     /// Along a direction (VPN), of any length but zero.
@@ -80,13 +80,13 @@ pub enum View {
     Target(DVec3),
 }
 
-/// A thin lens around the eye: what is not in focus is blurred. It shows where [`Sampling`](super::Sampling) asks for more
-/// than one sample in a pixel.
+/// A thin lens around the eye: what is not in focus is blurred. It takes effect where [`Sampling`](super::Sampling) has more than
+/// one sample per pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {
-    /// Its diameter in scene units; 0 is no lens.
+    /// The diameter in scene units; 0 is no lens.
     pub aperture: f64,
-    /// How far from the eye things are sharp, along the view direction, > 0.
+    /// The distance from the eye to the plane of focus, along the view direction, > 0.
     pub focus: f64,
 }
 
@@ -95,7 +95,7 @@ pub struct Lens {
 pub enum Projection {
     /// A screen of given size, scene units.
     Screen {
-        /// From the eye to the screen, d > 0.
+        /// The distance from the eye to the screen, d > 0.
         distance: f64,
         /// W > 0; `None` follows from square pixels.
         width: Option<f64>,

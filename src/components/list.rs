@@ -1,7 +1,7 @@
-//! All types of components: one row each.
+//! All component types: one row each.
 
-/// Calls a macro with a row `Component: word,` for every component. The word says what follows where an edited scene has
-/// another value:
+/// Calls a macro with a row `Component: word,` for every component. The word says what follows where an edited scene has another
+/// value:
 ///
 /// | word | what follows |
 /// |---|---|

@@ -1,4 +1,4 @@
-//! What things are: plain data on hecs entities, without behaviour.
+//! Components: plain data on hecs entities, without behaviour.
 //!
 //! | component | says |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! Values that can move: all facts of a property are a row here.
+//! Values that can be animated: all facts of a property are one row here.
 //!
 //! | fact | from it follows |
 //! |---|---|
@@ -6,8 +6,8 @@
 //! | [`Part`]: what has it | which entities, cameras and materials it can be a channel of; what a write to it changes |
 //! | [`Quantity`]: what it is | how its values are written; which keys are good; the range to which they are held; whether it can go along a path |
 //!
-//! For a new row the compiler asks where the value is (`systems::parts`), and for a case in `tests/every_channel.rs`; a test asks
-//! for its line in `scene/reference.md`. Only a new part or quantity has more to say: the compiler and the tests lead there.
+//! For a new row the compiler demands its place (`systems::parts`) and a case in `tests/every_channel.rs`; a test demands its
+//! line in `scene/reference.md`. Only a new part or quantity takes more: the compiler and the tests lead there.
 
 use super::quantity::Quantity;
 use super::table::table;
@@ -24,21 +24,21 @@ pub(crate) enum Part {
     Box,
     /// A shape that is a plane.
     Plane,
-    /// A surface: a material of the file, or what an entity with a shape is made of.
+    /// A surface: a material of the file, or the material of an entity with a shape.
     Material,
     /// A surface with highlights.
     Specular,
-    /// A surface that mirrors.
+    /// A surface that reflects.
     Reflective,
-    /// A surface that light goes through.
+    /// A surface that refracts.
     Refractive,
-    /// A surface with squares.
+    /// A surface with a checker pattern.
     Checker,
     /// A light of any kind.
     Light,
     /// A light from infinitely far away.
     DirectionalLight,
-    /// A light that shines into a cone.
+    /// A light that shines in a cone.
     SpotLight,
     /// A light that weakens with distance.
     Falloff,
@@ -54,7 +54,7 @@ pub(crate) enum Part {
     FieldOfView,
     /// A camera with a screen.
     Screen,
-    /// A camera with a screen whose width is written.
+    /// A camera with a screen whose width is given.
     ScreenWidth,
     /// A camera with a lens.
     Lens,
@@ -69,7 +69,7 @@ pub(crate) enum Part {
 }
 
 table! {
-    /// A value of an entity that a [`Motion`](super::Motion) can drive. Angles are radians here, light is linear.
+    /// A value of an entity that a [`Motion`](super::Motion) can drive. Angles are in radians here, light is linear.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum Property: (Part, Quantity) {
         /// [`Transform::translation`](super::Transform::translation).
@@ -138,7 +138,7 @@ table! {
         Fov => (Part::FieldOfView, Quantity::FieldOfView),
         /// The distance of a [`Projection::Screen`](super::Projection).
         ScreenDistance => (Part::Screen, Quantity::Length),
-        /// The width of a [`Projection::Screen`](super::Projection) that is given one.
+        /// The width of a [`Projection::Screen`](super::Projection), where given.
         ScreenWidth => (Part::ScreenWidth, Quantity::Length),
         /// The height of a [`Projection::Screen`](super::Projection).
         ScreenHeight => (Part::Screen, Quantity::Length),
@@ -162,34 +162,34 @@ table! {
 }
 
 impl Property {
-    /// The one with a name.
+    /// Returns the property with a name.
     pub(crate) fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|property| property.name() == name)
     }
 
-    /// Its name in scene files.
+    /// Returns its name in scene files.
     #[must_use]
     pub const fn name(self) -> &'static str {
         self.row().0
     }
 
-    /// What has such a value.
+    /// Returns what has such a value.
     pub(crate) const fn part(self) -> Part {
         self.row().1.0
     }
 
-    /// What its values are.
+    /// Returns the quantity of its values.
     pub(crate) const fn quantity(self) -> Quantity {
         self.row().1.1
     }
 
-    /// How its values are written in scene files and programs.
+    /// Returns how its values are written in scene files and programs.
     #[must_use]
     pub const fn notation(self) -> Notation {
         self.quantity().notation()
     }
 
-    /// The kind of its values.
+    /// Returns the kind of its values.
     #[must_use]
     pub const fn kind(self) -> Kind {
         self.notation().kind()

@@ -1,4 +1,4 @@
-//! What the values of properties are: how they are written, and which numbers they may have.
+//! The quantities of properties: how they are written, and their ranges.
 
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
@@ -8,7 +8,7 @@ use super::{Refractive, Specular};
 use crate::animation::Notation;
 use crate::animation::limits::SMALLEST;
 
-/// From the first to the second, both included.
+/// A range from the first to the second, both included.
 type Range = (f64, f64);
 
 const ANY: Range = (f64::NEG_INFINITY, f64::INFINITY);
@@ -18,7 +18,7 @@ const SIZE: Range = (SMALLEST, f64::INFINITY);
 const SHARE: Range = (0.0, 1.0);
 
 table! {
-    /// What a number or three are: their notation, and the range to which each of them is held.
+    /// What a number or three numbers measure: their notation, and the range to which each of them is clamped.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub(crate) enum Quantity: (Notation, Range) {
         /// Coordinates, scene units.
@@ -27,7 +27,7 @@ table! {
         Direction => (Notation::Vector, ANY),
         /// A rotation in space.
         Rotation => (Notation::Rotation, ANY),
-        /// How often and how far something turns, radians.
+        /// An angle of rotation, over any number of turns, radians.
         Turn => (Notation::Degrees, ANY),
         /// Factors along the axes, none of them 0.
         Factors => (Notation::Scale, ANY),
@@ -37,15 +37,15 @@ table! {
         Edges => (Notation::Vector, SIZE),
         /// A share of light.
         Coefficient => (Notation::Number, SHARE),
-        /// An exponent of highlights.
+        /// The exponent of highlights.
         Shininess => (Notation::Number, (0.0, Specular::LARGEST_SHININESS as f64)),
-        /// The speed of light outside over that inside.
+        /// The ratio of the speed of light outside to that inside.
         RefractiveIndex => (Notation::Number, (Refractive::SMALLEST_IOR, Refractive::LARGEST_IOR)),
         /// Per scene unit of length and colour channel.
         Absorption => (Notation::Light, NOT_NEGATIVE),
         /// Light per colour channel, 1 being full.
         Light => (Notation::Light, NOT_NEGATIVE),
-        /// What a surface or a background looks like.
+        /// The colour of a surface or a background.
         Color => (Notation::Color, NOT_NEGATIVE),
         /// From rim to rim of a spot light, radians.
         SpotAngle => (Notation::Degrees, (SMALLEST, PI)),
@@ -53,22 +53,22 @@ table! {
         Softness => (Notation::Number, SHARE),
         /// Coefficients c0, c1, c2, of which c0 is greater than 0.
         Falloff => (Notation::Vector, NOT_NEGATIVE),
-        /// Of a view, radians: less than half a turn.
+        /// The angle of a view, radians: less than half a turn.
         FieldOfView => (Notation::Degrees, (SMALLEST, PI.next_down())),
         /// The diameter of a lens, scene units.
         Aperture => (Notation::Number, NOT_NEGATIVE),
-        /// Of fog, per scene unit of length.
+        /// The density of fog, per scene unit of length.
         Density => (Notation::Number, NOT_NEGATIVE),
     }
 }
 
 impl Quantity {
-    /// How it is written in scene files and programs.
+    /// Returns how it is written in scene files and programs.
     pub(crate) const fn notation(self) -> Notation {
         self.row().1.0
     }
 
-    /// Where each of its numbers is: what is smaller or larger is held to the ends. Angles are in radians.
+    /// Returns the range of each of its numbers; smaller and larger ones are clamped to its ends. Angles are in radians.
     pub(crate) const fn range(self) -> RangeInclusive<f64> {
         let (smallest, largest) = self.row().1.1;
         smallest..=largest

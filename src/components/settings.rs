@@ -6,7 +6,7 @@ use crate::color::{Rgb, Transfer};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ambient(pub Rgb);
 
-/// What a ray sees that hits nothing.
+/// The radiance of a ray that hits nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Background {
     /// The same in all directions.
@@ -21,32 +21,32 @@ pub enum Background {
 }
 
 impl Default for Background {
-    /// Black.
+    /// Returns black.
     fn default() -> Self {
         Self::Flat(Rgb::ZERO)
     }
 }
 
-/// Fog everywhere: over a length l, exp(-density l) is seen of what is behind, and the fog's colour makes up the rest.
+/// Fog everywhere: over a length l, exp(-density l) of what is behind is seen, and the fog's colour makes up the rest.
 ///
-/// It lies on camera, mirror and refracted rays, not on shadow rays. With a density above 0, a ray that meets
-/// nothing sees only fog.
+/// It attenuates camera, reflection and refraction rays, but not shadow rays. With a density above 0, a ray that hits nothing
+/// sees only fog.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fog {
-    /// What is seen through endless fog.
+    /// The colour of fog of infinite depth.
     pub color: Rgb,
     /// Per scene unit of length in the world, 0 or more; 0 is no fog.
     pub density: f64,
 }
 
-/// The picture's size and how it is written.
+/// The picture's size and encoding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FilmSettings {
     /// Columns, 1..=[`Self::LARGEST_SIDE`].
     pub width: u32,
     /// Rows, 1..=[`Self::LARGEST_SIDE`].
     pub height: u32,
-    /// From linear light to bytes.
+    /// The conversion from linear light to bytes.
     pub transfer: Transfer,
 }
 
@@ -63,34 +63,34 @@ impl Default for FilmSettings {
     }
 }
 
-/// How many samples a pixel has, and which.
+/// The number of samples per pixel, and their choice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampling {
-    /// 1..=[`Self::LARGEST_COUNT`]. A single sample is in the pixel's centre; several are spread over the pixel, which is
-    /// their mean.
+    /// Samples per pixel, 1..=[`Self::LARGEST_COUNT`]. A single sample is in the pixel's centre; several are spread over the
+    /// pixel, which is their mean.
     pub samples: u32,
-    /// Another seed gives other samples.
+    /// The seed: another seed gives other samples.
     pub seed: u64,
-    /// What the samples of different frames have to do with each other.
+    /// How the samples of different frames are related.
     pub noise: Noise,
-    /// At how many instants, at most, things are drawn while the shutter is open, 1..=[`Self::LARGEST_INSTANTS`]; there are
-    /// never more instants than samples. See [`Camera::shutter`](super::Camera::shutter).
+    /// The most instants at which the scene is drawn while the shutter is open, 1..=[`Self::LARGEST_INSTANTS`]; there are never
+    /// more instants than samples. See [`Camera::shutter`](super::Camera::shutter).
     pub instants: u32,
 }
 
-/// What the noise of different frames has to do with each other.
+/// How the noise of different frames is related.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Noise {
-    /// The samples of all frames lie alike: what does not change does not flicker.
+    /// The samples of all frames are the same: what does not change does not flicker.
     #[default]
     Fixed,
-    /// Every moment has samples of its own, so that noise averages out to the eye. They are a function of the seed and the
-    /// exact time.
+    /// Every moment has its own samples, so that noise averages out to the eye. They are a function of the seed and the exact
+    /// time.
     PerFrame,
 }
 
 impl Sampling {
-    /// The most samples in a pixel.
+    /// The most samples per pixel.
     pub const LARGEST_COUNT: u32 = 65_536;
     /// The most instants while the shutter is open.
     pub const LARGEST_INSTANTS: u32 = 256;
@@ -102,21 +102,21 @@ impl Default for Sampling {
     }
 }
 
-/// How far light is followed.
+/// The depth and the cutoff of ray tracing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
-    /// Generations of rays that are traced: 1 is camera rays alone, 5 adds four reflections. A ray beyond sees the
+    /// The most generations of rays that are traced: 1 is camera rays alone, 5 adds four reflections. A ray beyond that sees the
     /// background.
     pub depth: u32,
-    /// Rays are not followed whose contributions to a pixel are together certainly less than this many steps of an output
-    /// of 8 bits, 0..=[`Self::LARGEST_CUTOFF`]; 0 follows all.
+    /// The cutoff: rays whose contributions to a pixel are together certainly less than this many steps of 8-bit output are not
+    /// traced, 0..=[`Self::LARGEST_CUTOFF`]; 0 traces all.
     pub cutoff: f32,
 }
 
 impl Quality {
     /// The most generations.
     pub const LARGEST_DEPTH: u32 = 1000;
-    /// The largest cutoff: the whole range of an output of 8 bits.
+    /// The largest cutoff: the whole range of 8-bit output.
     pub const LARGEST_CUTOFF: f32 = 255.0;
 }
 

@@ -1,4 +1,4 @@
-//! What can be seen.
+//! Shapes.
 
 use glam::DVec3;
 

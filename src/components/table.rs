@@ -1,7 +1,7 @@
-//! Enums whose variants come with facts: one row each.
+//! Enums whose variants carry facts: one row each.
 
-/// Makes an enum of rows `Variant => facts,` with the list `ALL` of its variants, in the order of the rows, and a method
-/// `row` that gives a variant's name and its facts.
+/// Defines an enum of rows `Variant => facts,` with the list `ALL` of its variants, in the order of the rows, and a method `row`
+/// that returns a variant's name and its facts.
 macro_rules! table {
     (
         $(#[$about:meta])*
@@ -13,7 +13,7 @@ macro_rules! table {
         $visibility enum $name { $($(#[$row_about])* $row,)* }
 
         impl $name {
-            /// All, in the order in which they are told.
+            /// All variants, in the order of the rows.
             #[allow(dead_code, reason = "some tables are gone through by tests alone")]
             $visibility const ALL: [Self; [$(Self::$row),*].len()] = [$(Self::$row),*];
 

@@ -1,4 +1,4 @@
-//! Where an entity is.
+//! Position, orientation and size of an entity.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
@@ -9,18 +9,18 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 pub struct Transform {
     /// Scene units.
     pub translation: DVec3,
-    /// A unit quaternion, as far as `f64` can say: its length does not scale anything.
+    /// A unit quaternion, to the precision of `f64`: its length does not scale anything.
     pub rotation: DQuat,
     /// Factor per own axis; never zero.
     pub scale: DVec3,
 }
 
 impl Transform {
-    /// Neither moved, turned nor scaled.
+    /// No translation, rotation or scale.
     pub const IDENTITY: Self =
         Self { translation: DVec3::ZERO, rotation: DQuat::IDENTITY, scale: DVec3::ONE };
 
-    /// Moved only.
+    /// Creates a transform that only translates.
     #[must_use]
     pub const fn from_translation(translation: DVec3) -> Self {
         Self { translation, ..Self::IDENTITY }
@@ -39,20 +39,20 @@ pub struct Parent(pub hecs::Entity);
 
 /// Own space to world space, as a matrix, with what is known of its structure.
 ///
-/// Structure is followed through the products instead of being read off the rounded matrix: a turned sphere under a
-/// turned parent is still exactly a sphere.
+/// Structure is tracked through the products instead of being read off the rounded matrix: a turned sphere under a turned parent
+/// is still exactly a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldTransform {
     /// The map, rounded.
     pub affine: DAffine3,
-    /// What rounding left over: the map is the sum of both, so that faces which are flush as written stay so through parents.
+    /// The rounding error: the map is the sum of both, so that faces that are flush as written stay so through parents.
     pub rest: DAffine3,
-    /// The factor of all lengths, if there is a single one (rotations, uniform scales and mirrorings only).
+    /// The factor of all lengths, if there is a single one (rotations, uniform scales and reflections only).
     pub uniform_scale: Option<f64>,
 }
 
 impl WorldTransform {
-    /// Neither moved, turned nor scaled.
+    /// No translation, rotation or scale.
     pub const IDENTITY: Self = Self {
         affine: DAffine3::IDENTITY,
         rest: DAffine3 { matrix3: DMat3::ZERO, translation: DVec3::ZERO },

@@ -5,26 +5,27 @@ use hecs::Entity;
 
 use crate::trace;
 
-/// A ray that starts anywhere: `origin + t direction`, t >= 0. The direction may have any length but zero.
+/// A ray from any point: `origin + t direction`, t >= 0. The direction may have any length but zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where it starts.
+    /// The start point.
     pub origin: DVec3,
-    /// Which way it goes.
+    /// The direction.
     pub direction: DVec3,
 }
 
-/// What a ray meets first.
+/// The closest hit of a ray.
 #[derive(Clone, Debug)]
 pub struct Hit {
-    /// Whose shape.
+    /// The entity whose shape is hit.
     pub entity: Entity,
     /// The ray's parameter, for the direction as it was given: the point is origin + t direction. `None` where no `f64` can hold
-    /// it, because the direction is so short that the way takes more than 1.8e308 of it; [`Hit::distance`] is right then too.
+    /// it, because the direction is so short that the distance takes more than 1.8e308 of it; [`Hit::distance`] is right then
+    /// too.
     pub t: Option<f64>,
-    /// From the ray's origin, in scene units.
+    /// The distance from the ray's origin, in scene units.
     pub distance: f64,
-    /// On the surface.
+    /// The point on the surface.
     pub point: DVec3,
     /// The unit normal, on the side that the ray came from.
     pub normal: DVec3,
@@ -32,7 +33,7 @@ pub struct Hit {
 }
 
 impl Hit {
-    /// `exponent` says by which power of two the direction was scaled before the kernel took it over.
+    /// Describes a hit of the kernel's ray; `exponent` is the power of two by which the direction was scaled for the kernel.
     pub(super) fn new(entity: Entity, ray: &trace::Ray, exponent: i32, surface: trace::SurfacePoint) -> Self {
         // However short the direction was, no way is none. Adding zero makes negative zeros positive.
         let t = if surface.t.rounded() == 0.0 { 0.0 } else { libm::ldexp(surface.t.rounded(), exponent) };
@@ -46,7 +47,7 @@ impl Hit {
         }
     }
 
-    /// A ray that leaves this surface. It knows which surfaces it starts on and never meets them by rounding; there is no
+    /// Returns a ray that leaves this surface. It knows which surfaces it starts on and never hits them by rounding; there is no
     /// offset to choose. `None` if the direction is zero or not finite.
     #[must_use]
     pub fn leave_towards(&self, direction: DVec3) -> Option<SecondaryRay> {
@@ -56,23 +57,23 @@ impl Hit {
     }
 }
 
-/// A ray that leaves a surface which another ray has found.
+/// A secondary ray: it leaves the surface that another ray hit.
 #[derive(Clone, Debug)]
 pub struct SecondaryRay {
     ray: trace::Ray,
     exponent: i32,
 }
 
-/// By which power of two the kernel's direction is longer than the one that was given.
+/// Returns the power of two by which the kernel's direction is longer than the given one.
 fn exponent(ray: &trace::Ray, direction: DVec3) -> i32 {
     let exponent = |vector: DVec3| libm::ilogb(vector.abs().max_element());
     exponent(ray.direction()) - exponent(direction)
 }
 
-/// A ray that [`Engine::cast`](super::Engine::cast) can follow.
+/// A ray that [`Engine::cast`](super::Engine::cast) can trace.
 pub trait IntoRay {
-    /// The kernel's ray, and by which power of two its direction is longer than the one that was given. `None` if a number is not
-    /// finite or the direction is zero.
+    /// Returns the kernel's ray, and the power of two by which its direction is longer than the given one. `None` if a number is
+    /// not finite or the direction is zero.
     fn into_ray(self) -> Option<(trace::Ray, i32)>;
 }
 

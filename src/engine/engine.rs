@@ -21,8 +21,8 @@ use crate::trace::{self, Precision};
 ///
 /// # A simulation as a movie
 ///
-/// Balls that bounce, stepped 240 times a second. Frames may be asked for in any order: going back replays the steps from
-/// the start, and gives the same bits.
+/// Balls that bounce, stepped 240 times a second. Frames may be requested in any order: going back replays the steps from the
+/// start, and gives the same bits.
 ///
 /// ```
 /// use glam::DVec3;
@@ -81,28 +81,28 @@ pub struct Engine {
     pub(super) world: World,
     pub(super) timeline: Timeline,
     pub(super) systems: Schedule,
-    /// Written since the last preparation.
+    /// Writes since the last preparation.
     pub(super) changes: Changes,
     pub(super) preparation: Option<Preparation>,
     pub(super) precision: Precision,
-    /// With everything compiled in?
+    /// Whether to render with everything compiled in.
     pub(super) full: bool,
-    /// Left out for a comparison.
+    /// The effect left out for a comparison.
     pub(super) left_out: Option<Effect>,
-    /// How frames are exposed, once it has been read.
+    /// The exposure of frames, once it has been read.
     pub(super) shutters: Option<Shutters>,
     pub(super) plan: Option<Plan>,
     pub(super) report: FrameReport,
     pub(super) script_sources: ScriptSources,
 }
 
-/// Why a frame could not be made.
+/// The reason why a frame could not be rendered.
 #[derive(Debug, thiserror::Error)]
 pub enum EngineError {
     /// The scene file could not be loaded.
     #[error(transparent)]
     Scene(#[from] LoadError),
-    /// The world cannot be copied, which systems of one's own need.
+    /// The world cannot be copied, which custom systems need.
     #[error(transparent)]
     UnknownComponent(#[from] UnknownComponent),
     /// A script gave no value.
@@ -111,7 +111,7 @@ pub enum EngineError {
 }
 
 impl EngineError {
-    /// `None` if nothing is wrong, but nobody waits for the frame any more.
+    /// Returns the error of a halt; `None` if nothing is wrong and the frame was only cancelled.
     pub(super) fn of(halt: Halt, sources: &ScriptSources) -> Option<Self> {
         Some(match halt {
             Halt::Cancelled => return None,
@@ -126,16 +126,16 @@ impl EngineError {
 }
 
 impl Engine {
-    /// An engine for a scene file, at its first moment.
+    /// Loads a scene file, at its first moment.
     ///
     /// # Errors
     ///
-    /// If the file cannot be read or is wrong: with every place that is, and how to mend it.
+    /// If the file cannot be read or is wrong: lists every mistake, where it is and how to fix it.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, EngineError> {
         Ok(Self::from_scene(Scene::load(path.as_ref())?))
     }
 
-    /// An engine around a scene that has been read.
+    /// Creates an engine for a scene that has been read.
     #[must_use]
     pub fn from_scene(scene: Scene) -> Self {
         let Scene { world, timeline, scripts, .. } = scene;
@@ -153,8 +153,8 @@ impl Engine {
         self.shutters = None;
     }
 
-    /// An engine around a world of one's own, with 24 frames per second. What the world lacks (a camera, film settings)
-    /// has defaults.
+    /// Creates an engine for a given world, with 24 frames per second. What the world lacks (a camera, film settings) has
+    /// defaults.
     #[must_use]
     pub fn new(world: World) -> Self {
         Self {
@@ -173,7 +173,7 @@ impl Engine {
         }
     }
 
-    /// Adds a pure function of time that writes to the world. Before every frame the world is what it was without it.
+    /// Adds a pure function of time that writes to the world. Its writes are undone before every frame.
     pub fn add_system(&mut self, system: impl Fn(&mut Context<'_>) + Send + 'static) {
         self.systems.rewind(&mut self.world);
         self.changes.anything();
@@ -181,8 +181,8 @@ impl Engine {
         self.systems.add(system);
     }
 
-    /// Adds a system that carries state from step to step. The engine runs it `floor(t / step)` times for the moment `t`,
-    /// from a copy of the world at 0; going back starts over.
+    /// Adds a system that carries state from step to step. The engine runs it `floor(t / step)` times for the moment `t`, from a
+    /// copy of the world at 0; going back starts over.
     pub fn add_stepped_system(&mut self, step: Step, system: impl Fn(&mut Context<'_>) + Send + 'static) {
         self.systems.rewind(&mut self.world);
         self.changes.anything();
@@ -190,20 +190,20 @@ impl Engine {
         self.systems.add_stepped(step, system);
     }
 
-    /// Says that a component type of one's own is part of the state that is copied and restored. Needed for every such
-    /// type once there are systems of one's own.
+    /// Registers a custom component type as part of the state that is copied and restored. Required for every such type once
+    /// there are custom systems.
     pub fn register<T: Component + Clone>(&mut self) {
         self.systems.registry_mut().register::<T>();
     }
 
-    /// The world at the moment of the last frame, or, if its shutter was open, at the last of its instants;
+    /// Returns the world at the moment of the last frame, or, if its shutter was open, at the last of its instants;
     /// [`seek`](Engine::seek) brings it to the frame's own moment.
     #[must_use]
     pub fn world(&self) -> &World {
         &self.world
     }
 
-    /// The world as it was at the start, before any step, for editing. Everything is read again for the next frame.
+    /// Returns the world as it was at the start, before any step, for editing. Everything is read again for the next frame.
     pub fn world_mut(&mut self) -> &mut World {
         self.systems.rewind(&mut self.world);
         self.changes.anything();
@@ -211,30 +211,30 @@ impl Engine {
         &mut self.world
     }
 
-    /// Frame rate and duration.
+    /// Returns the frame rate and the duration.
     #[must_use]
     pub fn timeline(&self) -> Timeline {
         self.timeline
     }
 
-    /// Sets frame rate and duration.
+    /// Sets the frame rate and the duration.
     pub fn set_timeline(&mut self, timeline: Timeline) {
         self.timeline = timeline;
         self.systems.scripts_mut().set_timeline(timeline);
     }
 
-    /// How precisely shapes are asked from the next frame on: guaranteed, unless a comparison with textbooks is wanted.
+    /// Sets the precision of intersections from the next frame on: guaranteed, unless a comparison with textbooks is wanted.
     pub fn set_precision(&mut self, precision: Precision) {
         self.precision = precision;
     }
 
-    /// The film's size and transfer.
+    /// Returns the film's size and transfer.
     #[must_use]
     pub fn film_settings(&self) -> FilmSettings {
         systems::film_settings(&self.world)
     }
 
-    /// From where the picture is taken, at the moment of the last frame (the last of its instants, if its shutter was open) or
+    /// Returns the prepared camera at the moment of the last frame (the last of its instants, if its shutter was open) or
     /// [`seek`](Engine::seek). `None` before the first of them.
     ///
     /// ```no_run
@@ -255,31 +255,32 @@ impl Engine {
         Some(self.preparation.as_ref()?.camera())
     }
 
-    /// What the last frame called for, and why, or why not. `None` before the first of them.
+    /// Returns the effects that the last frame needed or left out, and why. `None` before the first frame.
     #[must_use]
     pub fn plan(&self) -> Option<&Plan> {
         self.plan.as_ref()
     }
 
-    /// Leaves an effect out of the frames from now on, though a scene calls for it, or none: to see what it is worth. Without
-    /// shadows of clear things, what is clear hides lights like anything else.
+    /// Leaves an effect, or none, out of the frames from now on, even if a scene calls for it: to see what it is worth. Without
+    /// shadows of transparent objects, they occlude lights like opaque ones.
     pub fn set_left_out(&mut self, effect: Option<Effect>) {
         self.left_out = effect;
     }
 
-    /// Renders with everything compiled in, whatever a scene calls for: slower, and the same bits. For comparisons.
+    /// Sets whether to render with everything compiled in, whatever a scene calls for: slower, and the same bits. For
+    /// comparisons.
     pub fn set_full(&mut self, full: bool) {
         self.full = full;
     }
 
-    /// The entities whose shapes are in the picture at the moment of the last frame or [`seek`](Engine::seek), in document
-    /// order. None before the first of them.
+    /// Returns the entities whose shapes are in the picture at the moment of the last frame or [`seek`](Engine::seek), in
+    /// document order. None before the first of them.
     pub fn drawn(&self) -> impl Iterator<Item = hecs::Entity> {
         self.preparation.iter().flat_map(|preparation| preparation.drawn().iter().copied())
     }
 
-    /// What is wrong with the world at the moment of the last frame (the last of its instants, if its shutter was open) or
-    /// [`seek`](Engine::seek), in document order: what is not drawn or not taken as it is, why, and how to mend it. Nothing
+    /// Returns what is wrong with the world at the moment of the last frame (the last of its instants, if its shutter was open)
+    /// or [`seek`](Engine::seek), in document order: what is not drawn or not used as given, why, and how to fix it. Nothing
     /// before the first of them.
     ///
     /// ```
@@ -302,14 +303,15 @@ impl Engine {
         self.preparation.as_ref().map_or_else(Vec::new, |preparation| preparation.faults(&self.world))
     }
 
-    /// What the last frame cost.
+    /// Returns the cost of the last frame.
     #[must_use]
     pub fn report(&self) -> &FrameReport {
         &self.report
     }
 
-    /// The nearest surface that a ray meets, at the moment of the last frame (the last of its instants, if its shutter was open)
-    /// or [`seek`](Engine::seek), exactly as the renderer sees it. `None` before the first of them, for a ray that meets nothing, and for one without a direction.
+    /// Returns the closest hit of a ray, at the moment of the last frame (the last of its instants, if its shutter was open) or
+    /// [`seek`](Engine::seek), exactly as the renderer sees it. `None` before the first of them, for a ray that hits nothing, and
+    /// for one without a direction.
     ///
     /// ```no_run
     /// use glam::DVec3;
@@ -333,7 +335,7 @@ impl Engine {
         Some(Hit::new(preparation.entity(surface.hit.id), &ray, exponent, surface))
     }
 
-    /// As [`cast`](Engine::cast) for many rays, on the current rayon pool's threads. The answers are in the rays' order.
+    /// Casts many rays as [`cast`](Engine::cast) does, on the current rayon pool's threads. The hits are in the rays' order.
     #[must_use]
     pub fn cast_all(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
         let Some(preparation) = &self.preparation else {
@@ -357,16 +359,16 @@ impl Engine {
             .collect()
     }
 
-    /// Everything that goes into the first sample of the pixel in column `i` and row `j`: the only one, unless
-    /// [`Sampling`](crate::components::Sampling) asks for more. As [`probe_sample`](Engine::probe_sample).
+    /// Returns everything that goes into the first sample of the pixel in column `i` and row `j`: the only one, unless
+    /// [`Sampling`](crate::components::Sampling) has more. As [`probe_sample`](Engine::probe_sample).
     #[must_use]
     pub fn probe(&self, i: u32, j: u32) -> Option<Probe<'_>> {
         self.probe_sample(i, j, 0)
     }
 
-    /// Everything that goes into sample `index` of the pixel in column `i` and row `j`, at the moment of the last
-    /// [`seek`](Engine::seek) or, where a shutter is open, [`seek_sample`](Engine::seek_sample), by the reference path. `None` before the first of them, outside the film, and for a sample
-    /// that the pixel does not have.
+    /// Returns everything that goes into sample `index` of the pixel in column `i` and row `j`, at the moment of the last
+    /// [`seek`](Engine::seek) or, where a shutter is open, [`seek_sample`](Engine::seek_sample), by the reference path. `None`
+    /// before the first of them, outside the film, and for a sample that the pixel does not have.
     #[must_use]
     pub fn probe_sample(&self, i: u32, j: u32, index: u32) -> Option<Probe<'_>> {
         let preparation = self.preparation.as_ref()?;
@@ -378,8 +380,8 @@ impl Engine {
         Some(Probe::new(preparation, tree))
     }
 
-    /// How many samples every pixel has, and which, at the moment of the last frame or [`seek`](Engine::seek). `None` before
-    /// the first of them.
+    /// Returns the number of samples per pixel, and their choice, at the moment of the last frame or [`seek`](Engine::seek).
+    /// `None` before the first of them.
     #[must_use]
     pub fn sampling(&self) -> Option<trace::Sampling> {
         Some(self.preparation.as_ref()?.sampling(self.report.time))

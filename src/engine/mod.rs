@@ -1,4 +1,4 @@
-//! World, systems and kernel put together.
+//! The engine: world, systems and kernel put together.
 
 mod cast;
 #[expect(clippy::module_inception, reason = "what the folder is about")]

@@ -1,4 +1,4 @@
-//! What one sample of a pixel sees.
+//! Everything that one sample of a pixel sees.
 
 use hecs::Entity;
 
@@ -7,7 +7,7 @@ use crate::systems::Preparation;
 use crate::trace::reference::RayTree;
 use crate::trace::{ShapeId, SurfacePoint};
 
-/// Everything that goes into a sample of a pixel: its rays, what they find, and what that adds to the colour.
+/// Everything that goes into a sample of a pixel: its rays, their hits, and the contributions to the colour.
 #[derive(Clone, Debug)]
 pub struct Probe<'a> {
     preparation: &'a Preparation,
@@ -20,32 +20,32 @@ impl<'a> Probe<'a> {
         Self { preparation, tree }
     }
 
-    /// The sample's colour. Where pixels have one sample it is the pixel's, as it is in the film, or would be if it had not
-    /// overflowed; where they have more the pixel is the mean of all.
+    /// Returns the sample's colour. Where pixels have one sample it is the pixel's, as it is in the film, or would be if it had
+    /// not overflowed; where they have more the pixel is the mean of all.
     #[must_use]
     pub fn color(&self) -> Rgb {
         self.tree.color()
     }
 
-    /// Whose shape is in a slot.
+    /// Returns the entity whose shape is in a slot.
     #[must_use]
     pub fn entity(&self, slot: ShapeId) -> Entity {
         self.preparation.entity(slot)
     }
 
-    /// What else is where a surface is, in document order.
+    /// Returns the shapes that are also where a surface is, in document order.
     #[must_use]
     pub fn tied(&self, surface: &SurfacePoint) -> Vec<ShapeId> {
         self.preparation.scene().tied(surface)
     }
 
-    /// The lights, in the order in which surfaces list them.
+    /// Returns the lights, in the order in which surfaces list them.
     #[must_use]
     pub fn lights(&self) -> &[Entity] {
         self.preparation.lights()
     }
 
-    /// How many samples a light takes at every point: 1 unless it has a size.
+    /// Returns the number of samples of a light at every point: 1 unless it has a size.
     #[must_use]
     pub fn light_samples(&self, index: usize) -> u32 {
         self.preparation.scene().lights.get(index).map_or(1, |light| light.samples)

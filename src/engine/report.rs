@@ -1,28 +1,28 @@
-//! What a frame cost.
+//! The cost of a frame.
 
 use std::time::Duration;
 
 use crate::time::Time;
 use crate::trace::{Escalations, RayCounts, TreeEnds};
 
-/// What the last frame cost, phase by phase.
+/// The cost of the last frame, phase by phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameReport {
     /// The frame's moment.
     pub time: Time,
-    /// Tracks and own systems.
+    /// The time spent on tracks and custom systems.
     pub animate: Duration,
-    /// World transforms and the kernel's arrays.
+    /// The time spent on world transforms and the kernel's arrays.
     pub prepare: Duration,
     /// How often the tree over the shapes was built. It is kept where no shape has changed.
     pub trees: u32,
-    /// Rays.
+    /// The time spent on rays.
     pub trace: Duration,
-    /// How many of them.
+    /// The number of rays.
     pub rays: RayCounts,
-    /// How many were not traced, though a surface sent them on.
+    /// The number of rays not traced, though a surface sent them on.
     pub ends: TreeEnds,
-    /// How often arithmetic had to be helped.
+    /// How often arithmetic had to be escalated.
     pub escalations: Escalations,
 }
 

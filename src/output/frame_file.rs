@@ -1,4 +1,4 @@
-//! One film to one file.
+//! Writes one film to one file.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use super::whole_file;
 use crate::color::Transfer;
 use crate::trace::Film;
 
-/// How pixels are stored.
+/// The file format of frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FrameFormat {
     /// Lossless and compressed, 8 bits a channel.
@@ -23,7 +23,7 @@ pub enum FrameFormat {
 }
 
 impl FrameFormat {
-    /// The file name's ending.
+    /// Returns the file name extension.
     #[must_use]
     pub fn extension(self) -> &'static str {
         match self {
@@ -33,7 +33,7 @@ impl FrameFormat {
     }
 }
 
-/// Why a frame file could not be written.
+/// The reason why a frame file could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
     /// The file system refused.
@@ -41,7 +41,7 @@ pub enum WriteError {
     File {
         /// The frame file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: io::Error,
     },
     /// The encoder refused.
@@ -49,12 +49,12 @@ pub enum WriteError {
     Encoding {
         /// The frame file.
         path: PathBuf,
-        /// What the encoder said.
+        /// The encoder's error.
         source: image::ImageError,
     },
 }
 
-/// The bytes of a frame file.
+/// Returns the bytes of a frame file.
 ///
 /// # Errors
 ///
@@ -63,8 +63,8 @@ pub fn encode(film: &Film, transfer: Transfer, format: FrameFormat) -> Result<Ve
     encode_pixels(&transfer.encode_all(film.pixels()), film.width(), film.height(), format)
 }
 
-/// A PNG file that takes less time to write and to read, and some more space: for a reader who waits for it. Works on the current
-/// rayon pool's threads.
+/// Returns a PNG file that takes less time to write and to read, and some more space: for an interactive reader. Runs on the
+/// current rayon pool's threads.
 ///
 /// # Errors
 ///
@@ -79,7 +79,7 @@ pub fn encode_quickly(film: &Film, transfer: Transfer) -> Result<Vec<u8>, image:
     png(pixels.as_flattened(), film.width(), film.height(), FilterType::Sub)
 }
 
-/// The bytes of a file of these pixels, row by row from the top.
+/// Returns the bytes of a file of these pixels, row by row from the top.
 pub(super) fn encode_pixels(
     pixels: &[[u8; 3]],
     width: u32,
@@ -119,7 +119,7 @@ pub fn write(path: &Path, film: &Film, transfer: Transfer, format: FrameFormat) 
     write_encoded(path, encode(film, transfer, format))
 }
 
-/// As [`write`], but if the machine fails, the file may be absent as long as it is not [settled](settle).
+/// Writes as [`write`] does, but if the machine fails, the file may be absent as long as it is not [settled](settle).
 pub(super) fn put(
     path: &Path,
     film: &Film,
@@ -131,12 +131,12 @@ pub(super) fn put(
     whole_file::put(path, &bytes).map_err(|source| WriteError::File { path: path.to_owned(), source })
 }
 
-/// Keeps a file that was [put](put), and all before it in its folder, even if the machine fails.
+/// Makes a file that was [put](put), and all before it in its folder, durable even if the machine fails.
 pub(super) fn settle(path: &Path) -> Result<(), WriteError> {
     whole_file::settle(path).map_err(|source| WriteError::File { path: path.to_owned(), source })
 }
 
-/// Writes what the encoder made: whole, or not at all.
+/// Writes the encoder's output: whole, or not at all.
 pub(super) fn write_encoded(
     path: &Path,
     encoded: Result<Vec<u8>, image::ImageError>,

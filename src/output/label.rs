@@ -1,6 +1,6 @@
-//! Numbers under pictures, in a font of a few bitmap glyphs.
+//! Numbers below pictures, in a font of a few bitmap glyphs.
 
-/// What can be written; anything else is a space.
+/// The characters that can be drawn; anything else is a space.
 const CHARACTERS: &str = "0123456789.s#";
 
 /// The glyphs side by side, in the order of [`CHARACTERS`].
@@ -21,12 +21,12 @@ pub(super) const HEIGHT: u32 = 9;
 /// Columns from one character to the next; the last of them is empty.
 const ADVANCE: u32 = 7;
 
-/// Columns of a text, without the empty one at its end.
+/// Returns the columns of a text, without the empty one at its end.
 pub(super) fn width(text: &str) -> u32 {
     (0..).zip(text.chars()).last().map_or(0, |(index, _): (u32, char)| index * ADVANCE + ADVANCE - 1)
 }
 
-/// Column and row of every dot of a text, from its top left.
+/// Returns the column and row of every dot of a text, from its top left.
 pub(super) fn dots(text: &str) -> impl Iterator<Item = (u32, u32)> {
     (0..)
         .step_by(ADVANCE as usize)
@@ -34,7 +34,7 @@ pub(super) fn dots(text: &str) -> impl Iterator<Item = (u32, u32)> {
         .flat_map(|(left, character)| glyph(character).map(move |(column, row)| (left + column, row)))
 }
 
-/// Column and row of every dot of a character.
+/// Returns the column and row of every dot of a character.
 fn glyph(character: char) -> impl Iterator<Item = (u32, u32)> {
     let start = CHARACTERS.find(character).map(|index| index * ADVANCE as usize);
     start.into_iter().flat_map(|start| {

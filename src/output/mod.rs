@@ -1,6 +1,6 @@
-//! Films to files: frame files, and sheets of many frames.
+//! Writes films to files: frame files, and sheets of many frames.
 //!
-//! Files are whole or absent: each is written under a name of its own beside its place, and renamed when every byte is on the
+//! Files are whole or absent: each is written under a temporary name beside its place, and renamed when every byte is on the
 //! disk.
 
 mod frame_file;

@@ -1,4 +1,4 @@
-//! Where the frames of a sequence go.
+//! The file names of a sequence's frames.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -10,32 +10,32 @@ use crate::time::Time;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sequence {
     directory: PathBuf,
-    /// As the system has it: two names that differ in what is no text are two names.
+    /// As the system has it: two names that differ in bytes that are not text are two names.
     name: OsString,
     digits: usize,
     format: FrameFormat,
 }
 
 impl Sequence {
-    /// A sequence in a directory. Numbers have four digits, or as many as the `last` frame needs.
+    /// Creates the names of a sequence in a directory. Numbers have four digits, or as many as the `last` frame needs.
     #[must_use]
     pub fn new(directory: PathBuf, name: impl Into<OsString>, last: u32, format: FrameFormat) -> Self {
         Self { directory, name: name.into(), digits: last.to_string().len().max(4), format }
     }
 
-    /// The file of frame `index`.
+    /// Returns the file of frame `index`.
     #[must_use]
     pub fn frame(&self, index: u32) -> PathBuf {
         self.file(&format!("{index:0digits$}", digits = self.digits))
     }
 
-    /// The file of a moment between frames.
+    /// Returns the file of a moment between frames.
     #[must_use]
     pub fn moment(&self, time: Time) -> PathBuf {
         self.file(&format!("at-{}s", time.seconds()))
     }
 
-    /// The file of a sheet of frames.
+    /// Returns the file of a sheet of frames.
     #[must_use]
     pub fn sheet(&self) -> PathBuf {
         self.file("sheet")
@@ -47,13 +47,13 @@ impl Sequence {
         self.directory.join(name)
     }
 
-    /// Where the files go.
+    /// Returns the directory of the files.
     #[must_use]
     pub fn directory(&self) -> &std::path::Path {
         &self.directory
     }
 
-    /// How pixels are stored.
+    /// Returns the file format.
     #[must_use]
     pub fn format(&self) -> FrameFormat {
         self.format

@@ -13,7 +13,7 @@ use crate::trace::Film;
 const GAP: u32 = 8;
 /// Pixels between a tile and its label.
 const LABEL_GAP: u32 = 5;
-/// A label's dots are a pixel wide and high for every so many columns of a tile.
+/// Columns of a tile per pixel of a label's dot, in width and height.
 const COLUMNS_PER_DOT: u32 = 400;
 
 const BACKGROUND: [u8; 3] = [28; 3];
@@ -28,13 +28,13 @@ pub struct Sheet {
     tile: (u32, u32),
     transfer: Transfer,
     width: u32,
-    /// Row by row from the top.
+    /// The pixels, row by row from the top.
     pixels: Vec<[u8; 3]>,
-    /// Tiles so far.
+    /// The number of tiles so far.
     count: u32,
 }
 
-/// A sheet would be larger than a picture may be.
+/// The error of a sheet that would be larger than a picture may be.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "{columns}x{rows} tiles of {}x{} pixels make a sheet of {width}x{height}: it may have at most {} pixels, and {} on a side",
@@ -58,10 +58,10 @@ impl Sheet {
     pub const LARGEST_SIDE: u32 = 32_768;
     /// The most pixels, 2^28: 805 MB of them.
     pub const LARGEST_AREA: u64 = 1 << 28;
-    /// Pixels that a sheet is at most wide with tiles of [`Sheet::fitting_tile`].
+    /// The largest width of a sheet with tiles of [`Sheet::fitting_tile`], in pixels.
     pub const FITTING_WIDTH: u32 = 1920;
 
-    /// An empty sheet of so many columns and rows of tiles, each of which is so many pixels wide and high.
+    /// Creates an empty sheet of this many columns and rows of tiles, given the width and height of a tile in pixels.
     ///
     /// # Errors
     ///
@@ -82,8 +82,8 @@ impl Sheet {
         }
     }
 
-    /// The size of tiles with which a sheet of so many columns is at most [`Sheet::FITTING_WIDTH`] pixels wide; never larger
-    /// than the film, and of exactly its proportions where whole pixels allow that without halving the tile.
+    /// Returns the size of tiles with which a sheet of this many columns is at most [`Sheet::FITTING_WIDTH`] pixels wide; never
+    /// larger than the film, and of exactly its proportions where whole pixels allow that without halving the tile.
     #[must_use]
     pub fn fitting_tile(columns: u32, (width, height): (u32, u32)) -> (u32, u32) {
         let (columns, width, height) = (columns.max(1), width.max(1), height.max(1));
@@ -98,7 +98,7 @@ impl Sheet {
         (fitting, u32::try_from(rows).unwrap_or(u32::MAX).max(1))
     }
 
-    /// Puts a frame on the next tile. What is outside of the tile, and outside of the sheet, is cut off.
+    /// Adds a frame as the next tile. What is outside the tile, and outside the sheet, is cropped.
     pub fn add(&mut self, film: &Film, frame: u32, time: Time) {
         let (left, top) = self.next_place();
         let columns = film.width().min(self.tile.0) as usize;
@@ -113,13 +113,13 @@ impl Sheet {
         self.label(&label, left, top.saturating_add(self.tile.1 + LABEL_GAP));
     }
 
-    /// Columns of pixels.
+    /// Returns the width in pixels.
     #[must_use]
     pub fn width(&self) -> u32 {
         self.width
     }
 
-    /// Rows of pixels.
+    /// Returns the height in pixels.
     #[must_use]
     pub fn height(&self) -> u32 {
         // There are no more than [`Sheet::LARGEST_SIDE`].
@@ -135,7 +135,7 @@ impl Sheet {
         write_encoded(path, encode_pixels(&self.pixels, self.width, self.height(), format))
     }
 
-    /// Left and top of the next tile.
+    /// Returns the left and top of the next tile.
     fn next_place(&mut self) -> (u32, u32) {
         let (column, row) = (self.count % self.columns, self.count / self.columns);
         self.count = self.count.saturating_add(1);
@@ -143,7 +143,7 @@ impl Sheet {
         (GAP + column * across, row.saturating_mul(down).saturating_add(GAP))
     }
 
-    /// The pixels of row `y` from column `x` on; none outside of the sheet.
+    /// Returns the pixels of row `y` from column `x` on; none outside the sheet.
     fn row_from(&mut self, x: u32, y: u32) -> &mut [[u8; 3]] {
         let width = self.width as usize;
         let row = self.pixels.chunks_exact_mut(width).nth(y as usize);
@@ -164,12 +164,12 @@ impl Sheet {
     }
 }
 
-/// Pixels of a label's dots on a side.
+/// Returns the side of a label's dots in pixels.
 fn dot((columns, _): (u32, u32)) -> u32 {
     (columns / COLUMNS_PER_DOT).max(1)
 }
 
-/// Rows of pixels below a tile for its label.
+/// Returns the rows of pixels below a tile for its label.
 fn label_height(tile: (u32, u32)) -> u32 {
     LABEL_GAP + dot(tile) * label::HEIGHT
 }
@@ -267,7 +267,7 @@ mod tests {
         assert_eq!(inked(800), 4 * inked(83));
     }
 
-    /// How many pixels of a tile's label have ink.
+    /// Returns how many pixels of a tile's label have ink.
     fn inked(columns: u32) -> usize {
         let mut sheet = Sheet::new(1, 1, (columns, 1), Transfer::Classic).unwrap();
         sheet.add(&film((columns, 1), Rgb::ONE), 17, Time::ZERO);

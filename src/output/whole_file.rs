@@ -1,4 +1,4 @@
-//! Files that are whole or absent, whatever ends the process that writes them, and the machine.
+//! Files that are whole or absent, even if the process that writes them or the machine fails.
 //!
 //! ```text
 //! create under a name of its own -> lock -> write -> sync -> rename -> sync the folder
@@ -6,7 +6,7 @@
 //!
 //! The name is random and must not be taken: process ids would be the same in two containers that share a folder. The lock is
 //! held until the file has its place, and the system releases it however the process ends. So a partial file that can be locked
-//! is a leftover, and one that cannot is somebody's, in whatever container; where a file system has no locks, none is touched.
+//! is a leftover, and one that cannot is in use, in whatever container; where a file system has no locks, none is touched.
 
 use std::fs::{self, DirEntry, File, OpenOptions, TryLockError};
 use std::hash::{BuildHasher, Hasher, RandomState};
@@ -16,18 +16,18 @@ use std::path::{Path, PathBuf};
 const PREFIX: &str = ".rayreel-";
 const SUFFIX: &str = ".partial";
 
-/// Writes a file, in the place of one that is there.
+/// Writes a file, replacing one that is there.
 pub(super) fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     put(path, bytes)?;
     settle(path)
 }
 
-/// As [`write`], but if the machine fails, the name may be lost as long as it is not [settled](settle).
+/// Writes as [`write`] does, but if the machine fails, the name may be lost as long as it is not [settled](settle).
 pub(super) fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
     Partial::filled(folder_of(path), bytes)?.replace(path)
 }
 
-/// Sees to it that the name of a file is on the disk, with all others in its folder, where folders can be asked for that.
+/// Ensures that the name of a file is on the disk, with all others in its folder, where folders can be synced.
 pub(super) fn settle(path: &Path) -> io::Result<()> {
     use ErrorKind::{InvalidInput, PermissionDenied, Unsupported};
     if cfg!(not(unix)) {
@@ -45,8 +45,8 @@ pub(super) fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
     settle(path)
 }
 
-/// Removes the partial files that processes left in a folder which were killed while they wrote. Those of processes that run
-/// stay, and so does whatever cannot be removed: it is in nobody's way.
+/// Removes partial files left in a folder by processes that were killed while they wrote. Those of running processes stay, and so
+/// does whatever cannot be removed: it does no harm.
 pub fn remove_leftovers(folder: &Path) {
     let Ok(entries) = fs::read_dir(named(folder)) else { return };
     for entry in entries.flatten().filter(is_partial) {
@@ -60,12 +60,12 @@ pub fn remove_leftovers(folder: &Path) {
     }
 }
 
-/// The folder that a file is in, or would be.
+/// Returns the folder that a file is in, or would be.
 pub fn folder_of(path: &Path) -> &Path {
     named(path.parent().unwrap_or(Path::new("")))
 }
 
-/// The working directory has a name, too.
+/// Returns a folder by name, for the working directory too.
 fn named(folder: &Path) -> &Path {
     if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
 }
@@ -77,7 +77,7 @@ fn is_partial(entry: &DirEntry) -> bool {
     token.is_some_and(is_token) && entry.file_type().is_ok_and(|kind| kind.is_file())
 }
 
-/// A file without a place yet; removed, unless it gets one.
+/// A file without a place yet; removed unless it gets one.
 struct Partial {
     path: PathBuf,
     file: File,
@@ -85,7 +85,7 @@ struct Partial {
 }
 
 impl Partial {
-    /// One with these bytes, all of them on the disk.
+    /// Creates one with these bytes, all of them on the disk.
     fn filled(folder: &Path, bytes: &[u8]) -> io::Result<Self> {
         let mut partial = Self::create(folder)?;
         partial.file.write_all(bytes)?;
@@ -109,7 +109,7 @@ impl Partial {
         }
     }
 
-    /// Locks the file. Somebody who removes leftovers may have been quicker.
+    /// Locks the file, and returns whether it is still there: another process that removes leftovers may have been quicker.
     fn is_kept(&self) -> bool {
         match self.file.try_lock() {
             Ok(()) => self.path.exists(),
@@ -125,7 +125,7 @@ impl Partial {
         Ok(())
     }
 
-    /// A second name can only be given where there is no file, unlike another name.
+    /// Links the file into place, as a second name, unlike a new name, can only be given where there is no file.
     fn place(self, path: &Path) -> io::Result<()> {
         match fs::hard_link(&self.path, path) {
             Err(error) if error.kind() != ErrorKind::AlreadyExists => self.claim(path),
@@ -133,7 +133,7 @@ impl Partial {
         }
     }
 
-    /// Where files have one name only, the place is taken by an empty one first.
+    /// Takes the place with an empty file first, where files have one name only.
     fn claim(self, path: &Path) -> io::Result<()> {
         drop(File::create_new(path)?);
         self.replace(path).inspect_err(|_| {
@@ -150,7 +150,7 @@ impl Drop for Partial {
     }
 }
 
-/// From the system's own randomness, by which hash maps are keyed.
+/// Returns a number from the system's own randomness, by which hash maps are keyed.
 fn random() -> u64 {
     RandomState::new().build_hasher().finish()
 }

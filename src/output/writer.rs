@@ -1,4 +1,4 @@
-//! Encoding and writing beside rendering.
+//! Encodes and writes frames while others are rendered.
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
@@ -13,18 +13,18 @@ use crate::trace::Film;
 /// A thread that writes one frame while the next is rendered. At most two films wait.
 #[derive(Debug)]
 pub struct FrameWriter {
-    /// `None` once the writer is told that no more will come.
+    /// The queue; `None` once the writer is told that no more will come.
     jobs: Option<SyncSender<Job>>,
     written: Receiver<Written>,
     thread: Option<JoinHandle<()>>,
 }
 
-/// A frame that the writer is done with.
+/// A frame that the writer has finished with.
 #[derive(Debug)]
 pub struct Written {
     /// The number given to [`FrameWriter::submit`].
     pub ticket: usize,
-    /// Encoding and writing.
+    /// The time spent on encoding and writing.
     pub duration: Duration,
     /// Whether the file is there now.
     pub result: Result<(), WriteError>,
@@ -49,7 +49,7 @@ impl FrameWriter {
         Self { jobs: Some(jobs), written, thread: Some(thread) }
     }
 
-    /// Hands a film over; waits while too many do.
+    /// Submits a film; waits while too many are queued.
     pub fn submit(&self, ticket: usize, path: PathBuf, film: Film, transfer: Transfer, format: FrameFormat) {
         if let Some(jobs) = &self.jobs {
             // The thread ends only after the sender is dropped.
@@ -57,12 +57,12 @@ impl FrameWriter {
         }
     }
 
-    /// What has been written since the last question.
+    /// Returns the frames finished since the last call.
     pub fn written(&self) -> impl Iterator<Item = Written> {
         self.written.try_iter()
     }
 
-    /// Waits for all films to be written and returns what had not been asked for.
+    /// Waits for all films to be written, and returns the frames not yet returned.
     #[must_use]
     pub fn finish(mut self) -> Vec<Written> {
         self.jobs = None;
@@ -80,7 +80,8 @@ impl Drop for FrameWriter {
     }
 }
 
-/// While films wait, only their bytes are brought to the disk, and their names together with the last one's.
+/// Writes films as they come; while more wait, only their bytes are brought to the disk, and their names together with the last
+/// one's.
 fn run(jobs: &Receiver<Job>, done: &Sender<Written>) {
     let mut next = jobs.recv().ok();
     while let Some(Job { ticket, path, film, transfer, format }) = next {

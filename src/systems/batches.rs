@@ -1,12 +1,12 @@
-//! Many entities on many threads.
+//! Distributes many entities over many threads.
 
 use rayon::prelude::*;
 
-/// Entities that one thread takes at once.
+/// The number of entities in a batch.
 pub(super) const BATCH: u32 = 1024;
 
-/// Goes through batches of `count` entities, on the current rayon pool's threads if they are worth waking. The results are in
-/// the batches' order.
+/// Processes `count` entities in batches, on the current rayon pool's threads if there are enough of them. The results are in the
+/// batches' order.
 pub(super) fn in_batches<B: Send, R: Send>(
     count: u32,
     batches: impl Iterator<Item = B>,

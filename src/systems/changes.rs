@@ -1,11 +1,11 @@
-//! What was written since the kernel's arrays were last brought up to date.
+//! Writes since the kernel's arrays were last brought up to date.
 
 use hecs::Entity;
 
 /// A record of writes to the world.
 ///
-/// A system that declares nothing is taken to have written anything, and the whole world is read again; one that
-/// declares its writes, with the methods here, pays for those only. Declaring too little shows a stale picture.
+/// A system that declares nothing is assumed to have written anything, and the whole world is read again; one that declares its
+/// writes, with the methods here, pays for those only. Declaring too little shows a stale picture.
 #[derive(Clone, Debug, Default)]
 pub struct Changes {
     everything: bool,
@@ -16,7 +16,7 @@ pub struct Changes {
 }
 
 impl Changes {
-    /// Anything may have changed, entities may have come and gone.
+    /// Creates a record in which anything may have changed, and entities may have come and gone.
     #[must_use]
     pub fn all() -> Self {
         Self { everything: true, ..Self::default() }
@@ -49,37 +49,37 @@ impl Changes {
         self.materials.push(entity);
     }
 
-    /// Declares that nothing else was written than, at most, lights, cameras and settings of the whole scene, which are
-    /// read anew for every frame.
+    /// Declares that nothing else was written than, at most, lights, cameras and settings of the whole scene, which are read
+    /// again for every frame.
     pub fn settings(&mut self) {
         self.declared = true;
     }
 
-    /// Must the whole world be read again?
+    /// Returns whether the whole world must be read again.
     #[must_use]
     pub fn is_everything(&self) -> bool {
         self.everything
     }
 
-    /// Entities whose transforms were written; may repeat.
+    /// Returns the entities whose transforms were written; may repeat.
     #[must_use]
     pub fn transforms(&self) -> &[Entity] {
         &self.transforms
     }
 
-    /// Entities whose shapes were written; may repeat.
+    /// Returns the entities whose shapes were written; may repeat.
     #[must_use]
     pub fn shapes(&self) -> &[Entity] {
         &self.shapes
     }
 
-    /// Entities whose materials were written; may repeat.
+    /// Returns the entities whose materials were written; may repeat.
     #[must_use]
     pub fn materials(&self) -> &[Entity] {
         &self.materials
     }
 
-    /// Runs a system and believes what it declares; all is taken to be written if it declares nothing.
+    /// Runs a system and trusts its declarations; if it declares nothing, everything is assumed to be written.
     pub(super) fn watch(&mut self, system: impl FnOnce(&mut Self)) {
         let before = std::mem::replace(&mut self.declared, false);
         system(self);

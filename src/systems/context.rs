@@ -1,4 +1,4 @@
-//! What a system is given.
+//! The input of a system.
 
 use hecs::{DynamicBundle, Entity, World};
 
@@ -11,21 +11,21 @@ pub struct Context<'a> {
     pub world: &'a mut World,
     /// The moment: of the frame for pure systems, of the step's start for stepped ones.
     pub time: Time,
-    /// Where the system says what it writes.
+    /// The record in which the system declares its writes.
     pub changes: &'a mut Changes,
     pub(super) step: Option<f64>,
     pub(super) spawned: Vec<Entity>,
 }
 
 impl Context<'_> {
-    /// The length of the step in seconds; 0 for a pure system.
+    /// Returns the length of the step in seconds; 0 for a pure system.
     #[must_use]
     pub fn step_seconds(&self) -> f64 {
         self.step.unwrap_or(0.0)
     }
 
-    /// Spawns an entity after all others in document order, and declares it. Entities that are spawned directly into the
-    /// world get their places after the system has run, by their ids.
+    /// Spawns an entity after all others in document order, and declares it. Entities that are spawned directly into the world
+    /// get their places after the system has run, by their ids.
     pub fn spawn(&mut self, components: impl DynamicBundle) -> Entity {
         let entity = self.world.spawn(components);
         self.spawned.push(entity);

@@ -1,4 +1,4 @@
-//! The effects: what a picture may show or not.
+//! Rendering effects.
 
 use std::fmt;
 
@@ -6,11 +6,11 @@ use crate::components::table;
 
 /// A kernel has it together with all other extras, or none of them.
 const EXTRA: bool = true;
-/// Kernels have it or not by itself, or they do not know of it.
+/// Kernels have it or not individually, or are unaware of it.
 const APART: bool = false;
 
 table! {
-    /// Something that a picture may show or not.
+    /// A rendering effect that a picture may or may not need.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
     pub enum Effect: (&'static str, bool) {
         /// Light from everywhere.
@@ -19,47 +19,47 @@ table! {
         Diffuse => ("diffuse light", APART),
         /// Highlights.
         Specular => ("highlights", EXTRA),
-        /// Shadows of what is opaque.
+        /// Shadows of opaque objects.
         Shadows => ("shadows", APART),
-        /// Shadows of what is clear.
+        /// Shadows of transparent objects.
         ClearShadows => ("clear shadows", APART),
         /// Lights with a size, and soft shadows.
         AreaLights => ("area lights", EXTRA),
-        /// Lights that shine into a cone.
+        /// Lights that shine in a cone.
         SpotLights => ("spot lights", EXTRA),
         /// Lights that weaken with distance.
         Falloff => ("falloff", EXTRA),
-        /// Mirrors.
+        /// Mirror reflection.
         Reflection => ("reflection", APART),
-        /// Clear media.
+        /// Transparent media.
         Refraction => ("refraction", APART),
-        /// Clear media that mirror as Fresnel's equations say.
+        /// Transparent media that reflect according to Fresnel's equations.
         Fresnel => ("Fresnel", APART),
-        /// Clear media that are tinted.
+        /// Tinted transparent media.
         Absorption => ("absorption", APART),
-        /// Squares.
+        /// Checker patterns.
         Checker => ("checker", EXTRA),
         /// Fog.
         Fog => ("fog", EXTRA),
         /// A background that is not the same everywhere.
         Gradient => ("gradient", APART),
-        /// Several samples in a pixel.
+        /// Several samples per pixel.
         Antialiasing => ("antialiasing", APART),
         /// A lens.
         DepthOfField => ("depth of field", APART),
-        /// Several instants in a frame.
+        /// Several instants per frame.
         MotionBlur => ("motion blur", APART),
     }
 }
 
 impl Effect {
-    /// Its name in words.
+    /// Returns its name in words.
     #[must_use]
     pub fn name(self) -> &'static str {
         self.row().1.0
     }
 
-    /// Is it one of the extras, of which a kernel has all or none?
+    /// Returns whether it is one of the extras, of which a kernel has all or none.
     pub(super) fn is_extra(self) -> bool {
         self.row().1.1
     }

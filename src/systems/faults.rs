@@ -1,25 +1,25 @@
-//! What is wrong with a world at a moment.
+//! Faults of a world at a moment.
 //!
-//! Files are refused when something in them is wrong. A world of one's own is not, nor is what tracks, scripts and systems make
-//! of one halfway through: whatever cannot be drawn is left out of the picture, and whatever is out of range is held to it. Here
-//! is what says so.
+//! Files are refused when something in them is wrong. A world built in code is not, nor is what tracks, scripts and systems make
+//! of one halfway through: whatever cannot be drawn is left out of the picture, and whatever is out of range is clamped. A fault
+//! reports that.
 
 use std::fmt;
 
 use hecs::Entity;
 
-/// Something about an entity that keeps it from showing as it says.
+/// A reason why an entity does not appear as specified.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fault {
-    /// Whose.
+    /// The entity.
     pub entity: Entity,
-    /// What becomes of it.
+    /// The consequence.
     pub effect: FaultEffect,
-    /// Why.
+    /// The cause.
     pub cause: FaultCause,
 }
 
-/// What becomes of an entity with a [`Fault`].
+/// The consequence of a [`Fault`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FaultEffect {
     /// Its shape is not in the picture.
@@ -34,18 +34,18 @@ pub enum FaultEffect {
     Instead(Instead),
 }
 
-/// What is taken for a part that is wrong.
+/// What is used in place of a part that is wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Instead {
     /// This number.
     Number(f64),
-    /// It is as if it were not there.
+    /// Nothing: it is as if it were not there.
     Nothing,
     /// A camera looks along the world's +z.
     AlongZ,
 }
 
-/// Why an entity has a [`Fault`].
+/// The cause of a [`Fault`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FaultCause {
     /// It has a [`Shape`](crate::components::Shape) and no [`Material`](crate::components::Material).
@@ -54,11 +54,11 @@ pub enum FaultCause {
     Undeclared,
     /// A number of a part of it is not finite.
     NotFinite(&'static str),
-    /// Its own transform is finite; with those of its parents it is not.
+    /// Its own transform is finite; combined with those of its parents it is not.
     Overflow,
     /// A factor of its own scale is 0.
     NoScale,
-    /// Its transform squeezes a direction to nothing: by the scales of its parents, or by rounding.
+    /// Its transform collapses a direction to nothing: by the scales of its parents, or by rounding.
     Flat,
     /// A coordinate or a size, in the world, is not within 1e-150 and 1e150.
     BeyondMeasure,
@@ -75,11 +75,11 @@ pub enum FaultCause {
     },
     /// A number is not in its range.
     OutOfRange {
-        /// Which number.
+        /// The name of the number.
         what: &'static str,
-        /// What it is.
+        /// Its value.
         value: f64,
-        /// What it may be.
+        /// The valid range.
         range: &'static str,
     },
     /// An entity that it refers to is not there, or has no place.
@@ -87,7 +87,7 @@ pub enum FaultCause {
 }
 
 impl Fault {
-    /// How to mend it.
+    /// Returns how to fix it.
     #[must_use]
     pub fn remedy(&self) -> String {
         match self.cause {
@@ -116,7 +116,7 @@ impl Fault {
 }
 
 impl fmt::Display for Fault {
-    /// What becomes of it, and why: to follow the entity's name.
+    /// Writes the consequence and the cause: to follow the entity's name.
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.effect {
             FaultEffect::NotDrawn => write!(formatter, "is not drawn: {}", self.cause),
@@ -163,7 +163,7 @@ impl fmt::Display for FaultCause {
     }
 }
 
-/// A number as people write it.
+/// Formats a number for people.
 fn brief(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || !size.is_finite() || (1e-4..1e7).contains(&size) {

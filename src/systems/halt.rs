@@ -1,4 +1,4 @@
-//! What ends the systems of a frame before they are through.
+//! The reasons for which the systems of a frame end early.
 
 use super::UnknownComponent;
 use crate::components::ScriptId;
@@ -7,24 +7,24 @@ use crate::script::ScriptError;
 /// A program that gave no value.
 #[derive(Clone, Debug)]
 pub struct ScriptFailure {
-    /// Which program.
+    /// The program.
     pub script: ScriptId,
-    /// What it drives: `Radius of "ball"`.
+    /// The value that it drives: `Radius of "ball"`.
     pub channel: String,
-    /// When, in seconds.
+    /// The moment, in seconds.
     pub seconds: f64,
-    /// What is wrong.
+    /// The error.
     pub error: Box<ScriptError>,
 }
 
-/// Why a world could not be brought to a moment.
+/// The reason why a world could not be brought to a moment.
 #[derive(Clone, Debug)]
 pub enum Halt {
     /// It cannot be copied.
     UnknownComponent(UnknownComponent),
     /// A program gave no value.
     Script(Box<ScriptFailure>),
-    /// Nobody waits for it any more.
+    /// The request was cancelled.
     Cancelled,
 }
 

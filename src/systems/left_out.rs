@@ -1,12 +1,12 @@
-//! A moment as it would be without an effect: what the effect is worth is the difference.
+//! A moment as it would be without an effect: the difference is what the effect is worth.
 
 use super::{Effect, Preparation};
 use crate::color::Rgb;
 use crate::trace::{Background, Fog, LightSource, SurfaceMaterial};
 
 impl Preparation {
-    /// The same moment without what calls for an effect. Motion blur and shadows of clear things are not called for by anything
-    /// that is prepared: whoever draws the moment leaves them out.
+    /// Returns the same moment without what calls for an effect. Motion blur and shadows of transparent objects are not called
+    /// for by anything that is prepared: the renderer leaves them out.
     #[must_use]
     pub fn without(&self, effect: Effect) -> Self {
         let mut less = self.clone();

@@ -4,16 +4,17 @@
 //! animate -> scripts -> own systems -> propagate -> prepare   (-> trace)
 //! ```
 //!
-//! - [`animate()`] writes what motions say about this moment.
-//! - [`Scripts`] write what programs say about it, after all tracks.
-//! - [`Schedule`] runs what the program that uses the library has added, pure or stepped; both run before each of its steps.
+//! - [`animate()`] writes the values of motions at this moment.
+//! - [`Scripts`] write the values of programs, after all tracks.
+//! - [`Schedule`] runs the systems added by the program that uses the library, pure or stepped; both run before each of its
+//!   steps.
 //! - [`propagate()`] turns transforms into world transforms, parents first.
-//! - [`Plan`] says which effects the moment calls for, and why.
-//! - [`Fault`]s say what is wrong with the moment, so that something is not drawn as it says.
-//! - [`Preparation`] is the only bridge from the world to the kernel: it carries shapes, materials, lights and the camera
-//!   over into arrays, in document order, and only what has changed.
+//! - [`Plan`] lists the effects that the moment calls for, and why.
+//! - [`Fault`]s report what is wrong with the moment, so that something is not drawn as specified.
+//! - [`Preparation`] is the only bridge from the world to the kernel: it carries shapes, materials, lights and the camera over
+//!   into arrays, in document order, and only what has changed.
 //!
-//! hecs keeps no record of changes, so systems say what they write: see [`Changes`].
+//! hecs keeps no record of changes, so systems declare their writes: see [`Changes`].
 
 mod animate;
 mod batches;

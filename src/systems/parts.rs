@@ -1,4 +1,4 @@
-//! Where the values of properties are in the components of an entity: one line for each property.
+//! The places of properties' values in the components of an entity: one line for each property.
 
 use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
@@ -11,14 +11,14 @@ use crate::components::{
     Property, Quantity, Reflective, Refractive, Shape, Specular, Transform, View,
 };
 
-/// Makes, of a list of the components that properties are values of, the query for those that an entity has, what it finds,
-/// and a way to read one value of an entity.
+/// Defines, from a list of the components that hold properties, the query for those that an entity has, its result, and a
+/// function that reads one value of an entity.
 macro_rules! parts {
     ($($part:ident: $component:ident,)*) => {
-        /// A query for the components that properties are values of, if an entity has them.
+        /// A query for the components that hold properties, where an entity has them.
         pub(super) type PartsQuery<'a> = ($(Option<&'a mut $component>,)*);
 
-        /// What an entity has of them.
+        /// The components of an entity that hold properties.
         pub(super) struct Parts<'a> {
             $(pub(super) $part: Option<&'a mut $component>,)*
         }
@@ -29,10 +29,10 @@ macro_rules! parts {
             }
         }
 
-        /// A value of an entity. `None` if the entity lacks it.
+        /// Returns a value of an entity. `None` if the entity lacks it.
         ///
-        /// What is not written has the value that takes its place: an ambient colour is the colour, and a camera with a
-        /// view direction has a target in that direction.
+        /// What is not written has the value that takes its place: an ambient colour is the colour, and a camera with a view
+        /// direction has a target in that direction.
         #[must_use]
         pub fn value(world: &World, entity: Entity, property: Property) -> Option<Value> {
             // Of copies, so that nothing is written.
@@ -58,7 +58,7 @@ parts! {
     fog: Fog,
 }
 
-/// Where a value is.
+/// The place of a value.
 enum Place<'a> {
     Number(&'a mut f64),
     Single(&'a mut f32),
@@ -69,7 +69,7 @@ enum Place<'a> {
 }
 
 impl Parts<'_> {
-    /// Writes a value, held to its range, and says whether it is different from what it was. Nothing is written if the entity
+    /// Writes a value, clamped to its range, and returns whether it is different from before. Nothing is written if the entity
     /// lacks it, or if it is of another kind.
     pub(super) fn set(&mut self, property: Property, value: Value) -> bool {
         self.place(property).is_some_and(|place| place.write(held(value, property.quantity())))
@@ -79,9 +79,9 @@ impl Parts<'_> {
         Some(self.place(property)?.read())
     }
 
-    /// Where a value is, if the entity has it.
+    /// Returns the place of a value, if the entity has it.
     fn place(&mut self, property: Property) -> Option<Place<'_>> {
-        /// What a pattern finds, if there is such a thing.
+        /// Matches a pattern in a component, if there is one.
         macro_rules! within {
             ($part:expr, $pattern:pat => $place:expr) => {
                 match $part {
@@ -168,12 +168,12 @@ impl Parts<'_> {
     }
 }
 
-/// The colour in ambient light; a material without one is given its colour.
+/// Returns the colour in ambient light; a material without one is given its colour.
 fn ambient_color(material: &mut Material) -> &mut Rgb {
     material.ambient_color.get_or_insert(material.color)
 }
 
-/// The point that a camera looks at; one with a direction is given one.
+/// Returns the point that a camera looks at; one with a direction is given one.
 fn target(camera: &mut Camera) -> &mut DVec3 {
     if let View::Direction(direction) = camera.view {
         camera.view = View::Target(camera.position + direction);
@@ -181,7 +181,7 @@ fn target(camera: &mut Camera) -> &mut DVec3 {
     vector(&mut camera.view)
 }
 
-/// The direction in which a camera looks; one with a target is given one.
+/// Returns the direction in which a camera looks; one with a target is given one.
 fn view(camera: &mut Camera) -> &mut DVec3 {
     if let View::Target(point) = camera.view {
         camera.view = View::Direction(point - camera.position);
@@ -195,7 +195,7 @@ fn vector(view: &mut View) -> &mut DVec3 {
     }
 }
 
-/// A value in the range of its quantity: a curve through values of a range may leave it.
+/// Clamps a value to the range of its quantity: a curve through values of a range may leave it.
 fn held(value: Value, quantity: Quantity) -> Value {
     let range = quantity.range();
     let within = |number: f64| number.clamp(*range.start(), *range.end());
@@ -235,7 +235,7 @@ impl Place<'_> {
     }
 }
 
-/// Is it different from what it was?
+/// Writes a value, and returns whether it is different from before.
 fn put<T: PartialEq>(place: &mut T, value: T) -> bool {
     let differs = *place != value;
     *place = value;

@@ -1,7 +1,7 @@
-//! Which effects a moment calls for, and why, or why not.
+//! The effects that a moment calls for, and why, or why not.
 //!
-//! An effect that is left out would not have changed a bit of the picture: the kernel that has only what the plan says is
-//! held against the one that has everything compiled in.
+//! An effect that is left out would not have changed a bit of the picture: the kernel that has only what the plan says is tested
+//! against the one that has everything compiled in.
 
 use hecs::{Component, World};
 
@@ -13,13 +13,13 @@ use crate::trace::{self, Background, KernelChoice, LightSource, Lighting, Paths,
 /// Whether an effect is needed, and why.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Need {
-    /// It is; what calls for it.
+    /// It is needed; the reason.
     Needed(&'static str),
-    /// It is not; what is missing.
+    /// It is not needed; what is missing.
     LeftOut(&'static str),
 }
 
-/// What one moment calls for.
+/// The effects that one moment calls for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plan {
     needs: [Need; Effect::ALL.len()],
@@ -27,13 +27,13 @@ pub struct Plan {
 }
 
 impl Need {
-    /// Is it needed?
+    /// Returns whether it is needed.
     #[must_use]
     pub fn is_needed(self) -> bool {
         matches!(self, Self::Needed(_))
     }
 
-    /// Why, or why not.
+    /// Returns why it is needed, or why not.
     #[must_use]
     pub fn reason(self) -> &'static str {
         match self {
@@ -43,37 +43,37 @@ impl Need {
 }
 
 impl Plan {
-    /// What a moment calls for, as if it were drawn at one instant.
+    /// Plans a moment as if it were drawn at one instant.
     #[must_use]
     pub(super) fn of(world: &World, preparation: &Preparation) -> Self {
         let survey = Survey::new(world, preparation);
         Self { needs: Effect::ALL.map(|effect| survey.need(effect)), kernel: survey.kernel() }
     }
 
-    /// Is the effect needed, and why?
+    /// Returns whether the effect is needed, and why.
     #[must_use]
     pub fn need(&self, effect: Effect) -> Need {
         self.needs[effect as usize]
     }
 
-    /// Is the effect needed?
+    /// Returns whether the effect is needed.
     #[must_use]
     pub fn needs(&self, effect: Effect) -> bool {
         self.need(effect).is_needed()
     }
 
-    /// The effects that are needed.
+    /// Returns the effects that are needed.
     pub fn needed(&self) -> impl Iterator<Item = Effect> {
         Effect::ALL.into_iter().filter(|effect| self.needs(*effect))
     }
 
-    /// The kernel with these effects.
+    /// Returns the kernel with these effects.
     #[must_use]
     pub fn kernel(&self) -> KernelChoice {
         self.kernel
     }
 
-    /// What two instants of a frame call for together.
+    /// Adds the plan of another instant of the frame.
     pub(crate) fn join(&mut self, other: &Self) {
         for (need, other) in self.needs.iter_mut().zip(&other.needs) {
             if !need.is_needed() {
@@ -88,17 +88,17 @@ impl Plan {
         };
     }
 
-    /// Says what became of the shutter's instants.
+    /// Sets the need of motion blur.
     pub(crate) fn set_motion_blur(&mut self, need: Need) {
         self.needs[Effect::MotionBlur as usize] = need;
     }
 }
 
-/// What needs follow from.
+/// What the needs follow from.
 struct Survey<'a> {
     world: &'a World,
     preparation: &'a Preparation,
-    /// Can a camera ray meet a mirror or something clear?
+    /// Whether a camera ray can hit a mirror or something transparent.
     continues: bool,
 }
 
@@ -113,9 +113,9 @@ impl<'a> Survey<'a> {
         self.world.archetypes().any(|archetype| !archetype.is_empty() && archetype.has::<T>())
     }
 
-    /// Whether rays that surfaces send on can begin at all: what is met later is met from one that is met first.
+    /// Returns whether reflection or refraction rays can begin at all: the first of them start where a camera ray hits.
     fn is_any_in_view(&self) -> bool {
-        /// With more than these it takes longer to look than it could save.
+        /// With more than these, checking takes longer than it could save.
         const MOST: usize = 4096;
         let scene = self.preparation.scene();
         let surfaces = scene.surfaces();
@@ -239,7 +239,8 @@ impl<'a> Survey<'a> {
         }
     }
 
-    /// A single plane hides nothing from itself. Anything else may, if only from a camera inside it.
+    /// Returns whether anything can occlude: a single plane hides nothing from itself; anything else may, if only from a camera
+    /// inside it.
     fn can_occlude(&self) -> bool {
         let geometry = self.preparation.scene().geometry();
         geometry.len() > 1 || geometry.planes() < geometry.len()

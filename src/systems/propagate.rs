@@ -1,4 +1,4 @@
-//! World transforms, parents before children.
+//! Propagates world transforms, parents before children.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! What an entity says of animated values, what they are made of, and what changes with them.
+//! The written form of animated values, their sources, and what changes with them.
 
 use hecs::{Entity, World};
 
@@ -8,7 +8,7 @@ use crate::animation::Value;
 use crate::color::Rgb;
 use crate::components::{Camera, Material, Part, Property, View};
 
-/// What an entity says of a value, which need not be the value itself.
+/// The written form of a value, which need not be the value itself.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Written {
     Value(Value),
@@ -17,7 +17,7 @@ pub(super) enum Written {
 }
 
 impl Written {
-    /// `None` if the entity lacks the value.
+    /// Reads a value as it is written. `None` if the entity lacks the value.
     pub(super) fn of(world: &World, entity: Entity, property: Property) -> Option<Self> {
         Some(match property {
             Property::Target | Property::View => Self::View(world.get::<&Camera>(entity).ok()?.view),
@@ -27,8 +27,8 @@ impl Written {
     }
 }
 
-/// Which values a value is made of: itself alone, or, where it is not written, those in whose place it stands. `is_driven` are those that
-/// will be written before they are read.
+/// Returns the values that a value is made of: itself alone, or, where it is not written, those whose place it takes. `is_driven`
+/// are those that will be written before they are read.
 pub(super) fn sources(
     world: &World,
     entity: Entity,

@@ -1,4 +1,4 @@
-//! Systems that the program using the library adds.
+//! Schedules the systems added by the program that uses the library.
 
 use std::sync::atomic::AtomicBool;
 
@@ -15,13 +15,13 @@ type System = Box<dyn Fn(&mut Context<'_>) + Send>;
 pub struct Step(Time);
 
 impl Step {
-    /// `1 / rate` seconds. A rate of 0 counts as 1.
+    /// Returns a step of `1 / rate` seconds. A rate of 0 counts as 1.
     #[must_use]
     pub fn per_second(rate: u32) -> Self {
         Self(Time::from_ratio(1, u64::from(rate.max(1))).unwrap_or(Time::ZERO))
     }
 
-    /// `numerator / denominator` seconds. `None` unless both are in 1..2^32.
+    /// Returns a step of `numerator / denominator` seconds. `None` unless both are in 1..2^32.
     #[must_use]
     pub fn of_seconds(numerator: u32, denominator: u32) -> Option<Self> {
         (numerator > 0).then_some(())?;
@@ -32,16 +32,15 @@ impl Step {
 struct Stepped {
     step: Step,
     system: System,
-    /// How many steps the world has been through.
+    /// The number of steps that the world has been through.
     done: u64,
 }
 
 /// Pure and stepped systems, and the copies of the world that let them start over.
 ///
-/// A *pure* system is a function of the moment: before every frame the world is what it was without it. A *stepped* system
-/// carries state from step to step; the state at `t` is that after `floor(t / step)` steps, each of which sees tracks at its
-/// own start. Going back in time starts over from the beginning, so that a frame does not depend on what was rendered
-/// before it.
+/// A *pure* system is a function of the moment: its writes are undone before every frame. A *stepped* system carries state from
+/// step to step; the state at `t` is that after `floor(t / step)` steps, each of which sees tracks at its own start. Going back
+/// in time starts over from the beginning, so that a frame does not depend on what was rendered before it.
 ///
 /// Where there are both, steps work on a world of their own, and pure systems on a fresh copy of it for every frame. World
 /// transforms are up to date whenever a system runs.
@@ -56,13 +55,13 @@ pub struct Schedule {
     base: World,
     /// A copy of the base after its last step.
     state: Option<Snapshot>,
-    /// What tracks and pure systems wrote over the state for the last frame.
+    /// The writes of tracks and pure systems over the state for the last frame.
     written: Changes,
     scripts: Scripts,
 }
 
 impl Schedule {
-    /// Are there none?
+    /// Returns whether there are no systems.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.pure.is_empty() && self.stepped.is_empty()
@@ -83,12 +82,12 @@ impl Schedule {
         self.scripts = scripts;
     }
 
-    /// The programs of the scene.
+    /// Returns the programs of the scene.
     pub fn scripts_mut(&mut self) -> &mut Scripts {
         &mut self.scripts
     }
 
-    /// Lets snapshots copy a component type.
+    /// Returns the registry of the component types that snapshots copy.
     pub fn registry_mut(&mut self) -> &mut Registry {
         &mut self.registry
     }
@@ -111,8 +110,8 @@ impl Schedule {
     ///
     /// # Errors
     ///
-    /// If the world holds a component that cannot be copied, and there are systems that need copies, or if a program goes
-    /// wrong, or before the next program if `cancelled` becomes true.
+    /// If the world holds a component that cannot be copied, and there are systems that need copies, or if a program fails, or
+    /// before the next program if `cancelled` becomes true.
     pub fn advance(
         &mut self,
         world: &mut World,
@@ -162,8 +161,8 @@ impl Schedule {
         result
     }
 
-    /// Runs all steps that end by `time`, in the order of their ends; of several with the same end, those of the system
-    /// that was added first. So the steps until an earlier time are the first of the steps until a later one.
+    /// Runs all steps that end by `time`, in the order of their ends; of several with the same end, those of the system that was
+    /// added first. So the steps until an earlier time are the first of the steps until a later one.
     fn run_steps(
         &mut self,
         world: &mut World,
@@ -220,7 +219,7 @@ impl Schedule {
     }
 }
 
-/// Tracks, then programs.
+/// Runs tracks, then programs.
 fn animate_all(
     scripts: &mut Scripts,
     world: &mut World,
@@ -233,7 +232,7 @@ fn animate_all(
     scripts.run(world, time, changes, cancelled)
 }
 
-/// Runs one system, believes what it declares, and gives newcomers their places.
+/// Runs one system, trusts its declarations, and gives newcomers their places.
 fn run(system: &System, world: &mut World, time: Time, step: Option<f64>, changes: &mut Changes) {
     let mut spawned = Vec::new();
     changes.watch(|changes| {

@@ -1,4 +1,4 @@
-//! Writes what programs say about a moment, after all tracks.
+//! Writes the values of programs at a moment, after all tracks.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,7 +15,7 @@ use crate::components::{self, Animated, Motion, Name, Order, Property, ScriptId}
 use crate::script::{Data, Programs, Read, ScriptContext, ScriptError, Stop, Unknown, limits};
 use crate::time::{Time, Timeline};
 
-/// The programs of a scene, and which values they drive.
+/// The programs of a scene, and the values that they drive.
 #[derive(Debug, Default)]
 pub struct Scripts {
     running: Option<Box<Running>>,
@@ -26,11 +26,11 @@ struct Running {
     programs: Programs,
     timeline: Timeline,
     context: ScriptContext,
-    /// What programs drive, in document order; `None` until it has been looked up.
+    /// The channels that programs drive, in document order; `None` until looked up.
     driven: Option<Driven>,
-    /// What the values are without programs.
+    /// The values without programs.
     bases: HashMap<(Entity, Property), Base>,
-    /// What stood before the names that the last program read.
+    /// The prefix of the names that the last program read.
     prefix: String,
 }
 
@@ -45,7 +45,7 @@ struct Base {
 struct Driven {
     channels: Vec<Channel>,
     places: HashMap<(Entity, Property), usize>,
-    /// The entities by their names; `None` until a program asks.
+    /// The entities by their names; `None` until a program reads one.
     names: Option<HashMap<String, Entity>>,
 }
 
@@ -57,12 +57,12 @@ struct Channel {
     script: ScriptId,
     order: Option<Order>,
     name: String,
-    /// Does a track drive it too, for all that is made of a material? Then the base is what the track says. What a program says of
+    /// Whether a track drives it too, for everything made of a material. Then the base is the track's value, and a program for
     /// the material is not run at all.
     on_track: bool,
 }
 
-/// How far a channel is at a moment.
+/// The progress of a channel at a moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
     Waiting,
@@ -72,7 +72,7 @@ enum State {
 }
 
 impl Scripts {
-    /// For the programs of a scene.
+    /// Creates the programs of a scene.
     #[must_use]
     pub fn new(programs: Programs, timeline: Timeline) -> Self {
         if programs.uses.is_empty() {
@@ -83,13 +83,13 @@ impl Scripts {
         Self { running: Some(Box::new(Running { programs, timeline, context, driven, bases, prefix })) }
     }
 
-    /// Are there none?
+    /// Returns whether there are no programs.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.running.is_none()
     }
 
-    /// Another frame rate and duration.
+    /// Sets the frame rate and the duration.
     pub fn set_timeline(&mut self, timeline: Timeline) {
         if let Some(running) = &mut self.running {
             running.timeline = timeline;
@@ -97,14 +97,14 @@ impl Scripts {
         }
     }
 
-    /// Entities came or went.
+    /// Forgets which values are driven, as entities came or went.
     pub fn look_up_again(&mut self) {
         if let Some(running) = &mut self.running {
             running.driven = None;
         }
     }
 
-    /// Gives all values back that programs drove: the world may be edited now.
+    /// Restores all values that programs drove: the world may be edited now.
     pub fn release(&mut self, world: &mut World) {
         let Some(running) = &mut self.running else { return };
         running.driven = None;
@@ -116,7 +116,7 @@ impl Scripts {
         }
     }
 
-    /// Learns which values programs drive, and what they are without. To be called before tracks write to a world.
+    /// Looks up which values programs drive, and their values without programs. To be called before tracks write to a world.
     pub fn look_up(&mut self, world: &mut World) {
         if let Some(running) = &mut self.running
             && running.driven.is_none()
@@ -135,12 +135,12 @@ impl Scripts {
         }
     }
 
-    /// Sets every value that a program drives, and records what really changed. Those that others read come first, and otherwise the
-    /// order is that of the document.
+    /// Sets every value that a program drives, and records what really changed. Values that others read come first, and otherwise
+    /// the order is that of the document.
     ///
     /// # Errors
     ///
-    /// If a program goes wrong, or if `cancelled` becomes true, which is looked at before each of them. Then values may be left from
+    /// If a program fails, or if `cancelled` becomes true, which is checked before each of them. Then values may be left from
     /// another moment.
     pub fn run(
         &mut self,
@@ -216,7 +216,7 @@ struct Moment<'a> {
     running: &'a mut Running,
     driven: Driven,
     states: Vec<State>,
-    /// The operations of channels' programs that ended at a value that was not known.
+    /// The operations of channels' programs that ended at an unknown value.
     in_vain: HashMap<usize, u64>,
     seconds: f64,
     world: &'a mut World,
@@ -304,7 +304,7 @@ impl Moment<'_> {
         }
     }
 
-    /// Makes what a program reads known, or gives the place of the channel that has to be driven before.
+    /// Provides what a program reads, or returns the place of the channel that has to be driven first.
     fn answer(&mut self, read: &Read, stack: &[usize]) -> Result<Option<usize>, Box<ScriptError>> {
         let (_, prefix) = self.used(stack);
         let target = format!("{prefix}{}", read.target);
@@ -349,7 +349,7 @@ impl Moment<'_> {
         Ok(None)
     }
 
-    /// The text of the program that runs, and what stands before the names that it reads.
+    /// Returns the text of the program that runs, and the prefix of the names that it reads.
     fn used(&self, stack: &[usize]) -> (&str, &str) {
         let script = stack.last().map(|place| self.driven.channels[*place].script);
         let used = script.and_then(|script| self.running.programs.used(script.0));
@@ -382,7 +382,7 @@ impl Moment<'_> {
 }
 
 impl Channel {
-    /// In document order; cameras and settings have none, and follow by their names.
+    /// Returns the place in document order; cameras and settings have none, and follow by their names.
     fn place(&self) -> (bool, Option<Order>, &str) {
         (self.order.is_none(), self.order, &self.name)
     }

@@ -1,4 +1,4 @@
-//! Copies of a world, to go back to.
+//! Copies of a world, for going back in time.
 
 use std::any::{TypeId, type_name};
 
@@ -19,7 +19,7 @@ struct Entry {
     copy: fn(EntityRef<'_>, &mut EntityBuilderClone),
 }
 
-/// A world holds a component of a type that a snapshot cannot copy.
+/// The error of a world with a component of a type that a snapshot cannot copy.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "an entity carries a component of a type that was not registered, so that time could not be turned back: call \
@@ -30,7 +30,7 @@ pub struct UnknownComponent {
 }
 
 impl Default for Registry {
-    /// All components of this crate.
+    /// Returns a registry of all components of this crate.
     fn default() -> Self {
         let mut registry = Self { entries: Vec::new() };
         macro_rules! register {

@@ -1,8 +1,8 @@
 //! World transforms, in double-double arithmetic.
 //!
-//! What people write are decimal numbers: a table of height 0.6 at 0.4 and a glass of height 0.8 at 1.1 touch, though neither
-//! sum comes out so in binary. Hence a number of a transform stands for the short decimal number that it was rounded from, if
-//! there is one, and everything is rounded once, at the end: what is flush as written is flush.
+//! What people write are decimal numbers: a table of height 0.6 at 0.4 and a glass of height 0.8 at 1.1 touch, though neither sum
+//! is exact in binary. Hence a number of a transform stands for the short decimal number that it was rounded from, if there is
+//! one, and everything is rounded once, at the end: what is flush as written is flush.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
@@ -19,7 +19,7 @@ pub(super) struct ExactAffine {
 impl ExactAffine {
     const IDENTITY: [Double3; 3] = [Double3::X, Double3::Y, Double3::Z];
 
-    /// The map of an entity's own transform.
+    /// Returns the map of an entity's own transform.
     fn new(local: &Transform) -> Self {
         let Transform { translation, rotation, scale } = *local;
         let turned = if rotation == DQuat::IDENTITY { Self::IDENTITY } else { columns(rotation) };
@@ -28,7 +28,7 @@ impl ExactAffine {
         Self { columns, translation: Double3::decimal(translation) }
     }
 
-    /// The map that an entity's world transform was rounded from.
+    /// Returns the map that an entity's world transform was rounded from.
     pub(super) fn of(world: &WorldTransform) -> Self {
         let WorldTransform { affine: high, rest: low, .. } = world;
         let sum = |high: DVec3, low: DVec3| Double3::sum(high, low);
@@ -42,13 +42,13 @@ impl ExactAffine {
         }
     }
 
-    /// A vector's image, the translation left out.
+    /// Returns the image of a vector, without the translation.
     fn linear(&self, vector: Double3) -> Double3 {
         let [a, b, c] = self.columns;
         a.scaled(vector.x) + b.scaled(vector.y) + c.scaled(vector.z)
     }
 
-    /// First the other map, then this one.
+    /// Returns the composition: first the other map, then this one.
     fn after(&self, other: &Self) -> Self {
         Self {
             columns: other.columns.map(|column| self.linear(column)),
@@ -82,8 +82,8 @@ fn uniform_scale(local: &Transform) -> Option<f64> {
     (size.x == size.y && size.y == size.z).then_some(size.x)
 }
 
-/// The columns of a quaternion's rotation matrix. Its length cancels: a matrix is orthogonal to a hundred bits, and by turns of
-/// right angles, in whose quaternions numbers are equal, it is exact.
+/// Returns the columns of a quaternion's rotation matrix. Its length cancels: a matrix is orthogonal to a hundred bits, and for
+/// turns by right angles, in whose quaternions numbers are equal, it is exact.
 fn columns(rotation: DQuat) -> [Double3; 3] {
     let [x, y, z, w] = rotation.to_array();
     let square = |part: f64| Double::product(part, part);

@@ -23,41 +23,41 @@ struct FrameRange {
     stride: u32,
 }
 
-/// Why a written frame selection was not understood.
+/// The reason why a written frame selection is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FrameListError {
-    /// A part is neither a frame, a range nor a range with a stride.
+    /// A part that is neither a frame, a range nor a range with a stride.
     #[error("`{0}` is not a frame or a range: write `12`, `10-20` or `40-80x5`, separated by commas")]
     NotARange(String),
-    /// The range runs backwards.
+    /// A range that runs backwards.
     #[error("`{0}` runs backwards: write the smaller frame first")]
     Backwards(String),
-    /// A stride of zero never gets anywhere.
+    /// A stride of zero, which never advances.
     #[error("`{0}` has a stride of 0: use 1 or more")]
     ZeroStride(String),
 }
 
 impl FrameList {
-    /// Frames `0..count`.
+    /// Selects frames `0..count`.
     #[must_use]
     pub fn all(count: u32) -> Self {
         let last = count.saturating_sub(1);
         Self { ranges: vec![FrameRange { first: 0, last, stride: 1 }] }
     }
 
-    /// The largest frame that is named.
+    /// Returns the largest frame that is named.
     #[must_use]
     pub fn last(&self) -> u32 {
         self.ranges.iter().map(|range| range.last).max().unwrap_or(0)
     }
 
-    /// Every selected frame once, in ascending order; never all of them in memory.
+    /// Returns every selected frame once, in ascending order; never all of them in memory.
     pub fn frames(&self) -> impl Iterator<Item = u32> {
         let next_from = |start: u32| self.ranges.iter().filter_map(|range| range.first_from(start)).min();
         std::iter::successors(next_from(0), move |frame| next_from(frame.checked_add(1)?))
     }
 
-    /// How many frames are selected.
+    /// Returns how many frames are selected.
     #[must_use]
     pub fn count(&self) -> usize {
         match self.ranges[..] {
@@ -66,8 +66,8 @@ impl FrameList {
         }
     }
 
-    /// So many of the selected frames, spread evenly over them: the first and the last are among them, where there is more
-    /// than one. All of them, where there are no more.
+    /// Selects this many of the frames, spread evenly over them: the first and the last are among them, where there is more than
+    /// one. All of them, where there are no more.
     ///
     /// ```
     /// use rayreel::time::FrameList;
@@ -85,7 +85,7 @@ impl FrameList {
         }
     }
 
-    /// The frames of [`spread`](FrameList::spread), ascending; `None` where that is all of them.
+    /// Returns the frames of [`spread`](FrameList::spread), ascending; `None` where that is all of them.
     #[must_use]
     pub fn spread_frames(&self, count: u32) -> Option<Vec<u32>> {
         let (selected, count) = (self.count() as u64, u64::from(count));
@@ -103,14 +103,14 @@ impl FrameList {
 }
 
 impl FrameRange {
-    /// The first of its frames that is not before `start`.
+    /// Returns the first of its frames that is not before `start`.
     fn first_from(&self, start: u32) -> Option<u32> {
         let steps = start.saturating_sub(self.first).div_ceil(self.stride);
         let frame = self.first.checked_add(steps.checked_mul(self.stride)?)?;
         (frame <= self.last).then_some(frame)
     }
 
-    /// One of its frames by its place, from 0.
+    /// Returns one of its frames by its place, from 0.
     fn nth(self, place: u64) -> Option<u32> {
         let frame = u64::from(self.first) + place * u64::from(self.stride);
         u32::try_from(frame).ok().filter(|frame| *frame <= self.last)

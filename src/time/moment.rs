@@ -11,10 +11,10 @@ pub struct FrameRate {
 }
 
 impl FrameRate {
-    /// Largest value of either part, so that every frame's time is a ratio of integers exact in `f64`.
+    /// The largest value of either part, so that every frame's time is a ratio of integers exact in `f64`.
     pub const LARGEST_PART: u32 = 1_000_000;
 
-    /// `numerator / denominator` frames per second, both in 1..=[`Self::LARGEST_PART`].
+    /// Creates a rate of `numerator / denominator` frames per second, both in 1..=[`Self::LARGEST_PART`].
     #[must_use]
     pub fn new(numerator: u32, denominator: u32) -> Option<Self> {
         let allowed = 1..=Self::LARGEST_PART;
@@ -22,7 +22,7 @@ impl FrameRate {
             .then_some(Self { numerator, denominator })
     }
 
-    /// The moment of frame `index`: exactly `index * denominator / numerator` seconds.
+    /// Returns the moment of frame `index`: exactly `index * denominator / numerator` seconds.
     ///
     /// ```
     /// use rayreel::time::FrameRate;
@@ -37,7 +37,7 @@ impl FrameRate {
         }
     }
 
-    /// A moment in frames: whole at those of frames, with a fraction between them.
+    /// Returns a moment in frames: whole at those of frames, with a fraction between them.
     ///
     /// ```
     /// use rayreel::time::FrameRate;
@@ -54,13 +54,13 @@ impl FrameRate {
         whole as f64 + rest as f64 / denominator as f64
     }
 
-    /// The ratio's numerator and denominator.
+    /// Returns the ratio's numerator and denominator.
     #[must_use]
     pub fn parts(self) -> (u32, u32) {
         (self.numerator, self.denominator)
     }
 
-    /// Frames per second, rounded to `f64`.
+    /// Returns the frames per second, rounded to `f64`.
     #[must_use]
     pub fn per_second(self) -> f64 {
         f64::from(self.numerator) / f64::from(self.denominator)
@@ -68,7 +68,7 @@ impl FrameRate {
 }
 
 impl Default for FrameRate {
-    /// 24 frames per second.
+    /// Returns 24 frames per second.
     fn default() -> Self {
         Self { numerator: 24, denominator: 1 }
     }
@@ -85,24 +85,24 @@ impl Time {
     /// The start of the timeline.
     pub const ZERO: Self = Self { numerator: 0, denominator: 1 };
 
-    /// Both parts stay below this, so that one division gives the correctly rounded seconds.
+    /// The exclusive limit of both parts, so that one division gives the correctly rounded seconds.
     const LARGEST_PART: u64 = 1 << 53;
 
-    /// `numerator / denominator` seconds. `None` if the denominator is 0 or a part is 2^53 or more.
+    /// Creates the moment at `numerator / denominator` seconds. `None` if the denominator is 0 or a part is 2^53 or more.
     #[must_use]
     pub fn from_ratio(numerator: u64, denominator: u64) -> Option<Self> {
         let allowed = denominator > 0 && numerator < Self::LARGEST_PART && denominator < Self::LARGEST_PART;
         allowed.then_some(Self { numerator, denominator })
     }
 
-    /// Seconds, rounded once to `f64`.
+    /// Returns the seconds, rounded once to `f64`.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "both parts are below 2^53")]
     pub fn seconds(self) -> f64 {
         self.numerator as f64 / self.denominator as f64
     }
 
-    /// Numerator and denominator without a common divisor: the same for equal moments, however they were given.
+    /// Returns the numerator and denominator without a common divisor: the same for equal moments, however they were given.
     ///
     /// ```
     /// use rayreel::time::FrameRate;
@@ -117,7 +117,7 @@ impl Time {
         (self.numerator / divisor, self.denominator / divisor)
     }
 
-    /// This moment moved by `numerator / denominator` seconds, but not before the start. `None` past the range of
+    /// Returns this moment moved by `numerator / denominator` seconds, but not before the start. `None` past the range of
     /// [`Time::from_ratio`].
     ///
     /// ```
@@ -140,7 +140,7 @@ impl Time {
         Self::from_ratio((sum / divisor).try_into().ok()?, (product / divisor).try_into().ok()?)
     }
 
-    /// How many whole steps of the given length fit between the start and this moment, counted in integers.
+    /// Returns how many whole steps of the given length fit between the start and this moment, counted in integers.
     #[must_use]
     pub fn whole_steps(self, step: Self) -> u64 {
         let elapsed = u128::from(self.numerator) * u128::from(step.denominator);
@@ -148,7 +148,7 @@ impl Time {
         u64::try_from(elapsed / length.max(1)).unwrap_or(u64::MAX)
     }
 
-    /// The end of step `count` of this length: `count * self`. `None` past the range of [`Time::from_ratio`].
+    /// Returns the end of step `count` of this length: `count * self`. `None` past the range of [`Time::from_ratio`].
     #[must_use]
     pub fn times(self, count: u64) -> Option<Self> {
         Self::from_ratio(self.numerator.checked_mul(count)?, self.denominator)
@@ -183,7 +183,7 @@ impl fmt::Display for Time {
     }
 }
 
-/// Why a written moment was not understood.
+/// The error of a written moment that is not a time.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{0}` is not a time: write seconds such as `1.5s` or `2`, with at most nine decimals, from 0 up to 1000000"

@@ -2,7 +2,7 @@
 
 use super::{FrameRate, Time};
 
-/// When a scene plays: its frame rate and its duration.
+/// The frame rate and the duration of a scene.
 ///
 /// The frames are those whose time, rounded once to `f64`, is less than the duration, rounded once to `f64`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,13 +17,13 @@ impl Timeline {
     /// The most frames a timeline may have.
     pub const LARGEST_COUNT: u32 = 100_000_000;
 
-    /// A single frame at time 0.
+    /// Returns a timeline of a single frame at time 0.
     #[must_use]
     pub fn still() -> Self {
         Self { rate: FrameRate::default(), duration: 0.0 }
     }
 
-    /// How many frames there are, at least 1 and at most [`Self::LARGEST_COUNT`].
+    /// Returns how many frames there are, at least 1 and at most [`Self::LARGEST_COUNT`].
     ///
     /// ```
     /// use rayreel::time::{FrameRate, Timeline};
@@ -51,9 +51,9 @@ impl Timeline {
         count
     }
 
-    /// The instants at which a frame is drawn: the middles of `count` equal parts of the time in which the shutter is open, a
-    /// share `open` of the time from frame to frame, in millionths, around the frame's moment. Those before the start are at
-    /// the start.
+    /// Returns the instants at which a frame is drawn: the middles of `count` equal parts of the time in which the shutter is
+    /// open, a share `open` of the time from frame to frame, in millionths, around the frame's moment. Those before the start are
+    /// at the start.
     ///
     /// ```
     /// use rayreel::time::{FrameRate, Time, Timeline};
@@ -75,7 +75,7 @@ impl Timeline {
         (0..count).map(|index| time.moved(offset(index)).unwrap_or(time)).collect()
     }
 
-    /// The moment of frame `index`.
+    /// Returns the moment of frame `index`.
     #[must_use]
     pub fn time_of(&self, index: u32) -> Time {
         self.rate.time_of(index)

@@ -1,12 +1,12 @@
-//! The entities of a world that go on as those of another scene.
+//! The entities of a world that continue as those of another scene.
 
 use hecs::Entity;
 
-/// By the entities of the scene. Their ids are dense, as its world is fresh, so that a list does.
+/// A map from the entities of the scene. Their ids are dense, as its world is fresh, so that a list suffices.
 pub(super) struct Counterparts(Vec<Entity>);
 
 impl Counterparts {
-    /// With room for so many.
+    /// Creates a map with capacity for this many.
     pub(super) fn of_many(count: usize) -> Self {
         Self(Vec::with_capacity(count))
     }
@@ -19,7 +19,7 @@ impl Counterparts {
         self.0[at] = own;
     }
 
-    /// [`Entity::DANGLING`] for one that is not in the scene.
+    /// Returns the counterpart of an entity; [`Entity::DANGLING`] for one that is not in the scene.
     pub(super) fn of(&self, entity: Entity) -> Entity {
         self.0.get(entity.id() as usize).copied().unwrap_or(Entity::DANGLING)
     }

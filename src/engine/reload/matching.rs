@@ -1,4 +1,4 @@
-//! Which entities of a world are those of another scene.
+//! Matches the entities of a world with those of another scene.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -10,9 +10,9 @@ use rayon::prelude::*;
 use super::counterparts::Counterparts;
 use crate::components::{Material, Name, Order, Shape, Transform};
 
-/// Which is which.
+/// The correspondence between two worlds.
 pub(super) struct Matching {
-    /// The entities of the world that go on as those of the scene.
+    /// The entities of the world that continue as those of the scene.
     pub(super) own: Counterparts,
     /// The entities of the scene that the world does not have, in document order.
     pub(super) new: Vec<Entity>,
@@ -20,7 +20,7 @@ pub(super) struct Matching {
     pub(super) of_other_types: Vec<Entity>,
     /// The entities of the world that the scene does not have.
     pub(super) gone: Vec<Entity>,
-    /// Are the same entities drawn, in the same order?
+    /// Whether the same entities are drawn, in the same order.
     pub(super) same_drawn: bool,
 }
 
@@ -49,7 +49,7 @@ struct Things<'a> {
     places: Vec<Place>,
 }
 
-/// Where the components of an entity are.
+/// The location of an entity's components.
 #[derive(Clone, Copy)]
 struct Place {
     order: u64,
@@ -57,8 +57,8 @@ struct Place {
     row: u32,
 }
 
-/// What an entity is recognised by: the name, or else what it is and where. Materials do not count: they alone are animated in
-/// entities without a name.
+/// The mark by which an entity is recognised: the name, or else its content and place. Materials do not count: they alone are
+/// animated in entities without a name.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum Mark<'a> {
     Name(&'a str),
@@ -129,7 +129,7 @@ fn columns(world: &World) -> Vec<Columns<'_>> {
     world.archetypes().map(Columns::of).collect()
 }
 
-/// The world's archetypes one after the other, as its entities are.
+/// Lists the world's archetypes one after the other, in the order of its entities.
 fn tables<'a>(world: &World, columns: &'a [Columns<'_>]) -> Vec<Table<'a>> {
     let mut entities = world.query::<Entity>();
     let mut entities = entities.iter();
@@ -144,7 +144,7 @@ fn tables<'a>(world: &World, columns: &'a [Columns<'_>]) -> Vec<Table<'a>> {
     columns.iter().map(table).collect()
 }
 
-/// For each of `new` the one of `old` that has components of the same types.
+/// Returns, for each of `new`, the one of `old` that has components of the same types.
 fn same_types(old: &[Columns<'_>], new: &[Columns<'_>]) -> Vec<Option<usize>> {
     let same = |old: &Columns<'_>, new: &Columns<'_>| {
         old.archetype.component_types().eq(new.archetype.component_types())
@@ -152,8 +152,8 @@ fn same_types(old: &[Columns<'_>], new: &[Columns<'_>]) -> Vec<Option<usize>> {
     new.iter().map(|new| old.iter().position(|old| same(old, new))).collect()
 }
 
-/// The entities of the world, if they are stored as those of the scene are: one after the other they have the same marks, the same
-/// places in document order and components of the same types. So it is while edits change values only.
+/// Returns the entities of the world if they are stored as those of the scene are: in sequence they have the same marks, the same
+/// places in document order and components of the same types. This holds while edits change values only.
 fn in_place(old: &[Table<'_>], new: &[Table<'_>], types: &[Option<usize>]) -> Option<Counterparts> {
     let count = |tables: &[Table<'_>]| -> usize { tables.iter().map(|table| table.entities.len()).sum() };
     if count(old) != count(new) {
@@ -223,7 +223,7 @@ impl<'a> Things<'a> {
     }
 }
 
-/// Where those of a new list are in an old one: at the beginning and at the end of both they are alike, one after the other.
+/// The places of a new list's entities in an old one: at the beginning and at the end both agree, one after the other.
 struct Found {
     middle: Vec<Option<usize>>,
     old: Range<usize>,
@@ -231,7 +231,7 @@ struct Found {
 }
 
 impl Found {
-    /// By name; without one by content, then by position among those that are left.
+    /// Matches by name; without one by content, then by position among those that are left.
     fn of(old: &Things<'_>, new: &Things<'_>) -> Self {
         let shorter = old.len().min(new.len());
         let differ = |at: usize| old.mark(at) != new.mark(at);
@@ -263,7 +263,7 @@ impl Found {
         }
     }
 
-    /// The places in the old list that are not among those found.
+    /// Returns the places in the old list that are not among those found.
     fn missed(&self) -> impl Iterator<Item = usize> + use<> {
         let mut is_found = vec![false; self.old.len()];
         for at in self.middle.iter().flatten() {
@@ -273,14 +273,14 @@ impl Found {
     }
 }
 
-/// The bits of a transform.
+/// Returns the bits of a transform.
 pub(super) fn placed(transform: &Transform) -> [u64; 10] {
     let ([x, y, z], [i, j, k, w]) = (transform.translation.to_array(), transform.rotation.to_array());
     let [a, b, c] = transform.scale.to_array();
     [x, y, z, i, j, k, w, a, b, c].map(f64::to_bits)
 }
 
-/// The bits of a shape.
+/// Returns the bits of a shape.
 pub(super) fn shaped(shape: &Shape) -> [u64; 4] {
     let (kind, DVec3 { x, y, z }) = match *shape {
         Shape::Sphere { radius } => (1, DVec3::splat(radius)),

@@ -1,4 +1,4 @@
-//! Another scene in place of the one before: its entities are matched with those that there are, and what differs is patched.
+//! Another scene in place of the one before: its entities are matched with the existing ones, and the differences are patched.
 
 mod counterparts;
 mod matching;

@@ -1,4 +1,4 @@
-//! Turns a world into that of another scene, with as little as possible changed.
+//! Turns a world into that of another scene, with as few changes as possible.
 
 use hecs::{Component, Entity, World};
 use rayon::prelude::*;
@@ -11,9 +11,9 @@ use crate::components::{
 };
 use crate::systems::Changes;
 
-/// Gives `world` the entities and components of `scene`, and says what really changed. It does not matter what has been done to the
-/// world: every component is what the scene says, but for world transforms, which are to be derived again where that is recorded.
-/// Entities with the same name, or without one and with the same content or position, stay who they are.
+/// Gives `world` the entities and components of `scene`, and returns what really changed. It does not matter what has been done
+/// to the world: every component is what the scene says, except for world transforms, which are to be derived again where that is
+/// recorded. Entities with the same name, or without one and with the same content or position, keep their identity.
 pub(super) fn patch(world: &mut World, mut scene: World) -> Changes {
     world.flush();
     let Matching { mut own, new, of_other_types, gone, same_drawn } = Matching::of(world, &scene);
@@ -49,7 +49,7 @@ pub(super) fn patch(world: &mut World, mut scene: World) -> Changes {
     changes
 }
 
-/// Lets all components that name entities name those of the world.
+/// Makes all components that refer to entities refer to those of the world.
 fn translate_links(scene: &mut World, own: &Counterparts) {
     for parent in scene.query_mut::<&mut Parent>() {
         parent.0 = own.of(parent.0);
@@ -81,18 +81,18 @@ fn write(worlds: Worlds<'_>, changes: &mut Changes) {
     }
 }
 
-/// The entities of the world in which components of one type are others now, and how that is declared.
+/// The entities of the world in which components of one type have changed, and how that is declared.
 struct Written {
     entities: Vec<Entity>,
     declare: fn(&mut Changes, Entity),
 }
 
 impl Written {
-    /// Nothing has to be declared.
+    /// Nothing to declare.
     const NOTHING: Self = Self { entities: Vec::new(), declare: |_, _| {} };
 }
 
-/// Two worlds, the components of which are put from one to the other type by type.
+/// Two worlds, the components of which are moved from one to the other type by type.
 #[derive(Clone, Copy)]
 struct Worlds<'a> {
     world: &'a World,
@@ -100,7 +100,7 @@ struct Worlds<'a> {
     own: &'a Counterparts,
 }
 
-/// What is done with components of a type, by the words of [`with_components`].
+/// One method per word of [`with_components`].
 impl Worlds<'_> {
     fn transform<T: Put>(self) -> Written {
         Written { entities: self.put(T::put), declare: Changes::transform }
@@ -127,7 +127,7 @@ impl Worlds<'_> {
         Written::NOTHING
     }
 
-    /// The entities of the world for which `put` says that something else is there now.
+    /// Returns the entities of the world for which `put` reports a change.
     fn put<T: Component>(self, put: impl Fn(&mut T, &mut T) -> bool) -> Vec<Entity> {
         let (mut old, mut new) = (self.world.query::<&mut T>(), self.scene.query::<(Entity, &mut T)>());
         let mut old = old.view();
@@ -144,7 +144,7 @@ impl Worlds<'_> {
 
 /// A component from whose value something is prepared that is kept from moment to moment.
 trait Put: Component + PartialEq + Sized {
-    /// Puts the new value in place, to the last bit. Is it another one?
+    /// Puts the new value in place, to the last bit. Returns whether it is different.
     fn put(&mut self, new: &mut Self) -> bool {
         let differs = *self != *new;
         std::mem::swap(self, new);
@@ -159,14 +159,14 @@ impl Put for Reflective {}
 impl Put for Refractive {}
 impl Put for Checker {}
 
-/// Zeros of another sign are different: world transforms show them.
+/// Compares bits, as zeros of different signs give different world transforms.
 impl Put for Transform {
     fn put(&mut self, new: &mut Self) -> bool {
         put_bits(self, new, placed)
     }
 }
 
-/// As those of transforms.
+/// Compares bits, as for transforms.
 impl Put for Shape {
     fn put(&mut self, new: &mut Self) -> bool {
         put_bits(self, new, shaped)

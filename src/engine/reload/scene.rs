@@ -5,15 +5,16 @@ use crate::engine::engine::Engine;
 use crate::scene::Scene;
 
 impl Engine {
-    /// Goes on with another scene, usually the same one after an edit: from the next frame on everything is as if the engine had
-    /// been made [`from_scene`](Engine::from_scene), to the last bit, whatever was rendered, reloaded or written to the world before.
+    /// Continues with another scene, usually the same one after an edit: from the next frame on everything is as if the engine
+    /// had been made [`from_scene`](Engine::from_scene), to the last bit, whatever was rendered, reloaded or written to the world
+    /// before.
     ///
-    /// What is in both scenes stays the same entity, and what was prepared of it is kept, so that the cost follows the size of
-    /// the edit. Entities are recognised by their names; those without one by their transforms and shapes, and what is left of
-    /// them by position. The tree over the shapes is built anew only if shapes are other ones, elsewhere or in another order.
+    /// What is in both scenes stays the same entity, and what was prepared for it is kept, so that the cost is proportional to
+    /// the edit. Entities are recognised by their names; those without one by their transforms and shapes, and the rest by
+    /// position. The tree over the shapes is rebuilt only if shapes are different, elsewhere or in another order.
     ///
-    /// Systems of one's own stay and start over, on the new scene's world as it is: all entities are new then. Precision and what
-    /// is left out stay too. Until the next frame or [`seek`](Engine::seek), the engine answers about the last one.
+    /// Custom systems stay and start over, on the new scene's world as it is: all entities are new then. Precision and the effect
+    /// left out stay too. Until the next frame or [`seek`](Engine::seek), the engine reports on the last one.
     ///
     /// ```
     /// use rayreel::{Engine, Scene};

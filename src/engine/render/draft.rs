@@ -1,4 +1,4 @@
-//! Quick pictures to begin with.
+//! Drafts: quick pictures that precede the full ones.
 
 use std::ops::ControlFlow::{self, Continue};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,21 +11,21 @@ use crate::systems::RayLimits;
 use crate::time::Time;
 use crate::trace::{Exposure, Film, Lighting, Signals};
 
-/// How much less than a frame a quick picture is, besides that it has one sample a pixel, at the frame's own moment.
+/// The reductions of a quick picture, which also has one sample per pixel, at the frame's own moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Draft {
-    /// What the film's width and height are divided by; one pixel remains.
+    /// The divisor of the film's width and height; at least one pixel remains.
     pub divisor: u32,
-    /// Samples of each light with a size, at most; 1 or more.
+    /// The most samples of each light with a size; 1 or more.
     pub light_samples: u32,
-    /// Generations of rays, at most; 1 or more.
+    /// The most generations of rays; 1 or more.
     pub depth: u32,
-    /// Is anything in the way of light?
+    /// Whether lights can be occluded.
     pub shadows: bool,
 }
 
 impl Draft {
-    /// Less in nothing but size.
+    /// Creates a draft that is reduced in size only.
     #[must_use]
     pub const fn sized(divisor: u32) -> Self {
         Self { divisor, light_samples: u32::MAX, depth: u32::MAX, shadows: true }
@@ -33,8 +33,8 @@ impl Draft {
 }
 
 impl Engine {
-    /// Renders a quick picture of a moment, unless `cancelled` becomes true on the way. [`report`](Engine::report) then tells of
-    /// it; [`plan`](Engine::plan) still tells of the last frame.
+    /// Renders a quick picture of a moment, unless `cancelled` becomes true meanwhile. [`report`](Engine::report) then describes
+    /// it; [`plan`](Engine::plan) still describes the last frame.
     ///
     /// # Errors
     ///
@@ -48,7 +48,7 @@ impl Engine {
         self.render_draft_on(time, draft, &mut None, Signals::unless(cancelled), &mut |_| Continue(()))
     }
 
-    /// As [`render_on`](Engine::render_on), a quick picture.
+    /// Renders a quick picture as [`render_on`](Engine::render_on) does.
     ///
     /// # Errors
     ///
@@ -91,7 +91,7 @@ impl Engine {
         Ok(begun.take().map(|exposure| self.develop(exposure)))
     }
 
-    /// Ends a picture; the report tells of it.
+    /// Finishes a picture; the report describes it.
     pub(in crate::engine) fn develop(&mut self, exposure: Exposure) -> Film {
         let start = Instant::now();
         let (film, effort) = exposure.develop();
@@ -106,7 +106,7 @@ impl Engine {
     }
 }
 
-/// Adds to a picture until all is there, and looks at it at every pause; `false` if it ends before.
+/// Adds to a picture until it is complete, and visits it at every pause; `false` if it ends before.
 pub(in crate::engine) fn add_all(
     signals: Signals<'_>,
     visit: &mut dyn FnMut(&Exposure) -> ControlFlow<()>,

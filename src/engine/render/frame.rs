@@ -1,4 +1,4 @@
-//! Making frames: instant after instant while the shutter is open.
+//! Renders frames: instant after instant while the shutter is open.
 
 use std::borrow::Cow;
 use std::ops::ControlFlow::{self, Continue};
@@ -14,7 +14,7 @@ use crate::time::Time;
 use crate::trace::reference::{Reference, ReferenceSums};
 use crate::trace::{Exposure, Film, KernelChoice, Lighting, Signals};
 
-/// Nobody cancels it.
+/// A signal that is never set.
 static NEVER: AtomicBool = AtomicBool::new(false);
 
 impl Engine {
@@ -22,8 +22,7 @@ impl Engine {
     ///
     /// # Errors
     ///
-    /// If systems of one's own need the world copied and it holds components that were not registered, or if a script gives no
-    /// value.
+    /// If custom systems need the world copied and it holds components that were not registered, or if a script gives no value.
     pub fn render_frame(&mut self, index: u32) -> Result<Film, EngineError> {
         self.render_at(self.timeline.time_of(index))
     }
@@ -38,7 +37,7 @@ impl Engine {
         Ok(film.unwrap_or_else(|| Film::new(0, 0)))
     }
 
-    /// Renders a moment unless `cancelled` becomes true on the way, then there is no film.
+    /// Renders a moment unless `cancelled` becomes true meanwhile; then there is no film.
     ///
     /// # Errors
     ///
@@ -47,8 +46,9 @@ impl Engine {
         self.render_on(time, &mut None, Signals::unless(cancelled), &mut |_| Continue(()))
     }
 
-    /// Renders a moment as long as there is time, and goes on later, to the same bits: what has been traced is in `begun` until it
-    /// is a film. It belongs to this moment of the world as it is. `visit` is called at every pause, and says whether to go on.
+    /// Renders a moment as long as there is time, and can continue later, to the same bits: what has been traced is in `begun`
+    /// until it is a film. It belongs to this moment of the world as it is. `visit` is called at every pause, and decides whether
+    /// to continue.
     ///
     /// ```
     /// use std::ops::ControlFlow;
@@ -99,7 +99,7 @@ impl Engine {
         Ok(Some(self.develop(exposure)))
     }
 
-    /// Renders a moment by the reference path, which asks every shape for every ray: slow, single-threaded, and the same
+    /// Renders a moment by the reference path, which tests every ray against every shape: slow, single-threaded, and the same
     /// bits.
     ///
     /// # Errors
@@ -120,7 +120,7 @@ impl Engine {
         Ok(sums.unwrap_or_else(|| ReferenceSums::new((width, height))).develop(samples))
     }
 
-    /// What a moment calls for, and why, without making a picture: see [`Engine::plan`].
+    /// Plans a moment, with reasons, without rendering a picture: see [`Engine::plan`].
     ///
     /// # Errors
     ///
@@ -131,13 +131,13 @@ impl Engine {
         Ok(self.plan.as_ref())
     }
 
-    /// How frames are exposed, from the world as it is before systems of one's own: when a frame begins cannot depend on what
+    /// Returns the exposure of a frame, from the world as it is before custom systems: when a frame begins cannot depend on what
     /// is there then.
     fn shutter(&mut self, time: Time) -> Shutter {
         self.shutters.get_or_insert_with(|| Shutters::of(&self.world)).at(time)
     }
 
-    /// The instants at which a frame is drawn: its moment, or several while the shutter is open.
+    /// Returns the instants at which a frame is drawn: its moment, or several while the shutter is open.
     fn instants(&mut self, time: Time) -> Vec<Time> {
         let single = [Some(Effect::MotionBlur), Some(Effect::Antialiasing)].contains(&self.left_out);
         match self.shutter(time) {
@@ -149,15 +149,15 @@ impl Engine {
         }
     }
 
-    /// Is there anything that could move?
+    /// Returns whether there is anything that could move.
     fn may_move(&self) -> bool {
         let animated = |archetype: &hecs::Archetype| !archetype.is_empty() && archetype.has::<Animated>();
         !self.systems.is_empty() || self.world.archetypes().any(animated)
     }
 
-    /// Goes through the instants of the frame at `time`, and calls `each` with what the kernel knows at each, which kernel is
-    /// to be used, and which samples belong to it, until it is `false`. The film and the samples are those of the first instant
-    /// throughout. Gives whether the world was brought to each of them: `cancelled` may have become true on the way.
+    /// Visits the instants of the frame at `time`, and calls `each` with the prepared data of each, the kernel to use, and the
+    /// samples that belong to it, until it returns `false`. The film and the samples are those of the first instant throughout.
+    /// Returns whether the world was brought to each of them: `cancelled` may have become true meanwhile.
     fn seek_all(
         &mut self,
         time: Time,
@@ -209,7 +209,7 @@ impl Engine {
         }
     }
 
-    /// Brings the world, and what the kernel knows of it, to a moment, without making a picture.
+    /// Brings the world, and the kernel's data, to a moment, without rendering a picture.
     ///
     /// # Errors
     ///
@@ -218,7 +218,7 @@ impl Engine {
         self.seek_unless(time, &NEVER).map(|_| ())
     }
 
-    /// As [`Engine::seek`], and says whether it was not cancelled.
+    /// Seeks as [`Engine::seek`] does, and returns whether it was not cancelled.
     pub(in crate::engine) fn seek_unless(
         &mut self,
         time: Time,
@@ -228,8 +228,8 @@ impl Engine {
         Ok(self.bring(time, cancelled)?.is_some())
     }
 
-    /// As [`Engine::seek`], to the instant at which sample `index` of the frame at `time` is taken: while a shutter is open, not
-    /// all are taken at once.
+    /// Seeks as [`Engine::seek`] does, to the instant at which sample `index` of the frame at `time` is taken: while a shutter is
+    /// open, not all are taken at once.
     ///
     /// # Errors
     ///
@@ -250,8 +250,8 @@ impl Engine {
         Ok(())
     }
 
-    /// Brings the world to an instant of the reported frame, and says whether anything that can be seen is different then; nothing
-    /// if it was cancelled.
+    /// Brings the world to an instant of the reported frame, and returns whether anything visible is different then; nothing if
+    /// it was cancelled.
     fn bring(&mut self, instant: Time, cancelled: &AtomicBool) -> Result<Option<bool>, EngineError> {
         let start = Instant::now();
         if let Err(halt) = self.systems.advance(&mut self.world, instant, &mut self.changes, cancelled) {
@@ -278,7 +278,7 @@ impl Engine {
     }
 }
 
-/// The samples, of so many in a pixel, that are taken at instant `index` of `instants`: sample s of n belongs to instant
+/// Returns the samples, of this many per pixel, that are taken at instant `index` of `instants`: sample s of n belongs to instant
 /// floor(s instants / n).
 fn samples_of(index: u32, instants: usize, samples: u32) -> (u32, u32) {
     let instants = instants as u64;

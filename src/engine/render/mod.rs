@@ -1,4 +1,4 @@
-//! Pictures of a moment: whole frames, and drafts to begin with.
+//! Pictures of a moment: full frames, and drafts that precede them.
 
 mod draft;
 mod frame;

@@ -8,7 +8,7 @@ use crate::components::{Camera, FilmSettings, Follow, LookAt, Projection, Shots,
 use crate::time::Time;
 use crate::trace;
 
-/// The camera that films the frame at `moment`, as the kernel has it.
+/// Prepares the camera that films the frame at `moment`.
 pub(super) fn prepared_camera(world: &World, film: FilmSettings, moment: Time) -> trace::Camera {
     let entity = filming_camera(world, moment);
     let camera = component::<Camera>(world, entity).unwrap_or_default();
@@ -30,7 +30,7 @@ pub(super) fn prepared_camera(world: &World, film: FilmSettings, moment: Time) -
     camera.lens.map_or(pinhole, |lens| pinhole.with_lens(lens.aperture, lens.focus))
 }
 
-/// Who films a frame.
+/// The camera that films a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filming {
     /// The entity with the camera.
@@ -39,7 +39,7 @@ pub struct Filming {
     pub target: Option<DVec3>,
 }
 
-/// Who films the frame at `moment`, to which the world has been brought. `None` in a world without cameras.
+/// Returns what films the frame at `moment`, to which the world has been brought. `None` in a world without cameras.
 #[must_use]
 pub fn filming(world: &World, moment: Time) -> Option<Filming> {
     let entity = filming_camera(world, moment)?;
@@ -48,7 +48,7 @@ pub fn filming(world: &World, moment: Time) -> Option<Filming> {
     Some(Filming { camera: entity, target: looks_at_point.then_some(eye + view) })
 }
 
-/// The entity whose camera films the frame at `moment`: that of the shot, or else the first in document order.
+/// Returns the entity whose camera films the frame at `moment`: that of the shot, or else the first in document order.
 pub(super) fn filming_camera(world: &World, moment: Time) -> Option<Entity> {
     let shots = first::<Shots>(world).0;
     let begun = shots.partition_point(|shot| shot.start <= moment.seconds());
@@ -56,7 +56,7 @@ pub(super) fn filming_camera(world: &World, moment: Time) -> Option<Entity> {
     shot.filter(|camera| world.satisfies::<&Camera>(*camera)).or_else(|| first_entity::<Camera>(world))
 }
 
-/// Where an entity is in the world.
+/// Returns an entity's position in the world.
 pub(super) fn place_of(world: &World, entity: Option<Entity>) -> Option<DVec3> {
     component::<WorldTransform>(world, entity).map(|transform| transform.affine.translation)
 }
@@ -65,7 +65,7 @@ fn component<T: Component + Copy>(world: &World, entity: Option<Entity>) -> Opti
     world.get::<&T>(entity?).ok().map(|component| *component)
 }
 
-/// Where a camera stands in the world, and which way.
+/// The position and direction of a camera in the world.
 struct Stance {
     eye: DVec3,
     view: DVec3,
@@ -90,23 +90,23 @@ fn stance(world: &World, entity: Option<Entity>, camera: &Camera) -> Stance {
     Stance { eye, view, up: direction(camera.up), looks_at_point }
 }
 
-/// How a frame is exposed.
+/// The exposure of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Shutter {
-    /// At one instant: the camera has none.
+    /// At one instant: the camera has no shutter.
     None,
-    /// At one instant: no more are asked for, or a pixel has no more samples.
+    /// At one instant: no more are set, or a pixel has no more samples.
     OneInstant,
     /// Open for a share of the time from frame to frame, at this many instants, more than one.
     Open(f64, u32),
 }
 
-/// How frames are exposed, from the world as it is.
+/// The exposure of frames, from the world as it is.
 #[derive(Clone, Debug)]
 pub(crate) struct Shutters {
-    /// From when on, in seconds; ascending.
+    /// The start of each shot in seconds, ascending, with its exposure.
     shots: Vec<(f64, Shutter)>,
-    /// Without shots.
+    /// The exposure without shots.
     single: Shutter,
 }
 
@@ -127,7 +127,7 @@ impl Shutters {
         }
     }
 
-    /// How the frame at `moment` is exposed.
+    /// Returns the exposure of the frame at `moment`.
     #[must_use]
     pub(crate) fn at(&self, moment: Time) -> Shutter {
         let begun = self.shots.partition_point(|(start, _)| *start <= moment.seconds());

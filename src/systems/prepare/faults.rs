@@ -1,4 +1,4 @@
-//! Finds out why something is not drawn as it says.
+//! Finds out why something is not drawn as specified.
 
 use std::f64::consts::PI;
 
@@ -20,14 +20,14 @@ use crate::components::{
 use crate::systems::{Fault, FaultCause, FaultEffect, Instead};
 use crate::trace::LightSource;
 
-/// What a coefficient may be.
+/// The range of a coefficient.
 const SHARE: &str = "from 0 to 1";
-/// What light and colours may be.
+/// The range of light and colours.
 const POSITIVE: &str = "0 or more, and finite";
 
 impl Preparation {
-    /// What is wrong with the world, which is at the moment that was prepared: every entity with a shape that is not drawn,
-    /// every light that lights nothing through a fault of its own, and whatever else is not taken as it is. In document
+    /// Returns what is wrong with the world, which is at the moment that was prepared: every entity with a shape that is not
+    /// drawn, every light that lights nothing through a fault of its own, and whatever else is not used as given. In document
     /// order.
     #[must_use]
     pub fn faults(&self, world: &World) -> Vec<Fault> {
@@ -76,7 +76,7 @@ impl Preparation {
     }
 }
 
-/// What is wrong with a transform, with its own part in it.
+/// Returns what is wrong with a transform, with its own part in it.
 fn explained(cause: FaultCause, own: Option<&Transform>) -> FaultCause {
     let Some(Transform { translation, rotation, scale }) = own else { return cause };
     match cause {
@@ -95,7 +95,7 @@ fn instead(entity: Entity, cause: FaultCause, instead: Instead) -> Fault {
     Fault { entity, effect: FaultEffect::Instead(instead), cause }
 }
 
-/// Numbers with their names and ranges: the first that is not in its range, and what it counts as.
+/// The first number that is not in its range, and the value used in its place.
 struct Checked {
     entity: Entity,
     fault: Option<Fault>,
@@ -106,7 +106,7 @@ impl Checked {
         Self { entity, fault: None }
     }
 
-    /// Looks at another number. What it counts as is what it is held to.
+    /// Checks another number. Out of range, it is clamped.
     fn number(&mut self, what: &'static str, value: f64, (least, most): (f64, f64), range: &'static str) {
         if !(least..=most).contains(&value) && self.fault.is_none() {
             let held = if value > most { most } else { least };
@@ -115,14 +115,14 @@ impl Checked {
         }
     }
 
-    /// Looks at a colour.
+    /// Checks a colour.
     fn color(&mut self, what: &'static str, color: Rgb) {
         for channel in color.to_array() {
             self.number(what, channel.into(), (0.0, f32::MAX.into()), POSITIVE);
         }
     }
 
-    /// Looks at a part without which an entity does.
+    /// Checks an optional part of an entity.
     fn part(&mut self, what: &'static str, value: f64, is_good: bool, range: &'static str) {
         if !is_good && self.fault.is_none() {
             let cause = FaultCause::OutOfRange { what, value, range };
@@ -131,7 +131,7 @@ impl Checked {
     }
 }
 
-/// What is wrong with what a surface looks like.
+/// Returns what is wrong with a surface.
 pub(super) fn surface_fault(entity: Entity, surfaced: Surfaced<'_>) -> Option<Fault> {
     let (_, _, material, specular, reflective, refractive, checker) = surfaced;
     let mut checked = Checked::new(entity);
@@ -195,7 +195,7 @@ fn light_faults(world: &World, faults: &mut Vec<Fault>) {
     }
 }
 
-/// Of the camera that films.
+/// Finds the faults of the camera that films.
 fn camera_faults(world: &World, prepared: &Preparation, faults: &mut Vec<Fault>) {
     if let Some(entity) = first_entity::<Shots>(world) {
         let shots = world.get::<&Shots>(entity);
@@ -244,7 +244,7 @@ fn camera_faults(world: &World, prepared: &Preparation, faults: &mut Vec<Fault>)
     faults.extend(checked.fault);
 }
 
-/// A screen that is not there, or that is turned inside out, with the number that makes it so.
+/// Returns what makes a screen empty or inverted, with the number that does.
 fn projection_fault(projection: Projection) -> Option<(FaultCause, f64)> {
     let wrong = |what, value: f64| (!(value > 0.0 && value.is_finite())).then_some((what, value));
     match projection {
@@ -260,7 +260,7 @@ fn projection_fault(projection: Projection) -> Option<(FaultCause, f64)> {
     }
 }
 
-/// Of the settings of the whole scene.
+/// Finds the faults of the settings of the whole scene.
 fn setting_faults(world: &World, faults: &mut Vec<Fault>) {
     let mut check = |fault: Option<Fault>| faults.extend(fault);
     check(setting(world, |checked, Ambient(intensity)| checked.color("ambient light", *intensity)));
@@ -299,7 +299,7 @@ fn setting_faults(world: &World, faults: &mut Vec<Fault>) {
     }));
 }
 
-/// What is wrong with the one that counts.
+/// Returns what is wrong with the one that counts.
 fn setting<T: Component>(world: &World, check: impl FnOnce(&mut Checked, &T)) -> Option<Fault> {
     let entity = first_entity::<T>(world)?;
     let mut checked = Checked::new(entity);

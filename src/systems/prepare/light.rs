@@ -8,7 +8,7 @@ use crate::components::{AreaShape, Falloff, Light, LightKind, WorldTransform};
 use crate::systems::FaultCause;
 use crate::trace::{self, Cone, LightSource, ShapeId};
 
-/// A light in world space, or why there is none.
+/// Returns a light in world space, or why there is none.
 pub(super) fn prepared_light(
     light: &Light,
     transform: &WorldTransform,
@@ -51,7 +51,7 @@ pub(super) fn prepared_light(
     })
 }
 
-/// What shines of an area light.
+/// Returns the surface of an area light in world space.
 fn prepared_area(shape: AreaShape, transform: &WorldTransform) -> Result<LightSource, FaultCause> {
     let (center, linear) = (transform.affine.translation, transform.affine.matrix3);
     match shape {
@@ -75,7 +75,7 @@ fn out_of_size(what: &'static str, value: f64) -> FaultCause {
     FaultCause::OutOfRange { what, value, range: "0 or more, and finite" }
 }
 
-/// The cone about +z as the transform turns it.
+/// Returns the cone about +z, turned by the transform.
 fn prepared_cone(angle: f64, softness: f64, transform: &WorldTransform) -> Result<Cone, FaultCause> {
     let forward = transform.affine.matrix3.z_axis;
     let axis = (forward * towards_one(forward.abs().max_element())).try_normalize();
@@ -90,7 +90,7 @@ fn prepared_cone(angle: f64, softness: f64, transform: &WorldTransform) -> Resul
     Ok(Cone { axis, inner: libm::cos((1.0 - softness) * half), outer: libm::cos(half) })
 }
 
-/// A light must not brighten without bounds.
+/// Prepares a falloff: a light must not brighten without bounds.
 fn prepared_falloff(falloff: Falloff) -> Result<trace::Falloff, FaultCause> {
     let Falloff { constant, linear, quadratic } = falloff;
     for part in [constant, linear, quadratic] {

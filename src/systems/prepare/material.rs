@@ -1,10 +1,10 @@
-//! Surfaces, and the squares on them.
+//! Surfaces, and their checker patterns.
 
 use super::settings::sane;
 use crate::components::{Checker, Material, Reflective, Refractive, Shape, Specular, WorldTransform};
 use crate::trace::{self, CheckerPattern, Refraction, SurfaceMaterial};
 
-/// The components that say what a surface looks like, and where its squares are.
+/// The components that define a surface's appearance and its checker pattern.
 pub(super) type Surfaced<'a> = (
     &'a Shape,
     &'a WorldTransform,
@@ -37,7 +37,7 @@ pub(super) fn surface_material(
     }
 }
 
-/// 0..=1.
+/// Clamps to 0..=1.
 fn coefficient(value: f32) -> f32 {
     if value > 0.0 { value.min(1.0) } else { 0.0 }
 }
@@ -53,7 +53,7 @@ fn prepared_refraction(refractive: &Refractive) -> Option<Refraction> {
     })
 }
 
-/// `None` where there are none: on spheres, and where squares have no size.
+/// Prepares a checker pattern; `None` where there is none: on spheres, and where squares have no size.
 fn prepared_squares(checker: &Checker, shape: &Shape, transform: &WorldTransform) -> Option<CheckerPattern> {
     let (map, size) = (transform.affine, checker.size);
     if size.is_nan() || size <= 0.0 {

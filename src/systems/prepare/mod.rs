@@ -29,16 +29,16 @@ pub use camera::{Filming, filming};
 pub(crate) use camera::{Shutter, Shutters};
 pub use settings::film_settings;
 
-/// The kernel's arrays, and which entity each of their slots stands for.
+/// The kernel's arrays, and the entity of each of their slots.
 ///
-/// Entities with a [`Shape`] and a [`Material`] are drawn. Values that cannot be drawn, such as a scale of zero halfway
-/// through an animation or a NaN from a system, leave the entity out of the picture; nothing non-finite gets to the kernel.
-/// [`faults`](Preparation::faults) says which are left out, and why.
+/// Entities with a [`Shape`] and a [`Material`] are drawn. Values that cannot be drawn, such as a scale of zero halfway through
+/// an animation or a NaN from a system, leave the entity out of the picture; nothing non-finite reaches the kernel.
+/// [`faults`](Preparation::faults) reports which are left out, and why.
 #[derive(Clone, Debug)]
 pub struct Preparation {
     pub(super) scene: PreparedScene,
     pub(super) camera: trace::Camera,
-    /// Of the frame, which says which camera films.
+    /// The moment of the frame, which decides which camera films.
     moment: Time,
     film: FilmSettings,
     pub(super) sampling: Sampling,
@@ -51,16 +51,16 @@ pub struct Preparation {
     trees: u32,
 }
 
-/// How many rays surfaces send out, at most.
+/// The most rays that surfaces send out.
 #[derive(Clone, Debug)]
 pub(crate) struct RayLimits {
     /// Generations, 1 or more.
     pub(crate) depth: u32,
-    /// Of every light, 1 or more.
+    /// Samples of every light, 1 or more.
     pub(crate) light_samples: Vec<u32>,
 }
 
-/// Slots by entity. Ids are small and dense, so that a list does.
+/// Slots by entity. Ids are small and dense, so that a list suffices.
 #[derive(Clone, Debug, Default)]
 struct SlotTable(Vec<Option<(Entity, ShapeId)>>);
 
@@ -127,7 +127,7 @@ impl Preparation {
     }
 
     /// Reads what has changed, for an instant of the frame at `moment`. `moved` are the entities whose world transform changed.
-    /// Is anything different?
+    /// Returns whether anything is different.
     pub fn update(&mut self, world: &mut World, moment: Time, changes: &Changes, moved: &[Entity]) -> bool {
         self.moment = moment;
         if changes.is_everything() {
@@ -163,36 +163,36 @@ impl Preparation {
         true
     }
 
-    /// How often the tree over the shapes has been built.
+    /// Returns how often the tree over the shapes has been built.
     #[must_use]
     pub fn trees(&self) -> u32 {
         self.trees
     }
 
-    /// The kernel's scene.
+    /// Returns the kernel's scene.
     #[must_use]
     pub fn scene(&self) -> &PreparedScene {
         &self.scene
     }
 
-    /// Sets how precisely the kernel asks shapes.
+    /// Sets the precision of the kernel's intersections.
     pub fn set_precision(&mut self, precision: Precision) {
         self.scene.precision = precision;
     }
 
-    /// The kernel's camera.
+    /// Returns the kernel's camera.
     #[must_use]
     pub fn camera(&self) -> &trace::Camera {
         &self.camera
     }
 
-    /// The film's settings.
+    /// Returns the film's settings.
     #[must_use]
     pub fn film(&self) -> FilmSettings {
         self.film
     }
 
-    /// How many samples every pixel has at this moment, and which.
+    /// Returns the number of samples per pixel at this moment, and their choice.
     #[must_use]
     pub fn sampling(&self, time: Time) -> trace::Sampling {
         let sampling = trace::Sampling { samples: self.sampling.samples, seed: self.sampling.seed };
@@ -202,36 +202,36 @@ impl Preparation {
         }
     }
 
-    /// The entities whose shapes are in the kernel's arrays, in document order.
+    /// Returns the entities whose shapes are in the kernel's arrays, in document order.
     #[must_use]
     pub fn drawn(&self) -> &[Entity] {
         &self.entities
     }
 
-    /// The entity whose shape is in a slot.
+    /// Returns the entity whose shape is in a slot.
     #[must_use]
     pub fn entity(&self, slot: ShapeId) -> Entity {
         self.entities[slot.index()]
     }
 
-    /// The entities of the scene's lights, in their order.
+    /// Returns the entities of the scene's lights, in their order.
     #[must_use]
     pub fn lights(&self) -> &[Entity] {
         &self.lights
     }
 
-    /// What this moment calls for, and why.
+    /// Returns the effects that this moment calls for, and why.
     #[must_use]
     pub fn plan(&self, world: &World) -> Plan {
         Plan::of(world, self)
     }
 
-    /// The film and the samples of a frame: all its instants have the same.
+    /// Returns the film and the samples of a frame: all its instants have the same.
     pub(crate) fn exposure_settings(&self) -> (FilmSettings, Sampling) {
         (self.film, self.sampling)
     }
 
-    /// Sets them.
+    /// Sets the film and the samples.
     pub(crate) fn expose_with(&mut self, (film, sampling): (FilmSettings, Sampling), world: &World) {
         self.sampling = sampling;
         if set(&mut self.film, film) {
@@ -239,13 +239,13 @@ impl Preparation {
         }
     }
 
-    /// How many rays surfaces send out.
+    /// Returns the limits of the rays that surfaces send out.
     pub(crate) fn ray_limits(&self) -> RayLimits {
         let light_samples = self.scene.lights.iter().map(|light| light.samples).collect();
         RayLimits { depth: self.scene.depth, light_samples }
     }
 
-    /// Sets it, until the next update that reads settings.
+    /// Sets these limits, until the next update that reads settings.
     pub(crate) fn limit_rays(&mut self, limits: &RayLimits) {
         self.scene.depth = limits.depth;
         for (light, samples) in self.scene.lights.iter_mut().zip(&limits.light_samples) {
@@ -253,13 +253,13 @@ impl Preparation {
         }
     }
 
-    /// How many samples every pixel has.
+    /// Returns the number of samples per pixel.
     #[must_use]
     pub fn samples(&self) -> u32 {
         self.sampling.samples
     }
 
-    /// Puts shapes that were moved or changed into their slots, and says whether any is different; `None` if slots no longer
+    /// Puts shapes that were moved or changed into their slots, and returns whether any is different; `None` if slots no longer
     /// fit and all must be read again.
     fn update_shapes(&mut self, world: &mut World, reshaped: impl Iterator<Item = Entity>) -> Option<bool> {
         let mut replacements = Vec::new();
@@ -283,7 +283,8 @@ impl Preparation {
         fits.then_some(!replacements.is_empty())
     }
 
-    /// The camera, lights and the settings of the whole scene are few: they are read for every frame. Is anything different?
+    /// Reads the camera, lights and the settings of the whole scene, which are few, for every frame. Returns whether anything is
+    /// different.
     fn read_settings(&mut self, world: &mut World) -> bool {
         let mut lights: Vec<(Order, Entity, trace::Light)> = world
             .query_mut::<(Entity, &Order, &Light, &WorldTransform)>()
@@ -321,7 +322,7 @@ impl Preparation {
     }
 }
 
-/// Is it different from what it was?
+/// Writes a value, and returns whether it is different from before.
 fn set<T: PartialEq>(place: &mut T, value: T) -> bool {
     let differs = *place != value;
     *place = value;

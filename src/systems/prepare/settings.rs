@@ -1,4 +1,4 @@
-//! The settings of the whole scene, held to their limits.
+//! The settings of the whole scene, clamped to their limits.
 
 use hecs::{Entity, World};
 
@@ -6,13 +6,13 @@ use crate::color::{Rgb, Transfer};
 use crate::components::{Background, FilmSettings, Fog, Order, Quality, Sampling};
 use crate::trace;
 
-/// The first in document order of a component that a world has at most one of, or its default.
+/// Returns the first in document order of a component that a world has at most one of, or its default.
 pub(super) fn first<T: hecs::Component + Default + Clone>(world: &World) -> T {
     let found = first_entity::<T>(world).and_then(|entity| world.get::<&T>(entity).ok());
     found.map(|component| T::clone(&component)).unwrap_or_default()
 }
 
-/// The first entity in document order that has a component.
+/// Returns the first entity in document order that has a component.
 pub(super) fn first_entity<T: hecs::Component>(world: &World) -> Option<Entity> {
     let mut query = world.query::<hecs::With<(Entity, Option<&Order>), &T>>();
     let all = query.iter();
@@ -20,7 +20,7 @@ pub(super) fn first_entity<T: hecs::Component>(world: &World) -> Option<Entity> 
     first.map(|(entity, _)| entity)
 }
 
-/// The film's settings, held to their limits.
+/// Returns the film's settings, clamped to their limits.
 #[must_use]
 pub fn film_settings(world: &World) -> FilmSettings {
     let film = first::<FilmSettings>(world);
@@ -37,7 +37,7 @@ pub(super) fn sane_sampling(sampling: Sampling) -> Sampling {
     Sampling { samples, instants, ..sampling }
 }
 
-/// From steps of 8 bits to linear light. Where output is encoded as sRGB, steps are finest near black.
+/// Converts steps of 8 bits to linear light. Where output is encoded as sRGB, steps are finest near black.
 pub(super) fn linear_cutoff(codes: f32, transfer: Transfer) -> f32 {
     let steepest = match transfer {
         Transfer::Classic => 1.0,
@@ -60,7 +60,7 @@ pub(super) fn prepared_fog(fog: Fog) -> trace::Fog {
     trace::Fog { color: sane(fog.color), density }
 }
 
-/// Finite and not negative.
+/// Makes a colour finite and non-negative.
 pub(super) fn sane(color: Rgb) -> Rgb {
     Rgb::from_array(color.to_array().map(|channel| if channel > 0.0 { channel.min(f32::MAX) } else { 0.0 }))
 }

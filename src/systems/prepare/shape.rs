@@ -11,10 +11,10 @@ use crate::trace::PreparedShape;
 use crate::trace::math::{Double, Double3};
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 
-/// A shape in world space, or why there is none: where it has no extent or is beyond all measure, squares of its coordinates
-/// would not be numbers any more.
+/// Returns a shape in world space, or why there is none: where it has no extent or is far out of range, squares of its
+/// coordinates would no longer be numbers.
 pub(super) fn prepared_shape(shape: &Shape, transform: &WorldTransform) -> Result<PreparedShape, FaultCause> {
-    /// Magnitudes of world coordinates, and the inverse of sizes.
+    /// The largest magnitude of world coordinates, and of the inverse of sizes.
     const LARGEST: f64 = 1e150;
     let matrix = transform.affine.matrix3;
     let translation = transform.affine.translation;
@@ -88,8 +88,8 @@ pub(super) fn prepared_shape(shape: &Shape, transform: &WorldTransform) -> Resul
     }
 }
 
-/// The image of a plane's normal, of any length, rounded once: normals go by the inverse transpose, whose columns are the cross
-/// products of the map's. `towards_one` is a power of two that brings the map's entries near 1.
+/// Returns the image of a plane's normal, of any length, rounded once: normals are transformed by the inverse transpose, whose
+/// columns are the cross products of the map's. `towards_one` is a power of two that brings the map's entries near 1.
 fn normal_image(map: &ExactAffine, towards_one: f64, normal: DVec3) -> DVec3 {
     let [a, b, c] = map.columns.map(|column| column.times_power(towards_one));
     let normal = normal * self::towards_one(normal.abs().max_element());
@@ -101,7 +101,7 @@ fn normal_image(map: &ExactAffine, towards_one: f64, normal: DVec3) -> DVec3 {
     image.rounded() * determinant.signum()
 }
 
-/// Half the edge lengths along the world's axes, for a map that does no more than exchange, mirror and stretch axes.
+/// Returns half the edge lengths along the world's axes, for a map that only exchanges, mirrors and stretches axes.
 fn aligned_half(map: &ExactAffine, half: Double3) -> Option<Double3> {
     let mut aligned = [Double::ZERO; 3];
     for (column, half) in map.columns.into_iter().zip(half.to_array()) {
@@ -115,7 +115,7 @@ fn aligned_half(map: &ExactAffine, half: Double3) -> Option<Double3> {
     Some(aligned.into())
 }
 
-/// A power of two that brings a magnitude near 1.
+/// Returns a power of two that brings a magnitude near 1.
 pub(super) fn towards_one(magnitude: f64) -> f64 {
     libm::ldexp(1.0, -libm::ilogb(magnitude).clamp(-1000, 1000))
 }
