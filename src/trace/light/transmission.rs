@@ -15,12 +15,12 @@ use crate::trace::scene::{PreparedScene, transmittance};
 
 /// What share of a light comes to a surface point, channel by channel; `None` where nothing does. The light is given by its own
 /// shape, and by what hid it from the last point that asked, which is asked first: neighbours are mostly in the same shadow.
-/// `medium` is the stack of clear solids that the surface is seen from.
+/// `inside` are the solids that the surface is seen from.
 #[inline(always)]
 pub(crate) fn visibility<E: Effects>(
     scene: &PreparedScene,
     shapes: &impl Intersector,
-    shadow_ray: &ShadowRay,
+    shadow_ray: ShadowRay<'_>,
     (own_shape, last_occluder): (Option<ShapeId>, &mut Option<ShapeId>),
     (surface, medium): (&SurfacePoint, MediumStack),
     scratch: &mut LightScratch<'_>,
@@ -28,15 +28,15 @@ pub(crate) fn visibility<E: Effects>(
     let ShadowRay { ray, limit, .. } = shadow_ray;
     if let Some(id) = *last_occluder
         && Some(id) != own_shape
-        && shapes.occludes(id, ray, limit, &mut scratch.search.escalations)
+        && shapes.occludes(id, ray, &limit, &mut scratch.search.escalations)
     {
         return None;
     }
     if !E::CLEAR_SHADOWS {
-        *last_occluder = scene.occluder(shapes, ray, limit, own_shape, &mut scratch.search);
+        *last_occluder = scene.occluder(shapes, ray, &limit, own_shape, &mut scratch.search);
         return last_occluder.is_none().then_some(Rgb::ONE);
     }
-    *last_occluder = scene.occluder_or_crossed(shapes, ray, limit, own_shape, &mut scratch.search);
+    *last_occluder = scene.occluder_or_crossed(shapes, ray, &limit, own_shape, &mut scratch.search);
     let visible = last_occluder.is_none();
     visible.then(|| filtered(scene, shapes, shadow_ray, own_shape, (surface, medium), scratch))
 }
@@ -45,7 +45,7 @@ pub(crate) fn visibility<E: Effects>(
 fn filtered(
     scene: &PreparedScene,
     shapes: &impl Intersector,
-    shadow_ray: &ShadowRay,
+    shadow_ray: ShadowRay<'_>,
     own_shape: Option<ShapeId>,
     (surface, medium): (&SurfacePoint, MediumStack),
     scratch: &mut LightScratch<'_>,
@@ -61,7 +61,7 @@ fn filtered(
     let absorbed = scene.surfaces().absorbs
         && (scratch.search.crossed.iter().any(|crossed| absorbs(crossed.id()))
             || scratch.media.solids(medium).any(absorbs)
-            || behind.any(|asked| scene.media_at(&asked).iter().copied().any(absorbs)));
+            || behind.any(|asked| scene.nesting_at(&asked).iter().copied().any(absorbs)));
     if absorbed {
         filtered_and_absorbed(scene, shapes, shadow_ray, own_shape, (surface, medium), scratch)
     } else {
@@ -73,13 +73,13 @@ fn filtered(
 fn filtered_alone(
     scene: &PreparedScene,
     shapes: &impl Intersector,
-    ShadowRay { ray, limit, from_behind }: &ShadowRay,
+    ShadowRay { ray, limit, from_behind }: ShadowRay<'_>,
     own_shape: Option<ShapeId>,
     surface: &SurfacePoint,
     scratch: &mut LightScratch<'_>,
 ) -> Rgb {
     let Scratch { crossed, crossings, escalations, .. } = &mut scratch.search;
-    if *from_behind && Some(surface.hit.id) != own_shape {
+    if from_behind && Some(surface.hit.id) != own_shape {
         crossed.push(Crossed::Times(surface.hit.id, 1));
     }
     crossed.sort_unstable_by_key(Crossed::id);
@@ -90,7 +90,7 @@ fn filtered_alone(
             *times
         } else {
             crossings.clear();
-            crossed.cross(scene, shapes, (ray, limit), crossings, escalations);
+            crossed.cross(scene, shapes, (ray, &limit), crossings, escalations);
             if crossings.len() > 1 { 2 } else { 1 }
         };
         for _ in 0..times {
@@ -105,7 +105,7 @@ fn filtered_alone(
 pub(crate) fn filtered_and_absorbed(
     scene: &PreparedScene,
     shapes: &impl Intersector,
-    shadow_ray: &ShadowRay,
+    shadow_ray: ShadowRay<'_>,
     own_shape: Option<ShapeId>,
     (surface, medium): (&SurfacePoint, MediumStack),
     scratch: &mut LightScratch<'_>,
@@ -115,10 +115,10 @@ pub(crate) fn filtered_and_absorbed(
     let ShadowRay { ray, limit, .. } = shadow_ray;
     crossings.clear();
     for crossed in crossed.iter() {
-        crossed.cross(scene, shapes, (ray, limit), crossings, escalations);
+        crossed.cross(scene, shapes, (ray, &limit), crossings, escalations);
     }
     filters.clear();
-    // Stacks that are made here are of no use to anybody else.
+    // Places in the nesting that are made here are of no use to anybody else.
     let mark = media.mark();
     let mut medium = medium;
     if shadow_ray.from_behind {
@@ -139,7 +139,7 @@ pub(crate) fn filtered_and_absorbed(
         from = to;
     };
     for crossing in crossings.iter() {
-        if !scene.may_be_medium(crossing.id) {
+        if !scene.may_nest(crossing.id) {
             continue;
         }
         passed(media, medium, crossing.t);

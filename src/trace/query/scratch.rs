@@ -1,4 +1,4 @@
-//! What searches keep between rays.
+//! What is kept between rays.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

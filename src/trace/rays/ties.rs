@@ -1,4 +1,4 @@
-//! Shapes that a ray meets at the very same place.
+//! MaterialSummary that a ray meets at the very same place.
 
 use std::sync::Arc;
 

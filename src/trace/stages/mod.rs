@@ -1,24 +1,9 @@
-//! The stages through which a tile's rays go, generation by generation.
-//!
-//! Each is a function over the plain arrays of the tile's buffers. [`sample`] runs them in turn:
-//!
-//! ```text
-//! camera_rays -> closest_hits -> surfaces -> direct_light, shadows -> sums -> next_rays
-//!                     ^                                                           |
-//!                     +------------------------ the next wave --------------------+
-//! ```
+//! The stages of a tile.
 
 mod buffers;
-mod camera_rays;
-mod closest_hits;
-mod direct_light;
-mod next_rays;
+mod follow;
 mod sample;
-mod shadows;
-mod sums;
-mod surfaces;
-mod tile;
+mod select;
 
-pub(crate) use buffers::TileBuffers;
+pub(crate) use buffers::{TILE, Tile, TileBuffers};
 pub(crate) use sample::render_sample;
-pub(crate) use tile::{TILE, Tile};
