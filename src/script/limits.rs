@@ -12,6 +12,8 @@ pub const SPAWNING_OPERATIONS: u64 = 200_000;
 pub const OPERATIONS_PER_ENTITY: u64 = 100;
 /// The most operations of a program that spawns, however many entities it has.
 pub const MOST_SPAWNING_OPERATIONS: u64 = 40_000_000;
+/// Operations that it is to refuse an entity: what one that is taken brings.
+pub(super) const REFUSAL: usize = 100;
 /// Operations that it is to say what is wrong, which a program may catch.
 pub(super) const FAILURE: usize = 10;
 /// The most entities that the programs of a scene spawn.

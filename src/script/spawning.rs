@@ -10,9 +10,6 @@ use super::outcome::failed;
 use super::vocabulary::Purpose;
 use super::{Data, ScriptError, language, limits, noise, work};
 
-/// Operations that it is to refuse an entity.
-const REFUSAL: usize = 100;
-
 /// What a program spawns: a map that mirrors an entity of the file format.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spawned {
@@ -122,7 +119,7 @@ fn register_spawn(
             // caught.
             match &taken {
                 Ok(()) => _ = count.fetch_add(1, Ordering::Relaxed),
-                Err(_) => work::add(REFUSAL),
+                Err(_) => work::add(limits::REFUSAL),
             }
             taken
         },

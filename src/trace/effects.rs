@@ -53,7 +53,7 @@ pub(crate) trait Effects {
     const MEDIA: bool;
     const EXTRAS: bool;
     /// Whether rays carry the solids that they are inside of.
-    const NESTING: bool = Self::CLEAR_SHADOWS || Self::MEDIA;
+    const IN_MEDIA: bool = Self::CLEAR_SHADOWS || Self::MEDIA;
 }
 
 /// A kernel by its numbers: how much of [`Lighting`], how much of [`Paths`], and the extras or not.

@@ -62,7 +62,7 @@ impl Start {
                 (min - reach).cmple(eye).all() && (max + reach).cmpge(eye).all()
             })
         };
-        let clear = scene.surfaces().clear.iter().copied().filter(|id| scene.may_nest(*id));
+        let clear = scene.surfaces().clear.iter().copied().filter(|id| scene.may_be_medium(*id));
         let mut solids: Vec<ShapeId> = clear.filter(near).collect();
         // Nested ones are smaller, and half-spaces are the largest. Of equals, the first in document order counts.
         let extent =

@@ -88,7 +88,7 @@ impl MediumStacks {
         let mut entered: Vec<ShapeId> = Vec::new();
         let tied = surface.ties.iter().map(|tie| (&tie.id, direction.dot(tie.normal) < 0.0));
         for (asked, entering) in tied.chain([(&surface.asked, surface.from_outside)]) {
-            for solid in scene.nesting_at(asked) {
+            for solid in scene.media_at(asked) {
                 if entering {
                     entered.push(*solid);
                 } else {

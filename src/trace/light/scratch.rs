@@ -1,4 +1,4 @@
-//! What is kept between rays.
+//! What lighting keeps between rays.
 
 use std::sync::atomic::AtomicBool;
 
@@ -6,7 +6,7 @@ use super::filter::Filter;
 use super::medium_stack::MediumStacks;
 use crate::trace::query::Scratch;
 
-/// What following rays needs besides the scene, kept between them so that none allocates.
+/// Holds what lighting needs besides the scene, kept between rays so that none allocates.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LightScratch<'a> {
     /// What searches need.

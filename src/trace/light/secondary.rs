@@ -43,7 +43,7 @@ impl PathState {
         media: &MediumStacks,
         length: f64,
     ) -> Passage {
-        let absorption = if E::NESTING { media.absorption(scene, self.medium) } else { Rgb::ZERO };
+        let absorption = if E::IN_MEDIA { media.absorption(scene, self.medium) } else { Rgb::ZERO };
         if absorption == Rgb::ZERO && (!E::EXTRAS || scene.fog.density == 0.0) {
             return Passage::CLEAR;
         }

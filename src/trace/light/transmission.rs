@@ -15,7 +15,7 @@ use crate::trace::scene::{PreparedScene, transmittance};
 
 /// What share of a light comes to a surface point, channel by channel; `None` where nothing does. The light is given by its own
 /// shape, and by what hid it from the last point that asked, which is asked first: neighbours are mostly in the same shadow.
-/// `inside` are the solids that the surface is seen from.
+/// `medium` is the stack of clear solids that the surface is seen from.
 #[inline(always)]
 pub(crate) fn visibility<E: Effects>(
     scene: &PreparedScene,
@@ -61,7 +61,7 @@ fn filtered(
     let absorbed = scene.surfaces().absorbs
         && (scratch.search.crossed.iter().any(|crossed| absorbs(crossed.id()))
             || scratch.media.solids(medium).any(absorbs)
-            || behind.any(|asked| scene.nesting_at(&asked).iter().copied().any(absorbs)));
+            || behind.any(|asked| scene.media_at(&asked).iter().copied().any(absorbs)));
     if absorbed {
         filtered_and_absorbed(scene, shapes, shadow_ray, own_shape, (surface, medium), scratch)
     } else {
@@ -118,7 +118,7 @@ pub(crate) fn filtered_and_absorbed(
         crossed.cross(scene, shapes, (ray, &limit), crossings, escalations);
     }
     filters.clear();
-    // Places in the nesting that are made here are of no use to anybody else.
+    // Stacks that are made here are of no use to anybody else.
     let mark = media.mark();
     let mut medium = medium;
     if shadow_ray.from_behind {
@@ -139,7 +139,7 @@ pub(crate) fn filtered_and_absorbed(
         from = to;
     };
     for crossing in crossings.iter() {
-        if !scene.may_nest(crossing.id) {
+        if !scene.may_be_medium(crossing.id) {
             continue;
         }
         passed(media, medium, crossing.t);

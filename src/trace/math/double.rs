@@ -47,7 +47,7 @@ impl Double {
     /// is none, the number itself.
     ///
     /// ```
-    /// use rayreel::trace::exact::Double;
+    /// use rayreel::trace::math::Double;
     /// let decimal = Double::decimal;
     /// assert_ne!(0.1 + 0.2, 0.3);
     /// assert_eq!((decimal(0.1) + decimal(0.2)).rounded(), 0.3);

@@ -14,7 +14,7 @@ use crate::trace::scene::PreparedScene;
 use crate::trace::shapes::RefinedHit;
 
 /// Evaluates an expression with `$shapes` bound to a scene's shapes, to be asked as its precision says.
-macro_rules! with_leaves {
+macro_rules! with_intersector {
     ($scene:expr, $shapes:ident => $work:expr) => {
         match $scene.precision {
             $crate::trace::Precision::Guaranteed => {
@@ -85,8 +85,8 @@ impl PreparedScene {
         let asked = surface.ties.ids().chain([surface.asked]);
         let mut tied: Vec<ShapeId> = Vec::new();
         for id in asked {
-            match self.copies.heap(id) {
-                Some(heap) => tied.extend(heap.ids()),
+            match self.equal_shapes.group(id) {
+                Some(group) => tied.extend(group.ids()),
                 None => tied.push(id),
             }
         }
@@ -129,7 +129,7 @@ impl PreparedScene {
         closest: &ClosestHit,
         escalations: &mut Escalations,
     ) -> SurfacePoint {
-        if closest.ties.is_empty() && self.copies.heap(closest.hit.id).is_none() {
+        if closest.ties.is_empty() && self.equal_shapes.group(closest.hit.id).is_none() {
             return surface_at(shapes, ray, closest.hit, closest.hit.id, Ties::default(), escalations);
         }
         self.tied_surface(shapes, ray, closest, escalations)
@@ -170,8 +170,8 @@ impl PreparedScene {
 
     /// The first opaque one, in document order, of a shape and all that equal it.
     fn first_opaque(&self, asked: ShapeId) -> Option<ShapeId> {
-        match self.copies.heap(asked) {
-            Some(heap) => heap.opaque(None),
+        match self.equal_shapes.group(asked) {
+            Some(group) => group.opaque(None),
             None => self.material(asked).refraction.is_none().then_some(asked),
         }
     }
@@ -179,13 +179,13 @@ impl PreparedScene {
     /// The nearest surface that the ray meets, by the renderer's own path.
     #[must_use]
     pub fn cast(&self, ray: &Ray) -> Option<SurfacePoint> {
-        with_leaves!(self, shapes => self.cast_at(shapes, ray, &mut Scratch::default()))
+        with_intersector!(self, shapes => self.cast_at(shapes, ray, &mut Scratch::default()))
     }
 
     /// The same for many rays, on the current rayon pool's threads.
     #[must_use]
     pub fn cast_all(&self, rays: &[Option<Ray>]) -> Vec<Option<SurfacePoint>> {
-        with_leaves!(self, shapes => {
+        with_intersector!(self, shapes => {
             let cast = |scratch: &mut Scratch<'_>, ray: &Option<Ray>| {
                 self.cast_at(shapes, ray.as_ref()?, scratch)
             };

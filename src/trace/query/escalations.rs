@@ -5,9 +5,9 @@ use std::ops::AddAssign;
 /// Counts how often `f64` did not suffice. The picture is right however large these numbers are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Escalations {
-    /// Does the ray meet the shape? Decided exactly, as `f64`'s error bounds left it open.
+    /// Hits that `f64`'s error bounds left open, decided exactly.
     pub ambiguous: u64,
-    /// Which of two is nearer, or is it before the light? Decided exactly.
+    /// Comparisons of two hits, or of a hit and the light, decided exactly.
     pub contested: u64,
     /// Points whose distance had so few certain bits that one Newton step would not have made it right.
     pub rough: u64,

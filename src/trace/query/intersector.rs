@@ -29,7 +29,7 @@ pub(crate) trait Intersector: Sync {
 
     /// How many times the ray crosses the shape's surface before `limit`, if that is certain at a glance.
     #[inline]
-    fn certain_crossings(&self, _slot: ShapeId, _ray: &Ray, _limit: &Limit) -> Option<u32> {
+    fn certain_crossings(&self, _id: ShapeId, _ray: &Ray, _limit: &Limit) -> Option<u32> {
         None
     }
 }

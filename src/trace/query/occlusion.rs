@@ -22,7 +22,7 @@ impl PreparedScene {
     ) -> Option<ShapeId> {
         let Scratch { stack, escalations, cancelled, .. } = scratch;
         // Where there are several equal shapes, one of them is another than `except`.
-        let counts = |id: ShapeId| Some(id) != except || self.copies.heap(id).is_some();
+        let counts = |id: ShapeId| Some(id) != except || self.equal_shapes.group(id).is_some();
         let mut hides = |id: ShapeId| counts(id) && shapes.occludes(id, ray, limit, escalations);
         let mut beside = self.beside.iter().copied();
         let beside = beside.find(|id| cancelled.load(Relaxed) || hides(*id));
@@ -42,9 +42,9 @@ impl PreparedScene {
     ) -> Option<ShapeId> {
         let Scratch { stack, escalations, crossed, cancelled, .. } = scratch;
         crossed.clear();
-        let mut hides = |id: ShapeId| match self.copies.heap(id) {
-            Some(heap) => {
-                self.heap_hides_or_is_crossed(shapes, heap, ray, (limit, except), crossed, escalations)
+        let mut hides = |id: ShapeId| match self.equal_shapes.group(id) {
+            Some(group) => {
+                self.group_hides_or_is_crossed(shapes, group, ray, (limit, except), crossed, escalations)
             }
             None if Some(id) == except => false,
             None => self.hides_or_is_crossed(shapes, id, (ray, limit), Look::Glance, crossed, escalations),
@@ -76,16 +76,16 @@ impl PreparedScene {
 
     /// The same for equal shapes at once.
     #[cold]
-    fn heap_hides_or_is_crossed(
+    fn group_hides_or_is_crossed(
         &self,
         shapes: &impl Intersector,
-        heap: &EqualGroup,
+        group: &EqualGroup,
         ray: &Ray,
         (limit, except): (&Limit, Option<ShapeId>),
         crossed: &mut Vec<Crossed>,
         escalations: &mut Escalations,
     ) -> bool {
-        if let Some(opaque) = heap.opaque(except) {
+        if let Some(opaque) = group.opaque(except) {
             return self.hides_or_is_crossed(
                 shapes,
                 opaque,
@@ -95,7 +95,7 @@ impl PreparedScene {
                 escalations,
             );
         }
-        let mut clear = heap.clear().iter().copied().filter(|id| Some(*id) != except);
+        let mut clear = group.clear().iter().copied().filter(|id| Some(*id) != except);
         if let Some(first) = clear.next() {
             let from = crossed.len();
             self.hides_or_is_crossed(shapes, first, (ray, limit), Look::Glance, crossed, escalations);

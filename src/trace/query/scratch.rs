@@ -1,4 +1,4 @@
-//! What is kept between rays.
+//! What searches keep between rays.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

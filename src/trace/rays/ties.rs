@@ -1,4 +1,4 @@
-//! MaterialSummary that a ray meets at the very same place.
+//! Shapes that a ray meets at the very same place.
 
 use std::sync::Arc;
 

@@ -12,9 +12,9 @@ use crate::trace::rays::ShapeId;
 /// Which of a scene's shapes equal others.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct EqualShapes {
-    heaps: Vec<EqualGroup>,
+    groups: Vec<EqualGroup>,
     /// By id: in which group it is. Empty in a scene without groups.
-    heap_of: Vec<Option<u32>>,
+    group_of: Vec<Option<u32>>,
 }
 
 /// Two or more equal shapes.
@@ -26,7 +26,7 @@ pub(crate) struct EqualGroup {
     clear: Vec<ShapeId>,
     /// The first two opaque ones.
     opaque: Vec<ShapeId>,
-    /// See [`EqualGroup::nesting`].
+    /// See [`EqualGroup::media`].
     media: Vec<ShapeId>,
 }
 
@@ -38,44 +38,44 @@ impl EqualShapes {
         let mut suspects: Vec<(u64, ShapeId)> =
             repeated(&fingerprints).into_iter().map(|index| (fingerprints[index], ids[index])).collect();
         suspects.par_sort_unstable();
-        let mut heaps = Vec::new();
+        let mut groups = Vec::new();
         for alike in suspects.chunk_by(|one, other| one.0 == other.0) {
             let mut rest: Vec<ShapeId> = alike.iter().map(|(_, id)| *id).collect();
             // All of them are equal, unless different shapes happen to have one fingerprint.
             while let Some(first) = rest.first().copied() {
                 let equals = |id: &ShapeId| *id == first || geometry.are_equal(first, *id);
                 let (equal, others) = rest.into_iter().partition(equals);
-                heaps.extend(EqualGroup::new(equal));
+                groups.extend(EqualGroup::new(equal));
                 rest = others;
             }
         }
-        let mut heap_of = vec![None; if heaps.is_empty() { 0 } else { ids.len() }];
-        for (index, heap) in (0..).zip(&heaps) {
-            for id in &heap.ids {
-                heap_of[id.index()] = Some(index);
+        let mut group_of = vec![None; if groups.is_empty() { 0 } else { ids.len() }];
+        for (index, group) in (0..).zip(&groups) {
+            for id in &group.ids {
+                group_of[id.index()] = Some(index);
             }
         }
-        Self { heaps, heap_of }
+        Self { groups, group_of }
     }
 
     /// Says which shapes are clear.
     pub(crate) fn sort(&mut self, is_clear: impl Fn(ShapeId) -> bool) {
-        for heap in &mut self.heaps {
-            heap.sort(&is_clear);
+        for group in &mut self.groups {
+            group.sort(&is_clear);
         }
     }
 
     /// Returns the group that a shape is in.
     #[inline]
-    pub(crate) fn heap(&self, id: ShapeId) -> Option<&EqualGroup> {
-        let index = (*self.heap_of.get(id.index())?)?;
-        Some(&self.heaps[index as usize])
+    pub(crate) fn group(&self, id: ShapeId) -> Option<&EqualGroup> {
+        let index = (*self.group_of.get(id.index())?)?;
+        Some(&self.groups[index as usize])
     }
 
     /// The first in document order of all that equal a shape: the one that rays ask.
     #[inline]
     pub(crate) fn first(&self, id: ShapeId) -> ShapeId {
-        self.heap(id).map_or(id, |heap| heap.ids[0])
+        self.group(id).map_or(id, |group| group.ids[0])
     }
 }
 

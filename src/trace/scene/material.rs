@@ -19,7 +19,7 @@ pub struct SurfaceMaterial {
     pub reflected: f32,
     /// What goes through; `None` where nothing does.
     pub refraction: Option<Refraction>,
-    /// CheckerPattern of other colours, if there are any.
+    /// Squares of other colours, if there are any.
     pub checker: Option<Box<Checker>>,
 }
 
@@ -36,7 +36,7 @@ pub struct Refraction {
     pub fresnel: bool,
 }
 
-/// CheckerPattern of two colours. The material's own colours are those of the square at the origin.
+/// Squares of two colours. The material's own colours are those of the square at the origin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checker {
     /// As [`SurfaceMaterial::ambient`], on every second square.

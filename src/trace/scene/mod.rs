@@ -1,4 +1,4 @@
-//! A scene at one moment, as arrays: shapes, materials, lights, the camera and what is around them. Nothing here is asked by rays.
+//! A scene at one moment, as arrays: shapes, materials, lights, the camera and what is around them. What rays ask of them is in `query`.
 
 mod camera;
 mod checker;

@@ -18,7 +18,7 @@ pub struct PreparedScene {
     pub(crate) geometry: Geometry,
     pub(crate) materials: Vec<SurfaceMaterial>,
     /// Of equal shapes the tree and what is beside it hold the first in document order.
-    pub(crate) copies: EqualShapes,
+    pub(crate) equal_shapes: EqualShapes,
     pub(crate) tree: Tree,
     /// Shapes without bounds, as planes, and shapes so much larger than the rest that they would spoil the tree.
     pub(crate) beside: Vec<ShapeId>,
@@ -48,7 +48,7 @@ impl PreparedScene {
             geometry,
             surfaces: MaterialSummary::of(&materials),
             materials,
-            copies: EqualShapes::default(),
+            equal_shapes: EqualShapes::default(),
             tree: Tree::build(&[], &[]),
             beside: Vec::new(),
             lights: Vec::new(),
@@ -103,18 +103,18 @@ impl PreparedScene {
         }
         if any {
             self.surfaces = MaterialSummary::of(&self.materials);
-            self.sort_copies();
+            self.sort_equal_shapes();
         }
         any
     }
 
-    fn sort_copies(&mut self) {
-        self.copies.sort(|id| self.materials[id.index()].refraction.is_some());
+    fn sort_equal_shapes(&mut self) {
+        self.equal_shapes.sort(|id| self.materials[id.index()].refraction.is_some());
     }
 
     fn rebuild_tree(&mut self) {
-        self.copies = EqualShapes::of(&self.geometry);
-        self.sort_copies();
+        self.equal_shapes = EqualShapes::of(&self.geometry);
+        self.sort_equal_shapes();
         let asked = || self.geometry.ids().filter(|id| self.first_equal(*id) == *id);
         let bounded = asked().filter_map(|id| Some((id, self.geometry.bounds(id)?)));
         let (mut ids, mut bounds): (Vec<ShapeId>, Vec<Bounds>) = bounded.unzip();
@@ -132,21 +132,21 @@ impl PreparedScene {
     #[must_use]
     #[inline]
     pub(crate) fn first_equal(&self, id: ShapeId) -> ShapeId {
-        self.copies.first(id)
+        self.equal_shapes.first(id)
     }
 
     /// The clear ones, of a shape and all that equal it, that may count among the solids that a ray is inside of.
-    pub(crate) fn nesting_at<'a>(&'a self, asked: &'a ShapeId) -> &'a [ShapeId] {
-        match self.copies.heap(*asked) {
-            Some(heap) => heap.media(),
+    pub(crate) fn media_at<'a>(&'a self, asked: &'a ShapeId) -> &'a [ShapeId] {
+        match self.equal_shapes.group(*asked) {
+            Some(group) => group.media(),
             None if self.material(*asked).refraction.is_some() => std::slice::from_ref(asked),
             None => &[],
         }
     }
 
     /// Returns whether a clear shape may count among the solids that a ray is inside of.
-    pub(crate) fn may_nest(&self, clear: ShapeId) -> bool {
-        self.copies.heap(clear).is_none_or(|heap| heap.media().contains(&clear))
+    pub(crate) fn may_be_medium(&self, clear: ShapeId) -> bool {
+        self.equal_shapes.group(clear).is_none_or(|group| group.media().contains(&clear))
     }
 }
 

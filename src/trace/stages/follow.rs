@@ -29,7 +29,7 @@ impl<L: Intersector> Follower<'_, L> {
         };
         buffers.rays_traced.camera += 1;
         let media = &mut buffers.scratch.media;
-        let medium = if E::NESTING { self.context.medium(ray.origin(), media) } else { MediumStack::NONE };
+        let medium = if E::IN_MEDIA { self.context.medium(ray.origin(), media) } else { MediumStack::NONE };
         let mut state = PathState::at_camera(medium);
         self.follow::<E>(&ray, &mut state, pixel, buffers);
     }
@@ -68,7 +68,7 @@ impl<L: Intersector> Follower<'_, L> {
         }
         let surface = scene.surface(self.shapes, ray, &closest, &mut buffers.scratch.search.escalations);
         let light = self.light::<E>(ray, state, &surface, pixel, buffers);
-        let length = if E::NESTING || E::EXTRAS { surface.distance(ray) } else { 0.0 };
+        let length = if E::IN_MEDIA || E::EXTRAS { surface.distance(ray) } else { 0.0 };
         self.arrive::<E>(state, light, length, pixel, buffers);
         if E::MIRRORS && scene.material(surface.hit.id).continues() {
             self.send_on::<E>((ray, state), &surface, pixel, buffers);
@@ -86,7 +86,7 @@ impl<L: Intersector> Follower<'_, L> {
         buffers: &mut TileBuffers<'_>,
     ) {
         let pixel = &mut buffers.pixels[pixel as usize];
-        if !E::NESTING && !E::EXTRAS {
+        if !E::IN_MEDIA && !E::EXTRAS {
             deposit::<E>(pixel, state.throughput, light);
             return;
         }
@@ -101,7 +101,7 @@ impl<L: Intersector> Follower<'_, L> {
         let lit = E::LIGHTS && !self.context.lights.is_empty() && material.scatters();
         let continues =
             (E::MIRRORS && material.reflected > 0.0) || (E::MEDIA && material.refraction.is_some());
-        let in_medium = E::NESTING && state.medium != MediumStack::NONE;
+        let in_medium = E::IN_MEDIA && state.medium != MediumStack::NONE;
         let rare = E::EXTRAS && (self.context.scene.fog.density > 0.0 || material.checker.is_some());
         lit || continues || in_medium || rare
     }

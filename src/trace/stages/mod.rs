@@ -1,4 +1,4 @@
-//! The stages of a tile.
+//! A tile of the picture: one sample of each of its pixels, ray by ray and generation by generation.
 
 mod buffers;
 mod follow;
