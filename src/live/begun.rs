@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use super::mailbox::Detail;
+use super::visits::Visits;
 use crate::trace::Exposure;
 
 /// The picture that is asked for, in the making.
@@ -13,6 +14,14 @@ pub(super) struct Begun {
     pub(super) traced: Duration,
     /// Has any of it been shown?
     pub(super) is_shown: bool,
+    /// When it is looked at: commands that come in between do not put that off.
+    pub(super) visits: Visits,
+}
+
+impl Begun {
+    pub(super) fn new(frame: u32, detail: Detail) -> Self {
+        Self { frame, detail, exposure: None, traced: Duration::ZERO, is_shown: false, visits: Visits::new() }
+    }
 }
 
 /// A full picture that is made while others are on show.

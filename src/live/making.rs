@@ -12,7 +12,6 @@ use super::event::Event;
 use super::ladder::{self, Care, Step, Target};
 use super::mailbox::Detail;
 use super::state::{State, Times};
-use super::visits::Visits;
 use crate::engine::FrameReport;
 use crate::trace::{Exposure, Film, Signals};
 
@@ -40,8 +39,9 @@ impl Director {
         }
     }
 
-    /// Makes a coarse picture and puts it up, unless a command comes in between: then it is still the next thing to do. What
-    /// takes too long for a first picture gives way to something lesser.
+    /// Makes a coarse picture and puts it up. What takes too long for a first picture gives way to something lesser. One between it
+    /// and the picture that is asked for is left for good if a command comes in between, as nothing of it can be kept: whoever asks
+    /// often would wait for it for ever.
     fn climb(&mut self, step: Step, place: Place) {
         let state = self.handle.board.state();
         let Some(stage) = &mut self.stage else {
@@ -60,6 +60,9 @@ impl Director {
                 if is_late {
                     self.pace.note_failure(step, took, state.film);
                     self.next = Next::Step(step.lesser(state.film), place);
+                } else if place == Place::Between {
+                    self.last_step = None;
+                    self.next = Next::Picture(self.detail);
                 }
                 return;
             }
@@ -106,8 +109,7 @@ impl Director {
         let state = self.handle.board.state();
         let kept = self.begun.take().filter(|begun| (begun.frame, begun.detail) == (state.frame, detail));
         let frame = state.frame;
-        let new = Begun { frame, detail, exposure: None, traced: Duration::ZERO, is_shown: false };
-        let mut begun = kept.unwrap_or(new);
+        let mut begun = kept.unwrap_or_else(|| Begun::new(frame, detail));
         let Self { stage: Some(stage), pace, easel, handle, last_step, next, .. } = self else {
             self.next = Next::Nothing;
             return;
@@ -117,9 +119,11 @@ impl Director {
         let expected = Duration::try_from_secs_f64(2e-3 * pace.expected(target).unwrap_or(0.0));
         let deadline = expected.unwrap_or(Duration::MAX).max(SOON);
         let is_first = easel.latest().is_none();
-        let (visits, traced_before) = (Visits::new(), Times::milliseconds(begun.traced));
+        let visits = &begun.visits;
+        let traced_before = Times::milliseconds(begun.traced) - visits.traced();
         let mut visit = |exposure: &Exposure| {
             let since = visits.now();
+            visits.go_on();
             let traced = traced_before + visits.traced();
             let so_far = exposure.share();
             pace.note(Care::Whole, traced, rays(so_far, target));
@@ -147,9 +151,9 @@ impl Director {
                     return Break(());
                 }
                 visits.shown(since);
+                visits.go_on();
                 begun.is_shown = true;
             }
-            visits.go_on();
             Continue(())
         };
         let (film, is_late) = mailbox.within(is_first.then_some(deadline), |begin| {
@@ -180,6 +184,8 @@ impl Director {
                     self.next = self.first_step();
                 }
                 self.begun = Some(begun);
+                let progress = self.progress();
+                self.handle.board.change(|state| state.progress = progress);
             }
             Err(error) => self.fail(error),
         }
