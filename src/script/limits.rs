@@ -8,7 +8,7 @@ pub const OPERATIONS: u64 = 100_000;
 pub const OPERATIONS_UNTIL_KNOWN: u64 = 1_000_000;
 /// The most operations of a program that spawns, before those that its entities add.
 pub const SPAWNING_OPERATIONS: u64 = 200_000;
-/// So many operations more for each spawned entity.
+/// So many operations more for each spawned entity whose name no other has.
 pub const OPERATIONS_PER_ENTITY: u64 = 100;
 /// The most operations of a program that spawns, however many entities it has.
 pub const MOST_SPAWNING_OPERATIONS: u64 = 40_000_000;

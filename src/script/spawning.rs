@@ -1,5 +1,7 @@
 //! Programs that spawn entities when a scene is loaded.
 
+use std::collections::HashSet;
+use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -97,7 +99,7 @@ fn register_spawn(
     });
     let left = Arc::new(Mutex::new(room));
     let room = Arc::clone(&left);
-    let take = Mutex::new(take);
+    let taking = Mutex::new((take, Names::default()));
     let places = Places::of(text);
     engine.register_fn(
         "spawn",
@@ -111,20 +113,40 @@ fn register_spawn(
             let entity = Data::of(&entity);
             let admitted = room.lock().unwrap_or_else(PoisonError::into_inner).admit(&entity);
             let taken = admitted.and_then(|()| {
-                let spawned = Spawned { entity, at: places.byte(context.call_position()) };
-                let mut take = take.lock().unwrap_or_else(PoisonError::into_inner);
-                take(spawned).or_else(failed)
+                let (take, names) = &mut *taking.lock().unwrap_or_else(PoisonError::into_inner);
+                let is_new = names.add(&entity);
+                take(Spawned { entity, at: places.byte(context.call_position()) }).or_else(failed)?;
+                Ok(is_new)
             });
             // One that is refused is as much work as one that is taken, and brings no operations, however often the refusal is
-            // caught.
+            // caught; nor does one with a name that another one has, which is a mistake.
             match &taken {
-                Ok(()) => _ = count.fetch_add(1, Ordering::Relaxed),
+                Ok(is_new) => _ = count.fetch_add(u64::from(*is_new), Ordering::Relaxed),
                 Err(_) => work::add(limits::REFUSAL),
             }
-            taken
+            taken.map(|_| ())
         },
     );
     left
+}
+
+/// The names of what a program has spawned, by their hashes.
+#[derive(Default)]
+struct Names {
+    hashes: HashSet<u64>,
+    hasher: BuildHasherDefault<DefaultHasher>,
+}
+
+impl Names {
+    /// Returns whether nothing has the entity's name yet; many may have none.
+    fn add(&mut self, entity: &Data) -> bool {
+        let Data::Map(fields) = entity else { return true };
+        let name = fields.iter().find(|(field, _)| field == "name");
+        name.is_none_or(|(_, name)| match name {
+            Data::Text(name) => self.hashes.insert(self.hasher.hash_one(name)),
+            _ => true,
+        })
+    }
 }
 
 /// Where characters are: looked up for every entity, however long the lines are.
@@ -285,5 +307,19 @@ mod tests {
         assert_eq!(error.message, "this takes too long");
         let asked = asked.load(std::sync::atomic::Ordering::Relaxed);
         assert!((1..=2000).contains(&asked), "{asked} entities are refused before it ends");
+    }
+
+    #[test]
+    fn repeated_names_bring_no_operations() {
+        let count = |fields: &str| {
+            let mut room = Room::default();
+            let text = format!("let i = 0; loop {{ i += 1; {} spawn(#{{ {fields} }}); }}", "i;".repeat(200));
+            let error = spawned_into(&text, &mut room).unwrap_err();
+            assert_eq!(error.0, "this takes too long");
+            limits::ENTITIES - room.entities
+        };
+        let (repeated, named, unnamed) = (count("name: `ball`"), count("name: `ball ${i}`"), count(""));
+        assert!((1..=1000).contains(&repeated), "{repeated}");
+        assert!(named > repeated && unnamed > repeated, "{named} {unnamed}");
     }
 }
