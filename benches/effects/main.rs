@@ -1,17 +1,13 @@
 //! What effects cost: nothing when absent, and how much when present.
 //!
 //! `cargo bench --bench effects` prints a table of seconds. `benches/instructions` counts instructions under valgrind with the
-//! same program, by `count KERNEL SCENE FRAMES`, and says whether absent effects cost any.
+//! same program, by `count KERNEL SCENE FRAMES`.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a bench prints its table, and may fail loudly")]
-#![allow(clippy::cast_possible_truncation, reason = "colours are f32")]
-
-mod minimal;
 
 use std::hint::black_box;
 use std::time::Instant;
 
-use rayreel::systems::{Changes, Preparation, propagate};
 use rayreel::{Engine, Scene};
 
 /// The scene that has only what every scene has, and lines to be put into it, each calling for one effect.
@@ -87,45 +83,18 @@ fn engine(lines: &[(&str, &str)]) -> Engine {
     Engine::from_scene(Scene::from_text("base.ron", scene_text(lines)).unwrap())
 }
 
-fn prepared(lines: &[(&str, &str)]) -> Preparation {
-    let mut world = Scene::from_text("base.ron", scene_text(lines)).unwrap().world;
-    propagate(&mut world, &Changes::all());
-    Preparation::of(&mut world, rayreel::Time::ZERO)
-}
-
 /// Renders some frames, to be counted from outside. What is the same for any number of frames cancels out.
 fn count(kernel: &str, scene: &str, frames: u32) {
     let (_, lines) = EFFECTS.iter().find(|(name, _)| *name == scene).unwrap();
-    let (preparation, mut engine) = (prepared(lines), engine(lines));
+    let mut engine = engine(lines);
     engine.set_full(kernel == "full");
     for _ in 0..frames {
-        match kernel {
-            "minimal ambient" => drop(black_box(minimal::ambient(preparation.scene(), preparation.camera()))),
-            "minimal diffuse" => drop(black_box(minimal::diffuse(preparation.scene(), preparation.camera()))),
-            _ => drop(black_box(engine.render_frame(0).unwrap())),
-        }
-    }
-}
-
-/// Are the pictures of the minimal kernels what they should be?
-fn check_minimal_kernels() {
-    for (name, minimal) in [
-        ("ambient light only", minimal::ambient as fn(&_, &_) -> _),
-        ("point lights with shadows", minimal::diffuse),
-    ] {
-        let (_, lines) = EFFECTS.iter().find(|(other, _)| *other == name).unwrap();
-        let preparation = prepared(lines);
-        let film = engine(lines).render_frame(0).unwrap();
-        assert!(
-            minimal(preparation.scene(), preparation.camera()) == film,
-            "the minimal kernel for {name} makes another picture"
-        );
+        drop(black_box(engine.render_frame(0).unwrap()));
     }
 }
 
 /// Medians of rounds in turns, on one thread.
 fn table(rounds: usize) {
-    check_minimal_kernels();
     let mut engines: Vec<_> = EFFECTS.iter().map(|(name, lines)| (name, engine(lines))).collect();
     let mut times = vec![Vec::new(); engines.len()];
     for _ in 0..rounds {

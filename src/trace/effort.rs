@@ -11,8 +11,22 @@ pub struct Effort {
     pub rays: RayCounts,
     /// What ended trees of rays before they ended by themselves.
     pub ends: TreeEnds,
+    /// How often stages were entered.
+    pub(crate) stages: StageCounts,
     /// How often arithmetic had to be helped.
     pub escalations: Escalations,
+}
+
+/// How often each stage was entered; of one that the kernel leaves out, never.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct StageCounts {
+    pub(crate) camera_rays: u64,
+    pub(crate) closest_hits: u64,
+    pub(crate) surfaces: u64,
+    pub(crate) direct_light: u64,
+    pub(crate) shadows: u64,
+    pub(crate) sums: u64,
+    pub(crate) next_rays: u64,
 }
 
 /// How many rays were traced, by what for.
@@ -61,10 +75,23 @@ impl AddAssign for TreeEnds {
     }
 }
 
+impl AddAssign for StageCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.camera_rays += other.camera_rays;
+        self.closest_hits += other.closest_hits;
+        self.surfaces += other.surfaces;
+        self.direct_light += other.direct_light;
+        self.shadows += other.shadows;
+        self.sums += other.sums;
+        self.next_rays += other.next_rays;
+    }
+}
+
 impl AddAssign for Effort {
     fn add_assign(&mut self, other: Self) {
         self.rays += other.rays;
         self.ends += other.ends;
+        self.stages += other.stages;
         self.escalations += other.escalations;
     }
 }

@@ -1,12 +1,14 @@
 //! The slow path: every ray asks every shape. It is the oracle that the fast path is held against, bit for bit, the
 //! definition of the picture in the fewest words, and, as it keeps the whole tree of a pixel's rays, its explanation.
 
+use glam::DVec3;
+
 use crate::color::Rgb;
 use crate::trace::effects::FullKernel;
 use crate::trace::film::{Film, PixelSum};
 use crate::trace::light::{
-    Budget, LARGEST_TREE, LightScratch, LitPoint, MediumStack, PathState, RenderContext, SampleId,
-    SecondaryRays, ShadowRay, TreeRay, ambient, filtered_and_absorbed, from_light, held, secondary_rays,
+    Budget, LARGEST_TREE, LightScratch, LitPoint, MediumStack, PathState, Proposal, RenderContext, SampleId,
+    SecondaryRays, ShadowRay, TreeRay, ambient, filtered_and_absorbed, held, propose, secondary_rays,
 };
 use crate::trace::math::Sampling;
 use crate::trace::query::{Escalations, Look, Scratch, SurfacePoint, closest};
@@ -312,16 +314,22 @@ fn reach(
     let (mut first, mut hidden, mut asked) = (None, 0, false);
     let own_shape = light.1.own_shape;
     let seen = (lit.surface, lit.state.medium);
-    let added = from_light::<FullKernel>(light, lit, |shadow_ray| {
-        asked = true;
-        let share = visibility(scene, scratch, shadow_ray, own_shape, seen);
-        if let Err(id) = share {
-            first.get_or_insert(id);
-            hidden += 1;
+    let mut sum = DVec3::ZERO;
+    for sample in 0..light.1.places() {
+        let Some(Proposal { color, shadow }) = propose::<FullKernel>(light, lit, sample) else { continue };
+        let share = shadow.map_or(Ok(Rgb::ONE), |shadow_ray| {
+            asked = true;
+            visibility(scene, scratch, &shadow_ray, own_shape, seen)
+        });
+        match share {
+            Ok(share) => sum += (color * share).as_dvec3(),
+            Err(id) => {
+                first.get_or_insert(id);
+                hidden += 1;
+            }
         }
-        share.ok()
-    });
-    let color = added.unwrap_or(Rgb::ZERO);
+    }
+    let color = (sum / f64::from(light.1.places())).as_vec3();
     match first {
         Some(id) if color == Rgb::ZERO => LightReach::Hidden(id),
         None if color == Rgb::ZERO && !asked => LightReach::NotAsked,
@@ -333,7 +341,7 @@ fn reach(
 fn visibility(
     scene: &PreparedScene,
     scratch: &mut LightScratch<'_>,
-    shadow_ray: ShadowRay<'_>,
+    shadow_ray: &ShadowRay,
     own_shape: Option<ShapeId>,
     seen: (&SurfacePoint, MediumStack),
 ) -> Result<Rgb, ShapeId> {
@@ -344,7 +352,7 @@ fn visibility(
         let Scratch { crossed, escalations, .. } = &mut scratch.search;
         let look = Look::Whole;
         Some(*id) != own_shape
-            && scene.hides_or_is_crossed(geometry, *id, (ray, &limit), look, crossed, escalations)
+            && scene.hides_or_is_crossed(geometry, *id, (ray, limit), look, crossed, escalations)
     };
     match geometry.ids().find(hides) {
         Some(id) => Err(id),

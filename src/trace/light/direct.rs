@@ -1,4 +1,4 @@
-//! What lights add at a surface point.
+//! What lights add at a surface point, as far as nothing stands in their way.
 
 use glam::DVec3;
 
@@ -26,7 +26,7 @@ pub(crate) struct LitPoint<'a> {
     pub(crate) normal: DVec3,
 }
 
-/// For which sample the light is asked.
+/// Identifies the sample for which light is asked.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SampleId {
     pub(crate) seed: u64,
@@ -37,73 +37,66 @@ pub(crate) struct SampleId {
 }
 
 /// A ray towards a light.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ShadowRay<'a> {
-    pub(crate) ray: &'a Ray,
+#[derive(Clone, Debug)]
+pub(crate) struct ShadowRay {
+    pub(crate) ray: Ray,
     /// Where the light is.
     pub(crate) limit: Limit,
     /// Whether the light comes from the other side, through the clear medium behind the surface.
     pub(crate) from_behind: bool,
 }
 
-/// What light number `index` adds, if anything: of an extended one, the mean over its samples. `visible` answers what share of the
-/// light comes through, if any.
+/// What a light adds, if it comes through.
+#[derive(Clone, Debug)]
+pub(crate) struct Proposal {
+    /// What it adds where nothing is in its way.
+    pub(crate) color: Rgb,
+    /// What has to be asked first; `None` where nothing can stand in the way.
+    pub(crate) shadow: Option<ShadowRay>,
+}
+
+/// Returns what sample `sample` of light number `index` adds, as far as nothing stands in its way; `None` where it is nothing
+/// whatever stands there. Lights without a size have one sample.
 #[inline(always)]
-pub(crate) fn from_light<E: Effects>(
+pub(crate) fn propose<E: Effects>(
     (index, light): (usize, &Light),
     lit: &LitPoint<'_>,
-    mut visible: impl FnMut(ShadowRay<'_>) -> Option<Rgb>,
-) -> Option<Rgb> {
+    sample: u32,
+) -> Option<Proposal> {
     match light.source {
-        LightSource::Point(place) | LightSource::Spot(place, _) => {
-            from_place::<E>(light, lit, place, &mut visible)
-        }
+        LightSource::Point(place) | LightSource::Spot(place, _) => from_place::<E>(light, lit, place),
         LightSource::Directional(direction) => {
             // From a place that is not finite there is no way to any other light by itself.
             let (to_light, _) = lit.surface.point.is_finite().then(|| scaled(direction))??;
-            arriving::<E>(light, lit, to_light, Limit::NONE, &mut visible)
+            arriving::<E>(light, lit, to_light, Limit::NONE)
         }
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } if !E::EXTRAS => None,
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
             let dimension = Dimension::Light { light: to_u32(index), path: lit.state.path };
-            let SampleId { seed, pixel: (i, j), sample } = lit.asker;
-            let samples = PixelSamples::new(seed, i, j);
-            let first = sample.wrapping_mul(light.samples);
-            let sum: DVec3 = (0..light.samples)
-                .filter_map(|sample| {
-                    let square = samples.pair(dimension, first.wrapping_add(sample));
-                    let place = light.source.place(lit.surface.point, square);
-                    from_place::<E>(light, lit, place, &mut visible)
-                })
-                .map(Rgb::as_dvec3)
-                .sum();
-            Some((sum / f64::from(light.samples)).as_vec3())
+            let SampleId { seed, pixel: (i, j), sample: of_pixel } = lit.asker;
+            let first = of_pixel.wrapping_mul(light.places());
+            let square = PixelSamples::new(seed, i, j).pair(dimension, first.wrapping_add(sample));
+            from_place::<E>(light, lit, light.source.place(lit.surface.point, square))
         }
     }
 }
 
-/// What a light adds from one of its places. It adds nothing at the very point.
+/// Returns what a light adds from one of its places. It adds nothing at the very point.
 #[inline(always)]
-fn from_place<E: Effects>(
-    light: &Light,
-    lit: &LitPoint<'_>,
-    place: DVec3,
-    visible: &mut impl FnMut(ShadowRay<'_>) -> Option<Rgb>,
-) -> Option<Rgb> {
+fn from_place<E: Effects>(light: &Light, lit: &LitPoint<'_>, place: DVec3) -> Option<Proposal> {
     let (to_light, scale) = scaled(place - lit.surface.point)?;
-    arriving::<E>(light, lit, to_light, Limit::new(scale.recip(), place), visible)
+    arriving::<E>(light, lit, to_light, Limit::new(scale.recip(), place))
 }
 
-/// What a light adds that is as far as `limit` in a direction that is [`scaled`]. It adds nothing, and no ray is sent, if it is behind
-/// what is opaque, if it shines elsewhere, or if the surface scatters none of it back along the ray that found it.
+/// Returns what a light adds that is as far as `limit` in a direction that is [`scaled`]. It adds nothing, and no ray is sent, if it
+/// is behind what is opaque, if it shines elsewhere, or if the surface scatters none of it back along the ray that found it.
 #[inline(always)]
 fn arriving<E: Effects>(
     light: &Light,
     lit: &LitPoint<'_>,
     to_light: DVec3,
     limit: Limit,
-    visible: &mut impl FnMut(ShadowRay<'_>) -> Option<Rgb>,
-) -> Option<Rgb> {
+) -> Option<Proposal> {
     let LitPoint { surface, material, normal, .. } = *lit;
     let length = length(to_light);
     let cosine = normal.dot(to_light) / length;
@@ -120,12 +113,12 @@ fn arriving<E: Effects>(
         return None;
     }
     if !(E::SHADOWS && light.casts_shadows) {
-        return Some(color);
+        return Some(Proposal { color, shadow: None });
     }
     // Normals face the ray that arrived, and so does the side that is left. The point is finite, as there is a way to the light.
-    let ray = Ray::departing(surface.point, to_light, surface.departure(surface.from_outside != from_behind));
-    let share = visible(ShadowRay { ray: &ray, limit, from_behind })?;
-    Some(if E::CLEAR_SHADOWS { color * share } else { color })
+    let departure = surface.departure(surface.from_outside != from_behind);
+    let ray = Ray::departing(surface.point, to_light, departure);
+    Some(Proposal { color, shadow: Some(ShadowRay { ray, limit, from_behind }) })
 }
 
 fn to_u32(index: usize) -> u32 {

@@ -20,7 +20,7 @@ use crate::trace::scene::{PreparedScene, transmittance};
 pub(crate) fn visibility<E: Effects>(
     scene: &PreparedScene,
     shapes: &impl Intersector,
-    shadow_ray: ShadowRay<'_>,
+    shadow_ray: &ShadowRay,
     (own_shape, last_occluder): (Option<ShapeId>, &mut Option<ShapeId>),
     (surface, medium): (&SurfacePoint, MediumStack),
     scratch: &mut LightScratch<'_>,
@@ -28,15 +28,15 @@ pub(crate) fn visibility<E: Effects>(
     let ShadowRay { ray, limit, .. } = shadow_ray;
     if let Some(id) = *last_occluder
         && Some(id) != own_shape
-        && shapes.occludes(id, ray, &limit, &mut scratch.search.escalations)
+        && shapes.occludes(id, ray, limit, &mut scratch.search.escalations)
     {
         return None;
     }
     if !E::CLEAR_SHADOWS {
-        *last_occluder = scene.occluder(shapes, ray, &limit, own_shape, &mut scratch.search);
+        *last_occluder = scene.occluder(shapes, ray, limit, own_shape, &mut scratch.search);
         return last_occluder.is_none().then_some(Rgb::ONE);
     }
-    *last_occluder = scene.occluder_or_crossed(shapes, ray, &limit, own_shape, &mut scratch.search);
+    *last_occluder = scene.occluder_or_crossed(shapes, ray, limit, own_shape, &mut scratch.search);
     let visible = last_occluder.is_none();
     visible.then(|| filtered(scene, shapes, shadow_ray, own_shape, (surface, medium), scratch))
 }
@@ -45,7 +45,7 @@ pub(crate) fn visibility<E: Effects>(
 fn filtered(
     scene: &PreparedScene,
     shapes: &impl Intersector,
-    shadow_ray: ShadowRay<'_>,
+    shadow_ray: &ShadowRay,
     own_shape: Option<ShapeId>,
     (surface, medium): (&SurfacePoint, MediumStack),
     scratch: &mut LightScratch<'_>,
@@ -73,13 +73,13 @@ fn filtered(
 fn filtered_alone(
     scene: &PreparedScene,
     shapes: &impl Intersector,
-    ShadowRay { ray, limit, from_behind }: ShadowRay<'_>,
+    ShadowRay { ray, limit, from_behind }: &ShadowRay,
     own_shape: Option<ShapeId>,
     surface: &SurfacePoint,
     scratch: &mut LightScratch<'_>,
 ) -> Rgb {
     let Scratch { crossed, crossings, escalations, .. } = &mut scratch.search;
-    if from_behind && Some(surface.hit.id) != own_shape {
+    if *from_behind && Some(surface.hit.id) != own_shape {
         crossed.push(Crossed::Times(surface.hit.id, 1));
     }
     crossed.sort_unstable_by_key(Crossed::id);
@@ -90,7 +90,7 @@ fn filtered_alone(
             *times
         } else {
             crossings.clear();
-            crossed.cross(scene, shapes, (ray, &limit), crossings, escalations);
+            crossed.cross(scene, shapes, (ray, limit), crossings, escalations);
             if crossings.len() > 1 { 2 } else { 1 }
         };
         for _ in 0..times {
@@ -105,7 +105,7 @@ fn filtered_alone(
 pub(crate) fn filtered_and_absorbed(
     scene: &PreparedScene,
     shapes: &impl Intersector,
-    shadow_ray: ShadowRay<'_>,
+    shadow_ray: &ShadowRay,
     own_shape: Option<ShapeId>,
     (surface, medium): (&SurfacePoint, MediumStack),
     scratch: &mut LightScratch<'_>,
@@ -115,7 +115,7 @@ pub(crate) fn filtered_and_absorbed(
     let ShadowRay { ray, limit, .. } = shadow_ray;
     crossings.clear();
     for crossed in crossed.iter() {
-        crossed.cross(scene, shapes, (ray, &limit), crossings, escalations);
+        crossed.cross(scene, shapes, (ray, limit), crossings, escalations);
     }
     filters.clear();
     // Stacks that are made here are of no use to anybody else.

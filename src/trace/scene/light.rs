@@ -68,6 +68,13 @@ pub enum LightSource {
     },
 }
 
+impl Light {
+    /// Returns how many of its places light a point: 1 unless it has a size.
+    pub(crate) fn places(&self) -> u32 {
+        if self.source.is_extended() { self.samples.max(1) } else { 1 }
+    }
+}
+
 impl LightSource {
     /// Returns whether it has a size.
     #[must_use]

@@ -1,98 +1,115 @@
-//! A tile's working memory. One per thread, reused from tile to tile.
+//! A tile's working memory: what stages leave for the next ones. One per thread, reused from tile to tile.
 
 use std::sync::atomic::AtomicBool;
 
+use glam::DVec3;
+
+use super::tile::Tile;
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
-use crate::trace::effort::{Effort, RayCounts, TreeEnds};
-use crate::trace::light::{Budget, LightScratch, RenderContext, TreeRay};
+use crate::trace::effort::{Effort, RayCounts, StageCounts, TreeEnds};
+use crate::trace::light::{Budget, LightScratch, Proposal, RenderContext, TreeRay};
+use crate::trace::query::{ClosestHit, SurfacePoint};
 use crate::trace::rays::ShapeId;
-
-/// Pixels along a tile's side.
-pub(crate) const TILE: u32 = 16;
-
-/// A rectangle of pixels.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Tile {
-    /// Leftmost column.
-    pub(crate) i: u32,
-    /// Uppermost row.
-    pub(crate) j: u32,
-    /// Columns, 1..=TILE.
-    pub(crate) width: u32,
-    /// Rows, 1..=TILE.
-    pub(crate) height: u32,
-}
-
-impl Tile {
-    /// Column and row of a pixel by its index.
-    pub(crate) fn pixel(&self, index: u32) -> (u32, u32) {
-        (self.i + index % self.width, self.j + index / self.width)
-    }
-}
 
 /// A ray on its way for a pixel.
 #[derive(Clone, Debug)]
-pub(crate) struct QueuedRay {
-    pub(crate) tree: TreeRay,
+pub(super) struct QueuedRay {
+    pub(super) tree: TreeRay,
     /// Index of the pixel in the tile.
-    pub(crate) pixel: u32,
+    pub(super) pixel: u32,
     /// Whether it is mirrored; else it is refracted.
-    pub(crate) mirrored: bool,
+    pub(super) mirrored: bool,
     /// Whether it is left out, as it could not show.
-    pub(crate) cut: bool,
+    pub(super) cut: bool,
 }
 
-/// The queue of the next generation, and what a sample brings to the tile's pixels.
+/// A surface point that a ray of the wave found, to be lit.
+#[derive(Clone, Debug)]
+pub(super) struct FoundSurface {
+    /// Index of the ray in the wave.
+    pub(super) ray: u32,
+    pub(super) point: SurfacePoint,
+    /// The diffuse colour there.
+    pub(super) diffuse: Rgb,
+    /// The unit normal on the side that the ray came from.
+    pub(super) normal: DVec3,
+}
+
+/// What a tile's rays, generation by generation, leave from stage to stage.
 #[derive(Debug)]
 pub(crate) struct TileBuffers<'a> {
-    /// The next generation's rays.
-    pub(crate) next: Vec<QueuedRay>,
-    /// Room for the one after it.
-    pub(crate) spare: Vec<QueuedRay>,
-    /// Rays that are not traced any more.
-    pub(crate) beyond: Vec<QueuedRay>,
-    /// How many rays of each pixel are traced.
-    pub(crate) tree_sizes: Vec<u32>,
-    /// What may be left out of each pixel.
-    pub(crate) budgets: Vec<Budget>,
-    /// What each of a pixel's next rays can bring, and its index in the queue.
-    pub(crate) weighed: Vec<(f32, usize)>,
-    pub(crate) scratch: LightScratch<'a>,
+    /// The rays that go through the stages now, pixel by pixel.
+    pub(super) wave: Vec<QueuedRay>,
+    /// What each ray of the wave meets first.
+    pub(super) hits: Vec<Option<ClosestHit>>,
+    /// The surface points that light, a medium or a mirror asks for, in the order of the wave.
+    pub(super) surfaces: Vec<FoundSurface>,
+    /// The light at the far end of each ray of the wave, towards its origin.
+    pub(super) radiance: Vec<Rgb>,
+    /// The length of each ray of the wave, scene units: infinite where it meets nothing, 0 where no length is asked for.
+    pub(super) lengths: Vec<f64>,
+    /// What a sample of one light adds at surface points, by their indices.
+    pub(super) proposals: Vec<(u32, Proposal)>,
+    /// What an extended light adds at each surface point, summed over its samples.
+    pub(super) light_sums: Vec<DVec3>,
     /// For every light that is on: what hid it from the last point of this tile that asked, if anything did.
-    pub(crate) last_occluders: Vec<Option<ShapeId>>,
+    pub(super) last_occluders: Vec<Option<ShapeId>>,
+    /// What the rays of this generation send on.
+    pub(super) next: Vec<QueuedRay>,
+    /// The rays of this generation, of which the wave is a part; kept for its memory.
+    pub(super) selected: Vec<QueuedRay>,
+    /// Rays that are not traced any more.
+    pub(super) beyond: Vec<QueuedRay>,
+    /// How many rays of each pixel are traced.
+    pub(super) tree_sizes: Vec<u32>,
+    /// What may be left out of each pixel.
+    pub(super) budgets: Vec<Budget>,
+    /// What each of a pixel's next rays can bring, and its index in the queue.
+    pub(super) weighed: Vec<(f32, usize)>,
+    pub(super) scratch: LightScratch<'a>,
     /// Row by row.
-    pub(crate) pixels: Vec<Rgb>,
-    pub(crate) rays_traced: RayCounts,
-    pub(crate) trees_ended: TreeEnds,
+    pub(super) pixels: Vec<Rgb>,
+    pub(super) rays_traced: RayCounts,
+    pub(super) trees_ended: TreeEnds,
+    pub(super) entered: StageCounts,
 }
 
 impl<'a> TileBuffers<'a> {
-    /// Once `cancelled` is true, whatever is in them will do.
+    /// Makes empty buffers. Once `cancelled` is true, whatever is in them will do.
     pub(crate) fn new(cancelled: &'a AtomicBool) -> Self {
         Self {
+            wave: Vec::new(),
+            hits: Vec::new(),
+            surfaces: Vec::new(),
+            radiance: Vec::new(),
+            lengths: Vec::new(),
+            proposals: Vec::new(),
+            light_sums: Vec::new(),
+            last_occluders: Vec::new(),
             next: Vec::new(),
-            spare: Vec::new(),
+            selected: Vec::new(),
             beyond: Vec::new(),
             tree_sizes: Vec::new(),
             budgets: Vec::new(),
             weighed: Vec::new(),
             scratch: LightScratch::new(cancelled),
-            last_occluders: Vec::new(),
             pixels: Vec::new(),
             rays_traced: RayCounts::default(),
             trees_ended: TreeEnds::default(),
+            entered: StageCounts::default(),
         }
     }
 
-    pub(crate) fn begin<E: Effects>(&mut self, tile: Tile, context: &RenderContext<'_>) {
+    /// Makes ready for a sample of a tile, and clears what one that was cancelled left.
+    pub(super) fn begin<E: Effects>(&mut self, tile: Tile, context: &RenderContext<'_>) {
         let count = (tile.width * tile.height) as usize;
+        self.wave.clear();
+        self.pixels.clear();
         self.pixels.resize(count, Rgb::ZERO);
         if E::MIRRORS {
-            // A sample that was ended may have left some.
             self.next.clear();
             self.beyond.clear();
-            self.pixels.fill(Rgb::ZERO);
             self.tree_sizes.clear();
             self.tree_sizes.resize(count, 1);
             self.budgets.clear();
@@ -105,6 +122,12 @@ impl<'a> TileBuffers<'a> {
         }
     }
 
+    /// Returns whether nobody waits for the sample any more: stages then leave it as it is.
+    #[inline(always)]
+    pub(super) fn is_cancelled(&self) -> bool {
+        self.scratch.search.is_cancelled()
+    }
+
     /// What the last sample brought, row by row.
     pub(crate) fn pixels(&self) -> &[Rgb] {
         &self.pixels
@@ -115,6 +138,7 @@ impl<'a> TileBuffers<'a> {
         Effort {
             rays: std::mem::take(&mut self.rays_traced),
             ends: std::mem::take(&mut self.trees_ended),
+            stages: std::mem::take(&mut self.entered),
             escalations: std::mem::take(&mut self.scratch.search.escalations),
         }
     }

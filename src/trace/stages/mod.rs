@@ -1,9 +1,24 @@
-//! A tile of the picture: one sample of each of its pixels, ray by ray and generation by generation.
+//! The stages through which a tile's rays go, generation by generation.
+//!
+//! Each is a function over the plain arrays of the tile's buffers. [`sample`] runs them in turn:
+//!
+//! ```text
+//! camera_rays -> closest_hits -> surfaces -> direct_light, shadows -> sums -> next_rays
+//!                     ^                                                           |
+//!                     +------------------------ the next wave --------------------+
+//! ```
 
 mod buffers;
-mod follow;
+mod camera_rays;
+mod closest_hits;
+mod direct_light;
+mod next_rays;
 mod sample;
-mod select;
+mod shadows;
+mod sums;
+mod surfaces;
+mod tile;
 
-pub(crate) use buffers::{TILE, Tile, TileBuffers};
+pub(crate) use buffers::TileBuffers;
 pub(crate) use sample::render_sample;
+pub(crate) use tile::{TILE, Tile};

@@ -1,68 +1,120 @@
-//! A tile of the picture: one sample of each of its pixels, followed generation by generation.
-//!
-//! Camera rays are followed as they are made; what their surfaces send on is queued, and is the next generation. So a pixel's
-//! rays are traced, and their light is added up, breadth first, and nothing recurses. Memory is kept from tile to tile.
+//! One sample of each pixel of a tile, through all stages.
 
-use super::buffers::{Tile, TileBuffers};
-
-use super::follow::{Follower, give_up};
-use super::select::select;
+use super::buffers::TileBuffers;
+use super::camera_rays::camera_rays;
+use super::closest_hits::closest_hits;
+use super::direct_light::direct_light;
+use super::next_rays::{give_up, next_rays, select};
+use super::sums::add_to_pixels;
+use super::surfaces::surfaces;
+use super::tile::{Sample, Tile};
 use crate::trace::effects::Effects;
-use crate::trace::light::{RenderContext, TreeRay};
+use crate::trace::light::RenderContext;
 use crate::trace::query::Intersector;
 
-/// Follows one sample of every pixel of a tile: what it brings is in the buffers afterwards. Says whether that is all: once nobody
-/// waits for it any more, it is left as it is. Every search looks for that, and so do pixels and rays that may take long.
+/// Rays that go through the stages together, at most: a generation of more is taken in parts, so that memory does not grow with it.
+const LONGEST_WAVE: usize = 1024;
+
+/// Traces one sample of every pixel of a tile: what it brings is in the buffers afterwards. Says whether that is all: once nobody
+/// waits for it any more, it is left as it is. Every search looks for that, and so do stages that may take long.
+///
+/// A pixel's rays are traced, and their light is added up, generation by generation, and nothing recurses. Stages that the kernel
+/// leaves out are not entered.
 pub(crate) fn render_sample<E: Effects>(
     context: &RenderContext<'_>,
     shapes: &impl Intersector,
-    (tile, sample): (Tile, u32),
+    (tile, index): (Tile, u32),
     buffers: &mut TileBuffers<'_>,
 ) -> bool {
-    let mut generations = context.generations() - 1;
-    let follower = Follower { context, shapes, tile, sample };
+    let sample = Sample { context, tile, index };
     buffers.begin::<E>(tile, context);
-    let (columns, rows) = (tile.i..tile.i + tile.width, tile.j..tile.j + tile.height);
-    let mut pixel = 0;
-    if context.sampling.samples <= 1 {
-        for j in rows {
-            if buffers.scratch.search.is_cancelled() {
-                return false;
-            }
-            for ray in context.pixel_centers.rays(columns.clone(), j) {
-                if E::EXTRAS && buffers.scratch.search.is_cancelled() {
-                    return false;
-                }
-                follower.start::<E>(ray, pixel, buffers);
-                pixel += 1;
-            }
-        }
-    } else {
-        for (j, i) in rows.flat_map(|j| columns.clone().map(move |i| (j, i))) {
-            if buffers.scratch.search.is_cancelled() {
-                return false;
-            }
-            let ray = context.camera.spread_ray(context.sampling, i, j, sample);
-            follower.start_apart::<E>(ray, pixel, buffers);
-            pixel += 1;
-        }
-    }
-    if !E::MIRRORS {
-        return !buffers.scratch.search.is_cancelled();
-    }
-    while !buffers.next.is_empty() {
-        select(context, generations, buffers);
+    camera_rays::<E>(&sample, buffers);
+    trace_wave::<E>(&sample, shapes, buffers);
+    let mut generations = context.generations() - 1;
+    while E::MIRRORS && !buffers.next.is_empty() && !buffers.is_cancelled() {
+        let mut selected = std::mem::take(&mut buffers.selected);
+        select(context, generations, &mut selected, buffers);
         generations = generations.saturating_sub(1);
-        let mut rays = std::mem::replace(&mut buffers.next, std::mem::take(&mut buffers.spare));
-        for mut queued in rays.drain(..) {
-            if buffers.scratch.search.is_cancelled() {
-                return false;
-            }
-            let TreeRay { ray, state } = &mut queued.tree;
-            follower.follow::<E>(ray, state, queued.pixel, buffers);
+        let mut rays = selected.drain(..);
+        while rays.len() > 0 && !buffers.is_cancelled() {
+            buffers.wave.clear();
+            buffers.wave.extend(rays.by_ref().take(LONGEST_WAVE));
+            trace_wave::<E>(&sample, shapes, buffers);
         }
-        buffers.spare = rays;
+        drop(rays);
+        buffers.selected = selected;
     }
-    give_up(context, buffers);
-    !buffers.scratch.search.is_cancelled()
+    if E::MIRRORS {
+        give_up(context, buffers);
+    }
+    !buffers.is_cancelled()
+}
+
+/// Takes the wave through all stages.
+fn trace_wave<E: Effects>(sample: &Sample<'_>, shapes: &impl Intersector, buffers: &mut TileBuffers<'_>) {
+    let context = sample.context;
+    closest_hits(context, shapes, buffers);
+    surfaces::<E>(context, shapes, buffers);
+    if E::LIGHTS {
+        direct_light::<E>(sample, shapes, buffers);
+    }
+    if buffers.is_cancelled() {
+        return;
+    }
+    add_to_pixels::<E>(context, buffers);
+    if E::MIRRORS {
+        next_rays::<E>(context, buffers);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicBool;
+
+    use glam::DVec3;
+
+    use crate::color::Rgb;
+    use crate::trace::effort::StageCounts;
+    use crate::trace::shapes::Sphere;
+    use crate::trace::{
+        Camera, Exposure, Geometry, KernelChoice, Light, LightSource, Lighting, Paths, PreparedScene,
+        PreparedShape, Sampling, Signals, SurfaceMaterial,
+    };
+
+    /// The stages of a film of one tile: a sphere before the camera, with a light, that mirrors nothing but the background.
+    fn stages(lighting: Lighting, paths: Paths) -> StageCounts {
+        let mut geometry = Geometry::default();
+        geometry.push(PreparedShape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 }));
+        let material = SurfaceMaterial { diffuse: Rgb::ONE, reflected: 0.5, ..SurfaceMaterial::default() };
+        let mut scene = PreparedScene::new(geometry, vec![material]);
+        scene.depth = 2;
+        scene.lights.push(Light {
+            source: LightSource::Directional(DVec3::NEG_Z),
+            intensity: Rgb::ONE,
+            falloff: None,
+            samples: 1,
+            casts_shadows: true,
+            own_shape: None,
+        });
+        let camera = Camera::new(DVec3::new(0.0, 0.0, -5.0), DVec3::Z, DVec3::Y, 1.0, (0.2, 0.2), (8, 8));
+        let mut exposure = Exposure::new((8, 8), 1);
+        let kernel = KernelChoice { lighting, paths, extras: false };
+        let never = AtomicBool::new(false);
+        assert!(exposure.add(&scene, &camera, Sampling::default(), (0, 1), kernel, Signals::unless(&never)));
+        exposure.develop().1.stages
+    }
+
+    #[test]
+    fn stages_that_a_kernel_leaves_out_are_not_entered() {
+        let one =
+            StageCounts { camera_rays: 1, closest_hits: 1, surfaces: 1, sums: 1, ..StageCounts::default() };
+        assert_eq!(stages(Lighting::None, Paths::Straight), one);
+        let lit = StageCounts { direct_light: 1, ..one };
+        assert_eq!(stages(Lighting::Unshadowed, Paths::Straight), lit);
+        assert_eq!(stages(Lighting::Shadows, Paths::Straight), StageCounts { shadows: 1, ..lit });
+        let two = StageCounts { closest_hits: 2, surfaces: 2, sums: 2, next_rays: 2, ..one };
+        assert_eq!(stages(Lighting::None, Paths::Mirrors), two);
+        let all = StageCounts { direct_light: 2, shadows: 2, ..two };
+        assert_eq!(stages(Lighting::ClearShadows, Paths::Media), all);
+    }
 }
