@@ -8,7 +8,7 @@ use hecs::{Component, World};
 use super::{Effect, Preparation};
 use crate::color::Rgb;
 use crate::components::{Checker, Fog, Light, Reflective, Refractive, Specular};
-use crate::trace::{self, Background, KernelChoice, LightSource, Lighting, Paths, ShapeId};
+use crate::trace::{self, Background, Effects, LightSource, Lighting, Paths, ShapeId};
 
 /// Whether an effect is needed, and why.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -23,7 +23,7 @@ pub enum Need {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plan {
     needs: [Need; Effect::ALL.len()],
-    kernel: KernelChoice,
+    effects: Effects,
 }
 
 impl Need {
@@ -47,7 +47,7 @@ impl Plan {
     #[must_use]
     pub(super) fn of(world: &World, preparation: &Preparation) -> Self {
         let survey = Survey::new(world, preparation);
-        Self { needs: Effect::ALL.map(|effect| survey.need(effect)), kernel: survey.kernel() }
+        Self { needs: Effect::ALL.map(|effect| survey.need(effect)), effects: survey.effects() }
     }
 
     /// Returns whether the effect is needed, and why.
@@ -67,10 +67,10 @@ impl Plan {
         Effect::ALL.into_iter().filter(|effect| self.needs(*effect))
     }
 
-    /// Returns the kernel with these effects.
+    /// Returns the effects that the kernel's stages need.
     #[must_use]
-    pub fn kernel(&self) -> KernelChoice {
-        self.kernel
+    pub fn effects(&self) -> Effects {
+        self.effects
     }
 
     /// Adds the plan of another instant of the frame.
@@ -80,12 +80,7 @@ impl Plan {
                 *need = *other;
             }
         }
-        let (one, other) = (self.kernel, other.kernel);
-        self.kernel = KernelChoice {
-            lighting: one.lighting.max(other.lighting),
-            paths: one.paths.max(other.paths),
-            extras: one.extras || other.extras,
-        };
+        self.effects = self.effects.join(other.effects);
     }
 
     /// Sets the need of motion blur.
@@ -276,7 +271,7 @@ impl<'a> Survey<'a> {
         }
     }
 
-    fn kernel(&self) -> KernelChoice {
+    fn effects(&self) -> Effects {
         let needs = |effect| self.need(effect).is_needed();
         let clear = !self.preparation.scene().surfaces().clear.is_empty();
         let lighting = if !self.scatters() {
@@ -296,6 +291,6 @@ impl<'a> Survey<'a> {
             Paths::Mirrors
         };
         let extras = Effect::ALL.into_iter().any(|effect| effect.is_extra() && needs(effect));
-        KernelChoice { lighting, paths, extras }
+        Effects { lighting, paths, extras }
     }
 }

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use rayon::prelude::*;
 
 use crate::color::Rgb;
-use crate::trace::effects::{Effects, FullKernel, KernelChoice, with_kernel};
+use crate::trace::effects::Effects;
 use crate::trace::effort::Effort;
 use crate::trace::film::{Film, PixelSum};
 use crate::trace::light::RenderContext;
@@ -111,7 +111,7 @@ impl Exposure {
     }
 
     /// Adds samples `from..to` of every pixel, those that are not there yet, on the current rayon pool's threads. The bits do not
-    /// depend on how many there are, nor on what the kernel has compiled in beyond what the scene calls for. The camera's film must
+    /// depend on how many there are, nor on effects beyond those that the scene calls for. The camera's film must
     /// be as large as this, and samples before `from` must be there.
     ///
     /// Says whether all were added; if not, the same call goes on.
@@ -122,28 +122,25 @@ impl Exposure {
         camera: &Camera,
         sampling: Sampling,
         samples: (u32, u32),
-        kernel: KernelChoice,
+        effects: Effects,
         signals: Signals<'_>,
     ) -> bool {
-        let context = RenderContext::new(scene, camera, sampling);
+        let context = RenderContext::new(scene, camera, sampling, effects);
         match scene.precision {
-            Precision::Guaranteed => {
-                let shapes = scene.geometry();
-                with_kernel!(kernel, Chosen => self.add_with::<Chosen>(&context, shapes, samples, signals))
-            }
+            Precision::Guaranteed => self.add_with(&context, scene.geometry(), samples, signals),
             // For comparisons: as it is.
             Precision::TextbookF64 => {
                 let shapes = Textbook::<f64>::new(scene.geometry());
-                self.add_with::<FullKernel>(&context, &shapes, samples, signals)
+                self.add_with(&context, &shapes, samples, signals)
             }
             Precision::TextbookF32 => {
                 let shapes = Textbook::<f32>::new(scene.geometry());
-                self.add_with::<FullKernel>(&context, &shapes, samples, signals)
+                self.add_with(&context, &shapes, samples, signals)
             }
         }
     }
 
-    fn add_with<E: Effects>(
+    fn add_with(
         &mut self,
         context: &RenderContext<'_>,
         shapes: &impl Intersector,
@@ -161,7 +158,7 @@ impl Exposure {
                         if (signals.pause)() {
                             break;
                         }
-                        let whole = render_sample::<E>(context, shapes, (exposed.tile, sample), buffers);
+                        let whole = render_sample(context, shapes, (exposed.tile, sample), buffers);
                         let traced = buffers.take_effort();
                         if !whole {
                             break;

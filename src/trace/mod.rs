@@ -59,7 +59,7 @@ mod scene;
 pub mod shapes;
 mod stages;
 
-pub use effects::{KernelChoice, Lighting, Paths};
+pub use effects::{Effects, Lighting, Paths};
 pub use effort::{Effort, RayCounts, TreeEnds};
 pub use exposure::{Exposure, Signals};
 pub use film::Film;

@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use crate::color::Rgb;
-use crate::trace::effects::FullKernel;
+use crate::trace::effects::Effects;
 use crate::trace::film::{Film, PixelSum};
 use crate::trace::light::{
     Budget, LARGEST_TREE, LightScratch, LitPoint, MediumStack, PathState, Proposal, RenderContext, SampleId,
@@ -134,7 +134,10 @@ impl<'a> Reference<'a> {
     /// For a scene at one moment.
     #[must_use]
     pub fn new(scene: &'a PreparedScene, camera: &'a Camera, sampling: Sampling) -> Self {
-        Self { context: RenderContext::new(scene, camera, sampling), scratch: LightScratch::default() }
+        Self {
+            context: RenderContext::new(scene, camera, sampling, Effects::ALL),
+            scratch: LightScratch::default(),
+        }
     }
 
     /// Adds samples `from..to` of every pixel to the sums, which are in rows from the top.
@@ -169,7 +172,7 @@ impl<'a> Reference<'a> {
                 if let RayEnd::Surface(lit) = &traced.end {
                     let arrived = (&ray.ray, &ray.state);
                     let SecondaryRays { reflected, refracted } =
-                        secondary_rays::<FullKernel>(context, &mut scratch.media, arrived, &lit.surface);
+                        secondary_rays(context, &mut scratch.media, arrived, &lit.surface);
                     let kinds = [(RayKind::Reflection, reflected), (RayKind::Refraction, refracted)];
                     let parent = Some(tree.len());
                     next.extend(kinds.into_iter().filter_map(|(kind, ray)| Some((kind, parent, ray?))));
@@ -258,12 +261,12 @@ fn trace(
 ) -> TracedRay {
     let scene = context.scene;
     let Some(closest) = closest(scene, &ray.ray) else {
-        let passage = ray.state.passage::<FullKernel>(scene, &scratch.media, f64::INFINITY);
+        let passage = ray.state.passage(Effects::ALL, scene, &scratch.media, f64::INFINITY);
         let background = scene.background.towards(ray.ray.direction());
         return traced(kind, parent, ray, scratch, passage, RayEnd::Background(background));
     };
     let surface = scene.surface(scene.geometry(), &ray.ray, &closest, &mut Escalations::default());
-    let passage = ray.state.passage::<FullKernel>(scene, &scratch.media, surface.distance(&ray.ray));
+    let passage = ray.state.passage(Effects::ALL, scene, &scratch.media, surface.distance(&ray.ray));
     let lit = lit(scene, scratch, ray, surface, asker);
     traced(kind, parent, ray, scratch, passage, RayEnd::Surface(Box::new(lit)))
 }
@@ -316,7 +319,7 @@ fn reach(
     let seen = (lit.surface, lit.state.medium);
     let mut sum = DVec3::ZERO;
     for sample in 0..light.1.places() {
-        let Some(Proposal { color, shadow }) = propose::<FullKernel>(light, lit, sample) else { continue };
+        let Some(Proposal { color, shadow }) = propose(Effects::ALL, light, lit, sample) else { continue };
         let share = shadow.map_or(Ok(Rgb::ONE), |shadow_ray| {
             asked = true;
             visibility(scene, scratch, &shadow_ray, own_shape, seen)

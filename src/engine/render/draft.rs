@@ -70,15 +70,15 @@ impl Engine {
         preparation.limit_rays(&draft.ray_limits(&limits));
         let (scene, camera, sampling) =
             (preparation.scene(), preparation.camera(), preparation.sampling(time));
-        let mut kernel = preparation.plan(&self.world).kernel();
+        let mut effects = preparation.plan(&self.world).effects();
         if !draft.shadows {
-            kernel.lighting = kernel.lighting.min(Lighting::Unshadowed);
+            effects.lighting = effects.lighting.min(Lighting::Unshadowed);
         }
         let exposure = begun.get_or_insert_with(|| Exposure::new(camera.resolution(), sampling.samples));
         let mut traced = Duration::ZERO;
         let whole = add_all(signals, visit, exposure, |exposure| {
             let start = Instant::now();
-            let whole = exposure.add(scene, camera, sampling, (0, sampling.samples), kernel, signals);
+            let whole = exposure.add(scene, camera, sampling, (0, sampling.samples), effects, signals);
             traced += start.elapsed();
             whole
         });

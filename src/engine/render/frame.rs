@@ -12,7 +12,7 @@ use crate::engine::report::FrameReport;
 use crate::systems::{Effect, Need, Plan, Preparation, Shutter, Shutters, propagate};
 use crate::time::Time;
 use crate::trace::reference::{Reference, ReferenceSums};
-use crate::trace::{Exposure, Film, KernelChoice, Lighting, Signals};
+use crate::trace::{Effects, Exposure, Film, Lighting, Signals};
 
 /// A signal that is never set.
 static NEVER: AtomicBool = AtomicBool::new(false);
@@ -78,13 +78,13 @@ impl Engine {
     ) -> Result<Option<Film>, EngineError> {
         let instants = self.instants(time);
         let (mut traced, mut whole) = (Duration::ZERO, true);
-        let sought = self.seek_all(time, &instants, signals.cancelled, |preparation, kernel, range| {
+        let sought = self.seek_all(time, &instants, signals.cancelled, |preparation, effects, range| {
             let (scene, camera) = (preparation.scene(), preparation.camera());
             let sampling = preparation.sampling(time);
             let exposure = begun.get_or_insert_with(|| Exposure::new(camera.resolution(), sampling.samples));
             whole = add_all(signals, visit, exposure, |exposure| {
                 let start = Instant::now();
-                let whole = exposure.add(scene, camera, sampling, range, kernel, signals);
+                let whole = exposure.add(scene, camera, sampling, range, effects, signals);
                 traced += start.elapsed();
                 whole
             });
@@ -155,7 +155,7 @@ impl Engine {
         !self.systems.is_empty() || self.world.archetypes().any(animated)
     }
 
-    /// Visits the instants of the frame at `time`, and calls `each` with the prepared data of each, the kernel to use, and the
+    /// Visits the instants of the frame at `time`, and calls `each` with the prepared data of each, the effects that it needs, and the
     /// samples that belong to it, until it returns `false`. The film and the samples are those of the first instant throughout.
     /// Returns whether the world was brought to each of them: `cancelled` may have become true meanwhile.
     fn seek_all(
@@ -163,7 +163,7 @@ impl Engine {
         time: Time,
         instants: &[Time],
         cancelled: &AtomicBool,
-        mut each: impl FnMut(&Preparation, KernelChoice, (u32, u32)) -> bool,
+        mut each: impl FnMut(&Preparation, Effects, (u32, u32)) -> bool,
     ) -> Result<bool, EngineError> {
         self.report = FrameReport { time, ..FrameReport::default() };
         let mut plan: Option<Plan> = None;
@@ -180,15 +180,15 @@ impl Engine {
                 None => Cow::Borrowed(preparation),
             };
             let now = shown.plan(&self.world);
-            let mut kernel = if self.full { KernelChoice::FULL } else { now.kernel() };
+            let mut effects = if self.full { Effects::ALL } else { now.effects() };
             if self.left_out == Some(Effect::ClearShadows) {
-                kernel.lighting = kernel.lighting.min(Lighting::Shadows);
+                effects.lighting = effects.lighting.min(Lighting::Shadows);
             }
             match &mut plan {
                 Some(plan) => plan.join(&now),
                 None => plan = Some(now),
             }
-            if !each(&shown, kernel, samples_of(index, instants.len(), shown.samples())) {
+            if !each(&shown, effects, samples_of(index, instants.len(), shown.samples())) {
                 break;
             }
         }

@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::contribution::Brightest;
 use super::medium_stack::{MediumStack, MediumStacks};
 use crate::color::Rgb;
+use crate::trace::effects::Effects;
 use crate::trace::math::Sampling;
 use crate::trace::rays::ShapeId;
 use crate::trace::scene::{Camera, Light, PixelCenters, PreparedScene};
@@ -17,6 +18,7 @@ pub(crate) struct RenderContext<'a> {
     pub(crate) scene: &'a PreparedScene,
     pub(crate) camera: &'a Camera,
     pub(crate) sampling: Sampling,
+    pub(crate) effects: Effects,
     pub(crate) brightest: Brightest,
     pub(crate) pixel_centers: PixelCenters,
     /// Those that are on, with their indices in document order.
@@ -28,12 +30,17 @@ pub(crate) struct RenderContext<'a> {
 struct Start(Vec<ShapeId>);
 
 impl<'a> RenderContext<'a> {
-    pub(crate) fn new(scene: &'a PreparedScene, camera: &'a Camera, sampling: Sampling) -> Self {
+    pub(crate) fn new(
+        scene: &'a PreparedScene,
+        camera: &'a Camera,
+        sampling: Sampling,
+        effects: Effects,
+    ) -> Self {
         let lights = scene.lights.iter().enumerate();
         let lights = lights.filter(|(_, light)| light.intensity != Rgb::ZERO).collect();
         let (brightest, start) = (Brightest::of(scene), Start::new(scene, camera));
         let pixel_centers = camera.pixel_centers();
-        Self { scene, camera, sampling, brightest, pixel_centers, lights, start }
+        Self { scene, camera, sampling, effects, brightest, pixel_centers, lights, start }
     }
 
     /// How many generations of rays are traced: that of camera rays at least.

@@ -58,40 +58,42 @@ pub(crate) struct Proposal {
 /// Returns what sample `sample` of light number `index` adds, as far as nothing stands in its way; `None` where it is nothing
 /// whatever stands there. Lights without a size have one sample.
 #[inline(always)]
-pub(crate) fn propose<E: Effects>(
+pub(crate) fn propose(
+    effects: Effects,
     (index, light): (usize, &Light),
     lit: &LitPoint<'_>,
     sample: u32,
 ) -> Option<Proposal> {
     match light.source {
-        LightSource::Point(place) | LightSource::Spot(place, _) => from_place::<E>(light, lit, place),
+        LightSource::Point(place) | LightSource::Spot(place, _) => from_place(effects, light, lit, place),
         LightSource::Directional(direction) => {
             // From a place that is not finite there is no way to any other light by itself.
             let (to_light, _) = lit.surface.point.is_finite().then(|| scaled(direction))??;
-            arriving::<E>(light, lit, to_light, Limit::NONE)
+            arriving(effects, light, lit, to_light, Limit::NONE)
         }
-        LightSource::Sphere { .. } | LightSource::Rectangle { .. } if !E::EXTRAS => None,
+        LightSource::Sphere { .. } | LightSource::Rectangle { .. } if !effects.extras => None,
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
             let dimension = Dimension::Light { light: to_u32(index), path: lit.state.path };
             let SampleId { seed, pixel: (i, j), sample: of_pixel } = lit.asker;
             let first = of_pixel.wrapping_mul(light.places());
             let square = PixelSamples::new(seed, i, j).pair(dimension, first.wrapping_add(sample));
-            from_place::<E>(light, lit, light.source.place(lit.surface.point, square))
+            from_place(effects, light, lit, light.source.place(lit.surface.point, square))
         }
     }
 }
 
 /// Returns what a light adds from one of its places. It adds nothing at the very point.
 #[inline(always)]
-fn from_place<E: Effects>(light: &Light, lit: &LitPoint<'_>, place: DVec3) -> Option<Proposal> {
+fn from_place(effects: Effects, light: &Light, lit: &LitPoint<'_>, place: DVec3) -> Option<Proposal> {
     let (to_light, scale) = scaled(place - lit.surface.point)?;
-    arriving::<E>(light, lit, to_light, Limit::new(scale.recip(), place))
+    arriving(effects, light, lit, to_light, Limit::new(scale.recip(), place))
 }
 
 /// Returns what a light adds that is as far as `limit` in a direction that is [`scaled`]. It adds nothing, and no ray is sent, if it
 /// is behind what is opaque, if it shines elsewhere, or if the surface scatters none of it back along the ray that found it.
 #[inline(always)]
-fn arriving<E: Effects>(
+fn arriving(
+    effects: Effects,
     light: &Light,
     lit: &LitPoint<'_>,
     to_light: DVec3,
@@ -100,19 +102,19 @@ fn arriving<E: Effects>(
     let LitPoint { surface, material, normal, .. } = *lit;
     let length = length(to_light);
     let cosine = normal.dot(to_light) / length;
-    let from_behind = E::CLEAR_SHADOWS && cosine < 0.0 && material.refraction.is_some();
+    let from_behind = effects.clear_shadows() && cosine < 0.0 && material.refraction.is_some();
     if !(cosine > 0.0 || from_behind) {
         return None;
     }
-    let intensity = intensity::<E>(light, to_light, length, limit.t());
+    let intensity = intensity(effects, light, to_light, length, limit.t());
     let mut color = diffuse(lit.diffuse, intensity, cosine.abs());
-    if E::EXTRAS && material.specular > 0.0 && !from_behind && intensity != Rgb::ZERO {
+    if effects.extras && material.specular > 0.0 && !from_behind && intensity != Rgb::ZERO {
         color += specular(material, intensity, normal, to_light, -lit.ray.direction());
     }
     if color == Rgb::ZERO {
         return None;
     }
-    if !(E::SHADOWS && light.casts_shadows) {
+    if !(effects.shadows() && light.casts_shadows) {
         return Some(Proposal { color, shadow: None });
     }
     // Normals face the ray that arrived, and so does the side that is left. The point is finite, as there is a way to the light.

@@ -37,14 +37,15 @@ impl PathState {
     }
 
     /// What happens to light along the ray, over a length.
-    pub(crate) fn passage<E: Effects>(
+    pub(crate) fn passage(
         &self,
+        effects: Effects,
         scene: &PreparedScene,
         media: &MediumStacks,
         length: f64,
     ) -> Passage {
-        let absorption = if E::IN_MEDIA { media.absorption(scene, self.medium) } else { Rgb::ZERO };
-        if absorption == Rgb::ZERO && (!E::EXTRAS || scene.fog.density == 0.0) {
+        let absorption = if effects.in_media() { media.absorption(scene, self.medium) } else { Rgb::ZERO };
+        if absorption == Rgb::ZERO && (!effects.extras || scene.fog.density == 0.0) {
             return Passage::CLEAR;
         }
         Passage::through(absorption, &scene.fog, length)
@@ -63,17 +64,17 @@ pub(crate) struct SecondaryRays {
 }
 
 /// The continuations of a ray at a surface. Total internal reflection turns refracted light into mirrored light.
-pub(crate) fn secondary_rays<E: Effects>(
+pub(crate) fn secondary_rays(
     context: &RenderContext<'_>,
     media: &mut MediumStacks,
     (ray, arrived): (&Ray, &PathState),
     surface: &SurfacePoint,
 ) -> SecondaryRays {
-    let scene = context.scene;
+    let RenderContext { scene, effects, .. } = *context;
     let material = scene.material(surface.hit.id);
     let mut reflected = material.reflected;
     let mut refraction = None;
-    if E::MEDIA
+    if effects.media()
         && let Some(medium) = &material.refraction
     {
         let beyond = media.through(scene, arrived.medium, surface, ray.direction());
@@ -95,7 +96,7 @@ pub(crate) fn secondary_rays<E: Effects>(
         let direction = mirrored(ray.direction(), surface.normal);
         branches.reflected = surface.leave(surface.from_outside, direction).map(|ray| TreeRay { ray, state });
     }
-    if E::MEDIA
+    if effects.media()
         && let Some((direction, transmitted, beyond)) = refraction
         && let Some(state) = arrives(transmitted, beyond, 1)
     {

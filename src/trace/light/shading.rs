@@ -21,9 +21,9 @@ pub(crate) fn held(light: Rgb) -> Rgb {
 
 /// I_j: what is left of a light's intensity in this direction, at this distance.
 #[inline(always)]
-pub(crate) fn intensity<E: Effects>(light: &Light, to_light: DVec3, length: f64, limit: f64) -> Rgb {
+pub(crate) fn intensity(effects: Effects, light: &Light, to_light: DVec3, length: f64, limit: f64) -> Rgb {
     let mut intensity = light.intensity;
-    if E::EXTRAS {
+    if effects.extras {
         if let LightSource::Spot(_, cone) = &light.source {
             intensity = dimmed(intensity, cone.at(-cone.axis.dot(to_light) / length));
         }

@@ -17,7 +17,8 @@ use crate::trace::scene::{PreparedScene, transmittance};
 /// shape, and by what hid it from the last point that asked, which is asked first: neighbours are mostly in the same shadow.
 /// `medium` is the stack of clear solids that the surface is seen from.
 #[inline(always)]
-pub(crate) fn visibility<E: Effects>(
+pub(crate) fn visibility(
+    effects: Effects,
     scene: &PreparedScene,
     shapes: &impl Intersector,
     shadow_ray: &ShadowRay,
@@ -32,7 +33,7 @@ pub(crate) fn visibility<E: Effects>(
     {
         return None;
     }
-    if !E::CLEAR_SHADOWS {
+    if !effects.clear_shadows() {
         *last_occluder = scene.occluder(shapes, ray, limit, own_shape, &mut scratch.search);
         return last_occluder.is_none().then_some(Rgb::ONE);
     }

@@ -6,7 +6,6 @@ use glam::DVec3;
 
 use super::tile::Tile;
 use crate::color::Rgb;
-use crate::trace::effects::Effects;
 use crate::trace::effort::{Effort, RayCounts, StageCounts, TreeEnds};
 use crate::trace::light::{Budget, LightScratch, Proposal, RenderContext, TreeRay};
 use crate::trace::query::{ClosestHit, SurfacePoint};
@@ -102,12 +101,12 @@ impl<'a> TileBuffers<'a> {
     }
 
     /// Makes ready for a sample of a tile, and clears what one that was cancelled left.
-    pub(super) fn begin<E: Effects>(&mut self, tile: Tile, context: &RenderContext<'_>) {
+    pub(super) fn begin(&mut self, tile: Tile, context: &RenderContext<'_>) {
         let count = (tile.width * tile.height) as usize;
         self.wave.clear();
         self.pixels.clear();
         self.pixels.resize(count, Rgb::ZERO);
-        if E::MIRRORS {
+        if context.effects.mirrors() {
             self.next.clear();
             self.beyond.clear();
             self.tree_sizes.clear();
@@ -116,7 +115,7 @@ impl<'a> TileBuffers<'a> {
             self.budgets.resize(count, Budget::new(context.scene));
         }
         self.scratch.media.clear();
-        if E::LIGHTS {
+        if context.effects.lights() {
             self.last_occluders.clear();
             self.last_occluders.resize(context.lights.len(), None);
         }

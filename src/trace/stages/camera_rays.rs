@@ -2,12 +2,11 @@
 
 use super::buffers::{QueuedRay, TileBuffers};
 use super::tile::Sample;
-use crate::trace::effects::Effects;
 use crate::trace::light::{MediumStack, PathState, TreeRay};
 use crate::trace::rays::Ray;
 
 /// Makes the wave of camera rays. A camera that is not in a finite place has none: its pixels see the background.
-pub(super) fn camera_rays<E: Effects>(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
+pub(super) fn camera_rays(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.entered.camera_rays += 1;
     let Sample { context, tile, index } = *sample;
     let (columns, rows) = (tile.i..tile.i + tile.width, tile.j..tile.j + tile.height);
@@ -19,13 +18,13 @@ pub(super) fn camera_rays<E: Effects>(sample: &Sample<'_>, buffers: &mut TileBuf
         }
         if one_each {
             for ray in context.pixel_centers.rays(columns.clone(), j) {
-                start::<E>(sample, ray, pixel, buffers);
+                start(sample, ray, pixel, buffers);
                 pixel += 1;
             }
         } else {
             for i in columns.clone() {
                 let ray = context.camera.spread_ray(context.sampling, i, j, index);
-                start::<E>(sample, ray, pixel, buffers);
+                start(sample, ray, pixel, buffers);
                 pixel += 1;
             }
         }
@@ -34,13 +33,17 @@ pub(super) fn camera_rays<E: Effects>(sample: &Sample<'_>, buffers: &mut TileBuf
 }
 
 #[inline(always)]
-fn start<E: Effects>(sample: &Sample<'_>, ray: Option<Ray>, pixel: u32, buffers: &mut TileBuffers<'_>) {
+fn start(sample: &Sample<'_>, ray: Option<Ray>, pixel: u32, buffers: &mut TileBuffers<'_>) {
     let Some(ray) = ray else {
         buffers.pixels[pixel as usize] = sample.context.nowhere();
         return;
     };
     let media = &mut buffers.scratch.media;
-    let medium = if E::IN_MEDIA { sample.context.medium(ray.origin(), media) } else { MediumStack::NONE };
+    let medium = if sample.context.effects.in_media() {
+        sample.context.medium(ray.origin(), media)
+    } else {
+        MediumStack::NONE
+    };
     let tree = TreeRay { ray, state: PathState::at_camera(medium) };
     buffers.wave.push(QueuedRay { tree, pixel, mirrored: false, cut: false });
 }

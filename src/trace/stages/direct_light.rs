@@ -6,17 +6,12 @@ use glam::DVec3;
 use super::buffers::{FoundSurface, QueuedRay, TileBuffers};
 use super::shadows::shadows;
 use super::tile::Sample;
-use crate::trace::effects::Effects;
 use crate::trace::light::{LitPoint, Proposal, SampleId, propose};
 use crate::trace::query::Intersector;
 use crate::trace::scene::Light;
 
 /// Adds what each light sends to the surface points of the wave, and on along the rays that found them.
-pub(super) fn direct_light<E: Effects>(
-    sample: &Sample<'_>,
-    shapes: &impl Intersector,
-    buffers: &mut TileBuffers<'_>,
-) {
+pub(super) fn direct_light(sample: &Sample<'_>, shapes: &impl Intersector, buffers: &mut TileBuffers<'_>) {
     buffers.entered.direct_light += 1;
     let lights = &sample.context.lights;
     for (place, (index, light)) in lights.iter().enumerate() {
@@ -29,9 +24,9 @@ pub(super) fn direct_light<E: Effects>(
             if buffers.is_cancelled() {
                 return;
             }
-            propose_all::<E>(sample, (*index, light), light_sample, buffers);
-            if E::SHADOWS {
-                shadows::<E>(sample.context.scene, shapes, (place, light), buffers);
+            propose_all(sample, (*index, light), light_sample, buffers);
+            if sample.context.effects.shadows() {
+                shadows(sample.context, shapes, (place, light), buffers);
             }
             add(light, buffers);
         }
@@ -42,29 +37,26 @@ pub(super) fn direct_light<E: Effects>(
 }
 
 /// Proposes what one sample of a light could add at each surface point.
-fn propose_all<E: Effects>(
+fn propose_all(
     sample: &Sample<'_>,
     light: (usize, &Light),
     light_sample: u32,
     buffers: &mut TileBuffers<'_>,
 ) {
+    let effects = sample.context.effects;
     let TileBuffers { wave, surfaces, proposals, .. } = buffers;
     proposals.clear();
     for (at, surface) in (0..).zip(surfaces.iter()) {
-        let proposal = propose::<E>(light, &lit_point::<E>(sample, wave, surface), light_sample);
+        let proposal = propose(effects, light, &lit_point(sample, wave, surface), light_sample);
         proposals.extend(proposal.map(|proposal| (at, proposal)));
     }
 }
 
 #[inline(always)]
-fn lit_point<'a, E: Effects>(
-    sample: &Sample<'a>,
-    wave: &'a [QueuedRay],
-    surface: &'a FoundSurface,
-) -> LitPoint<'a> {
+fn lit_point<'a>(sample: &Sample<'a>, wave: &'a [QueuedRay], surface: &'a FoundSurface) -> LitPoint<'a> {
     let QueuedRay { tree, pixel, .. } = &wave[surface.ray as usize];
     // Only lights with a size ask for it.
-    let pixel = if E::EXTRAS { sample.tile.pixel(*pixel) } else { (0, 0) };
+    let pixel = if sample.context.effects.extras { sample.tile.pixel(*pixel) } else { (0, 0) };
     LitPoint {
         ray: &tree.ray,
         state: &tree.state,

@@ -1,11 +1,10 @@
 //! The last stage: which mirrored and refracted rays go on as the next generation.
 
 use super::buffers::{QueuedRay, TileBuffers};
-use crate::trace::effects::Effects;
 use crate::trace::light::{LARGEST_TREE, RenderContext, SecondaryRays, secondary_rays};
 
 /// Queues the rays that the wave's surfaces send on.
-pub(super) fn next_rays<E: Effects>(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
+pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.entered.next_rays += 1;
     let TileBuffers { wave, surfaces, next, scratch, .. } = buffers;
     for surface in surfaces.iter() {
@@ -19,7 +18,7 @@ pub(super) fn next_rays<E: Effects>(context: &RenderContext<'_>, buffers: &mut T
         let QueuedRay { tree, pixel, .. } = &wave[surface.ray as usize];
         let arrived = (&tree.ray, &tree.state);
         let SecondaryRays { reflected, refracted } =
-            secondary_rays::<E>(context, &mut scratch.media, arrived, &surface.point);
+            secondary_rays(context, &mut scratch.media, arrived, &surface.point);
         for (tree, mirrored) in [(reflected, true), (refracted, false)] {
             next.extend(tree.map(|tree| QueuedRay { tree, pixel: *pixel, mirrored, cut: false }));
         }

@@ -8,7 +8,6 @@ use super::next_rays::{give_up, next_rays, select};
 use super::sums::add_to_pixels;
 use super::surfaces::surfaces;
 use super::tile::{Sample, Tile};
-use crate::trace::effects::Effects;
 use crate::trace::light::RenderContext;
 use crate::trace::query::Intersector;
 
@@ -20,18 +19,18 @@ const LONGEST_WAVE: usize = 1024;
 ///
 /// A pixel's rays are traced, and their light is added up, generation by generation, and nothing recurses. Stages that the kernel
 /// leaves out are not entered.
-pub(crate) fn render_sample<E: Effects>(
+pub(crate) fn render_sample(
     context: &RenderContext<'_>,
     shapes: &impl Intersector,
     (tile, index): (Tile, u32),
     buffers: &mut TileBuffers<'_>,
 ) -> bool {
     let sample = Sample { context, tile, index };
-    buffers.begin::<E>(tile, context);
-    camera_rays::<E>(&sample, buffers);
-    trace_wave::<E>(&sample, shapes, buffers);
+    buffers.begin(tile, context);
+    camera_rays(&sample, buffers);
+    trace_wave(&sample, shapes, buffers);
     let mut generations = context.generations() - 1;
-    while E::MIRRORS && !buffers.next.is_empty() && !buffers.is_cancelled() {
+    while context.effects.mirrors() && !buffers.next.is_empty() && !buffers.is_cancelled() {
         let mut selected = std::mem::take(&mut buffers.selected);
         select(context, generations, &mut selected, buffers);
         generations = generations.saturating_sub(1);
@@ -39,31 +38,31 @@ pub(crate) fn render_sample<E: Effects>(
         while rays.len() > 0 && !buffers.is_cancelled() {
             buffers.wave.clear();
             buffers.wave.extend(rays.by_ref().take(LONGEST_WAVE));
-            trace_wave::<E>(&sample, shapes, buffers);
+            trace_wave(&sample, shapes, buffers);
         }
         drop(rays);
         buffers.selected = selected;
     }
-    if E::MIRRORS {
+    if context.effects.mirrors() {
         give_up(context, buffers);
     }
     !buffers.is_cancelled()
 }
 
 /// Takes the wave through all stages.
-fn trace_wave<E: Effects>(sample: &Sample<'_>, shapes: &impl Intersector, buffers: &mut TileBuffers<'_>) {
+fn trace_wave(sample: &Sample<'_>, shapes: &impl Intersector, buffers: &mut TileBuffers<'_>) {
     let context = sample.context;
     closest_hits(context, shapes, buffers);
-    surfaces::<E>(context, shapes, buffers);
-    if E::LIGHTS {
-        direct_light::<E>(sample, shapes, buffers);
+    surfaces(context, shapes, buffers);
+    if context.effects.lights() {
+        direct_light(sample, shapes, buffers);
     }
     if buffers.is_cancelled() {
         return;
     }
-    add_to_pixels::<E>(context, buffers);
-    if E::MIRRORS {
-        next_rays::<E>(context, buffers);
+    add_to_pixels(context, buffers);
+    if context.effects.mirrors() {
+        next_rays(context, buffers);
     }
 }
 
@@ -77,7 +76,7 @@ mod tests {
     use crate::trace::effort::StageCounts;
     use crate::trace::shapes::Sphere;
     use crate::trace::{
-        Camera, Exposure, Geometry, KernelChoice, Light, LightSource, Lighting, Paths, PreparedScene,
+        Camera, Effects, Exposure, Geometry, Light, LightSource, Lighting, Paths, PreparedScene,
         PreparedShape, Sampling, Signals, SurfaceMaterial,
     };
 
@@ -98,9 +97,9 @@ mod tests {
         });
         let camera = Camera::new(DVec3::new(0.0, 0.0, -5.0), DVec3::Z, DVec3::Y, 1.0, (0.2, 0.2), (8, 8));
         let mut exposure = Exposure::new((8, 8), 1);
-        let kernel = KernelChoice { lighting, paths, extras: false };
+        let effects = Effects { lighting, paths, extras: false };
         let never = AtomicBool::new(false);
-        assert!(exposure.add(&scene, &camera, Sampling::default(), (0, 1), kernel, Signals::unless(&never)));
+        assert!(exposure.add(&scene, &camera, Sampling::default(), (0, 1), effects, Signals::unless(&never)));
         exposure.develop().1.stages
     }
 

@@ -1,15 +1,14 @@
 //! Which of a light's proposals come through.
 
 use super::buffers::TileBuffers;
-use crate::trace::effects::Effects;
-use crate::trace::light::{Proposal, visibility};
+use crate::trace::light::{Proposal, RenderContext, visibility};
 use crate::trace::query::Intersector;
-use crate::trace::scene::{Light, PreparedScene};
+use crate::trace::scene::Light;
 
 /// Follows the shadow rays of what was proposed for a light, number `place` of those that are on: drops what is hidden, and
 /// weakens what comes through clear shapes.
-pub(super) fn shadows<E: Effects>(
-    scene: &PreparedScene,
+pub(super) fn shadows(
+    context: &RenderContext<'_>,
     shapes: &impl Intersector,
     (place, light): (usize, &Light),
     buffers: &mut TileBuffers<'_>,
@@ -23,8 +22,8 @@ pub(super) fn shadows<E: Effects>(
         let surface = &surfaces[*at as usize];
         let seen = (&surface.point, wave[surface.ray as usize].tree.state.medium);
         let occluders = (light.own_shape, &mut *last_occluder);
-        let share = visibility::<E>(scene, shapes, shadow_ray, occluders, seen, scratch);
-        if E::CLEAR_SHADOWS
+        let share = visibility(context.effects, context.scene, shapes, shadow_ray, occluders, seen, scratch);
+        if context.effects.clear_shadows()
             && let Some(share) = share
         {
             *color *= share;

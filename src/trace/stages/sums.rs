@@ -1,13 +1,13 @@
 //! What the wave brings to the tile's pixels.
 
 use super::buffers::TileBuffers;
-use crate::trace::effects::Effects;
 use crate::trace::light::{RenderContext, held};
 
 /// Adds the light at the end of each ray to its pixel, ray by ray in the order of the wave, and what happens to light on the way to the
 /// ray's throughput.
-pub(super) fn add_to_pixels<E: Effects>(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
+pub(super) fn add_to_pixels(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.entered.sums += 1;
+    let effects = context.effects;
     let TileBuffers { wave, hits, radiance, lengths, pixels, scratch, .. } = buffers;
     for (index, queued) in wave.iter_mut().enumerate() {
         let mut light = radiance[index];
@@ -16,8 +16,8 @@ pub(super) fn add_to_pixels<E: Effects>(context: &RenderContext<'_>, buffers: &m
         }
         let pixel = &mut pixels[queued.pixel as usize];
         let state = &mut queued.tree.state;
-        if E::IN_MEDIA || E::EXTRAS {
-            let passage = state.passage::<E>(context.scene, &scratch.media, lengths[index]);
+        if effects.in_media() || effects.extras {
+            let passage = state.passage(effects, context.scene, &scratch.media, lengths[index]);
             light = passage.of(light);
             *pixel += state.throughput * light;
             state.throughput *= passage.transmitted;

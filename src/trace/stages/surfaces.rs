@@ -9,7 +9,7 @@ use crate::trace::scene::SurfaceMaterial;
 
 /// Finds the surface points of the wave's hits, and the light there that no light source gives: the background, and ambient
 /// light.
-pub(super) fn surfaces<E: Effects>(
+pub(super) fn surfaces(
     context: &RenderContext<'_>,
     shapes: &impl Intersector,
     buffers: &mut TileBuffers<'_>,
@@ -32,7 +32,7 @@ pub(super) fn surfaces<E: Effects>(
             continue;
         };
         let material = scene.material(closest.hit.id);
-        if !needs_point::<E>(context, state, material) {
+        if !needs_point(context, state, material) {
             radiance.push(ambient(scene, material.ambient));
             lengths.push(0.0);
             continue;
@@ -40,9 +40,13 @@ pub(super) fn surfaces<E: Effects>(
         let point = scene.surface(shapes, ray, closest, &mut scratch.search.escalations);
         // Among surfaces in the same place it may be another one that is seen than the first that was met.
         let material = scene.material(point.hit.id);
-        let (color, diffuse) = colors::<E>(material, &point);
+        let (color, diffuse) = colors(context.effects, material, &point);
         radiance.push(ambient(scene, color));
-        lengths.push(if E::IN_MEDIA || E::EXTRAS { point.distance(ray) } else { 0.0 });
+        lengths.push(if context.effects.in_media() || context.effects.extras {
+            point.distance(ray)
+        } else {
+            0.0
+        });
         let normal = point.facing_normal();
         surfaces.push(FoundSurface { ray: index, point, diffuse, normal });
     }
@@ -50,22 +54,19 @@ pub(super) fn surfaces<E: Effects>(
 
 /// Says whether more is asked of what a ray meets than what it is made of.
 #[inline]
-fn needs_point<E: Effects>(
-    context: &RenderContext<'_>,
-    state: &PathState,
-    material: &SurfaceMaterial,
-) -> bool {
-    let lit = E::LIGHTS && !context.lights.is_empty() && material.scatters();
-    let continues = (E::MIRRORS && material.reflected > 0.0) || (E::MEDIA && material.refraction.is_some());
-    let in_medium = E::IN_MEDIA && state.medium != MediumStack::NONE;
-    let rare = E::EXTRAS && (context.scene.fog.density > 0.0 || material.checker.is_some());
+fn needs_point(context: &RenderContext<'_>, state: &PathState, material: &SurfaceMaterial) -> bool {
+    let lit = context.effects.lights() && !context.lights.is_empty() && material.scatters();
+    let continues = (context.effects.mirrors() && material.reflected > 0.0)
+        || (context.effects.media() && material.refraction.is_some());
+    let in_medium = context.effects.in_media() && state.medium != MediumStack::NONE;
+    let rare = context.effects.extras && (context.scene.fog.density > 0.0 || material.checker.is_some());
     lit || continues || in_medium || rare
 }
 
 /// Returns the ambient and the diffuse colour at a point.
 #[inline]
-fn colors<E: Effects>(material: &SurfaceMaterial, point: &SurfacePoint) -> (Rgb, Rgb) {
-    if E::EXTRAS {
+fn colors(effects: Effects, material: &SurfaceMaterial, point: &SurfacePoint) -> (Rgb, Rgb) {
+    if effects.extras {
         material.colors_at(point.point, point.normal)
     } else {
         (material.ambient, material.diffuse)
