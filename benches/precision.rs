@@ -11,7 +11,7 @@ use std::time::Instant;
 use glam::{DAffine3, DQuat, DVec3};
 
 use rayreel::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
-use rayreel::trace::{Geometry, Precision, PreparedScene, PreparedShape, Ray, SurfaceMaterial};
+use rayreel::trace::{CastRay, Geometry, Precision, PreparedScene, PreparedShape, SurfaceMaterial};
 use rayreel::{Engine, Time};
 
 const PRECISIONS: [Precision; 3] = [Precision::TextbookF32, Precision::TextbookF64, Precision::Guaranteed];
@@ -40,7 +40,7 @@ fn rays(rounds: usize) {
         ("ellipsoid", PreparedShape::SphereImage(SphereImage::new(turned, 1.0))),
         ("turned box", PreparedShape::BoxImage(BoxImage::new(turned, DVec3::ONE).expect("it has an inside"))),
     ];
-    let rays: Vec<Option<Ray>> = (0..COUNT).map(ray).collect();
+    let rays: Vec<Option<CastRay>> = (0..COUNT).map(ray).collect();
     println!("| one shape, nanoseconds a ray | hits | textbook f32 | textbook f64 | guaranteed | over f64 |");
     println!("|---|---|---|---|---|---|");
     for (name, shape) in shapes {
@@ -104,10 +104,10 @@ fn medians(rounds: usize, mut run: impl FnMut(Precision)) -> [f64; 3] {
 }
 
 /// From a sphere around the shape to a disc across it, spread evenly by golden ratios.
-fn ray(index: usize) -> Option<Ray> {
+fn ray(index: usize) -> Option<CastRay> {
     let spread = |step: f64| (index as f64 * step).fract() * 2.0 - 1.0;
     let origin = DVec3::new(spread(0.618_033_988_75), spread(0.754_877_666_25), spread(0.569_840_290_99));
     let target = DVec3::new(spread(0.819_172_513_4), spread(0.671_043_606_7), spread(0.549_700_477_9)) * 1.3;
     let origin = origin.normalize_or(DVec3::Z) * 4.0;
-    Ray::new(origin, target - origin)
+    CastRay::new(origin, target - origin)
 }

@@ -9,7 +9,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use serde_json::Value;
 
 use rayreel::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere};
-use rayreel::trace::{Geometry, PreparedScene, PreparedShape, Ray, SurfaceMaterial};
+use rayreel::trace::{CastRay, Geometry, PreparedScene, PreparedShape, SurfaceMaterial};
 
 fn vector(value: &Value) -> DVec3 {
     DVec3::from_slice(&value.as_array().unwrap().iter().map(number).collect::<Vec<_>>())
@@ -57,7 +57,7 @@ fn every_hard_case_is_right() {
         let mut geometry = Geometry::default();
         geometry.push(shape(&case["shape"]));
         let scene = PreparedScene::new(geometry, vec![SurfaceMaterial::default()]);
-        let ray = Ray::new(vector(&case["origin"]), vector(&case["direction"])).unwrap();
+        let ray = CastRay::new(vector(&case["origin"]), vector(&case["direction"])).unwrap();
         let expected =
             case["distances"].as_array().unwrap().iter().map(number).find(|distance| *distance >= 0.0);
         count += 1;
@@ -110,7 +110,7 @@ fn contact_shadows_reach_the_contact() {
         (1e-5, 0.000_000_000_050_000_000_001_25),
     ] {
         // From below, so that nothing but the floor is in the way.
-        let arrived = Ray::new(DVec3::new(way, -1.0, 0.0), DVec3::Y).unwrap();
+        let arrived = CastRay::new(DVec3::new(way, -1.0, 0.0), DVec3::Y).unwrap();
         let floor = scene.cast(&arrived).unwrap();
         assert_eq!(floor.point, DVec3::new(way, 0.0, 0.0));
         let shadow = floor.leave_towards(DVec3::Y).unwrap();
@@ -119,7 +119,7 @@ fn contact_shadows_reach_the_contact() {
         assert!(steps(ball.distance(&shadow), expected) <= 2, "{way}");
     }
     // At the contact itself both are left at once.
-    let arrived = Ray::new(DVec3::NEG_Y, DVec3::Y).unwrap();
+    let arrived = CastRay::new(DVec3::NEG_Y, DVec3::Y).unwrap();
     let contact = scene.cast(&arrived).unwrap();
     let inside = scene.cast(&contact.leave_towards(DVec3::Y).unwrap()).unwrap();
     assert_eq!((inside.hit.id.index(), inside.point), (1, DVec3::new(0.0, 2.0, 0.0)), "up through the ball");

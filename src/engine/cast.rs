@@ -29,12 +29,12 @@ pub struct Hit {
     pub point: DVec3,
     /// The unit normal, on the side that the ray came from.
     pub normal: DVec3,
-    surface: trace::SurfacePoint,
+    surface: trace::CastHit,
 }
 
 impl Hit {
     /// Describes a hit of the kernel's ray; `exponent` is the power of two by which the direction was scaled for the kernel.
-    pub(super) fn new(entity: Entity, ray: &trace::Ray, exponent: i32, surface: trace::SurfacePoint) -> Self {
+    pub(super) fn new(entity: Entity, ray: &trace::CastRay, exponent: i32, surface: trace::CastHit) -> Self {
         // However short the direction was, no way is none. Adding zero makes negative zeros positive.
         let t = if surface.t.rounded() == 0.0 { 0.0 } else { libm::ldexp(surface.t.rounded(), exponent) };
         Self {
@@ -60,12 +60,12 @@ impl Hit {
 /// A secondary ray: it leaves the surface that another ray hit.
 #[derive(Clone, Debug)]
 pub struct SecondaryRay {
-    ray: trace::Ray,
+    ray: trace::CastRay,
     exponent: i32,
 }
 
 /// Returns the power of two by which the kernel's direction is longer than the given one.
-fn exponent(ray: &trace::Ray, direction: DVec3) -> i32 {
+fn exponent(ray: &trace::CastRay, direction: DVec3) -> i32 {
     let exponent = |vector: DVec3| libm::ilogb(vector.abs().max_element());
     exponent(ray.direction()) - exponent(direction)
 }
@@ -74,25 +74,25 @@ fn exponent(ray: &trace::Ray, direction: DVec3) -> i32 {
 pub trait IntoRay {
     /// Returns the kernel's ray, and the power of two by which its direction is longer than the given one. `None` if a number is
     /// not finite or the direction is zero.
-    fn into_ray(self) -> Option<(trace::Ray, i32)>;
+    fn into_ray(self) -> Option<(trace::CastRay, i32)>;
 }
 
 impl IntoRay for Ray {
-    fn into_ray(self) -> Option<(trace::Ray, i32)> {
-        let ray = trace::Ray::new(self.origin, self.direction)?;
+    fn into_ray(self) -> Option<(trace::CastRay, i32)> {
+        let ray = trace::CastRay::new(self.origin, self.direction)?;
         let exponent = exponent(&ray, self.direction);
         Some((ray, exponent))
     }
 }
 
 impl IntoRay for SecondaryRay {
-    fn into_ray(self) -> Option<(trace::Ray, i32)> {
+    fn into_ray(self) -> Option<(trace::CastRay, i32)> {
         Some((self.ray, self.exponent))
     }
 }
 
 impl IntoRay for Option<SecondaryRay> {
-    fn into_ray(self) -> Option<(trace::Ray, i32)> {
+    fn into_ray(self) -> Option<(trace::CastRay, i32)> {
         self?.into_ray()
     }
 }

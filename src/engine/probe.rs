@@ -4,8 +4,8 @@ use hecs::Entity;
 
 use crate::color::Rgb;
 use crate::systems::Preparation;
+use crate::trace::ShapeId;
 use crate::trace::reference::RayTree;
-use crate::trace::{ShapeId, SurfacePoint};
 
 /// Everything that goes into a sample of a pixel: its rays, their hits, and the contributions to the colour.
 #[derive(Clone, Debug)]
@@ -31,12 +31,6 @@ impl<'a> Probe<'a> {
     #[must_use]
     pub fn entity(&self, slot: ShapeId) -> Entity {
         self.preparation.entity(slot)
-    }
-
-    /// Returns the shapes that are also where a surface is, in document order.
-    #[must_use]
-    pub fn tied(&self, surface: &SurfacePoint) -> Vec<ShapeId> {
-        self.preparation.scene().tied(surface)
     }
 
     /// Returns the lights, in the order in which surfaces list them.

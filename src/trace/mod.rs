@@ -65,8 +65,8 @@ pub use exposure::{Exposure, Signals};
 pub use film::Film;
 pub use light::Boundary;
 pub use math::{Root, Sampling};
-pub use query::{ClosestHit, Escalations, Hit, Search, SurfacePoint};
-pub use rays::{Limit, Ray, ShapeId, Ties};
+pub use query::{CastHit, CastRay, Escalations, Hit, SurfacePoint};
+pub use rays::{Ray, ShapeId};
 pub use scene::{
     Background, Camera, Checker, CheckerPattern, Cone, Falloff, Fog, Geometry, Light, LightSource,
     MaterialSummary, Passage, Precision, PreparedScene, PreparedShape, Refraction, SurfaceMaterial,

@@ -11,8 +11,8 @@ use crate::trace::light::{
     SecondaryRays, ShadowRay, TreeRay, ambient, filtered_and_absorbed, held, propose, secondary_rays,
 };
 use crate::trace::math::Sampling;
-use crate::trace::query::{Escalations, Look, Scratch, SurfacePoint, closest};
-use crate::trace::rays::{Ray, ShapeId};
+use crate::trace::query::{Look, Scratch, SurfacePoint, closest};
+use crate::trace::rays::{Ray, RayView, ShapeId};
 use crate::trace::scene::{Camera, Light, Passage, PreparedScene};
 
 /// All rays of one sample of a pixel, breadth first.
@@ -70,6 +70,8 @@ pub enum RayEnd {
 pub struct LitSurface {
     /// The point.
     pub surface: SurfacePoint,
+    /// The shapes that are also there, in document order.
+    pub also_there: Vec<ShapeId>,
     /// Ambient light sent back along the ray.
     pub ambient: Rgb,
     /// For every light of the scene, in document order, what comes of it.
@@ -158,6 +160,8 @@ impl<'a> Reference<'a> {
         let Self { context, scratch } = self;
         let ray = context.camera.sample_ray(context.sampling, i, j, index)?;
         scratch.media.clear();
+        scratch.search.ties.clear();
+        scratch.search.tied_hits.clear();
         let medium = context.medium(ray.origin(), &mut scratch.media);
         let asker = SampleId { seed: context.sampling.seed, pixel: (i, j), sample: index };
         let mut tree = Vec::new();
@@ -172,7 +176,7 @@ impl<'a> Reference<'a> {
                 if let RayEnd::Surface(lit) = &traced.end {
                     let arrived = (&ray.ray, &ray.state);
                     let SecondaryRays { reflected, refracted } =
-                        secondary_rays(context, &mut scratch.media, arrived, &lit.surface);
+                        secondary_rays(context, scratch, arrived, &lit.surface);
                     let kinds = [(RayKind::Reflection, reflected), (RayKind::Refraction, refracted)];
                     let parent = Some(tree.len());
                     next.extend(kinds.into_iter().filter_map(|(kind, ray)| Some((kind, parent, ray?))));
@@ -260,12 +264,12 @@ fn trace(
     asker: SampleId,
 ) -> TracedRay {
     let scene = context.scene;
-    let Some(closest) = closest(scene, &ray.ray) else {
+    let Some(closest) = closest(scene, &ray.ray, &mut scratch.search) else {
         let passage = ray.state.passage(Effects::ALL, scene, &scratch.media, f64::INFINITY);
         let background = scene.background.towards(ray.ray.direction());
         return traced(kind, parent, ray, scratch, passage, RayEnd::Background(background));
     };
-    let surface = scene.surface(scene.geometry(), &ray.ray, &closest, &mut Escalations::default());
+    let surface = scene.surface(scene.geometry(), &ray.ray, &closest, &mut scratch.search);
     let passage = ray.state.passage(Effects::ALL, scene, &scratch.media, surface.distance(&ray.ray));
     let lit = lit(scene, scratch, ray, surface, asker);
     traced(kind, parent, ray, scratch, passage, RayEnd::Surface(Box::new(lit)))
@@ -280,16 +284,7 @@ fn traced(
     end: RayEnd,
 ) -> TracedRay {
     let inside = scratch.media.solids(ray.state.medium).collect();
-    TracedRay {
-        kind,
-        parent,
-        ray: ray.ray.clone(),
-        throughput: ray.state.throughput,
-        inside,
-        passage,
-        end,
-        cut: 0,
-    }
+    TracedRay { kind, parent, ray: ray.ray, throughput: ray.state.throughput, inside, passage, end, cut: 0 }
 }
 
 fn lit(
@@ -305,7 +300,8 @@ fn lit(
     let normal = surface.facing_normal();
     let lit = LitPoint { ray, state, surface: &surface, material, diffuse, asker, normal };
     let lights = scene.lights.iter().enumerate().map(|light| reach(scene, scratch, light, &lit)).collect();
-    LitSurface { ambient: ambient(scene, ambient_color), lights, surface }
+    let also_there = scene.tied(&surface, &scratch.search.ties);
+    LitSurface { ambient: ambient(scene, ambient_color), lights, surface, also_there }
 }
 
 fn reach(
@@ -352,8 +348,8 @@ fn visibility(
     let geometry = scene.geometry();
     scratch.search.crossed.clear();
     let hides = |id: &ShapeId| {
-        let Scratch { crossed, escalations, .. } = &mut scratch.search;
-        let look = Look::Whole;
+        let Scratch { crossed, escalations, ties, .. } = &mut scratch.search;
+        let (ray, look) = (&RayView::new(ray, ties), Look::Whole);
         Some(*id) != own_shape
             && scene.hides_or_is_crossed(geometry, *id, (ray, limit), look, crossed, escalations)
     };

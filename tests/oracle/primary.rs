@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use rayreel::trace::{Geometry, Precision, PreparedScene, Ray, SurfaceMaterial, SurfacePoint};
+use rayreel::trace::{CastRay, Geometry, Precision, PreparedScene, SurfaceMaterial, SurfacePoint};
 
 use crate::categories::Case;
 use crate::exact::{Exact, Shape, along, exact, length, magnitude, quotient, rounded, vector};
@@ -74,7 +74,7 @@ pub(crate) fn check(name: &str, case: &Case, tallies: &mut [Tally; 3]) {
 
 fn compare(name: &str, case: &Case, expected: &Expected, scene: &PreparedScene, tally: &mut Tally) {
     let Case { shapes, origin, direction, .. } = case;
-    let ray = Ray::new(*origin, *direction).unwrap();
+    let ray = CastRay::new(*origin, *direction).unwrap();
     let mut wrong =
         |what: String| tally.wrong.push(format!("{name}: {what}, {shapes:?} {origin:?} {direction:?}"));
     match (scene.cast(&ray), expected) {
@@ -108,7 +108,7 @@ fn compare(name: &str, case: &Case, expected: &Expected, scene: &PreparedScene, 
 }
 
 /// By how many units in the last place the kernel's distance is off.
-pub(crate) fn distance_error(ray: &Ray, surface: &SurfacePoint, expected: &Exact) -> f64 {
+pub(crate) fn distance_error(ray: &CastRay, surface: &SurfacePoint, expected: &Exact) -> f64 {
     let found = surface.distance(ray);
     if !found.is_finite() {
         return f64::NAN;

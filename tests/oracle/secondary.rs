@@ -6,7 +6,7 @@ use std::fmt;
 
 use glam::DVec3;
 
-use rayreel::trace::{PreparedScene, Ray, SurfacePoint};
+use rayreel::trace::{CastHit, CastRay, PreparedScene, SurfacePoint};
 
 use crate::exact::{Exact, Exact3, Shape, along, length, magnitude, rounded, vector};
 use crate::primary::{distance_error, is_rounded, scene, unit_in_last_place};
@@ -41,15 +41,15 @@ pub(crate) struct World {
 /// A surface, and the ray that found it.
 #[derive(Clone)]
 pub(crate) struct Found {
-    pub(crate) arrived: Ray,
-    pub(crate) surface: SurfacePoint,
+    pub(crate) arrived: CastRay,
+    pub(crate) surface: CastHit,
 }
 
 impl fmt::Debug for Found {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (from, along) = (self.arrived.origin(), self.arrived.direction());
         let (slot, far) = (self.slot(), if self.surface.hit.far { " far" } else { "" });
-        let SurfacePoint { point, normal, .. } = &self.surface;
+        let SurfacePoint { point, normal, .. } = &*self.surface;
         write!(f, "[{from:?} + t {along:?} finds {slot}{far} at {point:?}, normal {normal:?}]")
     }
 }
@@ -77,12 +77,12 @@ impl World {
         Self { shapes, scene }
     }
 
-    fn found(&self, arrived: Ray) -> Option<Found> {
+    fn found(&self, arrived: CastRay) -> Option<Found> {
         self.scene.cast(&arrived).map(|surface| Found { arrived, surface })
     }
 
     pub(crate) fn cast(&self, origin: DVec3, direction: DVec3) -> Option<Found> {
-        self.found(Ray::new(origin, direction)?)
+        self.found(CastRay::new(origin, direction)?)
     }
 
     /// What a ray meets that leaves the surface in this direction.

@@ -81,7 +81,7 @@ fn met(probe: &Probe<'_>, traced: &TracedRay) -> Vec<Entity> {
         LightReach::Hidden(slot) => Some(*slot),
         LightReach::NotAsked | LightReach::Reaches { .. } => None,
     });
-    let slots = std::iter::once(lit.surface.hit.id).chain(probe.tied(&lit.surface)).chain(hiding);
+    let slots = std::iter::once(lit.surface.hit.id).chain(lit.also_there.iter().copied()).chain(hiding);
     slots.map(|slot| probe.entity(slot)).collect()
 }
 
@@ -182,7 +182,7 @@ impl Seen<'_> {
                     ("point", vector(surface.point)),
                     ("normal", vector(surface.facing_normal())),
                 ]);
-                for slot in self.probe.tied(surface) {
+                for slot in lit.also_there.iter().copied() {
                     facts.push(("also there", format!(" {}", self.places.text(self.probe.entity(slot)))));
                 }
                 let entity = self.places.text(self.probe.entity(surface.hit.id));
@@ -298,7 +298,7 @@ impl Seen<'_> {
             "point": surface.point.to_array(),
             "normal": surface.facing_normal().to_array(),
             "from_outside": surface.from_outside,
-            "also_there": surface.ties.ids().map(entity).collect::<Vec<_>>(),
+            "also_there": lit.also_there.iter().copied().map(entity).collect::<Vec<_>>(),
             "ambient": lit.ambient.to_array(),
             "lights": lights.collect::<Vec<_>>(),
         })

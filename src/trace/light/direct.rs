@@ -37,7 +37,7 @@ pub(crate) struct SampleId {
 }
 
 /// A ray towards a light.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct ShadowRay {
     pub(crate) ray: Ray,
     /// Where the light is.
@@ -47,7 +47,7 @@ pub(crate) struct ShadowRay {
 }
 
 /// What a light adds, if it comes through.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Proposal {
     /// What it adds where nothing is in its way.
     pub(crate) color: Rgb,

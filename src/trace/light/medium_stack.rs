@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::color::Rgb;
 use crate::trace::query::SurfacePoint;
-use crate::trace::rays::ShapeId;
+use crate::trace::rays::{ShapeId, TieLists};
 use crate::trace::scene::{PreparedScene, Refraction};
 
 /// The solids that a ray is inside of, the last entered first: the one that counts. A place in a [`MediumStacks`].
@@ -82,13 +82,14 @@ impl MediumStacks {
         scene: &PreparedScene,
         medium: MediumStack,
         surface: &SurfacePoint,
+        ties: &TieLists,
         direction: DVec3,
     ) -> MediumStack {
         let mut medium = medium;
         let mut entered: Vec<ShapeId> = Vec::new();
-        let tied = surface.ties.iter().map(|tie| (&tie.id, direction.dot(tie.normal) < 0.0));
-        for (asked, entering) in tied.chain([(&surface.asked, surface.from_outside)]) {
-            for solid in scene.media_at(asked) {
+        let tied = ties.of(surface.ties).iter().map(|tie| (&tie.id, direction.dot(tie.normal) < 0.0));
+        for (first_equal, entering) in tied.chain([(&surface.first_equal, surface.from_outside)]) {
+            for solid in scene.media_at(first_equal) {
                 if entering {
                     entered.push(*solid);
                 } else {

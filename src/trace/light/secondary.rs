@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::context::RenderContext;
 use super::dielectric::Boundary;
 use super::medium_stack::{MediumStack, MediumStacks};
+use super::scratch::LightScratch;
 use crate::color::{Rgb, to_f32};
 use crate::trace::effects::Effects;
 use crate::trace::query::SurfacePoint;
@@ -12,7 +13,7 @@ use crate::trace::rays::Ray;
 use crate::trace::scene::{Passage, PreparedScene, Refraction};
 
 /// A ray of the tree of rays that makes a sample.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct TreeRay {
     pub(crate) ray: Ray,
     pub(crate) state: PathState,
@@ -66,7 +67,7 @@ pub(crate) struct SecondaryRays {
 /// The continuations of a ray at a surface. Total internal reflection turns refracted light into mirrored light.
 pub(crate) fn secondary_rays(
     context: &RenderContext<'_>,
-    media: &mut MediumStacks,
+    scratch: &mut LightScratch<'_>,
     (ray, arrived): (&Ray, &PathState),
     surface: &SurfacePoint,
 ) -> SecondaryRays {
@@ -77,7 +78,8 @@ pub(crate) fn secondary_rays(
     if effects.media()
         && let Some(medium) = &material.refraction
     {
-        let beyond = media.through(scene, arrived.medium, surface, ray.direction());
+        let LightScratch { media, search, .. } = scratch;
+        let beyond = media.through(scene, arrived.medium, surface, &search.ties, ray.direction());
         let (from, into) = (media.ior(scene, arrived.medium), media.ior(scene, beyond));
         let refracted = Refracted::at(medium, Boundary { from, into }, ray, surface);
         reflected += refracted.reflected;

@@ -10,7 +10,7 @@ use super::scratch::LightScratch;
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
 use crate::trace::query::{Crossed, Intersector, Scratch, SurfacePoint};
-use crate::trace::rays::ShapeId;
+use crate::trace::rays::{RayView, ShapeId};
 use crate::trace::scene::{PreparedScene, transmittance};
 
 /// What share of a light comes to a surface point, channel by channel; `None` where nothing does. The light is given by its own
@@ -27,9 +27,10 @@ pub(crate) fn visibility(
     scratch: &mut LightScratch<'_>,
 ) -> Option<Rgb> {
     let ShadowRay { ray, limit, .. } = shadow_ray;
+    let Scratch { escalations, ties, .. } = &mut scratch.search;
     if let Some(id) = *last_occluder
         && Some(id) != own_shape
-        && shapes.occludes(id, ray, limit, &mut scratch.search.escalations)
+        && shapes.occludes(id, &RayView::new(ray, ties), limit, escalations)
     {
         return None;
     }
@@ -58,11 +59,14 @@ fn filtered(
         scene.material(id).refraction.is_some_and(|refraction| refraction.absorption != Rgb::ZERO)
     };
     let behind = shadow_ray.from_behind.then_some(surface);
-    let mut behind = behind.into_iter().flat_map(|surface| surface.ties.ids().chain([surface.asked]));
+    let mut behind = behind.into_iter().flat_map(|surface| {
+        let tied = scratch.search.ties.of(surface.ties).iter().map(|tie| tie.id);
+        tied.chain([surface.first_equal])
+    });
     let absorbed = scene.surfaces().absorbs
         && (scratch.search.crossed.iter().any(|crossed| absorbs(crossed.id()))
             || scratch.media.solids(medium).any(absorbs)
-            || behind.any(|asked| scene.media_at(&asked).iter().copied().any(absorbs)));
+            || behind.any(|first_equal| scene.media_at(&first_equal).iter().copied().any(absorbs)));
     if absorbed {
         filtered_and_absorbed(scene, shapes, shadow_ray, own_shape, (surface, medium), scratch)
     } else {
@@ -79,7 +83,8 @@ fn filtered_alone(
     surface: &SurfacePoint,
     scratch: &mut LightScratch<'_>,
 ) -> Rgb {
-    let Scratch { crossed, crossings, escalations, .. } = &mut scratch.search;
+    let Scratch { crossed, crossings, escalations, ties, .. } = &mut scratch.search;
+    let ray = &RayView::new(ray, ties);
     if *from_behind && Some(surface.hit.id) != own_shape {
         crossed.push(Crossed::Times(surface.hit.id, 1));
     }
@@ -112,8 +117,9 @@ pub(crate) fn filtered_and_absorbed(
     scratch: &mut LightScratch<'_>,
 ) -> Rgb {
     let LightScratch { search, media, filters } = scratch;
-    let Scratch { crossed, crossings, escalations, .. } = search;
+    let Scratch { crossed, crossings, escalations, ties, .. } = search;
     let ShadowRay { ray, limit, .. } = shadow_ray;
+    let ray = &RayView::new(ray, ties);
     crossings.clear();
     for crossed in crossed.iter() {
         crossed.cross(scene, shapes, (ray, limit), crossings, escalations);
@@ -123,7 +129,7 @@ pub(crate) fn filtered_and_absorbed(
     let mark = media.mark();
     let mut medium = medium;
     if shadow_ray.from_behind {
-        medium = media.through(scene, medium, surface, ray.direction());
+        medium = media.through(scene, medium, surface, ties, ray.direction());
         filters.push(Filter { id: surface.hit.id, crossings: 1, length: 0.0 });
     }
     crossings.sort_unstable_by(|one, other| {

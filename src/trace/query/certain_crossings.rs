@@ -1,7 +1,7 @@
 //! How often a shadow ray crosses the surface of a sphere, as far as a first look says it for certain. Where a sphere is clear and
 //! does not absorb, nothing else is asked of it.
 
-use crate::trace::rays::{Limit, Ray, ShapeId};
+use crate::trace::rays::{Limit, Ray, RayView, ShapeId};
 use crate::trace::scene::{Geometry, Kind, Place};
 use crate::trace::shapes::Sphere;
 
@@ -50,15 +50,14 @@ impl Geometry {
     /// How many times the ray crosses the surface of a sphere before the limit. `None` where a glance does not tell, and for all
     /// other shapes.
     #[inline]
-    pub(crate) fn crossings_at_a_glance(&self, id: ShapeId, ray: &Ray, limit: &Limit) -> Option<u32> {
+    pub(crate) fn crossings_at_a_glance(&self, id: ShapeId, ray: &RayView<'_>, limit: &Limit) -> Option<u32> {
         let Place { kind: Kind::Sphere, index } = self.places[id.index()] else {
             return None;
         };
-        let departure = ray.departure();
-        if departure.is_some_and(|departure| departure.ties.normal_of(id).is_some()) {
+        if ray.left_normal(id).is_some() {
             return None;
         }
-        let departure = departure.filter(|departure| departure.id == id);
+        let departure = ray.departure().filter(|departure| departure.id == id);
         if departure.is_some_and(|departure| departure.outward) {
             return Some(0);
         }

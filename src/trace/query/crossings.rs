@@ -3,7 +3,7 @@
 use super::escalations::Escalations;
 use super::hit::Hit;
 use super::intersector::Intersector;
-use crate::trace::rays::{Limit, Ray, ShapeId};
+use crate::trace::rays::{Limit, RayView, ShapeId};
 use crate::trace::scene::PreparedScene;
 use crate::trace::shapes::RefinedHit;
 
@@ -39,7 +39,7 @@ impl Crossed {
     pub(crate) fn new(
         shapes: &impl Intersector,
         id: ShapeId,
-        (ray, limit): (&Ray, &Limit),
+        (ray, limit): (&RayView<'_>, &Limit),
         look: Look,
         escalations: &mut Escalations,
     ) -> Option<Self> {
@@ -74,7 +74,7 @@ impl Crossed {
         &self,
         scene: &PreparedScene,
         shapes: &impl Intersector,
-        (ray, limit): (&Ray, &Limit),
+        (ray, limit): (&RayView<'_>, &Limit),
         crossings: &mut Vec<Crossing>,
         escalations: &mut Escalations,
     ) {
@@ -105,6 +105,9 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::trace::math::scaled;
+    use crate::trace::query::{CastRay, SurfacePoint};
+    use crate::trace::rays::Ray;
     use crate::trace::scene::{Geometry, PreparedShape, SurfaceMaterial};
     use crate::trace::shapes::Sphere;
 
@@ -124,9 +127,16 @@ mod tests {
         PreparedScene::new(geometry, vec![SurfaceMaterial::default()])
     }
 
+    /// A ray that leaves a surface towards a light, and where that is on it.
+    fn leave_to(surface: &SurfacePoint, outward: bool, light: DVec3) -> Option<(Ray, Limit)> {
+        let (_, scale) = scaled(light - surface.point)?;
+        Some((surface.leave(outward, light - surface.point)?, Limit::new(scale.recip(), light)))
+    }
+
     /// How often the ray crosses the ball, if it is certain at a glance; and in fact.
     fn crossings(scene: &PreparedScene, ray: &Ray, limit: &Limit) -> (Option<u32>, usize) {
         let (shapes, id, escalations) = (scene.geometry(), ShapeId(0), &mut Escalations::default());
+        let ray = &RayView::alone(ray);
         let mut crossings = Vec::new();
         if let Some(met) = Crossed::new(shapes, id, (ray, limit), Look::Whole, escalations) {
             met.cross(scene, shapes, (ray, limit), &mut crossings, escalations);
@@ -145,10 +155,10 @@ mod tests {
             let mut rays: Vec<(Ray, Limit)> = Vec::new();
             if let Some(ray) = Ray::new(from, light - from) {
                 let length = (light - from).abs().max_element() / ray.direction().abs().max_element();
-                if let Some(surface) = scene.cast(&ray) {
-                    rays.extend([true, false].iter().filter_map(|outward| surface.leave_to_point(*outward, light)));
+                if let Some(surface) = CastRay::new(from, light - from).and_then(|ray| scene.cast(&ray)) {
+                    rays.extend([true, false].into_iter().filter_map(|outward| leave_to(&surface, outward, light)));
                 }
-                rays.extend([(ray.clone(), Limit::new(length, light)), (ray, Limit::NONE)]);
+                rays.extend([(ray, Limit::new(length, light)), (ray, Limit::NONE)]);
             }
             for (ray, limit) in rays {
                 let (certain, counted) = crossings(&scene, &ray, &limit);

@@ -8,7 +8,7 @@ use super::escalations::Escalations;
 use super::hit::Hit;
 use super::intersector::Intersector;
 use crate::trace::math::{Double, Double3, Exact3, Root};
-use crate::trace::rays::{Limit, Ray, ShapeId};
+use crate::trace::rays::{Limit, Ray, RayView, ShapeId};
 use crate::trace::scene::{Geometry, Kind, Place};
 use crate::trace::shapes::{Bounds, ExactHit, Face, Intersection, RefinedHit, Side};
 
@@ -56,12 +56,12 @@ impl Intersector for Geometry {
     /// The shape that the ray leaves is met again only from inside, on its far side; and so is every other shape whose
     /// surface coincided with it where the ray starts, each in its own sense.
     #[inline]
-    fn intersect(&self, id: ShapeId, ray: &Ray, escalations: &mut Escalations) -> Option<Hit> {
+    fn intersect(&self, id: ShapeId, ray: &RayView<'_>, escalations: &mut Escalations) -> Option<Hit> {
         if let Some(departure) = ray.departure() {
             if id == departure.id {
                 return if departure.outward { None } else { self.exit(id, ray, escalations) };
             }
-            if let Some(normal) = departure.ties.normal_of(id) {
+            if let Some(normal) = ray.left_normal(id) {
                 return if ray.direction().dot(normal) < 0.0 {
                     self.exit(id, ray, escalations)
                 } else {
@@ -110,7 +110,7 @@ impl Intersector for Geometry {
     }
 
     #[inline]
-    fn certain_crossings(&self, id: ShapeId, ray: &Ray, limit: &Limit) -> Option<u32> {
+    fn certain_crossings(&self, id: ShapeId, ray: &RayView<'_>, limit: &Limit) -> Option<u32> {
         self.crossings_at_a_glance(id, ray, limit)
     }
 }
@@ -259,6 +259,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::trace::query::CastRay;
     use crate::trace::scene::{PreparedScene, PreparedShape, SurfaceMaterial};
     use crate::trace::shapes::{AlignedBox, BoxImage, Sphere, SphereImage};
 
@@ -288,7 +289,7 @@ mod tests {
             let scene = PreparedScene::new(geometry, vec![SurfaceMaterial::default()]);
             let origin = DVec3::from(way) * libm::exp10(f64::from(exponent));
             let target = DVec3::ONE + DVec3::from(aim);
-            let Some(surface) = Ray::new(origin, target - origin).and_then(|ray| scene.cast(&ray)) else {
+            let Some(surface) = CastRay::new(origin, target - origin).and_then(|ray| scene.cast(&ray)) else {
                 return Ok(());
             };
             let on = surface.point.cmpge(bounds.min).all() && surface.point.cmple(bounds.max).all();

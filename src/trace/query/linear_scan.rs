@@ -1,22 +1,24 @@
 //! The closest hit by asking every shape: the oracle of the tree.
 
-use super::escalations::Escalations;
 use super::hit::{ClosestHit, Hit};
 use super::intersector::Intersector;
-use crate::trace::rays::Ray;
+use super::nearest::Nearest;
+use super::scratch::Scratch;
+use crate::trace::rays::{Ray, RayView};
 use crate::trace::scene::PreparedScene;
 
-/// The nearest surface; of several at the same place the first in document order.
+/// Returns the nearest surface; of several at the same place the first in document order.
 #[must_use]
-pub(crate) fn closest(scene: &PreparedScene, ray: &Ray) -> Option<ClosestHit> {
+pub(crate) fn closest(scene: &PreparedScene, ray: &Ray, scratch: &mut Scratch<'_>) -> Option<ClosestHit> {
     let geometry = scene.geometry();
-    let mut best = None;
-    let mut escalations = Escalations::default();
+    let Scratch { escalations, ties, tied_hits, .. } = scratch;
+    let ray = &RayView::new(ray, ties);
+    let mut nearest = Nearest::new(tied_hits);
     for id in geometry.ids() {
         // A ray that leaves a shape leaves all that equal it.
-        if let Some(hit) = geometry.intersect(scene.first_equal(id), ray, &mut escalations) {
-            ClosestHit::consider(&mut best, Hit { id, ..hit }, geometry, ray, &mut escalations);
+        if let Some(hit) = geometry.intersect(scene.first_equal(id), ray, escalations) {
+            nearest.consider(Hit { id, ..hit }, geometry, ray, escalations);
         }
     }
-    best
+    nearest.closest()
 }

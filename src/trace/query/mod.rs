@@ -1,5 +1,6 @@
 //! What rays ask of a scene: the closest hit, and what stands before a light.
 
+mod cast;
 mod certain_crossings;
 mod closest_hit;
 mod crossings;
@@ -8,14 +9,16 @@ mod guaranteed;
 mod hit;
 mod intersector;
 mod linear_scan;
+mod nearest;
 mod occlusion;
 mod scratch;
 mod textbook;
 
-pub use closest_hit::Search;
+pub use cast::{CastHit, CastRay};
 pub(crate) use crossings::{Crossed, Look};
 pub use escalations::Escalations;
-pub use hit::{ClosestHit, Hit, SurfacePoint};
+pub(crate) use hit::ClosestHit;
+pub use hit::{Hit, SurfacePoint};
 pub(crate) use intersector::Intersector;
 pub(crate) use linear_scan::closest;
 pub(crate) use scratch::Scratch;

@@ -6,7 +6,7 @@ use super::crossings::{Crossed, Look};
 use super::escalations::Escalations;
 use super::intersector::Intersector;
 use super::scratch::Scratch;
-use crate::trace::rays::{Limit, Ray, ShapeId};
+use crate::trace::rays::{Limit, Ray, RayView, ShapeId};
 use crate::trace::scene::{EqualGroup, PreparedScene};
 
 impl PreparedScene {
@@ -20,7 +20,8 @@ impl PreparedScene {
         except: Option<ShapeId>,
         scratch: &mut Scratch<'_>,
     ) -> Option<ShapeId> {
-        let Scratch { stack, escalations, cancelled, .. } = scratch;
+        let Scratch { stack, escalations, ties, cancelled, .. } = scratch;
+        let ray = &RayView::new(ray, ties);
         // Where there are several equal shapes, one of them is another than `except`.
         let counts = |id: ShapeId| Some(id) != except || self.equal_shapes.group(id).is_some();
         let mut hides = |id: ShapeId| counts(id) && shapes.occludes(id, ray, limit, escalations);
@@ -40,7 +41,8 @@ impl PreparedScene {
         except: Option<ShapeId>,
         scratch: &mut Scratch<'_>,
     ) -> Option<ShapeId> {
-        let Scratch { stack, escalations, crossed, cancelled, .. } = scratch;
+        let Scratch { stack, escalations, ties, crossed, cancelled, .. } = scratch;
+        let ray = &RayView::new(ray, ties);
         crossed.clear();
         let mut hides = |id: ShapeId| match self.equal_shapes.group(id) {
             Some(group) => {
@@ -60,7 +62,7 @@ impl PreparedScene {
         &self,
         shapes: &impl Intersector,
         id: ShapeId,
-        (ray, limit): (&Ray, &Limit),
+        (ray, limit): (&RayView<'_>, &Limit),
         look: Look,
         crossed: &mut Vec<Crossed>,
         escalations: &mut Escalations,
@@ -80,7 +82,7 @@ impl PreparedScene {
         &self,
         shapes: &impl Intersector,
         group: &EqualGroup,
-        ray: &Ray,
+        ray: &RayView<'_>,
         (limit, except): (&Limit, Option<ShapeId>),
         crossed: &mut Vec<Crossed>,
         escalations: &mut Escalations,

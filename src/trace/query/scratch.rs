@@ -4,7 +4,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::crossings::{Crossed, Crossing};
 use super::escalations::Escalations;
+use super::nearest::TiedHitLists;
 use crate::trace::bvh::Stack;
+use crate::trace::rays::TieLists;
 
 /// What searches need besides the scene, kept between rays so that none allocates.
 #[derive(Clone, Debug)]
@@ -13,6 +15,10 @@ pub(crate) struct Scratch<'a> {
     pub(crate) cancelled: &'a AtomicBool,
     pub(crate) stack: Stack,
     pub(crate) escalations: Escalations,
+    /// What the surfaces are tied with that rays of this tile have found.
+    pub(crate) ties: TieLists,
+    /// What is met where the closest hits are, besides those.
+    pub(crate) tied_hits: TiedHitLists,
     /// The clear shapes in a shadow ray's way, in any order.
     pub(crate) crossed: Vec<Crossed>,
     /// Where it crosses them.
@@ -28,6 +34,8 @@ impl<'a> Scratch<'a> {
             cancelled,
             stack: Stack::default(),
             escalations: Escalations::default(),
+            ties: TieLists::default(),
+            tied_hits: TiedHitLists::default(),
             crossed: Vec::new(),
             crossings: Vec::new(),
         }

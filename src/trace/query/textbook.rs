@@ -12,7 +12,7 @@ use super::escalations::Escalations;
 use super::hit::Hit;
 use super::intersector::Intersector;
 use crate::trace::math::{Double, Root};
-use crate::trace::rays::{Limit, Ray, ShapeId};
+use crate::trace::rays::{Limit, Ray, RayView, ShapeId};
 use crate::trace::scene::{Geometry, Kind, Place};
 use crate::trace::shapes::RefinedHit;
 
@@ -242,7 +242,7 @@ fn face_normal(min: DVec3, max: DVec3, point: DVec3) -> DVec3 {
 
 impl<T: Number> Intersector for Textbook<T> {
     #[inline]
-    fn intersect(&self, id: ShapeId, ray: &Ray, _guards: &mut Escalations) -> Option<Hit> {
+    fn intersect(&self, id: ShapeId, ray: &RayView<'_>, _guards: &mut Escalations) -> Option<Hit> {
         let (origin, direction) = (Vector::<T>::new(ray.origin()), Vector::<T>::new(ray.direction()));
         let least = if ray.departure().is_some() { T::AHEAD } else { T::ZERO };
         let Place { kind, index } = self.places[id.index()];

@@ -4,7 +4,7 @@ use super::shape_id::ShapeId;
 use super::ties::Ties;
 
 /// The surface a ray leaves. Instead of moving the origin off the surface by some epsilon, the ray skips what it leaves.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Departure {
     /// The shape that is left, or the first in document order of those that equal it.
     pub(crate) id: ShapeId,

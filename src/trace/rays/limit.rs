@@ -4,7 +4,7 @@ use glam::DVec3;
 
 /// How far a shadow ray is followed: as far as the light is.
 #[derive(Clone, Copy, Debug)]
-pub struct Limit {
+pub(crate) struct Limit {
     t: f64,
     /// The light's exact place; the ray's own direction is rounded. Not finite where the light is infinitely far away.
     place: DVec3,
@@ -12,7 +12,7 @@ pub struct Limit {
 
 impl Limit {
     /// Without end.
-    pub const NONE: Self = Self { t: f64::INFINITY, place: DVec3::INFINITY };
+    pub(crate) const NONE: Self = Self { t: f64::INFINITY, place: DVec3::INFINITY };
 
     /// Where a ray is at `t`, as far as its direction's rounding allows.
     #[must_use]
@@ -24,7 +24,7 @@ impl Limit {
     /// The ray's `t` there.
     #[must_use]
     #[inline]
-    pub fn t(&self) -> f64 {
+    pub(crate) fn t(&self) -> f64 {
         self.t
     }
 

@@ -5,10 +5,12 @@ mod limit;
 mod ray;
 mod shape_id;
 mod ties;
+mod view;
 
 pub(crate) use departure::Departure;
-pub use limit::Limit;
+pub(crate) use limit::Limit;
 pub use ray::Ray;
 pub use shape_id::ShapeId;
-pub(crate) use ties::Tie;
-pub use ties::Ties;
+
+pub(crate) use ties::{Tie, TieLists, Ties};
+pub(crate) use view::RayView;

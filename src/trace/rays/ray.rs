@@ -1,6 +1,7 @@
 //! Rays.
 
 use super::departure::Departure;
+use super::ties::Ties;
 use crate::trace::math::scaled;
 use glam::DVec3;
 
@@ -9,7 +10,7 @@ use glam::DVec3;
 /// The direction is scaled by a power of two so that its largest component is in 1..2: no later product overflows or loses
 /// digits, however long or short the direction was given. Where that would cost a subnormal component digits, it is left
 /// as it is.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     origin: DVec3,
     direction: DVec3,
@@ -63,6 +64,11 @@ impl Ray {
     #[inline]
     pub(crate) fn departure(&self) -> Option<&Departure> {
         self.departure.as_ref()
+    }
+
+    /// The list of what else is left, if anything is.
+    pub(crate) fn ties_mut(&mut self) -> Option<&mut Ties> {
+        self.departure.as_mut().map(|departure| &mut departure.ties)
     }
 
     /// The point at `t`.

@@ -1,49 +1,95 @@
 //! Shapes that a ray meets at the very same place.
 
-use std::sync::Arc;
-
 use glam::DVec3;
 
 use super::shape_id::ShapeId;
 
-/// The shapes, besides the one that is seen and those that equal it, that a ray meets exactly where it meets that one, each with
-/// its outward unit normal there. Of equal ones the first in document order stands for all. Mostly there are none, which costs
-/// nothing.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Ties(Option<Arc<[Tie]>>);
+/// A list in [`TieLists`]: the shapes, besides the one that is seen and those that equal it, that a ray meets exactly where it meets
+/// that one. Mostly there are none, which costs nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Ties {
+    start: u32,
+    count: u32,
+}
 
-/// One of them.
+/// One of them, with its outward unit normal there. Of equal ones the first in document order stands for all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Tie {
     pub(crate) id: ShapeId,
     pub(crate) normal: DVec3,
 }
 
+/// The ties of the surfaces that rays have found, list after list: rays and surface points hold no memory of their own.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct TieLists {
+    ties: Vec<Tie>,
+    /// Kept for its memory.
+    spare: Vec<Tie>,
+}
+
 impl Ties {
-    /// In any order.
-    pub(crate) fn new(mut ties: Vec<Tie>) -> Self {
-        if ties.is_empty() {
-            return Self(None);
-        }
-        ties.sort_unstable_by_key(|tie| tie.id);
-        Self(Some(ties.into()))
+    pub(crate) const NONE: Self = Self { start: 0, count: 0 };
+}
+
+impl TieLists {
+    /// Adds a list, given in any order.
+    pub(crate) fn add(&mut self, ties: impl Iterator<Item = Tie>) -> Ties {
+        let start = self.ties.len();
+        self.ties.extend(ties);
+        self.ties[start..].sort_unstable_by_key(|tie| tie.id);
+        self.from(start)
     }
 
-    /// The shapes, in document order.
-    pub fn ids(&self) -> impl Iterator<Item = ShapeId> {
-        self.iter().map(|tie| tie.id)
-    }
-
-    /// The shapes with their normals, in document order.
-    pub(crate) fn iter(&self) -> impl Iterator<Item = &Tie> {
-        self.0.iter().flat_map(|ties| ties.iter())
-    }
-
-    /// If the shape is among them: its outward normal.
+    /// Returns a list, in document order.
     #[inline]
-    pub(crate) fn normal_of(&self, id: ShapeId) -> Option<DVec3> {
-        let ties = self.0.as_ref()?;
-        let index = ties.binary_search_by_key(&id, |tie| tie.id).ok()?;
-        Some(ties[index].normal)
+    pub(crate) fn of(&self, ties: Ties) -> &[Tie] {
+        let Ties { start, count } = ties;
+        if count == 0 { &[] } else { &self.ties[start as usize..][..count as usize] }
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.ties.clear();
+    }
+
+    /// Drops all lists but these, which go on under other names.
+    pub(crate) fn keep<'a>(&mut self, lists: impl Iterator<Item = &'a mut Ties>) {
+        if self.ties.is_empty() {
+            return;
+        }
+        let mut before = std::mem::replace(&mut self.ties, std::mem::take(&mut self.spare));
+        for list in lists.filter(|list| list.count > 0) {
+            let start = self.ties.len();
+            self.ties.extend_from_slice(&before[list.start as usize..][..list.count as usize]);
+            *list = self.from(start);
+        }
+        before.clear();
+        self.spare = before;
+    }
+
+    /// Returns the list from here to the end.
+    fn from(&self, start: usize) -> Ties {
+        // Memory ends long before.
+        let number = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
+        Ties { start: number(start), count: number(self.ties.len() - start) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_are_sorted_and_go_on_when_others_are_dropped() {
+        let tie = |id| Tie { id: ShapeId(id), normal: DVec3::Y };
+        let ids = |lists: &TieLists, ties| lists.of(ties).iter().map(|tie| tie.id.0).collect::<Vec<_>>();
+        let mut lists = TieLists::default();
+        let (_, mut two, none) =
+            (lists.add([tie(9)].into_iter()), lists.add([tie(5), tie(3)].into_iter()), Ties::NONE);
+        let mut three = lists.add([tie(1), tie(8), tie(4)].into_iter());
+        assert_eq!((ids(&lists, two), ids(&lists, none)), (vec![3, 5], vec![]));
+        let mut nothing = none;
+        lists.keep([&mut three, &mut nothing, &mut two].into_iter());
+        assert_eq!((ids(&lists, three), ids(&lists, two), nothing), (vec![1, 4, 8], vec![3, 5], none));
+        assert_eq!(lists.ties.len(), 5);
     }
 }

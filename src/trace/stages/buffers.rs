@@ -12,7 +12,7 @@ use crate::trace::query::{ClosestHit, SurfacePoint};
 use crate::trace::rays::ShapeId;
 
 /// A ray on its way for a pixel.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct QueuedRay {
     pub(super) tree: TreeRay,
     /// Index of the pixel in the tile.
@@ -24,7 +24,7 @@ pub(super) struct QueuedRay {
 }
 
 /// A surface point that a ray of the wave found, to be lit.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct FoundSurface {
     /// Index of the ray in the wave.
     pub(super) ray: u32,
@@ -115,6 +115,7 @@ impl<'a> TileBuffers<'a> {
             self.budgets.resize(count, Budget::new(context.scene));
         }
         self.scratch.media.clear();
+        self.scratch.search.ties.clear();
         if context.effects.lights() {
             self.last_occluders.clear();
             self.last_occluders.resize(context.lights.len(), None);

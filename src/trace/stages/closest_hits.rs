@@ -13,6 +13,7 @@ pub(super) fn closest_hits(
     buffers.entered.closest_hits += 1;
     let TileBuffers { wave, hits, scratch, .. } = buffers;
     hits.clear();
+    scratch.search.tied_hits.clear();
     hits.extend(
         wave.iter().map(|queued| context.scene.closest(shapes, &queued.tree.ray, &mut scratch.search)),
     );

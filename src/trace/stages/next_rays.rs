@@ -18,7 +18,7 @@ pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'
         let QueuedRay { tree, pixel, .. } = &wave[surface.ray as usize];
         let arrived = (&tree.ray, &tree.state);
         let SecondaryRays { reflected, refracted } =
-            secondary_rays(context, &mut scratch.media, arrived, &surface.point);
+            secondary_rays(context, scratch, arrived, &surface.point);
         for (tree, mirrored) in [(reflected, true), (refracted, false)] {
             next.extend(tree.map(|tree| QueuedRay { tree, pixel: *pixel, mirrored, cut: false }));
         }
@@ -34,7 +34,7 @@ pub(super) fn select(
     buffers: &mut TileBuffers<'_>,
 ) {
     mark_negligible(context, generations, buffers);
-    let TileBuffers { next, beyond, tree_sizes, rays_traced, trees_ended, .. } = buffers;
+    let TileBuffers { next, beyond, tree_sizes, rays_traced, trees_ended, scratch, .. } = buffers;
     for queued in next.drain(..) {
         let size = &mut tree_sizes[queued.pixel as usize];
         if queued.cut {
@@ -47,6 +47,8 @@ pub(super) fn select(
             beyond.push(queued);
         }
     }
+    let left = selected.iter_mut().filter_map(|queued| queued.tree.ray.ties_mut());
+    scratch.search.ties.keep(left);
 }
 
 /// Marks what is cut, pixel by pixel: the queue is in their order.

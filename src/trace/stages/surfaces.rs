@@ -37,7 +37,7 @@ pub(super) fn surfaces(
             lengths.push(0.0);
             continue;
         }
-        let point = scene.surface(shapes, ray, closest, &mut scratch.search.escalations);
+        let point = scene.surface(shapes, ray, closest, &mut scratch.search);
         // Among surfaces in the same place it may be another one that is seen than the first that was met.
         let material = scene.material(point.hit.id);
         let (color, diffuse) = colors(context.effects, material, &point);

@@ -1,0 +1,109 @@
+//! Single rays, each with memory of its own, by the renderer's own path.
+
+use std::ops::Deref;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::closest_hit::with_intersector;
+use super::hit::SurfacePoint;
+use super::intersector::Intersector;
+use super::scratch::Scratch;
+use crate::trace::rays::{Ray, ShapeId, TieLists};
+use crate::trace::scene::PreparedScene;
+
+/// A ray that knows by itself which surfaces it leaves.
+#[derive(Clone, Debug)]
+pub struct CastRay {
+    ray: Ray,
+    ties: TieLists,
+}
+
+/// The surface point that a [`CastRay`] found.
+#[derive(Clone, Debug)]
+pub struct CastHit {
+    surface: SurfacePoint,
+    ties: TieLists,
+}
+
+impl CastRay {
+    /// Makes a ray that starts anywhere. `None` if a number is not finite or the direction is zero.
+    #[must_use]
+    pub fn new(origin: DVec3, direction: DVec3) -> Option<Self> {
+        Some(Self { ray: Ray::new(origin, direction)?, ties: TieLists::default() })
+    }
+}
+
+impl CastHit {
+    /// Returns a ray that leaves this surface. It never meets the surface it starts on by rounding. `None` if the direction is zero
+    /// or not finite.
+    #[must_use]
+    pub fn leave_towards(&self, direction: DVec3) -> Option<CastRay> {
+        let ray = self.surface.leave(direction.dot(self.normal) >= 0.0, direction)?;
+        Some(CastRay { ray, ties: self.ties.clone() })
+    }
+}
+
+impl Deref for CastRay {
+    type Target = Ray;
+
+    fn deref(&self) -> &Ray {
+        &self.ray
+    }
+}
+
+impl Deref for CastHit {
+    type Target = SurfacePoint;
+
+    fn deref(&self) -> &SurfacePoint {
+        &self.surface
+    }
+}
+
+impl PreparedScene {
+    /// Returns the nearest surface that the ray meets, by the renderer's own path.
+    #[must_use]
+    pub fn cast(&self, ray: &CastRay) -> Option<CastHit> {
+        with_intersector!(self, shapes => self.cast_at(shapes, ray, &mut Scratch::default()))
+    }
+
+    /// Casts many rays, on the current rayon pool's threads.
+    #[must_use]
+    pub fn cast_all(&self, rays: &[Option<CastRay>]) -> Vec<Option<CastHit>> {
+        with_intersector!(self, shapes => {
+            let cast = |scratch: &mut Scratch<'_>, ray: &Option<CastRay>| {
+                self.cast_at(shapes, ray.as_ref()?, scratch)
+            };
+            rays.par_iter().map_init(Scratch::default, cast).collect()
+        })
+    }
+
+    fn cast_at(
+        &self,
+        shapes: &impl Intersector,
+        CastRay { ray, ties }: &CastRay,
+        scratch: &mut Scratch<'_>,
+    ) -> Option<CastHit> {
+        scratch.tied_hits.clear();
+        scratch.ties.clone_from(ties);
+        let closest = self.closest(shapes, ray, scratch)?;
+        let surface = self.surface(shapes, ray, &closest, scratch);
+        Some(CastHit { surface, ties: scratch.ties.clone() })
+    }
+
+    /// Returns the shapes that a surface is on, besides the one that is seen, in document order.
+    #[must_use]
+    pub(crate) fn tied(&self, surface: &SurfacePoint, ties: &TieLists) -> Vec<ShapeId> {
+        let first_equals = ties.of(surface.ties).iter().map(|tie| tie.id).chain([surface.first_equal]);
+        let mut tied: Vec<ShapeId> = Vec::new();
+        for id in first_equals {
+            match self.equal_shapes.group(id) {
+                Some(group) => tied.extend(group.ids()),
+                None => tied.push(id),
+            }
+        }
+        tied.retain(|id| *id != surface.hit.id);
+        tied.sort_unstable();
+        tied
+    }
+}

@@ -1,0 +1,91 @@
+//! The nearest of a ray's hits, while they are found.
+
+use std::cmp::Ordering;
+
+use super::escalations::Escalations;
+use super::hit::{ClosestHit, Hit, TiedHits};
+use super::intersector::Intersector;
+use crate::trace::rays::{RayView, ShapeId};
+
+/// What is met where the closest hits of rays are, besides those, list after list.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct TiedHitLists(Vec<Hit>);
+
+/// The nearest of the hits of one ray so far. Those that are as near are at the end of the lists.
+pub(crate) struct Nearest<'a> {
+    best: Option<Hit>,
+    lists: &'a mut TiedHitLists,
+    start: usize,
+}
+
+impl TiedHitLists {
+    /// Returns a list, in any order; of equal shapes the first in document order stands for all.
+    pub(crate) fn of(&self, tied: TiedHits) -> &[Hit] {
+        let TiedHits { start, count } = tied;
+        if count == 0 { &[] } else { &self.0[start as usize..][..count as usize] }
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.0.clear();
+    }
+}
+
+impl<'a> Nearest<'a> {
+    #[inline]
+    pub(crate) fn new(lists: &'a mut TiedHitLists) -> Self {
+        let start = lists.0.len();
+        Self { best: None, lists, start }
+    }
+
+    /// Takes another shape into account, and returns from which `t` on nothing is of interest any more.
+    #[inline(always)]
+    pub(crate) fn meet(
+        &mut self,
+        id: ShapeId,
+        shapes: &impl Intersector,
+        ray: &RayView<'_>,
+        escalations: &mut Escalations,
+    ) -> f64 {
+        if let Some(hit) = shapes.intersect(id, ray, escalations) {
+            self.consider(hit, shapes, ray, escalations);
+        }
+        self.best.as_ref().map_or(f64::INFINITY, |best| best.root.latest())
+    }
+
+    /// Takes another hit of the ray into account.
+    #[inline(always)]
+    pub(crate) fn consider(
+        &mut self,
+        hit: Hit,
+        shapes: &impl Intersector,
+        ray: &RayView<'_>,
+        escalations: &mut Escalations,
+    ) {
+        let Some(best) = &mut self.best else {
+            self.best = Some(hit);
+            return;
+        };
+        match shapes.compare(ray, &hit, best, escalations) {
+            Ordering::Less => {
+                *best = hit;
+                self.lists.0.truncate(self.start);
+            }
+            Ordering::Equal => {
+                let (first, second) = if hit.id < best.id { (hit, *best) } else { (*best, hit) };
+                *best = first;
+                self.lists.0.push(second);
+            }
+            Ordering::Greater => {}
+        }
+    }
+
+    /// Returns the first in document order of the nearest hits.
+    #[inline]
+    pub(crate) fn closest(self) -> Option<ClosestHit> {
+        // Memory ends long before.
+        let number = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
+        let count = self.lists.0.len() - self.start;
+        let tied = TiedHits { start: number(self.start), count: number(count) };
+        self.best.map(|hit| ClosestHit { hit, tied })
+    }
+}
