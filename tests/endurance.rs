@@ -18,11 +18,11 @@ use rayreel::{Engine, Scene};
 #[path = "page/http.rs"]
 #[expect(dead_code, reason = "others look at more of an answer")]
 mod http;
-#[path = "reload/model.rs"]
+#[path = "engine/reload/model.rs"]
 mod model;
-#[path = "reload/random.rs"]
+#[path = "engine/reload/random.rs"]
 mod random;
-#[path = "oracle/splitmix.rs"]
+#[path = "shared/splitmix.rs"]
 mod splitmix;
 
 use http::request;

@@ -6,8 +6,8 @@
 //! | [`Part`]: what has it | which entities, cameras and materials it can be a channel of; what a write to it changes |
 //! | [`Quantity`]: what it is | how its values are written; which keys are good; the range to which they are held; whether it can go along a path |
 //!
-//! For a new row the compiler demands its place (`systems::parts`) and a case in `tests/every_channel.rs`; a test demands its
-//! line in `scene/reference.md`. Only a new part or quantity takes more: the compiler and the tests lead there.
+//! For a new row the compiler demands its place (`systems::parts`) and a case in `tests/engine/every_channel.rs`; a test demands
+//! its line in `scene/reference.md`. Only a new part or quantity takes more: the compiler and the tests lead there.
 
 use super::quantity::Quantity;
 use super::table::table;

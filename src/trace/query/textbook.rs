@@ -1,7 +1,8 @@
 //! The shapes as textbooks have them, in `f64` or `f32`: the quadratic with b^2 - 4ac, slabs by reciprocals, points by
 //! origin + t direction, and rays that start a little ahead of where they are, by an epsilon that fits no scene.
 //!
-//! They are here to be compared with. What they get wrong is shown by `tests/oracle`, what they cost in `benches/precision.rs`.
+//! They are here to be compared with. What they get wrong is shown by `tests/kernel/oracle`, what they cost in
+//! `benches/precision.rs`.
 
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};

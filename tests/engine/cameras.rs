@@ -1,0 +1,273 @@
+//! Cameras that are tied to things, that roll, and that take turns; and moments that leave a view or an upright open.
+
+use glam::{DMat3, DVec3};
+
+use rayreel::components::{Camera, Parent, Transform, View};
+use rayreel::systems::{Preparation, animate, propagate};
+use rayreel::{Changes, Effect, Engine, Entity, Film, Scene, Time, World, trace};
+
+/// A scene with these cameras and animations; 3 x 3 pixels, so that there is one in the middle.
+fn text(cameras: &str, animate: &str) -> String {
+    format!(
+        "Scene(
+            timeline: (fps: 10, duration: 2),
+            film: (width: 3, height: 3),
+            sampling: (samples: 4, instants: 4),
+            {cameras}
+            ambient: (1, 1, 1),
+            background: (bottom: (250, 20, 10), top: (10, 90, 250)),
+            materials: {{ \"clay\": (k_a: 1, color: (200, 120, 60)) }},
+            entities: [
+                (name: \"ball\", shape: Sphere(radius: 1), material: \"clay\", transform: (translation: (0, 0, 1))),
+                (name: \"car\", transform: (translation: (4, 0, -2), rotation: Euler(0, 90, 0), scale: 2)),
+                (name: \"wagon\", parent: \"car\", transform: (translation: (0, 1, 0))),
+            ],
+            animate: [{animate}],
+        )"
+    )
+}
+
+fn read(text: &str) -> Scene {
+    Scene::from_text("cameras.ron", text.to_owned()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn time(tenths: u64) -> Time {
+    Time::from_ratio(tenths, 10).unwrap()
+}
+
+/// Where the camera stands, and its axes: right, up and forward.
+#[derive(Clone, Copy, Debug)]
+struct Stance {
+    eye: DVec3,
+    axes: DMat3,
+}
+
+impl Stance {
+    fn of(camera: &trace::Camera) -> Self {
+        let middle = camera.towards(1, 1);
+        let right = (camera.towards(2, 1) - middle).normalize();
+        let up = (camera.towards(1, 0) - middle).normalize();
+        let eye = camera.ray(1, 1).unwrap().origin();
+        Self { eye, axes: DMat3::from_cols(right, up, middle.normalize()) }
+    }
+
+    fn at(world: &mut World, moment: Time) -> Self {
+        animate(world, moment, &mut Changes::default());
+        propagate(world, &Changes::all());
+        Self::of(Preparation::of(world, moment).camera())
+    }
+
+    fn is_upright_frame(self) -> bool {
+        let square = self.axes.transpose() * self.axes;
+        self.eye.is_finite() && square.abs_diff_eq(DMat3::IDENTITY, 1e-14)
+    }
+
+    /// The angle from one to the other.
+    fn turned(self, other: Self) -> f64 {
+        let turn = self.axes.transpose() * other.axes;
+        let trace = turn.x_axis.x + turn.y_axis.y + turn.z_axis.z;
+        libm::acos(((trace - 1.0) / 2.0).clamp(-1.0, 1.0))
+    }
+}
+
+fn stance(camera: &str, animate: &str, moment: Time) -> Stance {
+    Stance::at(&mut read(&text(&format!("camera: ({camera}),"), animate)).world, moment)
+}
+
+fn close(found: DVec3, expected: DVec3) {
+    assert!((found - expected).length() < 1e-14, "{found}, not {expected}");
+}
+
+#[test]
+fn a_camera_with_a_parent_stands_in_its_space() {
+    // +90 degrees about y take z to x; lengths double.
+    let found =
+        stance("position: (0, 0, -1), target: (0, 0, 3), up: (1, 1, 0), parent: \"wagon\"", "", time(0));
+    close(found.eye, DVec3::new(2.0, 2.0, -2.0));
+    close(found.axes.z_axis, DVec3::X);
+    close(found.axes.y_axis, DVec3::new(0.0, 1.0, -1.0).normalize());
+    let view = stance("position: (0, 0, -1), view: (0, 0, 4), up: (1, 1, 0), parent: \"wagon\"", "", time(0));
+    assert_eq!((found.eye, found.axes), (view.eye, view.axes));
+    // And goes with it.
+    let drive = "(target: \"car\", channel: Translation, track: Keys([(0, (4, 0, -2)), (1, (14, 0, -2))]))";
+    let later = stance("position: (0, 0, -1), view: (0, 0, 1), parent: \"wagon\"", drive, time(5));
+    close(later.eye, DVec3::new(7.0, 2.0, -2.0));
+}
+
+#[test]
+fn a_camera_follows_without_turning() {
+    let found = stance("position: (0, 3, -1), target: (0, 0, 1), follow: \"wagon\"", "", time(0));
+    let still = stance("position: (4, 5, -3), target: (4, 2, -1)", "", time(0));
+    close(found.eye, still.eye);
+    assert_eq!(found.axes, still.axes);
+}
+
+#[test]
+fn a_camera_looks_at_an_entity() {
+    let turn = "(target: \"ball\", channel: Translation, track: Keys([(0, (0, 0, 1)), (1, (10, 0, 1))]))";
+    let found = stance("position: (0, 0, -4), look_at: \"ball\"", turn, time(5));
+    close(found.axes.z_axis, DVec3::ONE.with_y(0.0).normalize());
+    close(found.axes.y_axis, DVec3::Y);
+}
+
+#[test]
+fn roll_turns_about_the_view_by_the_right_hand_rule() {
+    let found = stance("position: (0, 0, 0), view: (0, 0, 1), roll: 90", "", time(0));
+    // As +90 degrees about z take x to y and y to -x.
+    close(found.axes.x_axis, DVec3::Y);
+    close(found.axes.y_axis, DVec3::NEG_X);
+    let turned = stance("position: (1, 2, 3), target: (0, 1, -1), roll: 30", "", time(0));
+    let straight = stance("position: (1, 2, 3), target: (0, 1, -1)", "", time(0));
+    assert!(turned.is_upright_frame() && (turned.turned(straight) - 30f64.to_radians()).abs() < 1e-14);
+}
+
+const CAMERAS: &str = "camera: (position: (0, 0, -5), target: (0, 0, 0), shutter: 1),
+    cameras: {
+        \"side\": (position: (-6, 1, 1), look_at: \"ball\"),
+        \"top\": (position: (0, 7, 1), target: (0, 0, 1), up: (0, 0, 1), shutter: 0.5),
+    },";
+const ROLLING: &str =
+    "(target: \"ball\", channel: Translation, track: Keys([(0, (0, 0, 1)), (2, (3, 1, 1))]))";
+
+fn alone(cameras: &str, name: &str, moment: Time) -> Film {
+    let text = text(&format!("{cameras} shots: [(0, \"{name}\")],"), ROLLING);
+    Engine::from_scene(read(&text)).render_at(moment).unwrap()
+}
+
+#[test]
+fn a_cut_belongs_to_the_frame_at_its_time_and_to_all_of_its_instants() {
+    // 0.3 and 0.7 are no binary numbers; frames at 3/10 and 7/10 are theirs all the same.
+    let shots = "shots: [(0.3, \"side\"), (0.7, \"top\"), (1.15, \"camera\")],";
+    let mut engine = Engine::from_scene(read(&text(&format!("{CAMERAS} {shots}"), ROLLING)));
+    // Out of order: nothing is left over from the frame before.
+    for frame in [6, 7, 2, 3, 0, 11, 12, 15, 1] {
+        let name = match frame {
+            ..7 => "side",
+            7..12 => "top",
+            _ => "camera",
+        };
+        let moment = time(frame);
+        assert!(engine.render_at(moment).unwrap() == alone(CAMERAS, name, moment), "frame {frame}");
+        assert!(alone(CAMERAS, "top", moment) != alone(CAMERAS, "camera", moment), "frame {frame}");
+        let blurs = engine.plan().unwrap().needs(Effect::MotionBlur);
+        assert_eq!(blurs, name != "side", "frame {frame}");
+    }
+}
+
+#[test]
+fn without_shots_the_first_camera_films() {
+    let film = |cameras: &str| Engine::from_scene(read(&text(cameras, ROLLING))).render_at(time(4)).unwrap();
+    assert!(film(CAMERAS) == alone(CAMERAS, "camera", time(4)));
+    let more = CAMERAS.split_once('\n').unwrap().1;
+    assert!(film(more) == alone(CAMERAS, "side", time(4)));
+}
+
+#[test]
+fn moments_without_a_view_or_an_upright_have_fixed_ones() {
+    let at = |camera: Camera| {
+        let mut world = World::new();
+        world.spawn((camera,));
+        world.spawn((rayreel::components::FilmSettings { width: 3, height: 3, ..Default::default() },));
+        let stance = Stance::at(&mut world, time(0));
+        assert!(stance.is_upright_frame(), "{camera:?}: {stance:?}");
+        stance
+    };
+    let here = DVec3::new(3.0, -1e9, 0.1);
+    let looking = |view, up| at(Camera { position: here, view, up, ..Camera::default() });
+    let lost = looking(View::Target(here), DVec3::Y);
+    assert_eq!((lost.axes.z_axis, lost.axes.y_axis), (DVec3::Z, DVec3::Y));
+    let none = looking(View::Direction(DVec3::ZERO), DVec3::ZERO);
+    assert_eq!((none.axes.z_axis, none.axes.y_axis), (DVec3::Z, DVec3::Y));
+    let down = looking(View::Direction(DVec3::NEG_Y), DVec3::Y);
+    assert_eq!((down.axes.z_axis, down.axes.y_axis), (DVec3::NEG_Y, DVec3::Z));
+    let up = looking(View::Direction(DVec3::Y * 1e-200), DVec3::Y * 1e200);
+    assert_eq!((up.axes.z_axis, up.axes.y_axis), (DVec3::Y, DVec3::Z));
+    let along = looking(View::Direction(DVec3::X), DVec3::NEG_X);
+    assert_eq!((along.axes.z_axis, along.axes.y_axis), (DVec3::X, DVec3::Y));
+    for tiny in [1e-300, 1e-30, 1e-13, 1e-12, 1e-11, 1e-9] {
+        looking(View::Direction(DVec3::new(tiny, -1.0, 0.0)), DVec3::Y);
+        looking(View::Target(here + DVec3::new(tiny, 0.0, tiny)), DVec3::Y);
+    }
+}
+
+#[test]
+fn parents_that_are_gone_or_in_rings_leave_a_frame() {
+    let mut world = World::new();
+    let camera = Camera { position: DVec3::X, view: View::Direction(DVec3::Z), ..Camera::default() };
+    world.spawn((rayreel::components::FilmSettings { width: 3, height: 3, ..Default::default() },));
+    let entity = world.spawn((camera,));
+    let other = world.spawn((Transform::from_translation(DVec3::Y), Parent(entity)));
+    for parent in [other, Entity::DANGLING, entity] {
+        world.insert_one(entity, Parent(parent)).unwrap();
+        let stance = Stance::at(&mut world, time(0));
+        assert!(stance.is_upright_frame());
+        close(stance.eye, DVec3::X);
+    }
+}
+
+/// Away from the axis of `up`, frames turn by little more than the view does; over the top they turn by half a turn at once,
+/// and not at all with an `up` that the path does not cross.
+#[test]
+fn neighbouring_frames_turn_as_their_path_does() {
+    let steps = |up: DVec3, place: &dyn Fn(f64) -> DVec3| -> Vec<(f64, f64)> {
+        let stances: Vec<Stance> = (0..=400)
+            .map(|step| {
+                let mut world = World::new();
+                let position = place(f64::from(step) / 400.0 * 2.0 - 1.0);
+                world.spawn((Camera { position, view: View::Target(DVec3::ZERO), up, ..Camera::default() },));
+                world.spawn((rayreel::components::FilmSettings {
+                    width: 3,
+                    height: 3,
+                    ..Default::default()
+                },));
+                Stance::at(&mut world, time(0))
+            })
+            .collect();
+        assert!(stances.iter().all(|stance| stance.is_upright_frame()));
+        let turns = stances.windows(2).map(|pair| {
+            let view = pair[0].axes.z_axis.angle_between(pair[1].axes.z_axis);
+            (view, pair[0].turned(pair[1]))
+        });
+        turns.collect()
+    };
+    // A round flight, through the target's height and back: at most 45 degrees from the horizon.
+    let round = |s: f64| DVec3::new(libm::cos(3.1 * s), 0.7 * libm::sin(6.2 * s), libm::sin(3.1 * s)) * 5.0;
+    for (view, turn) in steps(DVec3::Y, &round) {
+        assert!(turn < 1.5 * view + 1e-6, "{turn} of {view}");
+    }
+    // Straight over the target, with the top of the way among the frames.
+    let over = |s: f64| DVec3::new(0.0, libm::cos(2.0 * s), libm::sin(2.0 * s)) * 5.0;
+    let jumps = |up| steps(up, &over).into_iter().filter(|(view, turn)| *turn > 1.5 * view + 1e-6).count();
+    assert_eq!(jumps(DVec3::Y), 1);
+    assert_eq!(jumps(DVec3::X), 0);
+    // Through the target: half a turn of the view itself.
+    let through = |s: f64| DVec3::new(5.0 * s, 0.0, 0.0);
+    let turned = steps(DVec3::Y, &through).into_iter().filter(|(_, turn)| *turn > 1e-6).count();
+    assert_eq!(turned, 2);
+}
+
+/// The example of the scene reference: no perspective, so that balls of one size are of one size in the picture however deep they
+/// are, where the screen's own units say.
+#[test]
+fn a_camera_far_away_with_its_screen_among_the_things_shows_no_perspective() {
+    const SIDE: u32 = 81;
+    let example = "camera: (position: (0, 0, -1e9), view: (0, 0, 1), screen: (distance: 1e9, height: 4))";
+    assert!(include_str!("../../src/scene/reference.md").contains(example));
+    let scene = read(&format!(
+        r#"Scene(film: (width: {SIDE}, height: {SIDE}), {example}, ambient: (1, 1, 1),
+        materials: {{ "m": (k_a: 1) }}, entities: [
+            (shape: Sphere(radius: 0.73), material: "m", transform: (translation: (-1, 1, 0))),
+            (shape: Sphere(radius: 0.73), material: "m", transform: (translation: (1, 1, 10))),
+            (shape: Sphere(radius: 0.73), material: "m", transform: (translation: (-1, -1, 1000))),
+            (shape: Box(size: (1.21, 0.87, 1000)), material: "m", transform: (translation: (1, -1, 500))),
+        ])"#
+    ));
+    let film = Engine::from_scene(scene).render_frame(0).unwrap();
+    for (i, j) in (0..SIDE).flat_map(|j| (0..SIDE).map(move |i| (i, j))) {
+        let step = 4.0 / f64::from(SIDE - 1);
+        let (x, y) = (-2.0 + step * f64::from(i), 2.0 - step * f64::from(j));
+        let ball = [(-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0)].iter().any(|(a, b)| (x - a).hypot(y - b) < 0.73);
+        let in_box = (x - 1.0).abs() < 0.605 && (y + 1.0).abs() < 0.435;
+        assert_eq!(film.pixel(i, j).x > 0.0, ball || in_box, "{x}, {y}");
+    }
+}

@@ -1,0 +1,538 @@
+//! Whatever is in a world, nothing panics, every film is as large as it should be and finite, and every shape is either drawn
+//! or named among the faults.
+
+use std::collections::BTreeSet;
+
+use assert_cmd::Command;
+use glam::{DQuat, DVec3};
+use proptest::prelude::*;
+use proptest::test_runner::{RngSeed, TestCaseResult};
+use serde_json::Value;
+
+use rayreel::components::{
+    Ambient, AreaShape, Background, Camera, Checker, Falloff, FilmSettings, Fog, Follow, Lens, Light,
+    LightKind, LookAt, Material, Noise, Parent, Projection, Quality, Reflective, Refractive, Sampling, Shape,
+    Shot, Shots, Specular, Transform, View, WorldTransform,
+};
+use rayreel::systems::{FaultCause, FaultEffect};
+use rayreel::{Context, Engine, Entity, Fault, Film, Ray, Rgb, Time, World};
+
+/// Any number at all, and most often one that means trouble.
+fn number() -> impl Strategy<Value = f64> {
+    let trouble = [
+        0.0,
+        -0.0,
+        -1.0,
+        f64::NAN,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        f64::MAX,
+        f64::MIN_POSITIVE,
+        5e-324,
+        1e-160,
+        1e-75,
+        1e75,
+        1e149,
+        1e151,
+        1e200,
+        1e17,
+        1e-10,
+    ];
+    prop_oneof![
+        6 => Just(1.0),
+        4 => -4.0..4.0f64,
+        4 => prop::sample::select(trouble.to_vec()),
+        1 => any::<f64>(),
+    ]
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "whatever becomes of it")]
+fn single() -> impl Strategy<Value = f32> {
+    number().prop_map(|number| number as f32)
+}
+
+fn vector() -> impl Strategy<Value = DVec3> {
+    prop_oneof![
+        1 => Just(DVec3::ONE),
+        1 => Just(DVec3::ZERO),
+        3 => (number(), number(), number()).prop_map(DVec3::from),
+    ]
+}
+
+fn color() -> impl Strategy<Value = Rgb> {
+    (single(), single(), single()).prop_map(|(r, g, b)| Rgb::new(r, g, b))
+}
+
+fn transform() -> impl Strategy<Value = Transform> {
+    let rotation = prop_oneof![
+        3 => Just(DQuat::IDENTITY),
+        1 => Just(DQuat::from_rotation_x(0.3)),
+        1 => (number(), number(), number(), number()).prop_map(|(x, y, z, w)| DQuat::from_xyzw(x, y, z, w)),
+    ];
+    (vector(), rotation, vector()).prop_map(|(translation, rotation, scale)| Transform {
+        translation,
+        rotation,
+        scale,
+    })
+}
+
+fn shape() -> impl Strategy<Value = Shape> {
+    prop_oneof![
+        number().prop_map(|radius| Shape::Sphere { radius }),
+        vector().prop_map(|size| Shape::Box { size }),
+        vector().prop_map(|normal| Shape::Plane { normal }),
+    ]
+}
+
+#[derive(Clone, Debug)]
+struct Looks {
+    material: Material,
+    specular: Option<Specular>,
+    reflective: Option<Reflective>,
+    refractive: Option<Refractive>,
+    checker: Option<Checker>,
+}
+
+fn looks() -> impl Strategy<Value = Looks> {
+    let material = (single(), single(), color(), prop::option::of(color()));
+    let material =
+        material.prop_map(|(k_a, k_d, color, ambient_color)| Material { k_a, k_d, color, ambient_color });
+    let refractive = (single(), number(), color(), any::<bool>());
+    let refractive =
+        refractive.prop_map(|(k_t, ior, absorption, fresnel)| Refractive { k_t, ior, absorption, fresnel });
+    (
+        material,
+        prop::option::weighted(
+            0.3,
+            (single(), single()).prop_map(|(k_s, shininess)| Specular { k_s, shininess }),
+        ),
+        prop::option::weighted(0.3, single().prop_map(|k_r| Reflective { k_r })),
+        prop::option::weighted(0.3, refractive),
+        prop::option::weighted(0.3, (color(), number()).prop_map(|(color, size)| Checker { color, size })),
+    )
+        .prop_map(|(material, specular, reflective, refractive, checker)| Looks {
+            material,
+            specular,
+            reflective,
+            refractive,
+            checker,
+        })
+}
+
+fn light() -> impl Strategy<Value = Light> {
+    let samples = prop_oneof![Just(0u32), Just(1), Just(3), Just(u32::MAX)];
+    let area = prop_oneof![
+        number().prop_map(|radius| AreaShape::Sphere { radius }),
+        (number(), number()).prop_map(|(width, height)| AreaShape::Rectangle { width, height }),
+    ];
+    let kind = prop_oneof![
+        Just(LightKind::Point),
+        (number(), number()).prop_map(|(angle, softness)| LightKind::Spot { angle, softness }),
+        vector().prop_map(|direction| LightKind::Directional { direction }),
+        // The most samples are right, and slow.
+        (area, samples).prop_map(|(shape, samples)| LightKind::Area { shape, samples: samples.min(5) }),
+    ];
+    let falloff = (number(), number(), number()).prop_map(|(constant, linear, quadratic)| Falloff {
+        constant,
+        linear,
+        quadratic,
+    });
+    (kind, color(), any::<bool>(), prop::option::weighted(0.3, falloff)).prop_map(
+        |(kind, intensity, casts_shadows, falloff)| Light { kind, intensity, casts_shadows, falloff },
+    )
+}
+
+/// An entity: every part of it may be missing.
+#[derive(Clone, Debug)]
+struct Thing {
+    shape: Option<Shape>,
+    looks: Option<Looks>,
+    light: Option<Light>,
+    transform: Option<Transform>,
+    /// Which of the entities, itself among them, or one that is gone.
+    parent: Option<prop::sample::Index>,
+}
+
+fn thing() -> impl Strategy<Value = Thing> {
+    (
+        prop::option::weighted(0.8, shape()),
+        prop::option::weighted(0.8, looks()),
+        prop::option::weighted(0.2, light()),
+        prop::option::weighted(0.8, transform()),
+        prop::option::weighted(0.4, any::<prop::sample::Index>()),
+    )
+        .prop_map(|(shape, looks, light, transform, parent)| Thing {
+            shape,
+            looks,
+            light,
+            transform,
+            parent,
+        })
+}
+
+#[derive(Clone, Debug)]
+struct Settings {
+    camera: Option<Camera>,
+    follows: Option<prop::sample::Index>,
+    looks_at: Option<prop::sample::Index>,
+    shots: bool,
+    ambient: Rgb,
+    background: Background,
+    fog: Fog,
+    quality: Quality,
+    sampling: Sampling,
+    film: (u32, u32),
+}
+
+fn camera() -> impl Strategy<Value = Camera> {
+    let projection = prop_oneof![
+        number().prop_map(|vertical| Projection::FieldOfView { vertical }),
+        (number(), prop::option::of(number()), number())
+            .prop_map(|(distance, width, height)| Projection::Screen { distance, width, height }),
+    ];
+    let view = prop_oneof![vector().prop_map(View::Direction), vector().prop_map(View::Target)];
+    let lens = (number(), number()).prop_map(|(aperture, focus)| Lens { aperture, focus });
+    (vector(), view, vector(), number(), projection, prop::option::of(lens), prop::option::of(number()))
+        .prop_map(|(position, view, up, roll, projection, lens, shutter)| Camera {
+            position,
+            view,
+            up,
+            roll,
+            projection,
+            lens,
+            shutter,
+        })
+}
+
+fn settings() -> impl Strategy<Value = Settings> {
+    let background = prop_oneof![
+        color().prop_map(Background::Flat),
+        (color(), color()).prop_map(|(bottom, top)| Background::Gradient { bottom, top }),
+    ];
+    let fog = (color(), number()).prop_map(|(color, density)| Fog { color, density });
+    let depth = prop_oneof![Just(0u32), Just(1), Just(3), Just(u32::MAX)];
+    let quality = (depth, single()).prop_map(|(depth, cutoff)| Quality { depth, cutoff });
+    let few = || prop_oneof![Just(0u32), Just(1), Just(3)];
+    let sampling = (few(), any::<u64>(), few());
+    let sampling = sampling.prop_map(|(samples, seed, instants)| Sampling {
+        samples,
+        seed,
+        instants,
+        noise: Noise::Fixed,
+    });
+    let film = prop_oneof![Just((8u32, 5u32)), Just((0, 3)), Just((4, 0)), Just((1, 1))];
+    let link = || prop::option::weighted(0.2, any::<prop::sample::Index>());
+    (
+        prop::option::weighted(0.8, camera()),
+        (link(), link(), any::<bool>()),
+        (color(), background, fog),
+        (quality, sampling, film),
+    )
+        .prop_map(
+            |(camera, (follows, looks_at, shots), (ambient, background, fog), (quality, sampling, film))| {
+                Settings {
+                    camera,
+                    follows,
+                    looks_at,
+                    shots,
+                    ambient,
+                    background,
+                    fog,
+                    quality,
+                    sampling,
+                    film,
+                }
+            },
+        )
+}
+
+fn put(world: &mut World, entity: Entity, looks: &Looks) {
+    world.insert_one(entity, looks.material).unwrap();
+    if let Some(specular) = looks.specular {
+        world.insert_one(entity, specular).unwrap();
+    }
+    if let Some(reflective) = looks.reflective {
+        world.insert_one(entity, reflective).unwrap();
+    }
+    if let Some(refractive) = looks.refractive {
+        world.insert_one(entity, refractive).unwrap();
+    }
+    if let Some(checker) = looks.checker {
+        world.insert_one(entity, checker).unwrap();
+    }
+}
+
+fn world(things: &[Thing], settings: &Settings) -> World {
+    let mut world = World::new();
+    let gone = world.spawn(());
+    let mut entities: Vec<Entity> = things.iter().map(|_| world.spawn(())).collect();
+    entities.push(gone);
+    for (thing, entity) in things.iter().zip(&entities) {
+        if let Some(shape) = thing.shape {
+            world.insert_one(*entity, shape).unwrap();
+        }
+        if let Some(looks) = &thing.looks {
+            put(&mut world, *entity, looks);
+        }
+        if let Some(light) = thing.light {
+            world.insert_one(*entity, light).unwrap();
+        }
+        if let Some(transform) = thing.transform {
+            world.insert_one(*entity, transform).unwrap();
+        }
+        if let Some(parent) = &thing.parent {
+            world.insert_one(*entity, Parent(*parent.get(&entities))).unwrap();
+        }
+    }
+    let (width, height) = settings.film;
+    let scene = world.spawn((
+        Ambient(settings.ambient),
+        settings.background,
+        settings.fog,
+        settings.quality,
+        settings.sampling,
+        FilmSettings { width, height, ..FilmSettings::default() },
+    ));
+    let filming = settings.camera.map_or(gone, |camera| world.spawn((camera,)));
+    if let Some(followed) = &settings.follows {
+        world.insert_one(filming, Follow(*followed.get(&entities))).unwrap();
+    }
+    if let Some(looked_at) = &settings.looks_at {
+        world.insert_one(filming, LookAt(*looked_at.get(&entities))).unwrap();
+    }
+    if settings.shots {
+        world.insert_one(scene, Shots(vec![Shot { start: 0.0, camera: filming }])).unwrap();
+    }
+    world.despawn(gone).unwrap();
+    world
+}
+
+fn check_film(engine: &Engine, film: &Film) -> TestCaseResult {
+    let size = engine.film_settings();
+    prop_assert!(film.width() > 0 && film.height() > 0);
+    prop_assert_eq!((film.width(), film.height()), (size.width, size.height));
+    for pixel in film.pixels() {
+        prop_assert!(pixel.is_finite() && pixel.min_element() >= 0.0, "{}", pixel);
+    }
+    Ok(())
+}
+
+/// Shapes that are left out of the picture.
+fn not_drawn(faults: &[Fault]) -> BTreeSet<Entity> {
+    let left_out = faults.iter().filter(|fault| fault.effect == FaultEffect::NotDrawn);
+    left_out.map(|fault| fault.entity).collect()
+}
+
+/// Every shape is named if and only if nothing of it can be met; and what is named can say why and what to do.
+fn check_faults(engine: &Engine) -> TestCaseResult {
+    let faults = engine.faults();
+    for fault in &faults {
+        prop_assert!(!fault.to_string().is_empty() && !fault.remedy().is_empty());
+        prop_assert!(fault.cause != FaultCause::Undeclared, "{}", fault);
+    }
+    let named = not_drawn(&faults);
+    let drawn: BTreeSet<Entity> = engine.drawn().collect();
+    let shapes: BTreeSet<Entity> = engine.world().query::<hecs::With<Entity, &Shape>>().iter().collect();
+    let both: BTreeSet<Entity> = named.union(&drawn).copied().collect();
+    prop_assert!(named.is_disjoint(&drawn), "drawn and named");
+    prop_assert_eq!(both, shapes);
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: std::env::var("RAYREEL_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(1500),
+        failure_persistence: None,
+        rng_seed: RngSeed::Fixed(2026),
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn every_shape_is_drawn_or_named(
+        things in prop::collection::vec(thing(), 0..6),
+        settings in settings(),
+        later in prop::collection::vec((any::<prop::sample::Index>(), thing()), 0..4),
+    ) {
+        let mut engine = Engine::new(world(&things, &settings));
+        engine.set_full(true);
+        let film = engine.render_at(Time::ZERO).unwrap();
+        check_film(&engine, &film)?;
+        check_faults(&engine)?;
+        let _ = engine.render_reference(Time::ZERO).unwrap();
+        let _ = engine.cast(Ray { origin: DVec3::ZERO, direction: DVec3::ONE });
+        let _ = engine.plan();
+
+        // The same, of what a system makes of the world and declares entity by entity.
+        let entities: Vec<Entity> = engine.world().query::<hecs::With<Entity, &Shape>>().iter().collect();
+        engine.register::<WorldTransform>();
+        engine.add_system(move |context: &mut Context<'_>| {
+            let seconds = context.time.seconds();
+            context.changes.settings();
+            for (index, thing) in later.iter().filter(|_| seconds > 0.0 && !entities.is_empty()) {
+                let entity = *index.get(&entities);
+                if let (Some(shape), Ok(stored)) = (thing.shape, context.world.query_one_mut::<&mut Shape>(entity)) {
+                    *stored = shape;
+                    context.changes.shape(entity);
+                }
+                if let (Some(transform), Ok(stored)) =
+                    (thing.transform, context.world.query_one_mut::<&mut Transform>(entity))
+                {
+                    *stored = transform;
+                    context.changes.transform(entity);
+                }
+                if let (Some(looks), Ok(stored)) =
+                    (&thing.looks, context.world.query_one_mut::<&mut Material>(entity))
+                {
+                    *stored = looks.material;
+                    context.changes.material(entity);
+                }
+            }
+        });
+        for seconds in ["0", "1", "0", "2"] {
+            let film = engine.render_at(seconds.parse().unwrap()).unwrap();
+            check_film(&engine, &film)?;
+            check_faults(&engine)?;
+            // While a shutter is open, a film ends at another moment.
+            engine.seek(seconds.parse().unwrap()).unwrap();
+            let faults = engine.faults();
+            // As an engine finds them that sees this world for the first time.
+            engine.world_mut();
+            engine.seek(seconds.parse().unwrap()).unwrap();
+            prop_assert_eq!(format!("{:?}", engine.faults()), format!("{:?}", faults));
+        }
+    }
+}
+
+fn clay() -> Material {
+    Material { k_a: 0.5, k_d: 0.5, color: Rgb::ONE, ambient_color: None }
+}
+
+/// What an engine says of an entity, and how to mend it.
+fn said(build: impl FnOnce(&mut World) -> Entity) -> (String, String) {
+    let mut world = World::new();
+    let entity = build(&mut world);
+    let mut engine = Engine::new(world);
+    engine.seek(Time::ZERO).unwrap();
+    let mut faults = engine.faults();
+    assert_eq!(faults.len(), 1, "{faults:?}");
+    let fault = faults.remove(0);
+    assert_eq!(fault.entity, entity);
+    (fault.to_string(), fault.remedy())
+}
+
+#[test]
+fn faults_say_what_is_wrong_in_plain_words() {
+    let ball = Shape::Sphere { radius: 1.0 };
+    let cube = Shape::Box { size: DVec3::ONE };
+    let at = |x: f64| Transform::from_translation(DVec3::new(x, 0.0, 0.0));
+    let scaled = |scale: f64| Transform { scale: DVec3::splat(scale), ..Transform::IDENTITY };
+    let told = |shape: Shape, transform: Transform| said(|world| world.spawn((shape, transform, clay()))).0;
+    assert_eq!(told(Shape::Sphere { radius: 0.0 }, at(0.0)), "is not drawn: its radius is 0");
+    assert_eq!(told(ball, at(f64::NAN)), "is not drawn: its translation is not finite");
+    assert_eq!(told(ball, scaled(0.0)), "is not drawn: its scale has a factor of 0");
+    assert_eq!(told(ball, at(1e200)), "is not drawn: it is too large, too small or too far away");
+    assert_eq!(
+        told(Shape::Plane { normal: DVec3::ZERO }, at(0.0)),
+        "is not drawn: its normal has no direction"
+    );
+    assert_eq!(
+        told(cube, at(1e17)),
+        "is not drawn: its edge of 1 is lost at 1e17, where numbers are 16 apart"
+    );
+    let (fault, remedy) =
+        said(|world| world.spawn((Shape::Box { size: DVec3::splat(1e-10) }, at(1e7), clay())));
+    assert_eq!(
+        fault,
+        "is not drawn: its edge of 1e-10 is lost at 1e7, where numbers are 1.862645149230957e-9 apart"
+    );
+    assert_eq!(remedy, "make it longer than 1.862645149230957e-9, or bring it nearer to the origin");
+
+    let bare = said(|world| world.spawn((ball,)));
+    assert_eq!(
+        bare,
+        ("is not drawn: it has a shape but no material".to_owned(), "give it a material".to_owned())
+    );
+    let through_parents = said(|world| {
+        let parent = world.spawn((scaled(1e200),));
+        world.spawn((ball, scaled(1e200), Parent(parent), clay()))
+    });
+    assert_eq!(
+        through_parents,
+        (
+            "is not drawn: its transform and those of its parents together are not finite".to_owned(),
+            "let its parents move and scale it less".to_owned()
+        )
+    );
+    let dark = said(|world| {
+        world.spawn((
+            Light::new(LightKind::Spot { angle: -1.0, softness: 0.0 }, Rgb::ONE),
+            Transform::IDENTITY,
+        ))
+    });
+    assert_eq!(dark.0, "gives no light: its angle is -1");
+    let (bright, remedy) = said(|world| {
+        world.spawn((Light::new(LightKind::Point, Rgb::new(1.0, f32::NAN, 0.0)), Transform::IDENTITY))
+    });
+    assert_eq!(bright, "is not as it says: its intensity is NaN, and counts as 0");
+    assert_eq!(remedy, "keep it 0 or more, and finite");
+    let blind = said(|world| world.spawn((Camera { position: DVec3::NAN, ..Camera::default() },)));
+    assert_eq!(blind.0, "sees nothing: its place is not finite");
+    let flat = Camera { projection: Projection::FieldOfView { vertical: 0.0 }, ..Camera::default() };
+    assert_eq!(said(|world| world.spawn((flat,))).0, "shows a distorted picture: its field of view is 0");
+    let shallow = said(|world| world.spawn((Quality { depth: 0, cutoff: 0.0 },)));
+    assert_eq!(shallow.0, "is not as it says: its depth is 0, and counts as 1");
+}
+
+/// A box that is lost, and a ball that is scaled to nothing twice on its way.
+const FAULTY: &str = r#"Scene(
+    timeline: (fps: 2, duration: 2),
+    film: (width: 8, height: 6),
+    camera: (position: (0, 0, -5), target: (0, 0, 0)),
+    materials: { "clay": (k_a: 0.5, k_d: 0.5, color: (255, 120, 60)) },
+    entities: [
+        (name: "far", shape: Box(size: (1, 1, 1)), transform: (translation: (1e17, 0, 0)), material: "clay"),
+        (name: "ball", shape: Sphere(radius: 1), material: "clay"),
+    ],
+    animate: [
+        (target: "ball", channel: Scale, track: Keys([(0, 1), (1, -1), (2, 1)])),
+    ],
+)"#;
+
+#[test]
+fn commands_warn_with_names_and_lines() {
+    let directory = tempfile::tempdir().unwrap();
+    let scene = directory.path().join("faulty.ron");
+    std::fs::write(&scene, FAULTY).unwrap();
+    let run = |arguments: &[&str]| {
+        let mut command = Command::cargo_bin("rayreel").unwrap();
+        let output = command.args(arguments).current_dir(directory.path()).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap())
+    };
+    let far = "warning: \"far\" is not drawn: its edge of 1 is lost at 1e17, where numbers are 16 apart
+ --> faulty.ron:7, frame 0";
+    let ball = "warning: \"ball\" is not drawn: its scale has a factor of 0
+ --> faulty.ron:8, frame";
+    let help = "  = help: write factors other than 0";
+    let (told, warnings) = run(&["check", "faulty.ron"]);
+    assert_eq!(told, "faulty.ron: ok, 4 frames, 2 warnings\n");
+    for part in [far, &format!("{ball} 3"), help] {
+        assert!(warnings.contains(part), "{warnings}");
+    }
+    let (_, warnings) = run(&["render", "faulty.ron", "--out", "out"]);
+    for part in [&format!("{far} and 3 more"), &format!("{ball} 1 and one more"), help] {
+        assert!(warnings.contains(part), "{warnings}");
+    }
+    // Of the frames that are looked at.
+    for (arguments, first) in [
+        (&["check", "faulty.ron", "--json"][..], "frame 3"),
+        (&["render", "faulty.ron", "--out", "out2", "--json"], "frame 1"),
+    ] {
+        let (report, _) = run(arguments);
+        let report: Value = serde_json::from_str(&report).unwrap();
+        let report = report.get(0).unwrap_or(&report);
+        let warning = &report["warnings"][1];
+        assert_eq!((&warning["line"], &warning["first"]), (&Value::from(8), &Value::from(first)));
+        assert_eq!(warning["message"], "is not drawn: its scale has a factor of 0");
+    }
+}

@@ -1,0 +1,21 @@
+//! Worlds over time: what animations, cameras, scripts, systems and reloads make of them, and what is wrong in them.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
+
+mod camera_paths;
+mod cameras;
+mod every_channel;
+mod faults;
+mod own_systems;
+mod reload;
+mod scripts;
+#[path = "../shared/splitmix.rs"]
+mod splitmix;
+
+use rayreel::components::Name;
+use rayreel::{Engine, Entity};
+
+fn named(engine: &Engine, name: &str) -> Entity {
+    let mut names = engine.world().query::<(&Name, Entity)>();
+    names.iter().find(|(known, _)| known.0 == name).unwrap().1
+}

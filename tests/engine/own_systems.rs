@@ -1,0 +1,336 @@
+//! Systems that a program adds: pure ones leave nothing behind, stepped ones are the same from wherever one comes.
+
+use glam::{DQuat, DVec3};
+
+use rayreel::animation::{Easing, Key, Track};
+use rayreel::components::{
+    Animated, Camera, Channel, FilmSettings, Light, LightKind, Material, Name, Order, Parent, Property,
+    Sampling, Shape, Transform, WorldTransform,
+};
+use rayreel::{Context, Engine, Entity, Film, Rgb, Step, Time, World};
+
+const CLAY: Material = Material { k_a: 0.3, k_d: 0.7, color: Rgb::new(1.0, 0.5, 0.2), ambient_color: None };
+
+fn ball(place: DVec3) -> (Shape, Material, Transform) {
+    (Shape::Sphere { radius: 1.0 }, CLAY, Transform::from_translation(place))
+}
+
+fn stage() -> World {
+    let mut world = World::new();
+    world.spawn((Light::new(LightKind::Point, Rgb::ONE), Transform::from_translation(DVec3::splat(9.0))));
+    world.spawn((Camera { position: DVec3::new(0.0, 1.0, -12.0), ..Camera::default() },));
+    world.spawn((FilmSettings { width: 32, height: 18, ..FilmSettings::default() },));
+    world
+}
+
+fn at(seconds: u64) -> Time {
+    Time::from_ratio(seconds, 10).unwrap()
+}
+
+/// The films at some tenths of seconds, on one engine.
+fn films(engine: &mut Engine, tenths: &[u64]) -> Vec<Film> {
+    tenths.iter().map(|tenth| engine.render_at(at(*tenth)).unwrap()).collect()
+}
+
+/// Renders forwards, backwards and each moment on a fresh engine, and expects the same.
+fn assert_frames_are_pure(make: impl Fn() -> Engine) {
+    let moments = [0, 1, 2, 5, 9, 10, 17];
+    let forwards = films(&mut make(), &moments);
+    let mut backwards = films(&mut make(), &moments.iter().rev().copied().collect::<Vec<_>>());
+    backwards.reverse();
+    let alone: Vec<Film> = moments.iter().map(|moment| make().render_at(at(*moment)).unwrap()).collect();
+    // Films are too long to print.
+    assert!(forwards == backwards, "backwards");
+    assert!(forwards == alone, "alone");
+    assert!(forwards.windows(2).any(|pair| pair[0] != pair[1]), "nothing moves: the test shows nothing");
+}
+
+#[test]
+fn a_pure_system_that_adds_does_not_add_up() {
+    assert_frames_are_pure(|| {
+        let mut world = stage();
+        let ball = world.spawn(ball(DVec3::ZERO));
+        let mut engine = Engine::new(world);
+        engine.add_system(move |context| {
+            let seconds = context.time.seconds();
+            context.world.get::<&mut Transform>(ball).unwrap().translation.x += seconds;
+            context.changes.transform(ball);
+        });
+        engine
+    });
+}
+
+#[test]
+fn an_undeclared_write_is_seen_and_undone() {
+    assert_frames_are_pure(|| {
+        let mut world = stage();
+        let ball = world.spawn(ball(DVec3::ZERO));
+        let mut engine = Engine::new(world);
+        engine.add_system(move |context| {
+            let seconds = context.time.seconds();
+            context.world.get::<&mut Material>(ball).unwrap().color *= if seconds < 0.5 { 0.9 } else { 0.5 };
+            if seconds > 0.6 {
+                context.world.insert_one(ball, Shape::Box { size: DVec3::ONE }).unwrap();
+            }
+            if seconds > 1.2 {
+                context.world.despawn(ball).unwrap();
+            }
+        });
+        engine
+    });
+}
+
+#[derive(Clone)]
+struct Velocity(DVec3);
+
+fn gravity(context: &mut Context<'_>) {
+    let dt = context.step_seconds();
+    for (transform, velocity) in context.world.query_mut::<(&mut Transform, &mut Velocity)>() {
+        velocity.0.y -= 9.81 * dt;
+        transform.translation += velocity.0 * dt;
+    }
+}
+
+#[test]
+fn stepped_systems_replay_with_spawning_and_despawning() {
+    assert_frames_are_pure(|| {
+        let mut world = stage();
+        world.spawn(ball(DVec3::new(-2.0, 3.0, 0.0))).id();
+        let mut engine = Engine::new(world);
+        engine.register::<Velocity>();
+        engine.add_stepped_system(Step::per_second(50), gravity);
+        // A fountain: a ball every 3/10 s, and none lives for long.
+        engine.add_stepped_system(Step::of_seconds(3, 10).unwrap(), |context| {
+            let x = context.time.seconds();
+            let (shape, material, transform) = ball(DVec3::new(x, 2.0, 0.0));
+            context.spawn((shape, material, transform, Velocity(DVec3::new(0.0, 2.0, 0.0))));
+            let fallen: Vec<Entity> = context
+                .world
+                .query_mut::<(Entity, &Transform, &Velocity)>()
+                .into_iter()
+                .filter(|(_, transform, _)| transform.translation.y < 1.0)
+                .map(|(entity, ..)| entity)
+                .collect();
+            for entity in fallen {
+                context.world.despawn(entity).unwrap();
+            }
+        });
+        // On top, a pure system and a track.
+        engine.add_system(|context| {
+            let tilt = DQuat::from_rotation_z(context.time.seconds());
+            for transform in context.world.query_mut::<&mut Transform>() {
+                transform.rotation = tilt * transform.rotation;
+                transform.translation.x += 0.01;
+            }
+        });
+        engine
+    });
+}
+
+#[test]
+fn steps_see_tracks_at_their_own_time() {
+    let mut world = stage();
+    let key = |time, x| Key { time, value: DVec3::new(x, 0.0, 0.0), easing: Easing::Linear };
+    let track = Track::new(vec![key(0.0, 0.0), key(10.0, 10.0)]).unwrap();
+    let (shape, material, transform) = ball(DVec3::ZERO);
+    let leader =
+        world.spawn((shape, material, transform, Animated(vec![Channel::new(Property::Translation, track)])));
+    let follower = world.spawn(ball(DVec3::new(0.0, 3.0, 0.0)));
+    let mut engine = Engine::new(world);
+    engine.add_stepped_system(Step::per_second(10), move |context| {
+        let x = context.world.get::<&Transform>(leader).unwrap().translation.x;
+        let mut own = context.world.get::<&mut Transform>(follower).unwrap();
+        own.translation.x += x;
+    });
+    engine.seek(at(5)).unwrap();
+    let x = engine.world().get::<&Transform>(follower).unwrap().translation.x;
+    assert!((x - (0.0 + 0.1 + 0.2 + 0.3 + 0.4)).abs() < 1e-12, "{x}");
+    engine.seek(at(20)).unwrap();
+    engine.seek(at(5)).unwrap();
+    assert_eq!(engine.world().get::<&Transform>(follower).unwrap().translation.x, x);
+}
+
+#[test]
+fn a_component_that_cannot_be_copied_is_told() {
+    let mut world = stage();
+    world.spawn((Velocity(DVec3::ZERO),));
+    let mut engine = Engine::new(world);
+    engine.render_frame(0).unwrap();
+    engine.add_system(|_| {});
+    let error = engine.render_frame(0).unwrap_err().to_string();
+    assert!(error.contains("engine.register::<T>()"), "{error}");
+    engine.register::<Velocity>();
+    engine.render_frame(0).unwrap();
+}
+
+#[test]
+fn the_world_can_be_edited_between_frames() {
+    let mut world = stage();
+    let ball = world.spawn(ball(DVec3::ZERO));
+    let mut engine = Engine::new(world);
+    let before = engine.render_frame(0).unwrap();
+    engine.world_mut().get::<&mut Transform>(ball).unwrap().translation.y = 3.0;
+    let after = engine.render_frame(0).unwrap();
+    assert!(before != after);
+    engine.world_mut().get::<&mut Transform>(ball).unwrap().translation.y = 0.0;
+    assert!(engine.render_frame(0).unwrap() == before);
+    engine.world_mut().despawn(ball).unwrap();
+    assert!(engine.render_frame(0).unwrap() != before);
+}
+
+#[test]
+fn children_follow_their_parents_and_only_what_moves_is_read_again() {
+    let mut world = stage();
+    let key = |time, x| Key { time, value: DVec3::new(x, 0.0, 0.0), easing: Easing::Linear };
+    let track = Track::new(vec![key(0.0, 0.0), key(1.0, 1.0)]).unwrap();
+    let parent =
+        world.spawn((Transform::IDENTITY, Animated(vec![Channel::new(Property::Translation, track)])));
+    let arm = world.spawn((Transform::from_translation(DVec3::Y), Parent(parent)));
+    let (shape, material, transform) = ball(DVec3::new(0.0, 1.0, 0.0));
+    let hand = world.spawn((shape, material, transform, Parent(arm), Name("hand".to_owned()), Order(7)));
+    let mut engine = Engine::new(world);
+    for tenth in [0, 4, 10] {
+        engine.seek(at(tenth)).unwrap();
+        let hit = engine
+            .cast(rayreel::Ray {
+                origin: DVec3::new(tenth as f64 / 10.0, 2.0, -8.0),
+                direction: DVec3::new(0.0, 0.0, 1e-30),
+            })
+            .unwrap();
+        assert_eq!((hit.entity, hit.normal), (hand, DVec3::NEG_Z));
+        assert!((hit.distance - 7.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn what_is_written_to_lights_and_settings_does_not_outlive_its_frame() {
+    assert_frames_are_pure(|| {
+        let mut world = stage();
+        world.spawn(ball(DVec3::ZERO));
+        let mut engine = Engine::new(world);
+        engine.add_system(|context| {
+            let dimmed = if context.time.seconds() < 0.4 { 0.5 } else { 0.8 };
+            for light in context.world.query_mut::<&mut Light>() {
+                light.intensity *= dimmed;
+            }
+            for camera in context.world.query_mut::<&mut Camera>() {
+                camera.position.x += context.time.seconds();
+            }
+            context.changes.settings();
+        });
+        engine
+    });
+}
+
+#[test]
+fn a_scene_with_a_lamp_that_changes_its_material_keeps_its_light_in_place() {
+    let text = r#"Scene(
+        timeline: (fps: 10, duration: 2), film: (width: 32, height: 18),
+        camera: (position: (0, 2, -8), target: (0, 1, 0)), ambient: (0.1, 0.1, 0.1),
+        materials: { "m": (k_a: 1, k_d: 1, color: (200, 100, 50)) },
+        entities: [
+            (shape: Plane(normal: (0, 1, 0)), material: "m"),
+            (name: "lamp", shape: Sphere(radius: 0.2), material: "m", light: Point(intensity: (1, 1, 1)), transform: (translation: (0, 3, 0))),
+            (name: "moon", parent: "lamp", shape: Sphere(radius: 0.4), material: "m", transform: (translation: (1, 0, 0))),
+        ],
+        animate: [(target: "lamp", channel: Ka, track: Keys([(0, 0), (2, 1)]))],
+    )"#;
+    assert_frames_are_pure(|| {
+        let mut engine = Engine::from_scene(rayreel::Scene::from_text("lamp.ron", text.to_owned()).unwrap());
+        engine.add_system(|context| context.changes.settings());
+        engine
+    });
+}
+
+/// Reads what depends on the order of rows and on world transforms.
+#[test]
+fn steps_do_not_see_which_frames_were_rendered() {
+    assert_frames_are_pure(|| {
+        let mut world = stage();
+        for index in 0..5 {
+            world.spawn(ball(DVec3::new(f64::from(index) - 2.0, 0.0, 0.0)));
+        }
+        let mut engine = Engine::new(world);
+        engine.add_stepped_system(Step::per_second(10), |context| {
+            let mut query = context.world.query::<(Entity, &Transform, &WorldTransform, &Shape)>();
+            let rows: Vec<(Entity, f64)> =
+                query.iter().map(|(entity, _, world, _)| (entity, world.affine.translation.x)).collect();
+            drop(query);
+            // The first row's x moves the last row; now and then the first row goes.
+            if let (Some((first, x)), Some((last, _))) = (rows.first(), rows.last()) {
+                context.world.get::<&mut Transform>(*last).unwrap().translation.y += 0.1 * x + 0.05;
+                if context.time.seconds() > 0.75 && rows.len() > 3 {
+                    context.world.despawn(*first).unwrap();
+                    let (shape, material, transform) = ball(DVec3::new(0.0, *x, 1.0));
+                    context.spawn((shape, material, transform));
+                }
+            }
+        });
+        engine.add_system(|context| {
+            for transform in context.world.query_mut::<&mut Transform>() {
+                transform.translation.x += 0.1 * context.time.seconds();
+            }
+        });
+        engine
+    });
+}
+
+#[test]
+fn entities_that_are_each_others_parents_stay_where_they_are() {
+    assert_frames_are_pure(|| {
+        let mut world = stage();
+        let key = |time, x| Key { time, value: DVec3::new(x, 0.0, 0.0), easing: Easing::Linear };
+        let track = Track::new(vec![key(0.0, 0.0), key(10.0, 10.0)]).unwrap();
+        let (shape, material, transform) = ball(DVec3::ZERO);
+        let mover = world.spawn((
+            shape,
+            material,
+            transform,
+            Animated(vec![Channel::new(Property::Translation, track)]),
+        ));
+        let first = world.spawn(ball(DVec3::new(1.0, 2.0, 0.0)));
+        let second = world.spawn(ball(DVec3::new(2.0, -2.0, 0.0)));
+        let third = world.spawn(ball(DVec3::new(0.0, 1.5, 0.0)));
+        world.insert_one(first, Parent(second)).unwrap();
+        world.insert_one(second, Parent(first)).unwrap();
+        world.insert_one(third, Parent(second)).unwrap();
+        let gone = world.spawn(());
+        world.despawn(gone).unwrap();
+        world.insert_one(mover, Parent(gone)).unwrap();
+        Engine::new(world)
+    });
+}
+
+#[test]
+fn frames_do_not_depend_on_what_a_system_did_to_the_shutter_before() {
+    let key = |time, value| Key { time, value, easing: Easing::Linear };
+    let track = Track::new(vec![key(0.0, DVec3::ZERO), key(1.0, DVec3::X * 5.0)]).unwrap();
+    let mut world = World::new();
+    let moving = Animated(vec![Channel::new(Property::Translation, track)]);
+    world.spawn((Shape::Sphere { radius: 1.0 }, CLAY, Transform::default(), moving));
+    world.spawn((Light::new(LightKind::Point, Rgb::ONE), Transform::from_translation(DVec3::splat(9.0))));
+    world.spawn((Camera { shutter: Some(0.5), ..Camera::default() },));
+    world.spawn((FilmSettings { width: 32, height: 18, ..FilmSettings::default() },));
+    world.spawn((Sampling { samples: 8, ..Sampling::default() },));
+    let mut engine = Engine::new(world);
+    engine.add_system(|context: &mut Context<'_>| {
+        let late = context.time.seconds() > 0.2;
+        for camera in context.world.query_mut::<&mut Camera>() {
+            camera.shutter = None;
+        }
+        for sampling in context.world.query_mut::<&mut Sampling>() {
+            sampling.samples = if late { 4 } else { 8 };
+        }
+        for film in context.world.query_mut::<&mut FilmSettings>() {
+            film.width = if late { 16 } else { 32 };
+        }
+        context.changes.settings();
+    });
+    // Frame 5 begins before 0.2 s and ends after it.
+    let first = engine.render_frame(5).unwrap();
+    assert_eq!(engine.render_frame(5).unwrap(), first);
+    engine.render_frame(20).unwrap();
+    assert_eq!(engine.render_frame(5).unwrap(), first);
+    assert_eq!(engine.render_reference(engine.timeline().time_of(5)).unwrap(), first);
+    assert_eq!((first.width(), first.height()), (32, 18));
+}

@@ -1,0 +1,182 @@
+//! Random edits, and engines that start cold after each.
+
+use std::fs;
+
+use glam::DVec3;
+use tempfile::TempDir;
+
+use rayreel::components::{Light, LightKind, Material, Shape, Transform};
+use rayreel::scene::Reader;
+use rayreel::{Context, Engine, Rgb, Scene, Step, Time};
+
+use super::described::{bits, described};
+use super::model::Model;
+use super::random::Random;
+
+const EDITS: usize = 10;
+
+#[test]
+fn any_edits_lead_to_where_a_cold_start_does() {
+    let cases = std::env::var("RAYREEL_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(500);
+    let mut tally = Tally::default();
+    for seed in 0..cases {
+        sequence(seed, |_| (), &mut tally);
+    }
+    // Most edits must be worth something.
+    let edits = usize::try_from(cases).unwrap() * EDITS;
+    assert!(tally.reloads > edits * 6 / 10 && tally.broken > edits / 20, "{tally:?}");
+    assert!(tally.kept_trees > edits / 5, "{tally:?}");
+}
+
+#[test]
+fn systems_of_ones_own_start_over() {
+    for seed in 0..20 {
+        sequence(1_000_000 + seed, add_systems, &mut Tally::default());
+    }
+}
+
+#[derive(Debug, Default)]
+struct Tally {
+    reloads: usize,
+    /// Edits after which there was no scene.
+    broken: usize,
+    /// Frames after an edit that needed no new tree.
+    kept_trees: usize,
+}
+
+/// A random scene, edited again and again, in an engine that goes on and in engines that start cold.
+fn sequence(seed: u64, prepare: impl Fn(&mut Engine), tally: &mut Tally) {
+    let random = &mut Random(seed);
+    let folder = tempfile::tempdir().unwrap();
+    let mut model = Model::new(random);
+    let mut reader = Reader::new();
+    let scene = loop {
+        if let Some(scene) = load(&model, &folder, &mut reader) {
+            break scene;
+        }
+        model = Model::new(random);
+    };
+    let mut engine = Engine::from_scene(scene);
+    prepare(&mut engine);
+    for step in 0..EDITS {
+        let mut edited = model.clone();
+        edited.edit(random);
+        if random.once_in(3) {
+            edited.edit(random);
+        }
+        let about = || format!("seed {seed}, edit {step}: {}", edited.files().0);
+        if let Some(scene) = load(&edited, &folder, &mut reader) {
+            engine.reload(scene);
+            tally.reloads += 1;
+            let mut cold = Engine::load(folder.path().join("scene.ron")).unwrap();
+            prepare(&mut cold);
+            assert_eq!(engine.timeline(), cold.timeline(), "{}", about());
+            assert_same(&described(engine.world(), false), &described(cold.world(), false), &about);
+            if !random.once_in(4) {
+                compare(&mut engine, &mut cold, random, tally, &about);
+            }
+            model = edited;
+        } else {
+            tally.broken += 1;
+        }
+        if random.once_in(6) {
+            scribble(&mut engine, random);
+        }
+    }
+}
+
+/// The scene of a model, read by whoever read the ones before it. What is wrong with it is what a stranger finds.
+fn load(model: &Model, folder: &TempDir, reader: &mut Reader) -> Option<Scene> {
+    let (text, files) = model.files();
+    for (name, text) in files.into_iter().chain([("scene.ron", text)]) {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    let path = folder.path().join("scene.ron");
+    match reader.load(&path) {
+        Ok((scene, _)) => Some(scene),
+        Err(error) => {
+            let expected = Scene::load(&path).err().map(|expected| expected.to_string());
+            assert_eq!(Some(error.to_string()), expected, "{}", model.files().0);
+            None
+        }
+    }
+}
+
+/// Compares worlds and pictures at some moments.
+fn compare(
+    engine: &mut Engine,
+    cold: &mut Engine,
+    random: &mut Random,
+    tally: &mut Tally,
+    about: &impl Fn() -> String,
+) {
+    for _ in 0..=random.index(2) {
+        let time = Time::from_ratio(random.bits() % 24, 10).unwrap();
+        match (engine.render_at(time), cold.render_at(time)) {
+            (Ok(film), Ok(expected)) => {
+                assert_eq!(bits(&film), bits(&expected), "at {time:?}, {}", about());
+                let plans = [engine.plan(), cold.plan()].map(|plan| format!("{plan:?}"));
+                assert_eq!(plans[0], plans[1], "{}", about());
+                tally.kept_trees += usize::from(engine.report().trees == 0);
+            }
+            (Err(error), Err(expected)) => assert_eq!(error.to_string(), expected.to_string(), "{}", about()),
+            (found, _) => {
+                panic!("only one engine makes a frame, the reloaded one: {}, {}", found.is_ok(), about())
+            }
+        }
+        if engine.seek(time).is_ok() && cold.seek(time).is_ok() {
+            assert_same(&described(engine.world(), true), &described(cold.world(), true), about);
+        }
+    }
+}
+
+fn assert_same(world: &[String], expected: &[String], about: &impl Fn() -> String) {
+    for (found, expected) in world.iter().zip(expected) {
+        assert_eq!(found, expected, "{}", about());
+    }
+    assert_eq!(world.len(), expected.len(), "{}", about());
+}
+
+/// Writes to the world what no scene file knows of.
+fn scribble(engine: &mut Engine, random: &mut Random) {
+    let world = engine.world_mut();
+    let mut entities: Vec<_> = world.iter().map(|entity| entity.entity()).collect();
+    entities.sort();
+    let entity = entities[random.index(entities.len())];
+    match random.index(4) {
+        0 => world.despawn(entity).unwrap(),
+        1 => world.insert_one(entity, "a note").unwrap(),
+        2 => {
+            let _ = world.remove_one::<Transform>(entity);
+        }
+        _ => {
+            world.spawn(ball(random.number()));
+        }
+    }
+}
+
+fn ball(x: f64) -> (Shape, Material, Transform) {
+    let material = Material { k_a: 1.0, k_d: 0.5, color: Rgb::new(1.0, 0.5, 0.25), ambient_color: None };
+    (Shape::Sphere { radius: 0.5 }, material, Transform::from_translation(DVec3::new(x, 0.5, 0.0)))
+}
+
+/// One steps and spawns; one is a function of time.
+fn add_systems(engine: &mut Engine) {
+    engine.register::<&'static str>();
+    engine.add_stepped_system(Step::per_second(2), |context: &mut Context<'_>| {
+        for transform in context.world.query_mut::<&mut Transform>() {
+            transform.translation.y += 0.125;
+        }
+        for x in [-1.0, 0.0, 0.25] {
+            context.world.spawn(ball(x));
+        }
+        let light = Light::new(LightKind::Point, Rgb::splat(0.25));
+        context.world.spawn((light, Transform::from_translation(DVec3::new(0.0, 4.0, -4.0))));
+    });
+    engine.add_system(|context: &mut Context<'_>| {
+        let sideways = 0.25 * context.time.seconds();
+        for (transform, _) in context.world.query_mut::<(&mut Transform, &Shape)>() {
+            transform.translation.x += sideways;
+        }
+    });
+}

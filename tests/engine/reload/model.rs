@@ -1,0 +1,431 @@
+//! Random scenes, edit by edit, as texts.
+
+use super::random::Random;
+
+/// The files of a scene.
+#[derive(Clone)]
+pub(crate) struct Model {
+    scene: Document,
+    part: Document,
+    /// How many things a script spawns.
+    row: usize,
+    names: usize,
+}
+
+#[derive(Clone, Default)]
+struct Document {
+    /// Fields, and what they are.
+    settings: Vec<(&'static str, String)>,
+    cameras: Vec<(String, String)>,
+    shots: Vec<String>,
+    materials: Vec<String>,
+    things: Vec<Thing>,
+    animate: Vec<String>,
+    includes: Vec<(&'static str, String)>,
+    spawns: bool,
+}
+
+#[derive(Clone, Default)]
+struct Thing {
+    name: Option<String>,
+    /// Texts of fields: transform, parent, shape with material, and light.
+    fields: [String; 4],
+}
+
+const SETTINGS: [&str; 8] =
+    ["timeline", "film", "quality", "sampling", "camera", "ambient", "background", "fog"];
+
+impl Model {
+    pub(crate) fn new(random: &mut Random) -> Self {
+        let mut model =
+            Self { scene: Document::default(), part: Document::default(), row: random.index(4), names: 0 };
+        model.scene.settings = SETTINGS.map(|field| (field, setting(field, &[], random))).into();
+        for _ in 0..random.index(8) {
+            model.insert(random, false);
+        }
+        for _ in 0..random.index(4) {
+            model.insert(random, true);
+        }
+        for document in [&mut model.scene, &mut model.part] {
+            document.materials = (0..3).map(|_| material(random)).collect();
+        }
+        model
+    }
+
+    /// The text of the scene's own file, and those of what it includes: `part.ron`, `row.rhai`.
+    pub(crate) fn files(&self) -> (String, [(&'static str, String); 2]) {
+        let row = format!(
+            "for i in 0..{} {{ spawn(#{{ shape: sphere(0.5), material: `m0`, translation: [i, 2 * i, 1] }}); }}",
+            self.row
+        );
+        (self.scene.text(), [("part.ron", self.part.text()), ("row.rhai", row)])
+    }
+
+    /// Changes something. What comes of it may be no scene any more.
+    pub(crate) fn edit(&mut self, random: &mut Random) {
+        let in_part = random.once_in(4);
+        match random.index(16) {
+            0 | 1 => self.insert(random, in_part),
+            2 => self.rename(random, in_part),
+            3 => self.row = random.index(5),
+            4 => change_settings(&mut self.scene, random),
+            5 => change_cameras(&mut self.scene, random),
+            6 => change_shots(&mut self.scene, random),
+            7 => change_includes(&mut self.scene, random),
+            kind => {
+                let document = if in_part { &mut self.part } else { &mut self.scene };
+                match kind {
+                    8 => document.delete(random),
+                    9 => document.reorder(random),
+                    10..=12 => document.change(random),
+                    13 => {
+                        let index = random.index(document.materials.len());
+                        document.materials[index] = material(random);
+                    }
+                    _ => document.change_animations(random),
+                }
+            }
+        }
+    }
+
+    fn insert(&mut self, random: &mut Random, in_part: bool) {
+        let name = (!random.once_in(3)).then(|| self.fresh_name());
+        let document = if in_part { &mut self.part } else { &mut self.scene };
+        let names = document.names();
+        let fields = [0, 1, 2, 3].map(|which| field(which, &names, random));
+        let at = random.index(document.things.len() + 1);
+        document.things.insert(at, Thing { name, fields });
+    }
+
+    fn fresh_name(&mut self) -> String {
+        self.names += 1;
+        format!("n{}_", self.names)
+    }
+
+    /// Renames a thing, and mostly what refers to it; or two things take each other's names.
+    fn rename(&mut self, random: &mut Random, in_part: bool) {
+        let fresh = self.fresh_name();
+        let document = if in_part { &mut self.part } else { &mut self.scene };
+        if document.things.is_empty() {
+            return;
+        }
+        let (one, other) = (random.index(document.things.len()), random.index(document.things.len()));
+        let name = document.things[one].name.take();
+        document.things[one].name = match (name, random.index(4)) {
+            (name, 0) if one != other => std::mem::replace(&mut document.things[other].name, name),
+            (_, 1) => None,
+            (Some(name), 2 | 3) => {
+                document.replace(&name, &fresh);
+                Some(fresh)
+            }
+            _ => Some(fresh),
+        };
+    }
+}
+
+impl Document {
+    fn text(&self) -> String {
+        let list = |items: &[String]| items.join(", ");
+        let mut text = "Scene(\n".to_owned();
+        for (field, value) in self.settings.iter().filter(|(_, value)| !value.is_empty()) {
+            text += &format!("  {field}: {value},\n");
+        }
+        let pairs = |pairs: &[(String, String)]| -> Vec<String> {
+            pairs.iter().map(|(name, value)| format!("\"{name}\": {value}")).collect()
+        };
+        let materials: Vec<(String, String)> =
+            self.materials.iter().enumerate().map(|(at, text)| (format!("m{at}"), text.clone())).collect();
+        let things: Vec<String> = self.things.iter().map(Thing::text).collect();
+        let includes: Vec<String> = self.includes.iter().map(|(name, rest)| include(name, rest)).collect();
+        text += &format!("  include: [{}],\n", list(&includes));
+        text += &format!("  cameras: {{{}}},\n", list(&pairs(&self.cameras)));
+        text += &format!("  shots: [{}],\n", list(&self.shots));
+        text += &format!("  materials: {{{}}},\n", list(&pairs(&materials)));
+        text += &format!("  entities: [\n    {}\n  ],\n", things.join(",\n    "));
+        text += &format!("  spawn: [{}],\n", if self.spawns { "File(\"row.rhai\")" } else { "" });
+        text += &format!("  animate: [\n    {}\n  ],\n)\n", self.animate.join(",\n    "));
+        text
+    }
+
+    fn names(&self) -> Vec<String> {
+        self.things.iter().filter_map(|thing| thing.name.clone()).collect()
+    }
+
+    /// All texts that may hold names.
+    fn texts(&mut self) -> impl Iterator<Item = &mut String> {
+        let fields = self.things.iter_mut().flat_map(|thing| &mut thing.fields);
+        let cameras = self.cameras.iter_mut().map(|(_, camera)| camera);
+        let settings = self.settings.iter_mut().map(|(_, setting)| setting);
+        fields.chain(cameras).chain(settings).chain(&mut self.animate)
+    }
+
+    fn replace(&mut self, name: &str, other: &str) {
+        for text in self.texts() {
+            *text = text.replace(name, other);
+        }
+    }
+
+    /// Deletes a thing, and mostly what refers to it.
+    fn delete(&mut self, random: &mut Random) {
+        if self.things.is_empty() {
+            return;
+        }
+        let gone = self.things.remove(random.index(self.things.len()));
+        if let Some(name) = gone.name {
+            self.animate.retain(|animation| !animation.contains(&name));
+            for thing in &mut self.things {
+                if thing.fields[1].contains(&name) {
+                    thing.fields[1].clear();
+                }
+            }
+        }
+    }
+
+    fn reorder(&mut self, random: &mut Random) {
+        if !self.things.is_empty() {
+            let thing = self.things.remove(random.index(self.things.len()));
+            let at = random.index(self.things.len() + 1);
+            self.things.insert(at, thing);
+        }
+    }
+
+    fn change(&mut self, random: &mut Random) {
+        if !self.things.is_empty() {
+            let (at, which) = (random.index(self.things.len()), random.index(4));
+            self.things[at].fields[which] = field(which, &self.names(), random);
+        }
+    }
+
+    fn change_animations(&mut self, random: &mut Random) {
+        if !self.animate.is_empty() && random.once_in(3) {
+            self.animate.remove(random.index(self.animate.len()));
+        } else {
+            let at = random.index(self.animate.len() + 1);
+            self.animate.insert(at, animation(&self.names(), self.settings.is_empty(), random));
+        }
+    }
+}
+
+impl Thing {
+    fn text(&self) -> String {
+        let name = self.name.iter().map(|name| format!("name: \"{name}\""));
+        let fields = self.fields.iter().filter(|field| !field.is_empty()).cloned();
+        format!("({})", name.chain(fields).collect::<Vec<_>>().join(", "))
+    }
+}
+
+fn include(name: &str, rest: &str) -> String {
+    match name {
+        "" => format!("(file: \"part.ron\"{rest})"),
+        name => format!("(file: \"part.ron\", name: \"{name}\"{rest})"),
+    }
+}
+
+fn change_settings(scene: &mut Document, random: &mut Random) {
+    let names = scene.names();
+    let at = random.index(SETTINGS.len());
+    scene.settings[at].1 = setting(SETTINGS[at], &names, random);
+}
+
+fn change_cameras(scene: &mut Document, random: &mut Random) {
+    let name = random.pick(&["close", "far", "apart"]);
+    scene.cameras.retain(|(known, _)| known != name);
+    if random.once_in(4) {
+        scene.shots.retain(|shot| !shot.contains(name));
+    } else {
+        let at = random.index(scene.cameras.len() + 1);
+        scene.cameras.insert(at, (name.to_owned(), camera(&scene.names(), random)));
+    }
+    // One camera may do without the other.
+    if random.once_in(4) && !scene.cameras.is_empty() {
+        scene.settings[4].1.clear();
+    }
+}
+
+fn change_shots(scene: &mut Document, random: &mut Random) {
+    let cameras: Vec<&str> = scene.cameras.iter().map(|(name, _)| name.as_str()).chain(["camera"]).collect();
+    scene.shots = (0..random.index(4))
+        .map(|at| format!("({:?}, \"{}\")", at as f64 * 0.75 + random.share() / 4.0, random.pick(&cameras)))
+        .collect();
+}
+
+fn change_includes(scene: &mut Document, random: &mut Random) {
+    match random.index(4) {
+        0 => scene.spawns = !scene.spawns,
+        1 if !scene.includes.is_empty() => {
+            scene.includes.remove(random.index(scene.includes.len()));
+        }
+        _ => {
+            let name = ["p", "q"][random.index(2)];
+            scene.includes.retain(|(known, _)| *known != name);
+            let place = if random.once_in(2) { format!(", {}", transform(random)) } else { String::new() };
+            scene.includes.push((name, place));
+        }
+    }
+}
+
+fn setting(field: &str, names: &[String], random: &mut Random) -> String {
+    match field {
+        "timeline" => format!("(fps: {}, duration: 2.5)", random.pick(&["2", "24", "(30000, 1001)"])),
+        "film" => {
+            let transfer = random.pick(&["Classic", "Srgb"]);
+            format!("(width: {}, height: {}, transfer: {transfer})", 8 + random.index(9), 6 + random.index(5))
+        }
+        "quality" => format!("(depth: {}, cutoff: {})", 1 + random.index(4), random.index(3)),
+        "sampling" => format!(
+            "(samples: {}, instants: {}, seed: {}, noise: {})",
+            1 + random.index(4),
+            1 + random.index(3),
+            random.index(3),
+            random.pick(&["Fixed", "PerFrame"])
+        ),
+        "camera" => camera(names, random),
+        "ambient" => random.light(),
+        "background" if random.once_in(2) => format!("(bottom: {}, top: {})", random.color(), random.color()),
+        "background" => random.color(),
+        _ if random.once_in(2) => format!("(color: {}, density: {:?})", random.color(), random.share() / 8.0),
+        _ => String::new(),
+    }
+}
+
+fn camera(names: &[String], random: &mut Random) -> String {
+    let (x, y) = (random.number(), random.number());
+    let mut text = format!("(position: ({x:?}, {y:?}, -9)");
+    let name = |random: &mut Random| {
+        (!names.is_empty() && random.once_in(4)).then(|| names[random.index(names.len())].clone())
+    };
+    match (name(random), random.once_in(2)) {
+        (Some(name), _) => text += &format!(", look_at: \"{name}\""),
+        (None, true) => text += &format!(", target: ({:?}, 0, 0)", random.number()),
+        (None, false) => text += &format!(", view: ({:?}, 0.25, 8)", random.number()),
+    }
+    for link in ["parent", "follow"] {
+        if let Some(name) = name(random) {
+            text += &format!(", {link}: \"{name}\"");
+        }
+    }
+    match random.index(3) {
+        0 => text += ", screen: (distance: 1, height: 1)",
+        1 => text += &format!(", fov: {}", 30 + random.index(40)),
+        _ => {}
+    }
+    if random.once_in(3) {
+        text += &format!(", lens: (aperture: {:?}, focus: 8)", random.share());
+    }
+    if random.once_in(3) {
+        text += ", shutter: 0.5";
+    }
+    if random.once_in(3) {
+        text += &format!(", roll: {}", random.index(90));
+    }
+    text + ")"
+}
+
+fn material(random: &mut Random) -> String {
+    let mut text =
+        format!("(k_a: {:?}, k_d: {:?}, color: {}", random.share(), random.share(), random.color());
+    if random.once_in(4) {
+        text += &format!(", ambient_color: {}", random.color());
+    }
+    if random.once_in(3) {
+        text += &format!(", specular: (k_s: {:?}, shininess: {})", random.share(), random.index(50));
+    }
+    if random.once_in(3) {
+        text += &format!(", reflective: (k_r: {:?})", random.share());
+    }
+    if random.once_in(4) {
+        let rest = random.pick(&["", ", fresnel: true", ", absorption: (0.5, 0, 0.25)"]);
+        text += &format!(", refractive: (k_t: 0.75, ior: {:?}{rest})", 1.0 + random.share());
+    }
+    if random.once_in(6) {
+        text += &format!(", checker: (color: {}, size: {:?})", random.color(), 0.5 + random.share());
+    }
+    text + ")"
+}
+
+fn transform(random: &mut Random) -> String {
+    let mut text = format!("transform: (translation: {}", random.triple());
+    if random.once_in(3) {
+        text += &format!(", rotation: Euler{}", random.triple());
+    }
+    if random.once_in(3) {
+        text += random.pick(&[", scale: 2", ", scale: (1, 2, 0.5)", ", scale: -1"]);
+    }
+    text + ")"
+}
+
+fn field(which: usize, names: &[String], random: &mut Random) -> String {
+    match which {
+        0 if random.once_in(8) => String::new(),
+        0 => transform(random),
+        1 if names.is_empty() || !random.once_in(3) => String::new(),
+        1 => format!("parent: \"{}\"", names[random.index(names.len())]),
+        2 => {
+            let shape = match random.index(6) {
+                0 => return String::new(),
+                1 => format!("Plane(normal: (0, 1, {:?}))", random.number()),
+                2 | 3 => format!("Box(size: (1, {:?}, 2))", 0.5 + random.share()),
+                _ => format!("Sphere(radius: {:?})", 0.25 + random.share()),
+            };
+            format!("shape: {shape}, material: \"m{}\"", random.index(3))
+        }
+        _ => {
+            let intensity = random.light();
+            match random.index(10) {
+                8 => format!("light: Point(intensity: {intensity}, casts_shadows: false)"),
+                9 => format!(
+                    "light: Area(shape: Rectangle(width: 1, height: {:?}), intensity: {intensity}, samples: 3)",
+                    0.5 + random.share()
+                ),
+                0 => format!("light: Point(intensity: {intensity}, falloff: (1, 0, 0.125))"),
+                1 => {
+                    format!("light: Spot(intensity: {intensity}, angle: 90, softness: {:?})", random.share())
+                }
+                2 => format!("light: Directional(intensity: {intensity})"),
+                3 => format!("light: Area(shape: Sphere(radius: 0.5), intensity: {intensity}, samples: 2)"),
+                _ => String::new(),
+            }
+        }
+    }
+}
+
+fn animation(names: &[String], in_part: bool, random: &mut Random) -> String {
+    let keys = |from: String, to: String| format!("Keys([(0, {from}), (2, {to}, InOutSine)])");
+    let name = if names.is_empty() { String::new() } else { names[random.index(names.len())].clone() };
+    let (target, channel, track) = match random.index(if in_part { 8 } else { 12 }) {
+        0 => (name, "Translation", keys(random.triple(), random.triple())),
+        1 => (name, "Rotation", keys(format!("Euler{}", random.triple()), "Euler(0, 90, 0)".to_owned())),
+        2 => (
+            name,
+            random.pick(&["Radius", "Scale"]),
+            keys("1".to_owned(), format!("{:?}", 0.5 + random.share())),
+        ),
+        3 => (name, "Intensity", keys(random.light(), random.light())),
+        4 => {
+            let channel = random.pick(&["Ka", "Kd", "Kr", "Ks"]);
+            let keys = keys(format!("{:?}", random.share()), format!("{:?}", random.share()));
+            return format!("(material: \"m{}\", channel: {channel}, track: {keys})", random.index(3));
+        }
+        5 => {
+            let other = if names.is_empty() { "camera" } else { &names[random.index(names.len())] };
+            let script = match random.index(3) {
+                0 => "base + [0, sin(t), index]".to_owned(),
+                1 => "[floor(t), 0, 0]".to_owned(),
+                _ => format!("value(`{other}`, `Translation`) + [1, t, 0]"),
+            };
+            (name, "Translation", format!("Script(\"{script}\")"))
+        }
+        6 => {
+            let track =
+                format!("Path(points: [{}, {}, (0, 1, 0)], duration: 2)", random.triple(), random.triple());
+            let rest = random.pick(&["", ", repeat: Loop", ", offset: 0.25, speed: 2"]);
+            return format!("(target: \"{name}\", channel: Translation, track: {track}{rest})");
+        }
+        7 => (name, "Translation", format!("Orbit(center: {}, radius: 1, duration: 1.5)", random.triple())),
+        8 => ("camera".to_owned(), "Position", keys("(0, 1, -8)".to_owned(), "(2, 1, -8)".to_owned())),
+        9 => ("close".to_owned(), "Position", "Script(\"base + [t, index, 0]\")".to_owned()),
+        10 => ("scene".to_owned(), "Ambient", keys(random.light(), random.light())),
+        _ => ("scene".to_owned(), "FogDensity", keys("0".to_owned(), format!("{:?}", random.share()))),
+    };
+    format!("(target: \"{target}\", channel: {channel}, track: {track})")
+}

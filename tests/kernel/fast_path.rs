@@ -1,0 +1,248 @@
+//! Random scenes with random effects: the kernel that a scene's plan chooses, the kernel with everything compiled in and the
+//! reference path make the same pictures, bit for bit, and never a number that is not finite.
+
+use glam::{DQuat, DVec3};
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+
+use rayreel::animation::{Easing, Key, Track};
+use rayreel::components::{
+    Ambient, Animated, AreaShape, Background, Camera, Channel, Checker, Falloff, FilmSettings, Fog, Lens,
+    Light, LightKind, Material, Projection, Property, Quality, Reflective, Refractive, Sampling, Shape,
+    Specular, Transform, View,
+};
+use rayreel::{Engine, Film, Rgb, Time, World};
+
+/// Which effects a scene may have, beside what every scene has.
+#[derive(Clone, Copy, Debug)]
+struct Effects {
+    lights: bool,
+    mirrors: bool,
+    glass: bool,
+    checker: bool,
+    area_lights: bool,
+    fog: bool,
+    gradient: bool,
+    motion: bool,
+}
+
+#[derive(Clone, Debug)]
+struct Thing {
+    shape: Shape,
+    transform: Transform,
+    color: [f32; 3],
+    /// k_d; 0 leaves highlights alone.
+    diffuse: f32,
+    specular: Option<Specular>,
+    mirror: bool,
+    glass: Option<Refractive>,
+    checker: Option<Checker>,
+    /// Where it is after a second, where things move.
+    later: DVec3,
+}
+
+/// Coordinates that often coincide, so that faces are flush, shapes equal and origins on surfaces.
+fn coordinate() -> impl Strategy<Value = f64> {
+    prop_oneof![3 => (-4i32..=4).prop_map(f64::from), 2 => -4.0..4.0f64, 1 => (-8i32..=8).prop_map(|half| f64::from(half) / 2.0)]
+}
+
+fn point() -> impl Strategy<Value = DVec3> {
+    (coordinate(), coordinate(), coordinate()).prop_map(DVec3::from)
+}
+
+fn length() -> impl Strategy<Value = f64> {
+    prop_oneof![4 => Just(1.0), 2 => 0.05..3.0f64, 1 => Just(1e-6), 1 => Just(1e7)]
+}
+
+fn shape() -> impl Strategy<Value = Shape> {
+    prop_oneof![
+        3 => length().prop_map(|radius| Shape::Sphere { radius }),
+        3 => (length(), length(), length()).prop_map(|size| Shape::Box { size: size.into() }),
+        1 => prop_oneof![Just(DVec3::Y), Just(DVec3::X), point()].prop_map(|normal| Shape::Plane {
+            normal: if normal == DVec3::ZERO { DVec3::Z } else { normal },
+        }),
+    ]
+}
+
+fn transform() -> impl Strategy<Value = Transform> {
+    let rotation = prop_oneof![2 => Just(DQuat::IDENTITY), 1 => (point(), coordinate()).prop_map(|(axis, w)| {
+        DQuat::from_xyzw(axis.x, axis.y, axis.z, w + 0.1).normalize()
+    })];
+    let scale = prop_oneof![3 => Just(DVec3::ONE), 1 => Just(DVec3::splat(-0.5)), 1 => (0.1..2.0f64, 0.1..2.0f64, -2.0..-0.1f64).prop_map(DVec3::from)];
+    (point(), rotation, scale).prop_map(|(translation, rotation, scale)| Transform {
+        translation,
+        rotation,
+        scale,
+    })
+}
+
+fn specular() -> impl Strategy<Value = Option<Specular>> {
+    let exponent = prop_oneof![Just(0.0), Just(1.0), 1.0..200.0f32, Just(Specular::LARGEST_SHININESS)];
+    let some = (prop_oneof![Just(0.0), 0.1..1.0f32], exponent);
+    prop::option::of(some.prop_map(|(k_s, shininess)| Specular { k_s, shininess }))
+}
+
+fn glass() -> impl Strategy<Value = Option<Refractive>> {
+    let ior = prop_oneof![3 => Just(1.5), 1 => Just(1.0), 1 => 0.5..2.5f64];
+    let absorption = prop_oneof![2 => Just(Rgb::ZERO), 1 => Just(Rgb::new(0.0, 0.3, 2.0))];
+    let some = (prop_oneof![1 => Just(0.0f32), 4 => 0.3..1.0f32], ior, absorption, any::<bool>());
+    let some = some.prop_map(|(k_t, ior, absorption, fresnel)| Refractive { k_t, ior, absorption, fresnel });
+    prop::option::weighted(0.4, some)
+}
+
+fn checker() -> impl Strategy<Value = Option<Checker>> {
+    let size = prop_oneof![2 => Just(1.0), 1 => 0.05..2.0f64];
+    prop::option::of(size.prop_map(|size| Checker { color: Rgb::new(0.9, 0.1, 0.4), size }))
+}
+
+fn things() -> impl Strategy<Value = Vec<Thing>> {
+    let diffuse = prop_oneof![1 => Just(0.0), 3 => Just(0.7f32)];
+    let surface = ([0.0..1.0f32, 0.0..1.0, 0.0..1.0], diffuse, specular(), any::<bool>(), glass(), checker());
+    let thing = (shape(), transform(), surface, point()).prop_map(|(shape, transform, surface, later)| {
+        let (color, diffuse, specular, mirror, glass, checker) = surface;
+        Thing { shape, transform, color, diffuse, specular, mirror, glass, checker, later }
+    });
+    prop::collection::vec(thing, 0..40)
+}
+
+fn effects() -> impl Strategy<Value = Effects> {
+    let some = prop::bool::weighted;
+    (some(0.85), some(0.5), some(0.4), some(0.3), some(0.3), some(0.25), some(0.3), some(0.25)).prop_map(
+        |(lights, mirrors, glass, checker, area_lights, fog, gradient, motion)| Effects {
+            lights,
+            mirrors,
+            glass,
+            checker,
+            area_lights,
+            fog,
+            gradient,
+            motion,
+        },
+    )
+}
+
+/// A light, and where it is.
+fn light() -> impl Strategy<Value = (Light, Transform)> {
+    let falloff =
+        prop_oneof![Just((1.0, 0.0, 0.0)), Just((1e-300, 0.0, 0.0)), (0.1..1.0, 0.0..1.0, 0.0..1.0f64)]
+            .prop_map(|(constant, linear, quadratic)| Falloff { constant, linear, quadratic });
+    let options = (prop::bool::weighted(0.8), prop::option::of(falloff));
+    let kind = prop_oneof![
+        Just(LightKind::Point),
+        point().prop_map(|direction| LightKind::Directional { direction }),
+        (0.1..3.2f64, prop_oneof![Just(0.0), Just(1.0), 0.0..1.0])
+            .prop_map(|(angle, softness)| LightKind::Spot { angle, softness }),
+        (0.0..1.0f64, 1..4u32)
+            .prop_map(|(radius, samples)| LightKind::Area { shape: AreaShape::Sphere { radius }, samples }),
+        (0.0..3.0f64, 1..4u32).prop_map(|(width, samples)| {
+            LightKind::Area { shape: AreaShape::Rectangle { width, height: 0.5 }, samples }
+        }),
+    ];
+    (kind, options, transform()).prop_map(|(kind, (casts_shadows, falloff), transform)| {
+        (Light { casts_shadows, falloff, ..Light::new(kind, Rgb::splat(0.6)) }, transform)
+    })
+}
+
+fn world(
+    effects: Effects,
+    things: &[Thing],
+    lights: &[(Light, Transform)],
+    eye: DVec3,
+    samples: u32,
+    cutoff: f32,
+) -> World {
+    let mut world = World::new();
+    for thing in things {
+        let color = Rgb::from_array(thing.color);
+        let material = Material { k_a: 0.3, k_d: thing.diffuse, color, ambient_color: None };
+        let entity = world.spawn((thing.shape, thing.transform, material));
+        if let Some(specular) = thing.specular {
+            world.insert_one(entity, specular).unwrap();
+        }
+        if thing.mirror && effects.mirrors {
+            world.insert_one(entity, Reflective { k_r: 0.5 }).unwrap();
+        }
+        if let Some(glass) = thing.glass.filter(|_| effects.glass) {
+            world.insert_one(entity, glass).unwrap();
+        }
+        if let Some(checker) = thing.checker.filter(|_| effects.checker) {
+            world.insert_one(entity, checker).unwrap();
+        }
+        if effects.motion {
+            let key = |time, value| Key { time, value, easing: Easing::Linear };
+            let track = Track::new(vec![key(0.0, thing.transform.translation), key(1.0, thing.later)]);
+            world
+                .insert_one(entity, Animated(vec![Channel::new(Property::Translation, track.unwrap())]))
+                .unwrap();
+        }
+    }
+    for (light, transform) in lights.iter().filter(|_| effects.lights) {
+        let is_area = matches!(light.kind, LightKind::Area { .. });
+        if effects.area_lights || !is_area {
+            world.spawn((*light, *transform));
+        }
+    }
+    let projection = Projection::FieldOfView { vertical: 1.2 };
+    world.spawn((Camera {
+        position: eye,
+        view: View::Target(DVec3::new(0.0, 0.5, 0.0)),
+        up: DVec3::Y,
+        roll: 0.0,
+        projection,
+        lens: (samples > 2).then_some(Lens { aperture: 0.3, focus: 4.0 }),
+        shutter: effects.motion.then_some(0.5),
+    },));
+    let flat = Background::Flat(Rgb::new(0.1, 0.2, 0.3));
+    let gradient = Background::Gradient { bottom: Rgb::new(0.3, 0.2, 0.1), top: Rgb::new(0.1, 0.4, 0.9) };
+    let settings = world.spawn((
+        FilmSettings { width: 32, height: 18, ..FilmSettings::default() },
+        Ambient(Rgb::splat(0.4)),
+        if effects.gradient { gradient } else { flat },
+        Quality { depth: 4, cutoff },
+        Sampling { samples, instants: 3, ..Sampling::default() },
+    ));
+    if effects.fog {
+        world.insert_one(settings, Fog { color: Rgb::splat(0.7), density: 0.1 }).unwrap();
+    }
+    world
+}
+
+fn assert_same(found: &Film, expected: &Film) -> Result<(), TestCaseError> {
+    prop_assert!(found.pixels().iter().all(|pixel| pixel.is_finite()));
+    for (index, (found, expected)) in found.pixels().iter().zip(expected.pixels()).enumerate() {
+        prop_assert_eq!(found, expected, "pixel ({}, {})", index % 32, index / 32);
+    }
+    Ok(())
+}
+
+/// `RAYREEL_CASES` asks for more than the usual few hundred.
+fn cases() -> u32 {
+    std::env::var("RAYREEL_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(400)
+}
+
+/// The same cases every time, unless more of them are asked for.
+fn seed() -> RngSeed {
+    if std::env::var_os("RAYREEL_CASES").is_some() { RngSeed::Random } else { RngSeed::Fixed(2026) }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: cases(), failure_persistence: None, rng_seed: seed(), ..ProptestConfig::default() })]
+
+    #[test]
+    fn planned_full_and_reference_kernels_agree(
+        effects in effects(),
+        things in things(),
+        lights in prop::collection::vec(light(), 0..4),
+        eye in point(),
+        samples in prop_oneof![3 => Just(1), 1 => 2..=4u32],
+        cutoff in prop_oneof![Just(0.0f32), Just(0.25), Just(20.0)],
+    ) {
+        let mut engine = Engine::new(world(effects, &things, &lights, eye, samples, cutoff));
+        let reference = engine.render_reference(Time::ZERO).unwrap();
+        let planned = engine.render_at(Time::ZERO).unwrap();
+        assert_same(&planned, &reference)?;
+        engine.set_full(true);
+        let full = engine.render_at(Time::ZERO).unwrap();
+        assert_same(&full, &reference)?;
+    }
+}

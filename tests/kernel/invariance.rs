@@ -1,0 +1,216 @@
+//! Whole pictures do not depend on where a scene is, which way it is turned and how large it is; a mirrored scene gives the
+//! mirrored picture.
+
+use std::path::{Path, PathBuf};
+
+use glam::{DQuat, DVec3};
+use hecs::{Or, With, Without};
+
+use rayreel::components::{
+    Background, Camera, Checker, FilmSettings, Fog, Light, LightKind, Parent, Refractive, Sampling, Shape,
+    Transform, View,
+};
+use rayreel::{Engine, Film};
+
+fn scenes() -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")).unwrap();
+    let mut scenes: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    scenes.retain(|path| path.is_file());
+    scenes.sort();
+    scenes
+}
+
+/// The scene's middle frame with everything, the camera too, scaled and then moved.
+fn picture(path: &Path, scale: f64, offset: DVec3) -> Film {
+    let mut engine = Engine::load(path).unwrap();
+    for film in engine.world_mut().query_mut::<&mut FilmSettings>() {
+        *film = FilmSettings { width: 160, height: 90, ..*film };
+    }
+    engine.add_system(move |context| {
+        for transform in context.world.query_mut::<hecs::Without<&mut Transform, &Parent>>() {
+            transform.translation = transform.translation * scale + offset;
+            transform.scale *= scale;
+        }
+        for light in context.world.query_mut::<&mut Light>() {
+            if let Some(falloff) = &mut light.falloff {
+                falloff.linear /= scale;
+                falloff.quadratic /= scale * scale;
+            }
+        }
+        // What has a parent goes along with it.
+        for camera in context.world.query_mut::<hecs::Without<&mut Camera, &Parent>>() {
+            camera.position = camera.position * scale + offset;
+            if let View::Target(target) = &mut camera.view {
+                *target = *target * scale + offset;
+            }
+        }
+        for camera in context.world.query_mut::<&mut Camera>() {
+            if let Some(lens) = &mut camera.lens {
+                lens.aperture *= scale;
+                lens.focus *= scale;
+            }
+        }
+        for fog in context.world.query_mut::<&mut Fog>() {
+            fog.density /= scale;
+        }
+        for refractive in context.world.query_mut::<&mut Refractive>() {
+            refractive.absorption = (refractive.absorption.as_dvec3() / scale).as_vec3();
+        }
+    });
+    let middle = engine.timeline().frame_count() / 2;
+    engine.render_frame(middle).unwrap()
+}
+
+/// What is done to a whole scene, its camera included.
+#[derive(Clone, Copy, Debug)]
+enum Motion {
+    Stay,
+    /// By a quarter turn about an axis.
+    Turn(DVec3),
+    /// At the plane x = 0. Squares swap their colours, so that there are none.
+    Mirror,
+}
+
+/// The scene's middle frame after the motion, without what refers to the world's own axes or is drawn by lot: all of a blend
+/// is its top, all lights shine from points, and no camera has a lens or a shutter.
+fn moved(path: &Path, motion: Motion, checkers: bool) -> (Film, rayreel::trace::Camera) {
+    let mut engine = Engine::load(path).unwrap();
+    let world = engine.world_mut();
+    for film in world.query_mut::<&mut FilmSettings>() {
+        *film = FilmSettings { width: 160, height: 90, ..*film };
+    }
+    for sampling in world.query_mut::<&mut Sampling>() {
+        sampling.samples = 1;
+    }
+    for background in world.query_mut::<&mut Background>() {
+        if let Background::Gradient { top, .. } = *background {
+            *background = Background::Flat(top);
+        }
+    }
+    let checkered: Vec<hecs::Entity> =
+        world.query_mut::<With<hecs::Entity, &Checker>>().into_iter().collect();
+    for entity in checkered.into_iter().filter(|_| !checkers) {
+        world.remove_one::<Checker>(entity).unwrap();
+    }
+    if let Motion::Turn(axis) = motion {
+        let roots: Vec<hecs::Entity> = world
+            .query_mut::<Without<(hecs::Entity, Or<Or<&Transform, &Shape>, Or<&Light, &Camera>>), &Parent>>()
+            .into_iter()
+            .map(|(entity, _)| entity)
+            .collect();
+        let rotation = DQuat::from_axis_angle(axis, std::f64::consts::FRAC_PI_2);
+        let pivot = world.spawn((Transform { rotation, ..Transform::IDENTITY },));
+        for root in roots {
+            world.insert_one(root, Parent(pivot)).unwrap();
+        }
+    }
+    engine.add_system(move |context| {
+        for light in context.world.query_mut::<&mut Light>() {
+            if let LightKind::Area { .. } = light.kind {
+                light.kind = LightKind::Point;
+            }
+        }
+        for camera in context.world.query_mut::<&mut Camera>() {
+            (camera.lens, camera.shutter) = (None, None);
+        }
+        if let Motion::Mirror = motion {
+            mirror(context.world);
+        }
+    });
+    let middle = engine.timeline().frame_count() / 2;
+    let film = engine.render_frame(middle).unwrap();
+    (film, *engine.camera().unwrap())
+}
+
+/// Every space is mirrored at its own x = 0, so that the world is.
+fn mirror(world: &mut hecs::World) {
+    let across = DVec3::new(-1.0, 1.0, 1.0);
+    for transform in world.query_mut::<&mut Transform>() {
+        let DQuat { x, y, z, w } = transform.rotation;
+        transform.translation *= across;
+        transform.rotation = DQuat::from_xyzw(x, -y, -z, w);
+    }
+    for shape in world.query_mut::<&mut Shape>() {
+        if let Shape::Plane { normal } = shape {
+            *normal *= across;
+        }
+    }
+    for light in world.query_mut::<&mut Light>() {
+        if let LightKind::Directional { direction } = &mut light.kind {
+            *direction *= across;
+        }
+    }
+    for camera in world.query_mut::<&mut Camera>() {
+        camera.position *= across;
+        camera.up *= across;
+        camera.roll = -camera.roll;
+        let (View::Direction(towards) | View::Target(towards)) = &mut camera.view;
+        *towards *= across;
+    }
+}
+
+/// Left and right swapped.
+fn flipped(film: &Film) -> Film {
+    let (width, height) = (film.width(), film.height());
+    let pixels: Vec<_> =
+        (0..width * height).map(|at| film.pixel(width - 1 - at % width, at / width)).collect();
+    Film::from_pixels(width, height, pixels.into_iter())
+}
+
+/// The share of pixels that differ by more than an output code in any channel.
+fn difference(one: &Film, other: &Film) -> f64 {
+    let differ =
+        |pair: &(&rayreel::Rgb, &rayreel::Rgb)| (*pair.0 - *pair.1).abs().max_element() > 1.0 / 255.0;
+    let count = one.pixels().iter().zip(other.pixels()).filter(differ).count();
+    count as f64 / one.pixels().len() as f64
+}
+
+#[test]
+fn a_power_of_two_changes_no_bit() {
+    for path in scenes() {
+        let plain = picture(&path, 1.0, DVec3::ZERO);
+        for exponent in [-60, 60] {
+            let scaled = picture(&path, libm::ldexp(1.0, exponent), DVec3::ZERO);
+            assert!(scaled == plain, "{} times 2^{exponent}", path.display());
+        }
+    }
+}
+
+#[test]
+fn other_scales_and_places_change_next_to_nothing() {
+    for path in scenes() {
+        let plain = picture(&path, 1.0, DVec3::ZERO);
+        for (scale, offset) in [
+            (1e-6, DVec3::ZERO),
+            (1e9, DVec3::ZERO),
+            (1.0, DVec3::new(1e7, -1e7, 1e7)),
+            (1.0, DVec3::splat(5e8)),
+        ] {
+            let share = difference(&plain, &picture(&path, scale, offset));
+            assert!(share <= 1e-4, "{} times {scale} plus {offset}: {} %", path.display(), 100.0 * share);
+        }
+    }
+}
+
+#[test]
+fn quarter_turns_change_next_to_nothing() {
+    for path in scenes() {
+        let (plain, camera) = moved(&path, Motion::Stay, true);
+        for axis in DVec3::AXES {
+            let (turned, turned_camera) = moved(&path, Motion::Turn(axis), true);
+            assert_ne!(turned_camera, camera, "{} is not turned about {axis}", path.display());
+            let share = difference(&plain, &turned);
+            assert!(share <= 1e-4, "{} about {axis}: {} %", path.display(), 100.0 * share);
+        }
+    }
+}
+
+#[test]
+fn a_mirrored_scene_gives_the_mirrored_picture() {
+    for path in scenes() {
+        let (plain, camera) = moved(&path, Motion::Stay, false);
+        let (mirrored, mirrored_camera) = moved(&path, Motion::Mirror, false);
+        assert_ne!((&mirrored, mirrored_camera), (&plain, camera), "{} is not mirrored", path.display());
+        assert!(flipped(&mirrored) == plain, "{}", path.display());
+    }
+}
