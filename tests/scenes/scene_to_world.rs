@@ -1,7 +1,5 @@
 //! What a scene file says is what the world's components hold, then and at every moment.
 
-#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
-
 use rayreel::color::Transfer;
 use rayreel::components::{
     AreaShape, Background, Camera, Checker, Falloff, FilmSettings, Fog, Light, LightKind, Name, Noise,

@@ -3,9 +3,7 @@
 //! start on several surfaces at once. Wrong answers there show as speckles, light leaks and dark seams.
 //!
 //! On a mismatch the actual, the expected and a difference picture are written to `target/golden_mismatches/`.
-//! `RAYREEL_BLESS=1 cargo test --test goldens` writes the goldens anew; look at them before you keep them.
-
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
+//! `RAYREEL_BLESS=1 cargo test --test scenes goldens` writes the goldens anew; look at them before you keep them.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,19 +14,9 @@ use rayreel::components::FilmSettings;
 use rayreel::output::{FrameFormat, encode};
 use rayreel::{Engine, Film};
 
+use crate::{root, scenes_in};
+
 const SIZE: (u32, u32) = (320, 180);
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
-
-fn scenes_in(folder: &str) -> Vec<PathBuf> {
-    let entries = fs::read_dir(root().join(folder)).unwrap().map(|entry| entry.unwrap().path());
-    let mut scenes: Vec<PathBuf> =
-        entries.filter(|path| path.extension().is_some_and(|end| end == "ron")).collect();
-    scenes.sort();
-    scenes
-}
 
 fn scenes() -> Vec<PathBuf> {
     scenes_in("scenes")

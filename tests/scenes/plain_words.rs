@@ -4,8 +4,6 @@
 //! Every word, number, text and sign of a scene that has every form of value is taken away, doubled, and put in the place of
 //! by what people write by mistake; every field is left out, written twice, and misspelled.
 
-#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
-
 use std::collections::BTreeSet;
 use std::ops::Range;
 

@@ -1,8 +1,6 @@
 //! Scenes of several files: what they are made of, in which order, and where it came from. A scene with includes is the
 //! scene that one would have written flat, to the last bit.
 
-#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
-
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};

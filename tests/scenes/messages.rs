@@ -1,28 +1,14 @@
 //! Every scene under `tests/bad_scenes/`, and every scene of several files under `tests/bad_includes/`, against the exact
 //! message it must produce, which stands beside it.
 //!
-//! `RAYREEL_BLESS=1 cargo test --test messages` writes the messages anew; look at what changed before you keep it.
-
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
+//! `RAYREEL_BLESS=1 cargo test --test scenes messages` writes the messages anew; look at what changed before you keep it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use rayreel::Scene;
 
-fn paths_in(folder: &str) -> Vec<PathBuf> {
-    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
-    let mut paths: Vec<PathBuf> =
-        fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().path()).collect();
-    paths.sort();
-    paths
-}
-
-fn bad_scenes() -> Vec<PathBuf> {
-    let mut scenes = paths_in("tests/bad_scenes");
-    scenes.retain(|path| path.extension().is_some_and(|end| end == "ron"));
-    scenes
-}
+use crate::{paths_in, root, scenes_in};
 
 /// Each in a folder of its own, with the files it includes.
 fn bad_includes() -> Vec<PathBuf> {
@@ -31,14 +17,13 @@ fn bad_includes() -> Vec<PathBuf> {
 
 /// The message for a path, with the path as a reader of the repository would write it.
 fn message(path: &Path) -> String {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let error = Scene::load(path).err().unwrap_or_else(|| panic!("{} is not bad", path.display()));
-    error.to_string().replace(&format!("{}/", root.display()), "") + "\n"
+    error.to_string().replace(&format!("{}/", root().display()), "") + "\n"
 }
 
 #[test]
 fn every_bad_scene_says_what_is_wrong_with_it() {
-    let (scenes, of_several_files) = (bad_scenes(), bad_includes());
+    let (scenes, of_several_files) = (scenes_in("tests/bad_scenes"), bad_includes());
     assert!(scenes.len() >= 30 && of_several_files.len() >= 7);
     let bless = std::env::var_os("RAYREEL_BLESS").is_some();
     let mut wrong = Vec::new();
@@ -58,7 +43,7 @@ fn every_bad_scene_says_what_is_wrong_with_it() {
 
 #[test]
 fn five_mistakes_of_meaning_are_reported_at_once() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad_scenes/five_mistakes.ron");
+    let path = root().join("tests/bad_scenes/five_mistakes.ron");
     let error = Scene::load(&path).err().unwrap();
     let lines: Vec<usize> = error.mistakes().map(|mistake| mistake.place.unwrap().line).collect();
     assert_eq!(lines, [2, 3, 5, 6, 6]);
@@ -67,13 +52,12 @@ fn five_mistakes_of_meaning_are_reported_at_once() {
 
 #[test]
 fn a_directory_and_a_missing_file_are_named() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     assert_eq!(
-        message(&root.join("tests/bad_scenes")),
+        message(&root().join("tests/bad_scenes")),
         "error: `tests/bad_scenes` is a directory\n--> tests/bad_scenes\n = help: name a scene file, such as one that ends in .ron\n"
     );
     assert_eq!(
-        message(&root.join("scenes/first_ligth.ron")),
+        message(&root().join("scenes/first_ligth.ron")),
         "error: there is no file `scenes/first_ligth.ron`\n--> scenes/first_ligth.ron\n = help: did you mean `scenes/first_light.ron`?\n"
     );
 }

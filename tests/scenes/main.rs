@@ -1,0 +1,30 @@
+//! Scenes as files: what they become in a world and in pictures, what they include, and what is said of those that are wrong.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
+
+mod goldens;
+mod includes;
+mod messages;
+mod plain_words;
+mod scene_to_world;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// What a folder of the repository holds.
+fn paths_in(folder: &str) -> Vec<PathBuf> {
+    let entries = fs::read_dir(root().join(folder)).unwrap();
+    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    paths
+}
+
+fn scenes_in(folder: &str) -> Vec<PathBuf> {
+    let mut scenes = paths_in(folder);
+    scenes.retain(|path| path.extension().is_some_and(|end| end == "ron"));
+    scenes
+}
