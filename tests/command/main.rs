@@ -1,8 +1,17 @@
-//! `rayreel` as a process among others: it is killed and sent signals, shares folders, meets devices and full disks, and prints
-//! names that terminals would obey.
+//! The `rayreel` command: its subcommands, as a person or a script meets them, and as a process among others.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
-#![cfg(unix)]
+
+mod explain;
+mod explain_path;
+mod probe;
+#[cfg(unix)]
+mod process;
+mod sheet;
+#[cfg(unix)]
+#[path = "../shared/splitmix.rs"]
+mod splitmix;
+mod usage;
 
 use std::ffi::OsStr;
 use std::fs;
@@ -12,17 +21,11 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-mod full;
-mod inputs;
-mod kills;
-mod signals;
-mod terminal;
-
 const FIRST_LIGHT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/first_light.ron");
 const RAYREEL: &str = env!("CARGO_BIN_EXE_rayreel");
 
 /// What must happen does so long before, even on a machine that is busy with other things.
-const AT_MOST: Duration = Duration::from_secs(60);
+const AT_MOST: Duration = Duration::from_secs(300);
 
 /// A command in a folder, of which everything is heard.
 fn command(program: &str, folder: &Path) -> Command {
@@ -34,6 +37,13 @@ fn command(program: &str, folder: &Path) -> Command {
 /// `rayreel` with these arguments, until it ends by itself.
 fn rayreel<A: AsRef<OsStr>>(folder: &Path, arguments: impl IntoIterator<Item = A>) -> Output {
     output_of(command(RAYREEL, folder).args(arguments).spawn().unwrap())
+}
+
+/// What `rayreel` tells with these arguments, where it must succeed.
+fn told<A: AsRef<OsStr>>(folder: &Path, arguments: impl IntoIterator<Item = A>) -> String {
+    let output = rayreel(folder, arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
 }
 
 /// Waits for a process to end, and fails if it does not.
@@ -73,12 +83,14 @@ fn files(folder: &Path) -> Vec<String> {
     names
 }
 
+#[cfg(unix)]
 fn signal(child: &Child, name: &str) {
     let status = Command::new("kill").args(["-s", name, &child.id().to_string()]).status().unwrap();
     assert!(status.success());
 }
 
 /// Waits until it is so.
+#[cfg(unix)]
 fn until(what: &str, mut is: impl FnMut() -> bool) {
     let start = Instant::now();
     while !is() {

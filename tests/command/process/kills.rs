@@ -10,6 +10,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::Instant;
 
+use crate::splitmix::Random;
 use crate::{AT_MOST, FIRST_LIGHT, RAYREEL, all_of, command, output_of, rayreel, text};
 
 const ARGUMENTS: [&str; 5] = ["render", FIRST_LIGHT, "--size", "64x36", "--out"];
@@ -74,7 +75,7 @@ fn killed_processes_tear_no_frame_and_leave_nothing_after_the_next_run() {
     if prefix.is_empty() {
         println!("PID namespaces are not allowed: both processes are in this one");
     }
-    let mut random = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut random = Random(1);
     let (mut left, mut checked) = (0, 0);
     let mut check = || {
         let (frames, hidden) = seen(&out);
@@ -88,8 +89,7 @@ fn killed_processes_tear_no_frame_and_leave_nothing_after_the_next_run() {
         let running = [start(&prefix, folder), start(&prefix, folder)];
         for child in running {
             // From the start until after the end.
-            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            let share = (random >> 40) as f64 / (1 << 24) as f64;
+            let share = (random.bits() >> 40) as f64 / (1 << 24) as f64;
             sleep(whole_run.min(AT_MOST).mul_f64(share));
             kill(child);
             check();

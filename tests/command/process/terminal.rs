@@ -8,6 +8,7 @@ use std::process::Output;
 
 use rayreel::Scene;
 
+use crate::splitmix::Random;
 use crate::{rayreel, text};
 
 /// Colours, a title, the same as one character each, what deletes, goes back or turns the direction, and a line of one's own.
@@ -28,30 +29,15 @@ const PARTS: [&str; 14] = [
     "\u{e4}\u{1F600}",
 ];
 
-/// Splitmix64.
-struct Random(u64);
-
 impl Random {
-    fn below(&mut self, count: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut bits = self.0;
-        bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ bits >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        usize::try_from((bits ^ bits >> 31) % count as u64).unwrap()
-    }
-
     fn evil(&mut self) -> String {
-        let count = 1 + self.below(4);
-        (0..count).map(|_| PARTS[self.below(PARTS.len())]).collect()
+        let count = 1 + self.index(4);
+        (0..count).map(|_| PARTS[self.index(PARTS.len())]).collect()
     }
 
     /// As a text in a scene or a script: as it is, or escaped there.
     fn quoted(&mut self, text: &str) -> String {
-        if self.below(2) == 0 {
-            text.to_owned()
-        } else {
-            text.chars().flat_map(char::escape_unicode).collect()
-        }
+        if self.once_in(2) { text.to_owned() } else { text.chars().flat_map(char::escape_unicode).collect() }
     }
 }
 

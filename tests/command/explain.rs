@@ -1,14 +1,12 @@
 //! `rayreel explain`, on a scene whose effects come and go over its timeline, and whose rays and colours can be counted by
 //! hand.
 
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
-
 use std::fs;
 use std::process::Output;
 
-use assert_cmd::Command;
 use serde_json::{Value, json};
-use tempfile::TempDir;
+
+use crate::{rayreel, text, told};
 
 /// A floor that fills the picture, seen and lit from straight above, and a marble that nobody sees. Of full white, 0.2 is
 /// ambient, and more is added between two frames: 0.4 is diffuse from frame 3 on, 0.2 mirrored from 5 on, 0.2 a highlight as
@@ -45,15 +43,10 @@ const CAMERA: f64 = 64.0 * 36.0 * 4.0;
 
 /// In a folder with the scene.
 fn explain(arguments: &[&str]) -> Output {
-    let folder: TempDir = tempfile::tempdir().unwrap();
+    let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("scene.ron"), COMING_AND_GOING).unwrap();
     fs::write(folder.path().join("broken.ron"), "Scene(camra: ())").unwrap();
-    let mut command = Command::cargo_bin("rayreel").unwrap();
-    command.current_dir(folder.path()).arg("explain").args(arguments).output().unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
+    rayreel(folder.path(), [&["explain"], arguments].concat())
 }
 
 fn explained(arguments: &[&str]) -> Value {
@@ -306,11 +299,7 @@ fn of_very_many_frames_some_are_looked_at() {
     let folder = tempfile::tempdir().unwrap();
     let (before, after) = ("(fps: 10, duration: 1)", "(fps: 1000000, duration: 100)");
     fs::write(folder.path().join("long.ron"), COMING_AND_GOING.replace(before, after)).unwrap();
-    let explain = |arguments: &[&str]| {
-        let mut command = Command::cargo_bin("rayreel").unwrap();
-        command.current_dir(folder.path()).args(["explain", "long.ron"]).args(arguments);
-        text(&command.assert().success().get_output().stdout)
-    };
+    let explain = |arguments: &[&str]| told(folder.path(), [&["explain", "long.ron"], arguments].concat());
     let told: Value = serde_json::from_str(&explain(&["--json"])).unwrap();
     assert_eq!((&told["frames"], &told["spread_over"]), (&json!(10_000), &json!(100_000_000)));
     assert_eq!(told["measured"]["frames"].as_array().unwrap().last(), Some(&json!(99_999_999)));

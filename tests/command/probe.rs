@@ -1,9 +1,7 @@
 //! `rayreel probe`: what it tells of a pixel is what the picture shows, and what it tells of rays is what the engine says.
 //!
-//! Its trees are held against `tests/probe/*.txt`. `RAYREEL_BLESS=1 cargo test --test probe` writes them anew; look at what
-//! changed before you keep it.
-
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
+//! Its trees are held against `tests/probe/*.txt`. `RAYREEL_BLESS=1 cargo test --test command probe` writes them anew; look
+//! at what changed before you keep it.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -18,6 +16,8 @@ use serde_json::{Value, json};
 use rayreel::components::{FilmSettings, Name};
 use rayreel::{Engine, Film, Ray, Time};
 
+use crate::{RAYREEL, command, text};
+
 const HEADER: &str = "hit,entity,t,px,py,pz,nx,ny,nz";
 
 fn root() -> &'static Path {
@@ -29,10 +29,6 @@ fn probe(arguments: &[&str], input: &str) -> Output {
     let mut command = Command::cargo_bin("rayreel").unwrap();
     command.current_dir(root().join("tests/probe")).arg("probe").args(arguments);
     command.write_stdin(input).output().unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
 }
 
 /// The results of a call that must succeed.
@@ -123,13 +119,8 @@ fn the_bytes_are_those_of_the_frame_file() {
             (["--frames", "10"], format!("{name}.0010.png")),
             (["--at", "0.3"], format!("{name}.at-0.3s.png")),
         ] {
-            let rendered = Command::cargo_bin("rayreel")
-                .unwrap()
-                .current_dir(folder.path())
-                .args([&["render", scene, "--out", "o"], size.as_slice(), when.as_slice()].concat())
-                .output()
-                .unwrap();
-            assert!(rendered.status.success(), "{}", text(&rendered.stderr));
+            let arguments = [&["render", scene, "--out", "o"], size.as_slice(), when.as_slice()].concat();
+            crate::told(folder.path(), arguments);
             let picture = image::open(folder.path().join("o").join(&file)).unwrap().to_rgb8();
             let when = [if when[0] == "--frames" { "--frame" } else { when[0] }, when[1]];
             for (i, j) in [(0, 0), (63, 35), (32, 18), (20, 25), (41, 14)] {
@@ -472,14 +463,9 @@ fn wrong_wishes_are_answered_with_what_would_be_right() {
 
 #[test]
 fn a_reader_that_goes_away_ends_it_quietly() {
-    let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("rayreel"))
-        .current_dir(root())
-        .args(["probe", "scenes/first_light.ron", "--rays", "-"])
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let mut probe = command(RAYREEL, root());
+    probe.args(["probe", "scenes/first_light.ron", "--rays", "-"]).stdin(Stdio::piped());
+    let mut child = probe.spawn().unwrap();
     let mut input = child.stdin.take().unwrap();
     let lines = csv_of(&many_rays(8_192));
     // Until nobody listens any more.

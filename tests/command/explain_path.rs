@@ -1,11 +1,9 @@
 //! `rayreel explain --path`: the drawing of a camera's path.
 
-#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
-
 use std::fs;
 use std::path::Path;
 
-use assert_cmd::Command;
+use crate::{rayreel, text, told};
 
 /// A circle of radius 5, around a ball and a box on a floor, once in 4 seconds.
 const AROUND: &str = r#"Scene(
@@ -24,11 +22,9 @@ const AROUND: &str = r#"Scene(
 fn explain(arguments: &[&str]) -> (String, String) {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("around.ron"), AROUND).unwrap();
-    let mut command = Command::cargo_bin("rayreel").unwrap();
-    command.current_dir(folder.path()).args(["explain", "around.ron", "--path", "path.svg"]).args(arguments);
-    let output = command.assert().success().get_output().stdout.clone();
-    let drawing = fs::read_to_string(folder.path().join("path.svg")).unwrap();
-    (String::from_utf8(output).unwrap(), drawing)
+    let fixed = ["explain", "around.ron", "--path", "path.svg"];
+    let told = told(folder.path(), [&fixed[..], arguments].concat());
+    (told, fs::read_to_string(folder.path().join("path.svg")).unwrap())
 }
 
 /// An element with its attributes as they are written, and its text.
@@ -169,9 +165,8 @@ fn of_very_many_frames_some_are_drawn_and_the_last_is_among_them() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("long.ron"), AROUND.replace("duration: 4)", "duration: 600)")).unwrap();
     let told = |frames: &[&str]| {
-        let mut command = Command::cargo_bin("rayreel").unwrap();
-        command.current_dir(folder.path()).args(["explain", "long.ron", "--path", "path.svg"]).args(frames);
-        String::from_utf8(command.assert().success().get_output().stdout.clone()).unwrap()
+        let fixed = ["explain", "long.ron", "--path", "path.svg"];
+        told(folder.path(), [&fixed[..], frames].concat())
     };
     // Once around, at the same speed all the while.
     let all = told(&[]);
@@ -194,9 +189,7 @@ fn a_drawing_is_whole_or_the_old_one_stays() {
     fs::write(scene, AROUND).unwrap();
     fs::write(&drawing, "old").unwrap();
     fs::hard_link(&drawing, &second_name).unwrap();
-    let mut command = Command::cargo_bin("rayreel").unwrap();
-    let arguments = ["explain", "around.ron", "--path", "path.svg", "--frames", "0-3"];
-    command.current_dir(folder.path()).args(arguments).assert().success();
+    told(folder.path(), ["explain", "around.ron", "--path", "path.svg", "--frames", "0-3"]);
     assert!(fs::read_to_string(&drawing).unwrap().ends_with("</svg>\n"));
     assert_eq!(fs::read_to_string(&second_name).unwrap(), "old");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3);
@@ -207,11 +200,10 @@ fn what_cannot_be_drawn_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("around.ron"), AROUND).unwrap();
     let refused = |arguments: &[&str], code: i32, words: &str| {
-        let mut command = Command::cargo_bin("rayreel").unwrap();
-        command.current_dir(folder.path()).args(["explain", "around.ron", "--path"]).args(arguments);
-        let output = command.assert().code(code).get_output().stderr.clone();
-        let output = String::from_utf8(output).unwrap();
-        assert!(output.contains(words), "{output}");
+        let output = rayreel(folder.path(), [&["explain", "around.ron", "--path"], arguments].concat());
+        let told = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{told}");
+        assert!(told.contains(words), "{told}");
     };
     let missing = Path::new("no").join("such").join("folder.svg");
     refused(&[missing.to_str().unwrap()], 1, "cannot write");

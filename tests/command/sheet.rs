@@ -1,18 +1,15 @@
 //! Sheets of frames, and drafts, as a person or a script asks for them.
 
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
-
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::Output;
+use std::path::Path;
 
-use assert_cmd::Command;
 use image::RgbImage;
 use image::imageops::crop_imm;
 use serde_json::Value;
 use tempfile::TempDir;
 
-const FIRST_LIGHT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/first_light.ron");
+use crate::{FIRST_LIGHT, files, rayreel, told};
+
 const NEWTONS_CRADLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/newtons_cradle.ron");
 
 /// Pixels around tiles.
@@ -20,27 +17,14 @@ const GAP: u32 = 8;
 /// Rows of pixels from a tile to the one below, where tiles are less than 800 pixels wide.
 const BETWEEN_ROWS: u32 = 5 + 9 + GAP;
 
-fn rayreel(folder: &TempDir, arguments: &[&str]) -> Output {
-    Command::cargo_bin("rayreel").unwrap().current_dir(folder.path()).args(arguments).output().unwrap()
-}
-
 /// The JSON report of a rendering that succeeds.
 fn render(folder: &TempDir, scene: &str, arguments: &[&str]) -> Value {
-    let output = rayreel(folder, &[&["render", scene, "--json"], arguments].concat());
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
+    let told = told(folder.path(), [&["render", scene, "--json"], arguments].concat());
+    serde_json::from_str(&told).unwrap()
 }
 
 fn picture(path: &Path) -> RgbImage {
     image::open(path).unwrap().to_rgb8()
-}
-
-fn files(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).unwrap();
-    let mut names: Vec<String> =
-        entries.map(|entry| entry.unwrap().file_name().to_str().unwrap().to_owned()).collect();
-    names.sort();
-    names
 }
 
 fn frames(report: &Value) -> Vec<u64> {
@@ -205,7 +189,7 @@ fn wrong_wishes_are_answered_with_what_would_be_right() {
             "90x1 tiles of 400x400 pixels make a sheet of 36728x430: it may have at most 268435456 pixels, and 32768 on a side",
         ),
     ] {
-        let output = rayreel(&folder, &[vec!["render", FIRST_LIGHT], arguments.clone()].concat());
+        let output = rayreel(folder.path(), [vec!["render", FIRST_LIGHT], arguments.clone()].concat());
         let error = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(code), "{arguments:?}: {error}");
         assert!(error.contains(told), "{arguments:?}: {error}");
@@ -217,7 +201,8 @@ fn wrong_wishes_are_answered_with_what_would_be_right() {
 fn a_sheet_that_cannot_be_written_is_told() {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir_all(folder.path().join("o/first_light.sheet.png")).unwrap();
-    let output = rayreel(&folder, &["render", FIRST_LIGHT, "--sheet", "2x1", "--size", "8x8", "--out", "o"]);
+    let output =
+        rayreel(folder.path(), ["render", FIRST_LIGHT, "--sheet", "2x1", "--size", "8x8", "--out", "o"]);
     let error = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1));
     assert!(
@@ -231,23 +216,17 @@ fn a_sheet_that_cannot_be_written_is_told() {
 #[test]
 fn an_interruption_leaves_no_sheet_and_says_so() {
     use std::io::{BufRead, BufReader, Read};
-    use std::process::Stdio;
+
+    use crate::{RAYREEL, command, signal};
 
     let folder = tempfile::tempdir().unwrap();
-    let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("rayreel"))
-        .current_dir(folder.path())
-        .args(["render", FIRST_LIGHT, "--sheet", "10x9", "--size", "960x540", "--json"])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let arguments = ["render", FIRST_LIGHT, "--sheet", "10x9", "--size", "960x540", "--json"];
+    let mut child = command(RAYREEL, folder.path()).args(arguments).spawn().unwrap();
     let mut told = BufReader::new(child.stderr.take().unwrap());
     let mut line = String::new();
     told.read_line(&mut line).unwrap();
     assert!(line.starts_with("1/90 frame 0: "), "{line}");
-    let killed =
-        std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
-    assert!(killed.success());
+    signal(&child, "TERM");
     let mut rest = String::new();
     told.read_to_string(&mut rest).unwrap();
     let output = child.wait_with_output().unwrap();
@@ -255,5 +234,5 @@ fn an_interruption_leaves_no_sheet_and_says_so() {
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((&report["interrupted"], &report["sheet"]), (&true.into(), &Value::Null));
     assert!(frames(&report).len() < 90);
-    assert_eq!(files(&PathBuf::from(folder.path()).join("out/first_light")), Vec::<String>::new());
+    assert_eq!(files(&folder.path().join("out/first_light")), Vec::<String>::new());
 }

@@ -1,37 +1,19 @@
 //! The `rayreel` command as a person or a script meets it.
 
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
-
 use std::fs;
+#[cfg(unix)]
 use std::path::{Path, PathBuf};
-use std::process::Output;
+#[cfg(unix)]
+use std::process::Child;
 
-use assert_cmd::Command;
-use tempfile::TempDir;
-
-const FIRST_LIGHT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/first_light.ron");
-
-/// Runs `rayreel` in a folder of its own.
-fn rayreel(folder: &TempDir, arguments: &[&str]) -> Output {
-    Command::cargo_bin("rayreel").unwrap().current_dir(folder.path()).args(arguments).output().unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
-fn files(folder: &Path) -> Vec<String> {
-    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
-    let mut names: Vec<String> =
-        entries.map(|entry| text(entry.unwrap().file_name().as_encoded_bytes())).collect();
-    names.sort();
-    names
-}
+use crate::{FIRST_LIGHT, files, rayreel, text};
+#[cfg(unix)]
+use crate::{RAYREEL, command, signal, until};
 
 #[test]
 fn a_frame_alone_has_the_bytes_it_has_in_the_sequence_on_any_number_of_threads() {
     let folder = tempfile::tempdir().unwrap();
-    let sequence = rayreel(&folder, &["render", FIRST_LIGHT, "--frames", "36-44", "--size", "320x180"]);
+    let sequence = rayreel(folder.path(), ["render", FIRST_LIGHT, "--frames", "36-44", "--size", "320x180"]);
     assert!(sequence.status.success(), "{}", text(&sequence.stderr));
     let whole = fs::read(folder.path().join("out/first_light/first_light.0040.png")).unwrap();
     for threads in ["1", "2", "8"] {
@@ -47,7 +29,7 @@ fn a_frame_alone_has_the_bytes_it_has_in_the_sequence_on_any_number_of_threads()
             "--out",
             threads,
         ];
-        assert!(rayreel(&folder, &arguments).status.success());
+        assert!(rayreel(folder.path(), arguments).status.success());
         assert_eq!(files(&folder.path().join(threads)), ["first_light.0040.png"]);
         let alone = fs::read(folder.path().join(threads).join("first_light.0040.png")).unwrap();
         assert!(alone == whole, "{threads} threads");
@@ -59,8 +41,8 @@ fn frames_moments_sizes_and_formats_can_be_chosen() {
     let folder = tempfile::tempdir().unwrap();
     let run = |arguments: &[&str]| {
         let output = rayreel(
-            &folder,
-            &[&["render", FIRST_LIGHT, "--size", "32x18", "--out", "o"], arguments].concat(),
+            folder.path(),
+            [&["render", FIRST_LIGHT, "--size", "32x18", "--out", "o"], arguments].concat(),
         );
         assert!(output.status.success(), "{}", text(&output.stderr));
     };
@@ -81,8 +63,8 @@ fn frames_moments_sizes_and_formats_can_be_chosen() {
 fn the_report_says_what_every_frame_cost() {
     let folder = tempfile::tempdir().unwrap();
     let output = rayreel(
-        &folder,
-        &["render", FIRST_LIGHT, "--frames", "5,6", "--size", "64x36", "--threads", "2", "--json"],
+        folder.path(),
+        ["render", FIRST_LIGHT, "--frames", "5,6", "--size", "64x36", "--threads", "2", "--json"],
     );
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(report["threads"], 2);
@@ -128,7 +110,7 @@ fn wrong_wishes_are_answered_with_what_would_be_right() {
         (vec!["render", "nothing.ron"], 1, "there is no file `nothing.ron`"),
         (vec!["rendre"], 2, "tip: some similar subcommands exist"),
     ] {
-        let output = rayreel(&folder, &arguments);
+        let output = rayreel(folder.path(), &arguments);
         let error =
             text(&output.stderr).replace("a similar subcommand exists", "some similar subcommands exist");
         assert_eq!(output.status.code(), Some(code), "{arguments:?}");
@@ -160,7 +142,7 @@ fn values_with_a_hyphen_are_answered_with_what_would_be_right() {
         ("probe", "--size", "write width and height"),
     ] {
         for value in ["-1", "-1.5", "-5-9", "--json"] {
-            let output = rayreel(&folder, &[command, FIRST_LIGHT, option, value]);
+            let output = rayreel(folder.path(), [command, FIRST_LIGHT, option, value]);
             let error = text(&output.stderr);
             assert_eq!(output.status.code(), Some(2), "{command} {option} {value}");
             assert!(error.contains(told) && !error.contains("tip"), "{command} {option} {value}: {error}");
@@ -174,8 +156,10 @@ fn values_with_a_hyphen_are_answered_with_what_would_be_right() {
 fn a_folder_that_cannot_be_made_is_told() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("taken"), "").unwrap();
-    let output =
-        rayreel(&folder, &["render", FIRST_LIGHT, "--frames", "0", "--size", "8x8", "--out", "taken/here"]);
+    let output = rayreel(
+        folder.path(),
+        ["render", FIRST_LIGHT, "--frames", "0", "--size", "8x8", "--out", "taken/here"],
+    );
     assert_eq!(output.status.code(), Some(1));
     assert!(text(&output.stderr).contains("cannot make the folder `taken/here`"));
 }
@@ -184,7 +168,8 @@ fn a_folder_that_cannot_be_made_is_told() {
 fn a_frame_that_cannot_be_written_is_told_and_others_stay() {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir_all(folder.path().join("o/first_light.0001.png")).unwrap();
-    let output = rayreel(&folder, &["render", FIRST_LIGHT, "--frames", "0-1", "--size", "8x8", "--out", "o"]);
+    let output =
+        rayreel(folder.path(), ["render", FIRST_LIGHT, "--frames", "0-1", "--size", "8x8", "--out", "o"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(
         text(&output.stderr).contains("cannot write `o/first_light.0001.png`"),
@@ -209,7 +194,7 @@ fn a_script_that_fails_midway_leaves_a_report_of_what_was_written() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("s.ron"), FAILS_MIDWAY).unwrap();
     let run =
-        |more: &[&str]| rayreel(&folder, &[&["render", "s.ron", "--frames", "0-11"][..], more].concat());
+        |more: &[&str]| rayreel(folder.path(), [&["render", "s.ron", "--frames", "0-11"][..], more].concat());
     let output = run(&["--out", "machines", "--json"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(text(&output.stderr).contains("worn out"), "{}", text(&output.stderr));
@@ -234,7 +219,7 @@ fn a_script_that_fails_hides_no_frame_that_could_not_be_written() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("s.ron"), FAILS_MIDWAY).unwrap();
     fs::create_dir_all(folder.path().join("o/s.0005.png")).unwrap();
-    let output = rayreel(&folder, &["render", "s.ron", "--frames", "5-6", "--out", "o"]);
+    let output = rayreel(folder.path(), ["render", "s.ron", "--frames", "5-6", "--out", "o"]);
     let told = text(&output.stderr);
     assert_eq!(output.status.code(), Some(1));
     assert!(told.contains("cannot write `o/s.0005.png`"), "{told}");
@@ -248,14 +233,14 @@ fn check_tells_people_and_machines() {
         "Scene(\n    camera: (position: (0, 0, 0), view: (0, 0, 0)),\n)\n",
     )
     .unwrap();
-    let output = rayreel(&folder, &["check", FIRST_LIGHT, "bad.ron"]);
+    let output = rayreel(folder.path(), ["check", FIRST_LIGHT, "bad.ron"]);
     assert_eq!(output.status.code(), Some(1));
     assert_eq!(text(&output.stdout), format!("{FIRST_LIGHT}: ok, 96 frames\n"));
     let error = text(&output.stderr);
     assert!(error.contains("--> bad.ron:2:41") && error.contains("bad.ron: 1 mistake"), "{error}");
     assert!(!error.contains('\u{1b}'), "no colours off a terminal");
 
-    let output = rayreel(&folder, &["check", "bad.ron", "--json"]);
+    let output = rayreel(folder.path(), ["check", "bad.ron", "--json"]);
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(report[0]["ok"], false);
     let mistake = &report[0]["mistakes"][0];
@@ -266,13 +251,13 @@ fn check_tells_people_and_machines() {
 #[test]
 fn new_writes_a_scene_that_renders_and_never_overwrites() {
     let folder = tempfile::tempdir().unwrap();
-    assert!(rayreel(&folder, &["new", "mine.ron"]).status.success());
-    let output = rayreel(&folder, &["render", "mine.ron", "--size", "32x18"]);
+    assert!(rayreel(folder.path(), ["new", "mine.ron"]).status.success());
+    let output = rayreel(folder.path(), ["render", "mine.ron", "--size", "32x18"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     assert_eq!(files(&folder.path().join("out/mine")).len(), 48);
 
     fs::write(folder.path().join("mine.ron"), "precious").unwrap();
-    let output = rayreel(&folder, &["new", "mine.ron"]);
+    let output = rayreel(folder.path(), ["new", "mine.ron"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(text(&output.stderr).contains("exists already, and is left as it is"));
     assert_eq!(fs::read_to_string(folder.path().join("mine.ron")).unwrap(), "precious");
@@ -282,43 +267,30 @@ fn new_writes_a_scene_that_renders_and_never_overwrites() {
 fn help_shows_examples_and_completions_are_scripts() {
     let folder = tempfile::tempdir().unwrap();
     for command in ["render", "check", "probe", "new", "completions"] {
-        let output = rayreel(&folder, &[command, "--help"]);
+        let output = rayreel(folder.path(), [command, "--help"]);
         assert!(output.status.success() && text(&output.stdout).contains("Example"), "{command}");
     }
-    assert!(text(&rayreel(&folder, &["completions", "bash"]).stdout).contains("_rayreel"));
+    assert!(text(&rayreel(folder.path(), ["completions", "bash"]).stdout).contains("_rayreel"));
 }
 
 /// Starts a long rendering, and gives it time for a few frames.
 #[cfg(unix)]
-fn start_long_rendering(folder: &TempDir) -> (std::process::Child, PathBuf) {
-    let child = std::process::Command::new(assert_cmd::cargo::cargo_bin("rayreel"))
-        .current_dir(folder.path())
-        .args(["render", FIRST_LIGHT, "--size", "960x540", "--json"])
-        .stdout(std::process::Stdio::piped())
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
-    let out = folder.path().join("out/first_light");
+fn start_long_rendering(folder: &Path) -> (Child, PathBuf) {
+    let arguments = ["render", FIRST_LIGHT, "--size", "960x540", "--json"];
+    let child = command(RAYREEL, folder).args(arguments).spawn().unwrap();
+    let out = folder.join("out/first_light");
     let whole = || files(&out).iter().filter(|name| name.starts_with("first_light")).count();
-    while whole() < 2 {
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
+    until("a few frames", || whole() >= 2);
     (child, out)
-}
-
-#[cfg(unix)]
-fn signal(child: &std::process::Child, name: &str) {
-    let status = std::process::Command::new("kill").args([name, &child.id().to_string()]).status().unwrap();
-    assert!(status.success());
 }
 
 #[cfg(unix)]
 #[test]
 fn an_interruption_leaves_whole_files_and_says_so() {
     let folder = tempfile::tempdir().unwrap();
-    let (child, out) = start_long_rendering(&folder);
+    let (child, out) = start_long_rendering(folder.path());
     // Shells let what they start in the background ignore SIGINT.
-    signal(&child, "-TERM");
+    signal(&child, "TERM");
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(143), "{}", text(&output.stderr));
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -335,8 +307,8 @@ fn an_interruption_leaves_whole_files_and_says_so() {
 #[test]
 fn even_a_kill_leaves_no_torn_frame_file() {
     let folder = tempfile::tempdir().unwrap();
-    let (mut child, out) = start_long_rendering(&folder);
-    signal(&child, "-KILL");
+    let (mut child, out) = start_long_rendering(folder.path());
+    signal(&child, "KILL");
     child.wait().unwrap();
     for name in files(&out).iter().filter(|name| name.starts_with("first_light")) {
         image::open(out.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
