@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
-use crate::{code, files, source};
+use super::{code, source};
+use crate::files_in;
 
 /// Where a module is, from the crate's root: `["trace", "query", "hit"]`.
 type Module = Vec<String>;
@@ -64,9 +65,7 @@ fn paths(code: &str) -> Vec<Vec<String>> {
 impl Modules {
     fn read(folder: &Path) -> Self {
         let mut modules = Self::default();
-        let mut found = Vec::new();
-        files(folder, &mut found);
-        for path in found {
+        for path in files_in(folder, "rs") {
             let relative = path.strip_prefix(folder).unwrap().with_extension("");
             let mut module: Module = relative.iter().map(|part| part.to_str().unwrap().to_owned()).collect();
             if module.first().is_some_and(|first| ["cli", "main"].contains(&first.as_str())) {

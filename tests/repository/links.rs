@@ -5,30 +5,11 @@
 //! by name, and the module gives the name a meaning of its own first. Links to modules and types are rustdoc's to check, which
 //! `.ci/run` has do so; links to files it takes as they are.
 
-#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
-
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
-
-/// All files in a folder and below whose names end so.
-fn files_in(folder: &Path, end: &str) -> Vec<PathBuf> {
-    let mut files = Vec::new();
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            files.extend(files_in(&path, end));
-        } else if path.extension().is_some_and(|extension| extension == end) {
-            files.push(path);
-        }
-    }
-    files.sort();
-    files
-}
+use crate::{files_in, root};
 
 fn texts() -> Vec<PathBuf> {
     let mut texts = vec![root().join("README.md"), root().join("CHANGELOG.md")];

@@ -1,15 +1,12 @@
 //! What the README shows is so: its scene is one, and its commands and options are there.
 
-#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
-
-use std::path::Path;
-
 use assert_cmd::Command;
 
-use rayreel::Engine;
-use rayreel::Scene;
+use rayreel::{Engine, Scene};
 
-const README: &str = include_str!("../README.md");
+use crate::root;
+
+const README: &str = include_str!("../../README.md");
 
 fn rayreel(arguments: &[&str]) -> String {
     let output = Command::cargo_bin("rayreel").unwrap().args(arguments).output().unwrap();
@@ -54,7 +51,7 @@ fn every_command_line_is_understood() {
     for line in lines {
         let words: Vec<&str> = line.split(' ').skip(1).collect();
         let scene = words.iter().find(|word| word.ends_with(".ron")).unwrap();
-        assert!(Path::new(env!("CARGO_MANIFEST_DIR")).join(scene).is_file(), "there is no {scene}");
+        assert!(root().join(scene).is_file(), "there is no {scene}");
         // The help is asked for after all else has been understood.
         rayreel(&[&words[..], &["--help"]].concat());
     }

@@ -1,12 +1,12 @@
 //! Holds every source file against the table of layers in the crate's documentation, and finds circles of imports.
 
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
-
 mod circles;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+
+use crate::{files_in, root};
 
 /// What a layer may name.
 #[derive(Debug, Default)]
@@ -19,7 +19,7 @@ struct Layer {
 const OPEN: [&str; 5] = ["std", "core", "alloc", "thiserror", "libm"];
 
 fn source() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+    root().join("src")
 }
 
 /// The table of layers, from the documentation in `lib.rs`.
@@ -98,24 +98,13 @@ fn roots(code: &str, prefix: &str) -> BTreeSet<String> {
 
 /// All dependencies of the package, as they are named in code.
 fn dependencies() -> BTreeSet<String> {
-    let manifest = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml")).unwrap();
+    let manifest = fs::read_to_string(root().join("Cargo.toml")).unwrap();
     let sections = manifest.split("\n[").filter_map(|section| section.split_once("]\n"));
     // Of all platforms.
     let ours = |head: &str| head == "dependencies" || head.starts_with("target.");
     let lines = sections.filter(|(head, _)| ours(head)).flat_map(|(_, section)| section.lines());
     let lines = lines.filter(|line| !line.starts_with('#'));
     lines.filter_map(|line| Some(line.split_once('=')?.0.trim().replace('-', "_"))).collect()
-}
-
-fn files(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            files(&path, found);
-        } else if path.extension().is_some_and(|end| end == "rs") {
-            found.push(path);
-        }
-    }
 }
 
 /// What a file of a layer names and may not.
@@ -152,8 +141,7 @@ fn violations(
 fn every_file_keeps_to_its_layer() {
     let layers = layers(&fs::read_to_string(source().join("lib.rs")).unwrap());
     let dependencies = dependencies();
-    let mut paths = Vec::new();
-    files(&source(), &mut paths);
+    let paths = files_in(&source(), "rs");
     assert!(layers.len() >= 10 && dependencies.len() >= 10 && paths.len() >= 50);
     let mut wrong = Vec::new();
     for path in paths {
@@ -199,8 +187,7 @@ fn forbidden_imports_are_found_in_every_way_of_writing_them() {
 
 #[test]
 fn every_module_says_what_it_holds_and_no_file_is_too_long() {
-    let mut paths = Vec::new();
-    files(&source(), &mut paths);
+    let paths = files_in(&source(), "rs");
     for path in paths {
         let text = fs::read_to_string(&path).unwrap();
         assert!(
