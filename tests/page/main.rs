@@ -3,10 +3,8 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
 
-mod page {
-    pub(crate) mod browser;
-    pub(crate) mod http;
-}
+mod browser;
+mod http;
 
 use std::fs;
 use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
@@ -15,8 +13,8 @@ use std::path::Path;
 use std::thread::{self, sleep};
 use std::time::{Duration, Instant};
 
-use page::browser::Browser;
-use page::http::request;
+use browser::Browser;
+use http::request;
 use rayreel::live::{Server, Session, SessionSettings, Watching};
 use serde_json::json;
 use tempfile::TempDir;
