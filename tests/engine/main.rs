@@ -9,6 +9,8 @@ mod faults;
 mod own_systems;
 mod reload;
 mod scripts;
+#[path = "../shared/spent.rs"]
+mod spent;
 #[path = "../shared/splitmix.rs"]
 mod splitmix;
 

@@ -11,6 +11,7 @@ use rayreel::engine::Draft;
 use rayreel::{Changes, Context, Engine, EngineError, Scene, Step};
 
 use crate::named;
+use crate::spent::Spent;
 
 const HEAD: &str = r#"
     timeline: (fps: 10, duration: 4), film: (width: 32, height: 18, transfer: Classic),
@@ -460,7 +461,7 @@ fn files_hold_scripts_too() {
 
 /// What is said of a scene in the end, when it is loaded or when its frames are made, within a second.
 fn complaint(text: &str) -> String {
-    let start = Instant::now();
+    let start = Spent::now();
     let found = match Scene::from_text("scene.ron", text.to_owned()) {
         Err(error) => error.to_string(),
         Ok(scene) => {
@@ -472,7 +473,8 @@ fn complaint(text: &str) -> String {
             }
         }
     };
-    assert!(start.elapsed() < Duration::from_secs(2), "{:?}: {found}", start.elapsed());
+    let spent = Spent::now().since(start);
+    assert!(spent < Duration::from_secs(2), "{spent:?}: {found}");
     found
 }
 

@@ -19,6 +19,8 @@ mod masses;
 mod moves;
 mod parts;
 mod scripts;
+#[path = "../shared/spent.rs"]
+mod spent;
 mod things;
 mod values;
 mod views;

@@ -6,12 +6,13 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use proptest::prelude::*;
 
 use super::fuzz::{asked, fuzz};
 use super::read;
+use super::spent::Spent;
 use rayreel::{Engine, EngineError};
 
 /// What a script is given, far beyond what a working machine needs.
@@ -319,28 +320,6 @@ fn scene(seed: u64) -> String {
 fn peak_memory() -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.trim_end_matches("kB").trim().parse().ok()
-}
-
-/// A moment, by the time that this thread has spent on a processor where the system tells: a machine may be busy with other things.
-#[derive(Clone, Copy)]
-struct Spent {
-    moment: Instant,
-    on_processor: Option<Duration>,
-}
-
-impl Spent {
-    fn now() -> Self {
-        let told = fs::read_to_string("/proc/thread-self/schedstat").ok();
-        let nanoseconds = told.and_then(|told| told.split_whitespace().next()?.parse().ok());
-        Self { moment: Instant::now(), on_processor: nanoseconds.map(Duration::from_nanos) }
-    }
-
-    fn since(self, start: Self) -> Duration {
-        match (self.on_processor, start.on_processor) {
-            (Some(end), Some(start)) => end.saturating_sub(start),
-            _ => self.moment - start.moment,
-        }
-    }
 }
 
 #[test]
