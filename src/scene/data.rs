@@ -1,5 +1,5 @@
-//! What programs give, as parts of the document: the same types are read from it as from a file, so that what is wrong is found and
-//! said alike.
+//! Data from programs as parts of the document. The same types are read from it as from a file, so that mistakes are found and
+//! worded alike.
 
 use serde::de::{
     DeserializeSeed, Deserializer, EnumAccess, Error, Expected, IntoDeserializer, MapAccess, SeqAccess,
@@ -11,7 +11,7 @@ use super::document::EntityDocument;
 use super::suggest;
 use crate::script::Data;
 
-/// The entity that a map describes. Of an error's message, a second line is the remedy.
+/// Reads the entity that a map describes. A second line of an error's message is the remedy.
 pub(super) fn entity(data: Data) -> Result<EntityDocument, String> {
     let placed = placed(data).map_err(|mistake| mistake.to_string())?;
     serde::Deserialize::deserialize(Reader(placed)).map_err(|mistake: Mistake| mistake.to_string())
@@ -34,7 +34,7 @@ fn placed(data: Data) -> Result<Data, Mistake> {
     Ok(Data::Map(fields))
 }
 
-/// What is wrong, and in which field of which field.
+/// A mistake, with the fields that lead to its place.
 #[derive(Debug)]
 struct Mistake {
     path: Vec<String>,
@@ -161,7 +161,7 @@ impl<'de> Deserializer<'de> for Reader {
         }
     }
 
-    /// What is divided is no whole number to the language, though it may be one.
+    /// Accepts a whole number that the language holds as a float, as the result of a division.
     fn deserialize_u64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Mistake> {
         const LARGEST: f64 = 9_007_199_254_740_992.0;
         match self.0 {
@@ -224,7 +224,7 @@ impl<'de> Deserializer<'de> for Reader {
     }
 }
 
-/// All values must be wanted.
+/// Reads a list, all of whose values must be read.
 fn read_list<'de, V: Visitor<'de>>(list: Vec<Data>, visitor: V) -> Result<V::Value, Mistake> {
     let length = list.len();
     let mut values = Values(list.into_iter());

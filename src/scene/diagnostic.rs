@@ -1,4 +1,4 @@
-//! What is wrong with a scene, and where: cause, place and remedy.
+//! The description of a mistake in a scene: cause, place and remedy.
 
 use std::fmt;
 use std::ops::Range;
@@ -12,38 +12,38 @@ use super::quote::bounded;
 /// One mistake.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// What is wrong.
+    /// The cause.
     pub message: String,
-    /// What about the marked place.
+    /// The remark at the marked place.
     pub label: String,
-    /// How to mend it.
+    /// The remedy.
     pub help: Option<String>,
-    /// Bytes of the text; `None` where there is no text.
+    /// The marked bytes of the text; `None` where there is no text.
     pub span: Option<Range<usize>>,
-    /// The text, where it is not the scene's own.
+    /// The file that the text is in, where it is not the scene's own.
     pub source: Option<Arc<Source>>,
 }
 
 /// A text file that a scene is made of besides its own, as a script.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
-    /// Its name.
+    /// The name of the file.
     pub file: String,
-    /// What it says.
+    /// The text of the file.
     pub text: String,
 }
 
-/// A place in a text, as editors count.
+/// A position in a text, as editors count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// From 1.
+    /// The line, from 1.
     pub line: usize,
-    /// In characters, from 1.
+    /// The column in characters, from 1.
     pub column: usize,
 }
 
 impl Place {
-    /// The place of a byte.
+    /// Returns the position of a byte.
     #[must_use]
     pub fn of(text: &str, byte: usize) -> Self {
         let before = &text[..text.floor_char_boundary(byte)];
@@ -54,7 +54,7 @@ impl Place {
 }
 
 impl Diagnostic {
-    /// Every mistake is made here, so that none is longer than what anybody reads.
+    /// Creates a diagnostic. Every mistake of a scene passes here, so that none is too long to read.
     pub(super) fn new(
         message: impl Into<String>,
         label: impl Into<String>,
@@ -65,12 +65,12 @@ impl Diagnostic {
         Self { message, label, help: help.map(bounded), span, source: None }
     }
 
-    /// The same in another text than the scene's own.
+    /// Moves the diagnostic to another file than the scene's own.
     pub(super) fn within(self, source: Option<Arc<Source>>) -> Self {
         Self { source, ..self }
     }
 
-    /// The mistake as a compiler would show it: message, file, line and column, the line with the place marked, and help.
+    /// Renders the mistake as a compiler would: message, file, line and column, the line with the place marked, and help.
     #[must_use]
     pub fn render(&self, file: &str, text: &str, color: bool) -> String {
         self.render_with_notes(file, text, &[], color)
@@ -113,12 +113,12 @@ impl Diagnostic {
 struct Excerpt {
     line: String,
     marked: Range<usize>,
-    /// Does it start later than its line?
+    /// Whether the excerpt starts within its line.
     is_cut: bool,
 }
 
 impl Excerpt {
-    /// Generated scenes may be one line of many megabytes.
+    /// The most bytes shown on each side of the mark, since generated scenes may be one line of many megabytes.
     const LONGEST: usize = 2000;
 
     fn around(text: &str, span: &Range<usize>) -> Self {
@@ -134,7 +134,7 @@ impl Excerpt {
         Self { line: format!("{before}{marked}{after}"), marked: marked_range, is_cut: start > line_start }
     }
 
-    /// With a sign in the place of each character that is none, so that marks stay under what they mark.
+    /// Replaces unprintable characters, so that marks stay under what they mark.
     fn shown(text: &str) -> String {
         let shown = |character| match character {
             // These have signs of their own, which the renderer knows.

@@ -1,4 +1,4 @@
-//! What is wrong with a scene, in all its files.
+//! The mistakes of a scene, in all its files.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use super::files::{Files, SceneFile};
 use super::spans::{Step, locate};
 use super::{Diagnostic, Place};
 
-/// Why a scene could not be loaded. Displays as a compiler would, without colours.
+/// The reason why a scene could not be loaded. Displays as a compiler would, without colours.
 #[derive(Clone, Debug)]
 pub struct LoadError {
     file: String,
@@ -26,7 +26,7 @@ struct FaultyFile {
     diagnostics: Vec<Diagnostic>,
 }
 
-/// Where a file is included.
+/// A place at which a file is included.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Inclusion {
     /// The file that includes it.
@@ -35,12 +35,12 @@ pub struct Inclusion {
     pub line: usize,
 }
 
-/// A mistake, and where it is.
+/// A mistake with its place.
 #[derive(Clone, Copy, Debug)]
 pub struct Mistake<'a> {
     /// The file, as it was named or as it was included.
     pub file: &'a str,
-    /// `None` where there is no text.
+    /// The position in the file; `None` where there is no text.
     pub place: Option<Place>,
     /// The include that brought the file, the one that brought the file which that one is in, and so on. Empty for the
     /// scene's own file.
@@ -50,7 +50,7 @@ pub struct Mistake<'a> {
 }
 
 impl LoadError {
-    /// Many mistakes nobody reads.
+    /// The most mistakes that are listed.
     const MOST: usize = 50;
 
     pub(super) fn new(files: Files) -> Self {
@@ -75,19 +75,19 @@ impl LoadError {
         Self { file: file.unwrap_or_default(), faulty, unlisted, files: files.paths }
     }
 
-    /// The scene's own file, as it was named.
+    /// Returns the scene's own file, as it was named.
     #[must_use]
     pub fn file(&self) -> &str {
         &self.file
     }
 
-    /// All files that the scene was looked for in: its own, and what it includes, also files that are not there.
+    /// Returns all files that were looked for: the scene's own, and those it includes, also those that do not exist.
     #[must_use]
     pub fn files(&self) -> &[PathBuf] {
         &self.files
     }
 
-    /// All mistakes, file by file and in the order of each; of very many only the first.
+    /// Returns the mistakes, file by file and in the order of each; of very many only the first.
     pub fn mistakes(&self) -> impl Iterator<Item = Mistake<'_>> {
         self.faulty.iter().flat_map(|file| {
             file.diagnostics.iter().map(|diagnostic| {
@@ -104,13 +104,13 @@ impl LoadError {
         })
     }
 
-    /// How many more mistakes there are than are listed.
+    /// Returns the number of mistakes that are not listed.
     #[must_use]
     pub fn unlisted(&self) -> usize {
         self.unlisted
     }
 
-    /// All mistakes as a compiler would show them, with colours for a terminal or without.
+    /// Renders all mistakes as a compiler would, with colours for a terminal or without.
     #[must_use]
     pub fn render(&self, color: bool) -> String {
         let mut parts: Vec<String> = self.faulty.iter().flat_map(|file| file.render(color)).collect();
@@ -133,7 +133,8 @@ impl FaultyFile {
     }
 }
 
-/// From the nearest include to the one in the scene's own file. Includes come before what they include.
+/// Returns the includes that brought a file, from the nearest to the one in the scene's own file. Includes come before what they
+/// include.
 fn inclusions_of(file: &SceneFile, files: &[SceneFile], known: &[Vec<Inclusion>]) -> Vec<Inclusion> {
     let Some((including, index)) = file.from else {
         return Vec::new();

@@ -1,4 +1,5 @@
-//! Files that are named by others, and may be anything: devices, pipes, what the system makes up as one reads.
+//! Safe reading of files named by others, which may be anything: devices, pipes, or files that the system makes up while they are
+//! read.
 
 use std::fs::{self, File};
 use std::io::{self, Read, Take};
@@ -7,19 +8,19 @@ use std::path::Path;
 /// The most bytes of a scene file: 1 GiB.
 pub const LARGEST_FILE: u64 = 1 << 30;
 
-/// May a file also be a stream that the program was started with, as `/dev/stdin`?
+/// Whether a file may also be a stream that the program was started with, as `/dev/stdin`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Offered {
-    /// It may: it is read once.
+    /// It may; the stream can be read only once.
     Accepted,
-    /// It must be one that can be read again.
+    /// It must be a file that can be read again.
     Refused,
 }
 
-/// Why there is nothing to be read.
+/// The reason why a file cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum InputError {
-    /// Reading might wait for ever, or never end.
+    /// Reading it might wait for ever, or never end.
     #[error("a device or a pipe is no file")]
     NotAFile,
     /// It has more bytes than this.
@@ -30,9 +31,9 @@ pub enum InputError {
     System(#[from] io::Error),
 }
 
-/// Opens a file of at most so many bytes; one byte more is read at most. What it is and how long is asked before it is opened, since
-/// opening a pipe may wait for ever, and opening a device may do anything. Files that the system makes up, as those in `/proc`, are
-/// said to have no bytes, and have none here.
+/// Opens a file of at most `most` bytes; at most one byte more can be read. Its kind and length are checked before it is opened,
+/// since opening a pipe may wait for ever, and opening a device may have any effect. Files that the system makes up, as those in
+/// `/proc`, are reported to have no bytes, and have none here.
 ///
 /// # Errors
 ///
@@ -58,7 +59,7 @@ pub fn open(path: &Path, offered: Offered, most: u64) -> Result<Take<File>, Inpu
     Ok(file.take(if metadata.len() == 0 { 0 } else { limit }))
 }
 
-/// The bytes of a file, as [`open`] has them.
+/// Reads the bytes of a file, as opened by [`open`].
 ///
 /// # Errors
 ///
@@ -69,7 +70,7 @@ pub fn read(path: &Path, offered: Offered, most: u64) -> Result<Vec<u8>, InputEr
     if bytes.len() as u64 > most { Err(InputError::TooLarge(most)) } else { Ok(bytes) }
 }
 
-/// Is it a stream that is open already, by the names that shells give them?
+/// Returns whether a path is one of the names that shells give to streams that are already open.
 fn is_offered(path: &Path) -> bool {
     let folders = ["/dev/fd", "/proc/self/fd"];
     path == Path::new("/dev/stdin") || folders.iter().any(|folder| path.parent() == Some(Path::new(folder)))

@@ -1,4 +1,4 @@
-//! From a file to a scene.
+//! Loads a scene from a file or a text.
 
 use std::path::{Path, PathBuf};
 
@@ -12,11 +12,11 @@ use crate::time::Timeline;
 /// A small commented scene to start from.
 pub const TEMPLATE: &str = include_str!("template.ron");
 
-/// A scene that has been read: its entities, and when it plays.
+/// A scene that has been read: its entities, its timeline and its scripts.
 pub struct Scene {
     /// The entities, in document order by [`Order`](crate::components::Order).
     pub world: World,
-    /// Frame rate and duration.
+    /// The frame rate and the duration.
     pub timeline: Timeline,
     /// The files it was made of: its own, then what it includes and the scripts that are files, each once and after a file that
     /// names it.
@@ -35,7 +35,8 @@ impl Scene {
         Self::of_files(Files::read(path), |_| ()).map(|(scene, ())| scene)
     }
 
-    /// As [`load`](Scene::load), and keeps the texts, in which places can be looked up. Each file is read once only.
+    /// Loads a scene like [`load`](Scene::load), and keeps the texts, in which places can be looked up. Each file is read only
+    /// once.
     ///
     /// # Errors
     ///
@@ -44,13 +45,13 @@ impl Scene {
         Self::of_files(Files::read(path), |sources| sources)
     }
 
-    /// As [`load_with_sources`](Scene::load_with_sources), for [`Reader`](super::Reader).
+    /// Loads a scene like [`load_with_sources`](Scene::load_with_sources), for [`Reader`](super::Reader).
     pub(super) fn load_again(path: &Path, before: &mut Texts) -> Result<(Self, Sources), LoadError> {
         Self::of_files(Files::read_again(path, before), |sources| sources)
     }
 
-    /// Reads a scene from text; `file` names it in messages. What it includes is looked for from the folder of `file`,
-    /// whether there is such a file or not: from the working directory if it is a mere name.
+    /// Reads a scene from text; `file` names it in messages. Includes are looked for from the folder of `file`, whether that file
+    /// exists or not: from the working directory if it is a mere name.
     ///
     /// # Errors
     ///
@@ -59,7 +60,7 @@ impl Scene {
         Self::of_files(Files::from_text(Path::new(file), text), |_| ()).map(|(scene, ())| scene)
     }
 
-    /// As [`from_text`](Scene::from_text), and keeps the texts, in which places can be looked up.
+    /// Reads a scene like [`from_text`](Scene::from_text), and keeps the texts, in which places can be looked up.
     ///
     /// # Errors
     ///
@@ -68,7 +69,7 @@ impl Scene {
         Self::of_files(Files::from_text(Path::new(file), text), |sources| sources)
     }
 
-    /// Texts that are not kept are gone before the world is made.
+    /// Builds the scene. Texts that are not kept are dropped before the world is built.
     fn of_files<T>(mut files: Files, keep: impl FnOnce(Sources) -> T) -> Result<(Self, T), LoadError> {
         files.validate();
         let compiled = files.compile();

@@ -1,4 +1,4 @@
-//! Scenes as text: RON files to worlds, and what is wrong with them.
+//! Scenes as text: from RON files to worlds, with diagnostics of all mistakes.
 //!
 //! ```text
 //! files -> texts -> documents (what the texts say) -> validate (do they make sense) -> merge -> spawn (hecs world)

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::suggest;
 
-/// For a file that is not there, the remedy: the nearest name beside it that fits, in the way it was written.
+/// Returns the remedy for a missing file: the nearest fitting name beside it, written in the same way.
 pub(super) fn nearby(path: &Path, written: &Path, fits: impl Fn(&str) -> bool) -> Option<String> {
     let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let Ok(entries) = fs::read_dir(directory) else {

@@ -1,4 +1,4 @@
-//! Paths through points and orbits around an axis, from the file to motions.
+//! Motions along paths and orbits from the file.
 
 use glam::DVec3;
 
@@ -7,7 +7,7 @@ use super::playback::easing;
 use crate::animation::{Orbit, Pace, Path, Playback};
 use crate::components::Motion;
 
-/// The motion along a path or an orbit; `None` for other tracks, and for one that is wrong.
+/// Returns the motion along a path or an orbit; `None` for other tracks, and for one that is wrong.
 pub(super) fn motion_along<T>(document: &TrackDocument<T>, playback: Playback) -> Option<Motion> {
     match document {
         TrackDocument::Keys(_) | TrackDocument::Script(_) | TrackDocument::ScriptFile(_) => None,

@@ -1,4 +1,4 @@
-//! Easings and playback as the file has them, for the timeline.
+//! Keys, easings and playback from the file.
 
 use glam::DVec3;
 
@@ -8,9 +8,9 @@ use super::document::{
 };
 use crate::animation::{Ease, Easing, Interpolate, Key, Playback, Repeat};
 
-/// A value as it is written, which handles stand beside.
+/// A value as it is written, with handles given by offsets from it.
 pub(super) trait Written: Sized {
-    /// The value at an offset from this one. `None` where there are no offsets of this kind.
+    /// Returns the value at an offset from this one. `None` for a kind of value without offsets.
     fn beside(&self, offset: OffsetDocument) -> Option<Self>;
 }
 
@@ -50,7 +50,7 @@ impl Written for RotationDocument {
     }
 }
 
-/// Keys whose values are what `value` makes of those that are written.
+/// Converts keys; `value` converts their values.
 pub(super) fn keys<D: Written, T: Interpolate>(
     written: &[KeyDocument<D>],
     value: impl Fn(&D) -> T,

@@ -1,9 +1,9 @@
-//! Texts of others, made fit to be printed.
+//! Text from outside, made fit to be printed.
 
 use std::fmt::{self, Write};
 
-/// May a terminal be sent a character? Not what it would obey, or what would show other characters elsewhere than they are: control
-/// characters, which start escape sequences, and marks of direction and line ends. A tab is harmless.
+/// Returns whether a character may be sent to a terminal. Control characters, which start escape sequences, may not, nor may
+/// marks of direction and line ends, which would show other characters in other places than they are. A tab is harmless.
 #[must_use]
 pub fn is_printable(character: char) -> bool {
     const MARKS: [char; 14] = [
@@ -16,7 +16,8 @@ pub fn is_printable(character: char) -> bool {
         || !character.is_control() && !MARKS.contains(&character)
 }
 
-/// Displays a text on one line of a terminal, whatever it holds: what is not [printable](is_printable) as in a scene file.
+/// Displays a text on one line of a terminal, whatever it holds: what is not [printable](is_printable) is escaped as in a scene
+/// file.
 ///
 /// ```
 /// use rayreel::scene::Printable;

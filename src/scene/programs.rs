@@ -16,7 +16,7 @@ use super::spawn::transfer;
 use super::validate::{At, Problems};
 use crate::script::{Language, Programs, Room, ScriptError, limits, run_spawning};
 
-/// Runs the programs that spawn. Their entities follow the document's own. `room` is how much more a scene may have of them.
+/// Runs the programs that spawn. Their entities follow the document's own, and are taken from `room`.
 pub(super) fn spawn(
     document: &mut SceneDocument,
     folder: &Path,
@@ -47,23 +47,23 @@ pub(super) struct Compiler {
     compiled: Compiled,
 }
 
-/// The programs of a scene, and where they are written.
+/// The programs of a scene, and the places where they are written.
 pub(super) struct Compiled {
     programs: Programs,
     places: Vec<Written>,
 }
 
-/// Where a program is written.
+/// The place where a program is written.
 struct Written {
     file: usize,
-    /// The place in its list.
+    /// The index of the animation in its list.
     animation: usize,
-    /// If it is a file of its own.
+    /// The program's own file, if it has one.
     source: Option<Arc<Source>>,
 }
 
 impl Compiler {
-    /// For a scene that has this document in its own file.
+    /// Creates a compiler with the seed and the transfer of the scene's own document.
     pub(super) fn new(scene: Option<&SceneDocument>) -> Self {
         let (seed, film) =
             scene.map_or_else(Default::default, |scene| (scene.sampling.seed, scene.film.transfer));
@@ -71,7 +71,7 @@ impl Compiler {
         Self { compiled: Compiled { programs, places: Vec::new() } }
     }
 
-    /// The programs of a file; its animations get their places among all programs.
+    /// Compiles the programs of a file; its animations get their indices among all programs.
     pub(super) fn compile(
         &mut self,
         file: usize,
@@ -105,7 +105,7 @@ impl Compiler {
 }
 
 impl Compiled {
-    /// With what drives which value, and the places in the files' texts. Texts are kept only where there is a program in them.
+    /// Adds the uses of the programs, and the texts of files. Only texts with a program in them are kept.
     pub(super) fn placed(mut self, uses: &[(usize, String)], sources: &Sources) -> SceneScripts {
         let mut kept: HashMap<usize, Arc<Source>> = HashMap::new();
         let places: Vec<ScriptPlace> = self
@@ -130,7 +130,7 @@ impl Compiled {
 
 type Spawned = Vec<(EntityDocument, usize)>;
 
-/// All that a program spawns until it ends, or goes wrong.
+/// Runs a program that spawns; returns all entities up to its end or its error.
 fn run(text: &str, seed: u64, room: &mut Room) -> (Result<(), ScriptError>, Spawned) {
     let list = Arc::new(Mutex::new(Spawned::new()));
     let into = Arc::clone(&list);
@@ -150,7 +150,7 @@ pub(super) struct Code {
 }
 
 impl Code {
-    /// `None` if it cannot be had, which is then among the problems.
+    /// Reads a program. `None` if that fails, which is then among the problems.
     pub(super) fn read(
         program: &ProgramDocument,
         folder: &Path,
@@ -175,7 +175,7 @@ impl Code {
     }
 }
 
-/// A path, which matters to the scene from now on.
+/// Records that a path matters to the scene, and returns it.
 fn remembered(path: PathBuf, paths: &mut Vec<PathBuf>) -> PathBuf {
     if !paths.contains(&path) {
         paths.push(path.clone());
@@ -183,7 +183,7 @@ fn remembered(path: PathBuf, paths: &mut Vec<PathBuf>) -> PathBuf {
     path
 }
 
-/// The text of a file that the scene calls `written`, or what is wrong with it and a remedy.
+/// Reads a script file that the scene calls `written`; an error has a message and a remedy.
 fn read(path: &Path, written: &Path) -> Result<String, (String, String)> {
     let file = path.display();
     let remedy = || "write the path of a text file, as seen from the scene file's folder".to_owned();

@@ -1,10 +1,10 @@
-//! What messages quote from scenes: names, numbers and lists of any length, as much of them as is good to read.
+//! Quotes from scenes in messages: names, numbers and lists of any length, cut to what is good to read.
 
 use std::fmt;
 
-/// A name or another text as it stands in a message: cut where it is long, on one line, and without what a terminal would obey.
+/// Quotes a name or another text: cut where it is long, on one line, and with control characters escaped.
 pub(super) fn short(text: &str) -> String {
-    /// Longer than the names that people give.
+    /// The most characters, more than in names that people give.
     const LONGEST: usize = 60;
     let mut shown = String::new();
     for (count, character) in text.chars().enumerate() {
@@ -21,9 +21,9 @@ pub(super) fn short(text: &str) -> String {
     shown
 }
 
-/// What leads from one thing to the next: of many, the first and the last.
+/// Joins the links of a chain; of many, the first and the last.
 pub(super) fn linked(links: &[String], joint: &str) -> String {
-    /// Of each end.
+    /// The number of links shown at each end.
     const MOST: usize = 4;
     let left_out = links.len().saturating_sub(2 * MOST);
     if left_out < 2 {
@@ -34,9 +34,9 @@ pub(super) fn linked(links: &[String], joint: &str) -> String {
     [first.join(joint), between, last.join(joint)].join(joint)
 }
 
-/// A whole message, where what it is made of has not been cut before.
+/// Cuts a whole message whose parts have not been cut before.
 pub(super) fn bounded(message: String) -> String {
-    /// More than any message has that quotes a few names.
+    /// The most bytes, more than in any message that quotes a few names.
     const LONGEST: usize = 800;
     if message.len() <= LONGEST {
         return message;
@@ -47,7 +47,7 @@ pub(super) fn bounded(message: String) -> String {
     cut
 }
 
-/// A number as people write it, in a few signs whatever its size.
+/// A number in few characters, whatever its size.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Figure(pub(super) f64);
 

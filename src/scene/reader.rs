@@ -1,15 +1,15 @@
-//! Reads a scene while it is being edited.
+//! Reads a scene repeatedly while it is being edited.
 
 use std::path::Path;
 
 use super::files::Texts;
 use super::{LoadError, Scene, Sources};
 
-/// Reads a scene again and again, and parses only what has changed: the cost of an edit among many entities is that of making
-/// the world, not that of the text.
+/// Reads a scene again and again, and parses only what has changed: the cost of an edit among many entities is that of building
+/// the world, not that of parsing the text.
 ///
-/// What comes of it is always what [`Scene::load`] gives, mistakes included. The texts and documents of the last scene that could
-/// be parsed are kept, some 500 bytes an entity.
+/// The result is always that of [`Scene::load`], mistakes included. The texts and documents of the last scene that could be
+/// parsed are kept, some 500 bytes an entity.
 ///
 /// ```
 /// use rayreel::scene::Reader;
@@ -36,13 +36,13 @@ pub struct Reader {
 }
 
 impl Reader {
-    /// One that has read nothing yet.
+    /// Creates a reader that has read nothing yet.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Reads a scene file, and what it includes; keeps the texts, in which places can be looked up.
+    /// Reads a scene file, and what it includes; returns the texts as well, in which places can be looked up.
     ///
     /// # Errors
     ///

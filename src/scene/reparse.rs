@@ -1,8 +1,8 @@
-//! Reads a text that differs little from one that was read before.
+//! Parses a text that differs little from one that was parsed before.
 //!
-//! Entities that are written as before are taken over, as long as what changed lies between two of them, before all or after
-//! all. The rest is parsed: the text without them, but for the neighbour on each side of the change. So the parser has seen every
-//! token that is new, and whatever it does not like is left to a parse of the whole.
+//! Entities that are written as before are taken over, as long as all changes lie between two of them, before all or after all.
+//! The rest is parsed: the text without them, but for the neighbour on each side of the change. So the parser sees every new
+//! token, and whatever it refuses is left to a parse of the whole.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -14,19 +14,19 @@ use super::spans::{list_items, list_of};
 /// The name of an entity that stands for those that are taken over.
 const MARK: &str = "those that are written as before";
 
-/// A text that was read.
+/// A text that was parsed.
 #[derive(Debug)]
 pub(super) struct Parsed {
     text: Arc<String>,
     entities: Vec<Arc<EntityDocument>>,
-    /// Where the entities are, once that has been looked up.
+    /// The places of the entities, once they have been looked up.
     list: Option<List>,
 }
 
 /// The list of entities in a text.
 #[derive(Debug)]
 struct List {
-    /// What is between its brackets.
+    /// The content of its brackets.
     content: Range<usize>,
     items: Vec<Range<usize>>,
 }
@@ -36,7 +36,7 @@ impl Parsed {
         Self { text: Arc::clone(text), entities: document.entities.clone(), list: None }
     }
 
-    /// The document of another text, which takes the place of this one; `None` if that must be parsed as a whole.
+    /// Parses another text, which then replaces this one. `None` if it must be parsed as a whole.
     pub(super) fn parse_again(&mut self, text: &Arc<String>) -> Option<SceneDocument> {
         if self.list.is_none() {
             self.list = List::of(&self.text, &self.entities);
@@ -100,7 +100,7 @@ impl List {
         Some(Self { content: start..end, items }).filter(|list| list.are(entities, text))
     }
 
-    /// Are these the entities of a text, as it seems?
+    /// Returns whether the items can be these entities of the text, as far as their number and their brackets tell.
     fn are(&self, entities: &[Arc<EntityDocument>], text: &str) -> bool {
         let is_in_brackets =
             |item: &Range<usize>| text.get(item.clone()).is_some_and(|item| item.ends_with(')'));
@@ -110,9 +110,9 @@ impl List {
     }
 }
 
-/// How many bytes at the start and at the end of two texts are the same; none of them counts twice.
+/// Returns the lengths of the common start and the common end of two texts, which do not overlap.
 fn same_ends(old: &str, new: &str) -> (usize, usize) {
-    /// What is compared at once.
+    /// The number of bytes compared at once.
     const BLOCK: usize = 4096;
     let (old, new) = (old.as_bytes(), new.as_bytes());
     let blocks = old.chunks_exact(BLOCK).zip(new.chunks_exact(BLOCK));

@@ -1,4 +1,4 @@
-//! The programs of a scene with their places in texts, so that what goes wrong while frames are made can be shown.
+//! The programs of a scene with their places in its texts, by which errors at run time are reported.
 
 use std::fmt;
 use std::sync::Arc;
@@ -16,21 +16,21 @@ pub struct SceneScripts {
     sources: ScriptSources,
 }
 
-/// Where the programs of a scene are written.
+/// The places where the programs of a scene are written.
 #[derive(Clone, Debug, Default)]
 pub struct ScriptSources {
     places: Vec<ScriptPlace>,
 }
 
-/// Where a program is written.
+/// The place where a program is written.
 #[derive(Clone, Debug)]
 pub(super) struct ScriptPlace {
     pub(super) source: Arc<Source>,
-    /// The animation that it is in, by its place in the list; `None` for a whole file.
+    /// The index of its animation in the list; `None` for a whole file.
     pub(super) animation: Option<usize>,
 }
 
-/// What went wrong in a script while a frame was made. Displays as a compiler would, without colours.
+/// An error of a script while a frame was made. Displays as a compiler would, without colours.
 #[derive(Clone, Debug)]
 pub struct ScriptMistake {
     diagnostic: Diagnostic,
@@ -41,13 +41,13 @@ impl SceneScripts {
         Self { programs, sources: ScriptSources { places } }
     }
 
-    /// Are there none?
+    /// Returns whether there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.programs.uses.is_empty()
     }
 
-    /// The programs, and where they are written.
+    /// Returns the programs, and the places where they are written.
     #[must_use]
     pub fn into_parts(self) -> (Programs, ScriptSources) {
         (self.programs, self.sources)
@@ -55,7 +55,7 @@ impl SceneScripts {
 }
 
 impl ScriptSources {
-    /// A mistake of a program; `about` says what it drives, and when.
+    /// Returns the mistake of a program; `about` says what it drives, and when.
     #[must_use]
     pub fn mistake(&self, script: ScriptId, about: &str, error: &ScriptError) -> ScriptMistake {
         let (message, label) = (format!("{about}: {}", error.message), error.label.clone());
@@ -77,20 +77,20 @@ impl ScriptSources {
 }
 
 impl ScriptMistake {
-    /// Cause, place and remedy.
+    /// Returns cause, place and remedy.
     #[must_use]
     pub fn diagnostic(&self) -> &Diagnostic {
         &self.diagnostic
     }
 
-    /// Where it is.
+    /// Returns the position of the mistake.
     #[must_use]
     pub fn place(&self) -> Option<Place> {
         let (source, span) = (self.diagnostic.source.as_ref()?, self.diagnostic.span.as_ref()?);
         Some(Place::of(&source.text, span.start))
     }
 
-    /// As a compiler would show it, with colours for a terminal or without.
+    /// Renders the mistake as a compiler would, with colours for a terminal or without.
     #[must_use]
     pub fn render(&self, color: bool) -> String {
         self.diagnostic.render("scripts", "", color)

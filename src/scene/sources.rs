@@ -1,4 +1,4 @@
-//! In which lines of which files the parts of a scene start.
+//! The lines of files in which the parts of a scene start.
 
 use std::fmt;
 use std::sync::Arc;
@@ -23,18 +23,18 @@ use super::spans::{Step, locate};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Sources {
-    /// Names and texts; the first is the scene's own file.
+    /// The names and texts; the first is the scene's own file.
     files: Vec<(String, Arc<String>)>,
-    /// By the places of their first entities in document order.
+    /// The runs of entities, in document order.
     runs: Vec<Run>,
     /// The names in the map `cameras`.
     cameras: Vec<String>,
 }
 
-/// Entities that follow each other in the scene as they do in a file.
+/// A run of entities that follow each other in the scene as they do in a file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
-    /// Place of the first in document order.
+    /// The place of the first in document order.
     pub(super) first: usize,
     pub(super) origin: Origin,
 }
@@ -44,7 +44,7 @@ pub(super) struct Run {
 pub struct SourceLine<'a> {
     /// The file, as it was named or as it was included.
     pub file: &'a str,
-    /// From 1.
+    /// The line, from 1.
     pub line: usize,
 }
 
@@ -53,7 +53,7 @@ impl Sources {
         Self { files, runs, cameras }
     }
 
-    /// Where entities start; `entities` are places in document order, from 0, as
+    /// Returns the lines in which entities start; `entities` are places in document order, from 0, as
     /// [`Order`](crate::components::Order) has them. One pass over each file serves them all. The parent that a name or a
     /// transform gives to what is included starts where the include does.
     ///
@@ -77,7 +77,7 @@ impl Sources {
         found.into_iter().flatten()
     }
 
-    /// Where a camera starts: one of `cameras` by its name there, or that in `camera`.
+    /// Returns the line in which a camera starts: one of `cameras` by its name there, or that in `camera`.
     #[must_use]
     pub fn camera(&self, name: &str) -> SourceLine<'_> {
         let path = match self.cameras.iter().position(|known| known == name) {
@@ -88,7 +88,7 @@ impl Sources {
         found.unwrap_or(SourceLine { file: "", line: 1 })
     }
 
-    /// What an entity's material is called where the entity is written; `None` for one that has none there.
+    /// Returns the name of an entity's material where the entity is written; `None` for one without a material.
     #[must_use]
     pub fn material(&self, entity: usize) -> Option<String> {
         let origin = self.origin(entity);
@@ -99,7 +99,7 @@ impl Sources {
         ron::from_str(text.get(written)?).ok()
     }
 
-    /// A file's name and text.
+    /// Returns a file's name and text.
     pub(super) fn file(&self, file: usize) -> Option<(&str, &str)> {
         self.files.get(file).map(|(name, text)| (name.as_str(), text.as_str()))
     }

@@ -1,11 +1,11 @@
-//! Where in the text a value of the document stands.
+//! Finds the places in the text of values of the document.
 //!
 //! serde forgets places, so they are looked up again, only for what is wrong and in one pass over the text. The text has
 //! mostly been read without error before; what is read here is only its brackets, names and commas.
 
 use std::ops::Range;
 
-/// One step from a value into it.
+/// A step from a value into it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Step {
     /// The value of a named field.
@@ -16,8 +16,8 @@ pub(super) enum Step {
     Key(usize),
 }
 
-/// The places of values, in the order of their paths. A path that is not in the text gives the nearest value around it: what is
-/// wrong may be a field's absence.
+/// Returns the spans of values, in the order of their paths. A path that is not in the text gives the nearest value around it, as
+/// the mistake may be the absence of a field.
 pub(super) fn locate(text: &str, paths: &[Vec<Step>]) -> Vec<Range<usize>> {
     let mut found = vec![0..0; paths.len()];
     let wanted: Vec<Wanted<'_>> =
@@ -34,8 +34,8 @@ pub(super) fn locate(text: &str, paths: &[Vec<Step>]) -> Vec<Range<usize>> {
     found
 }
 
-/// A place within a text that is written in the scene, from its place within the text's content. The whole text where escapes
-/// make the two differ.
+/// Converts a span within the content of a quoted text to a span of the file. Gives the whole text where escapes make the two
+/// differ.
 pub(super) fn inside_text(text: &str, literal: Range<usize>, inside: &Range<usize>) -> Range<usize> {
     let written = &text[literal.clone()];
     let quotes = match written.strip_prefix('r') {
@@ -47,7 +47,7 @@ pub(super) fn inside_text(text: &str, literal: Range<usize>, inside: &Range<usiz
     place(inside.start)..place(inside.end)
 }
 
-/// The words, numbers, texts and signs in their order. The text may be broken.
+/// Returns the words, numbers, texts and signs in their order. The text may be broken.
 pub(super) fn tokens(text: &str) -> impl Iterator<Item = Range<usize>> {
     let mut scanner = Scanner { text, at: 0, found: &mut [] };
     std::iter::from_fn(move || {
@@ -59,7 +59,7 @@ pub(super) fn tokens(text: &str) -> impl Iterator<Item = Range<usize>> {
     })
 }
 
-/// Where a comment starts that goes on to the end of the text, as it is never closed.
+/// Returns the start of a comment that is never closed.
 pub(super) fn open_comment(text: &str) -> Option<usize> {
     let after_all = tokens(text).last().map_or(0, |token| token.end);
     let mut scanner = Scanner { text, at: after_all, found: &mut [] };
@@ -74,12 +74,12 @@ pub(super) fn open_comment(text: &str) -> Option<usize> {
     }
 }
 
-/// White space, as the parser has it: fewer characters than Unicode does, and two marks more.
+/// Returns whether the parser takes a character for white space: it does for fewer than Unicode has, and for two marks more.
 pub(super) fn is_space(character: char) -> bool {
     matches!(character, ' ' | '\t'..='\r' | '\u{85}' | '\u{200e}' | '\u{200f}' | '\u{2028}' | '\u{2029}')
 }
 
-/// Where the content of a list starts that is the value of a field of the scene itself; `None` if there is none, or if extensions
+/// Returns the start of the content of a list that is a field of the scene itself; `None` if there is none, or if extensions
 /// stand above the scene. The text may be broken.
 pub(super) fn list_of(text: &str, field: &str) -> Option<usize> {
     let mut scanner = Scanner { text, at: 0, found: &mut [] };
@@ -104,7 +104,8 @@ pub(super) fn list_of(text: &str, field: &str) -> Option<usize> {
     }
 }
 
-/// The places of values in a list, from a byte of its content that is not inside one, and where they end. The text may be broken.
+/// Returns the spans of the values in a list, from a byte of its content that is not inside one, and the end of the content. The
+/// text may be broken.
 pub(super) fn list_items(text: &str, start: usize) -> (Vec<Range<usize>>, usize) {
     let mut scanner = Scanner { text, at: start, found: &mut [] };
     let mut items = Vec::new();
@@ -122,7 +123,7 @@ pub(super) fn list_items(text: &str, start: usize) -> (Vec<Range<usize>>, usize)
     }
 }
 
-/// A path, as far as it still has to be followed.
+/// The rest of a path that still has to be followed.
 #[derive(Clone, Copy)]
 struct Wanted<'a> {
     index: usize,
@@ -140,7 +141,7 @@ impl<'a> Scanner<'a, '_> {
         self.text.as_bytes().get(self.at).copied()
     }
 
-    /// White space and comments.
+    /// Skips white space and comments.
     fn skip_space(&mut self) {
         self.skip_white_space();
         while self.skip_comment() {
@@ -153,7 +154,7 @@ impl<'a> Scanner<'a, '_> {
         self.at += rest.len() - rest.trim_start_matches(is_space).len();
     }
 
-    /// Is there one here?
+    /// Skips a comment; returns whether there was one.
     fn skip_comment(&mut self) -> bool {
         let rest = &self.text[self.at..];
         if rest.starts_with("//") {
@@ -166,7 +167,7 @@ impl<'a> Scanner<'a, '_> {
         true
     }
 
-    /// Block comments nest.
+    /// Skips a block comment. Block comments nest.
     fn skip_block_comment(&mut self) {
         let bytes = self.text.as_bytes();
         let mut depth = 0_usize;
@@ -191,7 +192,7 @@ impl<'a> Scanner<'a, '_> {
         }
     }
 
-    /// A text, a number, a name or, failing these, one character.
+    /// Skips a text, a number, a name or, failing these, one character.
     fn atom(&mut self) {
         let rest = &self.text[self.at..];
         let ends_word = |character: char| !(character.is_alphanumeric() || "_.+-".contains(character));
@@ -212,7 +213,7 @@ impl<'a> Scanner<'a, '_> {
         };
     }
 
-    /// A whole value: an optional name, then brackets, or an atom.
+    /// Scans a whole value: an optional name, then brackets, or an atom.
     fn value(&mut self, wanted: &[Wanted<'_>]) {
         self.skip_space();
         let start = self.at;
@@ -256,7 +257,7 @@ impl<'a> Scanner<'a, '_> {
         }
     }
 
-    /// All up to the bracket that closes the one that stands here, whatever there is between them.
+    /// Skips a bracket with all its content.
     fn skip_brackets(&mut self) {
         let mut depth = 0_usize;
         loop {
@@ -279,7 +280,7 @@ impl<'a> Scanner<'a, '_> {
         }
     }
 
-    /// Fields or values between brackets.
+    /// Scans the fields or values of a bracket.
     fn members(&mut self, wanted: &[Wanted<'_>]) {
         self.at += 1;
         for index in 0.. {
@@ -320,7 +321,7 @@ impl<'a> Scanner<'a, '_> {
         None
     }
 
-    /// Keys and values between braces.
+    /// Scans the keys and values of a map.
     fn entries(&mut self, wanted: &[Wanted<'_>]) {
         self.at += 1;
         for index in 0.. {
@@ -351,7 +352,7 @@ impl<'a> Scanner<'a, '_> {
     }
 }
 
-/// The paths that go on by a step, without that step.
+/// Returns the rests of the paths that go on by a step.
 fn follow<'a>(wanted: &[Wanted<'a>], matches: impl Fn(&Step) -> bool) -> Vec<Wanted<'a>> {
     let further = |wanted: &Wanted<'a>| {
         let (step, path) = wanted.path.split_first()?;
@@ -360,7 +361,7 @@ fn follow<'a>(wanted: &[Wanted<'a>], matches: impl Fn(&Step) -> bool) -> Vec<Wan
     wanted.iter().filter_map(further).collect()
 }
 
-/// The length of a text in quotes, with them.
+/// Returns the length of a quoted text, with its quotes.
 fn quoted(rest: &str, quote: char) -> usize {
     // A character is one, whatever it is.
     let mut escaped = quote == '\'' && !rest.starts_with("'\\");
@@ -376,7 +377,7 @@ fn quoted(rest: &str, quote: char) -> usize {
     rest.len()
 }
 
-/// The length of the rest of a raw text, from its first # or quote.
+/// Returns the length of the rest of a raw text, from its first # or quote.
 fn raw_quoted(rest: &str) -> usize {
     let hashes = rest.len() - rest.trim_start_matches('#').len();
     let end = format!("\"{}", &rest[..hashes]);

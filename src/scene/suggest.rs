@@ -2,9 +2,9 @@
 
 use super::quote::short;
 
-/// The known name that is most like a mistyped one, if any is like it at all.
+/// Returns the known name most like a mistyped one, if any is like it at all.
 pub(super) fn nearest<'a>(found: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    /// Nobody mistypes more, and the time to compare grows with both names.
+    /// The longest name, in bytes, that is compared, as the time grows with both names; no mistyped name is longer.
     const LONGEST: usize = 100;
     if found.len() > LONGEST {
         return None;
@@ -18,7 +18,7 @@ pub(super) fn nearest<'a>(found: &str, known: impl IntoIterator<Item = &'a str>)
     best.filter(|(likeness, _)| *likeness > 0.75).map(|(_, name)| name)
 }
 
-/// A remedy for an unknown name: the nearest known one, or all of them.
+/// Returns the remedy for an unknown name: the nearest known one, or all of them.
 pub(super) fn remedy(found: &str, known: &[&str], kind: &str) -> String {
     match nearest(found, known.iter().copied()) {
         Some(name) => format!("did you mean `{}`?", short(name)),
@@ -28,9 +28,9 @@ pub(super) fn remedy(found: &str, known: &[&str], kind: &str) -> String {
     }
 }
 
-/// Names as a message lists them.
+/// Lists names for a message.
 pub(super) fn listed(known: &[&str]) -> String {
-    /// More names than this are of no help.
+    /// The number of names beyond which more are of no help.
     const MOST: usize = 12;
     let names: Vec<String> = known.iter().take(MOST).map(|name| format!("`{}`", short(name))).collect();
     let more = if known.len() > MOST { ", .." } else { "" };

@@ -1,4 +1,4 @@
-//! What moves, and how.
+//! Animated values and their tracks.
 
 use std::fmt;
 
@@ -18,7 +18,7 @@ pub(crate) struct AnimationDocument {
     pub(crate) repeat: RepeatDocument,
     pub(crate) offset: f64,
     pub(crate) speed: f64,
-    /// Of a program, its place among the compiled ones.
+    /// The index of its program among the compiled ones, if it is one.
     pub(crate) script: Option<usize>,
 }
 
@@ -78,7 +78,7 @@ fn once() -> f64 {
 }
 
 impl<T> TrackDocument<T> {
-    /// The program, if it is one.
+    /// Returns the track's program, if it is one.
     pub(crate) fn program(&self) -> Option<ProgramDocument> {
         match self {
             Self::Keys(_) | Self::Path { .. } | Self::Orbit { .. } => None,
@@ -89,7 +89,7 @@ impl<T> TrackDocument<T> {
 }
 
 impl TracksDocument {
-    /// The program, if it is one.
+    /// Returns the track's program, if it is one.
     pub(crate) fn program(&self) -> Option<ProgramDocument> {
         match self {
             Self::Number(track) => track.program(),
@@ -117,7 +117,7 @@ pub(crate) struct KeyDocument<T> {
     pub(crate) easing: EasingDocument,
 }
 
-/// How to get from a key to the next.
+/// The easing from a key to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(rename = "Easing")]
 pub(crate) enum EasingDocument {
@@ -165,7 +165,7 @@ pub(crate) enum EasingDocument {
     Handles(OffsetDocument, OffsetDocument),
 }
 
-/// How a track goes on beyond its keys.
+/// The continuation of a track beyond its keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename = "Repeat")]
 pub(crate) enum RepeatDocument {
@@ -180,7 +180,7 @@ impl AnimationDocument {
         &["target", "material", "channel", "track", "repeat", "offset", "speed"];
 }
 
-/// By hand, because what may stand in `track` depends on `channel`.
+/// Written by hand, because the content of `track` depends on `channel`.
 impl<'de> Deserialize<'de> for AnimationDocument {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct AnimationVisitor;
@@ -270,7 +270,7 @@ fn tracks<'de, A: MapAccess<'de>>(channel: ChannelDocument, map: &mut A) -> Resu
     }
 }
 
-/// By hand, because the easing may be left out.
+/// Written by hand, because the easing may be left out.
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for KeyDocument<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct KeyVisitor<T>(std::marker::PhantomData<T>);

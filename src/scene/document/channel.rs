@@ -1,4 +1,4 @@
-//! Which value moves, and how its values are written.
+//! The name of an animated property.
 
 use std::fmt;
 

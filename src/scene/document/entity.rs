@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use super::{ColorDocument, ScaleDocument, Triple, whole};
 
-/// How a surface answers light.
+/// The response of a surface to light.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Material")]
 pub(crate) struct MaterialDocument {
@@ -70,11 +70,11 @@ pub(crate) struct EntityDocument {
     pub(crate) transform: TransformDocument,
     pub(crate) shape: Option<ShapeDocument>,
     pub(crate) material: Option<String>,
-    /// Few have one, and it is large.
+    /// Boxed, as few entities have one and it is large.
     pub(crate) light: Option<Box<LightDocument>>,
 }
 
-/// Where it is.
+/// The placement of an entity.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default, rename = "Transform")]
 pub(crate) struct TransformDocument {
@@ -93,7 +93,7 @@ impl Default for TransformDocument {
     }
 }
 
-/// How it is turned; angles in degrees.
+/// A rotation, with angles in degrees.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename = "Rotation")]
 pub(crate) enum RotationDocument {
@@ -102,7 +102,7 @@ pub(crate) enum RotationDocument {
     Quat(f64, f64, f64, f64),
 }
 
-/// What can be seen of it.
+/// The visible shape of an entity.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Shape")]
 pub(crate) enum ShapeDocument {
@@ -111,7 +111,7 @@ pub(crate) enum ShapeDocument {
     Box { size: Triple },
 }
 
-/// What light it gives.
+/// The light that an entity gives.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Light")]
 pub(crate) enum LightDocument {
@@ -136,7 +136,7 @@ pub(crate) enum LightDocument {
         direction: Triple,
         #[serde(default = "yes")]
         casts_shadows: bool,
-        /// Refused, with a reason.
+        /// Refused by the validation, with a reason.
         falloff: Option<Triple>,
     },
     Area {
@@ -150,7 +150,7 @@ pub(crate) enum LightDocument {
     },
 }
 
-/// What a light with an extent looks like.
+/// The shape of an area light.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename = "AreaShape")]
 pub(crate) enum AreaShapeDocument {

@@ -18,7 +18,7 @@ pub(crate) struct SceneDocument {
     pub(crate) film: FilmDocument,
     pub(crate) quality: QualityDocument,
     pub(crate) sampling: SamplingDocument,
-    /// Only a part of another scene may be without.
+    /// `None` only in parts of other scenes.
     pub(crate) camera: Option<CameraDocument>,
     pub(crate) cameras: Entries<CameraDocument>,
     pub(crate) shots: Vec<ShotDocument>,
@@ -33,26 +33,26 @@ pub(crate) struct SceneDocument {
 }
 
 impl SceneDocument {
-    /// What the camera in `camera` is called.
+    /// The name of the camera in `camera`.
     pub(crate) const CAMERA: &'static str = "camera";
-    /// What the scene as a whole is called.
+    /// The name of the scene as a whole.
     pub(crate) const SCENE: &'static str = "scene";
     /// The field with the entities.
     pub(crate) const ENTITIES: &'static str = "entities";
 
-    /// As they are written.
+    /// Returns the paths of the includes, as they are written.
     pub(crate) fn included_files(&self) -> impl Iterator<Item = String> {
         self.include.iter().map(|include| include.file.clone())
     }
 
-    /// All cameras by name, that in `camera` first.
+    /// Returns all cameras by name, that in `camera` first.
     pub(crate) fn named_cameras(&self) -> impl Iterator<Item = (&str, &CameraDocument)> {
         let first = self.camera.iter().map(|camera| (Self::CAMERA, camera));
         first.chain(self.cameras.0.iter().map(|(name, camera)| (name.as_str(), camera)))
     }
 }
 
-/// From when on which camera films.
+/// The camera that films from a time on.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(
     rename = "Shot",
@@ -60,7 +60,7 @@ impl SceneDocument {
 )]
 pub(crate) struct ShotDocument(pub(crate) f64, pub(crate) String);
 
-/// What dims the view.
+/// Fog that dims distant surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Fog")]
 pub(crate) struct FogDocument {
@@ -68,7 +68,7 @@ pub(crate) struct FogDocument {
     pub(crate) density: f64,
 }
 
-/// When it plays.
+/// The frame rate and the duration.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default, rename = "Timeline")]
 pub(crate) struct TimelineDocument {
@@ -99,7 +99,7 @@ impl Default for FilmDocument {
     }
 }
 
-/// Bytes and light.
+/// The conversion of file colours to light, and of light to bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(rename = "Transfer")]
 pub(crate) enum TransferDocument {
@@ -108,7 +108,7 @@ pub(crate) enum TransferDocument {
     Classic,
 }
 
-/// How far light is followed.
+/// The limits within which light is followed.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default, rename = "Quality")]
 pub(crate) struct QualityDocument {
@@ -123,7 +123,7 @@ impl Default for QualityDocument {
     }
 }
 
-/// Samples in pixels.
+/// The sampling of pixels.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default, rename = "Sampling")]
 pub(crate) struct SamplingDocument {
@@ -142,7 +142,7 @@ impl Default for SamplingDocument {
     }
 }
 
-/// From frame to frame.
+/// The change of noise from frame to frame.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename = "Noise")]
 pub(crate) enum NoiseDocument {
@@ -150,7 +150,7 @@ pub(crate) enum NoiseDocument {
     PerFrame,
 }
 
-/// From where the picture is taken.
+/// A camera.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Camera")]
 pub(crate) struct CameraDocument {
@@ -174,7 +174,7 @@ fn upwards() -> Triple {
     [0.0, 1.0, 0.0]
 }
 
-/// What is sharp.
+/// The lens, which decides what is sharp.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Lens")]
 pub(crate) struct LensDocument {

@@ -67,7 +67,7 @@ impl Default for BackgroundDocument {
 }
 
 impl BackgroundDocument {
-    /// Of a gradient.
+    /// The fields of a gradient.
     pub(crate) const FIELDS: &'static [&'static str] = &["bottom", "top"];
 }
 
@@ -100,7 +100,7 @@ impl<'de> Deserialize<'de> for BackgroundDocument {
                 triple(sequence, &self).map(|channels| BackgroundDocument::Flat(ColorDocument(channels)))
             }
 
-            /// The mistakes have messages of their own: those of serde would be said of the scene.
+            /// Reports mistakes in its own words, since serde would blame the scene.
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<BackgroundDocument, A::Error> {
                 let (mut bottom, mut top) = (None, None);
                 while let Some(field) = map.next_key()? {
@@ -154,7 +154,7 @@ impl<'de> Deserialize<'de> for ScaleDocument {
     }
 }
 
-/// A difference of values: of numbers, or of what is written as three.
+/// The difference of two values: a number, or three.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum OffsetDocument {
     Number(f64),
@@ -167,7 +167,7 @@ impl<'de> Deserialize<'de> for OffsetDocument {
     }
 }
 
-/// A number or three, and what they are.
+/// Visits one number or three; the text says what is expected.
 struct OneOrThree(&'static str);
 
 impl<'de> Visitor<'de> for OneOrThree {
@@ -202,7 +202,7 @@ impl<'de> Visitor<'de> for OneOrThree {
     }
 }
 
-/// A whole number, also where it is written as `640.0` or `1e3`.
+/// Visits a whole number, also one that is written as `640.0` or `1e3`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct WholeDocument(u64);
 
@@ -211,10 +211,10 @@ pub(crate) fn whole<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D
     WholeDocument::deserialize(deserializer).map(|whole| whole.0)
 }
 
-/// 2^53: from here on, numbers that are written differently become the same.
+/// The first number from which on different numbers may read the same, 2^53.
 const EXACT: f64 = 9_007_199_254_740_992.0;
 
-/// Of a number with a fraction or an exponent, the whole number that it is.
+/// Returns the whole number that a number with a fraction or an exponent stands for.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is one that the type holds")]
 fn whole_of(value: f64) -> Option<u64> {
     ((0.0..EXACT).contains(&value) && value.fract() == 0.0).then_some(value as u64)

@@ -1,4 +1,4 @@
-//! A scene file and all that it includes.
+//! Loads a scene file and all that it includes.
 
 use std::collections::{HashMap, HashSet};
 use std::fs;
@@ -18,7 +18,7 @@ use crate::scene::reparse::Parsed;
 use crate::scene::validate::{At, Problems, validate};
 use crate::script::Room;
 
-/// Files that include each other may go so deep.
+/// The greatest depth of includes.
 const DEEPEST: usize = 32;
 
 impl Files {
@@ -27,7 +27,7 @@ impl Files {
         Loader::default().load(path, content(path))
     }
 
-    /// As [`read`](Self::read), where what was read before may be used again.
+    /// Reads a scene file like [`read`](Self::read), and reuses what was read before.
     pub(in crate::scene) fn read_again(path: &Path, before: &mut Texts) -> Self {
         let mut loader = Loader { texts: Some(mem::take(before)), ..Loader::default() };
         let loaded = loader.load(path, content(path));
@@ -40,7 +40,7 @@ impl Files {
         loaded
     }
 
-    /// Takes a text for that of a file, and reads what it includes.
+    /// Reads a scene from a text in the place of a file, and what it includes.
     pub(in crate::scene) fn from_text(path: &Path, text: String) -> Self {
         Loader::default().load(path, Content::Text(text))
     }
@@ -91,14 +91,14 @@ fn content(path: &Path) -> Content {
 #[derive(Debug, Default)]
 struct Loader {
     loaded: Files,
-    /// What was read before, unless nothing is to be remembered.
+    /// The texts read before, unless nothing is to be remembered.
     texts: Option<Texts>,
     /// The files by their true paths.
     known: HashMap<PathBuf, usize>,
     tried: HashSet<PathBuf>,
     /// The file that is being read, after those that include it.
     underway: Vec<usize>,
-    /// How much may yet be spawned.
+    /// The amount that scripts may yet spawn.
     room: Room,
 }
 
@@ -109,7 +109,7 @@ impl Loader {
         mem::take(&mut self.loaded)
     }
 
-    /// Remembers that a path matters to the scene, and gives the one by which the file is known.
+    /// Records that a path matters to the scene, and returns the one by which the file is known.
     fn try_path(&mut self, path: &Path) -> PathBuf {
         let key = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         if self.tried.insert(key.clone()) {
@@ -145,7 +145,7 @@ impl Loader {
         index
     }
 
-    /// Of a text that differs little from what the file held before, only what differs.
+    /// Parses a text; if it differs little from what the file held before, only the difference.
     fn parse(&mut self, key: &Path, text: &Arc<String>) -> Result<SceneDocument, Diagnostic> {
         let Some(texts) = &mut self.texts else { return parse(text) };
         if let Some(document) = texts.get_mut(key).and_then(|before| before.parse_again(text)) {
@@ -175,7 +175,7 @@ impl Loader {
         Ok(self.add(path, key, content, Some(from)))
     }
 
-    /// The file that is being read includes one of those that include it, or itself.
+    /// Returns the error of a ring of includes, which starts at an index of the files underway.
     fn ring(&self, start: usize) -> Refusal {
         let members = &self.underway[start..];
         let names: Vec<String> = members
@@ -192,7 +192,7 @@ impl Loader {
 }
 
 impl Refusal {
-    /// As a mistake of the file that includes another.
+    /// Adds it as a mistake of the file that includes the other.
     fn tell(&self, place: usize, problems: &mut Problems) {
         let (scene, help) = (At::scene(), self.help.as_deref());
         let (list, help) = (scene.field("include"), help.unwrap_or("see to the file, or remove the include"));

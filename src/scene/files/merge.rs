@@ -1,4 +1,4 @@
-//! From the documents of several files to a single one.
+//! Merges the documents of several files into one.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -16,8 +16,8 @@ pub(in crate::scene) struct Merged {
     pub(in crate::scene) document: SceneDocument,
     /// Entities with the parents that their files do not name, by their places in the document.
     pub(in crate::scene) parents: Vec<(usize, usize)>,
-    /// Where programs drive values: which one, and what stands before the names in its file. Animations have places in this
-    /// list.
+    /// The uses of programs: the index of each one's program, and the prefix of the names in its file. Animations refer to this
+    /// list by index.
     pub(in crate::scene) uses: Vec<(usize, String)>,
 }
 
@@ -49,7 +49,7 @@ fn flat(includes: Vec<Option<usize>>) -> Vec<usize> {
 /// A document, and the files of its includes.
 type Part = (SceneDocument, Vec<usize>);
 
-/// Who is animated, and what of it.
+/// The target, the material and the property of an animation.
 type Animated = (Option<String>, Option<String>, Property);
 
 struct Merger<'a> {
@@ -160,7 +160,7 @@ impl<'a> Merger<'a> {
         }
     }
 
-    /// Gives the entity's place.
+    /// Adds an entity and returns its place.
     fn add_entity(&mut self, entity: EntityDocument, parent: Option<usize>) -> usize {
         let index = self.entities.len();
         self.parents.extend(parent.map(|parent| (index, parent)));
@@ -168,7 +168,7 @@ impl<'a> Merger<'a> {
         index
     }
 
-    /// What a file says of a value stands in for what its parts say.
+    /// Adds an animation. One of a file replaces those of its parts for the same value.
     fn add_animation(&mut self, mut animation: AnimationDocument, prefix: &str) {
         use_program(&mut animation, prefix, &mut self.uses);
         let what = (animation.target.clone(), animation.material.clone(), animation.channel.0);

@@ -1,4 +1,4 @@
-//! What is called how in the files of a scene.
+//! The names in the files of a scene.
 
 use hashbrown::HashMap;
 use hashbrown::hash_map::Entry;
@@ -12,16 +12,16 @@ use crate::scene::validate::Problems;
 pub(in crate::scene) struct Names<'a> {
     pub(super) entities: Table<'a, Meaning<'a>>,
     pub(super) materials: Table<'a, &'a MaterialDocument>,
-    /// Are there more, which nobody knows because a file cannot be read or because they are too many?
+    /// Whether there are further, unknown names: a file could not be read, or there are too many.
     pub(super) incomplete: bool,
     pub(super) clashes: Clashes<'a>,
-    /// How many entities, materials and animations there are in what it includes.
+    /// The number of entities, materials and animations in what it includes.
     pub(super) included: u64,
-    /// Likewise, with its own.
+    /// The same number with its own.
     size: u64,
 }
 
-/// So many entities, materials and animations may come from other files.
+/// The most entities, materials and animations that may come from other files.
 pub(in crate::scene) const MOST_INCLUDED: u64 = 4_000_000;
 
 /// Names that several files give. Beyond [`Problems::MOST`] they are only counted.
@@ -29,20 +29,20 @@ pub(in crate::scene) const MOST_INCLUDED: u64 = 4_000_000;
 pub(in crate::scene) struct Clashes<'a> {
     pub(in crate::scene) listed: Vec<Clash<'a>>,
     pub(in crate::scene) unlisted: usize,
-    /// The include, and the file that it brings once more, that were told last.
+    /// The include and the file repeated by it that were reported last.
     repeated: Option<(usize, usize)>,
 }
 
-/// What the name of an entity stands for.
+/// The meaning of an entity's name.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Meaning<'a> {
-    /// One in this file.
+    /// An entity, and the file it is in.
     Entity(&'a EntityDocument, usize),
-    /// The parent of what is in this file; `None` if it cannot be read.
+    /// The parent of all that is in a part, whose file is given; `None` if that cannot be read.
     Part(Option<usize>),
 }
 
-/// Names in document order.
+/// A table of names in document order.
 #[derive(Debug)]
 pub(super) struct Table<'a, T> {
     pub(super) names: Vec<&'a str>,
@@ -56,13 +56,13 @@ impl<T> Default for Table<'_, T> {
 }
 
 impl<'a, T> Table<'a, T> {
-    /// Makes room for so many more.
+    /// Reserves space for `count` more names.
     fn reserve(&mut self, count: usize) {
         self.names.reserve(count);
         self.entries.reserve(count);
     }
 
-    /// Fails, with the one that is there, if the name is taken.
+    /// Inserts a name; returns the origin of the present one if it is taken.
     fn insert(&mut self, name: &'a str, origin: Origin, value: T) -> Result<(), Origin> {
         match self.entries.entry(name) {
             Entry::Occupied(taken) => Err(taken.get().0),
@@ -83,7 +83,7 @@ impl<'a, T> Table<'a, T> {
 #[derive(Clone, Copy, Debug)]
 pub(in crate::scene) struct Clash<'a> {
     pub(in crate::scene) name: &'a str,
-    /// What was there first.
+    /// The origin that came first.
     pub(in crate::scene) first: Origin,
     pub(in crate::scene) second: Origin,
     /// The include that brings the second from its file; `None` if it is the own file that gives the name.
@@ -91,14 +91,14 @@ pub(in crate::scene) struct Clash<'a> {
 }
 
 impl Clash<'_> {
-    /// Does the very same file come by several ways?
+    /// Returns whether the very same file comes by several ways.
     pub(in crate::scene) fn is_repeated(&self) -> bool {
         self.first == self.second
     }
 }
 
 impl<'a> Clashes<'a> {
-    /// A file that comes once more is one clash, whatever it holds.
+    /// Adds a clash. A file that is repeated is one clash, whatever it holds.
     fn add(&mut self, clash: Clash<'a>) {
         if let Some(include) = clash.include.filter(|_| clash.is_repeated()) {
             let repeated = Some((include, clash.first.file));
@@ -148,7 +148,7 @@ impl<'a> Names<'a> {
         names
     }
 
-    /// Takes over the names of what is included without one.
+    /// Takes over the names of a part that is included without a name.
     fn join(&mut self, part: &Self, include: usize) {
         self.incomplete |= part.incomplete;
         for name in &part.entities.names {
@@ -167,7 +167,7 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// The same material may come by several ways.
+    /// Adds a material. The same one may come by several ways.
     fn add_material(
         &mut self,
         name: &'a str,
@@ -182,7 +182,7 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// A list of the file's own that has a name twice is no matter of includes.
+    /// Adds a clash, unless it is within one list of the file itself, which is no matter of includes.
     fn add_clash(&mut self, clash: Clash<'a>) {
         let Clash { first, second, include, .. } = clash;
         let same_list = (first.file, first.list) == (second.file, second.list);
@@ -192,7 +192,7 @@ impl<'a> Names<'a> {
     }
 }
 
-/// The names of every file.
+/// Collects the names of every file.
 pub(super) fn of_files(files: &Files) -> Vec<Names<'_>> {
     let mut names: Vec<Names<'_>> = files.files.iter().map(|_| Names::default()).collect();
     for index in &files.parts_first {

@@ -1,6 +1,6 @@
-//! Where something of a scene of several files is written.
+//! The origin of something in a scene of several files.
 
-/// Where something is written: in which list of which file, at which index.
+/// The file, the list in it and the index at which something is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::scene) struct Origin {
     pub(in crate::scene) file: usize,

@@ -1,4 +1,4 @@
-//! From a path to a text.
+//! Reads files as text.
 
 use std::io::ErrorKind;
 use std::path::Path;
@@ -7,15 +7,15 @@ use crate::scene::Diagnostic;
 use crate::scene::input::{self, InputError, LARGEST_FILE, Offered};
 use crate::scene::nearby::nearby;
 
-/// What a file holds.
+/// The content of a file.
 #[derive(Debug)]
 pub(super) enum Content {
     Text(String),
-    /// Not UTF-8: the text as far as it goes, and where that is not.
+    /// Text that is not UTF-8, as far as it can be decoded, with the diagnostic of the first invalid byte.
     Garbled(String, Diagnostic),
 }
 
-/// Why there is no content.
+/// The reason why a file could not be read.
 #[derive(Debug)]
 pub(super) struct Refusal {
     pub(super) message: String,
@@ -28,7 +28,7 @@ pub(super) fn read(path: &Path) -> Result<Content, Refusal> {
     content(path, path, Offered::Accepted)
 }
 
-/// Reads a file that another one includes, where it is called `written`. It must be one that can be read again.
+/// Reads a file that another one includes as `written`. It must be one that can be read again.
 pub(super) fn read_included(path: &Path, written: &Path) -> Result<Content, Refusal> {
     content(path, written, Offered::Refused)
 }

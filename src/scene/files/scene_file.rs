@@ -10,7 +10,7 @@ use crate::scene::validate::Problems;
 /// One file of a scene, as far as it could be read.
 #[derive(Debug)]
 pub(in crate::scene) struct SceneFile {
-    /// In messages.
+    /// The name in messages.
     pub(in crate::scene) name: String,
     pub(in crate::scene) text: Arc<String>,
     /// `None` if the text is not a scene's.
@@ -19,9 +19,9 @@ pub(in crate::scene) struct SceneFile {
     pub(super) includes: Vec<Option<usize>>,
     /// The file and the include through which it was met first. `None` for the scene's own file.
     pub(in crate::scene) from: Option<(usize, usize)>,
-    /// What is wrong with the text.
+    /// The mistake of form in the text, if any.
     pub(in crate::scene) mistake: Option<Diagnostic>,
-    /// What is wrong with the document.
+    /// The mistakes of meaning in the document.
     pub(in crate::scene) problems: Problems,
 }
 

@@ -1,4 +1,4 @@
-//! What a file can refer to.
+//! The names that a file can refer to.
 
 use std::borrow::Cow;
 
@@ -8,12 +8,12 @@ use crate::scene::Place;
 use crate::scene::document::{LightDocument, MaterialDocument, ShapeDocument};
 use crate::scene::spans::{Step, locate};
 
-/// What a name stands for.
+/// The result of looking up a name.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::scene) enum Lookup<T> {
     Found(T),
     Missing,
-    /// It would be in a file that cannot be read.
+    /// It may be in a file that cannot be read.
     Unread,
 }
 
@@ -30,7 +30,7 @@ impl<T> Lookup<T> {
     }
 }
 
-/// What others need to know of an entity.
+/// The parts of an entity that others depend on.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::scene) struct KnownEntity<'a> {
     pub(in crate::scene) shape: Option<&'a ShapeDocument>,
@@ -51,7 +51,7 @@ impl<'a> Scope<'a> {
         Self { names, files, file }
     }
 
-    /// Is the file the scene's own?
+    /// Returns whether the file is the scene's own.
     pub(in crate::scene) fn is_scene(self) -> bool {
         self.file == 0
     }
@@ -99,14 +99,14 @@ impl<'a> Scope<'a> {
         names
     }
 
-    /// The file's own names, and those in its parts as long as they are not very many.
+    /// Collects the file's own names, and those in its parts as long as they are not very many.
     fn collect(
         self,
         prefix: &str,
         select: &impl Fn(&'a Names<'a>) -> &'a Vec<&'a str>,
         into: &mut Vec<Cow<'a, str>>,
     ) {
-        /// More are of no help.
+        /// The number of names beyond which more are of no help.
         const MOST: usize = 10_000;
         let own = self.own();
         let prefixed = |name: &&'a str| match prefix {
@@ -124,27 +124,27 @@ impl<'a> Scope<'a> {
         }
     }
 
-    /// Names that come from several files.
+    /// Returns the names that come from several files.
     pub(in crate::scene) fn clashes(self) -> &'a Clashes<'a> {
         &self.own().clashes
     }
 
-    /// How many entities, materials and animations come from other files.
+    /// Returns the number of entities, materials and animations that come from other files.
     pub(in crate::scene) fn included(self) -> u64 {
         self.own().included
     }
 
-    /// Is that so for a file that is included?
+    /// Returns whether a condition holds for any directly included file.
     pub(in crate::scene) fn any_part(self, is_so: impl Fn(Self) -> bool) -> bool {
         self.files[self.file].includes.iter().flatten().any(|part| is_so(self.of(*part)))
     }
 
-    /// `parts/car.ron`
+    /// Returns the name of the file of an origin, as `parts/car.ron`.
     pub(in crate::scene) fn file_name(self, origin: Origin) -> &'a str {
         &self.files[origin.file].name
     }
 
-    /// `parts/car.ron:12`
+    /// Returns the file and line of an origin, as `parts/car.ron:12`.
     pub(in crate::scene) fn place(self, origin: Origin) -> String {
         let file = &self.files[origin.file];
         let step = match origin.list {

@@ -7,24 +7,24 @@ use ron::error::{Position, SpannedError};
 use crate::scene::quote::short;
 use crate::scene::spans::{is_space, list_items, tokens};
 
-/// What stands at a place of a text, and what before it.
+/// The token at a place of a text, with its surroundings.
 #[derive(Debug)]
 pub(super) struct Around<'t> {
     text: &'t str,
-    /// The word or sign; empty at the end of the text.
+    /// The token; empty at the end of the text.
     pub(super) found: Range<usize>,
-    /// The one before.
+    /// The token before it.
     pub(super) previous: Option<Range<usize>>,
     /// The brackets that are open here, the innermost last.
     open: Vec<usize>,
-    /// Did the parser stop within the word, and not before it?
+    /// Whether the parser stopped within the token, and not before it.
     pub(super) is_within: bool,
-    /// How far the parser had read.
+    /// The byte up to which the parser had read.
     pub(super) stopped: usize,
 }
 
 impl<'t> Around<'t> {
-    /// Where the parser gave up.
+    /// Finds the token at which the parser gave up.
     pub(super) fn error(text: &'t str, error: &SpannedError) -> Self {
         let (start, end) = (byte_of(text, error.span.start), byte_of(text, error.span.end));
         // What it took in last, unless that was white space.
@@ -57,23 +57,23 @@ impl<'t> Around<'t> {
         Self { text, found: text.len()..text.len(), previous, open, is_within: false, stopped: at }
     }
 
-    /// The word or sign.
+    /// Returns the token.
     pub(super) fn word(&self) -> &'t str {
         &self.text[self.found.clone()]
     }
 
-    /// The word or sign before.
+    /// Returns the token before it.
     pub(super) fn word_before(&self) -> &'t str {
         self.previous.clone().map_or("", |previous| &self.text[previous])
     }
 
-    /// The word or sign after.
+    /// Returns the token after it.
     pub(super) fn next(&self) -> &'t str {
         let rest = &self.text[self.found.end..];
         tokens(rest).next().map_or("", |next| &rest[next])
     }
 
-    /// Does nothing stand between the two?
+    /// Returns whether nothing stands between the token and the one before.
     pub(super) fn is_adjacent(&self) -> bool {
         self.previous.as_ref().is_some_and(|previous| previous.end == self.found.start)
     }
@@ -82,19 +82,19 @@ impl<'t> Around<'t> {
         self.found.is_empty()
     }
 
-    /// The innermost bracket that is open.
+    /// Returns the innermost open bracket.
     pub(super) fn bracket(&self) -> Option<usize> {
         self.open.last().copied()
     }
 
-    /// All that is in the innermost open bracket, with it, and how many values that is.
+    /// Returns the span of the innermost open bracket, and the number of values in it.
     pub(super) fn in_bracket(&self) -> Option<(Range<usize>, usize)> {
         self.bracket().map(|start| enclosed(self.text, start))
     }
 
-    /// The word or sign or, of a bracket that is good to look at as a whole, all that is in it.
+    /// Returns the span of the token or, for a bracket short enough to show as a whole, of all that is in it.
     pub(super) fn value(&self) -> Range<usize> {
-        /// As much as a line has room for.
+        /// The longest bracket, in bytes, that fits on a line.
         const LONGEST: usize = 60;
         let whole = match self.word() {
             "(" | "[" | "{" => enclosed(self.text, self.found.start).0,
@@ -104,7 +104,7 @@ impl<'t> Around<'t> {
         if is_short { whole } else { self.found.clone() }
     }
 
-    /// What stands here, in a reader's words.
+    /// Describes the token in a reader's words.
     pub(super) fn in_words(&self) -> String {
         let (word, rest) = (self.word(), &self.text[self.found.end..]);
         let first = word.chars().next();
@@ -133,7 +133,7 @@ impl<'t> Around<'t> {
     }
 }
 
-/// What is between a bracket and the one that closes it, with them, and how many values that is.
+/// Returns the span of a bracket with its content, and the number of values in it.
 fn enclosed(text: &str, start: usize) -> (Range<usize>, usize) {
     let mut depth = 0_usize;
     let close = tokens(&text[start..]).find(|token| {
@@ -153,7 +153,7 @@ fn is_letter(character: char) -> bool {
     character.is_alphabetic() || character == '_'
 }
 
-/// The byte of a line and column that ron counted, both from 1.
+/// Returns the byte at ron's line and column, both from 1.
 fn byte_of(text: &str, position: Position) -> usize {
     let line_start = match position.line {
         0 | 1 => 0,

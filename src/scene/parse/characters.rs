@@ -1,6 +1,6 @@
-//! Characters that have no place in a scene, and what people meant by them.
+//! Characters that have no place in a scene, and what people mean by them.
 
-/// What is wrong with a character outside of texts and comments, what to say beside it, and the remedy.
+/// Returns the message, label and remedy for a character outside of texts and comments.
 pub(super) fn strange(character: char) -> (String, String, String) {
     let code = format!("U+{:04X}", u32::from(character));
     if let Some(name) = invisible(character) {
@@ -30,7 +30,7 @@ pub(super) fn strange(character: char) -> (String, String, String) {
     (format!("`{shown}` means nothing here"), "not part of any value".to_owned(), help.to_owned())
 }
 
-/// Is it a sign that scenes are written with, or part of a word?
+/// Returns whether a character is used in scenes, as a sign or in words.
 pub(super) fn is_known(character: char) -> bool {
     character.is_alphanumeric() || "()[]{},:\"'_.+-".contains(character)
 }
@@ -49,7 +49,7 @@ fn invisible(character: char) -> Option<&'static str> {
     }
 }
 
-/// The sign of a keyboard that a typographic one stands for.
+/// Returns the keyboard's character that a typographic one stands for.
 fn ordinary(character: char) -> Option<char> {
     match character {
         '“' | '”' | '„' | '‟' | '«' | '»' | '‘' | '’' | '‚' | '‛' | '‹' | '›' | '″' => {

@@ -1,10 +1,10 @@
-//! How values are written that have more than one form: by what the format calls them, what people call them, and an example of
-//! each form. Where forms are mere words, of which there may be many, the list has a few.
+//! Examples of values that have more than one form: the name in the format, the noun, and an example of each form. Where forms
+//! are mere words, of which there may be many, the list has a few.
 
-/// What a value is, and how it is written.
+/// A kind of value, and the forms in which it is written.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Example {
-    /// In the format.
+    /// The name in the format.
     name: &'static str,
     pub(super) noun: &'static str,
     pub(super) forms: &'static [&'static str],
@@ -65,7 +65,7 @@ const EXAMPLES: [Example; 10] = [
     Example { name: "Noise", noun: "a kind of noise", forms: &["Fixed", "PerFrame"] },
 ];
 
-/// The values that the format gives a name.
+/// Returns the example of a value that the format gives a name.
 pub(super) fn of(name: &str) -> Example {
     let channel =
         Example { name: "Channel", noun: "a channel", forms: &["Translation", "Rotation", "Color", "Fov"] };
@@ -73,17 +73,17 @@ pub(super) fn of(name: &str) -> Example {
 }
 
 impl Example {
-    /// The noun without its article.
+    /// Returns the noun without its article.
     pub(super) fn kind(self) -> &'static str {
         self.noun.split_once(' ').map_or(self.noun, |(_, kind)| kind)
     }
 
-    /// The form that starts with a word.
+    /// Returns the form that starts with a word.
     pub(super) fn form(self, word: &str) -> Option<&'static str> {
         self.forms.iter().copied().find(|form| form.split('(').next() == Some(word))
     }
 
-    /// `Sphere(radius: 1), Plane(normal: (0, 1, 0)) or Box(size: (1, 1, 1))`
+    /// Lists the forms, as `Sphere(radius: 1), Plane(normal: (0, 1, 0)) or Box(size: (1, 1, 1))`.
     pub(super) fn listed(self) -> String {
         match self.forms {
             [] => String::new(),

@@ -1,4 +1,4 @@
-//! The parser's complaint as a diagnostic: what is wrong, where, and what to write.
+//! Turns the parser's error into a diagnostic: cause, place and remedy.
 
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ use crate::scene::spans::{open_comment, tokens};
 use crate::scene::suggest::remedy;
 use crate::scene::{Diagnostic, Place};
 
-/// What the parser did not like of a text.
+/// Explains an error of the parser.
 pub(super) fn explain(text: &str, error: &SpannedError, trail: &Trail) -> Diagnostic {
     let case = Case { text, code: &error.code, around: Around::error(text, error), open: trail.open() };
     let answered = trail.answered();
@@ -34,7 +34,7 @@ struct Case<'a> {
     text: &'a str,
     code: &'a Error,
     around: Around<'a>,
-    /// What was asked for and not answered, the innermost last.
+    /// The unanswered requests, the innermost last.
     open: Vec<Asked>,
 }
 
@@ -81,7 +81,7 @@ impl Case<'_> {
         }
     }
 
-    /// Something follows a text at once: a quote is missing, or one is too many.
+    /// Explains a text followed directly by something else: a quote is missing, or one is too many.
     fn of_quotes(&self) -> Option<Diagnostic> {
         let (around, text) = (&self.around, self.around.word_before());
         let goes_on = !around.is_end() && !")]},:".contains(around.word());
@@ -100,7 +100,7 @@ impl Case<'_> {
         })
     }
 
-    /// What was opened and not closed, or otherwise than it was opened.
+    /// Explains a bracket that is not closed, or closed by another kind.
     fn of_brackets(&self) -> Option<Diagnostic> {
         let (at, bracket) = (&self.around, self.around.bracket()?);
         let open = &self.text[bracket..=bracket];
@@ -129,7 +129,7 @@ impl Case<'_> {
         Some(told(message, label, help, start..start + first.len_utf8()))
     }
 
-    /// Numbers with two points between them.
+    /// Explains a range, which scenes do not have.
     fn of_ranges(&self) -> Option<Diagnostic> {
         let (found, before) = (self.around.word(), &self.text[..self.around.found.start]);
         let is_range = !found.contains(['"', '\''])
@@ -139,7 +139,7 @@ impl Case<'_> {
         })
     }
 
-    /// Words that are unknown, missing, or there twice.
+    /// Explains a word that is unknown, missing, or repeated.
     fn of_names(&self) -> Option<Diagnostic> {
         let of = |outer: &Option<String>| {
             outer.as_ref().map_or_else(String::new, |outer| format!(" of `{outer}`"))
@@ -193,7 +193,7 @@ impl Case<'_> {
         Some(told(message, label, help, self.around.found.clone()))
     }
 
-    /// Too few values in a bracket, or too many.
+    /// Explains a bracket with too few values, or too many.
     fn of_numbers_of_values(&self) -> Option<Diagnostic> {
         let is_number = match self.code {
             Error::ExpectedDifferentLength { .. } => true,
@@ -205,7 +205,7 @@ impl Case<'_> {
         Some(told(message, format!("found {}", counted(count, "value")), help, span))
     }
 
-    /// A comma or a colon is missing, or what stands before the place is more than what was read of it.
+    /// Explains a missing comma or colon, or a token of which only the start was read.
     fn of_separators(&self, answered: Option<&Asked>) -> Option<Diagnostic> {
         let around = &self.around;
         let (message, separator, help) = match self.code {
@@ -249,7 +249,7 @@ impl Case<'_> {
         Some(told(message, label, help, around.previous.clone()?))
     }
 
-    /// Something else than the value that was asked for.
+    /// Explains a value of another kind than requested.
     fn of_values(&self) -> Diagnostic {
         let around = &self.around;
         let Some(asked) = self.open.last() else {

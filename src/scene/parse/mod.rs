@@ -1,9 +1,9 @@
-//! From a text to a document, and what is wrong with a text that is none.
+//! From a text to a document, with diagnostics for texts that are not scenes.
 //!
-//! The parser says that it expected an identifier, and where it was when it noticed. What people need is what they could have
-//! written, and the place where it is not. So a text that is refused is read once more, along a `trail` that remembers what was
-//! asked for; `around` finds the words and signs at the place, `wanted` says what was asked for, with `examples` of how it is
-//! written, and `explain` puts it all together.
+//! The parser reports that it expected an identifier, and the place where it noticed. What people need is what they could have
+//! written, and the place where it is missing. So a text that is refused is read once more, along a `trail` that records what is
+//! asked for; `around` finds the tokens at the place, `wanted` describes what was asked for, with `examples` of its forms, and
+//! `explain` puts it all together.
 
 mod around;
 mod characters;

@@ -10,7 +10,7 @@ use crate::scene::Diagnostic;
 use crate::scene::document::SceneDocument;
 use crate::scene::spans::tokens;
 
-/// Reads a scene's text, and says what is wrong with it.
+/// Parses a scene's text; returns a diagnostic if it is none.
 pub(in crate::scene) fn parse(text: &str) -> Result<SceneDocument, Diagnostic> {
     read(text).map_err(|error| {
         let holds_nothing = tokens(text).next().is_none() && error.code != ron::Error::UnclosedBlockComment;
@@ -30,12 +30,12 @@ pub(in crate::scene) fn read(text: &str) -> Result<SceneDocument, SpannedError> 
     options().from_str(text)
 }
 
-/// How scene files are read: `Some` may be left out.
+/// Returns the options with which scene files are read: `Some` may be left out.
 pub(in crate::scene) fn options() -> ron::Options {
     ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME)
 }
 
-/// What was asked for when the reading of a text came to its end.
+/// Returns the trail of reading a text that is refused.
 fn trail(text: &str) -> Trail {
     let trail = Trail::default();
     // That it fails is known.

@@ -1,4 +1,4 @@
-//! Remembers what was asked for while a text was read: of a text that is refused, what should have stood there.
+//! Records what is asked for while a text is read: for a text that is refused, what should have been there.
 //!
 //! Serde asks the parser for one value after the other, each of a kind and each within another. [`Watched`] stands between the
 //! two, hands everything on, and keeps what has not been answered yet.
@@ -11,24 +11,24 @@ use serde::de::{
 };
 use serde::forward_to_deserialize_any;
 
-/// What serde wants to read.
+/// A request by serde for a value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Asked {
     Number,
     Flag,
     Text,
-    /// In square brackets.
+    /// A list in square brackets.
     List,
-    /// In braces.
+    /// A map in braces.
     Map,
-    /// What stands before a colon.
+    /// The name before a colon.
     FieldName,
     /// Named values in round brackets.
     Fields {
         name: &'static str,
         fields: &'static [&'static str],
     },
-    /// Values in round brackets, in the words of whoever reads them.
+    /// Values in round brackets, in the words of the type that reads them.
     Values {
         reader: String,
         count: usize,
@@ -38,19 +38,19 @@ pub(super) enum Asked {
         name: &'static str,
         count: usize,
     },
-    /// What stands in the brackets after a word.
+    /// The content of the brackets after a word.
     Content {
         of: &'static str,
         word: String,
         content: Content,
     },
-    /// What can be written in several ways, in the words of whoever reads it.
+    /// A value that can be written in several ways, in the words of the type that reads it.
     Any {
         reader: String,
     },
 }
 
-/// What stands in the brackets after a word.
+/// The content of the brackets after a word.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Content {
     One,
@@ -58,34 +58,34 @@ pub(super) enum Content {
     Fields(&'static [&'static str]),
 }
 
-/// What was asked for.
+/// The requests made while a text is read.
 #[derive(Debug, Default)]
 pub(super) struct Trail {
-    /// What has not been answered, each within the one before.
+    /// The unanswered requests, each within the one before.
     open: RefCell<Vec<Asked>>,
-    /// What was answered last.
+    /// The request answered last.
     answered: RefCell<Option<Asked>>,
-    /// The word that was read last, of several.
+    /// The last word read for a choice.
     word: RefCell<String>,
 }
 
 impl Trail {
-    /// Follows what is asked of a parser.
+    /// Records the requests made to a parser.
     pub(super) fn watch<T>(&self, parser: T) -> Watched<'_, T> {
         Watched { inner: parser, trail: self }
     }
 
-    /// What has not been answered, the innermost last.
+    /// Returns the unanswered requests, the innermost last.
     pub(super) fn open(&self) -> Vec<Asked> {
         self.open.borrow().clone()
     }
 
-    /// What was answered last.
+    /// Returns the request answered last.
     pub(super) fn answered(&self) -> Option<Asked> {
         self.answered.borrow().clone()
     }
 
-    /// What is asked for stays open where it fails.
+    /// Makes a request, which stays open if its answer fails.
     fn ask<T, E>(&self, asked: Asked, answer: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
         self.open.borrow_mut().push(asked);
         let answer = answer()?;
@@ -94,7 +94,7 @@ impl Trail {
     }
 }
 
-/// What stands between serde and the parser, in whatever role.
+/// A wrapper that stands between serde and the parser, in whatever role.
 pub(super) struct Watched<'t, T> {
     inner: T,
     trail: &'t Trail,
@@ -234,7 +234,7 @@ impl<'de, V: Visitor<'de>> Visitor<'de> for Watched<'_, V> {
     }
 }
 
-/// Remembers the word of a choice.
+/// Records the word of a choice.
 struct Word<'t, V> {
     visitor: V,
     trail: &'t Trail,
@@ -297,7 +297,7 @@ impl<'t, 'de, A: EnumAccess<'de>> EnumAccess<'de> for Watched<'t, A> {
 }
 
 impl<A> Watched<'_, A> {
-    /// What stands in the brackets after the word that was just read.
+    /// Returns the request for the content of the brackets after the word read last.
     fn content(&self, content: Content) -> Asked {
         let of = match self.trail.open.borrow().last() {
             Some(Asked::Choice { name, .. }) => name,

@@ -1,4 +1,4 @@
-//! What was asked for, in a reader's words.
+//! Descriptions of what was asked for.
 
 use super::around::Around;
 use super::examples::{self, Example};
@@ -6,14 +6,14 @@ use super::trail::{Asked, Content};
 use crate::scene::quote::short;
 use crate::scene::suggest::nearest;
 
-/// What should have been written, and how.
+/// The expected value, and the way in which it is written.
 pub(super) struct Wanted {
     pub(super) message: String,
     pub(super) help: String,
 }
 
 impl Wanted {
-    /// For what was asked for last; `open` is all that was.
+    /// Describes the request `asked`, the last of the unanswered ones in `open`.
     pub(super) fn of(asked: &Asked, open: &[Asked], around: &Around<'_>) -> Self {
         let found = around.word();
         match asked {
@@ -57,12 +57,12 @@ impl Wanted {
     }
 }
 
-/// `1 value`, `2 values`
+/// Writes a count with its noun, as `1 value` or `2 values`.
 pub(super) fn counted(count: usize, what: &str) -> String {
     if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
 }
 
-/// What the innermost of what was asked for is in.
+/// Returns the request that the innermost one is part of.
 fn outer(open: &[Asked]) -> Option<&Asked> {
     open.len().checked_sub(2).map(|outer| &open[outer])
 }
@@ -87,7 +87,7 @@ fn content(example: Example, word: &str, content: &Content) -> Wanted {
     Wanted { message: format!("`{}` takes {what}, in round brackets", short(word)), help }
 }
 
-/// Where there is another thing before a colon, or no colon at all.
+/// Describes the name of a field where it, or the colon after it, is missing.
 fn field_name(of: Option<&Asked>, found: &str) -> Wanted {
     let (fields, help) = match of {
         Some(Asked::Fields { fields, .. }) => {
@@ -107,21 +107,21 @@ fn field_name(of: Option<&Asked>, found: &str) -> Wanted {
     Wanted::new("a field's name", help)
 }
 
-/// `(width: .., height: .., transfer: ..)`
+/// Lists fields as they are written, as `(width: .., height: .., transfer: ..)`.
 fn bracketed(fields: &[&str]) -> String {
-    /// More than these say nothing more.
+    /// The number of fields beyond which more are of no help.
     const MOST: usize = 4;
     let named: Vec<String> = fields.iter().take(MOST).map(|field| format!("{field}: ..")).collect();
     let more = if fields.len() > MOST { ", .." } else { "" };
     format!("({}{more})", named.join(", "))
 }
 
-/// Is it a word, and no number, text or sign?
+/// Returns whether a token is a word, and not a number, a text or a sign.
 pub(super) fn is_word(found: &str) -> bool {
     found.starts_with(|first: char| first.is_alphabetic() || first == '_')
 }
 
-/// Does a colon follow?
+/// Returns whether a colon follows.
 fn is_named(around: &Around<'_>) -> bool {
     is_word(around.word()) && around.next() == ":"
 }

@@ -1,4 +1,4 @@
-//! Entities, many at a time: those with components of the same types together, type by type.
+//! Spawns entities, many at a time: those with the same component types together.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use crate::scene::document::{
     Triple,
 };
 
-/// What a material of the file gives to the entities made of it.
+/// The components that a material of the file gives to entities.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Surface {
     material: Material,
@@ -27,12 +27,12 @@ pub(super) struct Surface {
     checker: Option<Checker>,
 }
 
-/// What entities have to do with each other.
+/// The relations of entities to each other.
 pub(super) struct Links<'a> {
-    /// By the places of their children in the document.
+    /// The parents, by the places of their children in the document.
     pub(super) parents: HashMap<usize, Entity>,
     pub(super) channels: HashMap<Entity, Vec<Channel>>,
-    /// By the names of their materials.
+    /// The surfaces, by the names of their materials.
     pub(super) surfaces: HashMap<&'a str, Surface>,
 }
 
@@ -42,7 +42,7 @@ struct Member<'a> {
     surface: Option<&'a Surface>,
 }
 
-/// Which components an entity has, of those that not every one has.
+/// The optional components of an entity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 struct Types {
     name: bool,
@@ -57,7 +57,7 @@ struct Types {
     checker: bool,
 }
 
-/// Gives entities, which are there already, their components.
+/// Gives components to entities that already exist.
 pub(super) fn spawn(
     world: &mut World,
     entities: &[Entity],
@@ -119,7 +119,7 @@ fn fill<T: Component>(batch: &ColumnBatchBuilder, values: impl Iterator<Item = T
 }
 
 impl Types {
-    /// Those that a material gives, alone.
+    /// Returns the components that a material alone gives.
     fn of_surface(surface: Option<&Surface>) -> Self {
         Self {
             material: surface.is_some(),
@@ -131,7 +131,7 @@ impl Types {
         }
     }
 
-    /// Room for the components of so many entities.
+    /// Creates a batch for the components of `count` entities.
     fn batch(self, count: usize) -> ColumnBatchBuilder {
         let mut types = ColumnBatchType::new();
         types.add_bundle::<(Order, Transform, WorldTransform)>();

@@ -1,4 +1,4 @@
-//! From a validated document to a world.
+//! Builds the world of a validated document.
 
 mod entities;
 
@@ -80,7 +80,7 @@ pub(super) fn spawn(Merged { document, parents, .. }: &Merged) -> (World, Timeli
     (world, timeline)
 }
 
-/// The entities that something else refers to, by their names.
+/// Returns the entities that something else refers to, by their names.
 fn referred_to<'a>(document: &'a SceneDocument, entities: &[Entity]) -> HashMap<&'a str, Entity> {
     let links = |camera: &'a CameraDocument| [&camera.parent, &camera.follow, &camera.look_at];
     let parents = document.entities.iter().map(|entity| &entity.parent);
@@ -220,7 +220,7 @@ fn scale(document: ScaleDocument) -> DVec3 {
     }
 }
 
-/// The channels of every animated entity, in the order of the file. A material's track goes to all entities made of it.
+/// Returns the channels of every animated entity, in the order of the file. A material's track goes to all entities made of it.
 fn animated(
     document: &SceneDocument,
     entities: &[Entity],

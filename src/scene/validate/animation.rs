@@ -1,4 +1,4 @@
-//! What moves, and its keys. Ways that are not keyed are validated in `ways`.
+//! Animations and their keys. Motions that are not keyed are validated in `paths`.
 
 use std::collections::HashMap;
 
@@ -41,7 +41,7 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
     }
 }
 
-/// What else says which way a camera looks.
+/// Returns the other property that also decides in which direction a camera looks.
 fn one_view(property: Property) -> Option<Property> {
     match property {
         Property::Target => Some(Property::View),
@@ -124,7 +124,7 @@ fn vector(property: Property, value: Triple, at: &At<'_>, problems: &mut Problem
     }
 }
 
-/// What a value is called in messages.
+/// Returns the name of a value in messages.
 fn noun(property: Property) -> &'static str {
     match property {
         Property::Normal => "the normal",

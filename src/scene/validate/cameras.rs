@@ -1,4 +1,4 @@
-//! Cameras, and which of them films when.
+//! Cameras and shots.
 
 use std::collections::HashSet;
 
@@ -56,7 +56,7 @@ fn name(document: &SceneDocument, name: &str, scope: Scope<'_>, at: &At<'_>, pro
     problems.add(at, format!("the name \"{}\" is {taken}", short(name)), "taken", "choose another name");
 }
 
-/// The entities that a camera names.
+/// Checks the entities that a camera names.
 fn links(document: &CameraDocument, scope: Scope<'_>, at: &At<'_>, problems: &mut Problems) {
     let links = [("parent", &document.parent), ("follow", &document.follow), ("look_at", &document.look_at)];
     for (field, name) in links {
@@ -88,7 +88,7 @@ fn shots(document: &SceneDocument, at: &At<'_>, problems: &mut Problems) {
     }
 }
 
-/// Of a camera that looks at an entity.
+/// Reports other directions of a camera that looks at an entity.
 fn one_view(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
     for (field, written) in [("target", document.target.is_some()), ("view", document.view.is_some())] {
         if written {

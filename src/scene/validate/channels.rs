@@ -1,4 +1,4 @@
-//! Has what is animated such a value?
+//! Checks that animated entities, materials and cameras have the animated property.
 
 use super::{At, Named, Problems};
 use crate::components::{Part, Property};
@@ -84,7 +84,7 @@ fn material_target(
     }
 }
 
-/// What the scene is that lacks the part, if it does.
+/// Describes the scene if it lacks the part.
 fn lack_of_scene(document: &SceneDocument, part: Part) -> Option<&'static str> {
     let flat = matches!(document.background, BackgroundDocument::Flat(_));
     let (fits, otherwise) = match part {
@@ -97,7 +97,7 @@ fn lack_of_scene(document: &SceneDocument, part: Part) -> Option<&'static str> {
     (!fits).then_some(otherwise)
 }
 
-/// What the camera is that lacks the part, if it does.
+/// Describes the camera if it lacks the part.
 fn lack_of_camera(camera: &CameraDocument, part: Part) -> Option<&'static str> {
     let screen = camera.screen.as_ref();
     let (fits, otherwise) = match part {
@@ -115,7 +115,7 @@ fn lack_of_camera(camera: &CameraDocument, part: Part) -> Option<&'static str> {
     (!fits).then_some(otherwise)
 }
 
-/// What the entity is that lacks the part, if it does.
+/// Describes the entity if it lacks the part.
 fn lack_of_entity(entity: KnownEntity<'_>, part: Part) -> Option<&'static str> {
     use ShapeDocument::{Box, Plane, Sphere};
     let lacks = |material: Option<&MaterialDocument>| material.is_none_or(|material| lacks(material, part));
@@ -134,7 +134,7 @@ fn lack_of_entity(entity: KnownEntity<'_>, part: Part) -> Option<&'static str> {
     (!fits).then_some(otherwise)
 }
 
-/// What the entity is whose light lacks the part, if it does.
+/// Describes the entity if its light lacks the part.
 fn lack_of_light(light: Option<&LightDocument>, part: Part) -> Option<&'static str> {
     use AreaShapeDocument::{Rectangle, Sphere};
     use LightDocument::{Area, Directional, Point, Spot};
@@ -177,7 +177,7 @@ fn lacks(material: &MaterialDocument, part: Part) -> bool {
     missing(material, part).is_some()
 }
 
-/// Message, label and help for a part that the material could have, and has not.
+/// Returns message, label and help for a part that the material could have, but lacks.
 fn missing(material: &MaterialDocument, part: Part) -> Option<(&'static str, &'static str, &'static str)> {
     match part {
         Part::Specular if material.specular.is_none() => Some((
@@ -209,7 +209,7 @@ fn unfit(property: Property, what: &str, at: &At<'_>, problems: &mut Problems) {
     problems.add(at, message, "not here", home(property.part()));
 }
 
-/// Where such a part is.
+/// Describes what has the part.
 fn home(part: Part) -> &'static str {
     match part {
         Part::Transform => "entities have it; cameras have Position and Target",

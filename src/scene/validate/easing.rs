@@ -1,4 +1,4 @@
-//! Easings: the numbers in them.
+//! The numbers in easings.
 
 use super::{At, Problems, check};
 use crate::animation::Notation;
@@ -6,7 +6,7 @@ use crate::scene::document::{EasingDocument, OffsetDocument};
 use crate::scene::quote::Figure;
 
 pub(super) fn easing(easing: EasingDocument, notation: Notation, at: &At<'_>, problems: &mut Problems) {
-    /// So that values stay far from overflow.
+    /// The largest progress of a handle, so that values stay far from overflow.
     const FARTHEST: f64 = 1000.0;
     match easing {
         EasingDocument::Steps(count) => {

@@ -13,7 +13,7 @@ use crate::scene::document::{
 use crate::scene::files::{Lookup, Scope};
 use crate::scene::quote::{linked, short};
 
-/// What a `/` is for.
+/// The purpose of a `/` in names, as messages say it.
 pub(super) const SLASH: &str = "it is for names in parts, as \"car/wheel\"";
 
 pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_>, problems: &mut Problems) {
@@ -76,7 +76,7 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
     cycles(&document.entities, &names, &at, problems);
 }
 
-/// Entities by name; reports names that are taken.
+/// Returns entities by name; reports names that are taken.
 fn names<'a>(
     entities: &'a [Arc<EntityDocument>],
     at: &At<'_>,
@@ -101,7 +101,7 @@ fn names<'a>(
     names
 }
 
-/// A name that an entity may have.
+/// Checks a name of an entity.
 pub(super) fn name(name: &str, at: &At<'_>, problems: &mut Problems) -> bool {
     if name.is_empty() {
         problems.add(at, "an empty name", "names nothing", "write a name, or leave the field out");

@@ -1,4 +1,4 @@
-//! What comes from other files.
+//! Includes, and names that several files give.
 
 use super::{At, Problems};
 use crate::scene::document::SceneDocument;
@@ -32,7 +32,7 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
     problems.add_unlisted(clashes.unlisted);
 }
 
-/// A file that comes by several ways, each time with the same names.
+/// Reports a file that comes by several ways, each time with the same names.
 fn repeated(clash: &Clash<'_>, scope: Scope<'_>, at: &At<'_>, problems: &mut Problems) {
     let (name, second) = (short(clash.name), clash.second);
     problems.add(
@@ -43,7 +43,7 @@ fn repeated(clash: &Clash<'_>, scope: Scope<'_>, at: &At<'_>, problems: &mut Pro
     );
 }
 
-/// A name that several files give.
+/// Reports a name that several files give.
 fn taken(clash: &Clash<'_>, scope: Scope<'_>, scene: &At<'_>, problems: &mut Problems) {
     let Clash { first, second, include, .. } = *clash;
     let name = short(clash.name);

@@ -19,36 +19,36 @@ pub(in crate::scene) struct Problems {
     spawned: Spawned,
 }
 
-/// Entities of the document that are not in the file: scripts spawned them.
+/// The entities of the document that scripts spawned, which are not in the file.
 #[derive(Debug, Default)]
 struct Spawned {
-    /// The first one's place among the entities.
+    /// The place of the first one among the entities.
     first: usize,
-    /// Of each, the script's place in the list, and where in it `spawn` is called.
+    /// The call that spawned each: the script's place in the list, and the byte of the call in its text.
     calls: Vec<(u32, u32)>,
-    /// Scripts that are files of their own, by their places in the list.
+    /// The scripts that are files of their own, by their places in the list.
     files: BTreeMap<u32, Arc<Source>>,
 }
 
-/// A place in the text of a script.
+/// A span in the text of a script.
 #[derive(Debug)]
 struct Inside {
-    /// `None` where the script is written in the scene file.
+    /// The script's own file; `None` where it is written in the scene file.
     source: Option<Arc<Source>>,
     span: Range<usize>,
 }
 
-/// What is wrong with a spawned entity: one call in a loop makes the same mistake again and again.
+/// A mistake of a spawned entity, which one call in a loop may repeat again and again.
 #[derive(Debug, PartialEq)]
 struct Repeatable {
-    /// Of which script, and by the call at which byte of it.
+    /// The script, and the byte of the call in its text.
     call: (u32, u32),
     /// The value's place in the entity.
     value: Vec<Step>,
     label: String,
 }
 
-/// What has names in a scene.
+/// A kind of thing that has names in a scene.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Named {
     Material,
@@ -63,9 +63,9 @@ struct Problem {
     message: String,
     label: String,
     help: Option<String>,
-    /// `None` unless it may come again,
+    /// The identity of a mistake that may come again.
     repeatable: Option<Repeatable>,
-    /// and how often it was found.
+    /// The number of times it was found.
     times: usize,
 }
 
@@ -105,10 +105,10 @@ impl<'a> At<'a> {
 }
 
 impl Problems {
-    /// More than this nobody reads.
+    /// The most mistakes that are listed.
     pub(in crate::scene) const MOST: usize = 50;
 
-    /// The label of a name that there is not.
+    /// The label of an unknown name.
     const UNKNOWN: &'static str = "unknown";
 
     pub(in crate::scene) fn add(
@@ -131,7 +131,7 @@ impl Problems {
         self.listed.push(Problem { path, inside, message, label, help, repeatable, times: 1 });
     }
 
-    /// Counts a mistake that was found before.
+    /// Counts a mistake again if it was found before; returns whether it was.
     fn is_repeated(&mut self, repeatable: Option<&Repeatable>) -> bool {
         let Some(repeatable) = repeatable else { return false };
         let mut listed = self.listed.iter_mut();
@@ -139,13 +139,13 @@ impl Problems {
         before.map(|problem| problem.times += 1).is_some()
     }
 
-    /// Counts a mistake that there is no room for in the list.
+    /// Counts a mistake if the list is full; returns whether it is.
     fn is_unlisted(&mut self) -> bool {
         self.unlisted += usize::from(self.is_full());
         self.is_full()
     }
 
-    /// A mistake in a script: in the text at this place, or in a file of its own.
+    /// Adds a mistake in a script: in the text at this place, or in a file of its own.
     pub(in crate::scene) fn add_script(
         &mut self,
         at: &At<'_>,
@@ -161,12 +161,12 @@ impl Problems {
         self.listed.push(Problem { path, inside, message, label, help, repeatable: None, times: 1 });
     }
 
-    /// The entities from this place on are spawned by scripts.
+    /// Sets the place from which on entities are spawned by scripts.
     pub(in crate::scene) fn spawned_from(&mut self, first: usize) {
         self.spawned.first = first;
     }
 
-    /// The next of them is spawned by the script at an index of the list, by the call at a byte of its text.
+    /// Records the call that spawned the next of them: the script's index in the list, and the byte of the call in its text.
     pub(in crate::scene) fn spawned_at(&mut self, script: usize, source: Option<&Arc<Source>>, byte: usize) {
         let index = |index: usize| u32::try_from(index).unwrap_or(u32::MAX);
         if let Some(source) = source {
@@ -175,7 +175,7 @@ impl Problems {
         self.spawned.calls.push((index(script), index(byte)));
     }
 
-    /// As [`Problems::add`], for a name that is not among the known ones; they are looked through only if it is listed.
+    /// Adds an unknown name; the known ones are collected only if the mistake is listed.
     pub(super) fn add_unknown<'n>(
         &mut self,
         at: &At<'_>,
@@ -198,12 +198,12 @@ impl Problems {
         self.add(at, message, Self::UNKNOWN, remedy(name, &known, plural));
     }
 
-    /// More mistakes that are only counted.
+    /// Counts mistakes that are not listed.
     pub(super) fn add_unlisted(&mut self, count: usize) {
         self.unlisted += count;
     }
 
-    /// Are further mistakes only counted?
+    /// Returns whether further mistakes are only counted.
     pub(super) fn is_full(&self) -> bool {
         self.listed.len() == Self::MOST
     }
@@ -212,7 +212,7 @@ impl Problems {
         self.listed.is_empty()
     }
 
-    /// The mistakes with their places in the text, in its order, and how many more there are.
+    /// Returns the mistakes with their places in the text, in its order, and the number of those not listed.
     pub(in crate::scene) fn locate(self, text: &str) -> (Vec<Diagnostic>, usize) {
         let paths: Vec<Vec<Step>> = self.listed.iter().map(|problem| problem.path.clone()).collect();
         let spans = locate(text, &paths);
@@ -234,14 +234,14 @@ impl Problems {
 }
 
 impl Spawned {
-    /// For the path of a spawned entity, or one into it.
+    /// Returns the identity of a mistake in a spawned entity, from its path.
     fn repeatable(&self, path: &[Step], label: &str) -> Option<Repeatable> {
         let [Step::Field("entities"), Step::Index(index), value @ ..] = path else { return None };
         let call = *self.calls.get(index.checked_sub(self.first)?)?;
         Some(Repeatable { call, value: value.to_vec(), label: label.to_owned() })
     }
 
-    /// The path of the script of a call.
+    /// Returns the path of a call's script.
     fn path((script, _): (u32, u32)) -> Vec<Step> {
         vec![Step::Field("spawn"), Step::Index(script as usize), Step::Index(0)]
     }
@@ -252,14 +252,14 @@ impl Spawned {
     }
 }
 
-/// How to mend a script: by a name that is known, if one is not.
+/// Returns the remedy for a script's error: for an unknown name, the nearest known one.
 pub(in crate::scene) fn help_for(error: &ScriptError) -> Option<String> {
     let Some(unknown) = &error.unknown else { return error.help.clone() };
     let known: Vec<&str> = unknown.known.iter().map(String::as_str).collect();
     Some(remedy(&unknown.name, &known, unknown.kind))
 }
 
-/// Ranges that many values share.
+/// Checks of values that many fields share.
 pub(super) mod check {
     use super::{At, Problems};
     use crate::animation::limits::{LARGEST, MOST_LIGHT, SMALLEST};
@@ -267,7 +267,7 @@ pub(super) mod check {
     use crate::scene::document::Triple;
     use crate::scene::quote::Figure;
 
-    /// Finite, and not beyond all measure.
+    /// Checks that a number is finite, and within the limits of coordinates.
     pub(crate) fn number(value: f64, at: &At<'_>, problems: &mut Problems) -> bool {
         if !value.is_finite() {
             let message = if value.is_nan() { "this is not a number" } else { "this number is too large" };
@@ -285,7 +285,7 @@ pub(super) mod check {
         format!("write a number between -{LARGEST:e} and {LARGEST:e}")
     }
 
-    /// Three numbers as [`number`].
+    /// Checks three numbers as [`number`] does.
     pub(crate) fn vector(value: Triple, at: &At<'_>, problems: &mut Problems) -> bool {
         let mut good = true;
         for (index, value) in value.into_iter().enumerate() {
@@ -294,7 +294,7 @@ pub(super) mod check {
         good
     }
 
-    /// Three numbers that are not all zero.
+    /// Checks three numbers, which must not all be zero.
     pub(crate) fn direction(value: Triple, what: &str, at: &At<'_>, problems: &mut Problems) -> bool {
         if !vector(value, at, problems) {
             return false;
@@ -308,12 +308,12 @@ pub(super) mod check {
         true
     }
 
-    /// A length greater than zero.
+    /// Checks a length, which must be greater than zero.
     pub(crate) fn size(value: f64, what: &str, at: &At<'_>, problems: &mut Problems) -> bool {
         positive(value, what, "write a length in scene units, as 1", at, problems)
     }
 
-    /// A number that is greater than zero by enough to be reckoned with.
+    /// Checks a number, which must be greater than zero by enough to calculate with.
     pub(crate) fn positive(value: f64, what: &str, help: &str, at: &At<'_>, problems: &mut Problems) -> bool {
         if !number(value, at, problems) {
             return false;
@@ -327,13 +327,13 @@ pub(super) mod check {
         value >= SMALLEST
     }
 
-    /// Not zero, but less than can be reckoned with.
+    /// Reports a number other than zero that is too small to calculate with.
     pub(crate) fn too_small(value: f64, what: &str, at: &At<'_>, problems: &mut Problems) {
         let message = format!("{} is too small for {what}", Figure(value));
         problems.add(at, message, "out of range", format!("write at least {SMALLEST:e}"));
     }
 
-    /// A whole number from 1 on.
+    /// Checks a whole number from 1 to `most`.
     pub(crate) fn count(value: u64, most: u32, what: &str, help: &str, at: &At<'_>, problems: &mut Problems) {
         if !(1..=u64::from(most)).contains(&value) {
             let message = format!("{what} must be from 1 to {most}, not {value}");
@@ -341,7 +341,7 @@ pub(super) mod check {
         }
     }
 
-    /// A coefficient in 0..=1.
+    /// Checks a coefficient in 0..=1.
     pub(crate) fn coefficient(value: f64, what: &str, at: &At<'_>, problems: &mut Problems) {
         if !Quantity::Coefficient.range().contains(&value) {
             let message = format!("{what} must be from 0 to 1, not {}", Figure(value));
@@ -349,7 +349,7 @@ pub(super) mod check {
         }
     }
 
-    /// An exponent of highlights.
+    /// Checks an exponent of highlights.
     pub(crate) fn shininess(value: f64, at: &At<'_>, problems: &mut Problems) {
         let range = Quantity::Shininess.range();
         if !range.contains(&value) {
@@ -359,7 +359,7 @@ pub(super) mod check {
         }
     }
 
-    /// A refractive index.
+    /// Checks a refractive index.
     pub(crate) fn ior(value: f64, at: &At<'_>, problems: &mut Problems) {
         let range = Quantity::RefractiveIndex.range();
         if !range.contains(&value) {
@@ -374,7 +374,7 @@ pub(super) mod check {
         }
     }
 
-    /// Absorption per channel, 0 or more.
+    /// Checks absorption per channel, 0 or more.
     pub(crate) fn absorption(value: Triple, at: &At<'_>, problems: &mut Problems) {
         for (index, value) in value.into_iter().enumerate() {
             let at = at.index(index);
@@ -392,7 +392,7 @@ pub(super) mod check {
         }
     }
 
-    /// Light per channel, 0 or more.
+    /// Checks light per channel, 0 or more.
     pub(crate) fn intensity(value: Triple, what: &str, at: &At<'_>, problems: &mut Problems) {
         for (index, value) in value.into_iter().enumerate() {
             let at = at.index(index);
@@ -409,7 +409,7 @@ pub(super) mod check {
         }
     }
 
-    /// Colour channels in 0..=255.
+    /// Checks colour channels in 0..=255.
     pub(crate) fn color(value: Triple, at: &At<'_>, problems: &mut Problems) {
         for (index, value) in value.into_iter().enumerate() {
             if !(0.0..=255.0).contains(&value) {
