@@ -52,7 +52,7 @@ impl Operator {
         self.unfit(left, right)
     }
 
-    /// Where the result is whole and fits.
+    /// Returns the result for whole operands, where it is whole and fits.
     fn whole(self, left: INT, right: INT) -> Option<INT> {
         match self {
             Self::Add => left.checked_add(right),
@@ -78,7 +78,7 @@ impl Operator {
         }
     }
 
-    /// Part by part.
+    /// Applies the operator to lists part by part.
     fn parts(self, left: &Dynamic, right: &Dynamic) -> Outcome {
         let numbers = |value: &Dynamic| number(value).is_some();
         let lists = (left.as_array_ref(), right.as_array_ref());
@@ -112,7 +112,7 @@ impl Operator {
     }
 }
 
-/// Texts, and texts with numbers.
+/// Joins texts, or a text with a number or a flag.
 fn joined(left: &Dynamic, right: &Dynamic) -> Outcome {
     let text = format!("{}{}", text_of(left)?, text_of(right)?);
     if text.len() > limits::TEXT {
@@ -152,7 +152,7 @@ fn negative(value: &Dynamic) -> Outcome {
     }
 }
 
-/// Numbers by value, lists part by part, all else by kind and value.
+/// Compares numbers by value, lists and maps part by part, and all else by kind and value.
 pub(super) fn equal(left: &Dynamic, right: &Dynamic) -> bool {
     if let (Ok(left), Ok(right)) = (left.as_int(), right.as_int()) {
         return left == right;

@@ -1,4 +1,4 @@
-//! What a program can read of the world.
+//! The values that a program can read from the world.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -9,7 +9,7 @@ use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, NativeCallContext, P
 use super::positions::span_of;
 use super::{Data, work};
 
-/// The moment, and what the program belongs to.
+/// The moment and the owner of a program, as it reads them.
 #[derive(Clone, Debug, Default)]
 pub struct ScriptContext {
     seconds: f64,
@@ -26,15 +26,15 @@ pub struct ScriptContext {
 /// A value that a program reads: `value("ball", "Radius")`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Read {
-    /// Of what.
+    /// The name of what has the value.
     pub target: String,
-    /// Which of its values.
+    /// The name of the channel.
     pub channel: String,
-    /// Where, in bytes of the program's text.
+    /// The place of the read, in bytes of the program's text.
     pub span: Range<usize>,
 }
 
-/// What an error holds that stands for a read.
+/// A read that could not be answered, as an error holds it.
 #[derive(Clone, Debug)]
 struct Wish {
     target: String,
@@ -43,29 +43,29 @@ struct Wish {
 }
 
 impl ScriptContext {
-    /// Names that stand for what programs are given.
+    /// The names of the values that programs are given.
     pub(super) const NAMES: [&'static str; 7] = ["t", "frame", "fps", "duration", "index", "name", "base"];
 
-    /// At the start, of a timeline with so many frames per second and so many seconds.
+    /// Creates a context at the start of a timeline with `fps` frames per second and `duration` seconds.
     #[must_use]
     pub fn new(fps: f64, duration: f64) -> Self {
         Self { fps, duration, ..Self::default() }
     }
 
-    /// What the program belongs to: `index`, `name`, and `base`, the value that its channel has without it.
+    /// Sets the owner of the program: its `index`, its `name`, and the value `base` that its channel has without the program.
     pub fn belong(&mut self, index: u64, name: &str, base: Data) {
         self.index = index;
         self.name = ImmutableString::from(name).into();
         self.base = base.into_dynamic();
     }
 
-    /// Another moment, in seconds and in frames with a fraction: what was known of other channels is forgotten.
+    /// Moves to another moment, in seconds and in frames with a fraction, and forgets all values of other channels.
     pub fn turn_to(&mut self, seconds: f64, frame: f64) {
         (self.seconds, self.frame) = (seconds, frame);
         self.forget();
     }
 
-    /// How many operations the last program has done.
+    /// Returns the number of operations of the last run.
     #[must_use]
     pub fn work(&self) -> u64 {
         self.work
@@ -75,17 +75,17 @@ impl ScriptContext {
         self.work = work;
     }
 
-    /// Nothing is known of other channels.
+    /// Forgets all values of other channels.
     pub fn forget(&mut self) {
         self.values.clear();
     }
 
-    /// Answers a read of other channels from now on.
+    /// Stores the value of another channel, which answers its reads from now on.
     pub fn know(&mut self, read: &Read, value: Data) {
         self.values.insert((read.target.as_str().into(), read.channel.as_str().into()), value.into_dynamic());
     }
 
-    /// What a name stands for.
+    /// Returns the value of a name.
     #[expect(clippy::cast_possible_wrap, reason = "there are far fewer entities")]
     fn named(&self, name: &str) -> Option<Dynamic> {
         Some(match name {
@@ -102,11 +102,11 @@ impl ScriptContext {
 }
 
 thread_local! {
-    /// Those of the program that runs on this thread: the language's functions are the same for all programs.
+    /// The context of the program that runs on this thread; the functions of the language are shared by all programs.
     static CURRENT: RefCell<ScriptContext> = RefCell::default();
 }
 
-/// Runs something in these context.
+/// Calls `run` with `context` as the context of this thread.
 pub(super) fn within<R>(context: &mut ScriptContext, run: impl FnOnce() -> R) -> R {
     CURRENT.with_borrow_mut(|current| std::mem::swap(current, context));
     let result = run();
@@ -114,7 +114,7 @@ pub(super) fn within<R>(context: &mut ScriptContext, run: impl FnOnce() -> R) ->
     result
 }
 
-/// The read that an error stands for, if it is one that could not be answered.
+/// Returns the read that ended a program, if its error is an unanswered read.
 pub(super) fn unanswered(text: &str, error: &EvalAltResult) -> Option<Read> {
     match error {
         EvalAltResult::ErrorInFunctionCall(_, _, inner, _) => unanswered(text, inner),

@@ -1,4 +1,4 @@
-//! What programs give and are given: plain data, and animated values as data.
+//! The values of programs: plain data, and animated values as data.
 
 use glam::{DVec3, Vec3};
 use rhai::{Dynamic, FnPtr, ImmutableString};
@@ -25,7 +25,7 @@ pub enum Data {
     List(Vec<Data>),
     /// `#{ name: value }`, in the order of the names.
     Map(Vec<(String, Data)>),
-    /// What no value can be made of, by what it is.
+    /// Something that is no data, by its kind.
     Other(&'static str),
 }
 
@@ -66,7 +66,7 @@ impl Data {
         }
     }
 
-    /// The bytes of all texts in it.
+    /// Returns the bytes of all texts in the value.
     pub(super) fn text_length(&self) -> usize {
         match self {
             Self::Text(text) => text.len(),
@@ -76,7 +76,7 @@ impl Data {
         }
     }
 
-    /// What it is, in words: `a list of 2 values`.
+    /// Describes the value in words, as `a list of 2 values`.
     #[must_use]
     pub fn description(&self) -> String {
         match self {
@@ -102,13 +102,13 @@ impl Data {
         }
     }
 
-    /// The first part of a list that is no number.
+    /// Returns the first part of a list that is no number.
     fn odd_part(&self) -> Option<&Self> {
         let Self::List(list) = self else { return None };
         list.iter().find(|part| part.number().is_none())
     }
 
-    /// A list of so many numbers.
+    /// Returns the numbers of a list of `COUNT` numbers.
     fn numbers<const COUNT: usize>(&self) -> Option<[f64; COUNT]> {
         let Self::List(list) = self else { return None };
         let numbers: Vec<f64> = list.iter().map(Self::number).collect::<Option<_>>()?;
@@ -122,7 +122,7 @@ impl From<[f64; 3]> for Data {
     }
 }
 
-/// What a value is called in messages.
+/// Returns the kind of a value as messages call it.
 pub(super) fn kind(value: &Dynamic) -> &'static str {
     if number(value).is_some() {
         "a number"
@@ -146,7 +146,7 @@ pub(super) fn kind(value: &Dynamic) -> &'static str {
 }
 
 impl Notation {
-    /// What is expected, with an example.
+    /// Describes the expected data, with an example.
     #[must_use]
     pub fn expected(self) -> &'static str {
         match self {
@@ -162,7 +162,7 @@ impl Notation {
         }
     }
 
-    /// The animated value that a program's result is. `None` if it is something else than expected.
+    /// Converts the result of a program to an animated value. `None` if it is not of the expected form.
     ///
     /// Colours are held to 0..=255, light to 0..=1e30.
     #[must_use]
@@ -186,7 +186,7 @@ impl Notation {
         })
     }
 
-    /// What to say of something else than expected, and how to mend it where that is known.
+    /// Returns the message for data of another form than expected, and the remedy where it is known.
     #[must_use]
     pub fn mismatch(self, data: &Data) -> (String, Option<&'static str>) {
         let message = match data.odd_part().filter(|_| !matches!(self, Self::Number | Self::Degrees)) {
@@ -206,7 +206,7 @@ impl Notation {
         (message, help)
     }
 
-    /// An animated value as a program sees it; a rotation is a quaternion.
+    /// Converts an animated value to data; a rotation becomes a quaternion.
     #[must_use]
     pub fn data(self, value: Value, transfer: Transfer) -> Data {
         match (self, value) {
@@ -232,7 +232,7 @@ fn light(numbers: DVec3) -> Vec3 {
     numbers.clamp(DVec3::ZERO, DVec3::splat(MOST_LIGHT)).as_vec3()
 }
 
-/// `#rrggbb`.
+/// Reads a colour written as `#rrggbb`.
 fn hexadecimal(data: &Data) -> Option<[f64; 3]> {
     let Data::Text(text) = data else { return None };
     let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6)?;

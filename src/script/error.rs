@@ -1,4 +1,4 @@
-//! What is wrong with a program, and where.
+//! The error of a program, with its place.
 
 use std::ops::Range;
 
@@ -9,34 +9,34 @@ use super::positions::span_of;
 use super::vocabulary::{Known, Purpose};
 use super::wording::{Told, function_name, shortened};
 
-/// A mistake in a program, or one that shows when it runs.
+/// A mistake in a program's text, or one that shows when it runs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ScriptError {
-    /// What is wrong.
+    /// The mistake.
     pub message: String,
-    /// What about the marked place.
+    /// The remark at the marked place.
     pub label: String,
-    /// How to mend it, where that is known.
+    /// The remedy, where it is known.
     pub help: Option<String>,
-    /// A name that nobody knows, and those that are known.
+    /// The unknown name, and the known ones, if that is the mistake.
     pub unknown: Option<Box<Unknown>>,
-    /// Bytes of the program's text.
+    /// The marked place, in bytes of the program's text.
     pub span: Range<usize>,
 }
 
-/// A name that nobody knows.
+/// An unknown name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unknown {
     /// The name.
     pub name: String,
-    /// What it would be the name of, in the plural.
+    /// The kind of thing that it would name, in the plural.
     pub kind: &'static str,
     /// The names that are known.
     pub known: Vec<String>,
 }
 
 impl ScriptError {
-    /// An error that is not about one place in the text.
+    /// Creates an error that is not about one place in the text.
     #[must_use]
     pub fn whole(
         text: &str,
@@ -90,7 +90,7 @@ impl ScriptError {
         Self::unknown(text, position, format!("nothing is called `{}`", shortened(name)), unknown, purpose)
     }
 
-    /// What only programs for something else know is not mistyped.
+    /// Creates the error of an unknown name. One that programs with another purpose know is not taken for mistyped.
     fn unknown(text: &str, position: Position, message: String, unknown: Unknown, purpose: Purpose) -> Self {
         let help = purpose.elsewhere(&unknown.name).map(str::to_owned);
         let unknown = help.is_none().then(|| unknown.into());
@@ -122,7 +122,7 @@ impl ScriptError {
     }
 }
 
-/// The error in the function that was called last.
+/// Returns the error in the function that was called last.
 fn innermost(error: &EvalAltResult) -> &EvalAltResult {
     match error {
         EvalAltResult::ErrorInFunctionCall(_, _, inner, _) if inner.position() != Position::NONE => {

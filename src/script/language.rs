@@ -1,4 +1,4 @@
-//! The language: Rhai with a library of its own, and nothing of the outside.
+//! The language: Rhai with a library of its own, and without access to anything outside.
 
 use std::cell::Cell;
 use std::collections::HashSet;
@@ -25,7 +25,7 @@ use crate::color::Transfer;
 pub struct Language {
     parser: Engine,
     engine: Engine,
-    /// What names from outside a program stand for; their values when it is compiled do not matter.
+    /// The names given to programs from outside; their values do not matter while a program is compiled.
     outside: Scope<'static>,
 }
 
@@ -42,24 +42,24 @@ pub struct Program {
 /// The compiled programs of a scene.
 #[derive(Debug)]
 pub struct Programs {
-    /// What they are run by.
+    /// The language that runs them.
     pub language: Language,
     /// All programs.
     pub list: Vec<Program>,
-    /// What refers to them: to which, and what stands before the names of entities that it reads.
+    /// The uses of programs: the index of each one's program, and the prefix of the names of entities that it reads.
     pub uses: Vec<(usize, String)>,
-    /// How their colours become light.
+    /// The conversion of their colours to light.
     pub transfer: Transfer,
 }
 
 impl Programs {
-    /// None yet.
+    /// Creates an empty list of programs.
     #[must_use]
     pub fn new(language: Language, transfer: Transfer) -> Self {
         Self { language, list: Vec::new(), uses: Vec::new(), transfer }
     }
 
-    /// The program of a use, and what stands before the names that it reads.
+    /// Returns the program of a use, and the prefix of the names that it reads.
     #[must_use]
     pub fn used(&self, place: usize) -> Option<(&Program, &str)> {
         let (program, prefix) = self.uses.get(place)?;
@@ -67,17 +67,17 @@ impl Programs {
     }
 }
 
-/// Why a program gave nothing.
+/// The reason why a program has no result.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Stop {
-    /// It went wrong.
+    /// An error.
     Error(Box<ScriptError>),
-    /// It reads a value that is not [known](ScriptContext::know): to be run again when it is.
+    /// It reads a value that is not [known](ScriptContext::know), and is to be run again when it is.
     Needs(Read),
 }
 
 impl Language {
-    /// The language with its randomness of a seed.
+    /// Creates the language, with random functions of the given seed.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         let mut engine = bare_engine();
@@ -117,7 +117,7 @@ impl Language {
 }
 
 impl Program {
-    /// Its text.
+    /// Returns the program's text.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text
@@ -171,7 +171,7 @@ pub(super) fn compile(
     }
 }
 
-/// The first number that is too large to be one.
+/// Finds the first number beyond the range of numbers.
 fn endless_number(ast: &AST) -> Option<Position> {
     let mut endless = None;
     ast.walk(&mut |path| {
@@ -185,13 +185,13 @@ fn endless_number(ast: &AST) -> Option<Position> {
     endless
 }
 
-/// What is wrong with a call.
+/// A mistaken call.
 enum Call {
     Unknown(String),
     Long(String),
 }
 
-/// The first call of a function that there is not, so that it is found where it would not be called, too, or with very many values.
+/// Finds the first call of an unknown function or with too many values, also where it would not be reached when the program runs.
 fn bad_call(ast: &AST, known: &Known<'_>) -> Option<(Call, Position)> {
     let names: HashSet<&str> = known.names().collect();
     let mut bad = None;
@@ -267,7 +267,8 @@ thread_local! {
     static COMMAS: Cell<Option<usize>> = const { Cell::new(None) };
 }
 
-/// Is this a function's head of more values than it can be called with? Rhai compares each with each before.
+/// Returns whether a token makes the head of a function too long to be called. Rhai would compare all its parameters with each
+/// other before refusing it.
 fn is_endless_head(token: &Token) -> bool {
     let commas = match token {
         Token::Fn => Some(0),
@@ -279,7 +280,7 @@ fn is_endless_head(token: &Token) -> bool {
     commas.is_some_and(|commas| commas > limits::ARGUMENTS)
 }
 
-/// Runs programs: limits, operators and functions, without randomness and context.
+/// Creates the engine that runs programs: limits, operators and functions, without randomness and context.
 pub(super) fn bare_engine() -> Engine {
     let mut engine = Engine::new_raw();
     engine

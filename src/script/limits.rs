@@ -1,5 +1,5 @@
-//! How much a program may do. Together they bound time and memory: a run holds at most [`VARIABLES`] values, each of them at
-//! most [`LIST`] numbers and [`TEXT`] bytes of text, in each of [`CALLS`] calls; what it is to copy a value, and to go through one, are
+//! The limits of a program. Together they bound time and memory: a run holds at most [`VARIABLES`] values, each of them at most
+//! [`LIST`] numbers and [`TEXT`] bytes of text, in each of [`CALLS`] calls; copying a value, and going through one, counts as
 //! operations too.
 
 /// The most operations of a channel's program in one run: some hundredths of a second.
@@ -8,13 +8,13 @@ pub const OPERATIONS: u64 = 100_000;
 pub const OPERATIONS_UNTIL_KNOWN: u64 = 1_000_000;
 /// The most operations of a program that spawns, before those that its entities add.
 pub const SPAWNING_OPERATIONS: u64 = 200_000;
-/// So many operations more for each spawned entity whose name no other has.
+/// The operations added for each spawned entity whose name no other has.
 pub const OPERATIONS_PER_ENTITY: u64 = 100;
 /// The most operations of a program that spawns, however many entities it has.
 pub const MOST_SPAWNING_OPERATIONS: u64 = 40_000_000;
-/// Operations that it is to refuse an entity: what one that is taken brings.
+/// The operations that refusing an entity counts as: as many as an accepted one adds.
 pub(super) const REFUSAL: usize = 100;
-/// Operations that it is to say what is wrong, which a program may catch.
+/// The operations that a failure counts as, since a program may catch it.
 pub(super) const FAILURE: usize = 10;
 /// The most entities that the programs of a scene spawn.
 pub const ENTITIES: u64 = 1_000_000;
@@ -34,9 +34,9 @@ pub const VARIABLES: usize = 128;
 pub const ARGUMENTS: usize = 16;
 /// The most functions in a program.
 pub const FUNCTIONS: usize = 256;
-/// How deep functions may call each other.
+/// The greatest depth of calls.
 pub const CALLS: usize = 32;
-/// How deep expressions may be nested.
+/// The greatest depth of nested expressions.
 pub const NESTING: usize = 64;
-/// How deep expressions in functions may be nested.
+/// The greatest depth of nested expressions in functions.
 pub const NESTING_IN_FUNCTIONS: usize = 32;

@@ -8,7 +8,7 @@ use super::maths::argument;
 use super::outcome::{Outcome, failed, finite};
 use super::{limits, work};
 
-/// The numbers of a list.
+/// Returns the numbers of a list.
 fn numbers(function: &str, value: &Dynamic) -> Result<Vec<FLOAT>, Box<EvalAltResult>> {
     match value.as_array_ref() {
         Ok(list) => {
@@ -79,7 +79,7 @@ fn sum(list: &Dynamic) -> Outcome {
     finite(numbers("sum", list)?.iter().sum())
 }
 
-/// `from + i step` for every i from 0, before it reaches `to`.
+/// The numbers `from + i step` for every i from 0, up to but without `to`.
 #[derive(Clone, Debug)]
 struct Numbers {
     from: FLOAT,
@@ -110,7 +110,7 @@ impl Iterator for Numbers {
     }
 }
 
-/// Ranges whose numbers are not all whole.
+/// Registers ranges whose numbers need not be whole.
 fn register_range(engine: &mut Engine) {
     engine.register_iterator::<Numbers>();
     engine.register_fn("range", |from: Dynamic, to: Dynamic| Numbers::between(&from, &to, 1.0));

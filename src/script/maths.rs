@@ -8,10 +8,10 @@ use super::data::kind;
 use super::outcome::{Outcome, failed, finite, number};
 use super::work;
 
-/// Names of numbers.
+/// The named constants.
 pub(super) const CONSTANTS: [(&str, FLOAT); 3] = [("pi", PI), ("tau", TAU), ("e", E)];
 
-/// A function's argument.
+/// Returns a function's argument as a number.
 pub(super) fn argument(function: &str, value: &Dynamic) -> Result<FLOAT, Box<rhai::EvalAltResult>> {
     match number(value) {
         Some(number) => Ok(number),
@@ -42,7 +42,7 @@ const UNARY: [(&str, Unary); 15] = [
     ("fract", |x| x - libm::floor(x)),
 ];
 
-/// Their results are whole numbers where these reach.
+/// The functions whose results are whole numbers, as far as these reach.
 const ROUNDING: [(&str, Unary); 4] =
     [("floor", libm::floor), ("ceil", libm::ceil), ("round", libm::round), ("trunc", libm::trunc)];
 
@@ -62,7 +62,7 @@ fn whole(value: FLOAT) -> Dynamic {
     if value.abs() <= LARGEST { Dynamic::from_int(value as INT) } else { Dynamic::from_float(value) }
 }
 
-/// x - y floor(x / y): 0 up to y.
+/// Computes x - y floor(x / y), which has the sign of y.
 fn modulo(x: FLOAT, y: FLOAT) -> Outcome {
     if y == 0.0 {
         return failed("division by zero\n`mod(x, y)` needs a y other than 0");
@@ -86,7 +86,7 @@ fn clamp(x: FLOAT, low: FLOAT, high: FLOAT) -> Outcome {
     finite(x.clamp(low, high))
 }
 
-/// The numbers, or with lists, their parts.
+/// Interpolates linearly between numbers, or between lists part by part.
 fn mix(from: &Dynamic, to: &Dynamic, share: FLOAT) -> Outcome {
     if let (Some(from), Some(to)) = (number(from), number(to)) {
         return finite(from * (1.0 - share) + to * share);
@@ -105,7 +105,7 @@ fn mix(from: &Dynamic, to: &Dynamic, share: FLOAT) -> Outcome {
     }
 }
 
-/// Of 0 there is none.
+/// Computes a logarithm; that of 0 is an error.
 fn logarithm(function: Unary, x: FLOAT) -> Outcome {
     if x == 0.0 {
         return failed(
@@ -127,7 +127,7 @@ fn abs(value: &Dynamic) -> Outcome {
     finite(argument("abs", value)?.abs())
 }
 
-/// The first of the largest, or of the smallest.
+/// Returns the first of the values than which none is better.
 fn extreme(name: &'static str, values: &[Dynamic], better: fn(FLOAT, FLOAT) -> bool) -> Outcome {
     work::add(values.len());
     let mut best: Option<(FLOAT, &Dynamic)> = None;

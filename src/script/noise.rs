@@ -14,19 +14,19 @@ fn mixed(mut bits: u64) -> u64 {
     bits ^ (bits >> 31)
 }
 
-/// A hash of numbers; equal numbers have equal hashes, 0 and -0 too.
+/// Hashes numbers. Equal ones have equal hashes, 0 and -0 too.
 fn hash<const COUNT: usize>(seed: u64, numbers: [FLOAT; COUNT]) -> u64 {
     numbers.into_iter().fold(mixed(seed ^ COUNT as u64), |key, number| mixed(key ^ (number + 0.0).to_bits()))
 }
 
-/// From 0, below 1, evenly.
+/// Returns a uniformly distributed number in 0..1, without 1.
 #[expect(clippy::cast_precision_loss, reason = "53 bits are exact")]
 fn random<const COUNT: usize>(seed: u64, numbers: [FLOAT; COUNT]) -> FLOAT {
     (hash(seed, numbers) >> 11) as FLOAT / (1_u64 << 53) as FLOAT
 }
 
-/// Gradient noise from -1 to 1, 0 at whole numbers (Perlin, "Improving Noise", SIGGRAPH 2002): its first two derivatives are
-/// continuous. In N dimensions gradients of length 1 give at most sqrt(N) / 2, by which it is scaled.
+/// Computes gradient noise from -1 to 1, 0 at whole numbers (Perlin, "Improving Noise", SIGGRAPH 2002): its first two derivatives
+/// are continuous. In N dimensions gradients of length 1 give at most sqrt(N) / 2, by which it is scaled.
 fn noise<const COUNT: usize>(
     seed: u64,
     at: [FLOAT; COUNT],
@@ -50,13 +50,13 @@ fn noise<const COUNT: usize>(
     (sum * 2.0 / libm::sqrt(COUNT as FLOAT)).clamp(-1.0, 1.0)
 }
 
-/// Any slope from -1 to 1.
+/// Returns the product of a place with a gradient from -1 to 1.
 #[expect(clippy::cast_precision_loss, reason = "53 bits are exact")]
 fn slope(key: u64, [x]: [FLOAT; 1]) -> FLOAT {
     ((key >> 11) as FLOAT / (1_u64 << 52) as FLOAT - 1.0) * x
 }
 
-/// One of eight directions.
+/// Returns the product of a place with one of eight directions.
 fn in_plane(key: u64, [x, y]: [FLOAT; 2]) -> FLOAT {
     use std::f64::consts::FRAC_1_SQRT_2 as HALF;
     match key >> 61 {
@@ -71,7 +71,7 @@ fn in_plane(key: u64, [x, y]: [FLOAT; 2]) -> FLOAT {
     }
 }
 
-/// One of the twelve directions from a cube's centre to the middles of its edges.
+/// Returns the product of a place with one of the twelve directions from a cube's centre to the middles of its edges.
 fn in_space(key: u64, [x, y, z]: [FLOAT; 3]) -> FLOAT {
     let (a, b) = match key % 3 {
         0 => (x, y),

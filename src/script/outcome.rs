@@ -1,4 +1,4 @@
-//! What functions of programs give: a value, or what is wrong.
+//! The outcome of a program's functions: a value, or an error.
 
 use rhai::{Dynamic, EvalAltResult, FLOAT, Position};
 
@@ -6,13 +6,13 @@ use super::{limits, work};
 
 pub(super) type Outcome = Result<Dynamic, Box<EvalAltResult>>;
 
-/// An error whose place is that of the call. A second line is the remedy.
+/// Returns an error at the place of the call. A second line of the message is the remedy.
 pub(super) fn failed<T>(message: impl Into<String>) -> Result<T, Box<EvalAltResult>> {
     work::add(limits::FAILURE);
     Err(EvalAltResult::ErrorArithmetic(message.into(), Position::NONE).into())
 }
 
-/// A number, if it is one.
+/// Returns a number, or an error if it is not finite.
 pub(super) fn finite(value: FLOAT) -> Outcome {
     if value.is_nan() {
         return failed(
@@ -25,7 +25,7 @@ pub(super) fn finite(value: FLOAT) -> Outcome {
     Ok(Dynamic::from_float(value))
 }
 
-/// A whole number or another, as the latter.
+/// Returns the number that a value is, whole or not.
 #[expect(
     clippy::cast_precision_loss,
     reason = "whole numbers beyond 2^53 round, as any number in a file does"

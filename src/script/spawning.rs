@@ -12,21 +12,21 @@ use super::outcome::failed;
 use super::vocabulary::Purpose;
 use super::{Data, ScriptError, language, limits, noise, work};
 
-/// What a program spawns: a map that mirrors an entity of the file format.
+/// A spawned entity: a map that mirrors an entity of the file format.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spawned {
     /// The map.
     pub entity: Data,
-    /// Where in the program's text `spawn` is called, in bytes.
+    /// The place of the call of `spawn`, in bytes of the program's text.
     pub at: usize,
 }
 
-/// How much the programs of a scene may yet spawn.
+/// The room left for what the programs of a scene spawn.
 #[derive(Clone, Copy, Debug)]
 pub struct Room {
-    /// Entities.
+    /// The number of entities.
     pub entities: u64,
-    /// Bytes of text in them.
+    /// The bytes of text in them.
     pub text: u64,
 }
 
@@ -37,7 +37,7 @@ impl Default for Room {
 }
 
 impl Room {
-    /// Makes room for an entity.
+    /// Takes the room for an entity, or returns an error if there is not enough.
     fn admit(&mut self, entity: &Data) -> Result<(), Box<EvalAltResult>> {
         let Some(entities) = self.entities.checked_sub(1) else {
             return failed(format!(
@@ -56,8 +56,8 @@ impl Room {
     }
 }
 
-/// Runs a program that calls `spawn(#{ .. })`, and gives all that it spawns to `take`, in this order. What `take` refuses is an error
-/// at the call; a second line of its message is the remedy. What is spawned takes from `room`.
+/// Runs a program that calls `spawn(#{ .. })`, and gives all that it spawns to `take`, in this order. An entity that `take`
+/// refuses is an error at the call; a second line of its message is the remedy. Spawned entities are taken from `room`.
 ///
 /// # Errors
 ///
@@ -84,7 +84,7 @@ pub fn run_spawning(
     }
 }
 
-/// Gives the room that is left.
+/// Registers `spawn`; returns the room that is left, as programs use it up.
 fn register_spawn(
     engine: &mut Engine,
     text: &str,
@@ -149,7 +149,7 @@ impl Names {
     }
 }
 
-/// Where characters are: looked up for every entity, however long the lines are.
+/// The byte of every line and column of a text, looked up for every entity in constant time, however long the lines are.
 struct Places {
     /// The byte of each character, and the end.
     bytes: Vec<usize>,
@@ -165,7 +165,7 @@ impl Places {
         Self { bytes, lines }
     }
 
-    /// Lines and columns count from 1, columns in characters.
+    /// Returns the byte at a position. Lines and columns count from 1, columns in characters.
     fn byte(&self, position: Position) -> usize {
         let line = position.line().and_then(|line| self.lines.get(line - 1)).copied().unwrap_or(0);
         let column = position.position().unwrap_or(1);
@@ -181,7 +181,7 @@ fn record(variant: &str, field: &str, value: Dynamic) -> Dynamic {
     tagged(variant, Dynamic::from_map(Map::from([(field.into(), value)])))
 }
 
-/// What has a name in the file format.
+/// Registers constructors for the variants of the file format.
 fn register_constructors(engine: &mut Engine) {
     engine.register_fn("sphere", |radius: Dynamic| record("Sphere", "radius", radius));
     engine.register_fn("plane", |normal: Dynamic| record("Plane", "normal", normal));

@@ -1,8 +1,8 @@
-//! What programs can call and read, and how it is called.
+//! The names that programs can call and read, and their usage.
 
 use super::{ScriptContext, maths};
 
-/// How the functions of programs that spawn are called.
+/// The functions of programs that spawn, as they are called.
 const SPAWNING: [&str; 12] = [
     "spawn(map)",
     "sphere(radius)",
@@ -18,12 +18,12 @@ const SPAWNING: [&str; 12] = [
     "area(map)",
 ];
 
-/// What a program is for.
+/// The purpose of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Purpose {
-    /// It gives a value.
+    /// Gives a value.
     Drive,
-    /// It spawns entities.
+    /// Spawns entities.
     Spawn,
 }
 
@@ -45,7 +45,7 @@ impl Known<'_> {
 }
 
 impl Purpose {
-    /// How those functions are called that only such programs have.
+    /// Returns the functions that only programs with this purpose have, as they are called.
     fn usages(self) -> &'static [&'static str] {
         match self {
             Self::Drive => &READING,
@@ -60,7 +60,7 @@ impl Purpose {
         }
     }
 
-    /// Names of what is given to such programs.
+    /// Returns the names of the values given to programs with this purpose.
     pub(super) fn variables(self) -> impl Iterator<Item = &'static str> {
         let given: &[&str] = match self {
             Self::Drive => &ScriptContext::NAMES,
@@ -69,7 +69,7 @@ impl Purpose {
         given.iter().copied().chain(maths::CONSTANTS.map(|(name, _)| name))
     }
 
-    /// Where a name belongs that only programs for something else know.
+    /// Returns the remark on a name that only programs with another purpose know.
     pub(super) fn elsewhere(self, name: &str) -> Option<&'static str> {
         let functions = |purpose: Self| purpose.usages().iter().any(|usage| name_in(usage) == name);
         match self {
@@ -84,7 +84,7 @@ impl Purpose {
     }
 }
 
-/// How functions are called.
+/// The functions of all programs, as they are called.
 const USUAL: [&str; 50] = [
     "sin(x)",
     "cos(x)",
@@ -138,14 +138,14 @@ const USUAL: [&str; 50] = [
     "range(from, to, step)",
 ];
 
-/// Of programs that give values.
+/// The functions of programs that give values, as they are called.
 const READING: [&str; 1] = ["value(name, channel)"];
 
 fn name_in(usage: &str) -> &str {
     usage.split('(').next().unwrap_or(usage)
 }
 
-/// How a function is called, if it is one of the language's.
+/// Describes how a function of the language is called.
 pub(super) fn usage(name: &str) -> Option<String> {
     let mut usages = USUAL.iter().chain(&READING).chain(&SPAWNING);
     let usage = usages.find(|usage| name_in(usage) == name)?;

@@ -1,17 +1,17 @@
-//! Rhai's complaints in our words, with remedies.
+//! Rhai's errors in the words of this program, with remedies.
 
 use rhai::{EvalAltResult, LexError, ParseErrorType};
 
 use super::limits;
 use super::vocabulary::{Purpose, usage};
 
-/// What is said of a function of very many values.
+/// The message for the head of a function with too many values.
 pub(super) const LONG_HEAD: &str = "a function of too many values";
 
-/// What is said of a mistake.
+/// An error in words.
 pub(super) struct Told {
     pub(super) message: String,
-    /// What about the marked place.
+    /// The remark at the marked place.
     pub(super) label: String,
     pub(super) help: Option<String>,
 }
@@ -25,7 +25,7 @@ impl Told {
         Self { message: message.into(), label: label.to_owned(), help: Some(help.into()) }
     }
 
-    /// Of a text that is not a program.
+    /// Describes an error of compiling.
     pub(super) fn of_parsing(error: &ParseErrorType) -> Self {
         use ParseErrorType as Parse;
         match error {
@@ -128,7 +128,7 @@ impl Told {
         }
     }
 
-    /// Of signs that make no word, number or text.
+    /// Describes an error of characters that make no token.
     fn of_signs(error: &LexError) -> Self {
         match error {
             LexError::ImproperSymbol(sign, _) | LexError::UnexpectedInput(sign) => Self::foreign(sign),
@@ -166,7 +166,7 @@ impl Told {
         }
     }
 
-    /// A word or a sign that the language does not have.
+    /// Describes an error about a word or sign that the language does not have.
     fn foreign(word: &str) -> Self {
         let help = match word {
             "=" => "`==` compares; `=` gives a value to a variable, in a statement of its own",
@@ -190,7 +190,7 @@ impl Told {
         Self::with_help(format!("`{}` means nothing here", shortened(word)), "not part of the language", help)
     }
 
-    /// Brackets and separators.
+    /// Describes an error about a missing bracket or separator.
     fn missing(token: &str, why: &str) -> Self {
         let help = match token {
             ";" => "statements end with `;`: is one missing before this, or an operator?",
@@ -210,7 +210,7 @@ impl Told {
         Self::with_help(format!("expected `{token}`"), "before this", help)
     }
 
-    /// Of a program that went wrong.
+    /// Describes an error of running.
     pub(super) fn of_running(error: &EvalAltResult, purpose: Purpose) -> Self {
         use EvalAltResult as Run;
         match error {
@@ -304,7 +304,7 @@ impl Told {
         Self::with_help("this takes too long", "still running here", help)
     }
 
-    /// A function that does not take such values.
+    /// Describes an error about a function that does not take the given values.
     fn misfit(signature: &str) -> Self {
         let name = function_name(signature);
         let message = format!("`{}` does not take {}", shortened(name), arguments(signature));
@@ -345,7 +345,7 @@ impl Told {
         )
     }
 
-    /// By what Rhai calls it.
+    /// Describes an error about something too large, by Rhai's name for it.
     fn too_large(what: &str) -> Self {
         let (what, most) = if what.contains("tring") {
             ("text", format!("texts have at most {} bytes", limits::TEXT))
@@ -359,7 +359,7 @@ impl Told {
     }
 }
 
-/// A name or a text of a script, cut where nobody reads on.
+/// Cuts a long name or text of a script.
 pub(super) fn shortened(text: &str) -> String {
     const MOST: usize = 80;
     match text.char_indices().nth(MOST) {
@@ -368,12 +368,12 @@ pub(super) fn shortened(text: &str) -> String {
     }
 }
 
-/// The name of a function in what Rhai says of a call.
+/// Returns the name of the function in Rhai's signature of a call.
 pub(super) fn function_name(signature: &str) -> &str {
     signature.split([' ', '(']).next().unwrap_or(signature)
 }
 
-/// The values that a function was called with, in words.
+/// Lists the kinds of values in Rhai's signature of a call.
 fn arguments(signature: &str) -> String {
     let inside = signature.split_once('(').map_or("", |(_, inside)| inside.trim_end_matches(')'));
     let names: Vec<&str> =
@@ -400,7 +400,7 @@ fn type_name(name: &str) -> &str {
     }
 }
 
-/// What an expression gives, in the words of messages.
+/// Returns the kind of value that Rhai's name of an expression stands for.
 fn expression_kind(name: &str) -> &str {
     match name {
         "a boolean" | "a boolean expression" => "true or false",
@@ -414,7 +414,7 @@ fn expression_kind(name: &str) -> &str {
     }
 }
 
-/// Of a value that has no such property: Rhai names it first, and the value's type next.
+/// Describes an error about a property that a value does not have, from a message that names the property and then the type.
 fn property_message(message: &str) -> String {
     let mut quoted = message.split('\'').skip(1).step_by(2);
     match (quoted.next(), quoted.next()) {

@@ -1,5 +1,5 @@
-//! Counts what a program does. Rhai counts an operation for a call and for a variable, however much is in it: functions of lists add
-//! theirs, and so does every use of a variable, so that a limit on operations is one on time.
+//! Counts the operations of a program. Rhai counts one for a call and for a variable, however much is in it. Functions of lists
+//! therefore add theirs, and so does every use of a variable, so that a limit on operations is a limit on time.
 
 use std::cell::Cell;
 
@@ -8,13 +8,13 @@ use rhai::{Dynamic, Engine, EvalAltResult, Position};
 use super::limits;
 
 thread_local! {
-    /// What has been done beyond Rhai's own count in the program that runs on this thread.
+    /// The operations beyond Rhai's own count of the program that runs on this thread.
     static DONE: Cell<u64> = const { Cell::new(0) };
     /// The operations of this program by Rhai's count.
     static OPERATIONS: Cell<u64> = const { Cell::new(0) };
 }
 
-/// What is in a value, with all that is in the values in it.
+/// The size of a value, with all values in it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Extent {
     /// Values in lists.
@@ -57,7 +57,7 @@ impl Extent {
         }
     }
 
-    /// The operations that it is to copy all of this, or to look through it.
+    /// Returns the operations that copying all of this, or looking through it, counts as.
     pub(super) fn work(self) -> usize {
         /// Plain values that are copied in the time of an operation,
         const VALUES: usize = 32;
@@ -68,12 +68,12 @@ impl Extent {
         (self.listed + CONTAINER * (self.containers + self.mapped)) / VALUES + self.text / BYTES
     }
 
-    /// The same once more for each value, to write them down.
+    /// Returns the operations that writing all of this as text counts as.
     pub(super) fn writing(self) -> usize {
         self.work() + 4 * (self.listed + self.mapped)
     }
 
-    /// Is it beyond what a program may hold?
+    /// Returns an error if this is more than a program may hold.
     fn refuse_excess(self) -> Result<(), Box<EvalAltResult>> {
         let what = match self {
             Self { listed, .. } if listed > limits::LIST => "array",
@@ -85,23 +85,23 @@ impl Extent {
     }
 }
 
-/// A function goes through so many values.
+/// Counts the work of a function that goes through `values` values.
 pub(super) fn add(values: usize) {
     DONE.set(DONE.get() + values as u64);
 }
 
-/// A function goes through so many bytes of text.
+/// Counts the work of a function that goes through `bytes` bytes of text.
 pub(super) fn add_text(bytes: usize) {
     add(Extent { text: bytes, ..Extent::default() }.work());
 }
 
-/// Nothing has been done yet.
+/// Resets the counts, at the start of a program.
 pub(super) fn start() {
     DONE.set(0);
     OPERATIONS.set(0);
 }
 
-/// All that the program on this thread has done.
+/// Returns all operations of the program on this thread so far.
 pub(super) fn done() -> u64 {
     OPERATIONS.get() + DONE.get()
 }
