@@ -1,4 +1,4 @@
-//! A picture that is in the making, and what is done beside it.
+//! Pictures in the making: the requested one, and a full one made beside others.
 
 use std::time::Duration;
 
@@ -6,15 +6,15 @@ use super::mailbox::Detail;
 use super::visits::Visits;
 use crate::trace::Exposure;
 
-/// The picture that is asked for, in the making.
+/// The requested picture in the making.
 pub(super) struct Begun {
     pub(super) frame: u32,
     pub(super) detail: Detail,
     pub(super) exposure: Option<Exposure>,
     pub(super) traced: Duration,
-    /// Has any of it been shown?
+    /// Whether any of it has been shown.
     pub(super) is_shown: bool,
-    /// When it is looked at: commands that come in between do not put that off.
+    /// The times at which it is looked at; commands that come in between do not postpone them.
     pub(super) visits: Visits,
 }
 

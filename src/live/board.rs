@@ -1,4 +1,4 @@
-//! Where a session puts up its state and its pictures, for all to see.
+//! A session's state and pictures, put up for all threads to see.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -7,19 +7,19 @@ use tokio::sync::watch;
 
 use super::state::{PictureInfo, State};
 
-/// Whoever is told of a picture has so many more until it is gone.
+/// The number of further pictures after which a picture is dropped.
 const KEPT: usize = 8;
 
 /// A picture.
 #[derive(Clone, Debug)]
 pub struct Picture {
-    /// What it is of.
+    /// The description of the picture.
     pub info: PictureInfo,
-    /// As a PNG file.
+    /// The picture as a PNG file.
     pub png: Arc<[u8]>,
 }
 
-/// State and pictures.
+/// The state and the latest pictures.
 #[derive(Debug)]
 pub(super) struct Board {
     state: watch::Sender<State>,
@@ -41,7 +41,7 @@ impl Board {
         self.state.borrow().clone()
     }
 
-    /// What is put up from now on.
+    /// Returns a receiver of the states that are put up from now on.
     pub(super) fn subscribe(&self) -> watch::Receiver<State> {
         self.state.subscribe()
     }
@@ -50,7 +50,7 @@ impl Board {
         self.state.send_modify(change);
     }
 
-    /// Changes what is told together with the next change.
+    /// Changes the state without waking subscribers; they see it with the next change.
     pub(super) fn change_silently(&self, change: impl FnOnce(&mut State)) {
         self.state.send_if_modified(|state| {
             change(state);
@@ -58,13 +58,13 @@ impl Board {
         });
     }
 
-    /// A picture that is still kept.
+    /// Returns a picture that is still kept.
     pub(super) fn picture(&self, id: u64) -> Option<Picture> {
         let pictures = self.pictures.lock().unwrap_or_else(PoisonError::into_inner);
         pictures.latest.iter().chain(&pictures.before).find(|picture| picture.info.id == id).cloned()
     }
 
-    /// Puts a picture up; [`State::picture`] is for the caller to change.
+    /// Puts up a picture; the caller changes [`State::picture`].
     pub(super) fn hang(&self, picture: Picture) {
         let mut pictures = self.pictures.lock().unwrap_or_else(PoisonError::into_inner);
         pictures.latest.push_back(picture);
@@ -73,7 +73,7 @@ impl Board {
         }
     }
 
-    /// Keeps the latest picture to compare later ones with: of the scene as it is, one that is not coarse if there is one.
+    /// Keeps the latest picture of the scene as it is for later comparison, one that is not coarse if there is one.
     pub(super) fn keep_for_comparison(&self) -> Option<PictureInfo> {
         let mut pictures = self.pictures.lock().unwrap_or_else(PoisonError::into_inner);
         let reloads = pictures.latest.back().map(|latest| latest.info.reloads);

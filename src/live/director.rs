@@ -1,4 +1,4 @@
-//! A session's thread: it reads the files, and decides what is made next.
+//! The session's thread: reads the files and decides what is made next.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -16,17 +16,18 @@ use super::watcher::Watcher;
 use crate::engine::EngineError;
 use crate::scene::{LoadError, Reader};
 
-/// What is wrong with files is told when they have been at rest for so long: on a busy machine those who write are kept waiting,
+/// Mistakes in files are reported once the files have been at rest for this long, as a slow writer leaves them incomplete for a
+/// while.
 const RESTED: Duration = Duration::from_millis(100);
-/// or, if they are not, after so much time.
+/// Mistakes in files that never rest are reported after this long.
 const DOUBT: Duration = Duration::from_secs(1);
-/// A coarse picture of many in a row should take this share of the time between them.
+/// The share of the time between frames that the only, coarse picture of a frame should take while frames follow each other.
 const COARSE_IN_A_ROW: f64 = 0.5;
-/// Pictures that take longer, in milliseconds, begin with a coarse one.
+/// The expected time, in milliseconds, above which a picture is preceded by a coarse one.
 const SOON: f64 = 40.0;
-/// A row of pictures has come to an end if the next one is not asked for in so much time,
+/// A row of pictures is over if the next one is not requested within this time,
 const REST: Duration = Duration::from_millis(500);
-/// or in the time of so many.
+/// or within this many intervals between frames, if that is longer.
 const MISSED: f64 = 3.0;
 
 /// The next thing to make.
@@ -36,24 +37,24 @@ pub(super) enum Next {
     /// A coarse picture.
     Step(Step, Place),
     Picture(Detail),
-    /// Nothing until then, as another one of many pictures in a row may be asked for; if none is, a better one.
+    /// Nothing until then, as the next of many pictures in a row may be requested; a better one if it is not.
     Rest(Instant),
-    /// What the effect with this number costs.
+    /// Measuring the cost of the effect with this index.
     Cost(usize),
 }
 
-/// Which of the coarse pictures it is.
+/// The role of a coarse picture among those of its frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Place {
     /// The first, which cannot wait.
     First,
-    /// One of those between it and the picture that is asked for.
+    /// One of those between the first and the requested picture.
     Between,
-    /// The only one of its frame, of many in a row.
+    /// The only one of its frame, while frames follow each other.
     InARow,
 }
 
-/// What the session's thread has.
+/// The state of the session's thread.
 pub(super) struct Director {
     pub(super) settings: SessionSettings,
     pub(super) handle: Handle,
@@ -61,18 +62,18 @@ pub(super) struct Director {
     reader: Reader,
     pub(super) stage: Option<Stage>,
     pub(super) easel: Easel,
-    /// The frame that was asked for last, though the scene may be shorter now.
+    /// The frame requested last, though the scene may be shorter now.
     wanted_frame: u32,
     pub(super) detail: Detail,
     pub(super) next: Next,
-    /// Was the last frame that was asked for one of many in a row?
+    /// Whether the frame requested last was one of many in a row.
     pub(super) is_playing: bool,
-    /// After so many reloads the last full picture was made.
+    /// The number of reloads after which the last full picture was made.
     pub(super) full_of: u64,
     pub(super) pace: Pace,
-    /// The last coarse picture of the frame on show, and how many milliseconds it took.
+    /// The last coarse picture of the frame on show, and its milliseconds.
     pub(super) last_step: Option<(Step, f64)>,
-    /// The picture that is asked for, as far as it has come.
+    /// The requested picture, as far as it has come.
     pub(super) begun: Option<Begun>,
     /// The full picture that is owed to an edit while others are on show.
     pub(super) aside: Option<Aside>,
@@ -121,7 +122,7 @@ impl Director {
         }
     }
 
-    /// How long is there nothing to do?
+    /// Returns how long to wait for commands: not at all while there is something to do.
     fn patience(&self) -> Patience {
         match self.next {
             Next::Nothing => Patience::Endless,
@@ -130,7 +131,7 @@ impl Director {
         }
     }
 
-    /// Reads the files; what is wrong with them leaves the last good scene in place.
+    /// Reads the files. Mistakes in them leave the last good scene in place.
     fn reload(&mut self) {
         self.watcher.look();
         match self.read() {
@@ -155,8 +156,8 @@ impl Director {
         }
     }
 
-    /// What the files hold, and in how many milliseconds it was read. What is wrong gets another look until the files are at rest:
-    /// while they are written they are empty or cut short for a moment.
+    /// Reads the files; returns their scene and the milliseconds it took. Files with mistakes are read again until they are at
+    /// rest, as they may be empty or cut short for a moment while they are being written.
     fn read(&mut self) -> Result<(Read, f64), Unread> {
         let first = Instant::now();
         loop {
@@ -180,7 +181,7 @@ impl Director {
         }
     }
 
-    /// Puts up a scene that was read, and goes on with its picture.
+    /// Puts up the state of a scene that was read, and goes on with its first picture.
     fn welcome(&mut self, times: Times) {
         let Some(stage) = &self.stage else { return };
         let (timeline, film) = (stage.timeline(), stage.film_settings());
@@ -240,7 +241,7 @@ impl Director {
         };
     }
 
-    /// What is there time for?
+    /// Returns what there is time to make for the requested frame.
     fn next_while(&self, playing: bool) -> Next {
         let time = if playing { self.interval() } else { SOON };
         let target = self.stage.as_ref().map(|stage| stage.target(self.detail));
@@ -261,12 +262,12 @@ impl Director {
         Next::Step(self.pace.first(film, milliseconds, finest), place)
     }
 
-    /// Milliseconds between frames.
+    /// Returns the milliseconds between frames.
     fn interval(&self) -> f64 {
         1e3 / self.handle.board.state().rate
     }
 
-    /// When a row of pictures has come to an end.
+    /// Returns when a row of pictures is over unless another one is requested.
     pub(super) fn end_of_row(&self) -> Instant {
         let missed = Duration::try_from_secs_f64(1e-3 * MISSED * self.interval()).unwrap_or(REST);
         Instant::now() + missed.max(REST)
@@ -293,14 +294,14 @@ impl Director {
     }
 }
 
-/// Why there is no scene.
+/// The reason why there is no new scene.
 struct Unread {
     error: LoadError,
-    /// Could a file not be read that is there? Then it may be readable later, as it is.
+    /// Whether a file exists but could not be read; it may become readable without being changed.
     is_passing: bool,
 }
 
-/// Is there a file that cannot be opened though it is there?
+/// Returns whether one of the files exists but cannot be opened.
 fn is_unreadable(files: &[PathBuf]) -> bool {
     files.iter().any(|path| path.is_file() && std::fs::File::open(path).is_err())
 }

@@ -1,4 +1,4 @@
-//! Where pictures are made ready to be seen.
+//! Encodes pictures, puts them up and reports them.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -10,10 +10,10 @@ use crate::color::Transfer;
 use crate::output;
 use crate::trace::Film;
 
-/// Makes files of films, or says why not.
+/// Encodes a film as a file, or returns the reason why it cannot.
 type Encode = fn(&Film, Transfer) -> Result<Vec<u8>, String>;
 
-/// Puts up pictures, and tells of them.
+/// Puts up pictures, and reports them.
 pub(super) struct Easel {
     board: Arc<Board>,
     tell: Box<dyn FnMut(Event) + Send>,
@@ -22,30 +22,30 @@ pub(super) struct Easel {
     latest: Option<(PictureInfo, Arc<Film>)>,
 }
 
-/// A picture that has been made.
+/// A finished picture.
 pub(super) struct Made {
     pub(super) film: Film,
     pub(super) transfer: Transfer,
     pub(super) quality: Quality,
-    /// What it took, but for encoding.
+    /// The times it took, apart from encoding.
     pub(super) times: Times,
     pub(super) rays: u64,
-    /// What its frame calls for, if that is known.
+    /// The plan of its frame, if known.
     pub(super) plan: Option<Vec<Planned>>,
-    /// What is not drawn as it says.
+    /// The faults of the scene, one line each.
     pub(super) warnings: Vec<String>,
-    /// Does another one follow?
+    /// Whether a better picture follows.
     pub(super) rendering: bool,
 }
 
-/// How good it is.
+/// The quality of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Quality {
-    /// Coarse or unfinished; so much of the better one is there, 0 to 1.
+    /// Coarse or unfinished, with the share of the better picture that exists, 0 to 1.
     Coarse(f64),
-    /// A draft that was asked for.
+    /// A draft that was requested as such.
     Draft,
-    /// As it is rendered to a file.
+    /// The same as rendered to a file.
     Full,
 }
 
@@ -60,14 +60,14 @@ impl Easel {
         (self.tell)(event);
     }
 
-    /// The latest picture of the frame that is on show, of the scene as it is, if there is one.
+    /// Returns the latest picture if it is of the frame on show and of the scene as it is.
     pub(super) fn latest(&self) -> Option<(PictureInfo, &Arc<Film>)> {
         let state = self.board.state();
         let (info, film) = self.latest.as_ref()?;
         (info.frame == state.frame && info.reloads == state.reloads).then_some((*info, film))
     }
 
-    /// Puts a picture up. One that cannot be shown is a mistake of its frame, and says so: then it is `false`.
+    /// Encodes and puts up a picture. Returns `false`, and reports a mistake of the frame, if it cannot be shown.
     pub(super) fn put_up(&mut self, state: &State, made: Made) -> bool {
         let start = Instant::now();
         let png = match (self.encode)(&made.film, made.transfer) {
@@ -106,7 +106,7 @@ impl Easel {
         true
     }
 
-    /// Tells of a picture that is not the one to be seen now.
+    /// Reports a picture that is not to be shown now.
     pub(super) fn hand_over(&mut self, state: &State, made: Made) {
         let Made { film, transfer, quality, times, rays, warnings, .. } = made;
         let info = self.info(state, &film, quality);

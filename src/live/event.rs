@@ -8,7 +8,7 @@ use crate::engine::EngineError;
 use crate::scene::LoadError;
 use crate::trace::Film;
 
-/// What happens in a session, for whoever wants to tell it.
+/// An event of a session, for whoever wants to report it.
 #[derive(Debug)]
 pub enum Event {
     /// The scene was read.
@@ -26,16 +26,16 @@ pub enum Event {
 /// A picture that was made.
 #[derive(Debug)]
 pub struct Shown {
-    /// Which.
+    /// The description of the picture.
     pub info: PictureInfo,
     /// Its pixels.
     pub film: Arc<Film>,
-    /// How they become bytes.
+    /// The conversion of its colours to bytes.
     pub transfer: Transfer,
-    /// What it took.
+    /// The times it took.
     pub times: Times,
-    /// How many were traced.
+    /// The number of rays traced.
     pub rays: u64,
-    /// What is not drawn as it says, a line each; looked for in full pictures alone.
+    /// The faults of the scene, one line each; looked for in full pictures alone.
     pub warnings: Vec<String>,
 }

@@ -1,4 +1,4 @@
-//! What the files of a scene hold, as far as is needed to see that they hold something else.
+//! The known contents of a scene's files, as far as needed to detect a change.
 
 use std::collections::BTreeMap;
 use std::fs::{self, Metadata};
@@ -8,39 +8,39 @@ use std::time::{Duration, SystemTime};
 
 use crate::scene::input::{self, LARGEST_FILE, Offered};
 
-/// The clock that stamps files may be behind the one that tells the time.
+/// The clock that stamps files may lag behind the system clock by this much.
 const CLOCK_TICK: Duration = Duration::from_millis(10);
-/// Some file systems stamp to two seconds only.
+/// The coarsest resolution of modification times on common file systems.
 const STAMP_TICK: Duration = Duration::from_secs(2);
 
-/// Links that lead to links may go so far.
+/// The longest chain of symbolic links that is followed.
 const LONGEST_CHAIN: usize = 40;
 
-/// Some files, and what they held when they were last looked at.
+/// Files with their contents at the last look.
 #[derive(Debug, Default)]
 pub(super) struct Files(BTreeMap<PathBuf, Seen>);
 
-/// A file as it was seen.
+/// A file at the last look.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
     stamp: Option<Stamp>,
     content: Content,
-    /// Could it have been written again since with the same stamp?
+    /// Whether it may have been written again since with the same stamp.
     fresh: bool,
 }
 
-/// What a file held.
+/// The content of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Content {
-    /// Something else than whoever read it may have read: another look finds it changed.
+    /// Not known to be what the reader of the file got: the next look finds it changed.
     Unknown,
-    /// It cannot be read, or may not be: it is no file, or too large.
+    /// None: it cannot be read, is no regular file, or is too large.
     Nothing,
     /// A hash of its bytes.
     Bytes(u64),
 }
 
-/// What the file system tells of a file without reading it.
+/// The metadata of a file, which tell of most changes without reading it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Stamp {
     modified: Option<SystemTime>,
@@ -49,9 +49,9 @@ pub(super) struct Stamp {
 }
 
 impl Files {
-    /// Keeps to these files from now on, all of which were read since `since`, and those that were known after the last
-    /// [`look`](Self::look). What has been written in the meantime is found changed at the next one: who reads while others
-    /// write may have read anything.
+    /// Keeps to `paths` from now on. All of them were read since `since`, and those already known after the last
+    /// [`look`](Self::look). Files written in the meantime are found changed at the next look, as their readers may have read
+    /// anything.
     pub(super) fn follow(&mut self, paths: &[PathBuf], since: SystemTime) {
         let before = std::mem::take(&mut self.0);
         for path in paths {
@@ -69,19 +69,19 @@ impl Files {
         }
     }
 
-    /// What the files hold is not known any more: another look finds them changed.
+    /// Forgets the contents: the next look finds all files changed.
     pub(super) fn forget(&mut self) {
         for seen in self.0.values_mut() {
             seen.content = Content::Unknown;
         }
     }
 
-    /// What the file system tells of the files now.
+    /// Returns the current stamps of the files.
     pub(super) fn stamps(&self) -> Vec<Option<Stamp>> {
         self.0.keys().map(|path| Stamp::now(path)).collect()
     }
 
-    /// Does the file system tell of something else? Reads no file.
+    /// Returns whether any stamp has changed, without reading a file.
     pub(super) fn are_touched(&self) -> bool {
         let touched = |(path, seen): (&PathBuf, &Seen)| {
             seen.content == Content::Unknown || seen.stamp != Stamp::now(path)
@@ -89,8 +89,8 @@ impl Files {
         self.0.iter().any(touched)
     }
 
-    /// Does any file hold something else though its stamp is the same? Reads those only that were written so recently that their
-    /// stamps may not tell. What is being written has another stamp, and is left alone.
+    /// Returns whether any content has changed under an unchanged stamp. Reads only files written so recently that their stamps
+    /// may not tell. A file that is being written has another stamp, and is left alone.
     pub(super) fn differ_unstamped(&mut self) -> bool {
         let mut differ = false;
         for (path, seen) in self.0.iter_mut().filter(|(_, seen)| seen.fresh) {
@@ -104,7 +104,7 @@ impl Files {
         differ
     }
 
-    /// Reads all files again, and says whether any holds something else.
+    /// Reads all files again; returns whether any content has changed.
     pub(super) fn look(&mut self) -> bool {
         let mut differ = false;
         for (path, seen) in &mut self.0 {
@@ -115,20 +115,20 @@ impl Files {
         differ
     }
 
-    /// All directories in which something must change for one of the files to change: their own, and those of what they are
-    /// links to.
+    /// Returns the directories in which something must change for one of the files to change: their own, and those of the files
+    /// that links lead to.
     pub(super) fn directories(&self) -> impl Iterator<Item = PathBuf> {
         self.links().filter_map(|link| link.parent().map(Path::to_owned))
     }
 
-    /// Every file, and every link on the way to one.
+    /// Returns every file, and every link on the way to one.
     pub(super) fn links(&self) -> impl Iterator<Item = PathBuf> {
         self.0.keys().flat_map(|path| chain(path))
     }
 }
 
 impl Seen {
-    /// The stamp is taken first: a file that is written in between looks touched.
+    /// Looks at a file. The stamp is taken first, so that a file written in between looks touched.
     fn now(path: &Path) -> Self {
         let stamp = Stamp::now(path);
         let fresh = stamp.is_some_and(|stamp| {
@@ -145,7 +145,7 @@ impl Seen {
 }
 
 impl Stamp {
-    /// When anything about the file was changed last.
+    /// Returns the time of the last change to the file or its metadata.
     fn latest(&self) -> SystemTime {
         let (.., seconds, nanoseconds) = self.identity;
         let changed = u64::try_from(seconds).unwrap_or(0);
@@ -163,7 +163,7 @@ impl Stamp {
     }
 }
 
-/// A file that takes another's place is another, whatever its time and its length.
+/// Returns what tells a file apart from another one put in its place, whatever their times and lengths.
 #[cfg(unix)]
 fn identity(metadata: &Metadata) -> (u64, u64, i64, i64) {
     use std::os::unix::fs::MetadataExt;
@@ -181,7 +181,7 @@ fn hash(bytes: &[u8]) -> u64 {
     hasher.finish()
 }
 
-/// The absolute path of a file and, where it is a link, of each file that leads on.
+/// Returns the absolute path of a file and, where it is a link, of each file on the way to its target.
 fn chain(path: &Path) -> Vec<PathBuf> {
     let mut chain: Vec<PathBuf> = std::path::absolute(path).into_iter().collect();
     while chain.len() < LONGEST_CHAIN

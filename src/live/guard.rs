@@ -1,4 +1,4 @@
-//! Who may ask the server: pages that it served itself, and programs on the same machine.
+//! Admits requests from pages that the server itself served, and from programs on the same machine.
 //!
 //! A page from elsewhere can make a browser send requests here. It cannot hide where it comes from (`Origin`,
 //! `Sec-Fetch-Site`), nor, if it pretends to be here by name, what it is called (`Host`).
@@ -7,17 +7,17 @@ use std::str::FromStr;
 
 use axum::http::header::{HOST, HeaderMap, ORIGIN};
 
-/// A name under which the server may be asked besides its own: where a port of another machine, or another port of this one,
-/// leads to it.
+/// A name under which the server may be addressed besides its own: where a port of another machine, or another port of this one,
+/// is forwarded to it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HostName {
-    /// In lower case.
+    /// The name in lower case.
     name: String,
-    /// `None` is any.
+    /// The port; any if `None`.
     port: Option<u16>,
 }
 
-/// Why it is no name.
+/// The reason why a text is no host name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "write a name as a browser's address line has it, with or without a port, as in `localhost:9000` or `workstation`"
@@ -42,7 +42,7 @@ impl FromStr for HostName {
     }
 }
 
-/// Name and port.
+/// Splits a host into name and port.
 fn split(host: &str) -> Option<(&str, Option<u16>)> {
     match host.rsplit_once(':') {
         Some((name, port)) if !port.ends_with(']') => Some((name, Some(port.parse().ok()?))),
@@ -50,12 +50,12 @@ fn split(host: &str) -> Option<(&str, Option<u16>)> {
     }
 }
 
-/// Keeps strangers out.
+/// Refuses requests of other origins.
 #[derive(Clone, Debug)]
 pub(super) struct Guard(Vec<HostName>);
 
 impl Guard {
-    /// Of the server at this port, which may be asked under these names too.
+    /// Creates the guard of the server at `port`, which may also be addressed by `hosts`.
     pub(super) fn new(port: u16, hosts: &[HostName]) -> Self {
         let own = |name: &str, port| HostName { name: name.to_owned(), port };
         let mut all = hosts.to_vec();
@@ -63,7 +63,7 @@ impl Guard {
         Self(all)
     }
 
-    /// Is a request from the server's own pages, or from no page at all?
+    /// Returns whether a request comes from the server's own pages, or from no page at all.
     pub(super) fn admits(&self, headers: &HeaderMap) -> bool {
         let values = |name| headers.get_all(name).iter().map(|value| value.to_str().unwrap_or_default());
         let mut hosts = values(HOST.as_str());

@@ -1,4 +1,4 @@
-//! How a session is asked and looked at, and what it is started with.
+//! Requests to a session and views of it, and the settings it is started with.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -10,20 +10,20 @@ use super::mailbox::{Command, Mailbox};
 use super::state::State;
 use super::watcher::Watching;
 
-/// What to keep on show.
+/// The settings of a session.
 #[derive(Clone, Debug)]
 pub struct SessionSettings {
     /// The scene's file; it need not be there yet.
     pub scene: PathBuf,
-    /// The first to be shown.
+    /// The first frame to be shown.
     pub frame: u32,
-    /// How changes of files are noticed.
+    /// The way in which changes of files are noticed.
     pub watching: Watching,
-    /// Does a full picture follow every edit, though drafts are asked for?
+    /// Whether a full picture follows every edit even while drafts are requested.
     pub finish: bool,
 }
 
-/// Asks a session and looks at it, from any thread.
+/// Sends requests to a session and reads its state, from any thread.
 #[derive(Clone, Debug)]
 pub struct Handle {
     pub(super) mailbox: Arc<Mailbox>,
@@ -31,24 +31,24 @@ pub struct Handle {
 }
 
 impl Handle {
-    /// Asks the session for something.
+    /// Sends a command to the session.
     pub fn post(&self, command: Command) {
         self.mailbox.post(command);
     }
 
-    /// The session as it is now.
+    /// Returns the current state of the session.
     #[must_use]
     pub fn state(&self) -> State {
         self.board.state()
     }
 
-    /// What becomes of the state.
+    /// Returns a receiver of the states to come.
     #[must_use]
     pub fn subscribe(&self) -> watch::Receiver<State> {
         self.board.subscribe()
     }
 
-    /// A picture; `None` once it is out of date.
+    /// Returns a picture; `None` once it is out of date.
     #[must_use]
     pub fn picture(&self, id: u64) -> Option<Picture> {
         self.board.picture(id)

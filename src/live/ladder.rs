@@ -1,4 +1,4 @@
-//! Which quick pictures lead up to the one that is asked for.
+//! The choice of quick pictures that lead up to the requested one.
 //!
 //! The first comes soon, whatever the scene; each further one takes several times as long as the one before; all of them take a
 //! small part of what the picture itself does. What they take is known from those before. Where it is not, or not any more, a
@@ -8,31 +8,31 @@ use std::time::Duration;
 
 use crate::engine::Draft;
 
-/// The first should take so many milliseconds.
+/// The time, in milliseconds, that the first quick picture should take.
 pub(super) const FIRST: f64 = 6.0;
-/// If nothing is known, it has at most so many pixels.
+/// The most pixels of the first one while no speed is known.
 const UNKNOWN: f64 = 4096.0;
-/// One that took longer, in milliseconds, is shown though a better one could follow at once.
+/// The time, in milliseconds, above which a picture is shown though a better one could follow at once.
 const SOON: f64 = 10.0;
-/// The further ones take at least so many milliseconds, and so many times as long as the one before, with half of its divisor at
-/// most,
+/// The further ones take at least this many milliseconds,
 const NEXT: f64 = 40.0;
+/// and this many times as long as the one before, with at most half its divisor,
 const GROWTH: f64 = 4.0;
-/// and at most this share of the time of the picture itself.
+/// and at most this share of the time of the requested picture.
 const SHARE: f64 = 1.0 / 16.0;
-/// A picture that takes less, in milliseconds, is not worth further ones.
+/// A requested picture that takes less, in milliseconds, is not preceded by further ones.
 const QUICK: f64 = 300.0;
-/// Fewer pixels say less than shadows do.
+/// With fewer pixels than this, shadows are worth less than more pixels.
 const ENOUGH: f64 = 256.0;
 
-/// How much is left out of a quick picture, besides pixels.
+/// The care taken over a quick picture: what is left out of it, besides pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Care {
-    /// All that can be: there is light, and what it falls on.
+    /// Leaves out all that can be: only surfaces and direct light remain.
     Bare,
-    /// Samples of lights, and late generations of rays.
+    /// Leaves out samples of lights, and late generations of rays.
     Plain,
-    /// Nothing.
+    /// Leaves out nothing.
     Whole,
 }
 
@@ -40,34 +40,34 @@ pub(super) enum Care {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Step {
     care: Care,
-    /// Of the film's width and height.
+    /// The divisor of the film's width and height.
     divisor: u32,
-    /// How many were tried in vain.
+    /// The number of quicker attempts that were given up before.
     tried: u32,
 }
 
-/// What is to come in the end.
+/// The requested picture, as far as its cost depends on it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Target {
     /// The film's width and height.
     pub(super) film: (u32, u32),
-    /// What they are divided by.
+    /// The divisor of the film's width and height.
     pub(super) divisor: u32,
-    /// In a pixel.
+    /// The samples per pixel.
     pub(super) samples: u32,
 }
 
-/// What pictures take, by those before, in milliseconds.
+/// The speed of pictures as measured so far, in milliseconds.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Pace {
-    /// Bringing the world to a moment.
+    /// The time to bring the world to a moment.
     pub(super) moment: f64,
-    /// Following a camera ray and what comes of it, by care.
+    /// The time to trace a camera ray with all that it causes, by care.
     ray: [Option<f64>; 3],
 }
 
 impl Step {
-    /// How it is made.
+    /// Returns the settings it is rendered with.
     pub(super) fn draft(self) -> Draft {
         let (light_samples, depth) = match self.care {
             Care::Bare => (1, 1),
@@ -82,13 +82,13 @@ impl Step {
         self.care
     }
 
-    /// When it is given up. The last that can be tried never is.
+    /// Returns the time after which it is given up. `None` for the last attempt, which never is.
     pub(super) fn deadline(self) -> Option<Duration> {
         let milliseconds = [40, 25, 15].get(self.tried as usize)?;
         Some(Duration::from_millis(*milliseconds))
     }
 
-    /// Another one, after this one was given up.
+    /// Returns a quicker one, to be tried after this one was given up.
     pub(super) fn lesser(self, film: (u32, u32)) -> Self {
         let most = match self.tried {
             0 => ENOUGH,
@@ -99,21 +99,21 @@ impl Step {
         Self { care: Care::Bare, divisor: divisor_for(film, most), tried: self.tried + 1 }
     }
 
-    /// Is it so quick that something better can come in its place before anybody sees it?
+    /// Returns whether it took so little time that a better one can replace it before anybody sees it.
     pub(super) fn is_surpassed_by(self, better: Self, took: f64) -> bool {
         took < SOON && (better.divisor < self.divisor || self.care != better.care)
     }
 }
 
 impl Target {
-    /// Camera rays.
+    /// Returns the number of camera rays.
     pub(super) fn rays(self) -> f64 {
         pixels(self.film, self.divisor) as f64 * f64::from(self.samples)
     }
 }
 
 impl Pace {
-    /// The first step of a film, for so many milliseconds of tracing; not finer than 1 / `finest` of its sides.
+    /// Returns the first step for a film, within `milliseconds` of tracing and with a divisor of at least `finest`.
     pub(super) fn first(&self, film: (u32, u32), milliseconds: f64, finest: u32) -> Step {
         let step =
             |care, pixels: f64| Step { care, divisor: divisor_for(film, pixels).max(finest), tried: 0 };
@@ -126,7 +126,7 @@ impl Pace {
         step(Care::Bare, bare)
     }
 
-    /// The step after another one; `None` if it is time for the picture itself.
+    /// Returns the step after another one; `None` if it is time for the requested picture.
     pub(super) fn finer(&self, step: Step, took: f64, target: Target) -> Option<Step> {
         let ray = self.of(step.care)?;
         // Not less than that: nothing is left out of it.
@@ -146,12 +146,12 @@ impl Pace {
         self.of(Care::Plain).is_none()
     }
 
-    /// Milliseconds that a picture takes; `None` if nothing is known.
+    /// Returns the expected milliseconds of a picture; `None` if nothing is known.
     pub(super) fn expected(&self, target: Target) -> Option<f64> {
         Some(self.moment + self.of(Care::Whole)? * target.rays())
     }
 
-    /// Takes note of a picture: so many milliseconds for so many camera rays.
+    /// Records that a picture took `milliseconds` for `rays` camera rays.
     pub(super) fn note(&mut self, care: Care, milliseconds: f64, rays: u64) {
         let ray = milliseconds / (rays.max(1) as f64);
         self.ray[care as usize] = Some(ray);
@@ -164,7 +164,7 @@ impl Pace {
         }
     }
 
-    /// Takes note of a step that was not done in time.
+    /// Records that a step was given up after `milliseconds`.
     pub(super) fn note_failure(&mut self, step: Step, milliseconds: f64, film: (u32, u32)) {
         let at_least = milliseconds / pixels(film, step.divisor) as f64;
         for ray in &mut self.ray[step.care as usize..] {
@@ -179,13 +179,13 @@ impl Pace {
     }
 }
 
-/// What is left of a film whose sides are divided: one pixel at least.
+/// Returns the pixels of a film whose sides are divided: at least one.
 fn pixels((width, height): (u32, u32), divisor: u32) -> u64 {
     let side = |side: u32| u64::from((side / divisor).max(1));
     side(width) * side(height)
 }
 
-/// By what a film's sides are divided so that no more pixels are left than these.
+/// Returns the divisor of a film's sides that leaves at most `most` pixels.
 fn divisor_for((width, height): (u32, u32), most: f64) -> u32 {
     let (long, short) = (f64::from(width.max(height)), f64::from(width.min(height)));
     let divisor = (long * short / most.max(1.0)).sqrt();

@@ -1,4 +1,4 @@
-//! What a session is asked to do.
+//! The commands to a session.
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,44 +10,45 @@ use serde::{Deserialize, Serialize};
 
 use super::spot::Spot;
 
-/// What a session can be asked.
+/// A command to a session.
 #[derive(Debug)]
 pub enum Command {
-    /// Files hold something else: read them again.
+    /// Reads the files again, as they have changed.
     Reload,
-    /// Something to see.
+    /// Changes what is shown.
     View(View),
-    /// What a pixel of the film sees, column and row.
+    /// Tells what a pixel of the film, given by column and row, shows.
     Probe((u32, u32), Answer),
-    /// Come to an end.
+    /// Ends the session.
     Stop,
 }
 
-/// What to see.
+/// A change of what is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum View {
-    /// Show a frame; beyond the last, the last.
+    /// Shows a frame; the last one for indices beyond it.
     Seek {
-        /// From 0.
+        /// The index, from 0.
         frame: u32,
-        /// Is it one of many that follow each other? Then one picture must do, the full one only if there is time for it.
+        /// Whether it is one of many that follow each other, so that one picture must do: the full one only if there is time for
+        /// it.
         #[serde(default)]
         playing: bool,
     },
-    /// How good the pictures are from now on.
+    /// Sets the quality of pictures from now on.
     Detail(Detail),
-    /// The current frame at full quality, once.
+    /// Shows the current frame at full quality, once.
     Finish,
-    /// What each effect of the current frame costs.
+    /// Measures the cost of each effect of the current frame.
     Measure,
 }
 
-/// How good a picture is.
+/// The quality of pictures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Detail {
-    /// As it is rendered to a file.
+    /// The same as rendered to a file.
     #[default]
     Full,
     /// One sample a pixel.
@@ -56,7 +57,7 @@ pub enum Detail {
     Half,
 }
 
-/// Takes an answer.
+/// Receives an answer.
 pub struct Answer(pub Box<dyn FnOnce(Option<Spot>) + Send>);
 
 impl fmt::Debug for Answer {
@@ -65,18 +66,18 @@ impl fmt::Debug for Answer {
     }
 }
 
-/// Commands on their way to the session.
+/// The commands on their way to the session.
 #[derive(Debug, Default)]
 pub(super) struct Mailbox {
     commands: Mutex<Vec<Command>>,
     posted: Condvar,
-    /// Is anything in it that the work in hand must make way for?
+    /// Whether there is a command that the current work must give way to.
     waiting: AtomicBool,
-    /// Is it more than the next of many pictures in a row?
+    /// Whether there is one other than the next of many pictures in a row.
     pressing: AtomicBool,
 }
 
-/// How long to wait for commands.
+/// The time to wait for commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Patience {
     None,
@@ -94,7 +95,7 @@ impl Mailbox {
         self.posted.notify_one();
     }
 
-    /// All commands since the last time, in order.
+    /// Waits for commands within `patience`; returns all since the last call, in order.
     pub(super) fn take(&self, patience: Patience) -> Vec<Command> {
         let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
         while commands.is_empty() {
@@ -115,7 +116,7 @@ impl Mailbox {
         std::mem::take(&mut commands)
     }
 
-    /// Takes back the commands to read the files, for somebody who is about to do so; were there any?
+    /// Takes back pending commands to read the files, for a caller who is about to do so; returns whether there were any.
     pub(super) fn take_reload(&self) -> bool {
         let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
         let count = commands.len();
@@ -123,18 +124,19 @@ impl Mailbox {
         commands.len() < count
     }
 
-    /// Becomes true when a command arrives.
+    /// Returns the flag that becomes true when a command arrives.
     pub(super) fn waiting(&self) -> &AtomicBool {
         &self.waiting
     }
 
-    /// Becomes true when a command arrives that is not the next of many pictures in a row.
+    /// Returns the flag that becomes true when a command arrives other than the next of many pictures in a row.
     pub(super) fn pressing(&self) -> &AtomicBool {
         &self.pressing
     }
 
-    /// Does something that makes way for commands and, so long after it calls what it is given, also for the rest of the work:
-    /// then [`waiting`](Self::waiting) is true without any. Says whether it came to that.
+    /// Runs work that gives way to commands and, once `deadline` has passed since it called the function it is given, also to the
+    /// rest of the session: [`waiting`](Self::waiting) is then true without a command. Returns the result, and whether the
+    /// deadline passed.
     pub(super) fn within<T>(
         &self,
         deadline: Option<Duration>,

@@ -1,4 +1,4 @@
-//! How a session's pictures are made: coarse ones, the one that is asked for, and what is owed to an edit.
+//! The making of a session's pictures: coarse ones, the requested one, and the full one due after an edit.
 
 use std::ops::ControlFlow::{Break, Continue};
 use std::sync::Arc;
@@ -15,12 +15,12 @@ use super::state::{State, Times};
 use crate::engine::FrameReport;
 use crate::trace::{Exposure, Film, Signals};
 
-/// A picture of which there is nothing to be seen gets so much time, or twice what it should take, before a coarse one is made.
+/// While nothing of a frame is on show, a picture gets this long, or twice its expected time, before a coarse one is made.
 const SOON: Duration = Duration::from_millis(50);
-/// What is owed while others are on show gets so much time at once though another one is asked for.
+/// The full picture due after an edit gets at least this long at a time, even when another picture is requested.
 const SLICE: Duration = Duration::from_millis(20);
 
-/// Camera rays of a part of a picture: at least those of a sample of a tile, as so many are lost when it is ended.
+/// Returns the camera rays of a share of a picture: at least those of one sample of a tile, as so many are lost when it is ended.
 fn rays(share: f64, target: Target) -> u64 {
     const IN_HAND: u64 = 256;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
@@ -39,9 +39,9 @@ impl Director {
         }
     }
 
-    /// Makes a coarse picture and puts it up. What takes too long for a first picture gives way to something lesser. One between it
-    /// and the picture that is asked for is left for good if a command comes in between, as nothing of it can be kept: whoever asks
-    /// often would wait for it for ever.
+    /// Makes a coarse picture and puts it up. A first picture that takes too long gives way to a quicker one. One between it and
+    /// the requested picture is skipped for good if a command comes in between: nothing of it can be kept, so that frequent
+    /// commands would keep the requested picture waiting for ever.
     fn climb(&mut self, step: Step, place: Place) {
         let state = self.handle.board.state();
         let Some(stage) = &mut self.stage else {
@@ -86,7 +86,7 @@ impl Director {
         self.put_up(&state, Quality::Coarse(self.progress()), film, report.trace);
     }
 
-    /// A finer step, or the picture itself.
+    /// Returns a finer step, or the requested picture.
     fn after_step(&self) -> Next {
         let finer = self
             .stage
@@ -96,15 +96,15 @@ impl Director {
         finer.map_or(Next::Picture(self.detail), |step| Next::Step(step, Place::Between))
     }
 
-    /// How much there is of the picture that is asked for, 0 to 1.
+    /// Returns the share of the requested picture that exists, 0 to 1.
     fn progress(&self) -> f64 {
         let exposure = self.begun.as_ref().and_then(|begun| begun.exposure.as_ref());
         exposure.map_or(0.0, Exposure::share)
     }
 
-    /// Makes the picture that is asked for, and shows it on the way. A command that comes in between does not lose what there is,
-    /// unless it asks for something else. If there is nothing to be seen of the frame yet and it takes longer than it should, a
-    /// coarse picture comes first.
+    /// Makes the requested picture, and shows it on the way. A command that comes in between loses nothing of it, unless it
+    /// requests something else. If nothing of the frame is on show yet and it takes longer than it should, a coarse picture comes
+    /// first.
     fn finish(&mut self, detail: Detail) {
         let state = self.handle.board.state();
         let kept = self.begun.take().filter(|begun| (begun.frame, begun.detail) == (state.frame, detail));
@@ -191,7 +191,7 @@ impl Director {
         }
     }
 
-    /// After the picture that was asked for there may be a full one to be made.
+    /// Returns what to make after the requested picture: the full one that is due, if any.
     fn after_picture(&self) -> Next {
         match (self.owes(), self.is_playing) {
             (false, _) => Next::Nothing,
@@ -200,14 +200,14 @@ impl Director {
         }
     }
 
-    /// Is there no full picture yet since the last edit, though somebody waits for it?
+    /// Returns whether the full picture due after the last edit is still missing.
     pub(super) fn owes(&self) -> bool {
         let is_wanted = self.settings.finish || self.detail == Detail::Full;
         is_wanted && self.full_of < self.handle.board.state().reloads
     }
 
-    /// Waits for the next of many pictures in a row, and makes what is owed meanwhile. If none is asked for any more, the last one
-    /// becomes as good as it can be.
+    /// Waits for the next of many pictures in a row, and makes the full picture that is due meanwhile. If no next one is
+    /// requested, the last one becomes as good as it can be.
     fn rest(&mut self, until: Instant) {
         if Instant::now() < until {
             if self.owes() {
@@ -222,7 +222,7 @@ impl Director {
         self.handle.board.change(|state| state.rendering = !is_over);
     }
 
-    /// Goes on with the full picture that is owed to the last edit: of the frame that was on show when there first was time for it.
+    /// Continues the full picture due after the last edit: of the frame on show when there first was time for it.
     fn work_aside(&mut self, until: Instant) {
         let state = self.handle.board.state();
         let Some(stage) = &mut self.stage else { return };
@@ -277,7 +277,7 @@ impl Director {
         Some(Made { film, transfer, quality, times, rays, plan, warnings, rendering })
     }
 
-    /// Measures what an effect costs, and goes on with the next one. Any command ends it.
+    /// Measures the cost of an effect, and goes on with the next one. Any command ends it.
     fn measure(&mut self, index: usize) {
         let state = self.handle.board.state();
         let Some(stage) = &mut self.stage else { return };

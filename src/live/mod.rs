@@ -1,4 +1,4 @@
-//! Scenes that are edited while one looks at them.
+//! Live preview of scenes while they are edited.
 //!
 //! ```text
 //! files -> watcher -> mailbox -> session (reads, renders) -> board -> server -> page

@@ -1,6 +1,6 @@
 //! The files of the page.
 
-/// Path, media type and text of each.
+/// The path, media type and text of each file.
 pub(super) const FILES: [(&str, &str, &str); 8] = [
     ("/", "text/html; charset=utf-8", include_str!("page/page.html")),
     ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),

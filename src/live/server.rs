@@ -40,17 +40,17 @@ use super::handle::Handle;
 use super::mailbox::{Answer, Command, View};
 use super::page::FILES;
 
-/// What the page may do: ask this server, and nobody else.
+/// The page's content security policy: it may ask this server, and nobody else.
 const POLICY: &str = "default-src 'none'; img-src 'self' data:; connect-src 'self'; style-src 'self'; script-src 'self'; \
                       worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-/// A request that has not come in so much time does not come any more.
+/// A request that has not fully arrived within this time is dropped.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Nothing that is asked needs more bytes.
+/// The most bytes of a request's body; no valid request needs more.
 const LARGEST_BODY: usize = 1 << 12;
-/// When there is no room for another connection, there may be later.
+/// The pause before accepting again when there is no room for another connection.
 const NO_ROOM: Duration = Duration::from_millis(100);
 
-/// A server on this machine's own address, 127.0.0.1, on a thread of its own, until it is dropped.
+/// A server on this machine's loopback address, 127.0.0.1, on a thread of its own, until it is dropped.
 #[derive(Debug)]
 pub struct Server {
     port: u16,
@@ -65,7 +65,7 @@ struct Shared {
 }
 
 impl Server {
-    /// Serves a session at a port; at 0, at any that is free.
+    /// Serves a session at a port; at any free one if `port` is 0.
     ///
     /// # Errors
     ///
@@ -74,7 +74,7 @@ impl Server {
         Self::start_for(&[], port, session)
     }
 
-    /// As [`start`](Self::start), for browsers that know it by these names too.
+    /// Serves like [`start`](Self::start), and also answers browsers that address it by one of `hosts`.
     ///
     /// # Errors
     ///
@@ -96,7 +96,7 @@ impl Server {
         Ok(Self { port, stop: Some(stop), thread: Some(thread) })
     }
 
-    /// Where it can be found.
+    /// Returns the address it serves at.
     #[must_use]
     pub fn address(&self) -> SocketAddr {
         (Ipv4Addr::LOCALHOST, self.port).into()
@@ -114,7 +114,7 @@ impl Drop for Server {
     }
 }
 
-/// Answers whoever comes. Who begins to ask and does not go on is sent away.
+/// Accepts connections and serves them. A client that begins a request and does not complete it is dropped.
 async fn serve(listener: &tokio::net::TcpListener, router: &Router) {
     let mut connections = auto::Builder::new(TokioExecutor::new()).http1_only();
     connections.http1().timer(TokioTimer::new()).header_read_timeout(PATIENCE);
@@ -148,7 +148,7 @@ fn router(shared: Shared) -> Router {
         .with_state(shared)
 }
 
-/// Turns strangers away, and tells browsers to be strict.
+/// Refuses requests of other origins, and sets strict headers on every response.
 async fn guarded(State(shared): State<Shared>, headers: HeaderMap, request: Request, next: Next) -> Response {
     let mut response = if shared.guard.admits(&headers) {
         match whole(request).await {
@@ -173,7 +173,7 @@ async fn guarded(State(shared): State<Shared>, headers: HeaderMap, request: Requ
     response
 }
 
-/// A request with all of its body.
+/// Returns a request with all of its body; `None` if it is too slow or too large.
 async fn whole(request: Request) -> Option<Request> {
     let (head, body) = request.into_parts();
     let bytes = timeout(PATIENCE, to_bytes(body, LARGEST_BODY)).await.ok()?.ok()?;

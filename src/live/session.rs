@@ -23,7 +23,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// Reads the scene and watches its files; `tell` is called on the session's thread.
+    /// Starts the thread, which reads the scene and watches its files; `tell` is called on it.
     #[must_use]
     pub fn start(settings: SessionSettings, tell: impl FnMut(Event) + Send + 'static) -> Self {
         // Another folder's scene of the same name is another one.
@@ -42,7 +42,7 @@ impl Session {
         Self { handle, thread: Some(thread) }
     }
 
-    /// To ask it and to look at it.
+    /// Returns a handle to send commands and read the state.
     #[must_use]
     pub fn handle(&self) -> Handle {
         self.handle.clone()
@@ -58,7 +58,7 @@ impl Drop for Session {
     }
 }
 
-/// Another number at every start, so that a page sees that it talks to another session.
+/// Returns a number that differs at every start, so that a page notices that it talks to another session.
 fn distinct() -> u64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     // Exact in a browser's numbers.

@@ -1,4 +1,4 @@
-//! What a pixel sees.
+//! What a pixel shows.
 
 use hecs::{Entity, World};
 use serde::Serialize;
@@ -10,43 +10,43 @@ use crate::time::Time;
 use crate::trace::reference::RayEnd;
 use crate::trace::{Film, SurfacePoint};
 
-/// What a pixel shows, and what its first sample sees.
+/// A pixel of a picture, and what its first sample sees.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Spot {
     /// Column and row, from 0 at the top left of the film.
     pub pixel: (u32, u32),
-    /// Linear colour: of the pixel in the full picture, if there is one, or of its first sample.
+    /// The linear colour: of the pixel in the full picture, if there is one, or of its first sample.
     pub linear: [f32; 3],
-    /// The same as the bytes of a frame file.
+    /// The same colour as the bytes of a frame file.
     pub bytes: [u8; 3],
-    /// How many samples that is the mean of.
+    /// The number of samples that the colour is the mean of.
     pub samples: u32,
-    /// How many the pixel has in the full picture.
+    /// The number of samples of the pixel in the full picture.
     pub all: u32,
-    /// `None` where the ray of the first sample meets nothing.
+    /// The surface that the first sample sees; `None` where its ray meets nothing.
     pub surface: Option<Seen>,
 }
 
-/// A surface that is seen.
+/// A visible surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Seen {
     /// The entity's name or, where it has none, `#` and its place in document order.
     pub entity: String,
-    /// What its material is called where the entity is written.
+    /// The material's name where the entity is written.
     pub material: Option<String>,
-    /// Where it is written, as `ball.ron:12`.
+    /// The place where the entity is written, as `ball.ron:12`.
     pub place: Option<String>,
-    /// In scene units.
+    /// The point, in scene units.
     pub point: [f64; 3],
-    /// Unit length, on the side that is seen.
+    /// The unit normal, on the visible side.
     pub normal: [f64; 3],
-    /// From the camera, in scene units.
+    /// The distance from the camera, in scene units.
     pub distance: f64,
 }
 
 impl Spot {
-    /// What a pixel sees at a moment, of which there may be the full picture. `None` outside the film, and for a camera that is
-    /// nowhere.
+    /// Traces a pixel at a moment; its colour is taken from `picture`, the full one, if given. `None` outside the film, and for a
+    /// camera without a place.
     pub(super) fn of(
         engine: &mut Engine,
         sources: &Sources,
@@ -94,7 +94,7 @@ impl Seen {
     }
 }
 
-/// An entity's name, or `#17` with its place in document order, and the line in which it starts.
+/// Returns an entity's name, or `#17` with its place in document order, and the line in which it starts.
 pub(super) fn named(world: &World, sources: &Sources, entity: Entity) -> (String, Option<String>) {
     let order = order_of(world, entity);
     let unnamed = || order.map_or_else(|| "#".to_owned(), |order| format!("#{order}"));

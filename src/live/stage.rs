@@ -1,4 +1,4 @@
-//! The scene that is on show, ready to be rendered.
+//! The scene on show, ready to be rendered.
 
 use std::ops::ControlFlow::{self, Continue};
 use std::path::Path;
@@ -15,13 +15,13 @@ use crate::systems::Effect;
 use crate::time::Timeline;
 use crate::trace::{Exposure, Film, Signals};
 
-/// A scene, with what is needed to say where things are written.
+/// An engine with its scene's sources, in which places are looked up.
 pub(super) struct Stage {
     engine: Engine,
     sources: Sources,
 }
 
-/// Files that were read.
+/// A scene as it was read.
 pub(super) struct Read {
     pub(super) scene: Scene,
     sources: Sources,
@@ -33,7 +33,7 @@ impl Stage {
         Ok(Read { scene, sources })
     }
 
-    /// Puts a scene in the place of the one that is on show, if there is one: what is in both is kept.
+    /// Replaces the scene on show, if there is one, keeping what is in both.
     pub(super) fn take_over(stage: &mut Option<Self>, Read { scene, sources }: Read) {
         match stage {
             Some(stage) => {
@@ -52,12 +52,12 @@ impl Stage {
         self.engine.film_settings()
     }
 
-    /// Of the last picture.
+    /// Returns the report of the last picture.
     pub(super) fn report(&self) -> &FrameReport {
         self.engine.report()
     }
 
-    /// What a picture as good as this has.
+    /// Returns the size and samples of a picture of this quality.
     pub(super) fn target(&self, detail: Detail) -> Target {
         let FilmSettings { width, height, .. } = self.film_settings();
         let (divisor, samples) = match detail {
@@ -68,14 +68,14 @@ impl Stage {
         Target { film: (width, height), divisor, samples }
     }
 
-    /// What a frame calls for; `made` if it is the last full picture.
+    /// Returns the effects of a frame; `made` says that it is the last full picture.
     pub(super) fn planned(&mut self, frame: u32, made: bool) -> Result<Vec<Planned>, EngineError> {
         let time = self.timeline().time_of(frame);
         let plan = if made { self.engine.plan() } else { self.engine.plan_at(time)? };
         Ok(plan.map(Planned::all).unwrap_or_default())
     }
 
-    /// A quick picture of a frame; `None` if it was cancelled. Calls `begin` when all is ready for rays.
+    /// Renders a quick picture of a frame; `None` if it was cancelled. Calls `begin` when all is ready for rays.
     pub(super) fn draft(
         &mut self,
         frame: u32,
@@ -92,7 +92,7 @@ impl Stage {
         self.engine.render_draft_on(time, draft, &mut None, signals, &mut |_| Continue(()))
     }
 
-    /// A picture of a frame, or as much of it as there is time for: see [`Engine::render_on`].
+    /// Renders a frame, or as much of it as there is time for: see [`Engine::render_on`].
     pub(super) fn render_on(
         &mut self,
         (frame, detail): (u32, Detail),
@@ -108,9 +108,9 @@ impl Stage {
         }
     }
 
-    /// What is wrong at the moment of the last picture, a line each, and how to mend it.
+    /// Returns the faults at the moment of the last picture, one line each, with remedies.
     pub(super) fn warnings(&self) -> Vec<String> {
-        /// More nobody reads.
+        /// The most faults that anybody reads.
         const MOST: usize = 10;
         let faults = self.engine.faults();
         let mut warnings: Vec<String> = faults
@@ -128,7 +128,7 @@ impl Stage {
         warnings
     }
 
-    /// What a pixel sees of a frame, of which there may be the full picture.
+    /// Describes a pixel of a frame; `picture` is the full one, if there is one.
     pub(super) fn spot(
         &mut self,
         frame: u32,
@@ -139,8 +139,8 @@ impl Stage {
         Spot::of(&mut self.engine, &self.sources, time, pixel, picture)
     }
 
-    /// The share of a frame's time that is saved without an effect, `None` for one that is not needed; nothing after the last
-    /// effect, or if it was cancelled.
+    /// Returns the share of a frame's time that is saved without an effect, `None` for one that is not needed. Nothing after the
+    /// last effect, or if it was cancelled.
     pub(super) fn cost(
         &mut self,
         frame: u32,

@@ -1,4 +1,4 @@
-//! What there is to be seen of a session: a value that can be read at any time.
+//! The visible state of a session: a value that can be read at any time.
 
 use serde::Serialize;
 
@@ -7,70 +7,70 @@ use crate::engine::{EngineError, FrameReport};
 use crate::scene::{LoadError, Place, ScriptMistake};
 use crate::systems::{Effect, Plan};
 
-/// A session as it is now.
+/// The current state of a session.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct State {
     /// The scene's file.
     pub scene: String,
-    /// Another number for every session.
+    /// A number that differs between sessions.
     pub session: u64,
-    /// How often the scene was read without a mistake.
+    /// The number of times the scene was read without a mistake.
     pub reloads: u64,
-    /// What is to be seen: the frame that was asked for, or the last.
+    /// The frame to be seen: the requested one, or the last.
     pub frame: u32,
-    /// How many there are.
+    /// The number of frames.
     pub frames: u32,
-    /// In a second.
+    /// The frames per second.
     pub rate: f64,
-    /// How good pictures are asked to be.
+    /// The requested quality of pictures.
     pub detail: Detail,
-    /// Of the film, in pixels: width and height.
+    /// The film's width and height in pixels.
     pub film: (u32, u32),
     /// The latest picture.
     pub picture: Option<PictureInfo>,
     /// The last picture before the last edit, not a coarse one if there is another.
     pub before: Option<PictureInfo>,
-    /// Is a better picture under way?
+    /// Whether a better picture is being made.
     pub rendering: bool,
-    /// How much of it there is, 0 to 1.
+    /// The share of it that exists, 0 to 1.
     pub progress: f64,
-    /// What is wrong with the files as they are; the scene is then the last good one.
+    /// The mistakes in the files as they are; the scene is then the last good one.
     pub mistakes: Option<Mistakes>,
-    /// What is wrong with this frame.
+    /// The mistakes of this frame.
     pub frame_mistakes: Option<Mistakes>,
-    /// What the frame of the last picture calls for that was not coarse.
+    /// The effects of the frame of the last picture that was not coarse.
     pub plan: Vec<Planned>,
-    /// What the last reload and the latest picture took.
+    /// The times of the last reload and of the latest picture.
     pub times: Times,
-    /// Rays of the latest picture.
+    /// The number of rays of the latest picture.
     pub rays: u64,
 }
 
 /// A picture, without its pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct PictureInfo {
-    /// Under which it can be had; later pictures have greater ones.
+    /// The number under which it can be requested; later pictures have greater ones.
     pub id: u64,
-    /// What it shows.
+    /// The frame it shows.
     pub frame: u32,
-    /// After how many reloads.
+    /// The number of reloads before it.
     pub reloads: u64,
-    /// In pixels.
+    /// Its width in pixels.
     pub width: u32,
-    /// In pixels.
+    /// Its height in pixels.
     pub height: u32,
-    /// The film that it is of, in pixels: width and height.
+    /// The width and height, in pixels, of the film that it shows.
     pub film: (u32, u32),
-    /// As it is rendered to a file, bit for bit?
+    /// Whether it is the same as rendered to a file, bit for bit.
     pub full: bool,
-    /// Coarse or unfinished, for lack of time?
+    /// Whether it is coarse or unfinished, for lack of time.
     pub coarse: bool,
 }
 
-/// What is wrong.
+/// Mistakes in a scene or a frame.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Mistakes {
-    /// How many.
+    /// Their number.
     pub count: usize,
     /// All of them as a compiler would show them, without colours.
     pub text: String,
@@ -83,28 +83,28 @@ pub struct Mistakes {
 pub struct Planned {
     /// Its name.
     pub effect: &'static str,
-    /// Is it called for?
+    /// Whether it is needed.
     pub needed: bool,
-    /// By what, or what is missing.
+    /// The reason why it is needed, or what is missing for it.
     pub why: &'static str,
     /// The share of the frame's time that is saved without it, where it was measured: 0 to 1.
     pub cost: Option<f64>,
 }
 
-/// Milliseconds, phase by phase.
+/// Times in milliseconds, phase by phase.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Times {
-    /// From files to a scene without mistakes.
+    /// Reading: from files to a scene without mistakes.
     pub read: f64,
-    /// From a scene to an engine.
+    /// Building: from a scene to an engine.
     pub build: f64,
-    /// Tracks and scripts.
+    /// Animating: tracks and scripts.
     pub animate: f64,
-    /// World transforms and the kernel's arrays.
+    /// Preparing: world transforms and the kernel's arrays.
     pub prepare: f64,
-    /// Rays.
+    /// Tracing rays.
     pub trace: f64,
-    /// From a film to a file.
+    /// Encoding: from a film to a file.
     pub encode: f64,
 }
 
@@ -159,7 +159,7 @@ impl Times {
         self.trace = Self::milliseconds(report.trace);
     }
 
-    /// Of a frame, without reading and writing.
+    /// Returns the time of a frame, without reading, building and encoding.
     #[must_use]
     pub fn frame(&self) -> f64 {
         self.animate + self.prepare + self.trace

@@ -1,21 +1,21 @@
-//! When a picture in the making is looked at, and shown.
+//! The times at which a picture in the making is looked at, and shown.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// A picture in the making is looked at for the first time after so long: most are done by then.
+/// The time after which a picture in the making is first looked at: most are done by then.
 const FIRST_VISIT: Duration = Duration::from_millis(300);
-/// And then so often.
+/// The time between further looks.
 const VISIT: Duration = Duration::from_millis(200);
-/// Showing it takes one in so many parts of the time, at most;
+/// Showing takes at most one part in this many of the time.
 const SHOWING: u64 = 10;
-/// it is shown again after one in so many parts more of the time, so that the first ones come quickly and a long one does not
+/// It is shown again after one part in this many more of the time, so that the first ones come quickly and a long one does not
 /// keep a browser busy,
 const MORE: u64 = 3;
-/// or so many milliseconds.
+/// or after this many milliseconds, if that is sooner.
 const SELDOM: u64 = 5000;
 
-/// When a picture in the making is looked at, and shown. In milliseconds since the start.
+/// The times at which a picture in the making is looked at and shown, in milliseconds since the start.
 pub(super) struct Visits {
     start: Instant,
     due: AtomicU64,
@@ -41,7 +41,7 @@ impl Visits {
         self.now() >= self.due.load(Ordering::Relaxed)
     }
 
-    /// Is it time to show what there is?
+    /// Returns whether it is time to show what there is.
     pub(super) fn show(&self) -> bool {
         let last = self.last_shown.load(Ordering::Relaxed);
         let showing = self.showing.load(Ordering::Relaxed);
@@ -57,7 +57,7 @@ impl Visits {
         self.due.store(self.now() + whole_milliseconds(VISIT), Ordering::Relaxed);
     }
 
-    /// The time that went into the picture itself.
+    /// Returns the milliseconds that went into the picture itself.
     pub(super) fn traced(&self) -> f64 {
         (self.now() - self.showing.load(Ordering::Relaxed)) as f64
     }

@@ -1,4 +1,4 @@
-//! Notices that files hold something else.
+//! Notices changes in the contents of files.
 //!
 //! Directories are watched, not files: an editor that saves by renaming puts another file in the place of the one that was
 //! watched. What the system tells is only taken as a hint to look: files are read, and their contents compared. Once every
@@ -20,24 +20,24 @@ use notify::{Event, EventKind, RecommendedWatcher, RecursiveMode};
 
 use super::files::Files;
 
-/// A save is over when nothing has happened for so long.
+/// The time without any event after which a save is over.
 pub const QUIET: Duration = Duration::from_millis(25);
-/// Files that never rest are looked at nevertheless.
+/// The time after which files that never rest are looked at nevertheless.
 const PATIENCE: Duration = Duration::from_millis(75);
-/// How often they are looked after by somebody who waits for a change.
+/// The time between looks of a caller who waits for a change.
 const GLANCE: Duration = Duration::from_millis(5);
-/// How often files are looked after if the system tells of changes.
+/// The time between looks at the files if the system reports changes.
 const HEARTBEAT: Duration = Duration::from_millis(500);
-/// How often if it does not.
+/// The same if it does not.
 const POLL: Duration = Duration::from_millis(100);
 
-/// How changes are noticed.
+/// The way in which changes are noticed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Watching {
-    /// The system tells.
+    /// The system reports them.
     #[default]
     Events,
-    /// The files are looked after ten times a second: for network mounts, whose systems tell nothing.
+    /// The files are looked at ten times a second: for network mounts, whose systems report nothing.
     Polling,
 }
 
@@ -52,13 +52,13 @@ pub struct Watcher {
 #[derive(Debug)]
 enum Message {
     Told(notify::Result<Event>),
-    /// The files are others.
+    /// Other files are to be watched.
     WatchAgain,
     Stop,
 }
 
 impl Watcher {
-    /// A watcher of no files yet, which calls `changed` once after every save that changes what any of them holds.
+    /// Starts a watcher of no files yet, which calls `changed` once after every save that changes the content of any of them.
     #[must_use]
     pub fn start(watching: Watching, changed: impl FnMut() + Send + 'static) -> Self {
         let (messages, inbox) = channel();
@@ -89,13 +89,13 @@ impl Watcher {
         Self { files, messages, thread: Some(thread) }
     }
 
-    /// Takes what the files hold now for known: for whoever is about to read them. What was written before needs no call. Says
-    /// whether it is something else than what was known.
+    /// Looks at the files, for a caller who is about to read them: earlier writes cause no call. Returns whether any content has
+    /// changed since the last look.
     pub fn look(&self) -> bool {
         lock(&self.files).look()
     }
 
-    /// Waits for so long, unless the file system tells that the files are being written; were they at rest?
+    /// Waits for `time`, unless the files are being written; returns whether they were at rest.
     pub(super) fn stay(&self, time: Duration) -> bool {
         let start = Instant::now();
         // What is known may become something else in the meantime, on this watcher's thread.
@@ -112,13 +112,13 @@ impl Watcher {
         true
     }
 
-    /// Takes nothing that the files hold for known: they could not be read, which may pass without any trace of it.
+    /// Forgets the contents of the files: they could not be read, which may pass without any trace.
     pub fn doubt(&self) {
         lock(&self.files).forget();
     }
 
-    /// Keeps to these files from now on, whether they are there or not. They were read since `since`, after a
-    /// [`look`](Self::look) at those that were known; what has been written in the meantime is a change.
+    /// Watches these files from now on, whether they exist or not. They were read since `since`, and those already known after a
+    /// [`look`](Self::look); what has been written in the meantime is a change.
     pub fn follow(&self, files: &[PathBuf], since: SystemTime) {
         lock(&self.files).follow(files, since);
         let _ = self.messages.send(Message::WatchAgain);
@@ -138,20 +138,20 @@ impl Drop for Watcher {
     }
 }
 
-/// What the thread has.
+/// The state of the watcher's thread.
 struct Lookout {
     inbox: Receiver<Message>,
     eyes: Option<RecommendedWatcher>,
     heartbeat: Duration,
     files: Arc<Mutex<Files>>,
-    /// Directories.
+    /// The watched directories.
     watched: BTreeSet<PathBuf>,
-    /// Of files that matter.
+    /// The names of the files that matter.
     names: BTreeSet<OsString>,
     changed: Box<dyn FnMut() + Send>,
 }
 
-/// What a message, or the lack of one, asks for.
+/// The action after a message, or the lack of one.
 enum Hint {
     Nothing,
     Look,
@@ -204,7 +204,7 @@ impl Lookout {
         }
     }
 
-    /// Does an event concern the files?
+    /// Returns whether an event concerns the files.
     fn weigh(&mut self, event: &Event) -> Hint {
         if matches!(event.kind, EventKind::Access(_)) {
             return Hint::Nothing;
@@ -217,7 +217,7 @@ impl Lookout {
         if event.paths.iter().any(concerns) { Hint::Look } else { Hint::Nothing }
     }
 
-    /// What has changed without a word may do so again: the directories are others.
+    /// Looks for changes that were not reported. After one the directories may be others, and are watched again.
     fn look_after(&mut self) -> Hint {
         if !lock(&self.files).are_touched() {
             return Hint::Nothing;
@@ -226,7 +226,7 @@ impl Lookout {
         Hint::Look
     }
 
-    /// Watches the directories that there are now.
+    /// Watches the directories as they are now.
     fn watch_again(&mut self) {
         use notify::Watcher;
         let files = lock(&self.files);
