@@ -1,4 +1,4 @@
-//! What can be typed.
+//! The command line's arguments, as they are typed. Their doc comments are the text of `--help`.
 
 use std::path::PathBuf;
 
@@ -309,7 +309,7 @@ fn parse_index(text: &str) -> Result<u32, String> {
     text.trim().parse().map_err(|_| format!("write a whole number from 0 to {}, as 12", u32::MAX))
 }
 
-/// Two whole numbers with a sign between them.
+/// Reads two whole numbers with a separator between them.
 fn pair<const SIGNS: usize>(text: &str, between: [char; SIGNS]) -> Option<(u32, u32)> {
     let (first, second) = text.split_once(between)?;
     Some((first.trim().parse().ok()?, second.trim().parse().ok()?))

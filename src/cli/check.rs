@@ -70,13 +70,13 @@ fn frames(count: u32) -> String {
 
 /// A scene without mistakes.
 struct Good {
-    /// Frames.
+    /// The number of frames.
     count: u32,
     warnings: Warnings,
     sources: Sources,
 }
 
-/// What is wrong with a scene.
+/// The mistakes of a scene.
 enum Wrong {
     Scene(LoadError),
     Script(Box<ScriptMistake>),

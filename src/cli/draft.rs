@@ -1,16 +1,16 @@
-//! `rayreel render --draft`: how much less is enough to recognise a scene by.
+//! `rayreel render --draft`: reduced settings, enough to recognise a scene by.
 
 use rayreel::Engine;
 use rayreel::components::{FilmSettings, Light, LightKind, Quality, Sampling};
 
-/// The film's width and height are divided by this.
+/// The divisor of the film's width and height.
 const SHRINKING: u32 = 3;
-/// Generations of rays: enough to see through a glass. Fewer save little, and leave clear things black.
+/// The most generations of rays: enough to see through a glass. Fewer save little, and leave clear things black.
 const DEPTH: u32 = 5;
-/// Of an area light: fewer leave soft shadows unrecognisable.
+/// The most samples of an area light: fewer leave soft shadows unrecognisable.
 const LIGHT_SAMPLES: u32 = 4;
 
-/// Lowers what costs time, and raises nothing.
+/// Lowers the settings that cost time, and raises none.
 pub(super) fn apply(engine: &mut Engine) {
     let world = engine.world_mut();
     for film in world.query_mut::<&mut FilmSettings>() {

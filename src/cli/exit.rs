@@ -1,4 +1,4 @@
-//! How a command fails, and the exit code that says so.
+//! The failures of commands, and their exit codes.
 
 use std::process::ExitCode;
 
@@ -7,23 +7,23 @@ use rayreel::scene::{LoadError, ScriptMistake};
 
 use super::print;
 
-/// Why a command did not succeed.
+/// The reason why a command did not succeed.
 #[derive(Debug)]
 pub(super) enum Failure {
-    /// A scene is wrong; shown as a compiler would.
+    /// A mistake in a scene; shown as a compiler would.
     Scene(LoadError),
-    /// A script of a scene is wrong; likewise.
+    /// A mistake in a script of a scene; shown likewise.
     Script(Box<ScriptMistake>),
     /// Anything else, with its causes.
     Other(anyhow::Error),
-    /// It was reported already.
+    /// A failure that was reported already.
     Reported,
-    /// Ctrl-C, or another polite signal; with the exit code that says which.
+    /// Ctrl-C, or another signal that asks for an end; with the exit code of that signal.
     Interrupted(u8),
 }
 
 impl Failure {
-    /// 1 for errors. Wrong usage exits with 2 on its own.
+    /// Returns the exit code: 1 for errors. Wrong usage exits with 2 before.
     pub(super) fn code(&self) -> ExitCode {
         match self {
             Self::Interrupted(code) => ExitCode::from(*code),
@@ -31,7 +31,7 @@ impl Failure {
         }
     }
 
-    /// Tells the reason on standard error.
+    /// Prints the reason on standard error.
     pub(super) fn print(&self) {
         match self {
             Self::Scene(error) => print::mistakes(|color| error.render(color)),

@@ -10,32 +10,32 @@ use anyhow::Context;
 
 use super::exit::Failure;
 
-/// Whether an interruption has come. It ends the process at once, and so does a second one: no file is ever half-written under its
-/// name. A command that would rather come to an end by itself asks for the first to be [deferred](Interruption::deferred).
+/// Whether an interruption has come. It ends the process at once, and so does a second one: no file is ever half-written under
+/// its name. A command that ends by itself asks for the first to be [deferred](Interruption::deferred).
 #[derive(Debug, Default)]
 pub(super) struct Interruption {
     raised: Arc<AtomicBool>,
-    /// Does the next one end the process?
+    /// Whether the next one ends the process.
     ends: Arc<AtomicBool>,
-    /// What the process then exits with.
+    /// The exit code of the process then.
     code: Arc<AtomicUsize>,
 }
 
 impl Interruption {
-    /// Listens from now on.
+    /// Starts to listen.
     pub(super) fn listen() -> anyhow::Result<Self> {
         let interruption = Self { ends: Arc::new(true.into()), ..Self::default() };
         interruption.register().context("cannot listen to signals")?;
         Ok(interruption)
     }
 
-    /// From now on, the first interruption only makes this flag true.
+    /// Defers the first interruption from now on; it only sets the returned flag.
     pub(super) fn deferred(&self) -> &AtomicBool {
         self.ends.store(false, Ordering::SeqCst);
         &self.raised
     }
 
-    /// The end after a deferred interruption.
+    /// Returns the failure of a command that was interrupted.
     pub(super) fn failure(&self) -> Failure {
         Failure::Interrupted(u8::try_from(self.code.load(Ordering::SeqCst)).unwrap_or(u8::MAX))
     }
@@ -71,7 +71,7 @@ impl Interruption {
     }
 }
 
-/// Is a signal ignored, by the will of whoever started the program?
+/// Returns whether a signal is ignored, by the will of whoever started the program.
 #[cfg(unix)]
 #[expect(unsafe_code, reason = "nothing safe tells what happens at a signal without changing it")]
 fn is_ignored(signal: std::ffi::c_int) -> bool {

@@ -1,7 +1,7 @@
 //! The command line.
 //!
-//! [`args`] is what was typed, [`settings`] is what it means; every command has a file of its own. Results go to standard
-//! output, everything else to standard error.
+//! [`args`] holds the arguments as they are typed, [`settings`] their meaning; every command has a file of its own. Results go to
+//! standard output, everything else to standard error.
 
 mod args;
 mod check;
@@ -46,7 +46,7 @@ pub(crate) fn run() -> ExitCode {
     }
 }
 
-/// For what is said of them: names of files may hold anything.
+/// Returns the arguments as messages may show them: names of files may hold anything.
 fn printable_arguments() -> impl Iterator<Item = String> {
     std::env::args_os().map(|argument| Printable(&argument.to_string_lossy()).to_string())
 }

@@ -17,22 +17,23 @@ pub(super) fn result(text: &str) -> anyhow::Result<()> {
     result_part(text).map(|_| ())
 }
 
-/// Some of the results, as [`result`]. Says whether there is still a reader for more.
+/// Writes some of the results like [`result`]. Returns whether there is still a reader for more.
 pub(super) fn result_part(text: &str) -> anyhow::Result<ControlFlow<()>> {
     write_result(&escaped(text, |character| Printable(character.encode_utf8(&mut [0; 4])).to_string()))
 }
 
-/// A line of results, as [`result`].
+/// Writes a line of results like [`result`].
 pub(super) fn result_line(text: &str) -> anyhow::Result<()> {
     result(&format!("{}\n", Printable(text)))
 }
 
-/// A JSON value.
+/// Writes a JSON value.
 pub(super) fn json(value: &Value) -> anyhow::Result<()> {
     json_part(&format!("{value:#}\n")).map(|_| ())
 }
 
-/// Some JSON values, as [`result_part`]. What a terminal would obey is in their texts only, where it may be escaped.
+/// Writes some JSON values like [`result_part`]. Characters that a terminal would obey are in their texts only, where they may be
+/// escaped.
 pub(super) fn json_part(text: &str) -> anyhow::Result<ControlFlow<()>> {
     write_result(&escaped(text, |character| format!("\\u{:04x}", u32::from(character))))
 }
@@ -46,7 +47,7 @@ fn write_result(text: &str) -> anyhow::Result<ControlFlow<()>> {
     }
 }
 
-/// The lines of a text with everything escaped that is not printable.
+/// Escapes all unprintable characters of a text but its line ends.
 fn escaped(text: &str, escape: impl Fn(char) -> String) -> Cow<'_, str> {
     let stays = |character: char| character == '\n' || is_printable(character);
     if text.chars().all(stays) {
@@ -63,17 +64,17 @@ fn escaped(text: &str, escape: impl Fn(char) -> String) -> Cow<'_, str> {
     Cow::Owned(escaped)
 }
 
-/// A line for the person at the terminal, or the log.
+/// Prints a line for the person at the terminal, or the log.
 pub(super) fn error_line(text: &str) {
     let _ = writeln!(stderr().lock(), "{}", Printable(text));
 }
 
-/// A line that says what is wrong.
+/// Prints an error.
 pub(super) fn error(text: &str) {
     let _ = writeln!(stderr().lock(), "{} {}", error_word(), Printable(text));
 }
 
-/// A line that says what may be wrong, and lines about it.
+/// Prints a warning, and lines about it.
 pub(super) fn warning(text: &str, about: &[String]) {
     let mut told = format!("{} {}\n", warning_word(), Printable(text));
     for line in about {
@@ -82,29 +83,29 @@ pub(super) fn warning(text: &str, about: &[String]) {
     let _ = stderr().lock().write_all(told.as_bytes());
 }
 
-/// Mistakes in scenes, shown as a compiler would by `render`, which is told whether colours are welcome and escapes what it shows
-/// of files: its colours are the only commands.
+/// Prints mistakes in scenes, shown as a compiler would by `render`, which is told whether colours are welcome and escapes what
+/// it shows of files: its colours are the only commands.
 pub(super) fn mistakes(render: impl FnOnce(bool) -> String) {
     let _ = writeln!(stderr().lock(), "{}", render(is_colorful()));
 }
 
-/// May standard error be coloured? See <https://no-color.org>.
+/// Returns whether standard error may be coloured. See <https://no-color.org>.
 fn is_colorful() -> bool {
     let unwanted = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
     stderr().is_terminal() && !unwanted && !is_dumb()
 }
 
-/// Can the terminal, if there is one, do no more than print lines?
+/// Returns whether the terminal, if there is one, can do no more than print lines.
 pub(super) fn is_dumb() -> bool {
     std::env::var_os("TERM").is_some_and(|terminal| terminal == "dumb")
 }
 
-/// `error:`, as bold and red as may be.
+/// Returns `error:`, as bold and red as may be.
 fn error_word() -> &'static str {
     if is_colorful() { "\u{1b}[1m\u{1b}[91merror\u{1b}[0m\u{1b}[1m:\u{1b}[0m" } else { "error:" }
 }
 
-/// `warning:`, as bold and yellow as may be.
+/// Returns `warning:`, as bold and yellow as may be.
 fn warning_word() -> &'static str {
     if is_colorful() { "\u{1b}[1m\u{1b}[93mwarning\u{1b}[0m\u{1b}[1m:\u{1b}[0m" } else { "warning:" }
 }

@@ -1,4 +1,4 @@
-//! How far it is: a bar on a terminal, plain lines elsewhere.
+//! Progress: a bar on a terminal, plain lines elsewhere.
 
 use std::cell::Cell;
 use std::io::{IsTerminal, stderr};
@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::print;
 use super::report::{ShotReport, in_millions};
 
-/// Tells about frames as they are done.
+/// Reports frames as they are done.
 pub(super) struct Progress {
     total: usize,
     display: Display,
@@ -20,7 +20,7 @@ enum Display {
     Lines(Pace),
 }
 
-/// How often there is a line.
+/// The time between lines.
 #[derive(Debug)]
 struct Pace {
     /// Zero for a line for every frame.
@@ -37,7 +37,7 @@ impl Progress {
         Self { total, display }
     }
 
-    /// One more is done; `count` so far.
+    /// Reports a finished shot, the `count`-th so far.
     pub(super) fn done(&self, shot: &ShotReport, count: usize) {
         let rate = in_millions(shot.rays_per_second());
         match &self.display {
@@ -59,7 +59,7 @@ impl Progress {
 }
 
 impl Drop for Progress {
-    /// However it ended, no bar stays behind.
+    /// Removes the bar, however it ended.
     fn drop(&mut self) {
         if let Display::Bar(bar) = &self.display {
             bar.finish_and_clear();
@@ -78,10 +78,11 @@ fn bar(total: usize) -> ProgressBar {
 }
 
 impl Pace {
-    /// A log has a line for every frame; on a terminal that can draw no bar they would scroll everything else away.
+    /// The time between lines where they would scroll everything else away: on a terminal that can draw no bar. A log has a line
+    /// for every frame.
     const ON_DUMB_TERMINALS: Duration = Duration::from_secs(2);
 
-    /// `None` where a bar can be drawn.
+    /// Returns the pace of lines. `None` where a bar can be drawn.
     fn of(is_terminal: bool, is_dumb: bool) -> Option<Self> {
         let apart = match (is_terminal, is_dumb) {
             (true, false) => return None,

@@ -78,7 +78,7 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
     Ok(())
 }
 
-/// The scene's texts, read again where there is something to look up in them: mostly there is not, and they are not kept.
+/// Reads the scene's texts again if there are warnings to look up in them. Mostly there are none, so that the texts are not kept.
 fn sources_for(report: &RenderReport, arguments: &RenderArguments) -> Option<Sources> {
     if report.warnings.is_empty() || !arguments.scene.is_file() {
         return None;
@@ -86,7 +86,7 @@ fn sources_for(report: &RenderReport, arguments: &RenderArguments) -> Option<Sou
     Scene::load_with_sources(&arguments.scene).ok().map(|(_, sources)| sources)
 }
 
-/// Renders every shot and hands it to the writer, which works beside. Where it cannot go on, what was handed over is written.
+/// Renders every shot and hands it to the writer, which works in parallel. If it cannot go on, what was handed over is written.
 fn render_all(
     engine: &mut Engine,
     settings: &RenderSettings,

@@ -1,4 +1,4 @@
-//! What a rendering cost, for people and for machines.
+//! The report of a rendering, for people and for machines.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -13,16 +13,16 @@ use super::args::RenderArguments;
 use super::settings::{RenderSettings, Shot};
 use super::warnings::Warnings;
 
-/// All frames of one call.
+/// The report of all frames of one call.
 #[derive(Debug)]
 pub(super) struct RenderReport {
     scene: PathBuf,
     size: (u32, u32),
     threads: usize,
     load: Duration,
-    /// Written, or put on the sheet, in order.
+    /// The shots that were written, or put on the sheet, in order.
     pub(super) shots: Vec<ShotReport>,
-    /// Once it is written.
+    /// The sheet, once it is written.
     pub(super) sheet: Option<SheetReport>,
     pub(super) warnings: Warnings,
     total: Duration,
@@ -33,15 +33,15 @@ pub(super) struct RenderReport {
 #[derive(Clone, Debug)]
 pub(super) struct SheetReport {
     pub(super) path: PathBuf,
-    /// Columns and rows of tiles.
+    /// The columns and rows of tiles.
     pub(super) tiles: (u32, u32),
-    /// Pixels.
+    /// The size in pixels.
     pub(super) size: (u32, u32),
-    /// Encoding and writing.
+    /// The time of encoding and writing.
     pub(super) write: Duration,
 }
 
-/// One frame.
+/// The report of one frame.
 #[derive(Clone, Debug)]
 pub(super) struct ShotReport {
     frame: Option<u32>,
@@ -73,7 +73,7 @@ impl RenderReport {
         self.interrupted = interrupted;
     }
 
-    /// One object. Lines are looked up in the sources.
+    /// Returns the report as one JSON object. Lines are looked up in the sources.
     pub(super) fn to_json(&self, sources: Option<&Sources>) -> Value {
         json!({
             "scene": self.scene.display().to_string(),
@@ -90,7 +90,7 @@ impl RenderReport {
         })
     }
 
-    /// What was needed for any frame, and how much was not.
+    /// Names the effects that any frame needed, and counts the others.
     pub(super) fn plan(&self) -> String {
         let needed = |effect: &Effect| self.shots.iter().any(|shot| shot.needed.contains(effect));
         let (needed, left_out): (Vec<_>, Vec<_>) = Effect::ALL.into_iter().partition(needed);
@@ -103,7 +103,7 @@ impl RenderReport {
         format!("needed: {names}; {others} left out (`rayreel explain` says why)")
     }
 
-    /// One line.
+    /// Summarises the rendering in one line.
     pub(super) fn summary(&self, settings: &RenderSettings) -> String {
         let frames = match self.shots.len() {
             1 => "1 frame".to_owned(),
@@ -138,13 +138,13 @@ impl SheetReport {
 }
 
 impl ShotReport {
-    /// What the engine's last frame cost. On a sheet it has no file of its own.
+    /// Reports the engine's last frame. On a sheet it has no file of its own.
     pub(super) fn new(shot: &Shot, path: Option<PathBuf>, engine: &Engine) -> Self {
         let needed = engine.plan().into_iter().flat_map(Plan::needed).collect();
         Self { frame: shot.frame, path, cost: *engine.report(), needed, write: Duration::ZERO }
     }
 
-    /// The frame's file or, on a sheet, its number.
+    /// Returns the frame's file or, on a sheet, its number.
     pub(super) fn name(&self) -> String {
         match (&self.path, self.frame) {
             (Some(path), _) => path.display().to_string(),
@@ -153,12 +153,12 @@ impl ShotReport {
         }
     }
 
-    /// The same, with the time that writing took.
+    /// Returns the report with the time of writing.
     pub(super) fn written(&self, write: Duration) -> Self {
         Self { write, ..self.clone() }
     }
 
-    /// Animate, prepare and trace; writing goes on beside.
+    /// Returns the time to animate, prepare and trace; writing goes on in parallel.
     pub(super) fn seconds(&self) -> f64 {
         (self.cost.animate + self.cost.prepare + self.cost.trace).as_secs_f64()
     }
@@ -194,12 +194,12 @@ impl ShotReport {
     }
 }
 
-/// `12.3 M`, or thousands where that reads better.
+/// Writes a count as `12.3 M`, or in thousands where that reads better.
 pub(super) fn in_millions(count: f64) -> String {
     if count < 1e6 { format!("{:.0} k", count / 1e3) } else { format!("{:.1} M", count / 1e6) }
 }
 
-/// The most memory that this process has used, where the system tells.
+/// Returns the peak memory of this process, where the system tells.
 fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

@@ -1,4 +1,4 @@
-//! What was typed, checked and completed.
+//! The arguments, validated and completed.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ pub(super) struct Shot {
 }
 
 impl Shot {
-    /// `frame 3`, or `1.5 s`.
+    /// Writes the moment, as `frame 3` or `1.5 s`.
     pub(super) fn moment(&self) -> String {
         match self.frame {
             Some(frame) => format!("frame {frame}"),
@@ -30,14 +30,14 @@ impl Shot {
     }
 }
 
-/// Which pictures to make.
+/// The pictures to make.
 #[derive(Clone, Debug)]
 enum Selection {
     Moment(Time),
     Frames(FrameList, Timeline),
 }
 
-/// Which pictures to make, and where to put them.
+/// The pictures to make, and the place to put them.
 #[derive(Debug)]
 pub(super) struct RenderSettings {
     selection: Selection,
@@ -49,7 +49,7 @@ pub(super) struct RenderSettings {
 }
 
 impl RenderSettings {
-    /// What the arguments mean for a scene with this timeline and this film.
+    /// Validates the arguments for a scene with this timeline and this film.
     pub(super) fn new(
         arguments: &RenderArguments,
         timeline: Timeline,
@@ -83,7 +83,7 @@ impl RenderSettings {
 }
 
 impl RenderSettings {
-    /// All pictures, one after the other.
+    /// Returns all pictures, one after the other.
     pub(super) fn shots(&self) -> Box<dyn Iterator<Item = Shot> + '_> {
         match &self.selection {
             Selection::Moment(time) => Box::new(std::iter::once(Shot { frame: None, time: *time })),
@@ -93,12 +93,12 @@ impl RenderSettings {
         }
     }
 
-    /// How many pictures.
+    /// Returns the number of pictures.
     pub(super) fn count(&self) -> usize {
         self.selection.count()
     }
 
-    /// The file of a picture that has one of its own.
+    /// Returns the file of a picture that has one of its own.
     pub(super) fn file_of(&self, shot: &Shot) -> PathBuf {
         match shot.frame {
             Some(index) => self.sequence.frame(index),
@@ -116,14 +116,14 @@ impl Selection {
     }
 }
 
-/// The columns and rows that so many pictures fill.
+/// Returns the columns and rows that `count` pictures fill.
 fn filled(columns: u32, count: usize) -> (u32, u32) {
     // A sheet has no more than 10 000.
     let count = u32::try_from(count).unwrap_or(u32::MAX);
     (columns.min(count), count.div_ceil(columns))
 }
 
-/// An error for a frame that the timeline does not have.
+/// Returns an error for a frame that the timeline does not have.
 pub(super) fn require_frame(index: u32, timeline: Timeline) -> anyhow::Result<()> {
     ensure!(index < timeline.frame_count(), "there is no frame {index}: {}", timeline_in_words(timeline));
     Ok(())
@@ -136,14 +136,14 @@ pub(super) fn resize(engine: &mut Engine, (width, height): (u32, u32)) {
     }
 }
 
-/// Sets which rays are too faint to be followed, in steps of 8 bits.
+/// Sets the cutoff below which rays are too faint to be followed, in steps of 8 bits.
 pub(super) fn set_cutoff(engine: &mut Engine, cutoff: f32) {
     for quality in engine.world_mut().query_mut::<&mut Quality>() {
         quality.cutoff = cutoff;
     }
 }
 
-/// The file's name without its ending.
+/// Returns the file's name without its ending.
 fn scene_name(path: &Path) -> anyhow::Result<&OsStr> {
     path.file_stem().with_context(|| format!("`{}` does not name a file", path.display()))
 }

@@ -12,12 +12,12 @@ use super::progress::Progress;
 use super::report::{RenderReport, SheetReport, ShotReport};
 use super::settings::RenderSettings;
 
-/// A sheet with room for so many columns and rows of such films.
+/// Creates a sheet of columns and rows of films.
 pub(super) fn empty((columns, rows): (u32, u32), film: FilmSettings) -> anyhow::Result<Sheet> {
     Ok(Sheet::new(columns, rows, (film.width, film.height), film.transfer)?)
 }
 
-/// Renders every shot, puts it on the sheet, and writes that at the end; not if it is cancelled before.
+/// Renders every shot onto the sheet, and writes it at the end, unless cancelled before.
 pub(super) fn render(
     engine: &mut Engine,
     settings: &RenderSettings,

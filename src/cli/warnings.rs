@@ -1,4 +1,4 @@
-//! Warnings: what of a scene is not drawn as it says.
+//! Warnings about parts of a scene that are not drawn as described.
 
 use std::collections::HashSet;
 use std::mem::discriminant;
@@ -11,7 +11,7 @@ use rayreel::{Engine, Entity, Fault, World};
 
 use super::print;
 
-/// More entities than this are only counted.
+/// The most warnings that are listed; further entities are only counted.
 const MOST: usize = 10;
 
 /// The faults of some moments.
@@ -27,17 +27,17 @@ pub(super) struct Warnings {
 struct Warning {
     fault: Fault,
     whose: Whose,
-    /// The first, and how many more.
+    /// The first moment, and below the number of further ones.
     moment: String,
     more: usize,
 }
 
-/// Who has a fault.
+/// The owner of a fault.
 #[derive(Debug)]
 enum Whose {
-    /// By name, if it has one, and place in document order, if it has that.
+    /// An entity, with its name and its place in document order, if it has them.
     Entity(Option<String>, Option<usize>),
-    /// By name.
+    /// A camera, by its name.
     Camera(String),
     Scene,
 }
@@ -97,7 +97,7 @@ impl Warnings {
         self.listed.is_empty()
     }
 
-    /// `, 3 warnings`, or nothing.
+    /// Writes the number of warnings, as `, 3 warnings`; nothing for none.
     pub(super) fn count(&self) -> String {
         match self.listed.len() + self.others.len() {
             0 => String::new(),
@@ -106,7 +106,7 @@ impl Warnings {
         }
     }
 
-    /// Tells the person at the terminal; of entities that are in the sources, with their lines.
+    /// Prints the warnings; those of entities that are in the sources, with their lines.
     pub(super) fn tell(&self, sources: Option<&Sources>) {
         for Warning { fault, whose, moment, more } in &self.listed {
             let place = sources.and_then(|sources| whose.place(sources));
@@ -126,7 +126,7 @@ impl Warnings {
         }
     }
 
-    /// The same for machines.
+    /// Returns the warnings as JSON.
     pub(super) fn to_json(&self, sources: Option<&Sources>) -> Value {
         let one = |Warning { fault, whose, moment, more }: &Warning| {
             let place = sources.and_then(|sources| whose.place(sources));

@@ -17,7 +17,7 @@ use super::interrupt::Interruption;
 use super::print;
 use super::report::in_millions;
 
-/// How long Ctrl-C may go unnoticed.
+/// The longest time that Ctrl-C goes unnoticed.
 const ATTENTION: Duration = Duration::from_millis(50);
 
 pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Result<(), Failure> {
@@ -58,17 +58,18 @@ pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Re
     Err(interruption.failure())
 }
 
-/// Of pictures only the first full one after each reload, which is remembered: others are for those who look at the page.
+/// Returns whether to report an event: of pictures only the first full one after each reload, which `told` remembers. The others
+/// are for those who look at the page.
 fn is_worth_telling(event: &Event, told: &mut u64) -> bool {
     let Event::Shown(shown) = event else { return true };
     shown.info.full && std::mem::replace(told, shown.info.reloads.max(*told)) < shown.info.reloads
 }
 
-/// Tells what happens, and writes the current frame to a file.
+/// Reports events, and writes the current frame to a file.
 struct Teller {
     scene: String,
     out: Option<(PathBuf, FrameFormat)>,
-    /// Has there been a good scene?
+    /// Whether there has been a good scene.
     good: bool,
 }
 

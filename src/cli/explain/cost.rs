@@ -1,4 +1,4 @@
-//! What effects cost and what they are worth: the difference that leaving one out makes.
+//! The cost and the worth of effects: the difference that leaving one out makes.
 
 use serde_json::{Value, json};
 
@@ -15,12 +15,12 @@ pub(super) struct Costs {
     effects: Vec<(Effect, Cost)>,
 }
 
-/// What is saved, and what is lost, without an effect.
+/// The savings and the errors of leaving an effect out.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Cost {
-    /// Rays a frame.
+    /// The rays saved per frame.
     pub(super) rays: f64,
-    /// Share of the time.
+    /// The share of the time saved.
     pub(super) share: f64,
     /// The largest difference of any byte of the pictures.
     pub(super) max_error: u8,
@@ -68,7 +68,7 @@ impl Costs {
         Ok(Self { frames, rays: rays / count, seconds: seconds / count, effects })
     }
 
-    /// Of an effect that is needed.
+    /// Returns the cost of an effect that is needed.
     pub(super) fn effect(&self, effect: Effect) -> Option<&Cost> {
         Some(&self.effects.iter().find(|(other, _)| *other == effect)?.1)
     }
@@ -107,7 +107,7 @@ fn render(engine: &mut Engine, frame: u32, left_out: Option<Effect>) -> Result<R
     Ok(Rendered { film: film?, rays: report.rays.total() as f64, seconds })
 }
 
-/// The largest and the mean square difference of the pictures' bytes.
+/// Returns the largest and the mean square difference of the pictures' bytes.
 fn difference(engine: &Engine, film: &Film, other: &Film) -> (u8, f64) {
     let transfer = engine.film_settings().transfer;
     let (mut largest, mut squares) = (0, 0.0);

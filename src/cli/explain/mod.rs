@@ -50,7 +50,7 @@ pub(super) fn run(arguments: &ExplainArguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What is told.
+/// The contents of an explanation.
 struct Explanation {
     scene: String,
     size: (u32, u32),

@@ -1,4 +1,4 @@
-//! What is needed and what it costs, as a table.
+//! The needed effects and their costs, as a table.
 
 use rayreel::Effect;
 
@@ -6,7 +6,7 @@ use super::super::report::in_millions;
 use super::cost::Costs;
 use super::timeline::PlannedTimeline;
 
-/// What is needed above, what is left out below.
+/// Writes the needed effects above, those left out below.
 pub(super) fn draw(timeline: &PlannedTimeline, costs: &Costs, measure: bool) -> String {
     let (mut needed, mut left_out) = (Vec::new(), Vec::new());
     for told in timeline.effects() {
@@ -51,7 +51,7 @@ fn cost_cells(effect: Effect, costs: &Costs, measure: bool) -> Vec<String> {
     cells
 }
 
-/// Words to the left and, from the fourth column on, numbers to the right.
+/// Aligns words to the left and, from the fourth column on, numbers to the right.
 fn columns(heads: &[&str], rows: &[Vec<String>]) -> String {
     const WORDS: usize = 3;
     let width = |column: usize| {

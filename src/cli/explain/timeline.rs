@@ -1,39 +1,39 @@
-//! When each effect is needed, and why.
+//! The frames in which each effect is needed, and why.
 
 use rayreel::time::FrameList;
 use rayreel::{Effect, Engine, EngineError, Need};
 
-/// Which effects the chosen frames need.
+/// The effects that the chosen frames need.
 pub(super) struct PlannedTimeline {
-    /// The frames that were looked at, ascending.
+    /// The examined frames, ascending.
     frames: Vec<u32>,
-    /// How many were chosen, if that is more.
+    /// The number of chosen frames, if that is more.
     spread_over: Option<usize>,
     told: Vec<Told>,
 }
 
-/// Which frames need one effect.
+/// The frames that need an effect.
 pub(super) struct Told {
     pub(super) effect: Effect,
-    /// One for each answer, in the order in which they first appear.
+    /// One span for each answer, in the order in which they first appear.
     pub(super) spans: Vec<Span>,
 }
 
 /// The frames with the same answer.
 pub(super) struct Span {
     pub(super) need: Need,
-    /// First and last frames of runs, each without a gap among those that were looked at.
+    /// The first and last frames of runs, each without a gap among the examined frames.
     runs: Vec<(u32, u32)>,
     count: usize,
-    /// Are these all?
+    /// Whether these are all frames.
     all: bool,
 }
 
 impl PlannedTimeline {
-    /// Seven minutes at 24 frames a second: as many as are looked at one by one.
+    /// The most frames that are examined: seven minutes at 24 frames a second.
     pub(super) const MOST: u32 = 10_000;
 
-    /// What is needed over these frames; over [`PlannedTimeline::MOST`] of them, spread evenly, where there are more.
+    /// Plans these frames; [`PlannedTimeline::MOST`] of them, spread evenly, where there are more.
     pub(super) fn of(engine: &mut Engine, list: &FrameList) -> Result<Self, EngineError> {
         let spread = list.spread_frames(Self::MOST);
         let spread_over = spread.is_some().then(|| list.count());
@@ -55,12 +55,12 @@ impl PlannedTimeline {
         Ok(Self { frames, spread_over, told })
     }
 
-    /// How many frames were looked at.
+    /// Returns the number of examined frames.
     pub(super) fn count(&self) -> usize {
         self.frames.len()
     }
 
-    /// How many were chosen, if that is more.
+    /// Returns the number of chosen frames, if that is more.
     pub(super) fn spread_over(&self) -> Option<usize> {
         self.spread_over
     }
@@ -69,7 +69,7 @@ impl PlannedTimeline {
         self.told.iter()
     }
 
-    /// The first, the middle and the last frame, and such that every effect that is needed is needed in one of them.
+    /// Returns the first, the middle and the last frame, and further ones so that every needed effect is needed in one of them.
     pub(super) fn samples(&self) -> Vec<u32> {
         let last = self.frames.len().saturating_sub(1);
         let mut samples: Vec<u32> =
@@ -86,7 +86,7 @@ impl PlannedTimeline {
         samples
     }
 
-    /// A few sentences.
+    /// Describes the needs in a few sentences.
     pub(super) fn in_words(&self) -> String {
         let names = |chosen: &dyn Fn(&Told) -> bool| {
             let names: Vec<_> =
@@ -136,7 +136,7 @@ impl Told {
 }
 
 impl Span {
-    /// `all`, or `0-40, 60`, shortened where there are many runs.
+    /// Lists the frames, as `all` or `0-40, 60`, shortened where there are many runs.
     pub(super) fn in_words(&self) -> String {
         const MOST: usize = 3;
         if self.all {
@@ -156,7 +156,7 @@ impl Span {
         self.runs.iter().any(|(first, last)| (*first..=*last).contains(&frame))
     }
 
-    /// First and last frames of all runs.
+    /// Returns the first and last frames of all runs.
     pub(super) fn frames(&self) -> &[(u32, u32)] {
         &self.runs
     }

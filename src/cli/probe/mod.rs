@@ -1,6 +1,6 @@
 //! `rayreel probe`
 //!
-//! [`pixel`] tells what one pixel sees, as a [`tree`] or as JSON; [`rays`] answers rays of one's own, which [`read`] reads.
+//! [`pixel`] explains a pixel, as a [`tree`] or as JSON; [`rays`] answers given rays, which [`read`] reads.
 
 mod names;
 mod numbers;

@@ -1,4 +1,4 @@
-//! What entities are called, and where in the scene's files they are.
+//! The names of entities, and their lines in the scene's files.
 
 use std::collections::HashMap;
 
@@ -8,7 +8,7 @@ use rayreel::components::{Name, Order};
 use rayreel::scene::{SourceLine, Sources};
 use rayreel::{Entity, World};
 
-/// An entity's name, or `#17` with its place in document order.
+/// Returns an entity's name, or `#17` with its place in document order.
 pub(super) fn label(world: &World, entity: Entity) -> String {
     match world.get::<&Name>(entity) {
         Ok(name) => name.0.clone(),
@@ -38,7 +38,7 @@ impl<'a> Places<'a> {
         Self { world, lines }
     }
 
-    /// `"globe" (scenes/first_light.ron:21)`
+    /// Writes name and line, as `"globe" (scenes/first_light.ron:21)`.
     pub(super) fn text(&self, entity: Entity) -> String {
         let name = match self.world.get::<&Name>(entity) {
             // As in the scene file: a name may hold anything.
@@ -51,7 +51,7 @@ impl<'a> Places<'a> {
         }
     }
 
-    /// The name, or null, the place in document order, the file and the line.
+    /// Returns the name, or null, the place in document order, the file and the line.
     pub(super) fn json(&self, entity: Entity) -> Value {
         json!({
             "name": self.world.get::<&Name>(entity).ok().map(|name| name.0.clone()),

@@ -2,7 +2,7 @@
 
 use std::fmt::{Display, Formatter, LowerExp, Result};
 
-/// 17 significant digits, which tell every `f64` from every other. Zero is written as short as it is.
+/// Writes 17 significant digits, which tell every `f64` from every other. Zero is written as short as it is.
 pub(super) fn exact(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
@@ -18,7 +18,7 @@ pub(super) fn exact(value: f64) -> String {
     }
 }
 
-/// As few digits as tell a number from every other of its type.
+/// A number in as few digits as tell it from every other of its type.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shortest<T>(pub(super) T);
 

@@ -1,4 +1,4 @@
-//! What one pixel sees.
+//! Explains the colour of a pixel.
 
 use anyhow::{Context, ensure};
 use serde_json::{Value, json};
@@ -17,18 +17,18 @@ use super::names::Places;
 use super::numbers::{Shortest, exact};
 use super::tree::Node;
 
-/// Generations that are drawn inside each other; the next ones start at the margin again.
+/// The generations that are drawn inside each other; the next ones start at the margin again.
 const NESTED: usize = 6;
 
-/// Which pixel, of which scene, when.
+/// The pixel, the scene and the moment in question.
 pub(super) struct At<'a> {
     pub(super) file: &'a str,
     pub(super) sources: &'a Sources,
-    /// Column and row.
+    /// The column and the row.
     pub(super) pixel: (u32, u32),
-    /// Which of the pixel's samples.
+    /// The index of the sample.
     pub(super) sample: u32,
-    /// How many it has.
+    /// The number of the pixel's samples.
     pub(super) samples: u32,
     /// `None` for a moment that is no frame.
     pub(super) frame: Option<u32>,
@@ -74,7 +74,7 @@ fn ensure_sample(sample: u32, samples: u32) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// All entities that a ray, or a shadow ray from where it ends, meets.
+/// Returns all entities that a ray, or a shadow ray from where it ends, meets.
 fn met(probe: &Probe<'_>, traced: &TracedRay) -> Vec<Entity> {
     let RayEnd::Surface(lit) = &traced.end else { return Vec::new() };
     let hiding = lit.lights.iter().filter_map(|reach| match reach {
@@ -85,7 +85,7 @@ fn met(probe: &Probe<'_>, traced: &TracedRay) -> Vec<Entity> {
     slots.map(|slot| probe.entity(slot)).collect()
 }
 
-/// What is told.
+/// The contents of an explanation.
 struct Seen<'a> {
     at: &'a At<'a>,
     engine: &'a Engine,
@@ -98,7 +98,7 @@ impl Seen<'_> {
         self.engine.film_settings().transfer.encode(self.probe.color())
     }
 
-    /// Where the camera that films the moment starts.
+    /// Returns the line in which the camera that films the moment starts.
     fn camera(&self) -> SourceLine<'_> {
         let world = self.engine.world();
         let name = filming(world, self.at.time).and_then(|filming| world.get::<&Name>(filming.camera).ok());
@@ -132,7 +132,7 @@ impl Seen<'_> {
         text
     }
 
-    /// The tree of rays. What is too far to the right is a tree of its own.
+    /// Returns the tree of rays. Parts too far to the right become trees of their own.
     fn roots(&self) -> Vec<Node> {
         let rays = &self.probe.tree.rays;
         let mut generations: Vec<usize> = Vec::with_capacity(rays.len());
@@ -205,7 +205,7 @@ impl Seen<'_> {
         Node { title: format!("{name} {found}"), facts, children }
     }
 
-    /// Everything that makes up the light from a surface.
+    /// Lists everything that makes up the light from a surface.
     fn contributions(&self, lit: &LitSurface) -> Vec<Node> {
         let lights =
             self.probe.lights().iter().zip(&lit.lights).enumerate().map(|(index, (entity, reach))| {
@@ -325,7 +325,7 @@ fn rays(count: u64) -> String {
     if count == 1 { "1 ray".to_owned() } else { format!("{count} rays") }
 }
 
-/// Signs and points of ordinary numbers stand in columns, and there is always a space after them.
+/// Pads a number so that signs and points stand in columns, with a space after it.
 fn column_of(number: &str) -> String {
     let sign = if number.starts_with('-') { "" } else { " " };
     format!("{:<22}", format!("{sign}{number} "))

@@ -1,4 +1,4 @@
-//! What rays of one's own meet: a line for every line, in batches, so that any number of rays streams through.
+//! Answers given rays: a line for every line, in batches, so that any number of rays streams through.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -14,9 +14,9 @@ use super::names::label;
 use super::numbers::Shortest;
 use super::read::RayReader;
 
-/// Rays that are cast together.
+/// The number of rays that are cast together.
 const BATCH: usize = 8192;
-/// Answers that one thread writes at a time.
+/// The number of answers that a thread writes at a time.
 const CHUNK: usize = 1024;
 
 const HEADER: &str = "hit,entity,t,px,py,pz,nx,ny,nz\n";
@@ -45,7 +45,8 @@ pub(super) fn run(path: &Path, engine: &Engine, json: bool) -> Result<(), Failur
     }
 }
 
-/// The nine columns of the header; of a ray that meets nothing, only the first is filled, and `t` is not where no `f64` holds it.
+/// Writes the nine columns of the header. Only the first is filled for a ray that meets nothing; `t` is left out where no `f64`
+/// holds it.
 fn csv_lines(world: &World, hits: &[Option<Hit>]) -> anyhow::Result<Vec<u8>> {
     let mut lines = Vec::new();
     let mut writer = csv::Writer::from_writer(&mut lines);
@@ -72,7 +73,7 @@ fn csv_lines(world: &World, hits: &[Option<Hit>]) -> anyhow::Result<Vec<u8>> {
     Ok(lines)
 }
 
-/// An object a line.
+/// Writes one JSON object a line.
 fn json_lines(world: &World, hits: &[Option<Hit>]) -> anyhow::Result<Vec<u8>> {
     let mut lines = Vec::new();
     for hit in hits {

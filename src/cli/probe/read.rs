@@ -1,4 +1,4 @@
-//! Rays as people and programs write them: lines of six numbers.
+//! Reads rays as people and programs write them: lines of six numbers.
 
 use std::io::{BufRead, BufReader, Read, stdin};
 use std::path::Path;
@@ -11,22 +11,22 @@ use rayreel::scene::input::{self, InputError, Offered};
 /// The names of the six numbers. A first line of just these is no ray.
 const HEADER: &str = "ox,oy,oz,dx,dy,dz";
 
-/// Far more than six numbers with all their digits need: whatever is read, memory is bounded.
+/// The most bytes of a line, which bound memory: far more than six numbers with all their digits need.
 const LONGEST_LINE: u64 = 1 << 16;
 
 /// Reads rays line after line.
 pub(super) struct RayReader {
     source: Box<dyn BufRead>,
-    /// As messages call it.
+    /// The name in messages.
     name: String,
     line: Vec<u8>,
-    /// Lines read so far.
+    /// The number of lines read so far.
     count: u64,
-    /// Is a header still to be expected?
+    /// Whether there may still be a header.
     at_start: bool,
 }
 
-/// What is wrong with a line, and in which column, from 1, if it is one place.
+/// A mistake in a line, with its column, from 1, if it is in one place.
 #[derive(Debug, PartialEq)]
 struct Mistake {
     column: Option<usize>,
@@ -34,7 +34,7 @@ struct Mistake {
 }
 
 impl RayReader {
-    /// `-` is standard input.
+    /// Opens a file, or standard input if the path is `-`.
     pub(super) fn open(path: &Path) -> anyhow::Result<Self> {
         if path.as_os_str() == "-" {
             return Ok(Self::new("standard input".to_owned(), stdin().lock()));
@@ -72,7 +72,7 @@ impl RayReader {
         Ok(())
     }
 
-    /// The next line that is not blank; `false` at the end.
+    /// Reads the next line that is not blank; returns `false` at the end.
     fn read_line(&mut self) -> anyhow::Result<bool> {
         loop {
             self.line.clear();

@@ -4,25 +4,25 @@
 #[derive(Clone, Debug, Default)]
 pub(super) struct Node {
     pub(super) title: String,
-    /// What it is, and its value.
+    /// The names and the values of facts.
     pub(super) facts: Vec<(&'static str, String)>,
     pub(super) children: Vec<Node>,
 }
 
 impl Node {
-    /// A node that is only a line.
+    /// Creates a node that is only a line.
     pub(super) fn leaf(title: String) -> Self {
         Self { title, ..Self::default() }
     }
 
-    /// The tree, line by line.
+    /// Draws the tree, line by line.
     pub(super) fn draw(&self) -> String {
         let mut drawn = String::new();
         self.draw_into(&mut drawn, "");
         drawn
     }
 
-    /// `prefix` stands before every line but the first, which goes on from where the text ends.
+    /// Draws the tree below `prefix`, which stands before every line but the first, as that continues the text.
     fn draw_into(&self, drawn: &mut String, prefix: &str) {
         drawn.push_str(self.title.trim_end());
         drawn.push('\n');

@@ -4,12 +4,12 @@
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Steps {
     size: f64,
-    /// Digits after the point that tell them apart.
+    /// The digits after the point that tell them apart.
     decimals: usize,
 }
 
 impl Steps {
-    /// Such that at most `most` of them make up a length; of 1 for lengths that are not above 0.
+    /// Creates steps of which at most `most` make up a length; of 1 for lengths that are not above 0.
     pub(super) fn over(length: f64, most: f64) -> Self {
         let least = length / most;
         if !(least > 0.0 && least.is_finite()) {
@@ -29,9 +29,9 @@ impl Steps {
         self.size
     }
 
-    /// The multiples from one number to another, with what is written beside them.
+    /// Returns the multiples from one number to another, with their labels.
     pub(super) fn within(self, from: f64, to: f64) -> impl Iterator<Item = (f64, String)> {
-        /// No axis has more.
+        /// The most multiples on an axis.
         const MOST: usize = 100;
         let first = (from / self.size - 1e-9).ceil();
         let multiples = (0..MOST).map(move |index| (first + index as f64) * self.size);

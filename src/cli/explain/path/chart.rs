@@ -31,7 +31,7 @@ pub(super) fn draw(svg: &mut Svg, rates: &Rates, frame: Frame, title: &str) {
     svg.lines("value", &shots);
 }
 
-/// Without places that are hardly apart from the one before, but with the last.
+/// Leaves out points that are hardly apart from the one before, but keeps the last.
 pub(super) fn thinned(places: impl Iterator<Item = Place>) -> Vec<Place> {
     const APART: f64 = 0.4;
     let mut kept: Vec<Place> = Vec::new();

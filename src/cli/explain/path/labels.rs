@@ -1,18 +1,18 @@
-//! Texts beside places, none on another nor on the lines that matter.
+//! Texts beside points, clear of each other and of the lines that matter.
 
 use super::svg::{Anchor, Frame, Place, Svg};
 
-/// Where there is room.
+/// The free and the taken parts of a frame.
 pub(super) struct Labels {
     within: Frame,
-    /// Places on lines.
+    /// Points on lines.
     lines: Vec<Place>,
-    /// Texts, and the places that they are about.
+    /// The texts, and below the points that they are about.
     taken: Vec<Frame>,
     places: Vec<Place>,
 }
 
-/// Of a text, in pixels: its height, and the width of a character.
+/// The height of a text, and the width of a character, in pixels.
 const HEIGHT: f64 = 12.0;
 const CHARACTER: f64 = 6.4;
 
@@ -42,7 +42,7 @@ impl Labels {
         heading: Option<Place>,
         text: &str,
     ) -> bool {
-        /// Places nearer than this are the same.
+        /// The distance within which points are the same.
         const SAME: f64 = 6.0;
         let same = |[x, y]: &Place| (place[0] - x).abs().max((place[1] - y).abs()) < SAME;
         if self.places.iter().any(same) {
@@ -65,7 +65,7 @@ impl Labels {
     }
 }
 
-/// Directions to try: across the way, and then all around.
+/// Returns the directions to try: across the path, and then all around.
 fn sides(heading: Option<Place>) -> Vec<Place> {
     const DIAGONAL: f64 = std::f64::consts::FRAC_1_SQRT_2;
     let [right, down] = heading.unwrap_or([0.0, 1.0]);
@@ -77,7 +77,7 @@ fn sides(heading: Option<Place>) -> Vec<Place> {
     sides
 }
 
-/// The frame of a text that is as wide, on this side of a place and so far away.
+/// Returns the frame of a text of the given width, in a direction from a point and at a distance from it.
 fn around([x, y]: Place, [right, down]: Place, width: f64, distance: f64) -> Frame {
     let middle = [x + right * (distance + 0.5 * width), y + down * (distance + 0.5 * HEIGHT)];
     Frame { left: middle[0] - 0.5 * width, top: middle[1] - 0.5 * HEIGHT, width, height: HEIGHT }

@@ -26,7 +26,7 @@ use super::super::print;
 use sample::Journey;
 use svg::{Anchor, Frame, Svg};
 
-/// Draws the camera's path over these frames into a file, and tells its length and speed.
+/// Draws the camera's path over these frames into a file, and prints its length and speed.
 pub(super) fn draw(
     engine: &mut Engine,
     frames: &FrameList,
@@ -54,7 +54,7 @@ fn ensure_not_the_scene(file: &Path, scene: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Whole or not at all; but what is there and is no file, as a pipe or a link, is kept and written to.
+/// Writes the file whole or not at all; but what is there and is no regular file, as a pipe or a link, is kept and written to.
 fn write(file: &Path, drawing: &str) -> anyhow::Result<()> {
     if fs::symlink_metadata(file).is_ok_and(|there| !there.is_file()) {
         fs::write(file, drawing).with_context(|| format!("cannot write `{}`", file.display()))
@@ -64,7 +64,7 @@ fn write(file: &Path, drawing: &str) -> anyhow::Result<()> {
     }
 }
 
-/// Two square views and two charts below them.
+/// Draws two square views and two charts below them.
 fn drawing(journey: &Journey, name: &str) -> String {
     let mut svg = Svg::new((960.0, 860.0), &format!("The camera's path in {name}"));
     svg.text("title", [20.0, 28.0], Anchor::Start, name);

@@ -1,4 +1,4 @@
-//! Where the camera is, frame by frame.
+//! Samples the camera, frame by frame.
 
 use glam::DVec3;
 
@@ -14,9 +14,9 @@ use super::things::Thing;
 pub(super) struct Journey {
     /// In the order of time; not empty, unless no frame was chosen.
     pub(super) moments: Vec<Moment>,
-    /// How many frames were chosen, if there are too many for each to be a moment.
+    /// The number of chosen frames, if there are too many for each to be sampled.
     pub(super) spread_over: Option<usize>,
-    /// What stands around, as it is in the first of them.
+    /// The things around, as they are in the first of them.
     pub(super) things: Vec<Thing>,
 }
 
@@ -29,15 +29,15 @@ pub(super) struct Moment {
     pub(super) axes: [DVec3; 3],
     /// The point that it looks at, if it looks at one.
     pub(super) target: Option<DVec3>,
-    /// Which camera it is.
+    /// The camera's name.
     pub(super) camera: Option<String>,
 }
 
 impl Journey {
-    /// More moments than a drawing can show.
+    /// The most samples; a drawing cannot show more.
     const MOST: u32 = 4000;
 
-    /// The way over these frames; over [`Journey::MOST`] of them, spread evenly, where there are more.
+    /// Samples the camera over these frames; over [`Journey::MOST`] of them, spread evenly, where there are more.
     pub(super) fn of(engine: &mut Engine, frames: &FrameList) -> Result<Self, EngineError> {
         let chosen = frames.count();
         let frames = frames.spread(Self::MOST);
@@ -56,12 +56,12 @@ impl Journey {
         Ok(Self { moments, spread_over, things })
     }
 
-    /// Runs of frames between which there is no cut.
+    /// Returns the shots: runs of frames between which there is no cut.
     pub(super) fn shots(&self) -> impl Iterator<Item = &[Moment]> {
         self.moments.chunk_by(|one, next| one.camera == next.camera)
     }
 
-    /// The frames of a shot beside which their seconds are written: the first at or after each of a few round ones.
+    /// Returns the frames of a shot that are labelled with their seconds: the first at or after each of a few round ones.
     pub(super) fn told(&self, shot: &[Moment]) -> impl Iterator<Item = usize> {
         let (from, to) = self.span();
         let size = Steps::over(to - from, 12.0).size();
@@ -74,18 +74,18 @@ impl Journey {
         (0..shot.len()).filter(is_round).collect::<Vec<_>>().into_iter()
     }
 
-    /// The first and the last second.
+    /// Returns the first and the last second.
     fn span(&self) -> (f64, f64) {
         let seconds = |moment: &Moment| moment.seconds;
         (self.moments.first().map_or(0.0, seconds), self.moments.last().map_or(0.0, seconds))
     }
 
-    /// Scene units per second, from frame to frame.
+    /// Returns the speeds in scene units per second, from frame to frame.
     pub(super) fn speeds(&self) -> Rates {
         self.rates(|one, next| one.eye.distance(next.eye))
     }
 
-    /// Degrees per second, from frame to frame, about whatever axis.
+    /// Returns the rates of turning in degrees per second, from frame to frame, about whatever axis.
     pub(super) fn turn_rates(&self) -> Rates {
         self.rates(|one, next| one.turned_to(next).to_degrees())
     }
@@ -101,12 +101,12 @@ impl Journey {
         }
     }
 
-    /// Is the eye always where it was first in its shot?
+    /// Returns whether the eye stands still throughout every shot.
     pub(super) fn is_still(&self) -> bool {
         self.shots().all(|shot| shot.iter().all(|moment| moment.eye == shot[0].eye))
     }
 
-    /// One line.
+    /// Describes the path in one line.
     pub(super) fn in_words(&self) -> String {
         let count = match (self.moments.len(), self.spread_over) {
             (count, Some(chosen)) => format!("{count} of {chosen} frames"),
@@ -148,7 +148,7 @@ impl Moment {
         finite.then_some(Self { seconds: time.seconds(), eye, axes, target, camera: filming.and_then(name) })
     }
 
-    /// Its second, and the camera's name if wanted.
+    /// Writes its second, and the camera's name if wanted.
     pub(super) fn in_words(&self, named: bool) -> String {
         let seconds = format!("{:.3}", self.seconds);
         let seconds = seconds.trim_end_matches('0').trim_end_matches('.');
@@ -158,8 +158,8 @@ impl Moment {
         }
     }
 
-    /// The angle of the one rotation that leads from here to there, radians: the sum of squares by which the axes differ is
-    /// 8 sin^2(angle / 2).
+    /// Returns the angle, in radians, of the one rotation that leads from here to there: the sum of squares by which the axes
+    /// differ is 8 sin^2(angle / 2).
     fn turned_to(&self, next: &Self) -> f64 {
         let squares: f64 =
             self.axes.iter().zip(next.axes).map(|(one, next)| one.distance_squared(next)).sum();
@@ -167,23 +167,23 @@ impl Moment {
     }
 }
 
-/// Something per second over time, shot by shot.
+/// A rate per second over time, shot by shot.
 pub(super) struct Rates {
-    /// First and last second.
+    /// The first and the last second.
     pub(super) span: (f64, f64),
-    /// Second and rate.
+    /// The seconds and the rates.
     pub(super) shots: Vec<Vec<(f64, f64)>>,
 }
 
 impl Rates {
-    /// The least and the most; 0 where there are none.
+    /// Returns the least and the greatest rate; 0 where there are none.
     pub(super) fn range(&self) -> (f64, f64) {
         let rates = || self.shots.iter().flatten().map(|(_, rate)| *rate);
         (rates().reduce(f64::min).unwrap_or(0.0), rates().reduce(f64::max).unwrap_or(0.0))
     }
 }
 
-/// Three digits or so.
+/// Writes a number with about three digits.
 fn short(value: f64) -> String {
     match value.abs() {
         size if size >= 1e6 || size > 0.0 && size < 1e-3 => format!("{value:.2e}"),

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-/// A place on the drawing: pixels to the right and down.
+/// A point on the drawing: pixels to the right and down.
 pub(super) type Place = [f64; 2];
 
 /// A rectangle on the drawing.
@@ -46,7 +46,7 @@ impl Frame {
     }
 }
 
-/// On which side of its place a text is.
+/// The side of its point on which a text is.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Anchor {
     Start,
@@ -54,7 +54,7 @@ pub(super) enum Anchor {
     End,
 }
 
-/// A drawing on its way.
+/// A drawing in the making.
 pub(super) struct Svg {
     text: String,
     clips: usize,
@@ -95,7 +95,7 @@ impl Svg {
         self.text
     }
 
-    /// Lines from place to place, each list for itself.
+    /// Draws lines from point to point, each list for itself.
     pub(super) fn lines(&mut self, class: &str, lines: &[Vec<Place>]) {
         let mut path = String::new();
         for line in lines {
@@ -114,7 +114,7 @@ impl Svg {
         self.lines(class, &[vec![from, to]]);
     }
 
-    /// An ellipse whose first radius is turned by so many degrees.
+    /// Draws an ellipse whose first radius is turned by `degrees`.
     pub(super) fn ellipse(&mut self, class: &str, at: Place, radii: Place, degrees: f64) {
         let [x, y] = at.map(coordinate);
         let [rx, ry] = radii.map(coordinate);
@@ -152,7 +152,7 @@ impl Svg {
         self.lines(class, &[vec![[left, top], [right, top], [right, bottom], [left, bottom], [left, top]]]);
     }
 
-    /// What is drawn from here to [`Svg::unclip`] shows within a frame alone.
+    /// Clips what is drawn from here to [`Svg::unclip`] to a frame.
     pub(super) fn clip(&mut self, frame: Frame) {
         self.clips += 1;
         let (index, Frame { left, top, width, height }) = (self.clips, frame);
@@ -176,7 +176,7 @@ fn pair([x, y]: Place) -> String {
     format!("{} {} ", coordinate(x), coordinate(y))
 }
 
-/// A hundredth of a pixel is enough, and what is far outside may be anywhere there.
+/// Rounds to a hundredth of a pixel, and keeps far away points within bounds.
 fn coordinate(value: f64) -> f64 {
     const FAR: f64 = 1e5;
     if value.is_finite() { (value.clamp(-FAR, FAR) * 100.0).round() / 100.0 } else { 0.0 }

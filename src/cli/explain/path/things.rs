@@ -1,11 +1,11 @@
-//! What stands around the camera's path, as outlines.
+//! Outlines of the things around the camera's path.
 
 use glam::{DMat3, DVec3};
 
 use rayreel::Engine;
 use rayreel::components::{Order, Shape, WorldTransform};
 
-/// So many are drawn at most.
+/// The most things that are drawn.
 const MOST: usize = 400;
 
 /// An outline in space.
@@ -18,7 +18,7 @@ pub(super) enum Thing {
     Plane { point: DVec3, normal: DVec3 },
 }
 
-/// The first in the scene's order.
+/// Returns the first things in the scene's order.
 pub(super) fn all(engine: &Engine) -> Vec<Thing> {
     let mut query = engine.world().query::<(&Order, &Shape, &WorldTransform)>();
     let mut found: Vec<_> = query.iter().collect();
@@ -44,7 +44,7 @@ impl Thing {
         affine.is_finite().then_some(thing)
     }
 
-    /// Its middle and how far from there it reaches; planes have no end.
+    /// Returns its middle and its radius about that; planes have no end.
     pub(super) fn extent(&self) -> Option<(DVec3, f64)> {
         match self {
             Self::Ball { center, image } => Some((

@@ -1,4 +1,4 @@
-//! The way from above and from the side.
+//! The path from above and from the side.
 
 use glam::DVec3;
 
@@ -12,15 +12,15 @@ use super::things::Thing;
 /// Space seen along one of its axes.
 struct View {
     name: &'static str,
-    /// Which coordinate is to the right, upwards, and along the line of sight.
+    /// The indices of the coordinates to the right, upwards, and along the line of sight.
     axes: [usize; 3],
     frame: Frame,
-    /// What is in the frame's middle, and pixels per unit.
+    /// The point in the frame's middle, and below the pixels per unit.
     center: DVec3,
     scale: f64,
 }
 
-/// From above and from the side, to the same scale.
+/// Draws the path from above and from the side, to the same scale.
 pub(super) fn draw(svg: &mut Svg, journey: &Journey, [left, right]: [Frame; 2]) {
     /// The share of a frame that is left free at each side.
     const MARGIN: f64 = 0.08;
@@ -40,7 +40,7 @@ pub(super) fn draw(svg: &mut Svg, journey: &Journey, [left, right]: [Frame; 2]) 
     legend(svg, [left.left, left.bottom() + 46.0], stride, journey);
 }
 
-/// What the frames hold: the way, what is looked at, and what stands near.
+/// Returns the bounds of the path, of its targets, and of the things near them.
 fn bounds(journey: &Journey) -> (DVec3, DVec3) {
     let seen = journey.moments.iter().flat_map(|moment| [Some(moment.eye), moment.target]).flatten();
     let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -68,12 +68,12 @@ impl View {
         [x + right * self.scale, y - up * self.scale]
     }
 
-    /// The parts to the right and upwards.
+    /// Returns the parts of a vector to the right and upwards.
     fn across(&self, vector: DVec3) -> [f64; 2] {
         [vector[self.axes[0]], vector[self.axes[1]]]
     }
 
-    /// Every how many frames a tick is: not nearer to each other than 4 pixels on average, and at most 240.
+    /// Returns the number of frames from tick to tick: ticks are at least 4 pixels apart on average, and at most 240.
     fn tick_stride(&self, journey: &Journey) -> usize {
         const NEAREST: f64 = 4.0;
         const MOST: f64 = 240.0;
@@ -117,7 +117,7 @@ impl View {
         svg.text("note", [left, top - 8.0], Anchor::Start, self.name);
     }
 
-    /// An outline, if it is in the frame and not so large that it would only be a line there.
+    /// Draws an outline, if it is in the frame and not so large that it would only be a line there.
     fn thing(&self, svg: &mut Svg, thing: &Thing) {
         if let Some((middle, radius)) = thing.extent() {
             let ([x, y], reach) = (self.place(middle), radius * self.scale);
@@ -147,7 +147,7 @@ impl View {
         }
     }
 
-    /// A plane that is seen edge-on is a line.
+    /// Draws a plane that is seen edge-on, as a line.
     fn plane(&self, svg: &mut Svg, point: DVec3, normal: DVec3) {
         if normal[self.axes[2]].abs() > 1e-6 {
             return;
@@ -177,15 +177,15 @@ impl View {
         svg.lines("ticks", &ticks);
     }
 
-    /// Across the way.
+    /// Returns a tick across the path.
     fn tick(&self, shot: &[Moment], index: usize) -> Option<Vec<Place>> {
         const HALF: f64 = 3.0;
         let ([x, y], [right, down]) = (self.place(shot[index].eye), self.heading(shot, index)?);
         Some(vec![[x - HALF * down, y + HALF * right], [x + HALF * down, y - HALF * right]])
     }
 
-    /// Where the way goes in this view, as a unit vector on the page: from the frame before to the one after or, where it
-    /// turns straight back there, from the frame itself.
+    /// Returns the direction of the path in this view, as a unit vector on the page: from the frame before to the one after or,
+    /// where it turns straight back there, from the frame itself.
     fn heading(&self, shot: &[Moment], index: usize) -> Option<Place> {
         let here = &shot[index];
         let [before, after] =
@@ -200,7 +200,7 @@ impl View {
         thinned(shot.iter().map(|moment| self.place(moment.eye)))
     }
 
-    /// Short strokes from the eye along the view.
+    /// Returns short strokes from the eye along the view.
     fn glances(&self, shot: &[Moment]) -> Vec<Vec<Place>> {
         const LENGTH: f64 = 24.0;
         const MOST: usize = 32;
@@ -211,7 +211,7 @@ impl View {
         shot.iter().step_by(shot.len().div_ceil(MOST).max(1)).map(stroke).collect()
     }
 
-    /// The cameras' names, where there are several, and seconds.
+    /// Labels the path with seconds and, where there are several cameras, their names.
     fn labels(&self, svg: &mut Svg, journey: &Journey) {
         let mut labels = Labels::within(self.frame);
         for shot in journey.shots() {
@@ -238,7 +238,7 @@ fn apart(one: Place, other: Place) -> f64 {
     libm::hypot(other[0] - one[0], other[1] - one[1])
 }
 
-/// What the lines mean.
+/// Draws the legend of the lines.
 fn legend(svg: &mut Svg, [mut x, y]: Place, stride: usize, journey: &Journey) {
     let drawn = if journey.spread_over.is_some() { " drawn" } else { "" };
     let eye = match stride {
