@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::mailbox::Detail;
 use crate::engine::{EngineError, FrameReport};
-use crate::scene::{LoadError, Place, ScriptMistake};
+use crate::scene::{LoadError, ScriptMistake, SourcePosition};
 use crate::systems::{Effect, Plan};
 
 /// The current state of a session.
@@ -134,7 +134,7 @@ fn place_of(mistake: &ScriptMistake) -> Option<String> {
     Some(located(&source.file, mistake.place()))
 }
 
-fn located(file: &str, place: Option<Place>) -> String {
+fn located(file: &str, place: Option<SourcePosition>) -> String {
     place.map_or_else(|| file.to_owned(), |place| format!("{file}:{place}"))
 }
 

@@ -14,11 +14,12 @@ use crate::script::Data;
 /// Reads the entity that a map describes. A second line of an error's message is the remedy.
 pub(super) fn entity(data: Data) -> Result<EntityDocument, String> {
     let placed = placed(data).map_err(|mistake| mistake.to_string())?;
-    serde::Deserialize::deserialize(Reader(placed)).map_err(|mistake: Mistake| mistake.to_string())
+    serde::Deserialize::deserialize(DataDeserializer(placed))
+        .map_err(|mistake: DataError| mistake.to_string())
 }
 
 /// Puts `translation`, `rotation` and `scale` into the transform: they may stand beside it in a program.
-fn placed(data: Data) -> Result<Data, Mistake> {
+fn placed(data: Data) -> Result<Data, DataError> {
     let Data::Map(fields) = data else { return Ok(data) };
     let (parts, mut fields): (Vec<_>, Vec<_>) = fields
         .into_iter()
@@ -28,7 +29,7 @@ fn placed(data: Data) -> Result<Data, Mistake> {
     }
     if fields.iter().any(|(name, _)| name == "transform") {
         let message = format!("both `transform` and `{}`\nkeep one of the two", parts[0].0);
-        return Err(Mistake::custom(message));
+        return Err(DataError::custom(message));
     }
     fields.push(("transform".to_owned(), Data::Map(parts)));
     Ok(Data::Map(fields))
@@ -36,13 +37,13 @@ fn placed(data: Data) -> Result<Data, Mistake> {
 
 /// A mistake, with the fields that lead to its place.
 #[derive(Debug)]
-struct Mistake {
+struct DataError {
     path: Vec<String>,
     message: String,
     help: Option<String>,
 }
 
-impl Mistake {
+impl DataError {
     fn within(mut self, field: &str) -> Self {
         self.path.insert(0, field.to_owned());
         self
@@ -53,7 +54,7 @@ impl Mistake {
     }
 }
 
-impl std::fmt::Display for Mistake {
+impl std::fmt::Display for DataError {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if !self.path.is_empty() {
             write!(formatter, "`{}`: ", self.path.join("."))?;
@@ -63,9 +64,9 @@ impl std::fmt::Display for Mistake {
     }
 }
 
-impl std::error::Error for Mistake {}
+impl std::error::Error for DataError {}
 
-impl Error for Mistake {
+impl Error for DataError {
     fn custom<T: std::fmt::Display>(message: T) -> Self {
         let message = message.to_string();
         match message.split_once('\n') {
@@ -136,12 +137,12 @@ fn in_words(expected: &dyn Expected) -> String {
     }
 }
 
-struct Reader(Data);
+struct DataDeserializer(Data);
 
-impl<'de> Deserializer<'de> for Reader {
-    type Error = Mistake;
+impl<'de> Deserializer<'de> for DataDeserializer {
+    type Error = DataError;
 
-    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Mistake> {
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, DataError> {
         match self.0 {
             Data::Nothing => visitor.visit_unit(),
             Data::Flag(flag) => visitor.visit_bool(flag),
@@ -149,12 +150,12 @@ impl<'de> Deserializer<'de> for Reader {
             Data::Whole(whole) => visitor.visit_i64(whole),
             Data::Text(text) => visitor.visit_string(text),
             Data::List(list) => read_list(list, visitor),
-            Data::Map(map) => visitor.visit_map(Entries { rest: map.into_iter(), value: None }),
-            Data::Other(what) => Err(Mistake::custom(format!("{what} has no meaning here"))),
+            Data::Map(map) => visitor.visit_map(Fields { rest: map.into_iter(), value: None }),
+            Data::Other(what) => Err(DataError::custom(format!("{what} has no meaning here"))),
         }
     }
 
-    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Mistake> {
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, DataError> {
         match self.0 {
             Data::Nothing => visitor.visit_none(),
             _ => visitor.visit_some(self),
@@ -162,7 +163,7 @@ impl<'de> Deserializer<'de> for Reader {
     }
 
     /// Accepts a whole number that the language holds as a float, as the result of a division.
-    fn deserialize_u64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Mistake> {
+    fn deserialize_u64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, DataError> {
         const LARGEST: f64 = 9_007_199_254_740_992.0;
         match self.0 {
             #[expect(
@@ -181,7 +182,7 @@ impl<'de> Deserializer<'de> for Reader {
         self,
         _: &'static str,
         visitor: V,
-    ) -> Result<V::Value, Mistake> {
+    ) -> Result<V::Value, DataError> {
         visitor.visit_newtype_struct(self)
     }
 
@@ -190,7 +191,7 @@ impl<'de> Deserializer<'de> for Reader {
         name: &'static str,
         variants: &'static [&'static str],
         visitor: V,
-    ) -> Result<V::Value, Mistake> {
+    ) -> Result<V::Value, DataError> {
         let (variant, content) = match self.0 {
             Data::Text(variant) => (variant, Data::Nothing),
             Data::Map(map) if map.len() == 1 => {
@@ -209,13 +210,13 @@ impl<'de> Deserializer<'de> for Reader {
                     _ => "a shape, as sphere(1)",
                 };
                 let message = format!("expected {example}, found {}", other.description());
-                return Err(Mistake::custom(message));
+                return Err(DataError::custom(message));
             }
         };
         if !variants.contains(&variant.as_str()) {
-            return Err(Mistake::unknown_variant(&variant, variants));
+            return Err(DataError::unknown_variant(&variant, variants));
         }
-        visitor.visit_enum(Variant { variant, content })
+        visitor.visit_enum(Choice { variant, content })
     }
 
     forward_to_deserialize_any! {
@@ -225,86 +226,86 @@ impl<'de> Deserializer<'de> for Reader {
 }
 
 /// Reads a list, all of whose values must be read.
-fn read_list<'de, V: Visitor<'de>>(list: Vec<Data>, visitor: V) -> Result<V::Value, Mistake> {
+fn read_list<'de, V: Visitor<'de>>(list: Vec<Data>, visitor: V) -> Result<V::Value, DataError> {
     let length = list.len();
     let mut values = Values(list.into_iter());
     // What was expected is only told before it is read.
     let expected = (&visitor as &dyn Expected).to_string();
     let value = visitor.visit_seq(&mut values)?;
-    if values.0.len() == 0 { Ok(value) } else { Err(Mistake::invalid_length(length, &expected.as_str())) }
+    if values.0.len() == 0 { Ok(value) } else { Err(DataError::invalid_length(length, &expected.as_str())) }
 }
 
 struct Values(std::vec::IntoIter<Data>);
 
 impl<'de> SeqAccess<'de> for &mut Values {
-    type Error = Mistake;
+    type Error = DataError;
 
-    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Mistake> {
-        self.0.next().map(|value| seed.deserialize(Reader(value))).transpose()
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, DataError> {
+        self.0.next().map(|value| seed.deserialize(DataDeserializer(value))).transpose()
     }
 }
 
-struct Entries {
+struct Fields {
     rest: std::vec::IntoIter<(String, Data)>,
     value: Option<(String, Data)>,
 }
 
-impl<'de> MapAccess<'de> for Entries {
-    type Error = Mistake;
+impl<'de> MapAccess<'de> for Fields {
+    type Error = DataError;
 
-    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Mistake> {
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, DataError> {
         let Some((name, value)) = self.rest.next() else { return Ok(None) };
         let key = seed.deserialize(name.as_str().into_deserializer());
         self.value = Some((name, value));
         key.map(Some)
     }
 
-    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Mistake> {
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, DataError> {
         let (name, value) = self.value.take().unwrap_or_else(|| (String::new(), Data::Nothing));
-        seed.deserialize(Reader(value)).map_err(|mistake| mistake.within(&name))
+        seed.deserialize(DataDeserializer(value)).map_err(|mistake| mistake.within(&name))
     }
 }
 
-struct Variant {
+struct Choice {
     variant: String,
     content: Data,
 }
 
-impl<'de> EnumAccess<'de> for Variant {
-    type Error = Mistake;
-    type Variant = Content;
+impl<'de> EnumAccess<'de> for Choice {
+    type Error = DataError;
+    type Variant = ChoiceContent;
 
-    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> Result<(V::Value, Content), Mistake> {
-        Ok((seed.deserialize(self.variant.into_deserializer())?, Content(self.content)))
+    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> Result<(V::Value, ChoiceContent), DataError> {
+        Ok((seed.deserialize(self.variant.into_deserializer())?, ChoiceContent(self.content)))
     }
 }
 
-struct Content(Data);
+struct ChoiceContent(Data);
 
-impl<'de> VariantAccess<'de> for Content {
-    type Error = Mistake;
+impl<'de> VariantAccess<'de> for ChoiceContent {
+    type Error = DataError;
 
-    fn unit_variant(self) -> Result<(), Mistake> {
+    fn unit_variant(self) -> Result<(), DataError> {
         Ok(())
     }
 
-    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, Mistake> {
-        seed.deserialize(Reader(self.0))
+    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, DataError> {
+        seed.deserialize(DataDeserializer(self.0))
     }
 
-    fn tuple_variant<V: Visitor<'de>>(self, _: usize, visitor: V) -> Result<V::Value, Mistake> {
-        Reader(self.0).deserialize_any(visitor)
+    fn tuple_variant<V: Visitor<'de>>(self, _: usize, visitor: V) -> Result<V::Value, DataError> {
+        DataDeserializer(self.0).deserialize_any(visitor)
     }
 
     fn struct_variant<V: Visitor<'de>>(
         self,
         _: &'static [&'static str],
         visitor: V,
-    ) -> Result<V::Value, Mistake> {
+    ) -> Result<V::Value, DataError> {
         let fields = match self.0 {
             Data::Nothing => Data::Map(Vec::new()),
             fields => fields,
         };
-        Reader(fields).deserialize_any(visitor)
+        DataDeserializer(fields).deserialize_any(visitor)
     }
 }

@@ -35,14 +35,14 @@ pub struct Source {
 
 /// A position in a text, as editors count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct SourcePosition {
     /// The line, from 1.
     pub line: usize,
     /// The column in characters, from 1.
     pub column: usize,
 }
 
-impl Place {
+impl SourcePosition {
     /// Returns the position of a byte.
     #[must_use]
     pub fn of(text: &str, byte: usize) -> Self {
@@ -84,7 +84,7 @@ impl Diagnostic {
         let mut group = Group::with_title(Level::ERROR.primary_title(printable(&self.message)));
         match &self.span {
             Some(span) => {
-                let place = Place::of(text, span.start);
+                let place = SourcePosition::of(text, span.start);
                 let excerpt = Excerpt::around(text, span);
                 let annotation = AnnotationKind::Primary.span(excerpt.marked).label(label);
                 let snippet = Snippet::source(excerpt.line).line_start(place.line).annotation(annotation);
@@ -146,7 +146,7 @@ impl Excerpt {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for SourcePosition {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(formatter, "{}:{}", self.line, self.column)
     }

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::files::{Files, SceneFile};
-use super::spans::{Step, locate};
-use super::{Diagnostic, Place};
+use super::spans::{PathStep, locate};
+use super::{Diagnostic, SourcePosition};
 
 /// The reason why a scene could not be loaded. Displays as a compiler would, without colours.
 #[derive(Clone, Debug)]
@@ -41,7 +41,7 @@ pub struct Mistake<'a> {
     /// The file, as it was named or as it was included.
     pub file: &'a str,
     /// The position in the file; `None` where there is no text.
-    pub place: Option<Place>,
+    pub place: Option<SourcePosition>,
     /// The include that brought the file, the one that brought the file which that one is in, and so on. Empty for the
     /// scene's own file.
     pub included_from: &'a [Inclusion],
@@ -96,7 +96,7 @@ impl LoadError {
                     source.map_or((&file.name, &*file.text), |source| (&source.file, &source.text));
                 Mistake {
                     file: name,
-                    place: diagnostic.span.as_ref().map(|span| Place::of(text, span.start)),
+                    place: diagnostic.span.as_ref().map(|span| SourcePosition::of(text, span.start)),
                     included_from: &file.included_from,
                     diagnostic,
                 }
@@ -140,8 +140,8 @@ fn inclusions_of(file: &SceneFile, files: &[SceneFile], known: &[Vec<Inclusion>]
         return Vec::new();
     };
     let text = &files[including].text;
-    let span = &locate(text, &[vec![Step::Field("include"), Step::Index(index)]])[0];
-    let line = Place::of(text, span.start).line;
+    let span = &locate(text, &[vec![PathStep::Field("include"), PathStep::Index(index)]])[0];
+    let line = SourcePosition::of(text, span.start).line;
     let mut inclusions = vec![Inclusion { file: files[including].name.clone(), line }];
     inclusions.extend(known[including].iter().cloned());
     inclusions

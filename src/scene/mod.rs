@@ -39,7 +39,7 @@ mod spawn;
 mod suggest;
 mod validate;
 
-pub use diagnostic::{Diagnostic, Place, Source};
+pub use diagnostic::{Diagnostic, Source, SourcePosition};
 pub use error::{Inclusion, LoadError, Mistake};
 pub use load::{Scene, TEMPLATE};
 pub use printable::{Printable, is_printable};

@@ -9,12 +9,12 @@ use super::document::{
 use crate::animation::{Ease, Easing, Interpolate, Key, Playback, Repeat};
 
 /// A value as it is written, with handles given by offsets from it.
-pub(super) trait Written: Sized {
+pub(super) trait ValueDocument: Sized {
     /// Returns the value at an offset from this one. `None` for a kind of value without offsets.
     fn beside(&self, offset: OffsetDocument) -> Option<Self>;
 }
 
-impl Written for f64 {
+impl ValueDocument for f64 {
     fn beside(&self, offset: OffsetDocument) -> Option<Self> {
         match offset {
             OffsetDocument::Number(offset) => Some(self + offset),
@@ -23,7 +23,7 @@ impl Written for f64 {
     }
 }
 
-impl Written for Triple {
+impl ValueDocument for Triple {
     fn beside(&self, offset: OffsetDocument) -> Option<Self> {
         match offset {
             OffsetDocument::Triple([x, y, z]) => Some([self[0] + x, self[1] + y, self[2] + z]),
@@ -32,26 +32,26 @@ impl Written for Triple {
     }
 }
 
-impl Written for ColorDocument {
+impl ValueDocument for ColorDocument {
     fn beside(&self, offset: OffsetDocument) -> Option<Self> {
         self.0.beside(offset).map(Self)
     }
 }
 
-impl Written for ScaleDocument {
+impl ValueDocument for ScaleDocument {
     fn beside(&self, _: OffsetDocument) -> Option<Self> {
         None
     }
 }
 
-impl Written for RotationDocument {
+impl ValueDocument for RotationDocument {
     fn beside(&self, _: OffsetDocument) -> Option<Self> {
         None
     }
 }
 
 /// Converts keys; `value` converts their values.
-pub(super) fn keys<D: Written, T: Interpolate>(
+pub(super) fn keys<D: ValueDocument, T: Interpolate>(
     written: &[KeyDocument<D>],
     value: impl Fn(&D) -> T,
 ) -> Vec<Key<T>> {

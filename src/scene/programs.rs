@@ -14,14 +14,14 @@ use super::nearby::nearby;
 use super::script_sources::{SceneScripts, ScriptPlace};
 use super::spawn::transfer;
 use super::validate::{At, Problems};
-use crate::script::{Language, Programs, Room, ScriptError, limits, run_spawning};
+use crate::script::{Language, Programs, ScriptError, SpawnBudget, limits, run_spawning};
 
-/// Runs the programs that spawn. Their entities follow the document's own, and are taken from `room`.
+/// Runs the programs that spawn. Their entities follow the document's own, and are deducted from `budget`.
 pub(super) fn spawn(
     document: &mut SceneDocument,
     folder: &Path,
     seed: u64,
-    room: &mut Room,
+    budget: &mut SpawnBudget,
     paths: &mut Vec<PathBuf>,
     problems: &mut Problems,
 ) {
@@ -31,7 +31,7 @@ pub(super) fn spawn(
     for (index, program) in document.spawn.iter().enumerate() {
         let at = list.index(index);
         let Some(code) = Code::read(program, folder, paths, &at, problems) else { continue };
-        let (result, spawned) = run(&code.text, seed, room);
+        let (result, spawned) = run(&code.text, seed, budget);
         for (entity, place) in spawned {
             document.entities.push(Arc::new(entity));
             problems.spawned_at(index, code.source.as_ref(), place);
@@ -50,11 +50,11 @@ pub(super) struct Compiler {
 /// The programs of a scene, and the places where they are written.
 pub(super) struct Compiled {
     programs: Programs,
-    places: Vec<Written>,
+    places: Vec<ProgramOrigin>,
 }
 
 /// The place where a program is written.
-struct Written {
+struct ProgramOrigin {
     file: usize,
     /// The index of the animation in its list.
     animation: usize,
@@ -92,7 +92,7 @@ impl Compiler {
                 Ok(program) => {
                     animation.script = Some(programs.list.len());
                     programs.list.push(program);
-                    places.push(Written { file, animation: index, source: code.source });
+                    places.push(ProgramOrigin { file, animation: index, source: code.source });
                 }
                 Err(error) => problems.add_script(&at, code.source, &error),
             }
@@ -128,13 +128,13 @@ impl Compiled {
     }
 }
 
-type Spawned = Vec<(EntityDocument, usize)>;
+type SpawnedEntities = Vec<(EntityDocument, usize)>;
 
 /// Runs a program that spawns; returns all entities up to its end or its error.
-fn run(text: &str, seed: u64, room: &mut Room) -> (Result<(), ScriptError>, Spawned) {
-    let list = Arc::new(Mutex::new(Spawned::new()));
+fn run(text: &str, seed: u64, budget: &mut SpawnBudget) -> (Result<(), ScriptError>, SpawnedEntities) {
+    let list = Arc::new(Mutex::new(SpawnedEntities::new()));
     let into = Arc::clone(&list);
-    let result = run_spawning(text, seed, room, move |spawned| {
+    let result = run_spawning(text, seed, budget, move |spawned| {
         let entity = data::entity(spawned.entity)?;
         into.lock().unwrap_or_else(PoisonError::into_inner).push((entity, spawned.at));
         Ok(())

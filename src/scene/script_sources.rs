@@ -3,9 +3,9 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::spans::{Step, inside_text, locate};
+use super::spans::{PathStep, inside_text, locate};
 use super::validate::help_for;
-use super::{Diagnostic, Place, Source};
+use super::{Diagnostic, Source, SourcePosition};
 use crate::components::ScriptId;
 use crate::script::{Programs, ScriptError};
 
@@ -61,8 +61,12 @@ impl ScriptSources {
         let (message, label) = (format!("{about}: {}", error.message), error.label.clone());
         let (span, source) = match self.places.get(script.0) {
             Some(ScriptPlace { source, animation: Some(animation) }) => {
-                let path =
-                    [Step::Field("animate"), Step::Index(*animation), Step::Field("track"), Step::Index(0)];
+                let path = [
+                    PathStep::Field("animate"),
+                    PathStep::Index(*animation),
+                    PathStep::Field("track"),
+                    PathStep::Index(0),
+                ];
                 let span = locate(&source.text, &[path.to_vec()])[0].clone();
                 let span = inside_text(&source.text, span, &error.span);
                 (Some(span), Some(Arc::clone(source)))
@@ -85,9 +89,9 @@ impl ScriptMistake {
 
     /// Returns the position of the mistake.
     #[must_use]
-    pub fn place(&self) -> Option<Place> {
+    pub fn place(&self) -> Option<SourcePosition> {
         let (source, span) = (self.diagnostic.source.as_ref()?, self.diagnostic.span.as_ref()?);
-        Some(Place::of(&source.text, span.start))
+        Some(SourcePosition::of(&source.text, span.start))
     }
 
     /// Renders the mistake as a compiler would, with colours for a terminal or without.

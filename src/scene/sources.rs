@@ -3,10 +3,10 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::Place;
+use super::SourcePosition;
 use super::files::Origin;
 use super::printable::Printable;
-use super::spans::{Step, locate};
+use super::spans::{PathStep, locate};
 
 /// The texts of all files of a scene, in which the places of its entities can be looked up.
 ///
@@ -62,11 +62,13 @@ impl Sources {
         let origins: Vec<Origin> = entities.iter().map(|index| self.origin(*index)).collect();
         let mut found: Vec<Option<SourceLine<'_>>> = vec![None; entities.len()];
         for file in 0..self.files.len() {
-            let (places, paths): (Vec<usize>, Vec<Vec<Step>>) = origins
+            let (places, paths): (Vec<usize>, Vec<Vec<PathStep>>) = origins
                 .iter()
                 .enumerate()
                 .filter(|(_, origin)| origin.file == file)
-                .map(|(place, origin)| (place, vec![Step::Field(origin.list), Step::Index(origin.index)]))
+                .map(|(place, origin)| {
+                    (place, vec![PathStep::Field(origin.list), PathStep::Index(origin.index)])
+                })
                 .unzip();
             if !paths.is_empty() {
                 for (place, line) in places.into_iter().zip(self.lines(file, &paths)) {
@@ -81,8 +83,8 @@ impl Sources {
     #[must_use]
     pub fn camera(&self, name: &str) -> SourceLine<'_> {
         let path = match self.cameras.iter().position(|known| known == name) {
-            Some(index) => vec![Step::Field("cameras"), Step::Key(index)],
-            None => vec![Step::Field("camera")],
+            Some(index) => vec![PathStep::Field("cameras"), PathStep::Key(index)],
+            None => vec![PathStep::Field("camera")],
         };
         let found = self.lines(0, &[path]).next();
         found.unwrap_or(SourceLine { file: "", line: 1 })
@@ -93,7 +95,8 @@ impl Sources {
     pub fn material(&self, entity: usize) -> Option<String> {
         let origin = self.origin(entity);
         let (_, text) = self.file(origin.file)?;
-        let path = vec![Step::Field(origin.list), Step::Index(origin.index), Step::Field("material")];
+        let path =
+            vec![PathStep::Field(origin.list), PathStep::Index(origin.index), PathStep::Field("material")];
         let written = locate(text, &[path]).pop()?;
         // Without such a field it is all of the entity that is found, which is no text.
         ron::from_str(text.get(written)?).ok()
@@ -112,10 +115,13 @@ impl Sources {
         }
     }
 
-    fn lines(&self, file: usize, paths: &[Vec<Step>]) -> impl Iterator<Item = SourceLine<'_>> {
+    fn lines(&self, file: usize, paths: &[Vec<PathStep>]) -> impl Iterator<Item = SourceLine<'_>> {
         let found = self.files.get(file).map(|(name, text)| {
             let spans = locate(text, paths).into_iter();
-            spans.map(|span| SourceLine { file: name.as_str(), line: Place::of(text, span.start).line })
+            spans.map(|span| SourceLine {
+                file: name.as_str(),
+                line: SourcePosition::of(text, span.start).line,
+            })
         });
         found.into_iter().flatten()
     }

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 /// A step from a value into it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Step {
+pub(super) enum PathStep {
     /// The value of a named field.
     Field(&'static str),
     /// The value at an index of a list, a tuple or a map.
@@ -18,10 +18,10 @@ pub(super) enum Step {
 
 /// Returns the spans of values, in the order of their paths. A path that is not in the text gives the nearest value around it, as
 /// the mistake may be the absence of a field.
-pub(super) fn locate(text: &str, paths: &[Vec<Step>]) -> Vec<Range<usize>> {
+pub(super) fn locate(text: &str, paths: &[Vec<PathStep>]) -> Vec<Range<usize>> {
     let mut found = vec![0..0; paths.len()];
-    let wanted: Vec<Wanted<'_>> =
-        paths.iter().enumerate().map(|(index, path)| Wanted { index, path: path.as_slice() }).collect();
+    let wanted: Vec<Remaining<'_>> =
+        paths.iter().enumerate().map(|(index, path)| Remaining { index, path: path.as_slice() }).collect();
     let mut scanner = Scanner { text, at: 0, found: &mut found };
     scanner.skip_space();
     // Extensions, as #![enable(implicit_some)].
@@ -125,9 +125,9 @@ pub(super) fn list_items(text: &str, start: usize) -> (Vec<Range<usize>>, usize)
 
 /// The rest of a path that still has to be followed.
 #[derive(Clone, Copy)]
-struct Wanted<'a> {
+struct Remaining<'a> {
     index: usize,
-    path: &'a [Step],
+    path: &'a [PathStep],
 }
 
 struct Scanner<'a, 'f> {
@@ -214,7 +214,7 @@ impl<'a> Scanner<'a, '_> {
     }
 
     /// Scans a whole value: an optional name, then brackets, or an atom.
-    fn value(&mut self, wanted: &[Wanted<'_>]) {
+    fn value(&mut self, wanted: &[Remaining<'_>]) {
         self.skip_space();
         let start = self.at;
         let mut name = "";
@@ -281,7 +281,7 @@ impl<'a> Scanner<'a, '_> {
     }
 
     /// Scans the fields or values of a bracket.
-    fn members(&mut self, wanted: &[Wanted<'_>]) {
+    fn members(&mut self, wanted: &[Remaining<'_>]) {
         self.at += 1;
         for index in 0.. {
             self.skip_space();
@@ -295,8 +295,8 @@ impl<'a> Scanner<'a, '_> {
             }
             let field = self.field_name();
             let deeper = follow(wanted, |step| match (step, field) {
-                (Step::Field(name), Some(field)) => *name == field,
-                (Step::Index(place), None) => *place == index,
+                (PathStep::Field(name), Some(field)) => *name == field,
+                (PathStep::Index(place), None) => *place == index,
                 _ => false,
             });
             self.value(&deeper);
@@ -322,7 +322,7 @@ impl<'a> Scanner<'a, '_> {
     }
 
     /// Scans the keys and values of a map.
-    fn entries(&mut self, wanted: &[Wanted<'_>]) {
+    fn entries(&mut self, wanted: &[Remaining<'_>]) {
         self.at += 1;
         for index in 0.. {
             self.skip_space();
@@ -334,12 +334,12 @@ impl<'a> Scanner<'a, '_> {
                 }
                 Some(_) => {}
             }
-            self.value(&follow(wanted, |step| *step == Step::Key(index)));
+            self.value(&follow(wanted, |step| *step == PathStep::Key(index)));
             self.skip_space();
             if self.peek() == Some(b':') {
                 self.at += 1;
             }
-            self.value(&follow(wanted, |step| *step == Step::Index(index)));
+            self.value(&follow(wanted, |step| *step == PathStep::Index(index)));
             self.comma();
         }
     }
@@ -353,10 +353,10 @@ impl<'a> Scanner<'a, '_> {
 }
 
 /// Returns the rests of the paths that go on by a step.
-fn follow<'a>(wanted: &[Wanted<'a>], matches: impl Fn(&Step) -> bool) -> Vec<Wanted<'a>> {
-    let further = |wanted: &Wanted<'a>| {
+fn follow<'a>(wanted: &[Remaining<'a>], matches: impl Fn(&PathStep) -> bool) -> Vec<Remaining<'a>> {
+    let further = |wanted: &Remaining<'a>| {
         let (step, path) = wanted.path.split_first()?;
-        matches(step).then_some(Wanted { index: wanted.index, path })
+        matches(step).then_some(Remaining { index: wanted.index, path })
     };
     wanted.iter().filter_map(further).collect()
 }
@@ -392,7 +392,7 @@ fn raw_quoted(rest: &str) -> usize {
 mod tests {
     use super::*;
 
-    fn found<'a>(text: &'a str, path: &[Step]) -> &'a str {
+    fn found<'a>(text: &'a str, path: &[PathStep]) -> &'a str {
         &text[locate(text, &[path.to_vec()])[0].clone()]
     }
 
@@ -406,7 +406,7 @@ mod tests {
                 entities: [ (shape: Sphere(radius: -1.5e3)), (shape: Some(Box(size: (1, 2, 3))), name: "ß") ],
                 keys: Keys([ (0, (1, 2, 3)), (1, (4, 5, 6), EaseIn) ]),
             )"##;
-        use Step::{Field, Index, Key};
+        use PathStep::{Field, Index, Key};
         assert_eq!(found(text, &[Field("materials"), Key(1)]), "\"green\"");
         assert_eq!(found(text, &[Field("materials"), Index(1), Field("color")]), "\"#00ff00\"");
         assert_eq!(found(text, &[Field("materials"), Index(0), Field("color"), Index(0)]), "255");
@@ -426,7 +426,7 @@ mod tests {
     #[test]
     fn what_is_not_there_is_found_at_the_value_around_it() {
         let text = "(entities: [(shape: Sphere(radius: 1))])";
-        let path = [Step::Field("entities"), Step::Index(0), Step::Field("material")];
+        let path = [PathStep::Field("entities"), PathStep::Index(0), PathStep::Field("material")];
         assert_eq!(found(text, &path), "(shape: Sphere(radius: 1))");
         assert_eq!(found("", &path), "");
         assert_eq!(found("((((", &path), "((((");
@@ -436,7 +436,7 @@ mod tests {
     fn places_in_texts_are_places_in_the_file() {
         let text = r###"("a + b", r#"a "+" b"#, "a\tb", b)"###;
         let inside = |index: usize, inside: Range<usize>| {
-            let literal = locate(text, &[vec![Step::Index(index)]])[0].clone();
+            let literal = locate(text, &[vec![PathStep::Index(index)]])[0].clone();
             &text[inside_text(text, literal, &inside)]
         };
         assert_eq!(inside(0, 4..5), "b");

@@ -33,4 +33,4 @@ pub use context::{Read, ScriptContext};
 pub use data::Data;
 pub use error::{ScriptError, Unknown};
 pub use language::{Language, Program, Programs, Stop};
-pub use spawning::{Room, Spawned, run_spawning};
+pub use spawning::{SpawnBudget, Spawned, run_spawning};

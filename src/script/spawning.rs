@@ -21,23 +21,23 @@ pub struct Spawned {
     pub at: usize,
 }
 
-/// The room left for what the programs of a scene spawn.
+/// The amount that the programs of a scene may yet spawn.
 #[derive(Clone, Copy, Debug)]
-pub struct Room {
+pub struct SpawnBudget {
     /// The number of entities.
     pub entities: u64,
     /// The bytes of text in them.
     pub text: u64,
 }
 
-impl Default for Room {
+impl Default for SpawnBudget {
     fn default() -> Self {
         Self { entities: limits::ENTITIES, text: limits::SPAWNED_TEXT }
     }
 }
 
-impl Room {
-    /// Takes the room for an entity, or returns an error if there is not enough.
+impl SpawnBudget {
+    /// Deducts an entity, or returns an error if the budget does not suffice.
     fn admit(&mut self, entity: &Data) -> Result<(), Box<EvalAltResult>> {
         let Some(entities) = self.entities.checked_sub(1) else {
             return failed(format!(
@@ -57,7 +57,7 @@ impl Room {
 }
 
 /// Runs a program that calls `spawn(#{ .. })`, and gives all that it spawns to `take`, in this order. An entity that `take`
-/// refuses is an error at the call; a second line of its message is the remedy. Spawned entities are taken from `room`.
+/// refuses is an error at the call; a second line of its message is the remedy. Spawned entities are deducted from `budget`.
 ///
 /// # Errors
 ///
@@ -65,7 +65,7 @@ impl Room {
 pub fn run_spawning(
     text: &str,
     seed: u64,
-    room: &mut Room,
+    budget: &mut SpawnBudget,
     take: impl FnMut(Spawned) -> Result<(), String> + Send + 'static,
 ) -> Result<(), ScriptError> {
     let program =
@@ -73,34 +73,34 @@ pub fn run_spawning(
     let mut engine = language::bare_engine();
     noise::register(&mut engine, seed);
     register_constructors(&mut engine);
-    let left = register_spawn(&mut engine, text, *room, take);
+    let left = register_spawn(&mut engine, text, *budget, take);
     work::on_outside(&mut engine, |_| None);
     work::start();
     let result = engine.eval_ast_with_scope::<Dynamic>(&mut Scope::new(), &program.ast);
-    *room = *left.lock().unwrap_or_else(PoisonError::into_inner);
+    *budget = *left.lock().unwrap_or_else(PoisonError::into_inner);
     match result {
         Ok(_) => Ok(()),
         Err(error) => Err(program.explain(&error)),
     }
 }
 
-/// Registers `spawn`; returns the room that is left, as programs use it up.
+/// Registers `spawn`; returns the budget that is left after each call.
 fn register_spawn(
     engine: &mut Engine,
     text: &str,
-    room: Room,
+    budget: SpawnBudget,
     take: impl FnMut(Spawned) -> Result<(), String> + Send + 'static,
-) -> Arc<Mutex<Room>> {
+) -> Arc<Mutex<SpawnBudget>> {
     let count = Arc::new(AtomicU64::new(0));
     let spawned = Arc::clone(&count);
     work::limit(engine, move |done| {
         let more = spawned.load(Ordering::Relaxed) * limits::OPERATIONS_PER_ENTITY;
         done > (limits::SPAWNING_OPERATIONS + more).min(limits::MOST_SPAWNING_OPERATIONS)
     });
-    let left = Arc::new(Mutex::new(room));
-    let room = Arc::clone(&left);
-    let taking = Mutex::new((take, Names::default()));
-    let places = Places::of(text);
+    let left = Arc::new(Mutex::new(budget));
+    let budget = Arc::clone(&left);
+    let taking = Mutex::new((take, SpawnedNames::default()));
+    let lines = LineIndex::of(text);
     engine.register_fn(
         "spawn",
         move |context: NativeCallContext<'_>, entity: Dynamic| -> Result<(), Box<EvalAltResult>> {
@@ -111,11 +111,11 @@ fn register_spawn(
                 ));
             }
             let entity = Data::of(&entity);
-            let admitted = room.lock().unwrap_or_else(PoisonError::into_inner).admit(&entity);
+            let admitted = budget.lock().unwrap_or_else(PoisonError::into_inner).admit(&entity);
             let taken = admitted.and_then(|()| {
                 let (take, names) = &mut *taking.lock().unwrap_or_else(PoisonError::into_inner);
                 let is_new = names.add(&entity);
-                take(Spawned { entity, at: places.byte(context.call_position()) }).or_else(failed)?;
+                take(Spawned { entity, at: lines.byte(context.call_position()) }).or_else(failed)?;
                 Ok(is_new)
             });
             // One that is refused is as much work as one that is taken, and brings no operations, however often the refusal is
@@ -132,12 +132,12 @@ fn register_spawn(
 
 /// The names of what a program has spawned, by their hashes.
 #[derive(Default)]
-struct Names {
+struct SpawnedNames {
     hashes: HashSet<u64>,
     hasher: BuildHasherDefault<DefaultHasher>,
 }
 
-impl Names {
+impl SpawnedNames {
     /// Returns whether nothing has the entity's name yet; many may have none.
     fn add(&mut self, entity: &Data) -> bool {
         let Data::Map(fields) = entity else { return true };
@@ -150,14 +150,14 @@ impl Names {
 }
 
 /// The byte of every line and column of a text, looked up for every entity in constant time, however long the lines are.
-struct Places {
+struct LineIndex {
     /// The byte of each character, and the end.
     bytes: Vec<usize>,
     /// The first character of each line.
     lines: Vec<usize>,
 }
 
-impl Places {
+impl LineIndex {
     fn of(text: &str) -> Self {
         let bytes = text.char_indices().map(|(byte, _)| byte).chain([text.len()]).collect();
         let ends = text.chars().enumerate().filter(|(_, character)| *character == '\n');
@@ -216,17 +216,17 @@ mod tests {
     use super::*;
 
     fn spawned(text: &str) -> Result<Vec<Data>, (String, usize)> {
-        spawned_into(text, &mut Room::default())
+        spawned_into(text, &mut SpawnBudget::default())
     }
 
-    fn spawned_into(text: &str, room: &mut Room) -> Result<Vec<Data>, (String, usize)> {
+    fn spawned_into(text: &str, budget: &mut SpawnBudget) -> Result<Vec<Data>, (String, usize)> {
         let list = std::sync::Arc::new(std::sync::Mutex::new(Vec::new()));
         let into = std::sync::Arc::clone(&list);
         let take = move |spawned: Spawned| {
             into.lock().unwrap().push(spawned.entity);
             Ok(())
         };
-        run_spawning(text, 0, room, take).map_err(|error| (error.message, error.span.start))?;
+        run_spawning(text, 0, budget, take).map_err(|error| (error.message, error.span.start))?;
         let list = list.lock().unwrap();
         Ok(list.clone())
     }
@@ -271,7 +271,7 @@ mod tests {
             into.lock().unwrap().push(spawned.at);
             Ok(())
         };
-        run_spawning(&text, 0, &mut Room::default(), take).unwrap();
+        run_spawning(&text, 0, &mut SpawnBudget::default(), take).unwrap();
         let calls: Vec<usize> = text.match_indices("spawn").map(|(at, _)| at).collect();
         let list = list.lock().unwrap();
         assert_eq!((list[0], list[19_999], list[20_000]), (calls[0], calls[0], calls[1]));
@@ -281,13 +281,13 @@ mod tests {
     #[test]
     fn what_is_spawned_takes_from_the_room_for_all() {
         let two = "spawn(#{ name: \"four\", other: [\"five5\", 1] }); spawn(#{ name: \"\" });";
-        let mut room = Room { entities: 5, text: 20 };
-        assert_eq!(spawned_into(two, &mut room).unwrap().len(), 2);
-        assert_eq!((room.entities, room.text), (3, 11));
-        spawned_into(two, &mut room).unwrap();
-        let (message, _) = spawned_into(two, &mut room).unwrap_err();
+        let mut budget = SpawnBudget { entities: 5, text: 20 };
+        assert_eq!(spawned_into(two, &mut budget).unwrap().len(), 2);
+        assert_eq!((budget.entities, budget.text), (3, 11));
+        spawned_into(two, &mut budget).unwrap();
+        let (message, _) = spawned_into(two, &mut budget).unwrap_err();
         assert_eq!(message, "the texts of all spawned entities come to more than 64 MiB");
-        let (message, at) = spawned_into("spawn(#{});\nspawn(#{})", &mut room).unwrap_err();
+        let (message, at) = spawned_into("spawn(#{});\nspawn(#{})", &mut budget).unwrap_err();
         assert_eq!((message.as_str(), at), ("the scripts of a scene spawn at most 1000000 entities", 12));
         let growing =
             "let s = \"x\"; for i in 0..11 { s += s; } for i in 0..1000000 { spawn(#{ name: s + i }); }";
@@ -303,7 +303,7 @@ mod tests {
             Err("no".to_owned())
         };
         let text = "loop { try { spawn(#{}); } catch { } }";
-        let error = run_spawning(text, 0, &mut Room::default(), refuse).unwrap_err();
+        let error = run_spawning(text, 0, &mut SpawnBudget::default(), refuse).unwrap_err();
         assert_eq!(error.message, "this takes too long");
         let asked = asked.load(std::sync::atomic::Ordering::Relaxed);
         assert!((1..=2000).contains(&asked), "{asked} entities are refused before it ends");
@@ -312,11 +312,11 @@ mod tests {
     #[test]
     fn repeated_names_bring_no_operations() {
         let count = |fields: &str| {
-            let mut room = Room::default();
+            let mut budget = SpawnBudget::default();
             let text = format!("let i = 0; loop {{ i += 1; {} spawn(#{{ {fields} }}); }}", "i;".repeat(200));
-            let error = spawned_into(&text, &mut room).unwrap_err();
+            let error = spawned_into(&text, &mut budget).unwrap_err();
             assert_eq!(error.0, "this takes too long");
-            limits::ENTITIES - room.entities
+            limits::ENTITIES - budget.entities
         };
         let (repeated, named, unnamed) = (count("name: `ball`"), count("name: `ball ${i}`"), count(""));
         assert!((1..=1000).contains(&repeated), "{repeated}");

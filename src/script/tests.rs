@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::{Data, Language, Read, Room, ScriptContext, Stop, limits, run_spawning};
+use super::{Data, Language, Read, ScriptContext, SpawnBudget, Stop, limits, run_spawning};
 
 fn run(text: &str) -> Result<Data, Stop> {
     let language = Language::new(0);
@@ -508,7 +508,7 @@ fn randomness_is_a_function_of_its_arguments_and_the_seed() {
 #[test]
 fn what_is_for_the_other_kind_of_script_is_not_called_mistyped() {
     let refused = |text: &str| {
-        let error = run_spawning(text, 0, &mut Room::default(), |_| Ok(())).unwrap_err();
+        let error = run_spawning(text, 0, &mut SpawnBudget::default(), |_| Ok(())).unwrap_err();
         (error.message, error.help, error.unknown)
     };
     for name in ["t", "frame", "fps", "duration", "index", "name", "base"] {

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 use rayon::prelude::*;
-use rayreel::scene::Place;
+use rayreel::scene::SourcePosition;
 use rayreel::{Engine, Scene};
 
 /// Every form that a value can have.
@@ -282,7 +282,7 @@ fn faults(change: &Change) -> Vec<String> {
     let Err(error) = Scene::from_text("scene.ron", change.text.clone()) else { return Vec::new() };
     let mut faults = Vec::new();
     let lines = |place: &Range<usize>| {
-        let line = |byte: usize| Place::of(&change.text, byte).line;
+        let line = |byte: usize| SourcePosition::of(&change.text, byte).line;
         line(place.start.saturating_sub(1))..=line(place.end)
     };
     for mistake in error.mistakes() {

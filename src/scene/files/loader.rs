@@ -16,7 +16,7 @@ use crate::scene::programs::{self, Compiled};
 use crate::scene::quote::{linked, short};
 use crate::scene::reparse::Parsed;
 use crate::scene::validate::{At, Problems, validate};
-use crate::script::Room;
+use crate::script::SpawnBudget;
 
 /// The greatest depth of includes.
 const DEEPEST: usize = 32;
@@ -99,7 +99,7 @@ struct Loader {
     /// The file that is being read, after those that include it.
     underway: Vec<usize>,
     /// The amount that scripts may yet spawn.
-    room: Room,
+    budget: SpawnBudget,
 }
 
 impl Loader {
@@ -126,8 +126,8 @@ impl Loader {
         let own = self.loaded.files.first().unwrap_or(&file);
         let seed = own.document.as_ref().map_or(0, |document| document.sampling.seed);
         if let Some(document) = &mut file.document {
-            let Self { loaded: Files { paths, .. }, room, .. } = self;
-            programs::spawn(document, folder, seed, room, paths, &mut file.problems);
+            let Self { loaded: Files { paths, .. }, budget, .. } = self;
+            programs::spawn(document, folder, seed, budget, paths, &mut file.problems);
         }
         let wanted: Vec<String> = file.document.iter().flat_map(SceneDocument::included_files).collect();
         self.loaded.files.push(file);

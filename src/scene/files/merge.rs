@@ -32,7 +32,7 @@ impl Files {
         }
         let mut parts = parts.into_iter();
         let scene = parts.next().map(|(document, includes)| (document, flat(includes)));
-        let parts: Vec<Part> = parts.map(|(document, includes)| (document, flat(includes))).collect();
+        let parts: Vec<ParsedPart> = parts.map(|(document, includes)| (document, flat(includes))).collect();
         let (merged, runs) = match scene {
             Some(scene) => Merger::new(&parts).merge(scene),
             None => Merger::new(&[]).merge((SceneDocument::default(), Vec::new())),
@@ -47,26 +47,26 @@ fn flat(includes: Vec<Option<usize>>) -> Vec<usize> {
 }
 
 /// A document, and the files of its includes.
-type Part = (SceneDocument, Vec<usize>);
+type ParsedPart = (SceneDocument, Vec<usize>);
 
 /// The target, the material and the property of an animation.
-type Animated = (Option<String>, Option<String>, Property);
+type AnimatedValue = (Option<String>, Option<String>, Property);
 
 struct Merger<'a> {
     /// All files but the first.
-    parts: &'a [Part],
+    parts: &'a [ParsedPart],
     materials: Vec<(String, MaterialDocument)>,
     known_materials: HashSet<String>,
     entities: Vec<Arc<EntityDocument>>,
     animate: Vec<AnimationDocument>,
-    animated: HashMap<Animated, usize>,
+    animated: HashMap<AnimatedValue, usize>,
     parents: Vec<(usize, usize)>,
     uses: Vec<(usize, String)>,
     runs: Vec<Run>,
 }
 
 impl<'a> Merger<'a> {
-    fn new(parts: &'a [Part]) -> Self {
+    fn new(parts: &'a [ParsedPart]) -> Self {
         Self {
             parts,
             materials: Vec::new(),
@@ -80,7 +80,7 @@ impl<'a> Merger<'a> {
         }
     }
 
-    fn merge(mut self, (mut scene, includes): Part) -> (Merged, Vec<Run>) {
+    fn merge(mut self, (mut scene, includes): ParsedPart) -> (Merged, Vec<Run>) {
         self.add_includes(0, &scene.include, &includes, "", None);
         self.start_run(0, "entities", 0);
         if !includes.is_empty() {

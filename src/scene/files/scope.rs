@@ -4,9 +4,9 @@ use std::borrow::Cow;
 
 use super::names::{Clashes, Meaning, Names};
 use super::{Origin, SceneFile};
-use crate::scene::Place;
+use crate::scene::SourcePosition;
 use crate::scene::document::{LightDocument, MaterialDocument, ShapeDocument};
-use crate::scene::spans::{Step, locate};
+use crate::scene::spans::{PathStep, locate};
 
 /// The result of looking up a name.
 #[derive(Clone, Copy, Debug)]
@@ -148,11 +148,11 @@ impl<'a> Scope<'a> {
     pub(in crate::scene) fn place(self, origin: Origin) -> String {
         let file = &self.files[origin.file];
         let step = match origin.list {
-            "materials" => Step::Key(origin.index),
-            _ => Step::Index(origin.index),
+            "materials" => PathStep::Key(origin.index),
+            _ => PathStep::Index(origin.index),
         };
-        let span = &locate(&file.text, &[vec![Step::Field(origin.list), step]])[0];
-        format!("{}:{}", file.name, Place::of(&file.text, span.start).line)
+        let span = &locate(&file.text, &[vec![PathStep::Field(origin.list), step]])[0];
+        format!("{}:{}", file.name, SourcePosition::of(&file.text, span.start).line)
     }
 
     fn own(self) -> &'a Names<'a> {

@@ -13,7 +13,7 @@ use super::wanted::{Wanted, counted, is_word};
 use crate::scene::quote::short;
 use crate::scene::spans::{open_comment, tokens};
 use crate::scene::suggest::remedy;
-use crate::scene::{Diagnostic, Place};
+use crate::scene::{Diagnostic, SourcePosition};
 
 /// Explains an error of the parser.
 pub(super) fn explain(text: &str, error: &SpannedError, trail: &Trail) -> Diagnostic {
@@ -89,7 +89,7 @@ impl Case<'_> {
             return None;
         }
         let span = around.previous.clone()?;
-        let end = Place::of(self.text, span.end - 1);
+        let end = SourcePosition::of(self.text, span.end - 1);
         let help = "write a \" where the text is to end, and \\\" for a quote within a text";
         Some(if text.contains([',', ':', '\n']) {
             let label = format!("it ends only in line {}, column {}", end.line, end.column);
@@ -116,7 +116,8 @@ impl Case<'_> {
         }
         let (found, close) = (at.word(), closing(open));
         (")]}".contains(found) && found != close).then(|| {
-            let label = format!("the `{open}` of line {} is still open", Place::of(self.text, bracket).line);
+            let label =
+                format!("the `{open}` of line {} is still open", SourcePosition::of(self.text, bracket).line);
             let help = format!("close it with a `{close}` first");
             told(format!("expected `{close}`, found `{found}`"), label, help, at.found.clone())
         })

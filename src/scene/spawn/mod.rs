@@ -16,7 +16,7 @@ use super::document::{
 };
 use super::files::Merged;
 use super::paths::motion_along;
-use super::playback::{Written, keys, playback};
+use super::playback::{ValueDocument, keys, playback};
 use crate::animation::{Interpolate, Notation, Playback, Rotation, Track};
 use crate::color::{Rgb, Transfer};
 use crate::components::{
@@ -274,7 +274,7 @@ fn motion(animation: &AnimationDocument, transfer: Transfer) -> Option<Motion> {
     }
 }
 
-fn track<D: Written, T: Interpolate>(
+fn track<D: ValueDocument, T: Interpolate>(
     document: &TrackDocument<D>,
     playback: Playback,
     value: impl Fn(&D) -> T,

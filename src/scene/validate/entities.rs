@@ -125,24 +125,24 @@ fn cycles(
     problems: &mut Problems,
 ) {
     #[derive(Clone, Copy, PartialEq)]
-    enum State {
+    enum Visit {
         Unseen,
         Underway,
         Done,
     }
     let parent = |index: usize| entities[index].parent.as_deref().and_then(|name| names.get(name).copied());
-    let mut states = vec![State::Unseen; entities.len()];
+    let mut states = vec![Visit::Unseen; entities.len()];
     let children = (0..entities.len()).filter(|index| entities[*index].parent.is_some());
     for start in children {
         let mut chain = Vec::new();
         let mut current = Some(start);
-        while let Some(index) = current.filter(|index| states[*index] == State::Unseen) {
-            states[index] = State::Underway;
+        while let Some(index) = current.filter(|index| states[*index] == Visit::Unseen) {
+            states[index] = Visit::Underway;
             chain.push(index);
             current = parent(index);
         }
         if let Some(index) = current
-            && states[index] == State::Underway
+            && states[index] == Visit::Underway
         {
             let ring = &chain[chain.iter().position(|member| *member == index).unwrap_or(0)..];
             let name = |index: &usize| {
@@ -164,7 +164,7 @@ fn cycles(
             );
         }
         for index in chain {
-            states[index] = State::Done;
+            states[index] = Visit::Done;
         }
     }
 }

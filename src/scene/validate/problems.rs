@@ -6,7 +6,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::scene::quote::short;
-use crate::scene::spans::{Step, inside_text, locate};
+use crate::scene::spans::{PathStep, inside_text, locate};
 use crate::scene::suggest::remedy;
 use crate::scene::{Diagnostic, Source};
 use crate::script::ScriptError;
@@ -16,12 +16,12 @@ use crate::script::ScriptError;
 pub(in crate::scene) struct Problems {
     listed: Vec<Problem>,
     unlisted: usize,
-    spawned: Spawned,
+    spawned: SpawnCalls,
 }
 
 /// The entities of the document that scripts spawned, which are not in the file.
 #[derive(Debug, Default)]
-struct Spawned {
+struct SpawnCalls {
     /// The place of the first one among the entities.
     first: usize,
     /// The call that spawned each: the script's place in the list, and the byte of the call in its text.
@@ -44,7 +44,7 @@ struct Repeatable {
     /// The script, and the byte of the call in its text.
     call: (u32, u32),
     /// The value's place in the entity.
-    value: Vec<Step>,
+    value: Vec<PathStep>,
     label: String,
 }
 
@@ -58,7 +58,7 @@ pub(super) enum Named {
 
 #[derive(Debug)]
 struct Problem {
-    path: Vec<Step>,
+    path: Vec<PathStep>,
     inside: Option<Inside>,
     message: String,
     label: String,
@@ -72,7 +72,7 @@ struct Problem {
 /// A value's place in the document: a path from the scene to it, kept on the stack while the document is walked.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::scene) struct At<'a> {
-    step: Option<(&'a At<'a>, Step)>,
+    step: Option<(&'a At<'a>, PathStep)>,
 }
 
 impl<'a> At<'a> {
@@ -81,18 +81,18 @@ impl<'a> At<'a> {
     }
 
     pub(in crate::scene) fn field(&'a self, name: &'static str) -> Self {
-        Self { step: Some((self, Step::Field(name))) }
+        Self { step: Some((self, PathStep::Field(name))) }
     }
 
     pub(in crate::scene) fn index(&'a self, index: usize) -> Self {
-        Self { step: Some((self, Step::Index(index))) }
+        Self { step: Some((self, PathStep::Index(index))) }
     }
 
     pub(super) fn key(&'a self, index: usize) -> Self {
-        Self { step: Some((self, Step::Key(index))) }
+        Self { step: Some((self, PathStep::Key(index))) }
     }
 
-    fn path(&self) -> Vec<Step> {
+    fn path(&self) -> Vec<PathStep> {
         let mut path = Vec::new();
         let mut at = self;
         while let Some((above, step)) = &at.step {
@@ -125,7 +125,7 @@ impl Problems {
         }
         let (message, help) = (message.into(), Some(help.into()));
         let (path, inside) = match &repeatable {
-            Some(Repeatable { call, .. }) => (Spawned::path(*call), Some(self.spawned.inside(*call))),
+            Some(Repeatable { call, .. }) => (SpawnCalls::path(*call), Some(self.spawned.inside(*call))),
             None => (path, None),
         };
         self.listed.push(Problem { path, inside, message, label, help, repeatable, times: 1 });
@@ -214,7 +214,7 @@ impl Problems {
 
     /// Returns the mistakes with their places in the text, in its order, and the number of those not listed.
     pub(in crate::scene) fn locate(self, text: &str) -> (Vec<Diagnostic>, usize) {
-        let paths: Vec<Vec<Step>> = self.listed.iter().map(|problem| problem.path.clone()).collect();
+        let paths: Vec<Vec<PathStep>> = self.listed.iter().map(|problem| problem.path.clone()).collect();
         let spans = locate(text, &paths);
         let mut ordered = BTreeMap::new();
         for (index, (problem, span)) in self.listed.into_iter().zip(spans).enumerate() {
@@ -233,17 +233,17 @@ impl Problems {
     }
 }
 
-impl Spawned {
+impl SpawnCalls {
     /// Returns the identity of a mistake in a spawned entity, from its path.
-    fn repeatable(&self, path: &[Step], label: &str) -> Option<Repeatable> {
-        let [Step::Field("entities"), Step::Index(index), value @ ..] = path else { return None };
+    fn repeatable(&self, path: &[PathStep], label: &str) -> Option<Repeatable> {
+        let [PathStep::Field("entities"), PathStep::Index(index), value @ ..] = path else { return None };
         let call = *self.calls.get(index.checked_sub(self.first)?)?;
         Some(Repeatable { call, value: value.to_vec(), label: label.to_owned() })
     }
 
     /// Returns the path of a call's script.
-    fn path((script, _): (u32, u32)) -> Vec<Step> {
-        vec![Step::Field("spawn"), Step::Index(script as usize), Step::Index(0)]
+    fn path((script, _): (u32, u32)) -> Vec<PathStep> {
+        vec![PathStep::Field("spawn"), PathStep::Index(script as usize), PathStep::Index(0)]
     }
 
     fn inside(&self, (script, byte): (u32, u32)) -> Inside {
