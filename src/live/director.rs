@@ -8,9 +8,9 @@ use super::begun::{Aside, Begun};
 use super::easel::Easel;
 use super::event::Event;
 use super::handle::{Handle, SessionSettings};
-use super::ladder::{self, Pace, Step};
+use super::ladder::{self, LadderStep, Timings};
 use super::mailbox::{Answer, Command, Detail, Patience, View};
-use super::stage::{Read, Stage};
+use super::stage::{LoadedScene, Stage};
 use super::state::{Mistakes, State, Times};
 use super::watcher::Watcher;
 use crate::engine::EngineError;
@@ -35,7 +35,7 @@ const MISSED: f64 = 3.0;
 pub(super) enum Next {
     Nothing,
     /// A coarse picture.
-    Step(Step, Place),
+    Step(LadderStep, StepRole),
     Picture(Detail),
     /// Nothing until then, as the next of many pictures in a row may be requested; a better one if it is not.
     Rest(Instant),
@@ -45,7 +45,7 @@ pub(super) enum Next {
 
 /// The role of a coarse picture among those of its frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Place {
+pub(super) enum StepRole {
     /// The first, which cannot wait.
     First,
     /// One of those between the first and the requested picture.
@@ -70,9 +70,9 @@ pub(super) struct Director {
     pub(super) is_playing: bool,
     /// The number of reloads after which the last full picture was made.
     pub(super) full_of: u64,
-    pub(super) pace: Pace,
+    pub(super) timings: Timings,
     /// The last coarse picture of the frame on show, and its milliseconds.
-    pub(super) last_step: Option<(Step, f64)>,
+    pub(super) last_step: Option<(LadderStep, f64)>,
     /// The requested picture, as far as it has come.
     pub(super) begun: Option<Begun>,
     /// The full picture that is owed to an edit while others are on show.
@@ -95,7 +95,7 @@ impl Director {
             next: Next::Nothing,
             is_playing: false,
             full_of: 0,
-            pace: Pace::default(),
+            timings: Timings::default(),
             last_step: None,
             begun: None,
             aside: None,
@@ -158,7 +158,7 @@ impl Director {
 
     /// Reads the files; returns their scene and the milliseconds it took. Files with mistakes are read again until they are at
     /// rest, as they may be empty or cut short for a moment while they are being written.
-    fn read(&mut self) -> Result<(Read, f64), Unread> {
+    fn read(&mut self) -> Result<(LoadedScene, f64), Unread> {
         let first = Instant::now();
         loop {
             let (since, start) = (SystemTime::now(), Instant::now());
@@ -245,21 +245,21 @@ impl Director {
     fn next_while(&self, playing: bool) -> Next {
         let time = if playing { self.interval() } else { SOON };
         let target = self.stage.as_ref().map(|stage| stage.target(self.detail));
-        let expected = target.and_then(|target| self.pace.expected(target));
+        let expected = target.and_then(|target| self.timings.expected(target));
         match (expected.is_some_and(|expected| expected <= time), playing) {
             (true, _) => Next::Picture(self.detail),
-            (false, true) => self.step(COARSE_IN_A_ROW * self.interval(), 1, Place::InARow),
+            (false, true) => self.step(COARSE_IN_A_ROW * self.interval(), 1, StepRole::InARow),
             (false, false) => self.first_step(),
         }
     }
 
     pub(super) fn first_step(&self) -> Next {
-        self.step(ladder::FIRST, 2, Place::First)
+        self.step(ladder::FIRST, 2, StepRole::First)
     }
 
-    fn step(&self, milliseconds: f64, finest: u32, place: Place) -> Next {
+    fn step(&self, milliseconds: f64, finest: u32, role: StepRole) -> Next {
         let film = self.handle.board.state().film;
-        Next::Step(self.pace.first(film, milliseconds, finest), place)
+        Next::Step(self.timings.first(film, milliseconds, finest), role)
     }
 
     /// Returns the milliseconds between frames.
@@ -276,8 +276,8 @@ impl Director {
     fn probe(&mut self, pixel: (u32, u32), Answer(answer): Answer) {
         let frame = self.handle.board.state().frame;
         let picture = self.easel.latest().filter(|(info, _)| info.full).map(|(_, film)| &**film);
-        let spot = self.stage.as_mut().map_or(Ok(None), |stage| stage.spot(frame, pixel, picture));
-        answer(spot.unwrap_or_else(|error| {
+        let info = self.stage.as_mut().map_or(Ok(None), |stage| stage.pixel_info(frame, pixel, picture));
+        answer(info.unwrap_or_else(|error| {
             self.fail(error);
             None
         }));

@@ -26,7 +26,7 @@ pub(super) struct Easel {
 pub(super) struct Made {
     pub(super) film: Film,
     pub(super) transfer: Transfer,
-    pub(super) quality: Quality,
+    pub(super) kind: PictureKind,
     /// The times it took, apart from encoding.
     pub(super) times: Times,
     pub(super) rays: u64,
@@ -38,9 +38,9 @@ pub(super) struct Made {
     pub(super) rendering: bool,
 }
 
-/// The quality of a picture.
+/// The kind of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Quality {
+pub(super) enum PictureKind {
     /// Coarse or unfinished, with the share of the better picture that exists, 0 to 1.
     Coarse(f64),
     /// A draft that was requested as such.
@@ -82,9 +82,9 @@ impl Easel {
                 return false;
             }
         };
-        let Made { film, transfer, quality, mut times, rays, plan, warnings, rendering } = made;
+        let Made { film, transfer, kind, mut times, rays, plan, warnings, rendering } = made;
         times.encode = Times::milliseconds(start.elapsed());
-        let info = self.info(state, &film, quality);
+        let info = self.info(state, &film, kind);
         let film = Arc::new(film);
         self.latest = Some((info, Arc::clone(&film)));
         self.board.hang(Picture { info, png: png.into() });
@@ -93,9 +93,9 @@ impl Easel {
             state.times = times;
             state.rays = rays;
             state.rendering = rendering;
-            state.progress = match quality {
-                Quality::Coarse(share) => share,
-                Quality::Draft | Quality::Full => 1.0,
+            state.progress = match kind {
+                PictureKind::Coarse(share) => share,
+                PictureKind::Draft | PictureKind::Full => 1.0,
             };
             state.frame_mistakes = None;
             if let Some(plan) = plan {
@@ -108,12 +108,12 @@ impl Easel {
 
     /// Reports a picture that is not to be shown now.
     pub(super) fn hand_over(&mut self, state: &State, made: Made) {
-        let Made { film, transfer, quality, times, rays, warnings, .. } = made;
-        let info = self.info(state, &film, quality);
+        let Made { film, transfer, kind, times, rays, warnings, .. } = made;
+        let info = self.info(state, &film, kind);
         self.tell(Event::Shown(Shown { info, film: Arc::new(film), transfer, times, rays, warnings }));
     }
 
-    fn info(&mut self, state: &State, film: &Film, quality: Quality) -> PictureInfo {
+    fn info(&mut self, state: &State, film: &Film, kind: PictureKind) -> PictureInfo {
         self.last_id += 1;
         PictureInfo {
             id: self.last_id,
@@ -122,8 +122,8 @@ impl Easel {
             width: film.width(),
             height: film.height(),
             film: state.film,
-            full: quality == Quality::Full,
-            coarse: matches!(quality, Quality::Coarse(_)),
+            full: kind == PictureKind::Full,
+            coarse: matches!(kind, PictureKind::Coarse(_)),
         }
     }
 }
@@ -141,26 +141,28 @@ mod tests {
         let (sender, events) = channel();
         let tell = move |event| sender.send(event).unwrap();
         let mut easel = Easel::new(Arc::clone(&board), Box::new(tell));
-        let made = |quality| Made {
+        let made = |kind| Made {
             film: Film::new(2, 1),
             transfer: Transfer::Classic,
-            quality,
+            kind,
             times: Times::default(),
             rays: 0,
             plan: None,
             warnings: Vec::new(),
-            rendering: quality != Quality::Full,
+            rendering: kind != PictureKind::Full,
         };
-        for quality in [Quality::Coarse(0.0), Quality::Coarse(0.5), Quality::Draft, Quality::Full] {
+        for kind in
+            [PictureKind::Coarse(0.0), PictureKind::Coarse(0.5), PictureKind::Draft, PictureKind::Full]
+        {
             board.change(|state| state.rendering = true);
             easel.encode = |_, _| Err("no room".to_owned());
-            assert!(!easel.put_up(&state, made(quality)));
+            assert!(!easel.put_up(&state, made(kind)));
             let told = board.state();
             assert!(!told.rendering && told.frame_mistakes.unwrap().text.contains("no room"));
             assert!(matches!(events.try_recv(), Ok(Event::NotShown(_))));
             // The next one may be shown again.
             easel.encode = |_, _| Ok(Vec::new());
-            assert!(easel.put_up(&state, made(quality)));
+            assert!(easel.put_up(&state, made(kind)));
             assert_eq!(board.state().frame_mistakes, None);
             assert!(matches!(events.try_recv(), Ok(Event::Shown(_))));
         }

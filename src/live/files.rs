@@ -18,20 +18,20 @@ const LONGEST_CHAIN: usize = 40;
 
 /// Files with their contents at the last look.
 #[derive(Debug, Default)]
-pub(super) struct Files(BTreeMap<PathBuf, Seen>);
+pub(super) struct WatchedFiles(BTreeMap<PathBuf, KnownFile>);
 
 /// A file at the last look.
 #[derive(Clone, Copy, Debug)]
-struct Seen {
+struct KnownFile {
     stamp: Option<Stamp>,
-    content: Content,
+    content: KnownContent,
     /// Whether it may have been written again since with the same stamp.
     fresh: bool,
 }
 
 /// The content of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Content {
+enum KnownContent {
     /// Not known to be what the reader of the file got: the next look finds it changed.
     Unknown,
     /// None: it cannot be read, is no regular file, or is too large.
@@ -48,7 +48,7 @@ pub(super) struct Stamp {
     identity: (u64, u64, i64, i64),
 }
 
-impl Files {
+impl WatchedFiles {
     /// Keeps to `paths` from now on. All of them were read since `since`, and those already known after the last
     /// [`look`](Self::look). Files written in the meantime are found changed at the next look, as their readers may have read
     /// anything.
@@ -58,12 +58,12 @@ impl Files {
             let (mut seen, written_since) = match before.get(path) {
                 Some(seen) => (*seen, seen.stamp != Stamp::now(path)),
                 None => {
-                    let seen = Seen::now(path);
+                    let seen = KnownFile::now(path);
                     (seen, seen.stamp.is_some_and(|stamp| stamp.latest() + CLOCK_TICK > since))
                 }
             };
             if written_since {
-                seen.content = Content::Unknown;
+                seen.content = KnownContent::Unknown;
             }
             self.0.insert(path.clone(), seen);
         }
@@ -72,7 +72,7 @@ impl Files {
     /// Forgets the contents: the next look finds all files changed.
     pub(super) fn forget(&mut self) {
         for seen in self.0.values_mut() {
-            seen.content = Content::Unknown;
+            seen.content = KnownContent::Unknown;
         }
     }
 
@@ -83,8 +83,8 @@ impl Files {
 
     /// Returns whether any stamp has changed, without reading a file.
     pub(super) fn are_touched(&self) -> bool {
-        let touched = |(path, seen): (&PathBuf, &Seen)| {
-            seen.content == Content::Unknown || seen.stamp != Stamp::now(path)
+        let touched = |(path, seen): (&PathBuf, &KnownFile)| {
+            seen.content == KnownContent::Unknown || seen.stamp != Stamp::now(path)
         };
         self.0.iter().any(touched)
     }
@@ -94,10 +94,10 @@ impl Files {
     pub(super) fn differ_unstamped(&mut self) -> bool {
         let mut differ = false;
         for (path, seen) in self.0.iter_mut().filter(|(_, seen)| seen.fresh) {
-            let now = Seen::now(path);
+            let now = KnownFile::now(path);
             if now.stamp == seen.stamp {
                 let same = now.content == seen.content;
-                *seen = if same { now } else { Seen { content: Content::Unknown, ..now } };
+                *seen = if same { now } else { KnownFile { content: KnownContent::Unknown, ..now } };
                 differ |= !same;
             }
         }
@@ -108,7 +108,7 @@ impl Files {
     pub(super) fn look(&mut self) -> bool {
         let mut differ = false;
         for (path, seen) in &mut self.0 {
-            let now = Seen::now(path);
+            let now = KnownFile::now(path);
             differ |= now.content != seen.content;
             *seen = now;
         }
@@ -127,7 +127,7 @@ impl Files {
     }
 }
 
-impl Seen {
+impl KnownFile {
     /// Looks at a file. The stamp is taken first, so that a file written in between looks touched.
     fn now(path: &Path) -> Self {
         let stamp = Stamp::now(path);
@@ -139,7 +139,7 @@ impl Seen {
                 .is_some_and(|age| age < STAMP_TICK)
         });
         let content = input::read(path, Offered::Refused, LARGEST_FILE);
-        let content = content.map_or(Content::Nothing, |bytes| Content::Bytes(hash(&bytes)));
+        let content = content.map_or(KnownContent::Nothing, |bytes| KnownContent::Bytes(hash(&bytes)));
         Self { stamp, content, fresh }
     }
 }
@@ -207,21 +207,21 @@ mod tests {
         fs::write(&path, "first").unwrap();
         for (fresh, expected) in [(false, false), (true, true)] {
             // As if it had held something else a moment ago, and its stamp had been the same.
-            let seen = Seen { content: Content::Bytes(0), fresh, ..Seen::now(&path) };
-            let mut files = Files(BTreeMap::from([(path.clone(), seen)]));
+            let seen = KnownFile { content: KnownContent::Bytes(0), fresh, ..KnownFile::now(&path) };
+            let mut files = WatchedFiles(BTreeMap::from([(path.clone(), seen)]));
             assert!(!files.are_touched());
             assert_eq!(files.differ_unstamped(), expected);
             assert_eq!(files.are_touched(), expected);
             assert!(files.look() && !files.look() && !files.differ_unstamped());
         }
-        assert!(Seen::now(&path).fresh);
+        assert!(KnownFile::now(&path).fresh);
         let long_ago = SystemTime::now() - 2 * STAMP_TICK;
-        let seen = Seen {
+        let seen = KnownFile {
             fresh: true,
             stamp: Some(Stamp { modified: Some(long_ago), ..Stamp::now(&path).unwrap() }),
-            ..Seen::now(&path)
+            ..KnownFile::now(&path)
         };
         // What is being written is left to whoever waits until it is.
-        assert!(!Files(BTreeMap::from([(path, seen)])).differ_unstamped());
+        assert!(!WatchedFiles(BTreeMap::from([(path, seen)])).differ_unstamped());
     }
 }

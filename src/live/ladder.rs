@@ -38,7 +38,7 @@ pub(super) enum Care {
 
 /// A quick picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Step {
+pub(super) struct LadderStep {
     care: Care,
     /// The divisor of the film's width and height.
     divisor: u32,
@@ -57,16 +57,16 @@ pub(super) struct Target {
     pub(super) samples: u32,
 }
 
-/// The speed of pictures as measured so far, in milliseconds.
+/// The timings of pictures so far, in milliseconds.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Pace {
+pub(super) struct Timings {
     /// The time to bring the world to a moment.
     pub(super) moment: f64,
     /// The time to trace a camera ray with all that it causes, by care.
     ray: [Option<f64>; 3],
 }
 
-impl Step {
+impl LadderStep {
     /// Returns the settings it is rendered with.
     pub(super) fn draft(self) -> Draft {
         let (light_samples, depth) = match self.care {
@@ -112,11 +112,11 @@ impl Target {
     }
 }
 
-impl Pace {
+impl Timings {
     /// Returns the first step for a film, within `milliseconds` of tracing and with a divisor of at least `finest`.
-    pub(super) fn first(&self, film: (u32, u32), milliseconds: f64, finest: u32) -> Step {
+    pub(super) fn first(&self, film: (u32, u32), milliseconds: f64, finest: u32) -> LadderStep {
         let step =
-            |care, pixels: f64| Step { care, divisor: divisor_for(film, pixels).max(finest), tried: 0 };
+            |care, pixels: f64| LadderStep { care, divisor: divisor_for(film, pixels).max(finest), tried: 0 };
         let Some(plain) = self.of(Care::Plain) else { return step(Care::Plain, UNKNOWN) };
         let pixels = milliseconds / plain;
         if pixels >= ENOUGH.min(self::pixels(film, finest) as f64) {
@@ -127,7 +127,7 @@ impl Pace {
     }
 
     /// Returns the step after another one; `None` if it is time for the requested picture.
-    pub(super) fn finer(&self, step: Step, took: f64, target: Target) -> Option<Step> {
+    pub(super) fn finer(&self, step: LadderStep, took: f64, target: Target) -> Option<LadderStep> {
         let ray = self.of(step.care)?;
         // Not less than that: nothing is left out of it.
         let whole = self.of(Care::Whole).unwrap_or(0.0).max(ray) * target.rays();
@@ -139,7 +139,7 @@ impl Pace {
         let divisor = fitting.min(step.divisor / 2).max(target.divisor);
         let takes = pixels(target.film, divisor) as f64 * ray;
         let is_worthwhile = divisor < step.divisor && takes <= SHARE * whole;
-        is_worthwhile.then_some(Step { divisor, tried: 0, ..step })
+        is_worthwhile.then_some(LadderStep { divisor, tried: 0, ..step })
     }
 
     pub(super) fn is_unknown(&self) -> bool {
@@ -165,7 +165,7 @@ impl Pace {
     }
 
     /// Records that a step was given up after `milliseconds`.
-    pub(super) fn note_failure(&mut self, step: Step, milliseconds: f64, film: (u32, u32)) {
+    pub(super) fn note_failure(&mut self, step: LadderStep, milliseconds: f64, film: (u32, u32)) {
         let at_least = milliseconds / pixels(film, step.divisor) as f64;
         for ray in &mut self.ray[step.care as usize..] {
             *ray = Some(ray.map_or(at_least, |ray| ray.max(at_least)));
@@ -203,22 +203,22 @@ mod tests {
     const FILM: (u32, u32) = (3840, 2160);
 
     /// All steps up to a picture, by what a camera ray takes in milliseconds with each care, and what they take.
-    fn climb(ray: [f64; 3], film: (u32, u32), samples: u32) -> (Vec<Step>, Vec<f64>) {
-        let mut pace = Pace::default();
+    fn climb(ray: [f64; 3], film: (u32, u32), samples: u32) -> (Vec<LadderStep>, Vec<f64>) {
+        let mut timings = Timings::default();
         let target = Target { film, divisor: 1, samples };
-        let cost = |step: Step| ray[step.care as usize] * pixels(film, step.divisor) as f64;
+        let cost = |step: LadderStep| ray[step.care as usize] * pixels(film, step.divisor) as f64;
         let (mut steps, mut times) = (Vec::new(), Vec::new());
-        let mut next = Some(pace.first(film, FIRST, 2));
+        let mut next = Some(timings.first(film, FIRST, 2));
         while let Some(step) = next {
             let deadline = step.deadline().map_or(f64::INFINITY, |deadline| 1e3 * deadline.as_secs_f64());
             let in_time = !steps.is_empty() || cost(step) <= deadline;
             if in_time {
-                pace.note(step.care, cost(step), pixels(film, step.divisor));
+                timings.note(step.care, cost(step), pixels(film, step.divisor));
                 steps.push(step);
                 times.push(cost(step));
-                next = pace.finer(step, cost(step), target);
+                next = timings.finer(step, cost(step), target);
             } else {
-                pace.note_failure(step, deadline, film);
+                timings.note_failure(step, deadline, film);
                 next = Some(step.lesser(film));
                 assert!(times.len() < 4);
             }
@@ -247,16 +247,16 @@ mod tests {
 
     #[test]
     fn what_is_known_makes_the_first_step_fit_and_a_failure_makes_it_smaller() {
-        let mut pace = Pace::default();
-        pace.note(Care::Whole, 200.0, 921_600);
-        let first = pace.first((1280, 720), FIRST, 2);
+        let mut timings = Timings::default();
+        timings.note(Care::Whole, 200.0, 921_600);
+        let first = timings.first((1280, 720), FIRST, 2);
         assert_eq!((first.care, first.divisor), (Care::Plain, 6));
-        pace.note_failure(first, 40.0, (1280, 720));
-        let again = pace.first((1280, 720), FIRST, 2);
+        timings.note_failure(first, 40.0, (1280, 720));
+        let again = timings.first((1280, 720), FIRST, 2);
         assert!(again.divisor > 3 * first.divisor, "{again:?}");
         // Where even few pixels take long, there is less in them.
-        pace.note(Care::Plain, 100.0, 100);
-        assert_eq!(pace.first((1280, 720), FIRST, 2).care, Care::Bare);
+        timings.note(Care::Plain, 100.0, 100);
+        assert_eq!(timings.first((1280, 720), FIRST, 2).care, Care::Bare);
     }
 
     #[test]
@@ -272,7 +272,7 @@ mod tests {
     #[test]
     fn whatever_is_tried_in_vain_the_last_has_one_pixel_and_no_deadline() {
         for film in [FILM, (1, 1), (32_768, 1)] {
-            let mut step = Pace::default().first(film, FIRST, 2);
+            let mut step = Timings::default().first(film, FIRST, 2);
             let mut patience = Duration::ZERO;
             while let Some(deadline) = step.deadline() {
                 patience += deadline;

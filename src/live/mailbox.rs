@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use super::spot::Spot;
+use super::pixel_info::PixelInfo;
 
 /// A command to a session.
 #[derive(Debug)]
@@ -58,7 +58,7 @@ pub enum Detail {
 }
 
 /// Receives an answer.
-pub struct Answer(pub Box<dyn FnOnce(Option<Spot>) + Send>);
+pub struct Answer(pub Box<dyn FnOnce(Option<PixelInfo>) + Send>);
 
 impl fmt::Debug for Answer {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -6,10 +6,10 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use super::begun::{Aside, Begun};
-use super::director::{Director, Next, Place};
-use super::easel::{Made, Quality};
+use super::director::{Director, Next, StepRole};
+use super::easel::{Made, PictureKind};
 use super::event::Event;
-use super::ladder::{self, Care, Step, Target};
+use super::ladder::{self, Care, LadderStep, Target};
 use super::mailbox::Detail;
 use super::state::{State, Times};
 use crate::engine::FrameReport;
@@ -32,7 +32,7 @@ impl Director {
     pub(super) fn make_next(&mut self) {
         match self.next {
             Next::Nothing => {}
-            Next::Step(step, place) => self.climb(step, place),
+            Next::Step(step, role) => self.climb(step, role),
             Next::Picture(detail) => self.finish(detail),
             Next::Rest(until) => self.rest(until),
             Next::Cost(index) => self.measure(index),
@@ -42,14 +42,14 @@ impl Director {
     /// Makes a coarse picture and puts it up. A first picture that takes too long gives way to a quicker one. One between it and
     /// the requested picture is skipped for good if a command comes in between: nothing of it can be kept, so that frequent
     /// commands would keep the requested picture waiting for ever.
-    fn climb(&mut self, step: Step, place: Place) {
+    fn climb(&mut self, step: LadderStep, role: StepRole) {
         let state = self.handle.board.state();
         let Some(stage) = &mut self.stage else {
             self.next = Next::Nothing;
             return;
         };
         let mailbox = &self.handle.mailbox;
-        let deadline = if place == Place::Between { None } else { step.deadline() };
+        let deadline = if role == StepRole::Between { None } else { step.deadline() };
         let (film, is_late) = mailbox
             .within(deadline, |begin| stage.draft(state.frame, step.draft(), mailbox.waiting(), begin));
         let report = *stage.report();
@@ -58,9 +58,9 @@ impl Director {
             Ok(Some(film)) => film,
             Ok(None) => {
                 if is_late {
-                    self.pace.note_failure(step, took, state.film);
-                    self.next = Next::Step(step.lesser(state.film), place);
-                } else if place == Place::Between {
+                    self.timings.note_failure(step, took, state.film);
+                    self.next = Next::Step(step.lesser(state.film), role);
+                } else if role == StepRole::Between {
                     self.last_step = None;
                     self.next = Next::Picture(self.detail);
                 }
@@ -68,22 +68,22 @@ impl Director {
             }
             Err(error) => return self.fail(error),
         };
-        let is_pilot = self.pace.is_unknown();
-        self.pace.moment = Times::milliseconds(report.animate + report.prepare);
-        self.pace.note(step.care(), took, report.rays.camera);
-        if place == Place::First && is_pilot {
-            let better = self.pace.first(state.film, ladder::FIRST, 2);
+        let is_pilot = self.timings.is_unknown();
+        self.timings.moment = Times::milliseconds(report.animate + report.prepare);
+        self.timings.note(step.care(), took, report.rays.camera);
+        if role == StepRole::First && is_pilot {
+            let better = self.timings.first(state.film, ladder::FIRST, 2);
             if step.is_surpassed_by(better, took) {
-                self.next = Next::Step(better, place);
+                self.next = Next::Step(better, role);
                 return;
             }
         }
         self.last_step = Some((step, took));
-        self.next = match place {
-            Place::InARow => Next::Rest(self.end_of_row()),
-            Place::First | Place::Between => self.after_step(),
+        self.next = match role {
+            StepRole::InARow => Next::Rest(self.end_of_row()),
+            StepRole::First | StepRole::Between => self.after_step(),
         };
-        self.put_up(&state, Quality::Coarse(self.progress()), film, report.trace);
+        self.put_up(&state, PictureKind::Coarse(self.progress()), film, report.trace);
     }
 
     /// Returns a finer step, or the requested picture.
@@ -92,8 +92,8 @@ impl Director {
             .stage
             .as_ref()
             .zip(self.last_step)
-            .and_then(|(stage, (step, took))| self.pace.finer(step, took, stage.target(self.detail)));
-        finer.map_or(Next::Picture(self.detail), |step| Next::Step(step, Place::Between))
+            .and_then(|(stage, (step, took))| self.timings.finer(step, took, stage.target(self.detail)));
+        finer.map_or(Next::Picture(self.detail), |step| Next::Step(step, StepRole::Between))
     }
 
     /// Returns the share of the requested picture that exists, 0 to 1.
@@ -110,13 +110,13 @@ impl Director {
         let kept = self.begun.take().filter(|begun| (begun.frame, begun.detail) == (state.frame, detail));
         let frame = state.frame;
         let mut begun = kept.unwrap_or_else(|| Begun::new(frame, detail));
-        let Self { stage: Some(stage), pace, easel, handle, last_step, next, .. } = self else {
+        let Self { stage: Some(stage), timings, easel, handle, last_step, next, .. } = self else {
             self.next = Next::Nothing;
             return;
         };
         let (target, transfer, mailbox) =
             (stage.target(detail), stage.film_settings().transfer, &handle.mailbox);
-        let expected = Duration::try_from_secs_f64(2e-3 * pace.expected(target).unwrap_or(0.0));
+        let expected = Duration::try_from_secs_f64(2e-3 * timings.expected(target).unwrap_or(0.0));
         let deadline = expected.unwrap_or(Duration::MAX).max(SOON);
         let is_first = easel.latest().is_none();
         let visits = &begun.visits;
@@ -126,11 +126,11 @@ impl Director {
             visits.go_on();
             let traced = traced_before + visits.traced();
             let so_far = exposure.share();
-            pace.note(Care::Whole, traced, rays(so_far, target));
+            timings.note(Care::Whole, traced, rays(so_far, target));
             // Now that more is known there may be room for another step; after more has been seen it would be one back.
             let step = last_step.filter(|_| !begun.is_shown);
-            if let Some(finer) = step.and_then(|(step, took)| pace.finer(step, took, target)) {
-                *next = Next::Step(finer, Place::Between);
+            if let Some(finer) = step.and_then(|(step, took)| timings.finer(step, took, target)) {
+                *next = Next::Step(finer, StepRole::Between);
                 return Break(());
             }
             handle.board.change(|state| state.progress = so_far);
@@ -139,7 +139,7 @@ impl Director {
                 let made = Made {
                     film: exposure.develop_over(&beneath),
                     transfer,
-                    quality: Quality::Coarse(so_far),
+                    kind: PictureKind::Coarse(so_far),
                     times: Times { trace: traced, ..state.times },
                     rays: state.rays,
                     plan: None,
@@ -168,19 +168,19 @@ impl Director {
         begun.traced += report.trace;
         match film {
             Ok(Some(film)) => {
-                self.pace.moment = Times::milliseconds(report.animate + report.prepare);
-                self.pace.note(Care::Whole, Times::milliseconds(begun.traced), report.rays.camera);
+                self.timings.moment = Times::milliseconds(report.animate + report.prepare);
+                self.timings.note(Care::Whole, Times::milliseconds(begun.traced), report.rays.camera);
                 if detail == Detail::Full {
                     self.full_of = state.reloads;
                 }
                 self.next = self.after_picture();
-                let quality = if detail == Detail::Full { Quality::Full } else { Quality::Draft };
-                self.put_up(&state, quality, film, begun.traced);
+                let kind = if detail == Detail::Full { PictureKind::Full } else { PictureKind::Draft };
+                self.put_up(&state, kind, film, begun.traced);
             }
             Ok(None) => {
                 if is_late && is_first {
                     let share = begun.exposure.as_ref().map_or(0.0, Exposure::share);
-                    self.pace.note(Care::Whole, Times::milliseconds(begun.traced), rays(share, target));
+                    self.timings.note(Care::Whole, Times::milliseconds(begun.traced), rays(share, target));
                     self.next = self.first_step();
                 }
                 self.begun = Some(begun);
@@ -242,7 +242,7 @@ impl Director {
             Ok(Some(film)) => {
                 self.full_of = state.reloads;
                 let state = State { frame: aside.frame, ..state };
-                if let Some(made) = self.made(&state, Quality::Full, film, aside.traced) {
+                if let Some(made) = self.made(&state, PictureKind::Full, film, aside.traced) {
                     self.easel.hand_over(&state, made);
                 }
             }
@@ -254,27 +254,29 @@ impl Director {
         }
     }
 
-    fn put_up(&mut self, state: &State, quality: Quality, film: Film, traced: Duration) {
-        if let Some(made) = self.made(state, quality, film, traced)
+    fn put_up(&mut self, state: &State, kind: PictureKind, film: Film, traced: Duration) {
+        if let Some(made) = self.made(state, kind, film, traced)
             && !self.easel.put_up(state, made)
         {
             self.next = Next::Nothing;
         }
     }
 
-    fn made(&mut self, state: &State, quality: Quality, film: Film, traced: Duration) -> Option<Made> {
+    fn made(&mut self, state: &State, kind: PictureKind, film: Film, traced: Duration) -> Option<Made> {
         let rendering = self.next != Next::Nothing;
         let stage = self.stage.as_mut()?;
         let (report, transfer) = (*stage.report(), stage.film_settings().transfer);
         let mut times = state.times;
         times.set_frame(&FrameReport { trace: traced, ..report });
-        let plan = match quality {
-            Quality::Coarse(_) => None,
-            Quality::Draft | Quality::Full => stage.planned(state.frame, quality == Quality::Full).ok(),
+        let plan = match kind {
+            PictureKind::Coarse(_) => None,
+            PictureKind::Draft | PictureKind::Full => {
+                stage.planned(state.frame, kind == PictureKind::Full).ok()
+            }
         };
-        let warnings = if quality == Quality::Full { stage.warnings() } else { Vec::new() };
+        let warnings = if kind == PictureKind::Full { stage.warnings() } else { Vec::new() };
         let rays = report.rays.total();
-        Some(Made { film, transfer, quality, times, rays, plan, warnings, rendering })
+        Some(Made { film, transfer, kind, times, rays, plan, warnings, rendering })
     }
 
     /// Measures the cost of an effect, and goes on with the next one. Any command ends it.

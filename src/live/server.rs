@@ -7,7 +7,7 @@
 //! | `GET /events` | the same whenever it changes, as server-sent events |
 //! | `GET /picture/1795/7` | picture 7 of session 1795, as PNG |
 //! | `POST /view` | asks for something to see: a [`View`], as JSON |
-//! | `POST /probe` | tells what a pixel `[column, row]` sees: a [`Spot`](super::Spot) or null, as JSON |
+//! | `POST /probe` | tells what a pixel `[column, row]` sees: a [`PixelInfo`](super::PixelInfo) or null, as JSON |
 
 use std::convert::Infallible;
 use std::io;
@@ -224,12 +224,12 @@ async fn probe(State(shared): State<Shared>, body: Bytes) -> Response {
         Err(error) => return refused(&error),
     };
     let (sender, answer) = oneshot::channel();
-    let send = move |spot| {
-        let _ = sender.send(spot);
+    let send = move |info| {
+        let _ = sender.send(info);
     };
     shared.session.post(Command::Probe(pixel, Answer(Box::new(send))));
     match answer.await {
-        Ok(spot) => json(&spot),
+        Ok(info) => json(&info),
         Err(_) => StatusCode::SERVICE_UNAVAILABLE.into_response(),
     }
 }

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::ladder::Target;
 use super::mailbox::Detail;
-use super::spot::{Spot, named};
+use super::pixel_info::{PixelInfo, named};
 use super::state::{Planned, Times};
 use crate::components::FilmSettings;
 use crate::engine::{Draft, Engine, EngineError, FrameReport};
@@ -22,19 +22,19 @@ pub(super) struct Stage {
 }
 
 /// A scene as it was read.
-pub(super) struct Read {
+pub(super) struct LoadedScene {
     pub(super) scene: Scene,
     sources: Sources,
 }
 
 impl Stage {
-    pub(super) fn read(reader: &mut Reader, path: &Path) -> Result<Read, LoadError> {
+    pub(super) fn read(reader: &mut Reader, path: &Path) -> Result<LoadedScene, LoadError> {
         let (scene, sources) = reader.load(path)?;
-        Ok(Read { scene, sources })
+        Ok(LoadedScene { scene, sources })
     }
 
     /// Replaces the scene on show, if there is one, keeping what is in both.
-    pub(super) fn take_over(stage: &mut Option<Self>, Read { scene, sources }: Read) {
+    pub(super) fn take_over(stage: &mut Option<Self>, LoadedScene { scene, sources }: LoadedScene) {
         match stage {
             Some(stage) => {
                 stage.engine.reload(scene);
@@ -129,14 +129,14 @@ impl Stage {
     }
 
     /// Describes a pixel of a frame; `picture` is the full one, if there is one.
-    pub(super) fn spot(
+    pub(super) fn pixel_info(
         &mut self,
         frame: u32,
         pixel: (u32, u32),
         picture: Option<&Film>,
-    ) -> Result<Option<Spot>, EngineError> {
+    ) -> Result<Option<PixelInfo>, EngineError> {
         let time = self.timeline().time_of(frame);
-        Spot::of(&mut self.engine, &self.sources, time, pixel, picture)
+        PixelInfo::of(&mut self.engine, &self.sources, time, pixel, picture)
     }
 
     /// Returns the share of a frame's time that is saved without an effect, `None` for one that is not needed. Nothing after the

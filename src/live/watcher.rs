@@ -18,7 +18,7 @@ use std::time::{Duration, Instant, SystemTime};
 
 use notify::{Event, EventKind, RecommendedWatcher, RecursiveMode};
 
-use super::files::Files;
+use super::files::WatchedFiles;
 
 /// The time without any event after which a save is over.
 pub const QUIET: Duration = Duration::from_millis(25);
@@ -44,7 +44,7 @@ pub enum Watching {
 /// Watches some files on a thread of its own, until it is dropped.
 #[derive(Debug)]
 pub struct Watcher {
-    files: Arc<Mutex<Files>>,
+    files: Arc<Mutex<WatchedFiles>>,
     messages: Sender<Message>,
     thread: Option<JoinHandle<()>>,
 }
@@ -63,7 +63,7 @@ impl Watcher {
     pub fn start(watching: Watching, changed: impl FnMut() + Send + 'static) -> Self {
         let (messages, inbox) = channel();
         let tell = messages.clone();
-        let files = Arc::<Mutex<Files>>::default();
+        let files = Arc::<Mutex<WatchedFiles>>::default();
         let shared = Arc::clone(&files);
         let thread = thread::spawn(move || {
             // Where the system tells nothing, the files are looked after.
@@ -125,7 +125,7 @@ impl Watcher {
     }
 }
 
-fn lock(files: &Mutex<Files>) -> MutexGuard<'_, Files> {
+fn lock(files: &Mutex<WatchedFiles>) -> MutexGuard<'_, WatchedFiles> {
     files.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -143,7 +143,7 @@ struct Lookout {
     inbox: Receiver<Message>,
     eyes: Option<RecommendedWatcher>,
     heartbeat: Duration,
-    files: Arc<Mutex<Files>>,
+    files: Arc<Mutex<WatchedFiles>>,
     /// The watched directories.
     watched: BTreeSet<PathBuf>,
     /// The names of the files that matter.

@@ -7,7 +7,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use rayreel::Engine;
-use rayreel::live::{Answer, Command, Event, Session, SessionSettings, Shown, Spot, View, Watching};
+use rayreel::live::{Answer, Command, Event, PixelInfo, Session, SessionSettings, Shown, View, Watching};
 use rayreel::output::encode_quickly;
 use rayreel::scene::LoadError;
 use tempfile::TempDir;
@@ -126,7 +126,7 @@ impl Stage {
         }
     }
 
-    pub(crate) fn sees(&self, pixel: (u32, u32)) -> Option<Spot> {
+    pub(crate) fn sees(&self, pixel: (u32, u32)) -> Option<PixelInfo> {
         let (sender, answer) = channel();
         let send = move |spot| sender.send(spot).unwrap();
         self.session.handle().post(Command::Probe(pixel, Answer(Box::new(send))));

@@ -12,7 +12,7 @@ use crate::trace::{Film, SurfacePoint};
 
 /// A pixel of a picture, and what its first sample sees.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Spot {
+pub struct PixelInfo {
     /// Column and row, from 0 at the top left of the film.
     pub pixel: (u32, u32),
     /// The linear colour: of the pixel in the full picture, if there is one, or of its first sample.
@@ -24,12 +24,12 @@ pub struct Spot {
     /// The number of samples of the pixel in the full picture.
     pub all: u32,
     /// The surface that the first sample sees; `None` where its ray meets nothing.
-    pub surface: Option<Seen>,
+    pub surface: Option<SurfaceInfo>,
 }
 
 /// A visible surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Seen {
+pub struct SurfaceInfo {
     /// The entity's name or, where it has none, `#` and its place in document order.
     pub entity: String,
     /// The material's name where the entity is written.
@@ -44,7 +44,7 @@ pub struct Seen {
     pub distance: f64,
 }
 
-impl Spot {
+impl PixelInfo {
     /// Traces a pixel at a moment; its colour is taken from `picture`, the full one, if given. `None` outside the film, and for a
     /// camera without a place.
     pub(super) fn of(
@@ -60,7 +60,7 @@ impl Spot {
         let surface = probe.tree.rays.first().and_then(|first| match &first.end {
             RayEnd::Surface(lit) => {
                 let distance = lit.surface.distance(&first.ray);
-                Some(Seen::of(engine, sources, &probe, &lit.surface, distance))
+                Some(SurfaceInfo::of(engine, sources, &probe, &lit.surface, distance))
             }
             RayEnd::Background(_) | RayEnd::BeyondDepth(_) => None,
         });
@@ -73,7 +73,7 @@ impl Spot {
     }
 }
 
-impl Seen {
+impl SurfaceInfo {
     fn of(
         engine: &Engine,
         sources: &Sources,
