@@ -17,12 +17,12 @@ pub(super) struct Progress {
 
 enum Display {
     Bar(ProgressBar),
-    Lines(Pace),
+    Lines(LinePace),
 }
 
 /// The time between lines.
 #[derive(Debug)]
-struct Pace {
+struct LinePace {
     /// Zero for a line for every frame.
     apart: Duration,
     last: Cell<Option<Instant>>,
@@ -30,7 +30,7 @@ struct Pace {
 
 impl Progress {
     pub(super) fn start(total: usize) -> Self {
-        let display = match Pace::of(stderr().is_terminal(), print::is_dumb()) {
+        let display = match LinePace::of(stderr().is_terminal(), print::is_dumb()) {
             Some(pace) => Display::Lines(pace),
             None => Display::Bar(bar(total)),
         };
@@ -77,7 +77,7 @@ fn bar(total: usize) -> ProgressBar {
     bar
 }
 
-impl Pace {
+impl LinePace {
     /// The time between lines where they would scroll everything else away: on a terminal that can draw no bar. A log has a line
     /// for every frame.
     const ON_DUMB_TERMINALS: Duration = Duration::from_secs(2);
@@ -112,7 +112,7 @@ mod tests {
         // A frame every half second, the last one right after the one before.
         let times = [0, 500, 1000, 1500, 2000, 2500, 2501].map(|later| start + Duration::from_millis(later));
         let told = |is_terminal, is_dumb| {
-            let pace = Pace::of(is_terminal, is_dumb)?;
+            let pace = LinePace::of(is_terminal, is_dumb)?;
             Some((1..).zip(times).filter(|(count, now)| pace.is_due(*now, *count == times.len())).count())
         };
         assert_eq!(told(true, false), None);

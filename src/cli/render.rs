@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use anyhow::{Context, anyhow};
 
-use rayreel::output::{FrameWriter, Written, remove_leftovers};
+use rayreel::output::{FrameWriter, WrittenFrame, remove_leftovers};
 use rayreel::scene::Sources;
 use rayreel::{Engine, Scene};
 
@@ -100,7 +100,7 @@ fn render_all(
     let mut pending = Vec::new();
     let (mut rendered, mut refused) = (Ok(()), None);
     let mut settle =
-        |written: Written, pending: &Vec<ShotReport>, report: &mut RenderReport| match written.result {
+        |written: WrittenFrame, pending: &Vec<ShotReport>, report: &mut RenderReport| match written.result {
             Ok(()) => {
                 let shot = pending[written.ticket].written(written.duration);
                 progress.done(&shot, report.shots.len() + 1);

@@ -14,4 +14,4 @@ pub use frame_file::{FrameFormat, WriteError, encode, encode_quickly, write, wri
 pub use sequence::Sequence;
 pub use sheet::{Sheet, SheetTooLarge};
 pub use whole_file::{folder_of, remove_leftovers};
-pub use writer::{FrameWriter, Written};
+pub use writer::{FrameWriter, WrittenFrame};

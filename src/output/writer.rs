@@ -15,13 +15,13 @@ use crate::trace::Film;
 pub struct FrameWriter {
     /// The queue; `None` once the writer is told that no more will come.
     jobs: Option<SyncSender<Job>>,
-    written: Receiver<Written>,
+    written: Receiver<WrittenFrame>,
     thread: Option<JoinHandle<()>>,
 }
 
 /// A frame that the writer has finished with.
 #[derive(Debug)]
-pub struct Written {
+pub struct WrittenFrame {
     /// The number given to [`FrameWriter::submit`].
     pub ticket: usize,
     /// The time spent on encoding and writing.
@@ -58,13 +58,13 @@ impl FrameWriter {
     }
 
     /// Returns the frames finished since the last call.
-    pub fn written(&self) -> impl Iterator<Item = Written> {
+    pub fn written(&self) -> impl Iterator<Item = WrittenFrame> {
         self.written.try_iter()
     }
 
     /// Waits for all films to be written, and returns the frames not yet returned.
     #[must_use]
-    pub fn finish(mut self) -> Vec<Written> {
+    pub fn finish(mut self) -> Vec<WrittenFrame> {
         self.jobs = None;
         self.written.iter().collect()
     }
@@ -82,7 +82,7 @@ impl Drop for FrameWriter {
 
 /// Writes films as they come; while more wait, only their bytes are brought to the disk, and their names together with the last
 /// one's.
-fn run(jobs: &Receiver<Job>, done: &Sender<Written>) {
+fn run(jobs: &Receiver<Job>, done: &Sender<WrittenFrame>) {
     let mut next = jobs.recv().ok();
     while let Some(Job { ticket, path, film, transfer, format }) = next {
         let start = Instant::now();
@@ -90,7 +90,7 @@ fn run(jobs: &Receiver<Job>, done: &Sender<Written>) {
         next = jobs.try_recv().ok();
         let goes_on = next.as_ref().is_some_and(|job| job.path.parent() == path.parent());
         let result = if goes_on { put } else { put.and(frame_file::settle(&path)) };
-        if done.send(Written { ticket, duration: start.elapsed(), result }).is_err() {
+        if done.send(WrittenFrame { ticket, duration: start.elapsed(), result }).is_err() {
             return;
         }
         next = next.or_else(|| jobs.recv().ok());

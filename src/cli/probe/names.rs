@@ -24,12 +24,12 @@ fn order(world: &World, entity: Entity) -> Option<u64> {
 }
 
 /// Some entities, with the lines in which they start.
-pub(super) struct Places<'a> {
+pub(super) struct EntityLines<'a> {
     world: &'a World,
     lines: HashMap<Entity, SourceLine<'a>>,
 }
 
-impl<'a> Places<'a> {
+impl<'a> EntityLines<'a> {
     /// Looks the lines up.
     pub(super) fn of(world: &'a World, sources: &'a Sources, entities: &[Entity]) -> Self {
         let index = |entity: &Entity| Some((*entity, usize::try_from(order(world, *entity)?).ok()?));

@@ -13,7 +13,7 @@ use rayreel::{Engine, Entity, Rgb, Time};
 
 use super::super::exit::Failure;
 use super::super::print;
-use super::names::Places;
+use super::names::EntityLines;
 use super::numbers::{Shortest, exact};
 use super::tree::Node;
 
@@ -45,12 +45,12 @@ pub(super) fn run(at: &At<'_>, engine: &Engine, json: bool) -> Result<(), Failur
         .context("the camera is not in a finite place at this moment: all pixels show the background")?;
     let mut entities = probe.lights().to_vec();
     entities.extend(probe.tree.rays.iter().flat_map(|traced| met(&probe, traced)));
-    let places = Places::of(engine.world(), at.sources, &entities);
-    let seen = Seen { at, engine, probe, places };
+    let lines = EntityLines::of(engine.world(), at.sources, &entities);
+    let explanation = PixelExplanation { at, engine, probe, lines };
     if json {
-        print::json(&seen.json())?;
+        print::json(&explanation.json())?;
     } else {
-        print::result(&seen.text())?;
+        print::result(&explanation.text())?;
     }
     Ok(())
 }
@@ -86,14 +86,14 @@ fn met(probe: &Probe<'_>, traced: &TracedRay) -> Vec<Entity> {
 }
 
 /// The contents of an explanation.
-struct Seen<'a> {
+struct PixelExplanation<'a> {
     at: &'a At<'a>,
     engine: &'a Engine,
     probe: Probe<'a>,
-    places: Places<'a>,
+    lines: EntityLines<'a>,
 }
 
-impl Seen<'_> {
+impl PixelExplanation<'_> {
     fn bytes(&self) -> [u8; 3] {
         self.engine.film_settings().transfer.encode(self.probe.color())
     }
@@ -183,14 +183,14 @@ impl Seen<'_> {
                     ("normal", vector(surface.facing_normal())),
                 ]);
                 for slot in lit.also_there.iter().copied() {
-                    facts.push(("also there", format!(" {}", self.places.text(self.probe.entity(slot)))));
+                    facts.push(("also there", format!(" {}", self.lines.text(self.probe.entity(slot)))));
                 }
-                let entity = self.places.text(self.probe.entity(surface.hit.id));
+                let entity = self.lines.text(self.probe.entity(surface.hit.id));
                 (format!("meets {entity} from {side}"), self.contributions(lit))
             }
         };
         for slot in &traced.inside {
-            facts.push(("inside", format!(" {}", self.places.text(self.probe.entity(*slot)))));
+            facts.push(("inside", format!(" {}", self.lines.text(self.probe.entity(*slot)))));
         }
         facts.push(("light", color(light)));
         if traced.passage != Passage::CLEAR {
@@ -219,10 +219,10 @@ impl Seen<'_> {
                         "no shadow ray: off, behind, aimed elsewhere or not scattered".to_owned()
                     }
                     LightReach::Hidden(slot) => {
-                        format!("hidden by {}", self.places.text(self.probe.entity(*slot)))
+                        format!("hidden by {}", self.lines.text(self.probe.entity(*slot)))
                     }
                 };
-                (self.places.text(*entity), told)
+                (self.lines.text(*entity), told)
             });
         let mut all = vec![("ambient".to_owned(), adds(lit.ambient))];
         all.extend(lights);
@@ -249,7 +249,7 @@ impl Seen<'_> {
     }
 
     fn ray_json(&self, traced: &TracedRay) -> Value {
-        let entity = |slot: &_| self.places.json(self.probe.entity(*slot));
+        let entity = |slot: &_| self.lines.json(self.probe.entity(*slot));
         let (found, surface) = match &traced.end {
             RayEnd::Background(_) => ("background", Value::Null),
             RayEnd::BeyondDepth(_) => ("depth limit", Value::Null),
@@ -274,7 +274,7 @@ impl Seen<'_> {
 
     fn surface_json(&self, traced: &TracedRay, lit: &LitSurface) -> Value {
         let surface = &lit.surface;
-        let entity = |slot| self.places.json(self.probe.entity(slot));
+        let entity = |slot| self.lines.json(self.probe.entity(slot));
         let lights = self.probe.lights().iter().zip(&lit.lights).map(|(light, reach)| {
             let (outcome, adds, hidden_samples, hidden_by) = match reach {
                 LightReach::Reaches { color, hidden } => {
@@ -284,7 +284,7 @@ impl Seen<'_> {
                 LightReach::Hidden(slot) => ("hidden", None, None, Some(entity(*slot))),
             };
             json!({
-                "entity": self.places.json(*light),
+                "entity": self.lines.json(*light),
                 "outcome": outcome,
                 "adds": adds,
                 "hidden_samples": hidden_samples,

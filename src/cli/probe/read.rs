@@ -28,7 +28,7 @@ pub(super) struct RayReader {
 
 /// A mistake in a line, with its column, from 1, if it is in one place.
 #[derive(Debug, PartialEq)]
-struct Mistake {
+struct LineMistake {
     column: Option<usize>,
     message: String,
 }
@@ -63,7 +63,7 @@ impl RayReader {
             }
             match parse(&line) {
                 Ok(ray) => rays.push(ray),
-                Err(Mistake { column, message }) => {
+                Err(LineMistake { column, message }) => {
                     let column = column.map_or_else(String::new, |column| format!(":{column}"));
                     return Err(anyhow!("{}:{}{column}: {message}", self.name, self.count));
                 }
@@ -102,14 +102,14 @@ impl RayReader {
     }
 }
 
-fn parse(line: &str) -> Result<Ray, Mistake> {
+fn parse(line: &str) -> Result<Ray, LineMistake> {
     let mut numbers = [0.0_f64; 6];
     let mut columns = [0; 6];
     let count = line.split(',').count();
     if count != numbers.len() {
         let values = if count == 1 { "1 value".to_owned() } else { format!("{count} values") };
         let message = format!("{values} instead of 6: write a ray as {HEADER}, its origin and its direction");
-        return Err(Mistake { column: None, message });
+        return Err(LineMistake { column: None, message });
     }
     let mut start = 0;
     for ((number, column), field) in numbers.iter_mut().zip(&mut columns).zip(line.split(',')) {
@@ -117,7 +117,7 @@ fn parse(line: &str) -> Result<Ray, Mistake> {
         let before = start + (field.len() - field.trim_start().len());
         *column = line[..before].chars().count() + 1;
         start += field.len() + 1;
-        let mistake = |message: String| Mistake { column: Some(*column), message };
+        let mistake = |message: String| LineMistake { column: Some(*column), message };
         *number = text
             .parse()
             .map_err(|_| mistake(format!("`{text}` is not a number: write one such as 1, -0.25 or 1e-3")))?;
@@ -130,7 +130,7 @@ fn parse(line: &str) -> Result<Ray, Mistake> {
     let [ox, oy, oz, dx, dy, dz] = numbers;
     if [dx, dy, dz] == [0.0; 3] {
         let message = "the direction is zero: let at least one of dx, dy and dz be another number".to_owned();
-        return Err(Mistake { column: Some(columns[3]), message });
+        return Err(LineMistake { column: Some(columns[3]), message });
     }
     Ok(Ray { origin: [ox, oy, oz].into(), direction: [dx, dy, dz].into() })
 }

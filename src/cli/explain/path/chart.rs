@@ -2,7 +2,7 @@
 
 use super::axis::Steps;
 use super::sample::Rates;
-use super::svg::{Anchor, Frame, Place, Svg};
+use super::svg::{Anchor, Frame, PagePoint, Svg};
 
 pub(super) fn draw(svg: &mut Svg, rates: &Rates, frame: Frame, title: &str) {
     let (from, to) = rates.span;
@@ -10,7 +10,7 @@ pub(super) fn draw(svg: &mut Svg, rates: &Rates, frame: Frame, title: &str) {
     let most = rates.range().1;
     let steps = Steps::over(most, 3.0);
     let top = if most > 0.0 { (most / steps.size() - 1e-9).ceil().max(1.0) * steps.size() } else { 1.0 };
-    let place = |(second, rate): &(f64, f64)| -> Place {
+    let place = |(second, rate): &(f64, f64)| -> PagePoint {
         [frame.left + (second - from) / seconds * frame.width, frame.bottom() - rate / top * frame.height]
     };
 
@@ -27,17 +27,17 @@ pub(super) fn draw(svg: &mut Svg, rates: &Rates, frame: Frame, title: &str) {
     }
     svg.line("frame", [frame.left, frame.top], [frame.left, frame.bottom()]);
     svg.line("frame", [frame.left, frame.bottom()], [frame.right(), frame.bottom()]);
-    let shots: Vec<Vec<Place>> = rates.shots.iter().map(|shot| thinned(shot.iter().map(place))).collect();
+    let shots: Vec<Vec<PagePoint>> = rates.shots.iter().map(|shot| thinned(shot.iter().map(place))).collect();
     svg.lines("value", &shots);
 }
 
 /// Leaves out points that are hardly apart from the one before, but keeps the last.
-pub(super) fn thinned(places: impl Iterator<Item = Place>) -> Vec<Place> {
+pub(super) fn thinned(places: impl Iterator<Item = PagePoint>) -> Vec<PagePoint> {
     const APART: f64 = 0.4;
-    let mut kept: Vec<Place> = Vec::new();
+    let mut kept: Vec<PagePoint> = Vec::new();
     let mut left_out = None;
     for place in places {
-        let near = |last: &Place| (place[0] - last[0]).abs().max((place[1] - last[1]).abs()) < APART;
+        let near = |last: &PagePoint| (place[0] - last[0]).abs().max((place[1] - last[1]).abs()) < APART;
         if kept.last().is_some_and(near) {
             left_out = Some(place);
         } else {

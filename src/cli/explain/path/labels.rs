@@ -1,15 +1,15 @@
 //! Texts beside points, clear of each other and of the lines that matter.
 
-use super::svg::{Anchor, Frame, Place, Svg};
+use super::svg::{Anchor, Frame, PagePoint, Svg};
 
 /// The free and the taken parts of a frame.
 pub(super) struct Labels {
     within: Frame,
     /// Points on lines.
-    lines: Vec<Place>,
+    lines: Vec<PagePoint>,
     /// The texts, and below the points that they are about.
     taken: Vec<Frame>,
-    places: Vec<Place>,
+    places: Vec<PagePoint>,
 }
 
 /// The height of a text, and the width of a character, in pixels.
@@ -22,7 +22,7 @@ impl Labels {
     }
 
     /// Keeps texts off a line.
-    pub(super) fn keep_off(&mut self, line: &[Place]) {
+    pub(super) fn keep_off(&mut self, line: &[PagePoint]) {
         const STEP: f64 = 3.0;
         for pair in line.windows(2) {
             let [x, y] = [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]];
@@ -38,13 +38,13 @@ impl Labels {
         &mut self,
         svg: &mut Svg,
         class: &str,
-        place: Place,
-        heading: Option<Place>,
+        place: PagePoint,
+        heading: Option<PagePoint>,
         text: &str,
     ) -> bool {
         /// The distance within which points are the same.
         const SAME: f64 = 6.0;
-        let same = |[x, y]: &Place| (place[0] - x).abs().max((place[1] - y).abs()) < SAME;
+        let same = |[x, y]: &PagePoint| (place[0] - x).abs().max((place[1] - y).abs()) < SAME;
         if self.places.iter().any(same) {
             return false;
         }
@@ -66,7 +66,7 @@ impl Labels {
 }
 
 /// Returns the directions to try: across the path, and then all around.
-fn sides(heading: Option<Place>) -> Vec<Place> {
+fn sides(heading: Option<PagePoint>) -> Vec<PagePoint> {
     const DIAGONAL: f64 = std::f64::consts::FRAC_1_SQRT_2;
     let [right, down] = heading.unwrap_or([0.0, 1.0]);
     let mut sides = vec![[down, -right], [-down, right]];
@@ -78,7 +78,7 @@ fn sides(heading: Option<Place>) -> Vec<Place> {
 }
 
 /// Returns the frame of a text of the given width, in a direction from a point and at a distance from it.
-fn around([x, y]: Place, [right, down]: Place, width: f64, distance: f64) -> Frame {
+fn around([x, y]: PagePoint, [right, down]: PagePoint, width: f64, distance: f64) -> Frame {
     let middle = [x + right * (distance + 0.5 * width), y + down * (distance + 0.5 * HEIGHT)];
     Frame { left: middle[0] - 0.5 * width, top: middle[1] - 0.5 * HEIGHT, width, height: HEIGHT }
 }

@@ -94,10 +94,10 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::cli::explain::path::sample::Moment;
+    use crate::cli::explain::path::sample::CameraSample;
 
-    fn moment(seconds: f64, eye: DVec3, camera: &str) -> Moment {
-        Moment {
+    fn sample(seconds: f64, eye: DVec3, camera: &str) -> CameraSample {
+        CameraSample {
             seconds,
             eye,
             axes: [DVec3::X, DVec3::Y, DVec3::Z],
@@ -110,11 +110,11 @@ mod tests {
     fn with_a_cut(size: f64) -> Journey {
         let at = |index: u32, from: DVec3, camera| {
             let along = size * f64::from(index) * DVec3::new(0.1, 0.0, 0.05);
-            moment(f64::from(index) / 10.0, size * from + along, camera)
+            sample(f64::from(index) / 10.0, size * from + along, camera)
         };
         let first = (0..10).map(|index| at(index, DVec3::ZERO, "wide"));
         let second = (10..20).map(|index| at(index, DVec3::new(-3.0, 2.0, 4.0), "close & low"));
-        Journey { moments: first.chain(second).collect(), spread_over: None, things: Vec::new() }
+        Journey { samples: first.chain(second).collect(), spread_over: None, things: Vec::new() }
     }
 
     /// The lines of a class, each with the number of its points, view by view.
@@ -143,12 +143,12 @@ mod tests {
         let many = |count: u32, length: f64| {
             let at = |index: u32| {
                 let u = f64::from(index) / f64::from(count - 1);
-                moment(f64::from(index) / 24.0, DVec3::new(length * u, 0.0, 0.0), "camera")
+                sample(f64::from(index) / 24.0, DVec3::new(length * u, 0.0, 0.0), "camera")
             };
             // What is looked at makes the views as large as this.
-            let mut moments: Vec<_> = (0..count).map(at).collect();
-            moments[0].target = Some(DVec3::new(0.0, 0.0, 100.0));
-            drawing(&Journey { moments, spread_over: None, things: Vec::new() }, "many.ron")
+            let mut samples: Vec<_> = (0..count).map(at).collect();
+            samples[0].target = Some(DVec3::new(0.0, 0.0, 100.0));
+            drawing(&Journey { samples, spread_over: None, things: Vec::new() }, "many.ron")
         };
         for (count, length, stride) in [(50, 100.0, 1), (150, 100.0, 2), (2000, 100.0, 50), (50, 10.0, 10)] {
             let drawing = many(count, length);
@@ -163,8 +163,8 @@ mod tests {
     #[test]
     fn any_journey_makes_numbers() {
         let still = |count: u32| {
-            let moments = (0..count).map(|index| moment(f64::from(index), DVec3::ZERO, "camera")).collect();
-            Journey { moments, spread_over: None, things: Vec::new() }
+            let samples = (0..count).map(|index| sample(f64::from(index), DVec3::ZERO, "camera")).collect();
+            Journey { samples, spread_over: None, things: Vec::new() }
         };
         for journey in [with_a_cut(1e60), with_a_cut(1e-60), with_a_cut(0.0), still(0), still(1), still(30)] {
             let drawing = drawing(&journey, "<odd> \"name\"");

@@ -13,7 +13,7 @@ use super::things::Thing;
 /// The camera's path over the chosen frames.
 pub(super) struct Journey {
     /// In the order of time; not empty, unless no frame was chosen.
-    pub(super) moments: Vec<Moment>,
+    pub(super) samples: Vec<CameraSample>,
     /// The number of chosen frames, if there are too many for each to be sampled.
     pub(super) spread_over: Option<usize>,
     /// The things around, as they are in the first of them.
@@ -22,7 +22,7 @@ pub(super) struct Journey {
 
 /// The camera in one frame.
 #[derive(Clone, Debug)]
-pub(super) struct Moment {
+pub(super) struct CameraSample {
     pub(super) seconds: f64,
     pub(super) eye: DVec3,
     /// Right, up and forward; unit vectors.
@@ -42,30 +42,30 @@ impl Journey {
         let chosen = frames.count();
         let frames = frames.spread(Self::MOST);
         let spread_over = (frames.count() < chosen).then_some(chosen);
-        let (mut moments, mut things) = (Vec::with_capacity(frames.count()), Vec::new());
+        let (mut samples, mut things) = (Vec::with_capacity(frames.count()), Vec::new());
         for frame in frames.frames() {
             let time = engine.timeline().time_of(frame);
             engine.seek(time)?;
-            if moments.is_empty() {
+            if samples.is_empty() {
                 things = super::things::all(engine);
             }
-            if let Some(moment) = Moment::of(engine, time) {
-                moments.push(moment);
+            if let Some(sample) = CameraSample::of(engine, time) {
+                samples.push(sample);
             }
         }
-        Ok(Self { moments, spread_over, things })
+        Ok(Self { samples, spread_over, things })
     }
 
     /// Returns the shots: runs of frames between which there is no cut.
-    pub(super) fn shots(&self) -> impl Iterator<Item = &[Moment]> {
-        self.moments.chunk_by(|one, next| one.camera == next.camera)
+    pub(super) fn shots(&self) -> impl Iterator<Item = &[CameraSample]> {
+        self.samples.chunk_by(|one, next| one.camera == next.camera)
     }
 
     /// Returns the frames of a shot that are labelled with their seconds: the first at or after each of a few round ones.
-    pub(super) fn told(&self, shot: &[Moment]) -> impl Iterator<Item = usize> {
+    pub(super) fn told(&self, shot: &[CameraSample]) -> impl Iterator<Item = usize> {
         let (from, to) = self.span();
         let size = Steps::over(to - from, 12.0).size();
-        let round = move |moment: &Moment| (moment.seconds / size + 1e-9).floor();
+        let round = move |sample: &CameraSample| (sample.seconds / size + 1e-9).floor();
         let rounds: Vec<f64> = shot.iter().map(round).collect();
         let is_round = |index: &usize| match index.checked_sub(1) {
             Some(before) => rounds[*index] > rounds[before],
@@ -76,8 +76,8 @@ impl Journey {
 
     /// Returns the first and the last second.
     fn span(&self) -> (f64, f64) {
-        let seconds = |moment: &Moment| moment.seconds;
-        (self.moments.first().map_or(0.0, seconds), self.moments.last().map_or(0.0, seconds))
+        let seconds = |sample: &CameraSample| sample.seconds;
+        (self.samples.first().map_or(0.0, seconds), self.samples.last().map_or(0.0, seconds))
     }
 
     /// Returns the speeds in scene units per second, from frame to frame.
@@ -90,8 +90,8 @@ impl Journey {
         self.rates(|one, next| one.turned_to(next).to_degrees())
     }
 
-    fn rates(&self, change: impl Fn(&Moment, &Moment) -> f64) -> Rates {
-        let rate = |pair: &[Moment]| {
+    fn rates(&self, change: impl Fn(&CameraSample, &CameraSample) -> f64) -> Rates {
+        let rate = |pair: &[CameraSample]| {
             let [one, next] = [&pair[0], &pair[1]];
             (0.5 * (one.seconds + next.seconds), change(one, next) / (next.seconds - one.seconds))
         };
@@ -103,12 +103,12 @@ impl Journey {
 
     /// Returns whether the eye stands still throughout every shot.
     pub(super) fn is_still(&self) -> bool {
-        self.shots().all(|shot| shot.iter().all(|moment| moment.eye == shot[0].eye))
+        self.shots().all(|shot| shot.iter().all(|sample| sample.eye == shot[0].eye))
     }
 
     /// Describes the path in one line.
     pub(super) fn in_words(&self) -> String {
-        let count = match (self.moments.len(), self.spread_over) {
+        let count = match (self.samples.len(), self.spread_over) {
             (count, Some(chosen)) => format!("{count} of {chosen} frames"),
             (1, None) => "1 frame".to_owned(),
             (count, None) => format!("{count} frames"),
@@ -137,7 +137,7 @@ impl Journey {
     }
 }
 
-impl Moment {
+impl CameraSample {
     fn of(engine: &Engine, time: Time) -> Option<Self> {
         let prepared = engine.camera()?;
         let (eye, axes) = (prepared.position(), prepared.axes());

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 /// A point on the drawing: pixels to the right and down.
-pub(super) type Place = [f64; 2];
+pub(super) type PagePoint = [f64; 2];
 
 /// A rectangle on the drawing.
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +23,7 @@ impl Frame {
         self.top + self.height
     }
 
-    pub(super) fn middle(&self) -> Place {
+    pub(super) fn middle(&self) -> PagePoint {
         [self.left + 0.5 * self.width, self.top + 0.5 * self.height]
     }
 
@@ -34,7 +34,7 @@ impl Frame {
             && other.top < self.bottom()
     }
 
-    pub(super) fn contains(&self, [x, y]: Place) -> bool {
+    pub(super) fn contains(&self, [x, y]: PagePoint) -> bool {
         (self.left..self.right()).contains(&x) && (self.top..self.bottom()).contains(&y)
     }
 
@@ -96,7 +96,7 @@ impl Svg {
     }
 
     /// Draws lines from point to point, each list for itself.
-    pub(super) fn lines(&mut self, class: &str, lines: &[Vec<Place>]) {
+    pub(super) fn lines(&mut self, class: &str, lines: &[Vec<PagePoint>]) {
         let mut path = String::new();
         for line in lines {
             for (index, place) in line.iter().enumerate() {
@@ -110,12 +110,12 @@ impl Svg {
         }
     }
 
-    pub(super) fn line(&mut self, class: &str, from: Place, to: Place) {
+    pub(super) fn line(&mut self, class: &str, from: PagePoint, to: PagePoint) {
         self.lines(class, &[vec![from, to]]);
     }
 
     /// Draws an ellipse whose first radius is turned by `degrees`.
-    pub(super) fn ellipse(&mut self, class: &str, at: Place, radii: Place, degrees: f64) {
+    pub(super) fn ellipse(&mut self, class: &str, at: PagePoint, radii: PagePoint, degrees: f64) {
         let [x, y] = at.map(coordinate);
         let [rx, ry] = radii.map(coordinate);
         let turned = if rx == ry {
@@ -128,12 +128,12 @@ impl Svg {
         ));
     }
 
-    pub(super) fn dot(&mut self, class: &str, [x, y]: Place, radius: f64) {
+    pub(super) fn dot(&mut self, class: &str, [x, y]: PagePoint, radius: f64) {
         let [x, y] = [x, y].map(coordinate);
         self.write(format_args!("<circle class=\"{class}\" cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"/>"));
     }
 
-    pub(super) fn text(&mut self, class: &str, [x, y]: Place, anchor: Anchor, text: &str) {
+    pub(super) fn text(&mut self, class: &str, [x, y]: PagePoint, anchor: Anchor, text: &str) {
         let anchor = match anchor {
             Anchor::Start => "start",
             Anchor::Middle => "middle",
@@ -172,7 +172,7 @@ impl Svg {
     }
 }
 
-fn pair([x, y]: Place) -> String {
+fn pair([x, y]: PagePoint) -> String {
     format!("{} {} ", coordinate(x), coordinate(y))
 }
 

@@ -5,8 +5,8 @@ use glam::DVec3;
 use super::axis::Steps;
 use super::chart::thinned;
 use super::labels::Labels;
-use super::sample::{Journey, Moment};
-use super::svg::{Anchor, Frame, Place, Svg};
+use super::sample::{CameraSample, Journey};
+use super::svg::{Anchor, Frame, PagePoint, Svg};
 use super::things::Thing;
 
 /// Space seen along one of its axes.
@@ -42,7 +42,7 @@ pub(super) fn draw(svg: &mut Svg, journey: &Journey, [left, right]: [Frame; 2]) 
 
 /// Returns the bounds of the path, of its targets, and of the things near them.
 fn bounds(journey: &Journey) -> (DVec3, DVec3) {
-    let seen = journey.moments.iter().flat_map(|moment| [Some(moment.eye), moment.target]).flatten();
+    let seen = journey.samples.iter().flat_map(|sample| [Some(sample.eye), sample.target]).flatten();
     let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for point in seen {
         (least, most) = (least.min(point), most.max(point));
@@ -62,7 +62,7 @@ fn bounds(journey: &Journey) -> (DVec3, DVec3) {
 }
 
 impl View {
-    fn place(&self, point: DVec3) -> Place {
+    fn place(&self, point: DVec3) -> PagePoint {
         let [right, up] = self.across(point - self.center);
         let [x, y] = self.frame.middle();
         [x + right * self.scale, y - up * self.scale]
@@ -77,7 +77,7 @@ impl View {
     fn tick_stride(&self, journey: &Journey) -> usize {
         const NEAREST: f64 = 4.0;
         const MOST: f64 = 240.0;
-        let count = journey.moments.len() as f64;
+        let count = journey.samples.len() as f64;
         let steps = journey.shots().flat_map(|shot| shot.windows(2));
         let length: f64 = steps.map(|pair| apart(self.place(pair[0].eye), self.place(pair[1].eye))).sum();
         let least = (count / MOST).max(NEAREST * count / length.max(1.0));
@@ -162,23 +162,23 @@ impl View {
         svg.line("thing", end(-1.0), end(1.0));
     }
 
-    fn shot(&self, svg: &mut Svg, shot: &[Moment], stride: usize) {
-        let targets: Vec<Vec<Place>> = shot
+    fn shot(&self, svg: &mut Svg, shot: &[CameraSample], stride: usize) {
+        let targets: Vec<Vec<PagePoint>> = shot
             .chunk_by(|one, next| one.target.is_some() == next.target.is_some())
             .map(|run| {
-                thinned(run.iter().filter_map(|moment| moment.target).map(|target| self.place(target)))
+                thinned(run.iter().filter_map(|sample| sample.target).map(|target| self.place(target)))
             })
             .collect();
         svg.lines("target", &targets);
         svg.lines("view", &self.glances(shot));
         svg.lines("eye", &[self.way(shot)]);
-        let ticks: Vec<Vec<Place>> =
+        let ticks: Vec<Vec<PagePoint>> =
             (0..shot.len()).step_by(stride).filter_map(|index| self.tick(shot, index)).collect();
         svg.lines("ticks", &ticks);
     }
 
     /// Returns a tick across the path.
-    fn tick(&self, shot: &[Moment], index: usize) -> Option<Vec<Place>> {
+    fn tick(&self, shot: &[CameraSample], index: usize) -> Option<Vec<PagePoint>> {
         const HALF: f64 = 3.0;
         let ([x, y], [right, down]) = (self.place(shot[index].eye), self.heading(shot, index)?);
         Some(vec![[x - HALF * down, y + HALF * right], [x + HALF * down, y - HALF * right]])
@@ -186,7 +186,7 @@ impl View {
 
     /// Returns the direction of the path in this view, as a unit vector on the page: from the frame before to the one after or,
     /// where it turns straight back there, from the frame itself.
-    fn heading(&self, shot: &[Moment], index: usize) -> Option<Place> {
+    fn heading(&self, shot: &[CameraSample], index: usize) -> Option<PagePoint> {
         let here = &shot[index];
         let [before, after] =
             [index.wrapping_sub(1), index + 1].map(|near| self.place(shot.get(near).unwrap_or(here).eye));
@@ -196,16 +196,16 @@ impl View {
         })
     }
 
-    fn way(&self, shot: &[Moment]) -> Vec<Place> {
-        thinned(shot.iter().map(|moment| self.place(moment.eye)))
+    fn way(&self, shot: &[CameraSample]) -> Vec<PagePoint> {
+        thinned(shot.iter().map(|sample| self.place(sample.eye)))
     }
 
     /// Returns short strokes from the eye along the view.
-    fn glances(&self, shot: &[Moment]) -> Vec<Vec<Place>> {
+    fn glances(&self, shot: &[CameraSample]) -> Vec<Vec<PagePoint>> {
         const LENGTH: f64 = 24.0;
         const MOST: usize = 32;
-        let stroke = |moment: &Moment| {
-            let ([x, y], [right, up]) = (self.place(moment.eye), self.across(moment.axes[2]));
+        let stroke = |sample: &CameraSample| {
+            let ([x, y], [right, up]) = (self.place(sample.eye), self.across(sample.axes[2]));
             vec![[x, y], [x + LENGTH * right, y - LENGTH * up]]
         };
         shot.iter().step_by(shot.len().div_ceil(MOST).max(1)).map(stroke).collect()
@@ -234,12 +234,12 @@ impl View {
     }
 }
 
-fn apart(one: Place, other: Place) -> f64 {
+fn apart(one: PagePoint, other: PagePoint) -> f64 {
     libm::hypot(other[0] - one[0], other[1] - one[1])
 }
 
 /// Draws the legend of the lines.
-fn legend(svg: &mut Svg, [mut x, y]: Place, stride: usize, journey: &Journey) {
+fn legend(svg: &mut Svg, [mut x, y]: PagePoint, stride: usize, journey: &Journey) {
     let drawn = if journey.spread_over.is_some() { " drawn" } else { "" };
     let eye = match stride {
         _ if journey.is_still() => "the eye".to_owned(),
@@ -247,7 +247,7 @@ fn legend(svg: &mut Svg, [mut x, y]: Place, stride: usize, journey: &Journey) {
         stride => format!("the eye, with a tick at every {stride} frames{drawn}"),
     };
     let mut entries = vec![("eye", eye.as_str()), ("view", "where it looks")];
-    if journey.moments.iter().any(|moment| moment.target.is_some()) {
+    if journey.samples.iter().any(|sample| sample.target.is_some()) {
         entries.push(("target", "its target"));
     }
     if !journey.things.is_empty() {
