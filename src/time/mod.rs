@@ -4,9 +4,12 @@
 //! so that frame 240 is the same moment whether one starts at 0 or at 240.
 
 mod frame_list;
-mod moment;
+mod frame_rate;
+#[expect(clippy::module_inception, reason = "what the folder is about")]
+mod time;
 mod timeline;
 
 pub use frame_list::{FrameList, FrameListError};
-pub use moment::{FrameRate, Time, TimeError};
+pub use frame_rate::FrameRate;
+pub use time::{Time, TimeError};
 pub use timeline::Timeline;

@@ -1,84 +1,13 @@
-//! Moments and frame rates as exact ratios of integers.
+//! Moments as exact ratios of integers.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// Frames per second as a ratio of integers: 24/1, or 30000/1001 for NTSC.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FrameRate {
-    numerator: u32,
-    denominator: u32,
-}
-
-impl FrameRate {
-    /// The largest value of either part, so that every frame's time is a ratio of integers exact in `f64`.
-    pub const LARGEST_PART: u32 = 1_000_000;
-
-    /// Creates a rate of `numerator / denominator` frames per second, both in 1..=[`Self::LARGEST_PART`].
-    #[must_use]
-    pub fn new(numerator: u32, denominator: u32) -> Option<Self> {
-        let allowed = 1..=Self::LARGEST_PART;
-        (allowed.contains(&numerator) && allowed.contains(&denominator))
-            .then_some(Self { numerator, denominator })
-    }
-
-    /// Returns the moment of frame `index`: exactly `index * denominator / numerator` seconds.
-    ///
-    /// ```
-    /// use rayreel::time::FrameRate;
-    /// assert_eq!(FrameRate::new(24, 1).unwrap().time_of(14_400).seconds(), 600.0);
-    /// assert_eq!(FrameRate::new(30_000, 1001).unwrap().time_of(1_000_000).seconds(), 33366.666666666667);
-    /// ```
-    #[must_use]
-    pub fn time_of(self, index: u32) -> Time {
-        Time {
-            numerator: u64::from(index) * u64::from(self.denominator),
-            denominator: u64::from(self.numerator),
-        }
-    }
-
-    /// Returns a moment in frames: whole at those of frames, with a fraction between them.
-    ///
-    /// ```
-    /// use rayreel::time::FrameRate;
-    /// let rate = FrameRate::new(30_000, 1001).unwrap();
-    /// assert_eq!(rate.frames_at(rate.time_of(1_000_000)), 1e6);
-    /// assert_eq!(FrameRate::new(24, 1).unwrap().frames_at("0.1".parse().unwrap()), 2.4);
-    /// ```
-    #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "frames beyond 2^53 are none")]
-    pub fn frames_at(self, time: Time) -> f64 {
-        let numerator = u128::from(time.numerator) * u128::from(self.numerator);
-        let denominator = u128::from(time.denominator) * u128::from(self.denominator);
-        let (whole, rest) = (numerator / denominator, numerator % denominator);
-        whole as f64 + rest as f64 / denominator as f64
-    }
-
-    /// Returns the ratio's numerator and denominator.
-    #[must_use]
-    pub fn parts(self) -> (u32, u32) {
-        (self.numerator, self.denominator)
-    }
-
-    /// Returns the frames per second, rounded to `f64`.
-    #[must_use]
-    pub fn per_second(self) -> f64 {
-        f64::from(self.numerator) / f64::from(self.denominator)
-    }
-}
-
-impl Default for FrameRate {
-    /// Returns 24 frames per second.
-    fn default() -> Self {
-        Self { numerator: 24, denominator: 1 }
-    }
-}
-
 /// A moment, in exact rational seconds from the start of the timeline.
 #[derive(Clone, Copy, Debug)]
 pub struct Time {
-    numerator: u64,
-    denominator: u64,
+    pub(super) numerator: u64,
+    pub(super) denominator: u64,
 }
 
 impl Time {
@@ -225,6 +154,7 @@ impl FromStr for Time {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::time::FrameRate;
 
     #[test]
     fn seconds_are_read_exactly() {
@@ -247,13 +177,5 @@ mod tests {
             FrameRate::new(10, 1).unwrap().time_of(3).whole_steps(Time::from_ratio(1, 10).unwrap()),
             3
         );
-    }
-
-    #[test]
-    fn a_sum_of_steps_would_drift_where_this_does_not() {
-        let rate = FrameRate::new(24, 1).unwrap();
-        let summed = (0..14_400).fold(0.0, |time, _| time + 1.0 / 24.0);
-        assert!(summed > 600.0);
-        assert_eq!(rate.time_of(14_400).seconds(), 600.0);
     }
 }
