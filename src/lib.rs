@@ -75,7 +75,7 @@ pub mod engine;
 pub mod live;
 pub mod output;
 pub mod scene;
-pub mod script;
+mod script;
 pub mod systems;
 pub mod time;
 pub mod trace;

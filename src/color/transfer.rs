@@ -39,8 +39,7 @@ impl Transfer {
 
     /// Returns the file colour of linear light, to the precision of `f32`: what [`decode`](Self::decode) was given. Light beyond
     /// 1 is a channel beyond 255.
-    #[must_use]
-    pub fn channels(self, linear: Rgb) -> [f64; 3] {
+    pub(crate) fn channels(self, linear: Rgb) -> [f64; 3] {
         linear.to_array().map(|channel| {
             255.0
                 * match self {
@@ -60,8 +59,7 @@ impl Transfer {
     }
 
     /// Encodes many pixels as [`encode`](Self::encode) does, in half the time for each.
-    #[must_use]
-    pub fn encode_all(self, pixels: &[Rgb]) -> Vec<[u8; 3]> {
+    pub(crate) fn encode_all(self, pixels: &[Rgb]) -> Vec<[u8; 3]> {
         match self {
             Self::Classic => pixels.iter().map(|pixel| pixel.to_array().map(classic_byte)).collect(),
             Self::Srgb => pixels.iter().map(|pixel| pixel.to_array().map(srgb_byte)).collect(),

@@ -43,8 +43,7 @@ impl Handle {
     }
 
     /// Returns a receiver of the states to come.
-    #[must_use]
-    pub fn subscribe(&self) -> watch::Receiver<State> {
+    pub(super) fn subscribe(&self) -> watch::Receiver<State> {
         self.board.subscribe()
     }
 

@@ -113,7 +113,7 @@ impl Watcher {
     }
 
     /// Forgets the contents of the files: they could not be read, which may pass without any trace.
-    pub fn doubt(&self) {
+    pub(super) fn doubt(&self) {
         lock(&self.files).forget();
     }
 

@@ -71,8 +71,7 @@ impl Diagnostic {
     }
 
     /// Renders the mistake as a compiler would: message, file, line and column, the line with the place marked, and help.
-    #[must_use]
-    pub fn render(&self, file: &str, text: &str, color: bool) -> String {
+    pub(super) fn render(&self, file: &str, text: &str, color: bool) -> String {
         self.render_with_notes(file, text, &[], color)
     }
 

@@ -6,7 +6,7 @@ use std::io::{self, Read, Take};
 use std::path::Path;
 
 /// The most bytes of a scene file: 1 GiB.
-pub const LARGEST_FILE: u64 = 1 << 30;
+pub(crate) const LARGEST_FILE: u64 = 1 << 30;
 
 /// Whether a file may also be a stream that the program was started with, as `/dev/stdin`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,7 +64,7 @@ pub fn open(path: &Path, offered: Offered, most: u64) -> Result<Take<File>, Inpu
 /// # Errors
 ///
 /// As [`open`], and if it has become too large, or reading fails.
-pub fn read(path: &Path, offered: Offered, most: u64) -> Result<Vec<u8>, InputError> {
+pub(crate) fn read(path: &Path, offered: Offered, most: u64) -> Result<Vec<u8>, InputError> {
     let mut bytes = Vec::new();
     open(path, offered, most)?.read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most { Err(InputError::TooLarge(most)) } else { Ok(bytes) }

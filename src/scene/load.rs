@@ -22,7 +22,7 @@ pub struct Scene {
     /// names it.
     pub files: Vec<PathBuf>,
     /// The programs that drive values.
-    pub scripts: SceneScripts,
+    pub(crate) scripts: SceneScripts,
 }
 
 impl Scene {

@@ -1,4 +1,4 @@
-#![doc = "[language]: crate::script\n"]
+#![doc = "[language]: crate::scene::language\n"]
 // The text links by that name: among the sources to a file, and here, where the first meaning counts, to a module.
 #![doc = include_str!("reference.md")]
 

@@ -11,14 +11,14 @@ use crate::script::{Programs, ScriptError};
 
 /// The programs that drive values of a scene.
 #[derive(Debug)]
-pub struct SceneScripts {
+pub(crate) struct SceneScripts {
     programs: Programs,
     sources: ScriptSources,
 }
 
 /// The places where the programs of a scene are written.
 #[derive(Clone, Debug, Default)]
-pub struct ScriptSources {
+pub(crate) struct ScriptSources {
     places: Vec<ScriptPlace>,
 }
 
@@ -41,23 +41,15 @@ impl SceneScripts {
         Self { programs, sources: ScriptSources { places } }
     }
 
-    /// Returns whether there are none.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.programs.uses.is_empty()
-    }
-
     /// Returns the programs, and the places where they are written.
-    #[must_use]
-    pub fn into_parts(self) -> (Programs, ScriptSources) {
+    pub(crate) fn into_parts(self) -> (Programs, ScriptSources) {
         (self.programs, self.sources)
     }
 }
 
 impl ScriptSources {
     /// Returns the mistake of a program; `about` says what it drives, and when.
-    #[must_use]
-    pub fn mistake(&self, script: ScriptId, about: &str, error: &ScriptError) -> ScriptMistake {
+    pub(crate) fn mistake(&self, script: ScriptId, about: &str, error: &ScriptError) -> ScriptMistake {
         let (message, label) = (format!("{about}: {}", error.message), error.label.clone());
         let (span, source) = match self.places.get(script.0) {
             Some(ScriptPlace { source, animation: Some(animation) }) => {

@@ -11,7 +11,7 @@ use super::{Data, work};
 
 /// The moment and the owner of a program, as it reads them.
 #[derive(Clone, Debug, Default)]
-pub struct ScriptContext {
+pub(crate) struct ScriptContext {
     seconds: f64,
     frame: f64,
     fps: f64,
@@ -25,13 +25,13 @@ pub struct ScriptContext {
 
 /// A value that a program reads: `value("ball", "Radius")`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Read {
+pub(crate) struct Read {
     /// The name of what has the value.
-    pub target: String,
+    pub(crate) target: String,
     /// The name of the channel.
-    pub channel: String,
+    pub(crate) channel: String,
     /// The place of the read, in bytes of the program's text.
-    pub span: Range<usize>,
+    pub(crate) span: Range<usize>,
 }
 
 /// A read that could not be answered, as an error holds it.
@@ -48,26 +48,26 @@ impl ScriptContext {
 
     /// Creates a context at the start of a timeline with `fps` frames per second and `duration` seconds.
     #[must_use]
-    pub fn new(fps: f64, duration: f64) -> Self {
+    pub(crate) fn new(fps: f64, duration: f64) -> Self {
         Self { fps, duration, ..Self::default() }
     }
 
     /// Sets the owner of the program: its `index`, its `name`, and the value `base` that its channel has without the program.
-    pub fn belong(&mut self, index: u64, name: &str, base: Data) {
+    pub(crate) fn belong(&mut self, index: u64, name: &str, base: Data) {
         self.index = index;
         self.name = ImmutableString::from(name).into();
         self.base = base.into_dynamic();
     }
 
     /// Moves to another moment, in seconds and in frames with a fraction, and forgets all values of other channels.
-    pub fn turn_to(&mut self, seconds: f64, frame: f64) {
+    pub(crate) fn turn_to(&mut self, seconds: f64, frame: f64) {
         (self.seconds, self.frame) = (seconds, frame);
         self.forget();
     }
 
     /// Returns the number of operations of the last run.
     #[must_use]
-    pub fn work(&self) -> u64 {
+    pub(crate) fn work(&self) -> u64 {
         self.work
     }
 
@@ -76,12 +76,12 @@ impl ScriptContext {
     }
 
     /// Forgets all values of other channels.
-    pub fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         self.values.clear();
     }
 
     /// Stores the value of another channel, which answers its reads from now on.
-    pub fn know(&mut self, read: &Read, value: Data) {
+    pub(crate) fn know(&mut self, read: &Read, value: Data) {
         self.values.insert((read.target.as_str().into(), read.channel.as_str().into()), value.into_dynamic());
     }
 

@@ -10,7 +10,7 @@ use crate::color::Transfer;
 
 /// A value that a program gives or is given.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Data {
+pub(crate) enum Data {
     /// `()`: a program whose last statement is not an expression gives it.
     Nothing,
     /// True or false.
@@ -78,7 +78,7 @@ impl Data {
 
     /// Describes the value in words, as `a list of 2 values`.
     #[must_use]
-    pub fn description(&self) -> String {
+    pub(crate) fn description(&self) -> String {
         match self {
             Self::Nothing => "nothing".to_owned(),
             Self::Flag(flag) => flag.to_string(),
@@ -148,7 +148,7 @@ pub(super) fn kind(value: &Dynamic) -> &'static str {
 impl Notation {
     /// Describes the expected data, with an example.
     #[must_use]
-    pub fn expected(self) -> &'static str {
+    pub(crate) fn expected(self) -> &'static str {
         match self {
             Self::Number => "a number, as 0.5",
             Self::Degrees => "a number of degrees, as 90",
@@ -166,7 +166,7 @@ impl Notation {
     ///
     /// Colours are held to 0..=255, light to 0..=1e30.
     #[must_use]
-    pub fn value(self, data: &Data, transfer: Transfer) -> Option<Value> {
+    pub(crate) fn value(self, data: &Data, transfer: Transfer) -> Option<Value> {
         let within = |number: &f64| number.abs() <= LARGEST;
         let vector = || data.numbers::<3>().filter(|numbers| numbers.iter().all(within)).map(DVec3::from);
         Some(match self {
@@ -188,7 +188,7 @@ impl Notation {
 
     /// Returns the message for data of another form than expected, and the remedy where it is known.
     #[must_use]
-    pub fn mismatch(self, data: &Data) -> (String, Option<&'static str>) {
+    pub(crate) fn mismatch(self, data: &Data) -> (String, Option<&'static str>) {
         let message = match data.odd_part().filter(|_| !matches!(self, Self::Number | Self::Degrees)) {
             Some(part) => format!("expected {}, found {} in the list", self.expected(), part.description()),
             None => format!("expected {}, found {}", self.expected(), data.description()),
@@ -208,7 +208,7 @@ impl Notation {
 
     /// Converts an animated value to data; a rotation becomes a quaternion.
     #[must_use]
-    pub fn data(self, value: Value, transfer: Transfer) -> Data {
+    pub(crate) fn data(self, value: Value, transfer: Transfer) -> Data {
         match (self, value) {
             (Self::Degrees, Value::Number(radians)) => Data::Number(radians.to_degrees()),
             (_, Value::Number(number)) => Data::Number(number),

@@ -13,32 +13,32 @@ use super::wording::{Told, function_name, shortened};
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ScriptError {
     /// The mistake.
-    pub message: String,
+    pub(crate) message: String,
     /// The remark at the marked place.
-    pub label: String,
+    pub(crate) label: String,
     /// The remedy, where it is known.
-    pub help: Option<String>,
+    pub(crate) help: Option<String>,
     /// The unknown name, and the known ones, if that is the mistake.
-    pub unknown: Option<Box<Unknown>>,
+    pub(crate) unknown: Option<Box<Unknown>>,
     /// The marked place, in bytes of the program's text.
-    pub span: Range<usize>,
+    pub(crate) span: Range<usize>,
 }
 
 /// An unknown name.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Unknown {
+pub(crate) struct Unknown {
     /// The name.
-    pub name: String,
+    pub(crate) name: String,
     /// The kind of thing that it would name, in the plural.
-    pub kind: &'static str,
+    pub(crate) kind: &'static str,
     /// The names that are known.
-    pub known: Vec<String>,
+    pub(crate) known: Vec<String>,
 }
 
 impl ScriptError {
     /// Creates an error that is not about one place in the text.
     #[must_use]
-    pub fn whole(
+    pub(crate) fn whole(
         text: &str,
         message: impl Into<String>,
         label: impl Into<String>,

@@ -13,16 +13,7 @@ use super::{Data, ScriptError, arithmetic, context, limits, lists, maths, noise,
 use crate::color::Transfer;
 
 /// Compiles and runs programs.
-///
-/// ```
-/// use rayreel::script::{Data, Language, ScriptContext};
-/// let language = Language::new(0);
-/// let program = language.compile("let half = 1 / 2; [3 * cos(t), half, 3 * sin(t)]")?;
-/// let mut context = ScriptContext::default();
-/// assert_eq!(language.run(&program, &mut context).unwrap(), Data::from([3.0, 0.5, 0.0]));
-/// # Ok::<(), rayreel::script::ScriptError>(())
-/// ```
-pub struct Language {
+pub(crate) struct Language {
     parser: Engine,
     engine: Engine,
     /// The names given to programs from outside; their values do not matter while a program is compiled.
@@ -31,7 +22,7 @@ pub struct Language {
 
 /// A compiled program.
 #[derive(Clone, Debug)]
-pub struct Program {
+pub(crate) struct Program {
     text: String,
     pub(super) ast: AST,
     /// The names of its own functions.
@@ -43,25 +34,25 @@ pub struct Program {
 #[derive(Debug)]
 pub struct Programs {
     /// The language that runs them.
-    pub language: Language,
+    pub(crate) language: Language,
     /// All programs.
-    pub list: Vec<Program>,
+    pub(crate) list: Vec<Program>,
     /// The uses of programs: the index of each one's program, and the prefix of the names of entities that it reads.
-    pub uses: Vec<(usize, String)>,
+    pub(crate) uses: Vec<(usize, String)>,
     /// The conversion of their colours to light.
-    pub transfer: Transfer,
+    pub(crate) transfer: Transfer,
 }
 
 impl Programs {
     /// Creates an empty list of programs.
     #[must_use]
-    pub fn new(language: Language, transfer: Transfer) -> Self {
+    pub(crate) fn new(language: Language, transfer: Transfer) -> Self {
         Self { language, list: Vec::new(), uses: Vec::new(), transfer }
     }
 
     /// Returns the program of a use, and the prefix of the names that it reads.
     #[must_use]
-    pub fn used(&self, place: usize) -> Option<(&Program, &str)> {
+    pub(crate) fn used(&self, place: usize) -> Option<(&Program, &str)> {
         let (program, prefix) = self.uses.get(place)?;
         Some((self.list.get(*program)?, prefix))
     }
@@ -69,7 +60,7 @@ impl Programs {
 
 /// The reason why a program has no result.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Stop {
+pub(crate) enum Stop {
     /// An error.
     Error(Box<ScriptError>),
     /// It reads a value that is not [known](ScriptContext::know), and is to be run again when it is.
@@ -79,7 +70,7 @@ pub enum Stop {
 impl Language {
     /// Creates the language, with random functions of the given seed.
     #[must_use]
-    pub fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         let mut engine = bare_engine();
         work::limit(&mut engine, |done| done > limits::OPERATIONS);
         noise::register(&mut engine, seed);
@@ -92,7 +83,7 @@ impl Language {
     /// # Errors
     ///
     /// If it is not one.
-    pub fn compile(&self, text: &str) -> Result<Program, ScriptError> {
+    pub(crate) fn compile(&self, text: &str) -> Result<Program, ScriptError> {
         compile(&self.parser, &self.outside, Purpose::Drive, text)
     }
 
@@ -101,7 +92,7 @@ impl Language {
     /// # Errors
     ///
     /// If it goes wrong, or reads what is not known yet.
-    pub fn run(&self, program: &Program, context: &mut ScriptContext) -> Result<Data, Stop> {
+    pub(crate) fn run(&self, program: &Program, context: &mut ScriptContext) -> Result<Data, Stop> {
         work::start();
         let result =
             within(context, || self.engine.eval_ast_with_scope::<Dynamic>(&mut Scope::new(), &program.ast));
@@ -119,7 +110,7 @@ impl Language {
 impl Program {
     /// Returns the program's text.
     #[must_use]
-    pub fn text(&self) -> &str {
+    pub(crate) fn text(&self) -> &str {
         &self.text
     }
 

@@ -3,40 +3,40 @@
 //! operations too.
 
 /// The most operations of a channel's program in one run: some hundredths of a second.
-pub const OPERATIONS: u64 = 100_000;
+pub(crate) const OPERATIONS: u64 = 100_000;
 /// The most operations of a channel's program at a moment in all runs that end at a value that is not known yet.
-pub const OPERATIONS_UNTIL_KNOWN: u64 = 1_000_000;
+pub(crate) const OPERATIONS_UNTIL_KNOWN: u64 = 1_000_000;
 /// The most operations of a program that spawns, before those that its entities add.
-pub const SPAWNING_OPERATIONS: u64 = 200_000;
+pub(crate) const SPAWNING_OPERATIONS: u64 = 200_000;
 /// The operations added for each spawned entity whose name no other has.
-pub const OPERATIONS_PER_ENTITY: u64 = 100;
+pub(crate) const OPERATIONS_PER_ENTITY: u64 = 100;
 /// The most operations of a program that spawns, however many entities it has.
-pub const MOST_SPAWNING_OPERATIONS: u64 = 40_000_000;
+pub(crate) const MOST_SPAWNING_OPERATIONS: u64 = 40_000_000;
 /// The operations that refusing an entity counts as: as many as an accepted one adds.
 pub(super) const REFUSAL: usize = 100;
 /// The operations that a failure counts as, since a program may catch it.
 pub(super) const FAILURE: usize = 10;
 /// The most entities that the programs of a scene spawn.
-pub const ENTITIES: u64 = 1_000_000;
+pub(crate) const ENTITIES: u64 = 1_000_000;
 /// The most bytes of text in all of these, names included: 64 for each of them.
-pub const SPAWNED_TEXT: u64 = 64 << 20;
+pub(crate) const SPAWNED_TEXT: u64 = 64 << 20;
 /// The longest program, in bytes: reading one takes up to the square of its length.
-pub const PROGRAM: usize = 1 << 16;
+pub(crate) const PROGRAM: usize = 1 << 16;
 /// The longest text, in bytes, also of all texts in a list or a map together.
-pub const TEXT: usize = 4096;
+pub(crate) const TEXT: usize = 4096;
 /// The most values in a list, with those of the lists in it.
-pub const LIST: usize = 256;
+pub(crate) const LIST: usize = 256;
 /// The most values in a map, with those of the maps in it.
-pub const MAP: usize = 32;
+pub(crate) const MAP: usize = 32;
 /// The most variables at a time.
-pub const VARIABLES: usize = 128;
+pub(crate) const VARIABLES: usize = 128;
 /// The most values that a function is called with.
-pub const ARGUMENTS: usize = 16;
+pub(crate) const ARGUMENTS: usize = 16;
 /// The most functions in a program.
-pub const FUNCTIONS: usize = 256;
+pub(crate) const FUNCTIONS: usize = 256;
 /// The greatest depth of calls.
-pub const CALLS: usize = 32;
+pub(crate) const CALLS: usize = 32;
 /// The greatest depth of nested expressions.
-pub const NESTING: usize = 64;
+pub(crate) const NESTING: usize = 64;
 /// The greatest depth of nested expressions in functions.
-pub const NESTING_IN_FUNCTIONS: usize = 32;
+pub(crate) const NESTING_IN_FUNCTIONS: usize = 32;

@@ -1,22 +1,20 @@
-#![doc = include_str!("language.md")]
-//!
-//! # In Rust
+//! Programs in scenes: the language of [`scene::language`](crate::scene::language), compiled and run within limits.
 //!
 //! | | |
 //! |---|---|
-//! | [`Language`] | compiles and runs [programs](Program) |
-//! | [`ScriptContext`] | what a program can read: the time, its entity, other channels |
-//! | [`Data`] | what it gives; [`Notation`](crate::animation::Notation) makes an animated value of it |
+//! | [`Language`] | compiles and runs programs |
+//! | [`ScriptContext`] | the values that a program can read: the time, its entity, other channels |
+//! | [`Data`] | the result of a program; [`Notation`](crate::animation::Notation) makes an animated value of it |
 //! | [`run_spawning`] | runs a program that spawns |
-//! | [`ScriptError`] | what is wrong with a program, and where |
-//! | [`limits`] | how much a program may do |
+//! | [`ScriptError`] | the error of a program, with its place |
+//! | [`limits`] | the limits of a program |
 
 mod arithmetic;
 mod context;
 mod data;
 mod error;
 mod language;
-pub mod limits;
+pub(crate) mod limits;
 mod lists;
 mod maths;
 mod noise;
@@ -29,8 +27,8 @@ mod vocabulary;
 mod wording;
 mod work;
 
-pub use context::{Read, ScriptContext};
-pub use data::Data;
-pub use error::{ScriptError, Unknown};
-pub use language::{Language, Program, Programs, Stop};
-pub use spawning::{SpawnBudget, Spawned, run_spawning};
+pub(crate) use context::{Read, ScriptContext};
+pub(crate) use data::Data;
+pub(crate) use error::{ScriptError, Unknown};
+pub(crate) use language::{Language, Programs, Stop};
+pub(crate) use spawning::{SpawnBudget, run_spawning};

@@ -14,20 +14,20 @@ use super::{Data, ScriptError, language, limits, noise, work};
 
 /// A spawned entity: a map that mirrors an entity of the file format.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Spawned {
+pub(crate) struct Spawned {
     /// The map.
-    pub entity: Data,
+    pub(crate) entity: Data,
     /// The place of the call of `spawn`, in bytes of the program's text.
-    pub at: usize,
+    pub(crate) at: usize,
 }
 
 /// The amount that the programs of a scene may yet spawn.
 #[derive(Clone, Copy, Debug)]
-pub struct SpawnBudget {
+pub(crate) struct SpawnBudget {
     /// The number of entities.
-    pub entities: u64,
+    pub(crate) entities: u64,
     /// The bytes of text in them.
-    pub text: u64,
+    pub(crate) text: u64,
 }
 
 impl Default for SpawnBudget {
@@ -62,7 +62,7 @@ impl SpawnBudget {
 /// # Errors
 ///
 /// If the text is not a program, or it goes wrong.
-pub fn run_spawning(
+pub(crate) fn run_spawning(
     text: &str,
     seed: u64,
     budget: &mut SpawnBudget,

@@ -37,16 +37,8 @@ impl FrameRate {
     }
 
     /// Returns a moment in frames: whole at those of frames, with a fraction between them.
-    ///
-    /// ```
-    /// use rayreel::time::FrameRate;
-    /// let rate = FrameRate::new(30_000, 1001).unwrap();
-    /// assert_eq!(rate.frames_at(rate.time_of(1_000_000)), 1e6);
-    /// assert_eq!(FrameRate::new(24, 1).unwrap().frames_at("0.1".parse().unwrap()), 2.4);
-    /// ```
-    #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "frames beyond 2^53 are none")]
-    pub fn frames_at(self, time: Time) -> f64 {
+    pub(crate) fn frames_at(self, time: Time) -> f64 {
         let numerator = u128::from(time.numerator) * u128::from(self.numerator);
         let denominator = u128::from(time.denominator) * u128::from(self.denominator);
         let (whole, rest) = (numerator / denominator, numerator % denominator);
@@ -54,8 +46,7 @@ impl FrameRate {
     }
 
     /// Returns the ratio's numerator and denominator.
-    #[must_use]
-    pub fn parts(self) -> (u32, u32) {
+    pub(crate) fn parts(self) -> (u32, u32) {
         (self.numerator, self.denominator)
     }
 
@@ -76,6 +67,13 @@ impl Default for FrameRate {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn moments_of_frames_are_whole_in_frames() {
+        let rate = FrameRate::new(30_000, 1001).unwrap();
+        assert_eq!(rate.frames_at(rate.time_of(1_000_000)), 1e6);
+        assert_eq!(FrameRate::new(24, 1).unwrap().frames_at("0.1".parse().unwrap()), 2.4);
+    }
 
     #[test]
     fn a_sum_of_steps_would_drift_where_this_does_not() {

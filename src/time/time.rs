@@ -32,13 +32,7 @@ impl Time {
     }
 
     /// Returns the numerator and denominator without a common divisor: the same for equal moments, however they were given.
-    ///
-    /// ```
-    /// use rayreel::time::FrameRate;
-    /// assert_eq!(FrameRate::new(24, 1).unwrap().time_of(36).lowest_terms(), (3, 2));
-    /// ```
-    #[must_use]
-    pub fn lowest_terms(self) -> (u64, u64) {
+    pub(crate) fn lowest_terms(self) -> (u64, u64) {
         let (mut divisor, mut rest) = (self.denominator, self.numerator);
         while rest != 0 {
             (divisor, rest) = (rest, divisor % rest);
@@ -48,15 +42,7 @@ impl Time {
 
     /// Returns this moment moved by `numerator / denominator` seconds, but not before the start. `None` past the range of
     /// [`Time::from_ratio`].
-    ///
-    /// ```
-    /// use rayreel::time::Time;
-    /// let half = Time::from_ratio(1, 2).unwrap();
-    /// assert_eq!(half.moved((-1, 3)), Time::from_ratio(1, 6));
-    /// assert_eq!(half.moved((-2, 3)), Some(Time::ZERO));
-    /// ```
-    #[must_use]
-    pub fn moved(self, (numerator, denominator): (i128, u64)) -> Option<Self> {
+    pub(crate) fn moved(self, (numerator, denominator): (i128, u64)) -> Option<Self> {
         let way = numerator.checked_mul(i128::from(self.denominator))?;
         let sum = i128::from(self.numerator).checked_mul(i128::from(denominator))?.checked_add(way)?;
         let sum = u128::try_from(sum.max(0)).ok()?;
@@ -70,16 +56,14 @@ impl Time {
     }
 
     /// Returns how many whole steps of the given length fit between the start and this moment, counted in integers.
-    #[must_use]
-    pub fn whole_steps(self, step: Self) -> u64 {
+    pub(crate) fn whole_steps(self, step: Self) -> u64 {
         let elapsed = u128::from(self.numerator) * u128::from(step.denominator);
         let length = u128::from(self.denominator) * u128::from(step.numerator);
         u64::try_from(elapsed / length.max(1)).unwrap_or(u64::MAX)
     }
 
     /// Returns the end of step `count` of this length: `count * self`. `None` past the range of [`Time::from_ratio`].
-    #[must_use]
-    pub fn times(self, count: u64) -> Option<Self> {
+    pub(crate) fn times(self, count: u64) -> Option<Self> {
         Self::from_ratio(self.numerator.checked_mul(count)?, self.denominator)
     }
 }
@@ -165,6 +149,18 @@ mod tests {
         for wrong in ["", "s", "-1", "1e3", "1.0000000001", "99999999999999999999", "1000001", "nan", "."] {
             assert!(wrong.parse::<Time>().is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn moments_are_moved_exactly_and_not_before_the_start() {
+        let half = Time::from_ratio(1, 2).unwrap();
+        assert_eq!(half.moved((-1, 3)), Time::from_ratio(1, 6));
+        assert_eq!(half.moved((-2, 3)), Some(Time::ZERO));
+    }
+
+    #[test]
+    fn lowest_terms_have_no_common_divisor() {
+        assert_eq!(FrameRate::new(24, 1).unwrap().time_of(36).lowest_terms(), (3, 2));
     }
 
     #[test]

@@ -1,0 +1,1 @@
+#![doc = include_str!("../script/language.md")]
