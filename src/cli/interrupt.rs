@@ -48,7 +48,7 @@ impl Interruption {
             if is_ignored(signal) {
                 continue;
             }
-            // They happen in this order.
+            // The actions happen in this order.
             flag::register_conditional_shutdown(signal, code, Arc::clone(&self.ends))?;
             flag::register_usize(signal, Arc::clone(&self.code), code.unsigned_abs() as usize)?;
             flag::register(signal, Arc::clone(&self.ends))?;

@@ -31,10 +31,10 @@ pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Re
         finish: arguments.out.is_some(),
     };
     let mut told = 0;
-    // It ends with the program: whatever it may be reading or rendering, nobody waits for it, and it writes nothing.
+    // It ends with the program, which does not wait for its reading or rendering; it writes nothing.
     let session = ManuallyDrop::new(Session::start(settings, move |event| {
         if is_worth_telling(&event, &mut told) {
-            // Nobody listens any more when the program ends.
+            // The receiver is gone when the program ends.
             let _ = sender.send(event);
         }
     }));

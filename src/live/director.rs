@@ -144,7 +144,7 @@ impl Director {
             Err(Unread { error, is_passing }) => {
                 let mistakes = Mistakes::of_scene(&error);
                 let is_known = self.handle.board.state().mistakes.as_ref() == Some(&mistakes);
-                // Once they can be read again nothing else may tell of it.
+                // When they become readable again, nothing else may tell.
                 if is_passing {
                     self.watcher.doubt();
                 }
@@ -188,7 +188,7 @@ impl Director {
         let before = self.handle.board.keep_for_comparison();
         let frames = timeline.frame_count();
         let frame = self.wanted_frame.min(frames - 1);
-        // Whoever looks on is told together with the first picture, and does not keep this machine busy until then.
+        // Pages are told together with the first picture, so that they do not keep the machine busy before.
         self.handle.board.change_silently(|state| {
             *state = State {
                 reloads: state.reloads + 1,

@@ -68,7 +68,7 @@ impl Guard {
         let values = |name| headers.get_all(name).iter().map(|value| value.to_str().unwrap_or_default());
         let mut hosts = values(HOST.as_str());
         let (Some(host), None) = (hosts.next(), hosts.next()) else { return false };
-        // A page that was served under a name asks under the same.
+        // A page asks under the name that it was served under.
         let origin = values(ORIGIN.as_str()).all(|origin| {
             origin.strip_prefix("http://").is_some_and(|origin| origin.eq_ignore_ascii_case(host))
         });
@@ -78,7 +78,7 @@ impl Guard {
 
     fn knows(&self, host: &str) -> bool {
         let Some((name, port)) = split(host) else { return false };
-        // Browsers leave it out.
+        // Browsers leave the default port out.
         let port = port.unwrap_or(80);
         self.0.iter().any(|own| own.name.eq_ignore_ascii_case(name) && own.port.is_none_or(|own| own == port))
     }

@@ -129,7 +129,7 @@ impl Timings {
     /// Returns the step after another one; `None` if it is time for the requested picture.
     pub(super) fn finer(&self, step: LadderStep, took: f64, target: Target) -> Option<LadderStep> {
         let ray = self.of(step.care)?;
-        // Not less than that: nothing is left out of it.
+        // At least as much as a step, since nothing is left out of it.
         let whole = self.of(Care::Whole).unwrap_or(0.0).max(ray) * target.rays();
         if whole <= QUICK {
             return None;
@@ -155,7 +155,7 @@ impl Timings {
     pub(super) fn note(&mut self, care: Care, milliseconds: f64, rays: u64) {
         let ray = milliseconds / (rays.max(1) as f64);
         self.ray[care as usize] = Some(ray);
-        // Less care takes no longer.
+        // Less care takes no more time.
         for lesser in &mut self.ray[..care as usize] {
             *lesser = lesser.map(|lesser| lesser.min(ray));
         }
@@ -170,7 +170,7 @@ impl Timings {
         for ray in &mut self.ray[step.care as usize..] {
             *ray = Some(ray.map_or(at_least, |ray| ray.max(at_least)));
         }
-        // The next one had better be much smaller.
+        // The next one is to be much smaller.
         self.ray[step.care as usize] = self.of(step.care).map(|ray| ray.max(GROWTH * at_least));
     }
 

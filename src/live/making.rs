@@ -127,7 +127,7 @@ impl Director {
             let traced = traced_before + visits.traced();
             let so_far = exposure.share();
             timings.note(Care::Whole, traced, rays(so_far, target));
-            // Now that more is known there may be room for another step; after more has been seen it would be one back.
+            // With the speed now known there may be time for another step; after an unfinished picture it would be a step back.
             let step = last_step.filter(|_| !begun.is_shown);
             if let Some(finer) = step.and_then(|(step, took)| timings.finer(step, took, target)) {
                 *next = Next::Step(finer, StepRole::Between);
@@ -247,7 +247,7 @@ impl Director {
                 }
             }
             Err(error) => {
-                // There is none of this frame.
+                // This frame cannot be made.
                 self.full_of = state.reloads;
                 self.easel.tell(Event::Failed(error));
             }

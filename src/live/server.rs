@@ -89,7 +89,7 @@ impl Server {
         let thread = thread::spawn(move || {
             runtime.block_on(async {
                 let Ok(listener) = tokio::net::TcpListener::from_std(listener) else { return };
-                // Pages listen for as long as they are open: nobody waits for them.
+                // Pages listen for as long as they are open, and are not waited for.
                 select(pin!(serve(&listener, &router)), stopped).await;
             });
         });
@@ -124,11 +124,11 @@ async fn serve(listener: &tokio::net::TcpListener, router: &Router) {
             tokio::time::sleep(NO_ROOM).await;
             continue;
         };
-        // News are short, and somebody waits for them.
+        // Events are short, and urgent.
         let _ = stream.set_nodelay(true);
         let (connections, service) = (Arc::clone(&connections), TowerToHyperService::new(router.clone()));
         tokio::spawn(async move {
-            // What goes wrong is the visitor's own affair.
+            // Errors of a connection concern only its client.
             let _ = connections.serve_connection(TokioIo::new(stream), service).await;
         });
     }

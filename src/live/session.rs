@@ -26,7 +26,7 @@ impl Session {
     /// Starts the thread, which reads the scene and watches its files; `tell` is called on it.
     #[must_use]
     pub fn start(settings: SessionSettings, tell: impl FnMut(Event) + Send + 'static) -> Self {
-        // Another folder's scene of the same name is another one.
+        // The absolute path tells scenes of the same name apart.
         let scene = path::absolute(&settings.scene).unwrap_or_else(|_| settings.scene.clone());
         let state = State {
             scene: scene.display().to_string(),
@@ -61,6 +61,6 @@ impl Drop for Session {
 /// Returns a number that differs at every start, so that a page notices that it talks to another session.
 fn distinct() -> u64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    // Exact in a browser's numbers.
+    // Milliseconds are exact in JavaScript's numbers.
     u64::try_from(since.as_millis()).unwrap_or(0)
 }

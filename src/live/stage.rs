@@ -158,7 +158,7 @@ impl Stage {
             self.engine.set_left_out(None);
             Ok(film?.map(|_| Times::milliseconds(self.engine.report().trace)))
         };
-        // Each beside the whole, so that a machine that becomes slower or faster does not tell on the effects.
+        // Each is compared with a whole one made at the same time, since a machine may become slower or faster.
         let (Some(whole), Some(part)) = (took(None)?, took(Some(effect))?) else { return Ok(None) };
         Ok(Some(Some((1.0 - part / whole.max(f64::MIN_POSITIVE)).max(0.0))))
     }

@@ -66,7 +66,7 @@ impl Watcher {
         let files = Arc::<Mutex<WatchedFiles>>::default();
         let shared = Arc::clone(&files);
         let thread = thread::spawn(move || {
-            // Where the system tells nothing, the files are looked after.
+            // If the system reports nothing, the files are polled.
             let eyes = match watching {
                 Watching::Events => notify::recommended_watcher(move |event| {
                     let _ = tell.send(Message::Told(event));
@@ -98,7 +98,7 @@ impl Watcher {
     /// Waits for `time`, unless the files are being written; returns whether they were at rest.
     pub(super) fn stay(&self, time: Duration) -> bool {
         let start = Instant::now();
-        // What is known may become something else in the meantime, on this watcher's thread.
+        // The known contents may change in the meantime, on the watcher's thread.
         let (stamps, touched) = {
             let files = lock(&self.files);
             (files.stamps(), files.are_touched())
@@ -193,11 +193,11 @@ impl Lookout {
     fn read(&mut self, message: Message) -> Hint {
         match message {
             Message::Told(Ok(event)) => self.weigh(&event),
-            // Something was missed.
+            // Some events were lost.
             Message::Told(Err(_)) => Hint::Look,
             Message::WatchAgain => {
                 self.watch_again();
-                // Before they were watched, something may have been written.
+                // They may have been written before they were watched.
                 self.look_after()
             }
             Message::Stop => Hint::Stop,

@@ -132,7 +132,7 @@ fn in_words(expected: &dyn Expected) -> String {
         "a string" => "a text".to_owned(),
         "a boolean" => "true or false".to_owned(),
         text if text.starts_with("struct ") => "a map, as #{ name: value }".to_owned(),
-        // What stands in round brackets in a file is a list in a program.
+        // Values in round brackets in a file are a list in a program.
         _ => expected.replace('(', "[").replace(')', "]"),
     }
 }
@@ -229,7 +229,7 @@ impl<'de> Deserializer<'de> for DataDeserializer {
 fn read_list<'de, V: Visitor<'de>>(list: Vec<Data>, visitor: V) -> Result<V::Value, DataError> {
     let length = list.len();
     let mut values = Values(list.into_iter());
-    // What was expected is only told before it is read.
+    // The visitor is gone once it has read.
     let expected = (&visitor as &dyn Expected).to_string();
     let value = visitor.visit_seq(&mut values)?;
     if values.0.len() == 0 { Ok(value) } else { Err(DataError::invalid_length(length, &expected.as_str())) }

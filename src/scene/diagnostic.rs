@@ -77,7 +77,7 @@ impl Diagnostic {
 
     pub(super) fn render_with_notes(&self, file: &str, text: &str, notes: &[String], color: bool) -> String {
         let (file, text) = self.source.as_ref().map_or((file, text), |source| (&source.file, &source.text));
-        // What is quoted may hold anything.
+        // Quotes from files may hold anything.
         let printable = |text: &str| Printable(text).to_string();
         let (file, label) = (printable(file), printable(&self.label));
         let mut group = Group::with_title(Level::ERROR.primary_title(printable(&self.message)));

@@ -52,7 +52,7 @@ pub fn open(path: &Path, offered: Offered, most: u64) -> Result<Take<File>, Inpu
         return Err(InputError::TooLarge(most));
     }
     let file = File::open(path)?;
-    // Another may have taken its place.
+    // Another file may have taken its place since.
     if !file.metadata()?.is_file() {
         return Err(InputError::NotAFile);
     }

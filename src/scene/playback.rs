@@ -86,7 +86,7 @@ pub(super) fn easing(document: EasingDocument) -> Easing {
     use EasingDocument as Document;
     match document {
         Document::Hold => Easing::Hold,
-        // Handles are made with their keys.
+        // Handles are converted with their keys.
         Document::Linear | Document::Handles(..) => Easing::Linear,
         Document::EaseIn => Easing::EaseIn,
         Document::EaseOut => Easing::EaseOut,

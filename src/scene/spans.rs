@@ -250,7 +250,7 @@ impl<'a> Scanner<'a, '_> {
             _ => {}
         }
         for wanted in wanted {
-            // Whoever was not found deeper down is found here.
+            // A path that goes no deeper ends here.
             if self.found[wanted.index].is_empty() {
                 self.found[wanted.index] = start..end;
             }
@@ -363,7 +363,7 @@ fn follow<'a>(wanted: &[Remaining<'a>], matches: impl Fn(&PathStep) -> bool) -> 
 
 /// Returns the length of a quoted text, with its quotes.
 fn quoted(rest: &str, quote: char) -> usize {
-    // A character is one, whatever it is.
+    // A quoted character may be a quote itself.
     let mut escaped = quote == '\'' && !rest.starts_with("'\\");
     for (at, character) in rest.char_indices().skip(1) {
         if escaped {

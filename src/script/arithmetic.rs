@@ -199,7 +199,7 @@ pub(super) fn register(engine: &mut Engine) {
             failed(format!("`+` does not take {}", kind(&value)))
         }
     });
-    // What stands in texts between backticks.
+    // For values within texts in backticks.
     engine.register_fn("to_string", |number: FLOAT| number.to_string());
     engine.register_fn("to_string", |value: &mut Dynamic| {
         work::add(Extent::of(value).writing());

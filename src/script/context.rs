@@ -138,7 +138,7 @@ fn value(
     known.ok_or_else(|| {
         let position = context.call_position();
         let wish = Wish { target: key.0.to_string(), channel: key.1.to_string(), position };
-        // Not to be caught by the program.
+        // Programs cannot catch this error.
         EvalAltResult::ErrorTerminated(Dynamic::from(wish), Position::NONE).into()
     })
 }

@@ -210,7 +210,7 @@ fn bad_call(ast: &AST, known: &Known<'_>) -> Option<(Call, Position)> {
     bad
 }
 
-/// Reads programs: what may stand in them, and what is too much in a text.
+/// Creates the engine that compiles programs: what may be in them, and the limits of their text.
 pub(super) fn parser(purpose: Purpose) -> Engine {
     let mut engine = Engine::new_raw();
     engine
@@ -220,7 +220,7 @@ pub(super) fn parser(purpose: Purpose) -> Engine {
         .set_max_expr_depths(limits::NESTING, limits::NESTING_IN_FUNCTIONS)
         .set_max_functions(limits::FUNCTIONS)
         .set_max_string_size(limits::TEXT)
-        // Rhai looks for one value more before it sees that what is written ends.
+        // Rhai counts one value more before it sees the end of a literal.
         .set_max_array_size(limits::LIST + 1)
         .set_max_map_size(limits::MAP + 1);
     for symbol in [
@@ -238,14 +238,14 @@ pub(super) fn parser(purpose: Purpose) -> Engine {
     ] {
         engine.disable_symbol(symbol);
     }
-    // What is wrong when it runs is wrong at once: a long list of variables takes long to read.
+    // Refused before the program runs, since many variables take long to compile.
     #[expect(deprecated, reason = "marked so because it may change, not because it will go")]
     engine.on_def_var(|_, variable, context| {
         Ok(variable.will_shadow || context.scope().len() < limits::VARIABLES)
     });
     #[expect(deprecated, reason = "marked so because it may change, not because it will go")]
     engine.on_parse_token(move |token, _, _| match token {
-        // Kept by Rhai for later.
+        // Rhai reserves the word.
         Token::Reserved(word) if *word == "spawn" && purpose == Purpose::Spawn => Token::Identifier(word),
         token if is_endless_head(&token) => Token::LexError(LexError::Runtime(LONG_HEAD.to_owned()).into()),
         token => token,

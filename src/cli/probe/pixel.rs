@@ -145,7 +145,7 @@ impl PixelExplanation<'_> {
             .zip(&generations)
             .map(|(traced, generation)| self.node(traced, *generation))
             .collect();
-        // Every ray comes after the one it continues: what continues the last one is in it already.
+        // Every ray comes after its parent, so that the children of the last one are in it already.
         while let Some(mut node) = nodes.pop() {
             let index = nodes.len();
             if let Some(parent) = rays[index].parent {

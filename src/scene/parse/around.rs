@@ -27,12 +27,12 @@ impl<'t> Around<'t> {
     /// Finds the token at which the parser gave up.
     pub(super) fn error(text: &'t str, error: &SpannedError) -> Self {
         let (start, end) = (byte_of(text, error.span.start), byte_of(text, error.span.end));
-        // What it took in last, unless that was white space.
+        // What was read last, unless it was white space.
         let last = &text[start.min(end)..start.max(end)];
         let space = last.len() - last.trim_start_matches(is_space).len();
         let took_nothing = space == last.len();
         let around = Self::of(text, if took_nothing { end } else { start.min(end) + space });
-        // A word is taken in before anybody looks at what it is.
+        // A word is read before its value is checked.
         let is_value = matches!(error.code, ron::Error::InvalidValueForType { .. });
         match around.previous {
             Some(word) if is_value && took_nothing => Self::of(text, word.start),

@@ -38,7 +38,7 @@ pub(in crate::scene) fn options() -> ron::Options {
 /// Returns the trail of reading a text that is refused.
 fn trail(text: &str) -> Trail {
     let trail = Trail::default();
-    // That it fails is known.
+    // It is known to fail.
     let _ = read_along(&trail, text);
     trail
 }

@@ -134,7 +134,7 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Watched<'_, D> {
     }
 
     fn deserialize_identifier<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, D::Error> {
-        // Of a choice, the word; else the name of a field.
+        // The word of a choice, or else the name of a field.
         let is_choice = matches!(self.trail.open.borrow().last(), Some(Asked::Choice { .. }));
         let read = || self.inner.deserialize_identifier(Word { visitor, trail: self.trail });
         if is_choice { read() } else { self.trail.ask(Asked::FieldName, read) }

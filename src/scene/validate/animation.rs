@@ -149,7 +149,7 @@ fn keys<T>(
         TrackDocument::Path { .. } | TrackDocument::Orbit { .. } => {
             return paths::validate(channel.0, track, at, problems);
         }
-        // Found to be right or wrong when they were compiled.
+        // Checked when they were compiled.
         TrackDocument::Script(_) | TrackDocument::ScriptFile(_) => return,
     };
     let list = at.index(0);

@@ -40,7 +40,7 @@ pub(super) fn target(
             } else if let Some((_, camera)) = document.named_cameras().find(|(known, _)| *known == name) {
                 lack_of_camera(camera, property.part())
             } else if name == SceneDocument::CAMERA && !scope.is_scene() {
-                // A part for whose camera there is no place yet.
+                // A part may animate a camera that it does not have; that is left out where the part is included.
                 None
             } else {
                 match scope.entity(name) {

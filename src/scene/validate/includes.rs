@@ -17,7 +17,7 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
         }
     }
     let is_too_much = |scope: Scope<'_>| scope.included() > MOST_INCLUDED;
-    // Said once, where it becomes too much.
+    // Reported once, where it becomes too much.
     if is_too_much(scope) && !scope.any_part(is_too_much) {
         let message = format!("more than {MOST_INCLUDED} entities, materials and animations are included");
         problems.add(&list, message, "too much", "include less, or fewer times");
@@ -50,7 +50,7 @@ fn taken(clash: &Clash<'_>, scope: Scope<'_>, scene: &At<'_>, problems: &mut Pro
     let is_material = second.list == "materials";
     let what = if is_material { "materials" } else { "entities" };
     let message = format!("two {what} are called \"{name}\"");
-    // Looked up only where it is told.
+    // Looked up only if it is reported.
     let place = |origin| if problems.is_full() { String::new() } else { scope.place(origin) };
     let (label, help) = match include {
         Some(_) => (

@@ -167,7 +167,7 @@ impl Svg {
     }
 
     fn write(&mut self, element: std::fmt::Arguments<'_>) {
-        // A string takes whatever is written.
+        // Writing to a string cannot fail.
         let _ = writeln!(self.text, "{element}");
     }
 }

@@ -154,7 +154,7 @@ impl View {
         }
         let [right, up] = self.across(normal);
         let ([x, y], middle) = (self.place(point), self.frame.middle());
-        // Across the page upwards is downwards.
+        // Up is towards smaller y on the page.
         let away = (middle[0] - x) * right - (middle[1] - y) * up;
         let foot = [middle[0] - away * right, middle[1] + away * up];
         let reach = 2.0 * self.frame.width;
