@@ -32,7 +32,7 @@ pub(crate) struct Program {
 
 /// The compiled programs of a scene.
 #[derive(Debug)]
-pub struct Programs {
+pub(crate) struct Programs {
     /// The language that runs them.
     pub(crate) language: Language,
     /// All programs.

@@ -19,7 +19,7 @@ pub struct ScriptFailure {
 
 /// The reason why a world could not be brought to a moment.
 #[derive(Clone, Debug)]
-pub enum Halt {
+pub(crate) enum Halt {
     /// It cannot be copied.
     UnknownComponent(UnknownComponent),
     /// A program gave no value.

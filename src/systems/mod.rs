@@ -5,8 +5,8 @@
 //! ```
 //!
 //! - [`animate()`] writes the values of motions at this moment.
-//! - [`Scripts`] write the values of programs, after all tracks.
-//! - [`Schedule`] runs the systems added by the program that uses the library, pure or stepped; both run before each of its
+//! - Scripts write the values of programs, after all tracks.
+//! - The schedule runs the systems added by the program that uses the library, pure or stepped; both run before each of its
 //!   steps.
 //! - [`propagate()`] turns transforms into world transforms, parents first.
 //! - [`Plan`] lists the effects that the moment calls for, and why.
@@ -41,12 +41,17 @@ pub use changes::Changes;
 pub use context::Context;
 pub use effect::Effect;
 pub use faults::{Fault, FaultCause, FaultEffect, Instead};
-pub use halt::{Halt, ScriptFailure};
+pub(crate) use halt::Halt;
+pub use halt::ScriptFailure;
 pub use parts::value;
 pub use plan::{Need, Plan};
-pub use prepare::{Filming, Preparation, film_settings, filming};
+#[doc(hidden)]
+pub use prepare::Preparation;
+pub use prepare::{Filming, film_settings, filming};
 pub(crate) use prepare::{RayLimits, Shutter, Shutters};
 pub use propagate::propagate;
-pub use schedule::{Schedule, Step};
-pub use scripts::Scripts;
-pub use snapshot::{Registry, Snapshot, UnknownComponent};
+pub(crate) use schedule::Schedule;
+pub use schedule::Step;
+pub(crate) use scripts::Scripts;
+pub use snapshot::UnknownComponent;
+pub(crate) use snapshot::{Registry, Snapshot};

@@ -45,7 +45,7 @@ struct Stepped {
 /// Where there are both, steps work on a world of their own, and pure systems on a fresh copy of it for every frame. World
 /// transforms are up to date whenever a system runs.
 #[derive(Default)]
-pub struct Schedule {
+pub(crate) struct Schedule {
     pure: Vec<System>,
     stepped: Vec<Stepped>,
     registry: Registry,
@@ -63,37 +63,37 @@ pub struct Schedule {
 impl Schedule {
     /// Returns whether there are no systems.
     #[must_use]
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.pure.is_empty() && self.stepped.is_empty()
     }
 
     /// Adds a pure system.
-    pub fn add(&mut self, system: impl Fn(&mut Context<'_>) + Send + 'static) {
+    pub(crate) fn add(&mut self, system: impl Fn(&mut Context<'_>) + Send + 'static) {
         self.pure.push(Box::new(system));
     }
 
     /// Adds a stepped system.
-    pub fn add_stepped(&mut self, step: Step, system: impl Fn(&mut Context<'_>) + Send + 'static) {
+    pub(crate) fn add_stepped(&mut self, step: Step, system: impl Fn(&mut Context<'_>) + Send + 'static) {
         self.stepped.push(Stepped { step, system: Box::new(system), done: 0 });
     }
 
     /// Sets the programs of the scene, which run after tracks.
-    pub fn set_scripts(&mut self, scripts: Scripts) {
+    pub(crate) fn set_scripts(&mut self, scripts: Scripts) {
         self.scripts = scripts;
     }
 
     /// Returns the programs of the scene.
-    pub fn scripts_mut(&mut self) -> &mut Scripts {
+    pub(crate) fn scripts_mut(&mut self) -> &mut Scripts {
         &mut self.scripts
     }
 
     /// Returns the registry of the component types that snapshots copy.
-    pub fn registry_mut(&mut self) -> &mut Registry {
+    pub(crate) fn registry_mut(&mut self) -> &mut Registry {
         &mut self.registry
     }
 
     /// Makes the world what it was before anything ran, and forgets that moment: the world may be edited now.
-    pub fn rewind(&mut self, world: &mut World) {
+    pub(crate) fn rewind(&mut self, world: &mut World) {
         if let Some(start) = self.start.take() {
             start.restore(world);
         }
@@ -112,7 +112,7 @@ impl Schedule {
     ///
     /// If the world holds a component that cannot be copied, and there are systems that need copies, or if a program fails, or
     /// before the next program if `cancelled` becomes true.
-    pub fn advance(
+    pub(crate) fn advance(
         &mut self,
         world: &mut World,
         time: Time,

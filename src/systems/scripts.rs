@@ -17,7 +17,7 @@ use crate::time::{Time, Timeline};
 
 /// The programs of a scene, and the values that they drive.
 #[derive(Debug, Default)]
-pub struct Scripts {
+pub(crate) struct Scripts {
     running: Option<Box<Running>>,
 }
 
@@ -74,7 +74,7 @@ enum State {
 impl Scripts {
     /// Creates the programs of a scene.
     #[must_use]
-    pub fn new(programs: Programs, timeline: Timeline) -> Self {
+    pub(crate) fn new(programs: Programs, timeline: Timeline) -> Self {
         if programs.uses.is_empty() {
             return Self::default();
         }
@@ -82,15 +82,8 @@ impl Scripts {
         let (driven, bases, prefix) = (None, HashMap::new(), String::new());
         Self { running: Some(Box::new(Running { programs, timeline, context, driven, bases, prefix })) }
     }
-
-    /// Returns whether there are no programs.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.running.is_none()
-    }
-
     /// Sets the frame rate and the duration.
-    pub fn set_timeline(&mut self, timeline: Timeline) {
+    pub(crate) fn set_timeline(&mut self, timeline: Timeline) {
         if let Some(running) = &mut self.running {
             running.timeline = timeline;
             running.context = ScriptContext::new(timeline.rate.per_second(), timeline.duration);
@@ -98,14 +91,14 @@ impl Scripts {
     }
 
     /// Forgets which values are driven, as entities came or went.
-    pub fn look_up_again(&mut self) {
+    pub(crate) fn look_up_again(&mut self) {
         if let Some(running) = &mut self.running {
             running.driven = None;
         }
     }
 
     /// Restores all values that programs drove: the world may be edited now.
-    pub fn release(&mut self, world: &mut World) {
+    pub(crate) fn release(&mut self, world: &mut World) {
         let Some(running) = &mut self.running else { return };
         running.driven = None;
         #[expect(clippy::iter_over_hash_type, reason = "each value has a place of its own")]
@@ -117,7 +110,7 @@ impl Scripts {
     }
 
     /// Looks up which values programs drive, and their values without programs. To be called before tracks write to a world.
-    pub fn look_up(&mut self, world: &mut World) {
+    pub(crate) fn look_up(&mut self, world: &mut World) {
         if let Some(running) = &mut self.running
             && running.driven.is_none()
         {
@@ -142,7 +135,7 @@ impl Scripts {
     ///
     /// If a program fails, or if `cancelled` becomes true, which is checked before each of them. Then values may be left from
     /// another moment.
-    pub fn run(
+    pub(crate) fn run(
         &mut self,
         world: &mut World,
         time: Time,

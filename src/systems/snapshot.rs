@@ -8,7 +8,7 @@ use crate::components::{self, with_components};
 
 /// The component types that a snapshot copies.
 #[derive(Clone, Debug)]
-pub struct Registry {
+pub(crate) struct Registry {
     entries: Vec<Entry>,
 }
 
@@ -45,7 +45,7 @@ impl Default for Registry {
 
 impl Registry {
     /// Adds a component type.
-    pub fn register<T: Component + Clone>(&mut self) {
+    pub(crate) fn register<T: Component + Clone>(&mut self) {
         fn copy<T: Component + Clone>(entity: EntityRef<'_>, builder: &mut EntityBuilderClone) {
             if let Some(component) = entity.get::<&T>() {
                 builder.add(T::clone(&component));
@@ -69,7 +69,7 @@ impl Registry {
 }
 
 /// A copy of all entities, with their ids.
-pub struct Snapshot {
+pub(crate) struct Snapshot {
     /// Ascending by id.
     entities: Vec<(Entity, BuiltEntityClone)>,
 }
@@ -80,7 +80,7 @@ impl Snapshot {
     /// # Errors
     ///
     /// If it holds a component whose type is not registered.
-    pub fn take(world: &World, registry: &Registry) -> Result<Self, UnknownComponent> {
+    pub(crate) fn take(world: &World, registry: &Registry) -> Result<Self, UnknownComponent> {
         registry.check(world)?;
         let mut entities: Vec<(Entity, BuiltEntityClone)> = world
             .iter()
@@ -97,7 +97,7 @@ impl Snapshot {
     }
 
     /// Makes the world what it was. Entities keep their ids, and ids are given out in the same order again.
-    pub fn restore(&self, world: &mut World) {
+    pub(crate) fn restore(&self, world: &mut World) {
         *world = World::new();
         for (entity, components) in &self.entities {
             world.spawn_at(*entity, components);

@@ -26,13 +26,11 @@
 //!
 //! # What a picture needs, and no more
 //!
-//! A kernel is compiled for every combination of what is asked of lights, which rays go on from surfaces, and the extras
-//! ([`KernelChoice`]): in each, the code of what it leaves out does not exist. Which one a moment needs its
-//! [plan](crate::systems::Plan) says. What an effect computes does not depend on which others are compiled in, so that the
-//! planned kernel, the full one and the reference path make the same bits.
-//!
-//! A stage that a kernel leaves out is not entered. What each effect costs, in the planned and in the full kernel, is in
-//! `benches/record`, by `benches/instructions` and `cargo bench --bench effects`.
+//! What is asked of lights, which rays go on from surfaces, and whether there are extras ([`Effects`]) follows from the
+//! [plan](crate::systems::Plan) of a moment. A stage that none of them needs is not entered, and the others leave out the work. What an
+//! effect computes does not depend on which others there are, so that a planned picture, one with all effects and the
+//! reference path's have the same bits. What each effect costs, planned and with all others, is in `benches/record`, by
+//! `benches/instructions` and `cargo bench --bench effects`.
 //!
 //! # Trees of rays
 //!
@@ -51,24 +49,34 @@ mod effort;
 mod exposure;
 mod film;
 mod light;
+#[doc(hidden)]
 pub mod math;
 mod query;
 mod rays;
 pub mod reference;
 mod scene;
+#[doc(hidden)]
 pub mod shapes;
 mod stages;
 
-pub use effects::{Effects, Lighting, Paths};
-pub use effort::{Effort, RayCounts, TreeEnds};
-pub use exposure::{Exposure, Signals};
+pub use effort::{RayCounts, TreeEnds};
 pub use film::Film;
-pub use light::Boundary;
-pub use math::{Root, Sampling};
-pub use query::{CastHit, CastRay, Escalations, Hit, SurfacePoint};
+pub use query::{Escalations, Hit, SurfacePoint};
 pub use rays::{Ray, ShapeId};
-pub use scene::{
-    Background, Camera, Checker, CheckerPattern, Cone, Falloff, Fog, Geometry, Light, LightSource,
-    MaterialSummary, Passage, Precision, PreparedScene, PreparedShape, Refraction, SurfaceMaterial,
+pub use scene::{Passage, Precision};
+
+// What tests and benchmarks ask of the kernel itself: no part of the library's face.
+#[doc(hidden)]
+pub use {
+    effects::{Effects, Lighting, Paths},
+    effort::Effort,
+    exposure::{Exposure, Signals},
+    light::Boundary,
+    math::{Root, Sampling},
+    query::{CastHit, CastRay},
+    scene::{
+        Background, Camera, Checker, CheckerPattern, Cone, Falloff, Fog, Geometry, Light, LightSource,
+        MaterialSummary, PreparedScene, PreparedShape, Refraction, SurfaceMaterial,
+    },
+    shapes::{Bounds, RefinedHit},
 };
-pub use shapes::{Bounds, RefinedHit};

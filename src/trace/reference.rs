@@ -127,7 +127,7 @@ impl RayEnd {
 }
 
 /// Makes samples of pixels, one ray tree after the other.
-pub struct Reference<'a> {
+pub(crate) struct Reference<'a> {
     context: RenderContext<'a>,
     scratch: LightScratch<'static>,
 }
@@ -135,7 +135,7 @@ pub struct Reference<'a> {
 impl<'a> Reference<'a> {
     /// For a scene at one moment.
     #[must_use]
-    pub fn new(scene: &'a PreparedScene, camera: &'a Camera, sampling: Sampling) -> Self {
+    pub(crate) fn new(scene: &'a PreparedScene, camera: &'a Camera, sampling: Sampling) -> Self {
         Self {
             context: RenderContext::new(scene, camera, sampling, Effects::ALL),
             scratch: LightScratch::default(),
@@ -143,7 +143,7 @@ impl<'a> Reference<'a> {
     }
 
     /// Adds samples `from..to` of every pixel to the sums, which are in rows from the top.
-    pub fn add(&mut self, sums: &mut ReferenceSums, (from, to): (u32, u32)) {
+    pub(crate) fn add(&mut self, sums: &mut ReferenceSums, (from, to): (u32, u32)) {
         let (columns, rows) = self.context.camera.resolution();
         let pixels = (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j)));
         for ((i, j), sum) in pixels.zip(&mut sums.sums) {
@@ -156,7 +156,7 @@ impl<'a> Reference<'a> {
 
     /// The rays of sample `index` of the pixel in column `i` and row `j`. `None` if the camera is not in a finite place.
     #[must_use]
-    pub fn sample(&mut self, i: u32, j: u32, index: u32) -> Option<RayTree> {
+    pub(crate) fn sample(&mut self, i: u32, j: u32, index: u32) -> Option<RayTree> {
         let Self { context, scratch } = self;
         let ray = context.camera.sample_ray(context.sampling, i, j, index)?;
         scratch.media.clear();
@@ -226,7 +226,7 @@ fn negligible(
 }
 
 /// The samples of all pixels so far.
-pub struct ReferenceSums {
+pub(crate) struct ReferenceSums {
     resolution: (u32, u32),
     sums: Vec<PixelSum>,
 }
@@ -234,14 +234,14 @@ pub struct ReferenceSums {
 impl ReferenceSums {
     /// Of no light so far.
     #[must_use]
-    pub fn new(resolution: (u32, u32)) -> Self {
+    pub(crate) fn new(resolution: (u32, u32)) -> Self {
         let (columns, rows) = resolution;
         Self { resolution, sums: vec![PixelSum::default(); columns as usize * rows as usize] }
     }
 
     /// The picture, of this many samples in a pixel.
     #[must_use]
-    pub fn develop(&self, samples: u32) -> Film {
+    pub(crate) fn develop(&self, samples: u32) -> Film {
         let (columns, rows) = self.resolution;
         Film::from_pixels(columns, rows, self.sums.iter().map(|sum| sum.mean(samples)))
     }
