@@ -76,7 +76,8 @@ pub use {
     query::{CastHit, CastRay},
     scene::{
         Background, Camera, Checker, CheckerPattern, Cone, Falloff, Fog, Geometry, Light, LightSource,
-        MaterialSummary, PreparedScene, PreparedShape, Refraction, SurfaceMaterial,
+        MaterialSummary, PreparedScene, PreparedShape, Refraction, SceneChanges, ShapeChange,
+        SurfaceMaterial,
     },
     shapes::{Bounds, RefinedHit},
 };

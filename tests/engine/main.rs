@@ -7,6 +7,7 @@ mod cameras;
 mod every_channel;
 mod faults;
 mod own_systems;
+mod prepared_changes;
 mod reload;
 mod scripts;
 #[path = "../shared/spent.rs"]

@@ -12,7 +12,7 @@ use crate::engine::report::FrameReport;
 use crate::systems::{Effect, Need, Plan, Preparation, Shutter, Shutters, propagate};
 use crate::time::Time;
 use crate::trace::reference::{Reference, ReferenceSums};
-use crate::trace::{Effects, Exposure, Film, Lighting, Signals};
+use crate::trace::{Effects, Exposure, Film, Lighting, SceneChanges, Signals};
 
 /// A signal that is never set.
 static NEVER: AtomicBool = AtomicBool::new(false);
@@ -170,11 +170,11 @@ impl Engine {
         let mut moves = false;
         let mut settings = None;
         for (index, instant) in (0..).zip(instants) {
-            let Some(differs) = self.bring(*instant, cancelled)? else { return Ok(false) };
+            let Some(changed) = self.bring(*instant, cancelled)? else { return Ok(false) };
             let Some(preparation) = &mut self.preparation else { continue };
             preparation.expose_with(*settings.get_or_insert(preparation.exposure_settings()), &self.world);
             let preparation = &*preparation;
-            moves |= differs && index > 0;
+            moves |= index > 0 && !changed.is_empty();
             let shown = match self.left_out {
                 Some(effect) => Cow::Owned(preparation.without(effect)),
                 None => Cow::Borrowed(preparation),
@@ -250,9 +250,9 @@ impl Engine {
         Ok(())
     }
 
-    /// Brings the world to an instant of the reported frame, and returns whether anything visible is different then; nothing if
-    /// it was cancelled.
-    fn bring(&mut self, instant: Time, cancelled: &AtomicBool) -> Result<Option<bool>, EngineError> {
+    /// Brings the world to an instant of the reported frame, and returns what is different then for the kernel; nothing
+    /// if it was cancelled.
+    fn bring(&mut self, instant: Time, cancelled: &AtomicBool) -> Result<Option<SceneChanges>, EngineError> {
         let start = Instant::now();
         if let Err(halt) = self.systems.advance(&mut self.world, instant, &mut self.changes, cancelled) {
             return EngineError::of(halt, &self.script_sources).map_or(Ok(None), Err);
@@ -260,21 +260,20 @@ impl Engine {
         let animated = Instant::now();
         let changes = std::mem::take(&mut self.changes);
         let moved = propagate(&mut self.world, &changes);
-        let built = self.preparation.as_ref().map_or(0, Preparation::trees);
-        let differs = match &mut self.preparation {
+        let changed = match &mut self.preparation {
             Some(preparation) => preparation.update(&mut self.world, self.report.time, &changes, &moved),
             None => {
                 self.preparation = Some(Preparation::of(&mut self.world, self.report.time));
-                true
+                SceneChanges::remade()
             }
         };
         if let Some(preparation) = &mut self.preparation {
             preparation.set_precision(self.precision);
-            self.report.trees += preparation.trees().wrapping_sub(built);
         }
+        self.report.trees += u32::from(changed.built_tree());
         self.report.animate += animated - start;
         self.report.prepare += animated.elapsed();
-        Ok(Some(differs))
+        Ok(Some(changed))
     }
 }
 

@@ -17,7 +17,7 @@ use crate::components::{
     Ambient, Checker, FilmSettings, Light, Material, Noise, Order, Quality, Sampling, Shape, WorldTransform,
 };
 use crate::time::Time;
-use crate::trace::{self, Geometry, Precision, PreparedScene, ShapeId};
+use crate::trace::{self, Geometry, Precision, PreparedScene, SceneChanges, ShapeChange, ShapeId};
 use camera::prepared_camera;
 use faults::surface_fault;
 use light::prepared_light;
@@ -47,8 +47,6 @@ pub struct Preparation {
     slots: SlotTable,
     /// Entities whose surfaces have numbers that are out of range.
     unsound: BTreeSet<Entity>,
-    /// How often the tree over the shapes has been built.
-    trees: u32,
 }
 
 /// The most rays that surfaces send out.
@@ -120,21 +118,26 @@ impl Preparation {
             lights: Vec::new(),
             slots,
             unsound,
-            trees: 1,
         };
         preparation.read_settings(world);
         preparation
     }
 
     /// Reads what has changed, for an instant of the frame at `moment`. `moved` are the entities whose world transform changed.
-    /// Returns whether anything is different.
-    pub fn update(&mut self, world: &mut World, moment: Time, changes: &Changes, moved: &[Entity]) -> bool {
+    /// Returns what is different.
+    pub fn update(
+        &mut self,
+        world: &mut World,
+        moment: Time,
+        changes: &Changes,
+        moved: &[Entity],
+    ) -> SceneChanges {
         self.moment = moment;
         if changes.is_everything() {
             return self.start_over(world);
         }
         let reshaped = || moved.iter().chain(changes.shapes()).copied();
-        let Some(shapes_differ) = self.update_shapes(world, reshaped()) else {
+        let Some(shapes) = self.update_shapes(world, reshaped()) else {
             return self.start_over(world);
         };
         // Squares go with what they are on.
@@ -151,22 +154,14 @@ impl Preparation {
             }
             Some((slot, surface_material(surface)))
         });
-        let surfaces_differ = self.scene.replace_materials(materials);
-        let settings_differ = self.read_settings(world);
-        shapes_differ || surfaces_differ || settings_differ
+        let materials = self.scene.replace_materials(materials);
+        SceneChanges { shapes, materials, ..self.read_settings(world) }
     }
 
     /// Reads the whole world again: anything may be different.
-    fn start_over(&mut self, world: &mut World) -> bool {
-        let trees = self.trees.wrapping_add(1);
-        *self = Self { trees, ..Self::of(world, self.moment) };
-        true
-    }
-
-    /// Returns how often the tree over the shapes has been built.
-    #[must_use]
-    pub fn trees(&self) -> u32 {
-        self.trees
+    fn start_over(&mut self, world: &mut World) -> SceneChanges {
+        *self = Self::of(world, self.moment);
+        SceneChanges::remade()
     }
 
     /// Returns the kernel's scene.
@@ -259,9 +254,13 @@ impl Preparation {
         self.sampling.samples
     }
 
-    /// Puts shapes that were moved or changed into their slots, and returns whether any is different; `None` if slots no longer
+    /// Puts shapes that were moved or changed into their slots, and returns those that are different; `None` if slots no longer
     /// fit and all must be read again.
-    fn update_shapes(&mut self, world: &mut World, reshaped: impl Iterator<Item = Entity>) -> Option<bool> {
+    fn update_shapes(
+        &mut self,
+        world: &mut World,
+        reshaped: impl Iterator<Item = Entity>,
+    ) -> Option<Vec<ShapeChange>> {
         let mut replacements = Vec::new();
         for entity in reshaped {
             let Ok((shape, transform)) =
@@ -270,22 +269,17 @@ impl Preparation {
                 continue;
             };
             match (self.slots.get(entity), prepared_shape(shape, transform)) {
-                (Some(slot), Ok(shape)) if self.scene.geometry().holds(slot, &shape) => {}
                 (Some(slot), Ok(shape)) => replacements.push((slot, shape)),
                 (None, Err(_)) => {}
                 _ => return None,
             }
         }
-        let fits = self.scene.replace_shapes(&replacements);
-        if fits && !replacements.is_empty() {
-            self.trees = self.trees.wrapping_add(1);
-        }
-        fits.then_some(!replacements.is_empty())
+        self.scene.replace_shapes(&replacements)
     }
 
-    /// Reads the camera, lights and the settings of the whole scene, which are few, for every frame. Returns whether anything is
+    /// Reads the camera, lights and the settings of the whole scene, which are few, for every frame. Returns what of them is
     /// different.
-    fn read_settings(&mut self, world: &mut World) -> bool {
+    fn read_settings(&mut self, world: &mut World) -> SceneChanges {
         let mut lights: Vec<(Order, Entity, trace::Light)> = world
             .query_mut::<(Entity, &Order, &Light, &WorldTransform)>()
             .into_iter()
@@ -308,17 +302,17 @@ impl Preparation {
         let cutoff = linear_cutoff(quality.cutoff, film.transfer);
 
         let scene = &mut self.scene;
-        let differ = set(&mut scene.lights, lights.1)
-            | set(&mut scene.ambient, ambient)
+        let lights_differ = set(&mut scene.lights, lights.1);
+        let camera_differs = set(&mut self.camera, camera);
+        let settings = set(&mut scene.ambient, ambient)
             | set(&mut scene.background, background)
             | set(&mut scene.fog, fog)
             | set(&mut scene.depth, depth)
             | set(&mut scene.cutoff, cutoff)
-            | set(&mut self.camera, camera)
             | set(&mut self.film, film)
             | set(&mut self.sampling, sampling);
         self.lights = lights.0;
-        differ
+        SceneChanges { lights: lights_differ, camera: camera_differs, settings, ..SceneChanges::default() }
     }
 }
 

@@ -1,6 +1,7 @@
 //! A scene at one moment, as arrays: shapes, materials, lights, the camera and what is around them. What rays ask of them is in `query`.
 
 mod camera;
+mod changes;
 mod checker;
 mod environment;
 mod equal_shapes;
@@ -13,6 +14,7 @@ mod prepared_scene;
 
 pub use camera::Camera;
 pub(crate) use camera::PixelCenters;
+pub use changes::{SceneChanges, ShapeChange};
 pub use checker::CheckerPattern;
 pub(crate) use environment::transmittance;
 pub use environment::{Background, Fog, Passage};

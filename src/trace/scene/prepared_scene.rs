@@ -1,5 +1,6 @@
 //! A scene as arrays, ready for rays.
 
+use super::changes::ShapeChange;
 use super::environment::{Background, Fog};
 use super::equal_shapes::EqualShapes;
 use super::geometry::{Geometry, PreparedShape};
@@ -69,14 +70,26 @@ impl PreparedScene {
         &self.geometry
     }
 
-    /// Puts other shapes of the same kinds in the place of some. `false` if a kind differs: the scene must then be made anew.
+    /// Puts other shapes of the same kinds in the place of some, and returns those that differ. `None` if a kind differs: the scene must
+    /// then be made anew.
     #[must_use]
-    pub fn replace_shapes(&mut self, replacements: &[(ShapeId, PreparedShape)]) -> bool {
-        let fits = replacements.iter().all(|(id, shape)| self.geometry.replace(*id, *shape));
-        if fits && !replacements.is_empty() {
+    pub fn replace_shapes(&mut self, replacements: &[(ShapeId, PreparedShape)]) -> Option<Vec<ShapeChange>> {
+        let mut changes = Vec::new();
+        for (id, shape) in replacements {
+            if self.geometry.holds(*id, shape) {
+                continue;
+            }
+            let before = self.geometry.bounds(*id);
+            if !self.geometry.replace(*id, *shape) {
+                return None;
+            }
+            changes.push(ShapeChange { id: *id, before, after: self.geometry.bounds(*id) });
+        }
+        if !changes.is_empty() {
             self.rebuild_tree();
         }
-        fits
+        changes.sort_unstable_by_key(|change| change.id);
+        Some(changes)
     }
 
     /// Returns the material of a shape.
@@ -91,21 +104,23 @@ impl PreparedScene {
         &self.surfaces
     }
 
-    /// Replaces the materials of shapes, and says whether any of them is different.
+    /// Replaces the materials of shapes, and returns the shapes whose materials differ.
     pub fn replace_materials(
         &mut self,
         replacements: impl IntoIterator<Item = (ShapeId, SurfaceMaterial)>,
-    ) -> bool {
-        let mut any = false;
+    ) -> Vec<ShapeId> {
+        let mut changed = Vec::new();
         for (id, material) in replacements {
-            any |= self.materials[id.index()] != material;
-            self.materials[id.index()] = material;
+            if self.materials[id.index()] != material {
+                self.materials[id.index()] = material;
+                changed.push(id);
+            }
         }
-        if any {
+        if !changed.is_empty() {
             self.surfaces = MaterialSummary::of(&self.materials);
             self.sort_equal_shapes();
         }
-        any
+        changed
     }
 
     fn sort_equal_shapes(&mut self) {
