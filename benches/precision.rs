@@ -69,7 +69,7 @@ fn frames(rounds: usize) {
     let mut logarithms = 0.0;
     for path in &scenes {
         let mut engine = Engine::load(path).unwrap();
-        // The textbook's shapes have no kernel of their own for every plan: all are compared in the same one.
+        // With every effect, so that all precisions do the same work.
         engine.set_full(true);
         let timeline = engine.timeline();
         let middle: Time = timeline.time_of(timeline.frame_count() / 2);

@@ -8,7 +8,7 @@
 //!
 //! ```text
 //! RON text -> scene::document -> scene::spawn -> hecs World
-//!    each frame: animate(t) -> scripts -> own systems -> propagate -> prepare -> trace::Exposure -> Film
+//!    each frame: stepped systems -> animate(t) -> scripts -> pure systems -> propagate -> prepare -> trace -> Film
 //!    Film -> output (frame files), or live (a preview in the browser)
 //! ```
 //!
@@ -43,7 +43,10 @@
 //!
 //! *Track*: a value over time. *Film*: the linear pixels of one frame. *Sequence*: the frames of a timeline. *Frame file*: a
 //! frame as written to disk. *Order*: an entity's place in document order; every order that can affect a bit of a picture is this
-//! one. *Prepared*: in the kernel's arrays. *Reference path*: the same shapes over a linear scan, the oracle of the fast path.
+//! one. *Kernel*: the ray tracer proper, module [`trace`], which knows arrays and no entities. *Prepared*: in the kernel's arrays.
+//! *Fast path*: the kernel's tree of bounding boxes, over all threads. *Reference path*: the same shapes over a linear scan, the
+//! oracle of the fast path. *Moment*: a point of the timeline; each frame has one. *Instant*: one of the moments at which samples are
+//! taken while the shutter of a frame is open. *Plan*: which effects a frame needs, and why. *Clear*: transparent.
 //!
 //! Space is left-handed as seen by the viewer: x right, y up, z forward. Colours are linear, 1 being the file's 255. Time is
 //! exact.

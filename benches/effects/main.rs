@@ -1,7 +1,7 @@
 //! What effects cost: nothing when absent, and how much when present.
 //!
 //! `cargo bench --bench effects` prints a table of seconds. `benches/instructions` counts instructions under valgrind with the
-//! same program, by `count KERNEL SCENE FRAMES`.
+//! same program, by `count planned|full SCENE FRAMES`.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a bench prints its table, and may fail loudly")]
 
@@ -112,7 +112,7 @@ fn table(rounds: usize) {
         values.sort_by(f64::total_cmp);
         values[values.len() / 2]
     };
-    println!("| 480 x 270, milliseconds | planned kernel | full kernel | full over planned |");
+    println!("| 480 x 270, milliseconds | planned effects | all effects | all over planned |");
     println!("|---|---|---|---|");
     for ((name, _), times) in engines.iter().zip(times) {
         let planned = median(times.iter().map(|time| time.0).collect());

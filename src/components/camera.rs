@@ -20,8 +20,8 @@ pub struct Camera {
     pub view: View,
     /// VUP: the direction that is up in the picture; any length, not parallel to the view.
     pub up: DVec3,
-    /// The rotation about the view, radians, by the right-hand rule about the view direction: +90 degrees put what was up to the
-    /// left, and the picture's contents turn clockwise.
+    /// The rotation about the view direction, radians. Positive angles tip the camera to its left, so the picture's contents turn
+    /// clockwise: at +90 degrees the camera's up points to where its left was.
     pub roll: f64,
     /// The screen's size and distance.
     pub projection: Projection,

@@ -153,8 +153,9 @@ impl Engine {
         self.shutters = None;
     }
 
-    /// Creates an engine for a given world, with 24 frames per second. What the world lacks (a camera, film settings) has
-    /// defaults.
+    /// Creates an engine for a world. Its timeline has 24 frames per second and a single frame, which
+    /// [`set_timeline`](Engine::set_timeline) changes; others can be rendered all the same. What the world lacks (a camera, film
+    /// settings) has defaults.
     #[must_use]
     pub fn new(world: World) -> Self {
         Self {
@@ -267,7 +268,7 @@ impl Engine {
         self.left_out = effect;
     }
 
-    /// Sets whether to render with everything compiled in, whatever a scene calls for: slower, and the same bits. For
+    /// Sets whether to render with every effect, even those that a scene does not call for: slower, and the same bits. For
     /// comparisons.
     pub fn set_full(&mut self, full: bool) {
         self.full = full;

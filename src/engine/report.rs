@@ -10,7 +10,7 @@ use crate::trace::{Escalations, RayCounts, TreeEnds};
 pub struct FrameReport {
     /// The frame's moment.
     pub time: Time,
-    /// The time spent on tracks and custom systems.
+    /// The time spent on tracks, scripts and custom systems.
     pub animate: Duration,
     /// The time spent on world transforms and the kernel's arrays.
     pub prepare: Duration,

@@ -3,14 +3,14 @@
 //! ```text
 //! files -> watcher -> mailbox -> session (reads, renders) -> board -> server -> page
 //!                        ^                                               |
-//!                        +---------- seek, probe, render well -----------+
+//!                        +---------- seek, probe, quality ---------------+
 //! ```
 //!
-//! The [`Watcher`] notices that files hold something else. The [`Session`] owns the engine, on a thread of its own; it is
-//! asked by commands, and puts up its [`State`] and its pictures where all can see them at any time, so that a page that comes
-//! late, or again, sees what the others see. Quick pictures lead up to one that takes long, which is shown while it is made; what
-//! is asked in between ends the work at once, and loses nothing of it that is still wanted. The [`Server`] shows all that to a
-//! browser on the same machine, and to nobody else.
+//! The [`Watcher`] notices that the contents of files have changed. The [`Session`] owns the engine, on a thread of its own. It takes
+//! commands, and posts its state and its pictures on a board that can be read at any time, so that a page that is opened late,
+//! or again, sees what the others see. Quick pictures lead up to one that takes long, which is shown while it is rendered; a new
+//! command interrupts the work at once, and discards only what is no longer wanted. The [`Server`] shows all that to browsers on the
+//! same machine, and to nobody else.
 
 mod begun;
 mod board;
@@ -34,7 +34,7 @@ mod watcher;
 
 pub use event::{Event, Shown};
 pub use guard::{HostName, NoHostName};
-pub use handle::SessionSettings;
+pub use handle::{Handle, SessionSettings};
 pub use server::Server;
 pub use session::Session;
 pub use state::Times;
@@ -44,7 +44,6 @@ pub use watcher::{QUIET, Watcher, Watching};
 #[doc(hidden)]
 pub use {
     board::Picture,
-    handle::Handle,
     mailbox::{Answer, Command, Detail, View},
     pixel_info::{PixelInfo, SurfaceInfo},
     state::{Mistakes, PictureInfo, Planned, State},

@@ -4,9 +4,9 @@ use std::fmt;
 
 use crate::components::table;
 
-/// A kernel has it together with all other extras, or none of them.
+/// Chosen together with all other extras.
 const EXTRA: bool = true;
-/// Kernels have it or not individually, or are unaware of it.
+/// Chosen by itself, or follows from the data.
 const APART: bool = false;
 
 table! {
@@ -59,7 +59,7 @@ impl Effect {
         self.row().1.0
     }
 
-    /// Returns whether it is one of the extras, of which a kernel has all or none.
+    /// Returns whether it is one of the extras, which are chosen all together or not at all.
     pub(super) fn is_extra(self) -> bool {
         self.row().1.1
     }

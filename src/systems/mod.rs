@@ -1,17 +1,18 @@
 //! What happens each frame, in this order:
 //!
 //! ```text
-//! animate -> scripts -> own systems -> propagate -> prepare   (-> trace)
+//! stepped systems up to this moment -> animate -> scripts -> pure systems -> propagate -> prepare   (-> trace)
 //! ```
 //!
+//! - Systems of your own are pure or stepped: [`Engine::add_system`](crate::Engine::add_system) and
+//!   [`Engine::add_stepped_system`](crate::Engine::add_stepped_system). Tracks and scripts also run before each step, and again after
+//!   the steps: what a track or a script drives, a step cannot change for good.
 //! - [`animate()`] writes the values of motions at this moment.
-//! - Scripts write the values of programs, after all tracks.
-//! - The schedule runs the systems added by the program that uses the library, pure or stepped; both run before each of its
-//!   steps.
+//! - Scripts write theirs, after all tracks.
 //! - [`propagate()`] turns transforms into world transforms, parents first.
 //! - [`Plan`] lists the effects that the moment calls for, and why.
 //! - [`Fault`]s report what is wrong with the moment, so that something is not drawn as specified.
-//! - [`Preparation`] is the only bridge from the world to the kernel: it carries shapes, materials, lights and the camera over
+//! - The preparation is the only bridge from the world to the kernel: it carries shapes, materials, lights and the camera over
 //!   into arrays, in document order, and only what has changed.
 //!
 //! hecs keeps no record of changes, so systems declare their writes: see [`Changes`].

@@ -1,7 +1,7 @@
 //! The effects that a moment calls for, and why, or why not.
 //!
-//! An effect that is left out would not have changed a bit of the picture: the kernel that has only what the plan says is tested
-//! against the one that has everything compiled in.
+//! An effect that is left out would not have changed a bit of the picture: pictures with only the planned effects are tested
+//! against pictures with all of them.
 
 use hecs::{Component, World};
 

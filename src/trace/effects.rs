@@ -27,14 +27,14 @@ pub enum Paths {
     Media,
 }
 
-/// The effects that stages have: those of a stage that has none are not entered, and the others leave out the work.
+/// The effects to compute. A stage that none of them needs is not entered; the others skip what is not needed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Effects {
     /// What is asked of lights.
     pub lighting: Lighting,
     /// Which rays follow camera rays.
     pub paths: Paths,
-    /// Highlights, lights into cones, lights that weaken with distance, lights with a size, squares and fog.
+    /// The extras: highlights, spot lights, falloff, area lights, checkers and fog.
     pub extras: bool,
 }
 

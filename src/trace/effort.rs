@@ -17,7 +17,7 @@ pub struct Effort {
     pub escalations: Escalations,
 }
 
-/// How often each stage was entered; of one that the kernel leaves out, never.
+/// How often each stage was entered: never, where no effect needs it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct StageCounts {
     pub(crate) camera_rays: u64,
@@ -36,7 +36,7 @@ pub struct RayCounts {
     pub camera: u64,
     /// From surfaces to lights.
     pub shadow: u64,
-    /// From mirrors.
+    /// From mirrors, and by reflection at the surfaces of clear media.
     pub reflection: u64,
     /// Through the surfaces of clear media.
     pub refraction: u64,

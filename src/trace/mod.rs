@@ -5,10 +5,10 @@
 //!
 //! Files in the order in which a camera ray goes through them:
 //!
-//! 1. `exposure` hands out the picture's tiles over all threads ([`Exposure`]). `stages/sample` takes one sample of each of a tile's
+//! 1. `exposure` hands out the picture's tiles over all threads . `stages/sample` takes one sample of each of a tile's
 //!    pixels through the stages, each a function over the arrays in `stages/buffers`: memory does not grow with the number of
 //!    samples.
-//! 2. `stages/camera_rays` makes the first wave of rays, by `scene/camera`; where samples lie is in `math/sampling` ([`Sampling`]).
+//! 2. `stages/camera_rays` makes the first wave of rays, by `scene/camera`; where samples lie is in `math/sampling`.
 //! 3. `stages/closest_hits` finds what each ray meets first, by `query/closest_hit`, which walks the tree (`bvh/traverse`) and asks the
 //!    shapes (`query/guaranteed`), which are defined in `shapes`.
 //! 4. `stages/surfaces` refines hits to surface points, where light, a medium or a mirror asks for them, and adds ambient light.
@@ -26,7 +26,7 @@
 //!
 //! # What a picture needs, and no more
 //!
-//! What is asked of lights, which rays go on from surfaces, and whether there are extras ([`Effects`]) follows from the
+//! What is asked of lights, which rays go on from surfaces, and whether there are extras (`effects`) follows from the
 //! [plan](crate::systems::Plan) of a moment. A stage that none of them needs is not entered, and the others leave out the work. What an
 //! effect computes does not depend on which others there are, so that a planned picture, one with all effects and the
 //! reference path's have the same bits. What each effect costs, planned and with all others, is in `benches/record`, by
@@ -35,10 +35,10 @@
 //! # Trees of rays
 //!
 //! A sample's rays are a tree: every surface may send on a mirrored and a refracted ray. It ends where a ray's contribution could
-//! not show, by a guaranteed bound (what is cut in a sample adds up to less than [`PreparedScene::cutoff`]), at the last
+//! not show, by a guaranteed bound (what is cut in a sample adds up to less than the scene's cut-off), at the last
 //! generation, and at 4096 rays; rays beyond the last two see the background untraced. How many it was is in [`TreeEnds`].
 //!
-//! Two paths answer what a ray meets: [`PreparedScene`]'s tree of bounding boxes, and the linear scan of the
+//! Two paths answer what a ray meets: the scene's tree of bounding boxes, and the linear scan of the
 //! [reference path](mod@reference). Both ask the same shapes the same questions, so that both make the same picture, bit for bit.
 //!
 #![doc = include_str!("numerics.md")]
@@ -60,22 +60,23 @@ pub mod shapes;
 mod stages;
 
 pub use effort::{RayCounts, TreeEnds};
+pub use exposure::{Exposure, Signals};
 pub use film::Film;
+pub use math::Sampling;
 pub use query::{Escalations, Hit, SurfacePoint};
 pub use rays::{Ray, ShapeId};
-pub use scene::{Passage, Precision};
+pub use scene::{Camera, Passage, Precision};
 
 // What tests and benchmarks ask of the kernel itself: no part of the library's face.
 #[doc(hidden)]
 pub use {
     effects::{Effects, Lighting, Paths},
     effort::Effort,
-    exposure::{Exposure, Signals},
     light::Boundary,
-    math::{Root, Sampling},
+    math::Root,
     query::{CastHit, CastRay},
     scene::{
-        Background, Camera, Checker, CheckerPattern, Cone, Falloff, Fog, Geometry, Light, LightSource,
+        Background, Checker, CheckerPattern, Cone, Falloff, Fog, Geometry, Light, LightSource,
         MaterialSummary, PreparedScene, PreparedShape, Refraction, SceneChanges, ShapeChange,
         SurfaceMaterial,
     },

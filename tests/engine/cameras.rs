@@ -111,7 +111,7 @@ fn a_camera_looks_at_an_entity() {
 }
 
 #[test]
-fn roll_turns_about_the_view_by_the_right_hand_rule() {
+fn roll_tips_the_camera_to_its_left() {
     let found = stance("position: (0, 0, 0), view: (0, 0, 1), roll: 90", "", time(0));
     // As +90 degrees about z take x to y and y to -x.
     close(found.axes.x_axis, DVec3::Y);

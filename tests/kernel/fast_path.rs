@@ -1,5 +1,4 @@
-//! Random scenes with random effects: the kernel that a scene's plan chooses, the kernel with everything compiled in and the
-//! reference path make the same pictures, bit for bit, and never a number that is not finite.
+//! Random scenes with random effects: the planned effects, all effects and the reference path make the same pictures, bit for bit, and never a number that is not finite.
 
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
@@ -229,7 +228,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: cases(), failure_persistence: None, rng_seed: seed(), ..ProptestConfig::default() })]
 
     #[test]
-    fn planned_full_and_reference_kernels_agree(
+    fn planned_full_and_reference_pictures_agree(
         effects in effects(),
         things in things(),
         lights in prop::collection::vec(light(), 0..4),

@@ -18,7 +18,7 @@ use crate::trace::{Effects, Exposure, Film, Lighting, SceneChanges, Signals};
 static NEVER: AtomicBool = AtomicBool::new(false);
 
 impl Engine {
-    /// Renders frame `index` of the timeline. It does not matter which frames were rendered before.
+    /// Renders frame `index` of the timeline, which may be beyond its end. Which frames were rendered before does not matter.
     ///
     /// # Errors
     ///
@@ -46,9 +46,9 @@ impl Engine {
         self.render_on(time, &mut None, Signals::unless(cancelled), &mut |_| Continue(()))
     }
 
-    /// Renders a moment as long as there is time, and can continue later, to the same bits: what has been traced is in `begun`
-    /// until it is a film. It belongs to this moment of the world as it is. `visit` is called at every pause, and decides whether
-    /// to continue.
+    /// Renders a moment in portions. At every pause that `signals` asks for, `visit` is called and decides whether to go on. If it
+    /// does not, `begun` keeps what has been traced, and a later call with it continues, to the same bits, provided that neither
+    /// the moment nor the world has changed.
     ///
     /// ```
     /// use std::ops::ControlFlow;

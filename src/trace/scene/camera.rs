@@ -74,8 +74,7 @@ impl Camera {
         }
     }
 
-    /// The same camera turned about its view by `angle`, radians, by the right-hand rule about the view direction: a quarter
-    /// turn of the camera puts its up where its left was.
+    /// Returns the same camera turned about its view by `angle`, radians: a quarter turn puts its up where its left was.
     #[must_use]
     pub fn rolled(self, angle: f64) -> Self {
         if angle == 0.0 || !angle.is_finite() {

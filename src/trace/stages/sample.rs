@@ -17,8 +17,8 @@ const LONGEST_WAVE: usize = 1024;
 /// Traces one sample of every pixel of a tile: what it brings is in the buffers afterwards. Says whether that is all: once nobody
 /// waits for it any more, it is left as it is. Every search looks for that, and so do stages that may take long.
 ///
-/// A pixel's rays are traced, and their light is added up, generation by generation, and nothing recurses. Stages that the kernel
-/// leaves out are not entered.
+/// A pixel's rays are traced, and their light is added up, generation by generation, and nothing recurses. Stages that no
+/// effect needs are not entered.
 pub(crate) fn render_sample(
     context: &RenderContext<'_>,
     shapes: &impl Intersector,
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn stages_that_a_kernel_leaves_out_are_not_entered() {
+    fn stages_that_no_effect_needs_are_not_entered() {
         let one =
             StageCounts { camera_rays: 1, closest_hits: 1, surfaces: 1, sums: 1, ..StageCounts::default() };
         assert_eq!(stages(Lighting::None, Paths::Straight), one);
