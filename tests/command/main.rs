@@ -9,7 +9,7 @@ mod probe;
 mod process;
 mod sheet;
 #[cfg(unix)]
-#[path = "../shared/splitmix.rs"]
+#[path = "../common/splitmix.rs"]
 mod splitmix;
 mod usage;
 

@@ -10,9 +10,9 @@ mod own_systems;
 mod prepared_changes;
 mod reload;
 mod scripts;
-#[path = "../shared/spent.rs"]
+#[path = "../common/spent.rs"]
 mod spent;
-#[path = "../shared/splitmix.rs"]
+#[path = "../common/splitmix.rs"]
 mod splitmix;
 
 use rayreel::components::Name;

@@ -15,7 +15,7 @@ mod oracle;
 mod ray_counts;
 mod ray_trees;
 mod sampling;
-#[path = "../shared/splitmix.rs"]
+#[path = "../common/splitmix.rs"]
 mod splitmix;
 
 use rayreel::{Engine, Scene};

@@ -19,7 +19,7 @@ mod masses;
 mod moves;
 mod parts;
 mod scripts;
-#[path = "../shared/spent.rs"]
+#[path = "../common/spent.rs"]
 mod spent;
 mod things;
 mod values;
