@@ -87,7 +87,9 @@ impl PreparedScene {
         scratch.tied_hits.clear();
         scratch.ties.clone_from(ties);
         let closest = self.closest(shapes, ray, scratch)?;
-        let surface = self.surface(shapes, ray, &closest, scratch);
+        let mut surface = self.surface(shapes, ray, &closest, scratch);
+        // What the ray itself left is of no use to those that go on from here.
+        scratch.ties.keep(std::iter::once(&mut surface.ties));
         Some(CastHit { surface, ties: scratch.ties.clone() })
     }
 

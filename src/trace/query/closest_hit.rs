@@ -3,7 +3,7 @@
 use std::sync::atomic::Ordering::Relaxed;
 
 use super::escalations::Escalations;
-use super::hit::{ClosestHit, Hit, SurfacePoint, TiedHits};
+use super::hit::{ClosestHit, Hit, SurfacePoint};
 use super::intersector::Intersector;
 use super::nearest::Nearest;
 use super::scratch::Scratch;
@@ -69,7 +69,7 @@ impl PreparedScene {
         scratch: &mut Scratch<'_>,
     ) -> SurfacePoint {
         let ClosestHit { hit, tied } = *closest;
-        if tied == TiedHits::default() && self.equal_shapes.group(hit.id).is_none() {
+        if tied.is_empty() && self.equal_shapes.group(hit.id).is_none() {
             return surface_at(shapes, ray, hit, (hit.id, Ties::NONE), &mut scratch.escalations);
         }
         self.tied_surface(shapes, ray, closest, scratch)

@@ -26,10 +26,17 @@ pub(crate) struct ClosestHit {
 }
 
 /// A list in [`TiedHitLists`](super::nearest::TiedHitLists).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct TiedHits {
     pub(super) start: u32,
     pub(super) count: u32,
+}
+
+impl TiedHits {
+    #[inline]
+    pub(crate) fn is_empty(self) -> bool {
+        self.count == 0
+    }
 }
 
 /// A point of a surface, found by a ray.
