@@ -77,7 +77,7 @@ pub use {
     query::{CastHit, CastRay},
     scene::{
         Background, Checker, CheckerPattern, Cone, Falloff, Fog, Geometry, Light, LightSource,
-        MaterialSummary, PreparedScene, PreparedShape, Refraction, SceneChanges, ShapeChange,
+        MaterialSummary, MaterialTable, PreparedScene, PreparedShape, Refraction, SceneChanges, ShapeChange,
         SurfaceMaterial,
     },
     shapes::{Bounds, RefinedHit},

@@ -5,6 +5,7 @@
 
 mod as_written;
 mod closed_forms;
+mod document_order;
 mod fast_path;
 mod hard_cases;
 mod heaps;

@@ -17,7 +17,9 @@ use crate::components::{
     Ambient, Checker, FilmSettings, Light, Material, Noise, Order, Quality, Sampling, Shape, WorldTransform,
 };
 use crate::time::Time;
-use crate::trace::{self, Geometry, Precision, PreparedScene, SceneChanges, ShapeChange, ShapeId};
+use crate::trace::{
+    self, Geometry, MaterialTable, Precision, PreparedScene, SceneChanges, ShapeChange, ShapeId,
+};
 use camera::prepared_camera;
 use faults::surface_fault;
 use light::prepared_light;
@@ -90,7 +92,7 @@ impl Preparation {
         drawn.sort_unstable_by_key(|(order, entity)| (*order, entity.id()));
 
         let mut geometry = Geometry::default();
-        let mut materials = Vec::with_capacity(drawn.len());
+        let mut materials = MaterialTable::default();
         let mut entities = Vec::with_capacity(drawn.len());
         let mut slots = SlotTable::default();
         let mut unsound = BTreeSet::new();

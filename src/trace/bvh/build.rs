@@ -173,7 +173,7 @@ mod tests {
                 }
             }
         }
-        found.sort_unstable();
+        found.sort_unstable_by_key(|id| id.0);
         (found, deepest)
     }
 

@@ -76,7 +76,7 @@ impl Start {
             |id: &ShapeId| scene.geometry().bounds(*id).map_or(f64::INFINITY, |bounds| bounds.extent());
         solids.sort_by(|one, other| {
             let larger_first = extent(other).partial_cmp(&extent(one)).unwrap_or(Ordering::Equal);
-            larger_first.then(other.cmp(one))
+            larger_first.then(scene.order().rank(*other).cmp(&scene.order().rank(*one)))
         });
         Self(solids)
     }

@@ -1,5 +1,7 @@
 //! Which clear solids a ray is inside of.
 
+use std::cmp::Reverse;
+
 use glam::DVec3;
 
 use crate::color::Rgb;
@@ -97,7 +99,7 @@ impl MediumStacks {
                 }
             }
         }
-        entered.sort_unstable_by(|one, other| other.cmp(one));
+        entered.sort_unstable_by_key(|id| Reverse(scene.order().rank(*id)));
         for id in entered {
             medium = self.entered(medium, id);
         }

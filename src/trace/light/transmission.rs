@@ -88,7 +88,7 @@ fn filtered_alone(
     if *from_behind && Some(surface.hit.id) != own_shape {
         crossed.push(Crossed::Times(surface.hit.id, 1));
     }
-    crossed.sort_unstable_by_key(Crossed::id);
+    crossed.sort_unstable_by_key(|crossed| scene.order().rank(crossed.id()));
     let mut share = Rgb::ONE;
     for crossed in crossed.iter() {
         let Some(refraction) = scene.material(crossed.id()).refraction else { continue };
@@ -133,7 +133,8 @@ pub(crate) fn filtered_and_absorbed(
         filters.push(Filter { id: surface.hit.id, crossings: 1, length: 0.0 });
     }
     crossings.sort_unstable_by(|one, other| {
-        let along = one.t.total_cmp(&other.t).then(one.id.cmp(&other.id));
+        let along =
+            one.t.total_cmp(&other.t).then(scene.order().rank(one.id).cmp(&scene.order().rank(other.id)));
         along.then(other.entering.cmp(&one.entering))
     });
     let per_t = ray.direction().length();
@@ -165,7 +166,7 @@ pub(crate) fn filtered_and_absorbed(
 
 fn product(scene: &PreparedScene, filters: &mut [Filter]) -> Rgb {
     // Parts of one solid's way stay in their order along the ray.
-    filters.sort_by_key(|filter| filter.id);
+    filters.sort_by_key(|filter| scene.order().rank(filter.id));
     let mut share = Rgb::ONE;
     for same in filters.chunk_by(|one, other| one.id == other.id) {
         let Some(refraction) = scene.material(same[0].id).refraction else { continue };

@@ -105,7 +105,7 @@ impl PreparedScene {
             }
         }
         tied.retain(|id| *id != surface.hit.id);
-        tied.sort_unstable();
+        tied.sort_unstable_by_key(|id| self.order().rank(*id));
         tied
     }
 }

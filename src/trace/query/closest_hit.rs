@@ -44,7 +44,7 @@ impl PreparedScene {
     ) -> Option<ClosestHit> {
         let Scratch { stack, escalations, ties, tied_hits, cancelled, .. } = scratch;
         let ray = &RayView::new(ray, ties);
-        let mut nearest = Nearest::new(tied_hits);
+        let mut nearest = Nearest::new(self.order(), tied_hits);
         let mut limit = f64::INFINITY;
         for id in &self.beside {
             if cancelled.load(Relaxed) {
@@ -89,7 +89,7 @@ impl PreparedScene {
             .chain([&closest.hit])
             .map(|hit| Hit { id: self.first_equal(hit.id), ..*hit })
             .collect();
-        met.sort_unstable_by_key(|hit| hit.id);
+        met.sort_unstable_by_key(|hit| hit.id.0);
         met.dedup_by_key(|hit| hit.id);
         let mut seen_as = |hit: Hit| {
             let first_equal = self.first_equal(hit.id);
@@ -105,7 +105,7 @@ impl PreparedScene {
             return seen;
         }
         let opaque = met.iter().filter_map(|hit| Some(Hit { id: self.first_opaque(hit.id)?, ..*hit }));
-        opaque.min_by_key(|hit| hit.id).map_or(seen, seen_as)
+        opaque.min_by_key(|hit| self.order().rank(hit.id)).map_or(seen, seen_as)
     }
 
     /// The first opaque one, in document order, of a shape and all that equal it.

@@ -13,7 +13,7 @@ pub(crate) fn closest(scene: &PreparedScene, ray: &Ray, scratch: &mut Scratch<'_
     let geometry = scene.geometry();
     let Scratch { escalations, ties, tied_hits, .. } = scratch;
     let ray = &RayView::new(ray, ties);
-    let mut nearest = Nearest::new(tied_hits);
+    let mut nearest = Nearest::new(scene.order(), tied_hits);
     for id in geometry.ids() {
         // A ray that leaves a shape leaves all that equal it.
         if let Some(hit) = geometry.intersect(scene.first_equal(id), ray, escalations) {

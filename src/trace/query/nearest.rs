@@ -6,6 +6,7 @@ use super::escalations::Escalations;
 use super::hit::{ClosestHit, Hit, TiedHits};
 use super::intersector::Intersector;
 use crate::trace::rays::{RayView, ShapeId};
+use crate::trace::scene::DocumentOrder;
 
 /// What is met where the closest hits of rays are, besides those, list after list.
 #[derive(Clone, Debug, Default)]
@@ -14,6 +15,7 @@ pub(crate) struct TiedHitLists(Vec<Hit>);
 /// The nearest of the hits of one ray so far. Those that are as near are at the end of the lists.
 pub(crate) struct Nearest<'a> {
     best: Option<Hit>,
+    order: &'a DocumentOrder,
     lists: &'a mut TiedHitLists,
     start: usize,
 }
@@ -32,9 +34,9 @@ impl TiedHitLists {
 
 impl<'a> Nearest<'a> {
     #[inline]
-    pub(crate) fn new(lists: &'a mut TiedHitLists) -> Self {
+    pub(crate) fn new(order: &'a DocumentOrder, lists: &'a mut TiedHitLists) -> Self {
         let start = lists.0.len();
-        Self { best: None, lists, start }
+        Self { best: None, order, lists, start }
     }
 
     /// Takes another shape into account, and returns from which `t` on nothing is of interest any more.
@@ -71,7 +73,8 @@ impl<'a> Nearest<'a> {
                 self.lists.0.truncate(self.start);
             }
             Ordering::Equal => {
-                let (first, second) = if hit.id < best.id { (hit, *best) } else { (*best, hit) };
+                let comes_first = self.order.rank(hit.id) < self.order.rank(best.id);
+                let (first, second) = if comes_first { (hit, *best) } else { (*best, hit) };
                 *best = first;
                 self.lists.0.push(second);
             }

@@ -1,8 +1,8 @@
 //! What shapes are called in the kernel.
 
-/// Identifies a shape in the kernel's arrays. Ids are numbered in document order: of two surfaces at the same distance
-/// the one with the lower id is seen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+/// Identifies a shape in the kernel's arrays. It stays the same shape's while the scene is
+/// updated, and says nothing of the order of shapes in the document.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ShapeId(pub u32);
 
 impl ShapeId {

@@ -36,11 +36,11 @@ impl TieLists {
     pub(crate) fn add(&mut self, ties: impl Iterator<Item = Tie>) -> Ties {
         let start = self.ties.len();
         self.ties.extend(ties);
-        self.ties[start..].sort_unstable_by_key(|tie| tie.id);
+        self.ties[start..].sort_unstable_by_key(|tie| tie.id.0);
         self.from(start)
     }
 
-    /// Returns a list, in document order.
+    /// Returns a list, by ascending ids.
     #[inline]
     pub(crate) fn of(&self, ties: Ties) -> &[Tie] {
         let Ties { start, count } = ties;

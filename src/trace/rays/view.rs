@@ -38,7 +38,7 @@ impl<'a> RayView<'a> {
     /// Returns the outward normal of a shape that is left besides the one that the departure names.
     #[inline]
     pub(crate) fn left_normal(&self, id: ShapeId) -> Option<DVec3> {
-        let index = self.ties.binary_search_by_key(&id, |tie| tie.id).ok()?;
+        let index = self.ties.binary_search_by_key(&id.0, |tie| tie.id.0).ok()?;
         Some(self.ties[index].normal)
     }
 }

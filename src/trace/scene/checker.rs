@@ -46,6 +46,18 @@ impl CheckerPattern {
         }
     }
 
+    /// Passes on the numbers that it is made of.
+    pub(super) fn numbers(&self, mut each: impl FnMut(f64)) {
+        let Self { forward, inverse: _, translation, size, surface } = self;
+        let mut all = |vector: DVec3| vector.to_array().into_iter().for_each(&mut each);
+        [forward.x_axis, forward.y_axis, forward.z_axis, *translation].into_iter().for_each(&mut all);
+        match surface {
+            Checkered::Plane(axes) => axes.iter().copied().for_each(&mut all),
+            Checkered::Box(half) => all(*half),
+        }
+        each(*size);
+    }
+
     /// Returns whether the point is on a square of the second colours.
     pub(crate) fn is_second(&self, point: DVec3, normal: DVec3) -> bool {
         let own = self.inverse * (point - self.translation);

@@ -6,6 +6,7 @@
 
 use rayon::prelude::*;
 
+use super::fingerprint::Fingerprint;
 use super::geometry::Geometry;
 use crate::trace::rays::ShapeId;
 
@@ -37,7 +38,7 @@ impl EqualShapes {
         let fingerprints: Vec<u64> = ids.par_iter().map(|id| fingerprint(geometry, *id)).collect();
         let mut suspects: Vec<(u64, ShapeId)> =
             repeated(&fingerprints).into_iter().map(|index| (fingerprints[index], ids[index])).collect();
-        suspects.par_sort_unstable();
+        suspects.par_sort_unstable_by_key(|(fingerprint, id)| (*fingerprint, geometry.order().rank(*id)));
         let mut groups = Vec::new();
         for alike in suspects.chunk_by(|one, other| one.0 == other.0) {
             let mut rest: Vec<ShapeId> = alike.iter().map(|(_, id)| *id).collect();
@@ -117,15 +118,10 @@ impl EqualGroup {
     }
 }
 
-/// A number that equal shapes have in common, and others hardly ever.
 fn fingerprint(geometry: &Geometry, id: ShapeId) -> u64 {
-    // The multiplier of Knuth's multiplicative hashing, The Art of Computer Programming 3, section 6.4, for 64 bits.
-    const MULTIPLIER: u64 = 0x9e37_79b9_7f4a_7c15;
-    let mut fingerprint = 0_u64;
-    geometry.numbers(id, |number| {
-        fingerprint = (fingerprint.rotate_left(29) ^ number.to_bits()).wrapping_mul(MULTIPLIER);
-    });
-    fingerprint ^ fingerprint >> 32
+    let mut fingerprint = Fingerprint::default();
+    geometry.numbers(id, |number| fingerprint.add(number));
+    fingerprint.finish()
 }
 
 /// The indices of all values that may be there twice: a sieve first, as mostly there are none.

@@ -2,6 +2,7 @@
 
 use glam::{DAffine3, DVec3};
 
+use super::document_order::DocumentOrder;
 use crate::trace::rays::ShapeId;
 use crate::trace::shapes::{AlignedBox, Bounds, BoxImage, Plane, Sphere, SphereImage};
 
@@ -24,6 +25,7 @@ pub enum PreparedShape {
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
     pub(crate) places: Vec<Place>,
+    order: DocumentOrder,
     pub(crate) spheres: Vec<Sphere>,
     pub(crate) planes: Vec<Plane>,
     pub(crate) boxes: Vec<AlignedBox>,
@@ -68,7 +70,9 @@ impl Geometry {
             PreparedShape::BoxImage(shape) => store(&mut self.box_images, Kind::BoxImage, shape),
         };
         self.places.push(place);
-        ShapeId(to_index(self.places.len() - 1))
+        let id = ShapeId(to_index(self.places.len() - 1));
+        self.order.push(id);
+        id
     }
 
     /// Puts another shape of the same kind in the place of one; `false`, and nothing done, if the kinds differ.
@@ -170,7 +174,17 @@ impl Geometry {
         self.planes.len()
     }
 
-    /// Returns all ids, in document order.
+    /// Which shape comes first in the document.
+    pub(crate) fn order(&self) -> &DocumentOrder {
+        &self.order
+    }
+
+    /// Puts the shapes into another document order, and leaves their ids as they are.
+    pub(super) fn renumber(&mut self, ids: &[ShapeId]) {
+        self.order.renumber(ids);
+    }
+
+    /// Returns all ids, in the order in which shapes were added.
     pub fn ids(&self) -> impl ExactSizeIterator<Item = ShapeId> + use<> {
         (0..to_index(self.places.len())).map(ShapeId)
     }

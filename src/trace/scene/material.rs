@@ -1,8 +1,10 @@
 //! How surfaces answer light.
 
-use super::checker::CheckerPattern;
-use crate::color::Rgb;
 use glam::DVec3;
+
+use super::checker::CheckerPattern;
+use super::fingerprint::Fingerprint;
+use crate::color::Rgb;
 
 /// How a shape's surface answers light.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -56,6 +58,28 @@ impl SurfaceMaterial {
     /// Returns whether it sends rays on.
     pub(crate) fn continues(&self) -> bool {
         self.reflected > 0.0 || self.refraction.is_some()
+    }
+
+    /// Returns a number that equal materials have in common, and others hardly ever.
+    pub(super) fn fingerprint(&self) -> u64 {
+        let Self { ambient, diffuse, specular, shininess, reflected, refraction, checker } = self;
+        let mut fingerprint = Fingerprint::default();
+        let colors = |fingerprint: &mut Fingerprint, colors: &[Rgb]| {
+            colors.iter().flat_map(Rgb::to_array).for_each(|channel| fingerprint.add(channel.into()));
+        };
+        colors(&mut fingerprint, &[*ambient, *diffuse]);
+        [*specular, *shininess, *reflected].into_iter().for_each(|number| fingerprint.add(number.into()));
+        if let Some(Refraction { transmitted, ior, absorption, fresnel }) = refraction {
+            [f64::from(*transmitted), *ior, f64::from(*fresnel)]
+                .into_iter()
+                .for_each(|number| fingerprint.add(number));
+            colors(&mut fingerprint, &[*absorption]);
+        }
+        if let Some(checker) = checker {
+            colors(&mut fingerprint, &[checker.ambient, checker.diffuse]);
+            checker.squares.numbers(|number| fingerprint.add(number));
+        }
+        fingerprint.finish()
     }
 
     /// Ambient and diffuse colours at a point of the surface with this outward normal.

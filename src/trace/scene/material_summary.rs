@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::material::{Checker, SurfaceMaterial};
+use super::material_table::MaterialTable;
 use crate::color::Rgb;
 use crate::trace::rays::ShapeId;
 
@@ -15,9 +16,9 @@ pub struct MaterialSummary {
     pub diffuse: f32,
     /// The largest specular coefficient.
     pub specular: f32,
-    /// Those that mirror, in document order.
+    /// Those that mirror, by ascending ids.
     pub mirrors: Vec<ShapeId>,
-    /// Those that are clear, in document order.
+    /// Those that are clear, by ascending ids.
     pub clear: Vec<ShapeId>,
     /// Whether one of the clear ones absorbs.
     pub absorbs: bool,
@@ -71,20 +72,24 @@ impl Answer {
 impl MaterialSummary {
     /// Reads them all.
     #[must_use]
-    pub(crate) fn of(materials: &[SurfaceMaterial]) -> Self {
+    pub(super) fn of(materials: &MaterialTable) -> Self {
         let mut all = Self::default();
-        for (id, material) in (0..).map(ShapeId).zip(materials) {
+        for material in materials.distinct() {
             let answer = Answer::of(material);
             all.answers.entry(answer.key()).or_default().widen(&answer);
-            if material.reflected > 0.0 {
-                all.mirrors.push(id);
-            }
             if let Some(refraction) = &material.refraction {
-                all.clear.push(id);
                 all.absorbs |= refraction.absorption.max_element() > 0.0;
                 all.fresnel |= refraction.fresnel;
             }
             all.checkered |= material.checker.is_some();
+        }
+        for (id, material) in materials.of_shapes() {
+            if material.reflected > 0.0 {
+                all.mirrors.push(id);
+            }
+            if material.refraction.is_some() {
+                all.clear.push(id);
+            }
         }
         for answer in all.answers.values() {
             all.ambient = all.ambient.max(answer.ambient.max_element());

@@ -1,12 +1,14 @@
 //! A scene as arrays, ready for rays.
 
 use super::changes::ShapeChange;
+use super::document_order::DocumentOrder;
 use super::environment::{Background, Fog};
 use super::equal_shapes::EqualShapes;
 use super::geometry::{Geometry, PreparedShape};
 use super::light::Light;
 use super::material::SurfaceMaterial;
 use super::material_summary::MaterialSummary;
+use super::material_table::MaterialTable;
 use super::precision::Precision;
 use crate::color::Rgb;
 use crate::trace::bvh::Tree;
@@ -17,7 +19,7 @@ use crate::trace::shapes::Bounds;
 #[derive(Clone, Debug)]
 pub struct PreparedScene {
     pub(crate) geometry: Geometry,
-    pub(crate) materials: Vec<SurfaceMaterial>,
+    materials: MaterialTable,
     /// Of equal shapes the tree and what is beside it hold the first in document order.
     pub(crate) equal_shapes: EqualShapes,
     pub(crate) tree: Tree,
@@ -44,7 +46,8 @@ pub struct PreparedScene {
 impl PreparedScene {
     /// A scene of these shapes with one material each, without lights, black all around.
     #[must_use]
-    pub fn new(geometry: Geometry, materials: Vec<SurfaceMaterial>) -> Self {
+    pub fn new(geometry: Geometry, materials: impl Into<MaterialTable>) -> Self {
+        let materials = materials.into();
         let mut scene = Self {
             geometry,
             surfaces: MaterialSummary::of(&materials),
@@ -70,6 +73,22 @@ impl PreparedScene {
         &self.geometry
     }
 
+    /// Which shape comes first in the document.
+    #[inline]
+    pub(crate) fn order(&self) -> &DocumentOrder {
+        self.geometry.order()
+    }
+
+    /// Puts the shapes into another document order. They keep their ids.
+    ///
+    /// # Panics
+    ///
+    /// Unless `ids` has every shape once.
+    pub fn renumber(&mut self, ids: &[ShapeId]) {
+        self.geometry.renumber(ids);
+        self.rebuild_tree();
+    }
+
     /// Puts other shapes of the same kinds in the place of some, and returns those that differ. `None` if a kind differs: the scene must
     /// then be made anew.
     #[must_use]
@@ -88,14 +107,14 @@ impl PreparedScene {
         if !changes.is_empty() {
             self.rebuild_tree();
         }
-        changes.sort_unstable_by_key(|change| change.id);
+        changes.sort_unstable_by_key(|change| self.order().rank(change.id));
         Some(changes)
     }
 
     /// Returns the material of a shape.
     #[must_use]
     pub fn material(&self, id: ShapeId) -> &SurfaceMaterial {
-        &self.materials[id.index()]
+        self.materials.of(id)
     }
 
     /// What there is among the surfaces.
@@ -111,8 +130,7 @@ impl PreparedScene {
     ) -> Vec<ShapeId> {
         let mut changed = Vec::new();
         for (id, material) in replacements {
-            if self.materials[id.index()] != material {
-                self.materials[id.index()] = material;
+            if self.materials.replace(id, material) {
                 changed.push(id);
             }
         }
@@ -124,7 +142,7 @@ impl PreparedScene {
     }
 
     fn sort_equal_shapes(&mut self) {
-        self.equal_shapes.sort(|id| self.materials[id.index()].refraction.is_some());
+        self.equal_shapes.sort(|id| self.materials.of(id).refraction.is_some());
     }
 
     fn rebuild_tree(&mut self) {
@@ -139,7 +157,7 @@ impl PreparedScene {
             self.beside.push(ids.remove(index));
             bounds.remove(index);
         }
-        self.beside.sort_unstable();
+        self.beside.sort_unstable_by_key(|id| self.geometry.order().rank(*id));
         self.tree = Tree::build(&ids, &bounds);
     }
 

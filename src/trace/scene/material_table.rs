@@ -1,0 +1,156 @@
+//! The materials of a scene's shapes. Each is there once, however many shapes have it.
+
+use std::collections::HashMap;
+
+use super::material::SurfaceMaterial;
+use crate::trace::rays::ShapeId;
+
+/// The materials, and which shape has which.
+#[derive(Clone, Debug, Default)]
+pub struct MaterialTable {
+    materials: Vec<SurfaceMaterial>,
+    /// By material: how many shapes have it.
+    users: Vec<u32>,
+    /// Materials that no shape has any more. New ones take their places.
+    unused: Vec<MaterialId>,
+    /// By fingerprint: the materials that shapes have.
+    ids: HashMap<u64, Vec<MaterialId>>,
+    of_shapes: Vec<MaterialId>,
+}
+
+/// Identifies a material in a [`MaterialTable`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct MaterialId(u32);
+
+impl MaterialId {
+    fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+impl MaterialTable {
+    /// Adds the material of the next shape.
+    pub fn push(&mut self, material: SurfaceMaterial) {
+        // Neighbours in the document are often alike.
+        let last = self.of_shapes.last().copied().filter(|id| self.materials[id.index()] == material);
+        let id = last.unwrap_or_else(|| self.find_or_add(material));
+        self.users[id.index()] += 1;
+        self.of_shapes.push(id);
+    }
+
+    /// Replaces a shape's material, and returns whether the new one differs.
+    pub(super) fn replace(&mut self, shape: ShapeId, material: SurfaceMaterial) -> bool {
+        if *self.of(shape) == material {
+            return false;
+        }
+        self.release(self.of_shapes[shape.index()]);
+        let id = self.find_or_add(material);
+        self.users[id.index()] += 1;
+        self.of_shapes[shape.index()] = id;
+        true
+    }
+
+    /// Returns the material of a shape.
+    #[inline]
+    pub(super) fn of(&self, shape: ShapeId) -> &SurfaceMaterial {
+        &self.materials[self.of_shapes[shape.index()].index()]
+    }
+
+    /// Returns the materials of all shapes, in the order of their ids.
+    pub(super) fn of_shapes(&self) -> impl Iterator<Item = (ShapeId, &SurfaceMaterial)> {
+        (0..).map(ShapeId).zip(self.of_shapes.iter().map(|id| &self.materials[id.index()]))
+    }
+
+    /// Returns all that some shape has, each once.
+    pub(super) fn distinct(&self) -> impl Iterator<Item = &SurfaceMaterial> {
+        self.ids.values().flatten().map(|id| &self.materials[id.index()])
+    }
+
+    /// Finds a material, or adds it.
+    fn find_or_add(&mut self, material: SurfaceMaterial) -> MaterialId {
+        let Self { materials, users, unused, ids, .. } = self;
+        let alike = ids.entry(material.fingerprint()).or_default();
+        if let Some(found) = alike.iter().find(|id| materials[id.index()] == material) {
+            return *found;
+        }
+        let id = if let Some(id) = unused.pop() {
+            materials[id.index()] = material;
+            id
+        } else {
+            materials.push(material);
+            users.push(0);
+            // There are no more materials than shapes, and of those no more than 2^28.
+            MaterialId(u32::try_from(users.len() - 1).unwrap_or(u32::MAX))
+        };
+        alike.push(id);
+        id
+    }
+
+    /// Forgets a material with the last shape that has it.
+    fn release(&mut self, id: MaterialId) {
+        let users = &mut self.users[id.index()];
+        *users -= 1;
+        if *users > 0 {
+            return;
+        }
+        let fingerprint = self.materials[id.index()].fingerprint();
+        if let Some(alike) = self.ids.get_mut(&fingerprint) {
+            alike.retain(|other| *other != id);
+            if alike.is_empty() {
+                self.ids.remove(&fingerprint);
+            }
+        }
+        self.unused.push(id);
+    }
+}
+
+impl From<Vec<SurfaceMaterial>> for MaterialTable {
+    fn from(materials: Vec<SurfaceMaterial>) -> Self {
+        let mut table = Self::default();
+        materials.into_iter().for_each(|material| table.push(material));
+        table
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn mirror(reflected: f32) -> SurfaceMaterial {
+        SurfaceMaterial { reflected, ..SurfaceMaterial::default() }
+    }
+
+    #[test]
+    fn zeros_of_either_sign_are_one_material() {
+        let table = MaterialTable::from(vec![mirror(0.0), mirror(-0.0)]);
+        assert_eq!(table.materials.len(), 1);
+    }
+
+    proptest! {
+        #[test]
+        fn each_material_is_there_once_whatever_is_replaced(
+            first in prop::collection::vec(0..6_u8, 1..12),
+            edits in prop::collection::vec((0..12_usize, 0..6_u8), 0..40),
+        ) {
+            let material = |number: u8| mirror(f32::from(number) / 8.0);
+            let mut all = first;
+            let mut table = MaterialTable::from(all.iter().map(|number| material(*number)).collect::<Vec<_>>());
+            for (index, number) in edits {
+                let index = index % all.len();
+                let id = (0..).map(ShapeId).nth(index).unwrap();
+                prop_assert_eq!(table.replace(id, material(number)), all[index] != number);
+                all[index] = number;
+                prop_assert!(table.of_shapes().zip(&all).all(|((_, found), number)| *found == material(*number)));
+                let mut distinct: Vec<f32> = table.distinct().map(|material| material.reflected).collect();
+                distinct.sort_by(f32::total_cmp);
+                let mut expected: Vec<f32> = all.iter().map(|number| material(*number).reflected).collect();
+                expected.sort_by(f32::total_cmp);
+                expected.dedup();
+                prop_assert_eq!(distinct, expected);
+                prop_assert!(table.materials.len() <= all.len() + 1);
+            }
+        }
+    }
+}

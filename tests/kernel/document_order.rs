@@ -1,0 +1,109 @@
+//! Ids are names and no more: which shape is seen of several in one place is said by the order of the document alone.
+
+use std::sync::atomic::AtomicBool;
+
+use glam::DVec3;
+
+use rayreel::trace::shapes::{AlignedBox, Sphere};
+use rayreel::trace::{
+    Background, Camera, Effects, Exposure, Geometry, Light, LightSource, PreparedScene, PreparedShape,
+    Refraction, Sampling, ShapeId, Signals, SurfaceMaterial, reference,
+};
+use rayreel::{Film, Rgb};
+
+use crate::splitmix::Random;
+
+/// A shape at one of few places, so that faces and whole shapes are often shared.
+fn shape(random: &mut Random) -> PreparedShape {
+    let mut place = || [-1.0, 0.0, 0.5][random.index(3)];
+    let place = DVec3::new(place(), place(), place());
+    if random.once_in(3) {
+        PreparedShape::Sphere(Sphere { center: place, radius: 1.0 })
+    } else {
+        let size = DVec3::splat(if random.once_in(2) { 1.0 } else { 1.5 });
+        PreparedShape::AlignedBox(AlignedBox { min: place, max: place + size })
+    }
+}
+
+fn material(random: &mut Random) -> SurfaceMaterial {
+    let mut share = || 0.1 + 0.8 * f32::from(u8::try_from(random.index(256)).unwrap()) / 255.0;
+    let color = Rgb::new(share(), share(), share());
+    let refraction = Refraction {
+        transmitted: share(),
+        ior: 1.0 + f64::from(share()),
+        absorption: color,
+        fresnel: share() > 0.5,
+    };
+    SurfaceMaterial {
+        ambient: color * 0.2,
+        diffuse: color * 0.7,
+        reflected: if share() > 0.7 { share() } else { 0.0 },
+        refraction: (share() > 0.5).then_some(refraction),
+        ..SurfaceMaterial::default()
+    }
+}
+
+/// The scene of these shapes, in document order, that are added in the order `added`.
+fn scene(shapes: &[(PreparedShape, SurfaceMaterial)], added: &[usize]) -> PreparedScene {
+    let mut geometry = Geometry::default();
+    let mut ids: Vec<Option<ShapeId>> = vec![None; shapes.len()];
+    for index in added {
+        ids[*index] = Some(geometry.push(shapes[*index].0));
+    }
+    let materials: Vec<SurfaceMaterial> = added.iter().map(|index| shapes[*index].1.clone()).collect();
+    let mut scene = PreparedScene::new(geometry, materials);
+    let ids: Vec<ShapeId> = ids.into_iter().map(Option::unwrap).collect();
+    scene.renumber(&ids);
+    scene.depth = 6;
+    scene.ambient = Rgb::ONE;
+    scene.background = Background::Flat(Rgb::new(0.3, 0.4, 0.5));
+    let light = |source| Light {
+        source,
+        intensity: Rgb::ONE,
+        falloff: None,
+        samples: 1,
+        casts_shadows: true,
+        own_shape: Some(ids[0]),
+    };
+    scene.lights = vec![
+        light(LightSource::Point(DVec3::new(3.0, 5.0, -4.0))),
+        light(LightSource::Directional(DVec3::new(0.0, 1.0, 0.0))),
+    ];
+    scene
+}
+
+fn film(scene: &PreparedScene, camera: &Camera) -> Film {
+    let never = AtomicBool::new(false);
+    let mut exposure = Exposure::new(camera.resolution(), 1);
+    let whole =
+        exposure.add(scene, camera, Sampling::default(), (0, 1), Effects::ALL, Signals::unless(&never));
+    assert!(whole, "nobody cancels it");
+    exposure.develop().0
+}
+
+#[test]
+fn ids_are_names_and_the_order_of_the_document_is_a_key_beside_them() {
+    let mut random = Random(7);
+    let mut differing_orders = 0;
+    for _ in 0..300 {
+        let count = 2 + random.index(8);
+        let shapes: Vec<_> = (0..count).map(|_| (shape(&mut random), material(&mut random))).collect();
+        let in_order: Vec<usize> = (0..count).collect();
+        let mut shuffled = in_order.clone();
+        for last in (1..count).rev() {
+            shuffled.swap(last, random.index(last + 1));
+        }
+        let eye = [DVec3::new(2.5, 3.0, -4.0), DVec3::new(0.25, 0.25, 0.25)][random.index(2)];
+        let camera = Camera::new(eye, DVec3::new(0.2, 0.1, 0.0) - eye, DVec3::Y, 1.0, (1.0, 1.0), (12, 12));
+        let expected = film(&scene(&shapes, &in_order), &camera);
+        let renamed = scene(&shapes, &shuffled);
+        assert_eq!(film(&renamed, &camera).pixels(), expected.pixels());
+        let slow = reference::render(&renamed, &camera, Sampling::default());
+        assert_eq!(slow.pixels(), expected.pixels());
+        // A test of the test: the order matters where shapes share places.
+        let reordered: Vec<_> = shuffled.iter().map(|index| shapes[*index].clone()).collect();
+        differing_orders +=
+            u32::from(film(&scene(&reordered, &in_order), &camera).pixels() != expected.pixels());
+    }
+    assert!(differing_orders > 100, "{differing_orders} of 300 orders show");
+}
