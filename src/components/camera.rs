@@ -56,11 +56,11 @@ pub struct Follow(pub Entity);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LookAt(pub Entity);
 
-/// The cuts between cameras. A world has at most one; without it the first camera in document order films.
+/// The cuts between cameras. A world has at most one; without it the first camera in document order is active throughout.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shots(pub Vec<Shot>);
 
-/// A camera that films from a moment on.
+/// A camera that is active from a moment on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shot {
     /// Seconds; later than that of the shot before. The first shot also covers the time before it. A frame belongs to the last

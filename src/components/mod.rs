@@ -10,7 +10,7 @@
 //! | [`Checker`] | its surface has squares of two colours |
 //! | [`Light`] | it gives light |
 //! | [`Camera`], [`FilmSettings`] | from where and on what the picture is taken |
-//! | [`Follow`], [`LookAt`], [`Shots`] | what a camera goes along with and looks at, and which one films when |
+//! | [`Follow`], [`LookAt`], [`Shots`] | what a camera goes along with and looks at, and which one is active when |
 //! | [`Ambient`], [`Background`], [`Fog`], [`Quality`], [`Sampling`] | settings of the whole scene; one of each in a world |
 //! | [`Animated`] | motions of the values above: a [`Property`] and a [`Motion`] each |
 //! | [`Name`], [`Order`] | how people and sums refer to it |

@@ -48,7 +48,7 @@ pub use parts::value;
 pub use plan::{Need, Plan};
 #[doc(hidden)]
 pub use prepare::Preparation;
-pub use prepare::{Filming, film_settings, filming};
+pub use prepare::{ActiveCamera, active_camera, film_settings};
 pub(crate) use prepare::{RayLimits, Shutter, Shutters};
 pub use propagate::propagate;
 pub(crate) use schedule::Schedule;

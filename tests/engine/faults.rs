@@ -293,15 +293,15 @@ fn world(things: &[Thing], settings: &Settings) -> World {
         settings.sampling,
         FilmSettings { width, height, ..FilmSettings::default() },
     ));
-    let filming = settings.camera.map_or(gone, |camera| world.spawn((camera,)));
+    let active = settings.camera.map_or(gone, |camera| world.spawn((camera,)));
     if let Some(followed) = &settings.follows {
-        world.insert_one(filming, Follow(*followed.get(&entities))).unwrap();
+        world.insert_one(active, Follow(*followed.get(&entities))).unwrap();
     }
     if let Some(looked_at) = &settings.looks_at {
-        world.insert_one(filming, LookAt(*looked_at.get(&entities))).unwrap();
+        world.insert_one(active, LookAt(*looked_at.get(&entities))).unwrap();
     }
     if settings.shots {
-        world.insert_one(scene, Shots(vec![Shot { start: 0.0, camera: filming }])).unwrap();
+        world.insert_one(scene, Shots(vec![Shot { start: 0.0, camera: active }])).unwrap();
     }
     world.despawn(gone).unwrap();
     world

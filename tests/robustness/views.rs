@@ -68,7 +68,7 @@ fn bonds() -> impl Strategy<Value = String> {
     ]
 }
 
-/// Which of so many cameras films, c0 and so on, and from when on.
+/// Which of so many cameras is active, c0 and so on, and from when on.
 pub(crate) fn shots(cameras: usize) -> impl Strategy<Value = String> {
     let gap = prop_oneof![4 => 0.1..1.0f64, 1 => prop::sample::select(vec![5e-324, 1e-16, 1e60, -1.0, 0.0])];
     prop::collection::vec((gap, 0..=cameras), 0..5).prop_map(|shots| {

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use rayreel::components::Name;
 use rayreel::engine::Probe;
 use rayreel::scene::{SourceLine, Sources};
-use rayreel::systems::filming;
+use rayreel::systems::active_camera;
 use rayreel::trace::Passage;
 use rayreel::trace::reference::{LightReach, LitSurface, RayEnd, RayKind, TracedRay};
 use rayreel::{Engine, Entity, Rgb, Time};
@@ -98,10 +98,11 @@ impl PixelExplanation<'_> {
         self.engine.film_settings().transfer.encode(self.probe.color())
     }
 
-    /// Returns the line in which the camera that films the moment starts.
+    /// Returns the line in which the active camera of the moment starts.
     fn camera(&self) -> SourceLine<'_> {
         let world = self.engine.world();
-        let name = filming(world, self.at.time).and_then(|filming| world.get::<&Name>(filming.camera).ok());
+        let name =
+            active_camera(world, self.at.time).and_then(|active| world.get::<&Name>(active.entity).ok());
         self.at.sources.camera(name.as_ref().map_or("", |name| name.0.as_str()))
     }
 

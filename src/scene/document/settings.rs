@@ -52,7 +52,7 @@ impl SceneDocument {
     }
 }
 
-/// The camera that films from a time on.
+/// The camera that is active from a time on.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(
     rename = "Shot",

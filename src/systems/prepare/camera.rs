@@ -1,4 +1,4 @@
-//! The camera that films a moment.
+//! The active camera of a moment.
 
 use glam::DVec3;
 use hecs::{Component, Entity, World};
@@ -8,9 +8,9 @@ use crate::components::{Camera, FilmSettings, Follow, LookAt, Projection, Shots,
 use crate::time::Time;
 use crate::trace;
 
-/// Prepares the camera that films the frame at `moment`.
+/// Prepares the active camera of the frame at `moment`.
 pub(super) fn prepared_camera(world: &World, film: FilmSettings, moment: Time) -> trace::Camera {
-    let entity = filming_camera(world, moment);
+    let entity = active_camera_entity(world, moment);
     let camera = component::<Camera>(world, entity).unwrap_or_default();
     let Stance { eye, view, up, .. } = stance(world, entity, &camera);
     // The first and last pixel lie on the screen's edges, so that there is one pitch less than there are pixels.
@@ -30,26 +30,26 @@ pub(super) fn prepared_camera(world: &World, film: FilmSettings, moment: Time) -
     camera.lens.map_or(pinhole, |lens| pinhole.with_lens(lens.aperture, lens.focus))
 }
 
-/// The camera that films a frame.
+/// The camera through which a frame is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Filming {
+pub struct ActiveCamera {
     /// The entity with the camera.
-    pub camera: Entity,
+    pub entity: Entity,
     /// The point in the world that it looks at, if it looks at one.
     pub target: Option<DVec3>,
 }
 
-/// Returns what films the frame at `moment`, to which the world has been brought. `None` in a world without cameras.
+/// Returns the active camera of the frame at `moment`, to which the world has been brought. `None` in a world without cameras.
 #[must_use]
-pub fn filming(world: &World, moment: Time) -> Option<Filming> {
-    let entity = filming_camera(world, moment)?;
+pub fn active_camera(world: &World, moment: Time) -> Option<ActiveCamera> {
+    let entity = active_camera_entity(world, moment)?;
     let camera = component::<Camera>(world, Some(entity))?;
     let Stance { eye, view, looks_at_point, .. } = stance(world, Some(entity), &camera);
-    Some(Filming { camera: entity, target: looks_at_point.then_some(eye + view) })
+    Some(ActiveCamera { entity, target: looks_at_point.then_some(eye + view) })
 }
 
-/// Returns the entity whose camera films the frame at `moment`: that of the shot, or else the first in document order.
-pub(super) fn filming_camera(world: &World, moment: Time) -> Option<Entity> {
+/// Returns the entity whose camera is active in the frame at `moment`: that of the shot, or else the first in document order.
+pub(super) fn active_camera_entity(world: &World, moment: Time) -> Option<Entity> {
     let shots = first::<Shots>(world).0;
     let begun = shots.partition_point(|shot| shot.start <= moment.seconds());
     let shot = shots.get(begun.saturating_sub(1)).map(|shot| shot.camera);

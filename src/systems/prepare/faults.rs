@@ -6,7 +6,7 @@ use glam::DVec3;
 use hecs::{Component, Entity, World};
 
 use super::Preparation;
-use super::camera::{filming_camera, place_of};
+use super::camera::{active_camera_entity, place_of};
 use super::light::prepared_light;
 use super::material::Surfaced;
 use super::settings::first_entity;
@@ -195,7 +195,7 @@ fn light_faults(world: &World, faults: &mut Vec<Fault>) {
     }
 }
 
-/// Finds the faults of the camera that films.
+/// Finds the faults of the active camera.
 fn camera_faults(world: &World, prepared: &Preparation, faults: &mut Vec<Fault>) {
     if let Some(entity) = first_entity::<Shots>(world) {
         let shots = world.get::<&Shots>(entity);
@@ -204,7 +204,7 @@ fn camera_faults(world: &World, prepared: &Preparation, faults: &mut Vec<Fault>)
             faults.push(instead(entity, FaultCause::Missing("cuts to"), Instead::Nothing));
         }
     }
-    let Some(entity) = filming_camera(world, prepared.moment) else { return };
+    let Some(entity) = active_camera_entity(world, prepared.moment) else { return };
     let Ok(camera) = world.get::<&Camera>(entity) else { return };
     let followed = world.get::<&Follow>(entity).map(|follow| follow.0);
     let looked_at = world.get::<&LookAt>(entity).map(|look_at| look_at.0);

@@ -27,7 +27,7 @@ use material::{Surfaced, surface_material};
 use settings::{first, linear_cutoff, prepared_background, prepared_fog, sane, sane_sampling};
 use shape::prepared_shape;
 
-pub use camera::{Filming, filming};
+pub use camera::{ActiveCamera, active_camera};
 pub(crate) use camera::{Shutter, Shutters};
 pub use settings::film_settings;
 
@@ -40,7 +40,7 @@ pub use settings::film_settings;
 pub struct Preparation {
     pub(super) scene: PreparedScene,
     pub(super) camera: trace::Camera,
-    /// The moment of the frame, which decides which camera films.
+    /// The moment of the frame, which decides which camera is active.
     moment: Time,
     film: FilmSettings,
     pub(super) sampling: Sampling,

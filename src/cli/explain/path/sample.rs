@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use rayreel::components::Name;
-use rayreel::systems::{Filming, filming};
+use rayreel::systems::{ActiveCamera, active_camera};
 use rayreel::time::FrameList;
 use rayreel::{Engine, EngineError, Time};
 
@@ -142,10 +142,10 @@ impl CameraSample {
         let prepared = engine.camera()?;
         let (eye, axes) = (prepared.position(), prepared.axes());
         let finite = eye.is_finite() && axes.iter().all(|axis| axis.is_finite());
-        let filming = filming(engine.world(), time);
-        let target = filming.and_then(|filming| filming.target).filter(|target| target.is_finite());
-        let name = |filming: Filming| Some(engine.world().get::<&Name>(filming.camera).ok()?.0.clone());
-        finite.then_some(Self { seconds: time.seconds(), eye, axes, target, camera: filming.and_then(name) })
+        let active = active_camera(engine.world(), time);
+        let target = active.and_then(|active| active.target).filter(|target| target.is_finite());
+        let name = |active: ActiveCamera| Some(engine.world().get::<&Name>(active.entity).ok()?.0.clone());
+        finite.then_some(Self { seconds: time.seconds(), eye, axes, target, camera: active.and_then(name) })
     }
 
     /// Writes its second, and the camera's name if wanted.
