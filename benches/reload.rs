@@ -72,7 +72,7 @@ fn row(name: &str, start: Version, edit: impl Fn(usize) -> Version) {
     let mut engine = Engine::from_scene(scene);
     engine.seek(Time::ZERO).unwrap();
     let mut times = [vec![], vec![], vec![], vec![]];
-    let mut trees = 0;
+    let mut builds = 0;
     for at in 1..=RELOADS {
         fs::write(&path, text(edit(at))).unwrap();
         let begin = Instant::now();
@@ -85,13 +85,13 @@ fn row(name: &str, start: Version, edit: impl Fn(usize) -> Version) {
         engine.seek(Time::ZERO).unwrap();
         times[2].push(milliseconds(reloaded));
         times[3].push(milliseconds(begin));
-        trees = engine.report().trees;
+        builds = engine.report().bvh_builds;
     }
     let [reading, reload, seek, together] = times.map(|mut times| {
         times.sort_by(f64::total_cmp);
         times[times.len() / 2]
     });
-    println!("| {name} | {first:.0} | {reading:.0} | {reload:.1} | {seek:.1} | {together:.1} | {trees} |");
+    println!("| {name} | {first:.0} | {reading:.0} | {reload:.1} | {seek:.1} | {together:.1} | {builds} |");
 }
 
 fn milliseconds(start: Instant) -> f64 {

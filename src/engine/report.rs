@@ -14,8 +14,8 @@ pub struct FrameReport {
     pub animate: Duration,
     /// The time spent on world transforms and the kernel's arrays.
     pub prepare: Duration,
-    /// How often the tree over the shapes was built. It is kept where no shape has changed.
-    pub trees: u32,
+    /// How often the BVH, the tree over the shapes, was built. It is kept where no shape has changed.
+    pub bvh_builds: u32,
     /// The time spent on rays.
     pub trace: Duration,
     /// The number of rays.
@@ -33,7 +33,7 @@ impl Default for FrameReport {
             time: Time::ZERO,
             animate: none,
             prepare: none,
-            trees: 0,
+            bvh_builds: 0,
             trace: none,
             rays: RayCounts::default(),
             ends: TreeEnds::default(),

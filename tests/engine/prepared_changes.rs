@@ -80,7 +80,7 @@ fn what_is_different_is_told_apart() {
     changes.shape(floor);
     changes.material(ball);
     let both = prepared.update(&changes);
-    assert!(both.built_tree() && both.shapes.len() == 1 && both.shapes[0].before.is_none());
+    assert!(both.built_bvh() && both.shapes.len() == 1 && both.shapes[0].before.is_none());
     assert_eq!(both.materials, [shape.id]);
 
     let mut changes = Changes::default();
@@ -88,7 +88,7 @@ fn what_is_different_is_told_apart() {
     changes.settings();
     let lit = prepared.update(&changes);
     assert_eq!(lit, SceneChanges { lights: true, ..SceneChanges::default() });
-    assert!(!lit.built_tree());
+    assert!(!lit.built_bvh());
 }
 
 #[test]
@@ -104,5 +104,5 @@ fn what_comes_or_changes_its_kind_makes_the_scene_anew() {
     let mut changes = Changes::default();
     changes.anything();
     let again = prepared.update(&changes);
-    assert!(again.remade && again.built_tree());
+    assert!(again.remade && again.built_bvh());
 }

@@ -11,7 +11,7 @@ impl Engine {
     ///
     /// What is in both scenes stays the same entity, and what was prepared for it is kept, so that the cost is proportional to
     /// the edit. Entities are recognised by their names; those without one by their transforms and shapes, and the rest by
-    /// position. The tree over the shapes is rebuilt only if shapes are different, elsewhere or in another order.
+    /// position. The BVH over the shapes is rebuilt only if any of them is different, elsewhere or in another order.
     ///
     /// Custom systems stay and start over, on the new scene's world as it is: all entities are new then. Precision and the effect
     /// left out stay too. Until the next frame or [`seek`](Engine::seek), the engine reports on the last one.
@@ -29,12 +29,12 @@ impl Engine {
     /// };
     /// let mut engine = Engine::from_scene(scene("#ff0000")?);
     /// engine.render_frame(0)?;
-    /// assert_eq!(engine.report().trees, 1);
+    /// assert_eq!(engine.report().bvh_builds, 1);
     ///
     /// engine.reload(scene("#0000ff")?);
     /// let film = engine.render_frame(0)?;
     /// assert_eq!(film, Engine::from_scene(scene("#0000ff")?).render_frame(0)?);
-    /// assert_eq!(engine.report().trees, 0); // only the colour is another one
+    /// assert_eq!(engine.report().bvh_builds, 0); // only the colour is another one
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn reload(&mut self, scene: Scene) {

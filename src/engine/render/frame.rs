@@ -270,7 +270,7 @@ impl Engine {
         if let Some(preparation) = &mut self.preparation {
             preparation.set_precision(self.precision);
         }
-        self.report.trees += u32::from(changed.built_tree());
+        self.report.bvh_builds += u32::from(changed.built_bvh());
         self.report.animate += animated - start;
         self.report.prepare += animated.elapsed();
         Ok(Some(changed))

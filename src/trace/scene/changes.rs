@@ -3,7 +3,7 @@
 use crate::trace::rays::ShapeId;
 use crate::trace::shapes::Bounds;
 
-/// What an update of a prepared scene changed: what may be kept of a picture, or of a tree, follows from it.
+/// What an update of a prepared scene changed: what may be kept of a picture, or of a BVH, follows from it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SceneChanges {
     /// Whether the scene was made anew: ids mean other shapes now, and anything may differ.
@@ -38,9 +38,9 @@ impl SceneChanges {
         Self { remade: true, ..Self::default() }
     }
 
-    /// Returns whether the tree over the shapes was built.
+    /// Returns whether the BVH was built.
     #[must_use]
-    pub fn built_tree(&self) -> bool {
+    pub fn built_bvh(&self) -> bool {
         self.remade || !self.shapes.is_empty()
     }
 

@@ -25,7 +25,7 @@ fn any_edits_lead_to_where_a_cold_start_does() {
     // Most edits must be worth something.
     let edits = usize::try_from(cases).unwrap() * EDITS;
     assert!(tally.reloads > edits * 6 / 10 && tally.broken > edits / 20, "{tally:?}");
-    assert!(tally.kept_trees > edits / 5, "{tally:?}");
+    assert!(tally.kept_bvhs > edits / 5, "{tally:?}");
 }
 
 #[test]
@@ -41,7 +41,7 @@ struct Tally {
     /// Edits after which there was no scene.
     broken: usize,
     /// Frames after an edit that needed no new tree.
-    kept_trees: usize,
+    kept_bvhs: usize,
 }
 
 /// A random scene, edited again and again, in an engine that goes on and in engines that start cold.
@@ -117,7 +117,7 @@ fn compare(
                 assert_eq!(bits(&film), bits(&expected), "at {time:?}, {}", about());
                 let plans = [engine.plan(), cold.plan()].map(|plan| format!("{plan:?}"));
                 assert_eq!(plans[0], plans[1], "{}", about());
-                tally.kept_trees += usize::from(engine.report().trees == 0);
+                tally.kept_bvhs += usize::from(engine.report().bvh_builds == 0);
             }
             (Err(error), Err(expected)) => assert_eq!(error.to_string(), expected.to_string(), "{}", about()),
             (found, _) => {

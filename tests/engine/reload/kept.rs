@@ -21,13 +21,13 @@ fn engine(body: &str) -> Engine {
     engine
 }
 
-/// How many trees it takes to draw an edited scene, whose picture is that of a cold start.
-fn trees_after(engine: &mut Engine, body: &str) -> u32 {
+/// How many times the BVH is built to draw an edited scene, whose picture is that of a cold start.
+fn builds_after(engine: &mut Engine, body: &str) -> u32 {
     engine.reload(scene(body));
     let film = engine.render_frame(0).unwrap();
-    let trees = engine.report().trees;
+    let builds = engine.report().bvh_builds;
     assert!(film == Engine::from_scene(scene(body)).render_frame(0).unwrap(), "{body}");
-    trees
+    builds
 }
 
 /// The entities in document order, without cameras and settings.
@@ -56,20 +56,20 @@ const CLAY: &str = "\"clay\": (k_a: 0.5, k_d: 0.5, color: (255, 120, 60))";
 const PLACES: [&str; 3] = ["(-2, 0, 0)", "(0, 0, 0)", "(2, 0, 0)"];
 
 #[test]
-fn no_tree_is_built_where_no_shape_changes() {
+fn no_bvh_is_built_where_no_shape_changes() {
     let mut engine = engine(&balls(CLAY, PLACES, ""));
     let before = entities(&engine);
-    assert_eq!(engine.report().trees, 1);
-    assert_eq!(trees_after(&mut engine, &balls(CLAY, PLACES, "")), 0);
+    assert_eq!(engine.report().bvh_builds, 1);
+    assert_eq!(builds_after(&mut engine, &balls(CLAY, PLACES, "")), 0);
     for material in [
         "\"clay\": (k_a: 0.5, k_d: 0.5, color: (0, 120, 60))",
         "\"clay\": (k_a: 0.5, reflective: (k_r: 0.5), specular: (k_s: 0.5, shininess: 9))",
         "\"clay\": (k_a: 1), \"other\": (k_a: 1)",
     ] {
-        assert_eq!(trees_after(&mut engine, &balls(material, PLACES, "")), 0, "{material}");
+        assert_eq!(builds_after(&mut engine, &balls(material, PLACES, "")), 0, "{material}");
     }
     let light = "(light: Point(intensity: (1, 1, 1)), transform: (translation: (0, 9, 0)))";
-    assert_eq!(trees_after(&mut engine, &balls(CLAY, PLACES, light)), 0);
+    assert_eq!(builds_after(&mut engine, &balls(CLAY, PLACES, light)), 0);
     assert_eq!(entities(&engine)[..3], before);
 }
 
@@ -83,9 +83,9 @@ fn a_light_above_all_others_renumbers_them_and_builds_nothing() {
     };
     let mut engine = engine(&body(bodies[0]));
     let before = entities(&engine);
-    assert_eq!(trees_after(&mut engine, &body(bodies[1])), 0);
+    assert_eq!(builds_after(&mut engine, &body(bodies[1])), 0);
     assert_eq!(entities(&engine)[1..], before);
-    assert_eq!(trees_after(&mut engine, &body(bodies[0])), 0);
+    assert_eq!(builds_after(&mut engine, &body(bodies[0])), 0);
     assert_eq!(entities(&engine), before);
 }
 
@@ -94,16 +94,16 @@ fn what_moves_comes_or_goes_takes_one_tree_and_leaves_the_others_who_they_are() 
     let mut engine = engine(&balls(CLAY, PLACES, ""));
     let before = entities(&engine);
     let [a, b, c] = PLACES;
-    assert_eq!(trees_after(&mut engine, &balls(CLAY, [a, "(0, 1, 0)", c], "")), 1);
+    assert_eq!(builds_after(&mut engine, &balls(CLAY, [a, "(0, 1, 0)", c], "")), 1);
     assert_eq!(entities(&engine), before);
     // Without a name, and elsewhere: there is no other that it could be.
-    assert_eq!(trees_after(&mut engine, &balls(CLAY, ["(-3, 0, 0)", b, c], "")), 1);
+    assert_eq!(builds_after(&mut engine, &balls(CLAY, ["(-3, 0, 0)", b, c], "")), 1);
     assert_eq!(entities(&engine), before);
     let another =
         "(shape: Plane(normal: (0, 1, 0)), material: \"clay\", transform: (translation: (0, -1, 0)))";
-    assert_eq!(trees_after(&mut engine, &balls(CLAY, ["(-3, 0, 0)", b, c], another)), 1);
+    assert_eq!(builds_after(&mut engine, &balls(CLAY, ["(-3, 0, 0)", b, c], another)), 1);
     assert_eq!(entities(&engine)[..3], before);
-    assert_eq!(trees_after(&mut engine, &balls(CLAY, ["(-3, 0, 0)", b, c], "")), 1);
+    assert_eq!(builds_after(&mut engine, &balls(CLAY, ["(-3, 0, 0)", b, c], "")), 1);
     assert_eq!(entities(&engine), before);
 }
 
@@ -117,7 +117,7 @@ fn entities_without_names_are_known_by_what_they_are() {
     };
     let mut engine = engine(&row(&[0, 1, 2, 3, 4]));
     let before = entities(&engine);
-    trees_after(&mut engine, &row(&[0, 7, 1, 3, 4]));
+    builds_after(&mut engine, &row(&[0, 7, 1, 3, 4]));
     let after = entities(&engine);
     assert_eq!([after[0], after[2], after[3], after[4]], [before[0], before[1], before[3], before[4]]);
     // What is left of both is taken to be the same.
@@ -131,7 +131,7 @@ fn names_that_are_exchanged_take_their_entities_along() {
     let [at_a, at_b, at_c] = PLACES;
     let exchanged = balls(CLAY, [at_a, at_c, at_b], "").replace("\"b\"", "\"-\"").replace("\"c\"", "\"b\"");
     let exchanged = exchanged.replace("\"-\"", "\"c\"");
-    assert_eq!(trees_after(&mut engine, &exchanged), 1);
+    assert_eq!(builds_after(&mut engine, &exchanged), 1);
     assert_eq!((named(&engine, "b"), named(&engine, "c")), (b, c));
 }
 
@@ -150,7 +150,7 @@ fn a_track_that_is_taken_away_gives_back_what_the_scene_says() {
     // The script's value at 2 seconds is what the scene says: the picture must follow all the same.
     engine.reload(scene(&moving));
     assert_eq!((place(&engine, "b").y, place(&engine, "c").x), (0.0, 2.0));
-    assert_eq!(trees_after(&mut engine, &animated("")), 1);
+    assert_eq!(builds_after(&mut engine, &animated("")), 1);
     assert_eq!((place(&engine, "b").y, place(&engine, "c").x), (0.0, 2.0));
 }
 
@@ -182,7 +182,7 @@ fn the_first_camera_is_the_first_in_the_file_whatever_was_there_before() {
 fn a_world_of_ones_own_can_become_a_scene() {
     let mut engine = Engine::new(rayreel::World::new());
     engine.render_frame(0).unwrap();
-    assert_eq!(trees_after(&mut engine, &balls(CLAY, PLACES, "")), 1);
+    assert_eq!(builds_after(&mut engine, &balls(CLAY, PLACES, "")), 1);
 }
 
 #[test]
