@@ -80,7 +80,7 @@ pub enum View {
     Target(DVec3),
 }
 
-/// A thin lens around the eye: what is not in focus is blurred. It takes effect where [`Sampling`](super::Sampling) has more than
+/// A thin lens around the eye: what is not in focus is blurred. It is used where [`Sampling`](super::Sampling) has more than
 /// one sample per pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {

@@ -13,7 +13,7 @@ pub struct Light {
     pub intensity: Rgb,
     /// Whether the light can be occluded. A light without shadows reaches every surface that faces it, and costs no shadow rays.
     pub casts_shadows: bool,
-    /// The falloff with distance, if any; without effect on directional lights, which are infinitely far away.
+    /// The falloff with distance, if any; ignored for directional lights, which are infinitely far away.
     pub falloff: Option<Falloff>,
 }
 

@@ -32,7 +32,7 @@ pub enum InputError {
 }
 
 /// Opens a file of at most `most` bytes; at most one byte more can be read. Its kind and length are checked before it is opened,
-/// since opening a pipe may wait for ever, and opening a device may have any effect. Files that the system makes up, as those in
+/// since opening a pipe may wait for ever, and opening a device may do anything. Files that the system makes up, as those in
 /// `/proc`, are reported to have no bytes, and have none here.
 ///
 /// # Errors

@@ -14,14 +14,14 @@ pub struct Fault {
     /// The entity.
     pub entity: Entity,
     /// The consequence.
-    pub effect: FaultEffect,
+    pub consequence: Consequence,
     /// The cause.
     pub cause: FaultCause,
 }
 
 /// The consequence of a [`Fault`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum FaultEffect {
+pub enum Consequence {
     /// Its shape is not in the picture.
     NotDrawn,
     /// Its light lights nothing.
@@ -118,12 +118,12 @@ impl Fault {
 impl fmt::Display for Fault {
     /// Writes the consequence and the cause: to follow the entity's name.
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.effect {
-            FaultEffect::NotDrawn => write!(formatter, "is not drawn: {}", self.cause),
-            FaultEffect::NoLight => write!(formatter, "gives no light: {}", self.cause),
-            FaultEffect::NothingSeen => write!(formatter, "sees nothing: {}", self.cause),
-            FaultEffect::Distorted => write!(formatter, "shows a distorted picture: {}", self.cause),
-            FaultEffect::Instead(instead) => {
+        match self.consequence {
+            Consequence::NotDrawn => write!(formatter, "is not drawn: {}", self.cause),
+            Consequence::NoLight => write!(formatter, "gives no light: {}", self.cause),
+            Consequence::NothingSeen => write!(formatter, "sees nothing: {}", self.cause),
+            Consequence::Distorted => write!(formatter, "shows a distorted picture: {}", self.cause),
+            Consequence::Instead(instead) => {
                 write!(formatter, "is not as it says: {}, and ", self.cause)?;
                 match instead {
                     Instead::Number(number) => write!(formatter, "counts as {}", brief(number)),

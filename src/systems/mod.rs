@@ -41,7 +41,7 @@ pub use animate::animate;
 pub use changes::Changes;
 pub use context::Context;
 pub use effect::Effect;
-pub use faults::{Fault, FaultCause, FaultEffect, Instead};
+pub use faults::{Consequence, Fault, FaultCause, Instead};
 pub(crate) use halt::Halt;
 pub use halt::ScriptFailure;
 pub use parts::value;

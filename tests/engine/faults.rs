@@ -14,7 +14,7 @@ use rayreel::components::{
     LightKind, LookAt, Material, Noise, Parent, Projection, Quality, Reflective, Refractive, Sampling, Shape,
     Shot, Shots, Specular, Transform, View, WorldTransform,
 };
-use rayreel::systems::{FaultCause, FaultEffect};
+use rayreel::systems::{Consequence, FaultCause};
 use rayreel::{Context, Engine, Entity, Fault, Film, Ray, Rgb, Time, World};
 
 /// Any number at all, and most often one that means trouble.
@@ -319,7 +319,7 @@ fn check_film(engine: &Engine, film: &Film) -> TestCaseResult {
 
 /// Shapes that are left out of the picture.
 fn not_drawn(faults: &[Fault]) -> BTreeSet<Entity> {
-    let left_out = faults.iter().filter(|fault| fault.effect == FaultEffect::NotDrawn);
+    let left_out = faults.iter().filter(|fault| fault.consequence == Consequence::NotDrawn);
     left_out.map(|fault| fault.entity).collect()
 }
 

@@ -17,7 +17,7 @@ use crate::components::{
     Order, Projection, Quality, Refractive, Sampling, Shape, Shots, Specular, Transform, View,
     WorldTransform,
 };
-use crate::systems::{Fault, FaultCause, FaultEffect, Instead};
+use crate::systems::{Consequence, Fault, FaultCause, Instead};
 use crate::trace::LightSource;
 
 /// The range of a coefficient.
@@ -71,7 +71,7 @@ impl Preparation {
                     Err(cause) => explained(cause, own),
                 },
             };
-            faults.push(Fault { entity, effect: FaultEffect::NotDrawn, cause });
+            faults.push(Fault { entity, consequence: Consequence::NotDrawn, cause });
         }
     }
 }
@@ -92,7 +92,7 @@ fn explained(cause: FaultCause, own: Option<&Transform>) -> FaultCause {
 }
 
 fn instead(entity: Entity, cause: FaultCause, instead: Instead) -> Fault {
-    Fault { entity, effect: FaultEffect::Instead(instead), cause }
+    Fault { entity, consequence: Consequence::Instead(instead), cause }
 }
 
 /// The first number that is not in its range, and the value used in its place.
@@ -176,7 +176,7 @@ fn light_faults(world: &World, faults: &mut Vec<Fault>) {
             _ => Ok(light),
         });
         if let Err(cause) = prepared {
-            faults.push(Fault { entity, effect: FaultEffect::NoLight, cause: explained(cause, own) });
+            faults.push(Fault { entity, consequence: Consequence::NoLight, cause: explained(cause, own) });
             continue;
         }
         let mut checked = Checked::new(entity);
@@ -215,12 +215,12 @@ fn camera_faults(world: &World, prepared: &Preparation, faults: &mut Vec<Fault>)
     }
     if !prepared.camera.position().is_finite() {
         let cause = FaultCause::NotFinite("place");
-        faults.push(Fault { entity, effect: FaultEffect::NothingSeen, cause });
+        faults.push(Fault { entity, consequence: Consequence::NothingSeen, cause });
         return;
     }
     if let Some((cause, value)) = projection_fault(camera.projection) {
-        let effect = if value.is_finite() { FaultEffect::Distorted } else { FaultEffect::NothingSeen };
-        faults.push(Fault { entity, effect, cause });
+        let consequence = if value.is_finite() { Consequence::Distorted } else { Consequence::NothingSeen };
+        faults.push(Fault { entity, consequence, cause });
     }
     let looked = match camera.view {
         View::Direction(view) => view,
