@@ -47,7 +47,7 @@ use crate::trace::{self, Precision};
 ///         moved.push(entity);
 ///     }
 ///     for entity in moved {
-///         context.changes.transform(entity); // what is not declared need not be looked at
+///         context.changes.mark_transform(entity); // what is not declared need not be looked at
 ///     }
 /// }
 ///
@@ -177,7 +177,7 @@ impl Engine {
     /// Adds a pure function of time that writes to the world. Its writes are undone before every frame.
     pub fn add_system(&mut self, system: impl Fn(&mut Context<'_>) + Send + 'static) {
         self.systems.rewind(&mut self.world);
-        self.changes.anything();
+        self.changes.mark_all();
         self.shutters = None;
         self.systems.add(system);
     }
@@ -186,7 +186,7 @@ impl Engine {
     /// copy of the world at 0; going back starts over.
     pub fn add_stepped_system(&mut self, step: Step, system: impl Fn(&mut Context<'_>) + Send + 'static) {
         self.systems.rewind(&mut self.world);
-        self.changes.anything();
+        self.changes.mark_all();
         self.shutters = None;
         self.systems.add_stepped(step, system);
     }
@@ -207,7 +207,7 @@ impl Engine {
     /// Returns the world as it was at the start, before any step, for editing. Everything is read again for the next frame.
     pub fn world_mut(&mut self) -> &mut World {
         self.systems.rewind(&mut self.world);
-        self.changes.anything();
+        self.changes.mark_all();
         self.shutters = None;
         &mut self.world
     }

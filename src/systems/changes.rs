@@ -8,7 +8,7 @@ use hecs::Entity;
 /// writes, with the methods here, pays for those only. Declaring too little shows a stale picture.
 #[derive(Clone, Debug, Default)]
 pub struct Changes {
-    everything: bool,
+    all: bool,
     declared: bool,
     transforms: Vec<Entity>,
     shapes: Vec<Entity>,
@@ -19,24 +19,24 @@ impl Changes {
     /// Creates a record in which anything may have changed, and entities may have come and gone.
     #[must_use]
     pub fn all() -> Self {
-        Self { everything: true, ..Self::default() }
+        Self { all: true, ..Self::default() }
     }
 
     /// Declares that anything may have been written: entities spawned or despawned, components added or removed,
     /// parents changed.
-    pub fn anything(&mut self) {
-        self.everything = true;
+    pub fn mark_all(&mut self) {
+        self.all = true;
         self.declared = true;
     }
 
     /// Declares a write to an entity's [`Transform`](crate::components::Transform).
-    pub fn transform(&mut self, entity: Entity) {
+    pub fn mark_transform(&mut self, entity: Entity) {
         self.declared = true;
         self.transforms.push(entity);
     }
 
     /// Declares a write to an entity's [`Shape`](crate::components::Shape).
-    pub fn shape(&mut self, entity: Entity) {
+    pub fn mark_shape(&mut self, entity: Entity) {
         self.declared = true;
         self.shapes.push(entity);
     }
@@ -44,21 +44,21 @@ impl Changes {
     /// Declares a write to an entity's [`Material`](crate::components::Material),
     /// [`Specular`](crate::components::Specular), [`Reflective`](crate::components::Reflective),
     /// [`Refractive`](crate::components::Refractive) or [`Checker`](crate::components::Checker).
-    pub fn material(&mut self, entity: Entity) {
+    pub fn mark_material(&mut self, entity: Entity) {
         self.declared = true;
         self.materials.push(entity);
     }
 
     /// Declares that nothing else was written than, at most, lights, cameras and settings of the whole scene, which are read
     /// again for every frame.
-    pub fn settings(&mut self) {
+    pub fn mark_settings(&mut self) {
         self.declared = true;
     }
 
     /// Returns whether the whole world must be read again.
     #[must_use]
-    pub fn is_everything(&self) -> bool {
-        self.everything
+    pub fn is_all(&self) -> bool {
+        self.all
     }
 
     /// Returns the entities whose transforms were written; may repeat.
@@ -79,19 +79,19 @@ impl Changes {
         &self.materials
     }
 
-    /// Runs a system and trusts its declarations; if it declares nothing, everything is assumed to be written.
+    /// Runs a system and trusts its declarations; if it declares nothing, all is assumed to be written.
     pub(super) fn watch(&mut self, system: impl FnOnce(&mut Self)) {
         let before = std::mem::replace(&mut self.declared, false);
         system(self);
         if !self.declared {
-            self.everything = true;
+            self.all = true;
         }
         self.declared = before;
     }
 
     /// Adds another record's writes.
     pub(crate) fn merge(&mut self, other: &Self) {
-        self.everything |= other.everything;
+        self.all |= other.all;
         self.transforms.extend(&other.transforms);
         self.shapes.extend(&other.shapes);
         self.materials.extend(&other.materials);

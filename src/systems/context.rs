@@ -29,7 +29,7 @@ impl Context<'_> {
     pub fn spawn(&mut self, components: impl DynamicBundle) -> Entity {
         let entity = self.world.spawn(components);
         self.spawned.push(entity);
-        self.changes.anything();
+        self.changes.mark_all();
         entity
     }
 }

@@ -50,7 +50,7 @@ pub enum Instead {
 pub enum FaultCause {
     /// It has a [`Shape`](crate::components::Shape) and no [`Material`](crate::components::Material).
     NoMaterial,
-    /// It came without being declared, see [`Changes::anything`](super::Changes::anything).
+    /// It came without being declared, see [`Changes::mark_all`](super::Changes::mark_all).
     Undeclared,
     /// A number of a part of it is not finite.
     NotFinite(&'static str),
@@ -92,7 +92,7 @@ impl Fault {
     pub fn remedy(&self) -> String {
         match self.cause {
             FaultCause::NoMaterial => "give it a material".to_owned(),
-            FaultCause::Undeclared => "declare `changes.anything()` where it is spawned".to_owned(),
+            FaultCause::Undeclared => "call `changes.mark_all()` where it is spawned".to_owned(),
             FaultCause::NotFinite(_) => {
                 "look for a division by zero or an overflow in what sets it: a track, a script or a system"
                     .to_owned()

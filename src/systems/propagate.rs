@@ -9,11 +9,11 @@ use super::{Changes, world_transform};
 use crate::components::{Light, Parent, Shape, Transform, WorldTransform};
 
 /// Brings [`WorldTransform`] up to date, and returns the entities for which it may have changed: those that were written,
-/// and all that have a parent. When everything may have changed, the list is not needed and stays empty.
+/// and all that have a parent. When all may have changed, the list is not needed and stays empty.
 ///
 /// An entity whose parent is gone, or that is its own ancestor, counts as a root.
 pub fn propagate(world: &mut World, changes: &Changes) -> Vec<Entity> {
-    if changes.is_everything() {
+    if changes.is_all() {
         complete(world);
         propagate_roots(world);
         propagate_children(world);

@@ -80,10 +80,10 @@ impl Parts<'_> {
 /// moment anyway.
 pub(super) fn declare(property: Property, entity: Entity, changes: &mut Changes) {
     match property.part() {
-        Part::Transform => changes.transform(entity),
-        Part::Sphere | Part::Box | Part::Plane => changes.shape(entity),
+        Part::Transform => changes.mark_transform(entity),
+        Part::Sphere | Part::Box | Part::Plane => changes.mark_shape(entity),
         Part::Material | Part::Specular | Part::Reflective | Part::Refractive | Part::Checker => {
-            changes.material(entity);
+            changes.mark_material(entity);
         }
         Part::Light
         | Part::DirectionalLight
@@ -100,6 +100,6 @@ pub(super) fn declare(property: Property, entity: Entity, changes: &mut Changes)
         | Part::AmbientLight
         | Part::FlatBackground
         | Part::Gradient
-        | Part::Fog => changes.settings(),
+        | Part::Fog => changes.mark_settings(),
     }
 }

@@ -119,7 +119,7 @@ impl Schedule {
         changes: &mut Changes,
         cancelled: &AtomicBool,
     ) -> Result<(), Halt> {
-        if changes.is_everything() {
+        if changes.is_all() {
             self.scripts.look_up_again();
         }
         if self.pure.is_empty() && self.stepped.is_empty() {
@@ -133,7 +133,7 @@ impl Schedule {
             start.restore(world);
             start.restore(&mut self.base);
             self.start = Some(start);
-            changes.anything();
+            changes.mark_all();
         }
         if self.pure.is_empty() {
             self.run_steps(world, time, changes, cancelled)?;
@@ -178,7 +178,7 @@ impl Schedule {
                 stepped.done = 0;
             }
             self.state = None;
-            changes.anything();
+            changes.mark_all();
         }
         let mut fresh = Changes::default();
         loop {
@@ -197,7 +197,7 @@ impl Schedule {
             run(&stepped.system, world, start, Some(stepped.step.0.seconds()), &mut fresh);
             stepped.done += 1;
             self.state = None;
-            if fresh.is_everything() {
+            if fresh.is_all() {
                 self.scripts.look_up_again();
             }
         }
@@ -240,7 +240,7 @@ fn run(system: &System, world: &mut World, time: Time, step: Option<f64>, change
         system(&mut context);
         spawned = context.spawned;
     });
-    if changes.is_everything() {
+    if changes.is_all() {
         order_newcomers(world, &spawned);
     }
 }

@@ -367,24 +367,24 @@ proptest! {
         engine.register::<WorldTransform>();
         engine.add_system(move |context: &mut Context<'_>| {
             let seconds = context.time.seconds();
-            context.changes.settings();
+            context.changes.mark_settings();
             for (index, thing) in later.iter().filter(|_| seconds > 0.0 && !entities.is_empty()) {
                 let entity = *index.get(&entities);
                 if let (Some(shape), Ok(stored)) = (thing.shape, context.world.query_one_mut::<&mut Shape>(entity)) {
                     *stored = shape;
-                    context.changes.shape(entity);
+                    context.changes.mark_shape(entity);
                 }
                 if let (Some(transform), Ok(stored)) =
                     (thing.transform, context.world.query_one_mut::<&mut Transform>(entity))
                 {
                     *stored = transform;
-                    context.changes.transform(entity);
+                    context.changes.mark_transform(entity);
                 }
                 if let (Some(looks), Ok(stored)) =
                     (&thing.looks, context.world.query_one_mut::<&mut Material>(entity))
                 {
                     *stored = looks.material;
-                    context.changes.material(entity);
+                    context.changes.mark_material(entity);
                 }
             }
         });

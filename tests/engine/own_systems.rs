@@ -54,7 +54,7 @@ fn a_pure_system_that_adds_does_not_add_up() {
         engine.add_system(move |context| {
             let seconds = context.time.seconds();
             context.world.get::<&mut Transform>(ball).unwrap().translation.x += seconds;
-            context.changes.transform(ball);
+            context.changes.mark_transform(ball);
         });
         engine
     });
@@ -216,7 +216,7 @@ fn what_is_written_to_lights_and_settings_does_not_outlive_its_frame() {
             for camera in context.world.query_mut::<&mut Camera>() {
                 camera.position.x += context.time.seconds();
             }
-            context.changes.settings();
+            context.changes.mark_settings();
         });
         engine
     });
@@ -237,7 +237,7 @@ fn a_scene_with_a_lamp_that_changes_its_material_keeps_its_light_in_place() {
     )"#;
     assert_frames_are_pure(|| {
         let mut engine = Engine::from_scene(rayreel::Scene::from_text("lamp.ron", text.to_owned()).unwrap());
-        engine.add_system(|context| context.changes.settings());
+        engine.add_system(|context| context.changes.mark_settings());
         engine
     });
 }
@@ -324,7 +324,7 @@ fn frames_do_not_depend_on_what_a_system_did_to_the_shutter_before() {
         for film in context.world.query_mut::<&mut FilmSettings>() {
             film.width = if late { 16 } else { 32 };
         }
-        context.changes.settings();
+        context.changes.mark_settings();
     });
     // Frame 5 begins before 0.2 s and ends after it.
     let first = engine.render_frame(5).unwrap();

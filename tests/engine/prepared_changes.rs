@@ -47,10 +47,10 @@ fn nothing_is_different_until_something_is_written() {
     let mut prepared = Prepared::new();
     let mut changes = Changes::default();
     let ball = prepared.named("ball");
-    changes.transform(ball);
-    changes.shape(ball);
-    changes.material(ball);
-    changes.settings();
+    changes.mark_transform(ball);
+    changes.mark_shape(ball);
+    changes.mark_material(ball);
+    changes.mark_settings();
     assert!(prepared.update(&changes).is_empty());
 }
 
@@ -61,7 +61,7 @@ fn what_is_different_is_told_apart() {
 
     let mut changes = Changes::default();
     prepared.world.get::<&mut Transform>(ball).unwrap().translation = DVec3::new(3.0, 0.0, 0.0);
-    changes.transform(ball);
+    changes.mark_transform(ball);
     let moved = prepared.update(&changes);
     let [shape] = moved.shapes[..] else { panic!("{moved:?}") };
     assert_eq!(prepared.preparation.entity(shape.id), ball);
@@ -77,15 +77,15 @@ fn what_is_different_is_told_apart() {
     let mut changes = Changes::default();
     *prepared.world.get::<&mut Shape>(floor).unwrap() = Shape::Plane { normal: DVec3::new(0.0, 1.0, 0.5) };
     prepared.world.get::<&mut Material>(ball).unwrap().k_a = 0.5;
-    changes.shape(floor);
-    changes.material(ball);
+    changes.mark_shape(floor);
+    changes.mark_material(ball);
     let both = prepared.update(&changes);
     assert!(both.built_bvh() && both.shapes.len() == 1 && both.shapes[0].before.is_none());
     assert_eq!(both.materials, [shape.id]);
 
     let mut changes = Changes::default();
     prepared.world.get::<&mut Light>(lamp).unwrap().intensity *= 2.0;
-    changes.settings();
+    changes.mark_settings();
     let lit = prepared.update(&changes);
     assert_eq!(lit, SceneChanges { lights: true, ..SceneChanges::default() });
     assert!(!lit.built_bvh());
@@ -97,12 +97,12 @@ fn what_comes_or_changes_its_kind_makes_the_scene_anew() {
     let ball = prepared.named("ball");
     let mut changes = Changes::default();
     *prepared.world.get::<&mut Shape>(ball).unwrap() = Shape::Box { size: DVec3::ONE };
-    changes.shape(ball);
+    changes.mark_shape(ball);
     assert_eq!(prepared.update(&changes), SceneChanges::remade());
 
     prepared.world.despawn(ball).unwrap();
     let mut changes = Changes::default();
-    changes.anything();
+    changes.mark_all();
     let again = prepared.update(&changes);
     assert!(again.remade && again.built_bvh());
 }

@@ -240,8 +240,9 @@ fn a_script_that_fails_in_a_step_leaves_no_trace() {
                 (target: "other", channel: Radius, track: Script("if t == 0.5 { 1 / 0 } else { 1 }")),
             ]"#,
         );
-        engine
-            .add_stepped_system(Step::per_second(10), |context: &mut Context<'_>| context.changes.settings());
+        engine.add_stepped_system(Step::per_second(10), |context: &mut Context<'_>| {
+            context.changes.mark_settings();
+        });
         engine
     };
     let at = |engine: &mut Engine, moment: &str| engine.render_at(moment.parse().unwrap());

@@ -19,7 +19,7 @@ pub(super) fn patch(world: &mut World, mut scene: World) -> Changes {
     let Matching { mut own, new, of_other_types, gone, same_drawn } = Matching::of(world, &scene);
     let mut changes = Changes::default();
     if !same_drawn {
-        changes.anything();
+        changes.mark_all();
     }
     for entity in &new {
         own.insert(*entity, world.reserve_entity());
@@ -33,9 +33,9 @@ pub(super) fn patch(world: &mut World, mut scene: World) -> Changes {
         if let Ok(parts) = scene.take(entity) {
             let own = own.of(entity);
             world.spawn_at(own, parts);
-            changes.transform(own);
-            changes.shape(own);
-            changes.material(own);
+            changes.mark_transform(own);
+            changes.mark_shape(own);
+            changes.mark_material(own);
         }
     }
     world.set_freelist(&free);
@@ -103,15 +103,15 @@ struct Worlds<'a> {
 /// One method per word of [`with_components`].
 impl Worlds<'_> {
     fn transform<T: Put>(self) -> Written {
-        Written { entities: self.put(T::put), declare: Changes::transform }
+        Written { entities: self.put(T::put), declare: Changes::mark_transform }
     }
 
     fn shape<T: Put>(self) -> Written {
-        Written { entities: self.put(T::put), declare: Changes::shape }
+        Written { entities: self.put(T::put), declare: Changes::mark_shape }
     }
 
     fn material<T: Put>(self) -> Written {
-        Written { entities: self.put(T::put), declare: Changes::material }
+        Written { entities: self.put(T::put), declare: Changes::mark_material }
     }
 
     fn anew<T: Component>(self) -> Written {

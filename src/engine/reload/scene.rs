@@ -45,7 +45,7 @@ impl Engine {
             // They may depend on the order in which a world has come about.
             self.systems.rewind(&mut self.world);
             self.world = world;
-            self.changes.anything();
+            self.changes.mark_all();
         }
         self.start(timeline, scripts);
     }

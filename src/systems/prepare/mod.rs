@@ -135,7 +135,7 @@ impl Preparation {
         moved: &[Entity],
     ) -> SceneChanges {
         self.moment = moment;
-        if changes.is_everything() {
+        if changes.is_all() {
             return self.start_over(world);
         }
         let reshaped = || moved.iter().chain(changes.shapes()).copied();
