@@ -107,8 +107,8 @@ fn mistakes(error: &LoadError) -> Value {
         .map(|mistake| {
             json!({
                 "file": mistake.file,
-                "line": mistake.place.map(|place| place.line),
-                "column": mistake.place.map(|place| place.column),
+                "line": mistake.position.map(|position| position.line),
+                "column": mistake.position.map(|position| position.column),
                 "message": mistake.diagnostic.message,
                 "label": mistake.diagnostic.label,
                 "help": mistake.diagnostic.help,
@@ -120,11 +120,11 @@ fn mistakes(error: &LoadError) -> Value {
 }
 
 fn script_mistake(mistake: &ScriptMistake) -> Value {
-    let (place, diagnostic) = (mistake.place(), mistake.diagnostic());
+    let (position, diagnostic) = (mistake.position(), mistake.diagnostic());
     json!({
         "file": diagnostic.source.as_ref().map(|source| source.file.as_str()),
-        "line": place.map(|place| place.line),
-        "column": place.map(|place| place.column),
+        "line": position.map(|position| position.line),
+        "column": position.map(|position| position.column),
         "message": diagnostic.message,
         "label": diagnostic.label,
         "help": diagnostic.help,

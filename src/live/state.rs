@@ -110,7 +110,7 @@ pub struct Times {
 
 impl Mistakes {
     pub(super) fn of_scene(error: &LoadError) -> Self {
-        let place = error.mistakes().next().map(|mistake| located(mistake.file, mistake.place));
+        let place = error.mistakes().next().map(|mistake| located(mistake.file, mistake.position));
         let count = error.mistakes().count() + error.unlisted();
         Self { count, text: error.render(false), place }
     }
@@ -131,11 +131,11 @@ impl Mistakes {
 
 fn place_of(mistake: &ScriptMistake) -> Option<String> {
     let source = mistake.diagnostic().source.as_ref()?;
-    Some(located(&source.file, mistake.place()))
+    Some(located(&source.file, mistake.position()))
 }
 
-fn located(file: &str, place: Option<SourcePosition>) -> String {
-    place.map_or_else(|| file.to_owned(), |place| format!("{file}:{place}"))
+fn located(file: &str, position: Option<SourcePosition>) -> String {
+    position.map_or_else(|| file.to_owned(), |position| format!("{file}:{position}"))
 }
 
 impl Planned {

@@ -83,13 +83,13 @@ impl Diagnostic {
         let mut group = Group::with_title(Level::ERROR.primary_title(printable(&self.message)));
         match &self.span {
             Some(span) => {
-                let place = SourcePosition::of(text, span.start);
+                let position = SourcePosition::of(text, span.start);
                 let excerpt = Excerpt::around(text, span);
                 let annotation = AnnotationKind::Primary.span(excerpt.marked).label(label);
-                let snippet = Snippet::source(excerpt.line).line_start(place.line).annotation(annotation);
+                let snippet = Snippet::source(excerpt.line).line_start(position.line).annotation(annotation);
                 group = if excerpt.is_cut {
                     group
-                        .element(Origin::path(file).line(place.line).char_column(place.column))
+                        .element(Origin::path(file).line(position.line).char_column(position.column))
                         .element(snippet)
                 } else {
                     group.element(snippet.path(file))

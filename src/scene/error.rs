@@ -41,7 +41,7 @@ pub struct Mistake<'a> {
     /// The file, as it was named or as it was included.
     pub file: &'a str,
     /// The position in the file; `None` where there is no text.
-    pub place: Option<SourcePosition>,
+    pub position: Option<SourcePosition>,
     /// The include that brought the file, the one that brought the file which that one is in, and so on. Empty for the
     /// scene's own file.
     pub included_from: &'a [Inclusion],
@@ -96,7 +96,7 @@ impl LoadError {
                     source.map_or((&file.name, &*file.text), |source| (&source.file, &source.text));
                 Mistake {
                     file: name,
-                    place: diagnostic.span.as_ref().map(|span| SourcePosition::of(text, span.start)),
+                    position: diagnostic.span.as_ref().map(|span| SourcePosition::of(text, span.start)),
                     included_from: &file.included_from,
                     diagnostic,
                 }

@@ -79,9 +79,9 @@ impl ScriptMistake {
         &self.diagnostic
     }
 
-    /// Returns the position of the mistake.
+    /// Returns the position of the mistake in its file; `None` where there is no text.
     #[must_use]
-    pub fn place(&self) -> Option<SourcePosition> {
+    pub fn position(&self) -> Option<SourcePosition> {
         let (source, span) = (self.diagnostic.source.as_ref()?, self.diagnostic.span.as_ref()?);
         Some(SourcePosition::of(&source.text, span.start))
     }

@@ -450,7 +450,7 @@ fn files_hold_scripts_too() {
     fs::write(folder.path().join("row.rhai"), "spawn(#{ nmae: 1 })").unwrap();
     let error = Scene::load(&path).err().unwrap();
     let mistake = error.mistakes().next().unwrap();
-    assert_eq!(mistake.place.unwrap().to_string(), "1:1");
+    assert_eq!(mistake.position.unwrap().to_string(), "1:1");
     assert!(mistake.file.ends_with("row.rhai"));
     assert!(error.to_string().contains("row.rhai:1:1"), "{error}");
     assert!(error.to_string().contains("did you mean `name`?"), "{error}");

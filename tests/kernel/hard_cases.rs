@@ -43,7 +43,7 @@ const BLUE: Background = Background::Flat(Rgb::new(0.1, 0.2, 0.3));
 fn refusal(text: &str) -> String {
     let error = Scene::from_text("hard.ron", text.to_owned()).err();
     let error = error.unwrap_or_else(|| panic!("not refused: {text}"));
-    assert!(error.mistakes().all(|mistake| mistake.place.is_some()), "{text}: {error}");
+    assert!(error.mistakes().all(|mistake| mistake.position.is_some()), "{text}: {error}");
     error.mistakes().next().unwrap().diagnostic.message.clone()
 }
 

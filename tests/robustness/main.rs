@@ -51,7 +51,7 @@ fn good(read: Result<Scene, LoadError>) -> Result<Option<Scene>, TestCaseError> 
         let nothing = ["the file is empty", "the file holds nothing but comments"];
         let diagnostic = mistake.diagnostic;
         prop_assert!(
-            mistake.place.is_some_and(|place| place.line > 0 && place.column > 0)
+            mistake.position.is_some_and(|position| position.line > 0 && position.column > 0)
                 || nothing.contains(&diagnostic.message.as_str()),
             "no place: {}",
             error
@@ -91,7 +91,7 @@ fn film(rendered: Result<Film, EngineError>) -> Result<Option<Film>, TestCaseErr
         Ok(film) => check_film(&film).map(|()| Some(film)),
         Err(EngineError::Script(mistake)) => {
             prop_assert!(mistake.to_string().starts_with("error: "));
-            prop_assert!(mistake.place().is_some(), "no place: {}", mistake);
+            prop_assert!(mistake.position().is_some(), "no position: {}", mistake);
             Ok(None)
         }
         Err(error) => Err(TestCaseError::fail(error.to_string())),

@@ -339,7 +339,9 @@ fn no_script_makes_it_fail() {
             let mut engine = Engine::from_scene(scene);
             let sought = ["0", "1", "2.5"].iter().try_for_each(|time| engine.seek(time.parse().unwrap()));
             match sought {
-                Err(EngineError::Script(mistake)) => prop_assert!(mistake.place().is_some(), "{}", mistake),
+                Err(EngineError::Script(mistake)) => {
+                    prop_assert!(mistake.position().is_some(), "{}", mistake);
+                }
                 other => prop_assert!(other.is_ok(), "{:?}", other),
             }
             good.fetch_add(1, Ordering::Relaxed);

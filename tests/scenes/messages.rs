@@ -45,7 +45,7 @@ fn every_bad_scene_says_what_is_wrong_with_it() {
 fn five_mistakes_of_meaning_are_reported_at_once() {
     let path = root().join("tests/bad_scenes/five_mistakes.ron");
     let error = Scene::load(&path).err().unwrap();
-    let lines: Vec<usize> = error.mistakes().map(|mistake| mistake.place.unwrap().line).collect();
+    let lines: Vec<usize> = error.mistakes().map(|mistake| mistake.position.unwrap().line).collect();
     assert_eq!(lines, [2, 3, 5, 6, 6]);
     assert!(error.mistakes().all(|mistake| mistake.diagnostic.help.is_some()));
 }

@@ -312,7 +312,7 @@ fn faults(change: &Change) -> Vec<String> {
         if diagnostic.message.starts_with("expected ") && !(is_near || change.reaches_far) {
             faults.push("is not at the change".to_owned());
         }
-        let is_there = mistake.place.is_some_and(|place| lines(&change.place).contains(&place.line));
+        let is_there = mistake.position.is_some_and(|position| lines(&change.place).contains(&position.line));
         if !(is_there || change.reaches_far) {
             faults.push("is elsewhere".to_owned());
         }
