@@ -61,7 +61,7 @@
 //! | `color` | linear colour, sRGB | | glam |
 //! | `time` | seconds, frame rates, frame lists | | |
 //! | `animation` | values over time, pure | color, time | glam |
-//! | `script` | small programs in scenes, sandboxed | color, time, animation | glam, rhai |
+//! | `script` | scripts in scenes, sandboxed | color, time, animation | glam, rhai |
 //! | `trace` | the kernel: prepared arrays in, film out; no entities, no clock, no files | color | glam, rayon, obvhs, dashu_int |
 //! | `components` | what things are: plain data | color, time, animation | glam, hecs |
 //! | `scene` | RON to world, diagnostics | components, animation, script, color, time | hecs, glam, hashbrown, rayon, ron, serde, annotate_snippets, strsim |

@@ -1,4 +1,4 @@
-//! The range of numbers in a scene, whether written in its file or given by its programs.
+//! The range of numbers in a scene, whether written in its file or given by its scripts.
 
 /// The largest magnitude of a coordinate or a length: products of four stay finite.
 pub const LARGEST: f64 = 1e60;

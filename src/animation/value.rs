@@ -43,7 +43,7 @@ impl Value {
     }
 }
 
-/// How an animated value is written in scene files and programs.
+/// How an animated value is written in scene files and scripts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Notation {
     /// A number.

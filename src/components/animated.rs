@@ -44,16 +44,16 @@ pub enum Motion {
     Path(Arc<Path>),
     /// Points on a circle.
     Orbit(Arc<Orbit>),
-    /// A value given by a program.
+    /// A value given by a script.
     Script(ScriptId),
 }
 
-/// A program of the scene, by its index.
+/// A script of the scene, by its index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ScriptId(pub usize);
 
 impl Motion {
-    /// Returns the value at `seconds`. `None` for a program, which needs more than the time.
+    /// Returns the value at `seconds`. `None` for a script, which needs more than the time.
     #[must_use]
     pub fn at(&self, seconds: f64) -> Option<Value> {
         Some(match self {

@@ -2,7 +2,7 @@
 //!
 //! | fact | from it follows |
 //! |---|---|
-//! | the name | what it is called in scene files, programs and messages |
+//! | the name | what it is called in scene files, scripts and messages |
 //! | [`Part`]: what has it | which entities, cameras and materials it can be a channel of; what a write to it changes |
 //! | [`Quantity`]: what it is | how its values are written; which keys are good; the range to which they are held; whether it can go along a path |
 //!
@@ -183,7 +183,7 @@ impl Property {
         self.row().1.1
     }
 
-    /// Returns how its values are written in scene files and programs.
+    /// Returns how its values are written in scene files and scripts.
     #[must_use]
     pub const fn notation(self) -> Notation {
         self.quantity().notation()

@@ -63,7 +63,7 @@ table! {
 }
 
 impl Quantity {
-    /// Returns how it is written in scene files and programs.
+    /// Returns how it is written in scene files and scripts.
     pub(crate) const fn notation(self) -> Notation {
         self.row().1.0
     }

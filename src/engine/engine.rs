@@ -144,10 +144,10 @@ impl Engine {
         engine
     }
 
-    /// Starts with the timeline and the programs of a scene whose world is this one.
+    /// Starts with the timeline and the scripts of a scene whose world is this one.
     pub(super) fn start(&mut self, timeline: Timeline, scripts: SceneScripts) {
-        let (programs, sources) = scripts.into_parts();
-        self.systems.set_scripts(Scripts::new(programs, timeline));
+        let (scripts, sources) = scripts.into_parts();
+        self.systems.set_scripts(Scripts::new(scripts, timeline));
         self.script_sources = sources;
         self.timeline = timeline;
         self.shutters = None;

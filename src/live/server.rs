@@ -2,7 +2,7 @@
 //!
 //! | request | answer |
 //! |---|---|
-//! | `GET /` | the page; its style and its programs under their names |
+//! | `GET /` | the page; its style and its scripts under their names |
 //! | `GET /state` | the [`State`](super::State), as JSON |
 //! | `GET /events` | the same whenever it changes, as server-sent events |
 //! | `GET /picture/1795/7` | picture 7 of session 1795, as PNG |

@@ -1,4 +1,4 @@
-//! Data from programs as parts of the document. The same types are read from it as from a file, so that mistakes are found and
+//! Data from scripts as parts of the document. The same types are read from it as from a file, so that mistakes are found and
 //! worded alike.
 
 use serde::de::{
@@ -18,7 +18,7 @@ pub(super) fn entity(data: Data) -> Result<EntityDocument, String> {
         .map_err(|mistake: DataError| mistake.to_string())
 }
 
-/// Puts `translation`, `rotation` and `scale` into the transform: they may stand beside it in a program.
+/// Puts `translation`, `rotation` and `scale` into the transform: they may stand beside it in a script.
 fn placed(data: Data) -> Result<Data, DataError> {
     let Data::Map(fields) = data else { return Ok(data) };
     let (parts, mut fields): (Vec<_>, Vec<_>) = fields
@@ -132,7 +132,7 @@ fn in_words(expected: &dyn Expected) -> String {
         "a string" => "a text".to_owned(),
         "a boolean" => "true or false".to_owned(),
         text if text.starts_with("struct ") => "a map, as #{ name: value }".to_owned(),
-        // Values in round brackets in a file are a list in a program.
+        // Values in round brackets in a file are a list in a script.
         _ => expected.replace('(', "[").replace(')', "]"),
     }
 }

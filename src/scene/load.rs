@@ -21,7 +21,7 @@ pub struct Scene {
     /// The files it was made of: its own, then what it includes and the scripts that are files, each once and after a file that
     /// names it.
     pub files: Vec<PathBuf>,
-    /// The programs that drive values.
+    /// The scripts that drive values.
     pub(crate) scripts: SceneScripts,
 }
 

@@ -15,9 +15,9 @@ mod tests {
     use crate::scene::document::{
         AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument, ChannelDocument,
         CheckerDocument, EasingDocument, EntityDocument, FilmDocument, FogDocument, IncludeDocument,
-        LensDocument, LightDocument, MaterialDocument, NoiseDocument, ProgramDocument, QualityDocument,
-        ReflectiveDocument, RefractiveDocument, RepeatDocument, RotationDocument, SamplingDocument,
-        SceneDocument, ScreenDocument, ShapeDocument, SpecularDocument, TimelineDocument, TrackDocument,
+        LensDocument, LightDocument, MaterialDocument, NoiseDocument, QualityDocument, ReflectiveDocument,
+        RefractiveDocument, RepeatDocument, RotationDocument, SamplingDocument, SceneDocument,
+        ScreenDocument, ScriptDocument, ShapeDocument, SpecularDocument, TimelineDocument, TrackDocument,
         TransferDocument, TransformDocument, Triple,
     };
     use crate::scene::parse::options;
@@ -150,7 +150,7 @@ mod tests {
             }
         }
         check_variants::<RepeatDocument>("Repeat", all);
-        check_variants::<ProgramDocument>("Program", all);
+        check_variants::<ScriptDocument>("Script", all);
         for (variant, inside) in check_variants::<ShapeDocument>("Shape", all).variants {
             assert_eq!(inside, known::<ShapeDocument>(&format!("{variant}(nobody_knows: 0)")).join(", "));
         }

@@ -1,4 +1,4 @@
-//! The programs of a scene with their places in its texts, by which errors at run time are reported.
+//! The scripts of a scene with their places in its texts, by which errors at run time are reported.
 
 use std::fmt;
 use std::sync::Arc;
@@ -7,22 +7,22 @@ use super::spans::{PathStep, inside_text, locate};
 use super::validate::help_for;
 use super::{Diagnostic, Source, SourcePosition};
 use crate::components::ScriptId;
-use crate::script::{Programs, ScriptError};
+use crate::script::{CompiledScripts, ScriptError};
 
-/// The programs that drive values of a scene.
+/// The scripts that drive values of a scene.
 #[derive(Debug)]
 pub(crate) struct SceneScripts {
-    programs: Programs,
+    scripts: CompiledScripts,
     sources: ScriptSources,
 }
 
-/// The places where the programs of a scene are written.
+/// The places where the scripts of a scene are written.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ScriptSources {
     places: Vec<ScriptPlace>,
 }
 
-/// The place where a program is written.
+/// The place where a script is written.
 #[derive(Clone, Debug)]
 pub(super) struct ScriptPlace {
     pub(super) source: Arc<Source>,
@@ -37,18 +37,18 @@ pub struct ScriptMistake {
 }
 
 impl SceneScripts {
-    pub(super) fn new(programs: Programs, places: Vec<ScriptPlace>) -> Self {
-        Self { programs, sources: ScriptSources { places } }
+    pub(super) fn new(scripts: CompiledScripts, places: Vec<ScriptPlace>) -> Self {
+        Self { scripts, sources: ScriptSources { places } }
     }
 
-    /// Returns the programs, and the places where they are written.
-    pub(crate) fn into_parts(self) -> (Programs, ScriptSources) {
-        (self.programs, self.sources)
+    /// Returns the scripts, and the places where they are written.
+    pub(crate) fn into_parts(self) -> (CompiledScripts, ScriptSources) {
+        (self.scripts, self.sources)
     }
 }
 
 impl ScriptSources {
-    /// Returns the mistake of a program; `about` says what it drives, and when.
+    /// Returns the mistake of a script; `about` says what it drives, and when.
     pub(crate) fn mistake(&self, script: ScriptId, about: &str, error: &ScriptError) -> ScriptMistake {
         let (message, label) = (format!("{about}: {}", error.message), error.label.clone());
         let (span, source) = match self.places.get(script.0) {

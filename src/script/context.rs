@@ -1,4 +1,4 @@
-//! The values that a program can read from the world.
+//! The values that a script can read from the world.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -9,7 +9,7 @@ use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, NativeCallContext, P
 use super::positions::span_of;
 use super::{Data, work};
 
-/// The moment and the owner of a program, as it reads them.
+/// The moment and the owner of a script, as it reads them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ScriptContext {
     seconds: f64,
@@ -23,14 +23,14 @@ pub(crate) struct ScriptContext {
     values: HashMap<(ImmutableString, ImmutableString), Dynamic>,
 }
 
-/// A value that a program reads: `value("ball", "Radius")`.
+/// A value that a script reads: `value("ball", "Radius")`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Read {
     /// The name of what has the value.
     pub(crate) target: String,
     /// The name of the channel.
     pub(crate) channel: String,
-    /// The place of the read, in bytes of the program's text.
+    /// The place of the read, in bytes of the script's text.
     pub(crate) span: Range<usize>,
 }
 
@@ -43,7 +43,7 @@ struct Wish {
 }
 
 impl ScriptContext {
-    /// The names of the values that programs are given.
+    /// The names of the values that scripts are given.
     pub(super) const NAMES: [&'static str; 7] = ["t", "frame", "fps", "duration", "index", "name", "base"];
 
     /// Creates a context at the start of a timeline with `fps` frames per second and `duration` seconds.
@@ -52,7 +52,7 @@ impl ScriptContext {
         Self { fps, duration, ..Self::default() }
     }
 
-    /// Sets the owner of the program: its `index`, its `name`, and the value `base` that its channel has without the program.
+    /// Sets the owner of the script: its `index`, its `name`, and the value `base` that its channel has without the script.
     pub(crate) fn belong(&mut self, index: u64, name: &str, base: Data) {
         self.index = index;
         self.name = ImmutableString::from(name).into();
@@ -102,7 +102,7 @@ impl ScriptContext {
 }
 
 thread_local! {
-    /// The context of the program that runs on this thread; the functions of the language are shared by all programs.
+    /// The context of the script that runs on this thread; the functions of the language are shared by all scripts.
     static CURRENT: RefCell<ScriptContext> = RefCell::default();
 }
 
@@ -114,7 +114,7 @@ pub(super) fn within<R>(context: &mut ScriptContext, run: impl FnOnce() -> R) ->
     result
 }
 
-/// Returns the read that ended a program, if its error is an unanswered read.
+/// Returns the read that ended a script, if its error is an unanswered read.
 pub(super) fn unanswered(text: &str, error: &EvalAltResult) -> Option<Read> {
     match error {
         EvalAltResult::ErrorInFunctionCall(_, _, inner, _) => unanswered(text, inner),
@@ -138,7 +138,7 @@ fn value(
     known.ok_or_else(|| {
         let position = context.call_position();
         let wish = Wish { target: key.0.to_string(), channel: key.1.to_string(), position };
-        // Programs cannot catch this error.
+        // Scripts cannot catch this error.
         EvalAltResult::ErrorTerminated(Dynamic::from(wish), Position::NONE).into()
     })
 }

@@ -1,4 +1,4 @@
-//! The values of programs: plain data, and animated values as data.
+//! The values of scripts: plain data, and animated values as data.
 
 use glam::{DVec3, Vec3};
 use rhai::{Dynamic, FnPtr, ImmutableString};
@@ -8,10 +8,10 @@ use crate::animation::limits::{LARGEST, MOST_LIGHT};
 use crate::animation::{Notation, Rotation, Value};
 use crate::color::Transfer;
 
-/// A value that a program gives or is given.
+/// A value that a script gives or is given.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Data {
-    /// `()`: a program whose last statement is not an expression gives it.
+    /// `()`: a script whose last statement is not an expression gives it.
     Nothing,
     /// True or false.
     Flag(bool),
@@ -162,7 +162,7 @@ impl Notation {
         }
     }
 
-    /// Converts the result of a program to an animated value. `None` if it is not of the expected form.
+    /// Converts the result of a script to an animated value. `None` if it is not of the expected form.
     ///
     /// Colours are held to 0..=255, light to 0..=1e30.
     #[must_use]

@@ -1,4 +1,4 @@
-//! The error of a program, with its place.
+//! The error of a script, with its place.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use super::positions::span_of;
 use super::vocabulary::{Known, Purpose};
 use super::wording::{Told, function_name, shortened};
 
-/// A mistake in a program's text, or one that shows when it runs.
+/// A mistake in a script's text, or one that shows when it runs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ScriptError {
     /// The mistake.
@@ -20,7 +20,7 @@ pub struct ScriptError {
     pub(crate) help: Option<String>,
     /// The unknown name, and the known ones, if that is the mistake.
     pub(crate) unknown: Option<Box<Unknown>>,
-    /// The marked place, in bytes of the program's text.
+    /// The marked place, in bytes of the script's text.
     pub(crate) span: Range<usize>,
 }
 
@@ -90,7 +90,7 @@ impl ScriptError {
         Self::unknown(text, position, format!("nothing is called `{}`", shortened(name)), unknown, purpose)
     }
 
-    /// Creates the error of an unknown name. One that programs with another purpose know is not taken for mistyped.
+    /// Creates the error of an unknown name. One that scripts with another purpose know is not taken for mistyped.
     fn unknown(text: &str, position: Position, message: String, unknown: Unknown, purpose: Purpose) -> Self {
         let help = purpose.elsewhere(&unknown.name).map(str::to_owned);
         let unknown = help.is_none().then(|| unknown.into());

@@ -12,17 +12,17 @@ use super::wording::LONG_HEAD;
 use super::{Data, ScriptError, arithmetic, context, limits, lists, maths, noise, work};
 use crate::color::Transfer;
 
-/// Compiles and runs programs.
+/// Compiles and runs scripts.
 pub(crate) struct Language {
     parser: Engine,
     engine: Engine,
-    /// The names given to programs from outside; their values do not matter while a program is compiled.
+    /// The names given to scripts from outside; their values do not matter while a script is compiled.
     outside: Scope<'static>,
 }
 
-/// A compiled program.
+/// A compiled script.
 #[derive(Clone, Debug)]
-pub(crate) struct Program {
+pub(crate) struct Script {
     text: String,
     pub(super) ast: AST,
     /// The names of its own functions.
@@ -30,35 +30,35 @@ pub(crate) struct Program {
     purpose: Purpose,
 }
 
-/// The compiled programs of a scene.
+/// The compiled scripts of a scene.
 #[derive(Debug)]
-pub(crate) struct Programs {
+pub(crate) struct CompiledScripts {
     /// The language that runs them.
     pub(crate) language: Language,
-    /// All programs.
-    pub(crate) list: Vec<Program>,
-    /// The uses of programs: the index of each one's program, and the prefix of the names of entities that it reads.
+    /// All scripts.
+    pub(crate) list: Vec<Script>,
+    /// The uses of scripts: the index of each one's script, and the prefix of the names of entities that it reads.
     pub(crate) uses: Vec<(usize, String)>,
     /// The conversion of their colours to light.
     pub(crate) transfer: Transfer,
 }
 
-impl Programs {
-    /// Creates an empty list of programs.
+impl CompiledScripts {
+    /// Creates an empty list of scripts.
     #[must_use]
     pub(crate) fn new(language: Language, transfer: Transfer) -> Self {
         Self { language, list: Vec::new(), uses: Vec::new(), transfer }
     }
 
-    /// Returns the program of a use, and the prefix of the names that it reads.
+    /// Returns the script of a use, and the prefix of the names that it reads.
     #[must_use]
-    pub(crate) fn used(&self, place: usize) -> Option<(&Program, &str)> {
-        let (program, prefix) = self.uses.get(place)?;
-        Some((self.list.get(*program)?, prefix))
+    pub(crate) fn used(&self, place: usize) -> Option<(&Script, &str)> {
+        let (script, prefix) = self.uses.get(place)?;
+        Some((self.list.get(*script)?, prefix))
     }
 }
 
-/// The reason why a program has no result.
+/// The reason why a script has no result.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Stop {
     /// An error.
@@ -78,37 +78,37 @@ impl Language {
         Self { parser: parser(Purpose::Drive), engine, outside: outside(&ScriptContext::NAMES) }
     }
 
-    /// Reads a program: an expression, or statements of which the last is one.
+    /// Reads a script: an expression, or statements of which the last is one.
     ///
     /// # Errors
     ///
     /// If it is not one.
-    pub(crate) fn compile(&self, text: &str) -> Result<Program, ScriptError> {
+    pub(crate) fn compile(&self, text: &str) -> Result<Script, ScriptError> {
         compile(&self.parser, &self.outside, Purpose::Drive, text)
     }
 
-    /// Runs a program.
+    /// Runs a script.
     ///
     /// # Errors
     ///
     /// If it goes wrong, or reads what is not known yet.
-    pub(crate) fn run(&self, program: &Program, context: &mut ScriptContext) -> Result<Data, Stop> {
+    pub(crate) fn run(&self, script: &Script, context: &mut ScriptContext) -> Result<Data, Stop> {
         work::start();
         let result =
-            within(context, || self.engine.eval_ast_with_scope::<Dynamic>(&mut Scope::new(), &program.ast));
+            within(context, || self.engine.eval_ast_with_scope::<Dynamic>(&mut Scope::new(), &script.ast));
         context.record_work(work::done());
         match result {
             Ok(value) => Ok(Data::of(&value)),
-            Err(error) => Err(match unanswered(&program.text, &error) {
+            Err(error) => Err(match unanswered(&script.text, &error) {
                 Some(read) => Stop::Needs(read),
-                None => Stop::Error(Box::new(program.explain(&error))),
+                None => Stop::Error(Box::new(script.explain(&error))),
             }),
         }
     }
 }
 
-impl Program {
-    /// Returns the program's text.
+impl Script {
+    /// Returns the script's text.
     #[must_use]
     pub(crate) fn text(&self) -> &str {
         &self.text
@@ -138,9 +138,9 @@ pub(super) fn compile(
     outside: &Scope<'_>,
     purpose: Purpose,
     text: &str,
-) -> Result<Program, ScriptError> {
-    if text.len() > limits::PROGRAM {
-        let message = format!("a script has at most {} KiB", limits::PROGRAM >> 10);
+) -> Result<Script, ScriptError> {
+    if text.len() > limits::SCRIPT {
+        let message = format!("a script has at most {} KiB", limits::SCRIPT >> 10);
         let help = "what it holds as data can be made by loops, or be entities of the scene file".to_owned();
         return Err(ScriptError::whole(text, message, "too long", Some(help)));
     }
@@ -158,7 +158,7 @@ pub(super) fn compile(
             Err(ScriptError::unknown_function(text, &name, position, &known))
         }
         Some((Call::Long(name), position)) => Err(ScriptError::long_call(text, &name, position)),
-        None => Ok(Program { text: text.to_owned(), ast, functions, purpose }),
+        None => Ok(Script { text: text.to_owned(), ast, functions, purpose }),
     }
 }
 
@@ -182,7 +182,7 @@ enum Call {
     Long(String),
 }
 
-/// Finds the first call of an unknown function or with too many values, also where it would not be reached when the program runs.
+/// Finds the first call of an unknown function or with too many values, also where it would not be reached when the script runs.
 fn bad_call(ast: &AST, known: &Known<'_>) -> Option<(Call, Position)> {
     let names: HashSet<&str> = known.names().collect();
     let mut bad = None;
@@ -210,7 +210,7 @@ fn bad_call(ast: &AST, known: &Known<'_>) -> Option<(Call, Position)> {
     bad
 }
 
-/// Creates the engine that compiles programs: what may be in them, and the limits of their text.
+/// Creates the engine that compiles scripts: what may be in them, and the limits of their text.
 pub(super) fn parser(purpose: Purpose) -> Engine {
     let mut engine = Engine::new_raw();
     engine
@@ -238,7 +238,7 @@ pub(super) fn parser(purpose: Purpose) -> Engine {
     ] {
         engine.disable_symbol(symbol);
     }
-    // Refused before the program runs, since many variables take long to compile.
+    // Refused before the script runs, since many variables take long to compile.
     #[expect(deprecated, reason = "marked so because it may change, not because it will go")]
     engine.on_def_var(|_, variable, context| {
         Ok(variable.will_shadow || context.scope().len() < limits::VARIABLES)
@@ -271,7 +271,7 @@ fn is_endless_head(token: &Token) -> bool {
     commas.is_some_and(|commas| commas > limits::ARGUMENTS)
 }
 
-/// Creates the engine that runs programs: limits, operators and functions, without randomness and context.
+/// Creates the engine that runs scripts: limits, operators and functions, without randomness and context.
 pub(super) fn bare_engine() -> Engine {
     let mut engine = Engine::new_raw();
     engine

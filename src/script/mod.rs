@@ -1,13 +1,13 @@
-//! Programs in scenes: the language of [`scene::language`](crate::scene::language), compiled and run within limits.
+//! Scripts in scenes: the language of [`scene::language`](crate::scene::language), compiled and run within limits.
 //!
 //! | | |
 //! |---|---|
-//! | [`Language`] | compiles and runs programs |
-//! | [`ScriptContext`] | the values that a program can read: the time, its entity, other channels |
-//! | [`Data`] | the result of a program; [`Notation`](crate::animation::Notation) makes an animated value of it |
-//! | [`run_spawning`] | runs a program that spawns |
-//! | [`ScriptError`] | the error of a program, with its place |
-//! | [`limits`] | the limits of a program |
+//! | [`Language`] | compiles and runs scripts |
+//! | [`ScriptContext`] | the values that a script can read: the time, its entity, other channels |
+//! | [`Data`] | the result of a script; [`Notation`](crate::animation::Notation) makes an animated value of it |
+//! | [`run_spawning`] | runs a script that spawns |
+//! | [`ScriptError`] | the error of a script, with its place |
+//! | [`limits`] | the limits of a script |
 
 mod arithmetic;
 mod context;
@@ -30,5 +30,5 @@ mod work;
 pub(crate) use context::{Read, ScriptContext};
 pub(crate) use data::Data;
 pub(crate) use error::{ScriptError, Unknown};
-pub(crate) use language::{Language, Programs, Stop};
+pub(crate) use language::{CompiledScripts, Language, Stop};
 pub(crate) use spawning::{SpawnBudget, run_spawning};

@@ -1,4 +1,4 @@
-//! The outcome of a program's functions: a value, or an error.
+//! The outcome of a script's functions: a value, or an error.
 
 use rhai::{Dynamic, EvalAltResult, FLOAT, Position};
 

@@ -1,4 +1,4 @@
-//! Places in a program's text, from Rhai's lines and columns.
+//! Places in a script's text, from Rhai's lines and columns.
 
 use std::ops::Range;
 

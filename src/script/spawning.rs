@@ -1,4 +1,4 @@
-//! Programs that spawn entities when a scene is loaded.
+//! Scripts that spawn entities when a scene is loaded.
 
 use std::collections::HashSet;
 use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
@@ -17,11 +17,11 @@ use super::{Data, ScriptError, language, limits, noise, work};
 pub(crate) struct Spawned {
     /// The map.
     pub(crate) entity: Data,
-    /// The place of the call of `spawn`, in bytes of the program's text.
+    /// The place of the call of `spawn`, in bytes of the script's text.
     pub(crate) at: usize,
 }
 
-/// The amount that the programs of a scene may yet spawn.
+/// The amount that the scripts of a scene may yet spawn.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SpawnBudget {
     /// The number of entities.
@@ -56,19 +56,19 @@ impl SpawnBudget {
     }
 }
 
-/// Runs a program that calls `spawn(#{ .. })`, and gives all that it spawns to `take`, in this order. An entity that `take`
+/// Runs a script that calls `spawn(#{ .. })`, and gives all that it spawns to `take`, in this order. An entity that `take`
 /// refuses is an error at the call; a second line of its message is the remedy. Spawned entities are deducted from `budget`.
 ///
 /// # Errors
 ///
-/// If the text is not a program, or it goes wrong.
+/// If the text is not a script, or it goes wrong.
 pub(crate) fn run_spawning(
     text: &str,
     seed: u64,
     budget: &mut SpawnBudget,
     take: impl FnMut(Spawned) -> Result<(), String> + Send + 'static,
 ) -> Result<(), ScriptError> {
-    let program =
+    let script =
         language::compile(&language::parser(Purpose::Spawn), &language::outside(&[]), Purpose::Spawn, text)?;
     let mut engine = language::bare_engine();
     noise::register(&mut engine, seed);
@@ -76,11 +76,11 @@ pub(crate) fn run_spawning(
     let left = register_spawn(&mut engine, text, *budget, take);
     work::on_outside(&mut engine, |_| None);
     work::start();
-    let result = engine.eval_ast_with_scope::<Dynamic>(&mut Scope::new(), &program.ast);
+    let result = engine.eval_ast_with_scope::<Dynamic>(&mut Scope::new(), &script.ast);
     *budget = *left.lock().unwrap_or_else(PoisonError::into_inner);
     match result {
         Ok(_) => Ok(()),
-        Err(error) => Err(program.explain(&error)),
+        Err(error) => Err(script.explain(&error)),
     }
 }
 
@@ -130,7 +130,7 @@ fn register_spawn(
     left
 }
 
-/// The names of what a program has spawned, by their hashes.
+/// The names of what a script has spawned, by their hashes.
 #[derive(Default)]
 struct SpawnedNames {
     hashes: HashSet<u64>,

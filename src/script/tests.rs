@@ -6,11 +6,11 @@ use super::{Data, Language, Read, ScriptContext, SpawnBudget, Stop, limits, run_
 
 fn run(text: &str) -> Result<Data, Stop> {
     let language = Language::new(0);
-    let program = language.compile(text).map_err(|error| Stop::Error(Box::new(error)))?;
+    let script = language.compile(text).map_err(|error| Stop::Error(Box::new(error)))?;
     let mut context = ScriptContext::new(24.0, 5.0);
     context.turn_to(2.5, 60.0);
     context.belong(3, "ball", Data::from([1.0, 2.0, 3.0]));
-    language.run(&program, &mut context)
+    language.run(&script, &mut context)
 }
 
 fn number(text: &str) -> f64 {
@@ -135,7 +135,7 @@ fn lists_of_numbers_are_vectors() {
 }
 
 #[test]
-fn programs_have_variables_branches_loops_and_functions() {
+fn scripts_have_variables_branches_loops_and_functions() {
     for (text, expected) in [
         ("let sum = 0; for i in 0..10 { sum += i; } sum", 45.0),
         ("let n = 0; while n < 7 { n += 1; } n", 7.0),
@@ -252,7 +252,7 @@ fn mistakes_have_a_message_and_a_place() {
 }
 
 #[test]
-fn whatever_a_program_does_it_ends_soon() {
+fn whatever_a_script_does_it_ends_soon() {
     const LIST: &str = "a list that is too large";
     const MAP: &str = "a map that is too large";
     const TEXT: &str = "a text that is too large";
@@ -382,7 +382,7 @@ fn whatever_a_program_does_it_ends_soon() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// A program of so many of something.
+/// A script of so many of something.
 type Many = fn(usize) -> String;
 
 #[test]
@@ -427,19 +427,19 @@ fn what_is_within_a_limit_is_taken_and_one_more_is_not() {
 }
 
 #[test]
-fn long_programs_are_read_or_refused_soon() {
+fn long_scripts_are_read_or_refused_soon() {
     let numbered = |part: fn(usize) -> String| {
         let mut text = String::new();
         (0..)
             .map(part)
             .take_while(|part| {
                 text += part;
-                text.len() < limits::PROGRAM - 100
+                text.len() < limits::SCRIPT - 100
             })
             .count();
         text
     };
-    let repeated = |part: &str| part.repeat((limits::PROGRAM - 100) / part.len());
+    let repeated = |part: &str| part.repeat((limits::SCRIPT - 100) / part.len());
     let mut wrong = Vec::new();
     for (what, text) in [
         ("variables", numbered(|index| format!("let variable{index} = 1; "))),
@@ -463,7 +463,7 @@ fn long_programs_are_read_or_refused_soon() {
         ("sums", format!("1{}", repeated("+1"))),
         ("opened texts", repeated("`${")),
         ("quotes", repeated("\"")),
-        ("long names", format!("let {0} = 1; {0}", "a".repeat(limits::PROGRAM / 3))),
+        ("long names", format!("let {0} = 1; {0}", "a".repeat(limits::SCRIPT / 3))),
         ("branches", repeated("if t > 1 { 1 } else ") + "{ 2 }"),
         ("statements", repeated("1;")),
         ("lines", repeated("\n")),
@@ -481,23 +481,23 @@ fn long_programs_are_read_or_refused_soon() {
 #[test]
 fn others_are_read_when_they_are_known() {
     let language = Language::new(0);
-    let program =
+    let script =
         language.compile("let r = 0; try { r = value(\"ball\", \"Radius\"); } catch { } r * 2").unwrap();
     let mut context = ScriptContext::default();
     let read = Read { target: "ball".to_owned(), channel: "Radius".to_owned(), span: 21..26 };
-    assert_eq!(language.run(&program, &mut context), Err(Stop::Needs(read.clone())));
+    assert_eq!(language.run(&script, &mut context), Err(Stop::Needs(read.clone())));
     context.know(&read, Data::Number(1.5));
-    assert_eq!(language.run(&program, &mut context), Ok(Data::Number(3.0)));
+    assert_eq!(language.run(&script, &mut context), Ok(Data::Number(3.0)));
     context.turn_to(1.0, 24.0);
-    assert_eq!(language.run(&program, &mut context), Err(Stop::Needs(read)));
+    assert_eq!(language.run(&script, &mut context), Err(Stop::Needs(read)));
 }
 
 #[test]
 fn randomness_is_a_function_of_its_arguments_and_the_seed() {
     let of = |seed: u64, text: &str| {
         let language = Language::new(seed);
-        let program = language.compile(text).unwrap();
-        language.run(&program, &mut ScriptContext::default()).unwrap()
+        let script = language.compile(text).unwrap();
+        language.run(&script, &mut ScriptContext::default()).unwrap()
     };
     assert_eq!(of(1, "random(3)"), of(1, "let a = random(7); random(3.0)"));
     assert_ne!(of(1, "random(3)"), of(2, "random(3)"));

@@ -1,8 +1,8 @@
-//! The names that programs can call and read, and their usage.
+//! The names that scripts can call and read, and their usage.
 
 use super::{ScriptContext, maths};
 
-/// The functions of programs that spawn, as they are called.
+/// The functions of scripts that spawn, as they are called.
 const SPAWNING: [&str; 12] = [
     "spawn(map)",
     "sphere(radius)",
@@ -18,7 +18,7 @@ const SPAWNING: [&str; 12] = [
     "area(map)",
 ];
 
-/// The purpose of a program.
+/// The purpose of a script.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Purpose {
     /// Gives a value.
@@ -27,7 +27,7 @@ pub(super) enum Purpose {
     Spawn,
 }
 
-/// The functions that a program can call.
+/// The functions that a script can call.
 pub(super) struct Known<'a> {
     pub(super) own: &'a [String],
     pub(super) purpose: Purpose,
@@ -45,7 +45,7 @@ impl Known<'_> {
 }
 
 impl Purpose {
-    /// Returns the functions that only programs with this purpose have, as they are called.
+    /// Returns the functions that only scripts with this purpose have, as they are called.
     fn usages(self) -> &'static [&'static str] {
         match self {
             Self::Drive => &READING,
@@ -60,7 +60,7 @@ impl Purpose {
         }
     }
 
-    /// Returns the names of the values given to programs with this purpose.
+    /// Returns the names of the values given to scripts with this purpose.
     pub(super) fn variables(self) -> impl Iterator<Item = &'static str> {
         let given: &[&str] = match self {
             Self::Drive => &ScriptContext::NAMES,
@@ -69,7 +69,7 @@ impl Purpose {
         given.iter().copied().chain(maths::CONSTANTS.map(|(name, _)| name))
     }
 
-    /// Returns the remark on a name that only programs with another purpose know.
+    /// Returns the remark on a name that only scripts with another purpose know.
     pub(super) fn elsewhere(self, name: &str) -> Option<&'static str> {
         let functions = |purpose: Self| purpose.usages().iter().any(|usage| name_in(usage) == name);
         match self {
@@ -84,7 +84,7 @@ impl Purpose {
     }
 }
 
-/// The functions of all programs, as they are called.
+/// The functions of all scripts, as they are called.
 const USUAL: [&str; 50] = [
     "sin(x)",
     "cos(x)",
@@ -138,7 +138,7 @@ const USUAL: [&str; 50] = [
     "range(from, to, step)",
 ];
 
-/// The functions of programs that give values, as they are called.
+/// The functions of scripts that give values, as they are called.
 const READING: [&str; 1] = ["value(name, channel)"];
 
 fn name_in(usage: &str) -> &str {
@@ -174,7 +174,7 @@ mod tests {
             format!("{} variables", limits::VARIABLES),
             format!("{} values", limits::ARGUMENTS),
             format!("{} functions", limits::FUNCTIONS),
-            format!("{} KiB", limits::PROGRAM >> 10),
+            format!("{} KiB", limits::SCRIPT >> 10),
             format!("{} MiB", limits::SPAWNED_TEXT >> 20),
             format!("{} calls", limits::CALLS),
             format!("{} deep, {} in functions", limits::NESTING, limits::NESTING_IN_FUNCTIONS),
@@ -191,10 +191,7 @@ mod tests {
             ),
             (100_000, 200_000, 100, 40_000_000)
         );
-        assert_eq!(
-            (limits::ENTITIES, limits::PROGRAM, limits::SPAWNED_TEXT),
-            (1_000_000, 64 << 10, 64 << 20)
-        );
+        assert_eq!((limits::ENTITIES, limits::SCRIPT, limits::SPAWNED_TEXT), (1_000_000, 64 << 10, 64 << 20));
     }
 
     #[test]
@@ -202,15 +199,14 @@ mod tests {
         let language = Language::new(0);
         for usage in USUAL.iter().chain(&READING) {
             let name = name_in(usage);
-            let program = language.compile(&format!("{name}(1, 2, 3, 4, 5, 6, 7)")).unwrap();
-            let Err(Stop::Error(error)) = language.run(&program, &mut ScriptContext::default()) else {
+            let script = language.compile(&format!("{name}(1, 2, 3, 4, 5, 6, 7)")).unwrap();
+            let Err(Stop::Error(error)) = language.run(&script, &mut ScriptContext::default()) else {
                 panic!("{name}");
             };
             assert_eq!(error.help, Some(format!("it is called as `{usage}`")));
             let arguments = usage.matches(',').count() + 1;
-            let program =
-                language.compile(&format!("{name}({})", vec!["#{}"; arguments].join(", "))).unwrap();
-            let result = language.run(&program, &mut ScriptContext::default());
+            let script = language.compile(&format!("{name}({})", vec!["#{}"; arguments].join(", "))).unwrap();
+            let result = language.run(&script, &mut ScriptContext::default());
             let missing = matches!(&result, Err(Stop::Error(error)) if error.message.contains("no function"));
             assert!(!missing, "{name}: {result:?}");
         }

@@ -1,4 +1,4 @@
-//! Counts the operations of a program. Rhai counts one for a call and for a variable, however much is in it. Functions of lists
+//! Counts the operations of a script. Rhai counts one for a call and for a variable, however much is in it. Functions of lists
 //! therefore add theirs, and so does every use of a variable, so that a limit on operations is a limit on time.
 
 use std::cell::Cell;
@@ -8,9 +8,9 @@ use rhai::{Dynamic, Engine, EvalAltResult, Position};
 use super::limits;
 
 thread_local! {
-    /// The operations beyond Rhai's own count of the program that runs on this thread.
+    /// The operations beyond Rhai's own count of the script that runs on this thread.
     static DONE: Cell<u64> = const { Cell::new(0) };
-    /// The operations of this program by Rhai's count.
+    /// The operations of this script by Rhai's count.
     static OPERATIONS: Cell<u64> = const { Cell::new(0) };
 }
 
@@ -73,7 +73,7 @@ impl Extent {
         self.work() + 4 * (self.listed + self.mapped)
     }
 
-    /// Returns an error if this is more than a program may hold.
+    /// Returns an error if this is more than a script may hold.
     fn refuse_excess(self) -> Result<(), Box<EvalAltResult>> {
         let what = match self {
             Self { listed, .. } if listed > limits::LIST => "array",
@@ -95,18 +95,18 @@ pub(super) fn add_text(bytes: usize) {
     add(Extent { text: bytes, ..Extent::default() }.work());
 }
 
-/// Resets the counts, at the start of a program.
+/// Resets the counts, at the start of a script.
 pub(super) fn start() {
     DONE.set(0);
     OPERATIONS.set(0);
 }
 
-/// Returns all operations of the program on this thread so far.
+/// Returns all operations of the script on this thread so far.
 pub(super) fn done() -> u64 {
     OPERATIONS.get() + DONE.get()
 }
 
-/// Stops programs as soon as what they have done is too much.
+/// Stops scripts as soon as what they have done is too much.
 pub(super) fn limit(engine: &mut Engine, is_too_much: impl Fn(u64) -> bool + Send + Sync + 'static) {
     engine.on_progress(move |operations| {
         OPERATIONS.set(operations);
@@ -114,7 +114,7 @@ pub(super) fn limit(engine: &mut Engine, is_too_much: impl Fn(u64) -> bool + Sen
     });
 }
 
-/// Gives programs what they read from outside. What variables hold is counted here whenever they are used, and held to its limits:
+/// Gives scripts what they read from outside. What variables hold is counted here whenever they are used, and held to its limits:
 /// assignments into a list or a map make it larger without being asked, but only until its next use.
 pub(super) fn on_outside(
     engine: &mut Engine,
@@ -122,7 +122,7 @@ pub(super) fn on_outside(
 ) {
     #[expect(deprecated, reason = "marked so because it may change, not because it will go")]
     engine.on_var(move |name, index, context| {
-        // Variables of the program's own have an index, counted from the newest.
+        // Variables of the script's own have an index, counted from the newest.
         let Some(place) = index.checked_sub(1) else { return Ok(outside(name)) };
         if let Some((_, _, own)) = context.scope().iter_raw().nth(place) {
             let extent = Extent::of(own);

@@ -4,10 +4,10 @@ use super::UnknownComponent;
 use crate::components::ScriptId;
 use crate::script::ScriptError;
 
-/// A program that gave no value.
+/// A script that gave no value.
 #[derive(Clone, Debug)]
 pub struct ScriptFailure {
-    /// The program.
+    /// The script.
     pub script: ScriptId,
     /// The value that it drives: `Radius of "ball"`.
     pub channel: String,
@@ -22,7 +22,7 @@ pub struct ScriptFailure {
 pub(crate) enum Halt {
     /// It cannot be copied.
     UnknownComponent(UnknownComponent),
-    /// A program gave no value.
+    /// A script gave no value.
     Script(Box<ScriptFailure>),
     /// The request was cancelled.
     Cancelled,

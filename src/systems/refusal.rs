@@ -1,4 +1,4 @@
-//! Values that programs may not give, as they may not be written in a file either. Light, colours and coefficients are not
+//! Values that scripts may not give, as they may not be written in a file either. Light, colours and coefficients are not
 //! refused but clamped to their ranges.
 
 use glam::DVec3;

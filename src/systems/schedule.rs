@@ -77,12 +77,12 @@ impl Schedule {
         self.stepped.push(Stepped { step, system: Box::new(system), done: 0 });
     }
 
-    /// Sets the programs of the scene, which run after tracks.
+    /// Sets the scripts of the scene, which run after tracks.
     pub(crate) fn set_scripts(&mut self, scripts: Scripts) {
         self.scripts = scripts;
     }
 
-    /// Returns the programs of the scene.
+    /// Returns the scripts of the scene.
     pub(crate) fn scripts_mut(&mut self) -> &mut Scripts {
         &mut self.scripts
     }
@@ -106,12 +106,12 @@ impl Schedule {
         }
     }
 
-    /// Brings the world to a moment: tracks, programs, steps, and pure systems.
+    /// Brings the world to a moment: tracks, scripts, steps, and pure systems.
     ///
     /// # Errors
     ///
-    /// If the world holds a component that cannot be copied, and there are systems that need copies, or if a program fails, or
-    /// before the next program if `cancelled` becomes true.
+    /// If the world holds a component that cannot be copied, and there are systems that need copies, or if a script fails, or
+    /// before the next script if `cancelled` becomes true.
     pub(crate) fn advance(
         &mut self,
         world: &mut World,
@@ -190,7 +190,7 @@ impl Schedule {
             let stepped = &mut self.stepped[index];
             let Some(start) = stepped.step.0.times(stepped.done) else { break };
             let animated = animate_all(&mut self.scripts, world, start, &mut fresh, cancelled);
-            // Tracks have written even where a program goes wrong.
+            // Tracks have written even where a script goes wrong.
             propagate(world, &fresh);
             changes.merge(&std::mem::take(&mut fresh));
             animated?;
@@ -219,7 +219,7 @@ impl Schedule {
     }
 }
 
-/// Runs tracks, then programs.
+/// Runs tracks, then scripts.
 fn animate_all(
     scripts: &mut Scripts,
     world: &mut World,

@@ -1,4 +1,4 @@
-//! Writes the values of programs at a moment, after all tracks.
+//! Writes the values of scripts at a moment, after all tracks.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,10 +12,10 @@ use super::property::{Written, declare, sources};
 use super::refusal::refusal;
 use crate::animation::Value;
 use crate::components::{self, Animated, Motion, Name, Order, Property, ScriptId};
-use crate::script::{Data, Programs, Read, ScriptContext, ScriptError, Stop, Unknown, limits};
+use crate::script::{CompiledScripts, Data, Read, ScriptContext, ScriptError, Stop, Unknown, limits};
 use crate::time::{Time, Timeline};
 
-/// The programs of a scene, and the values that they drive.
+/// The scripts of a scene, and the values that they drive.
 #[derive(Debug, Default)]
 pub(crate) struct Scripts {
     running: Option<Box<Running>>,
@@ -23,18 +23,18 @@ pub(crate) struct Scripts {
 
 #[derive(Debug)]
 struct Running {
-    programs: Programs,
+    scripts: CompiledScripts,
     timeline: Timeline,
     context: ScriptContext,
-    /// The channels that programs drive, in document order; `None` until looked up.
+    /// The channels that scripts drive, in document order; `None` until looked up.
     driven: Option<Driven>,
-    /// The values without programs.
+    /// The values without scripts.
     bases: HashMap<(Entity, Property), Base>,
-    /// The prefix of the names that the last program read.
+    /// The prefix of the names that the last script read.
     prefix: String,
 }
 
-/// A value without programs.
+/// A value without scripts.
 #[derive(Clone, Copy, Debug)]
 struct Base {
     value: Value,
@@ -45,11 +45,11 @@ struct Base {
 struct Driven {
     channels: Vec<Channel>,
     places: HashMap<(Entity, Property), usize>,
-    /// The entities by their names; `None` until a program reads one.
+    /// The entities by their names; `None` until a script reads one.
     names: Option<HashMap<String, Entity>>,
 }
 
-/// A value that a program drives.
+/// A value that a script drives.
 #[derive(Clone, Debug)]
 struct Channel {
     entity: Entity,
@@ -57,7 +57,7 @@ struct Channel {
     script: ScriptId,
     order: Option<Order>,
     name: String,
-    /// Whether a track drives it too, for everything made of a material. Then the base is the track's value, and a program for
+    /// Whether a track drives it too, for everything made of a material. Then the base is the track's value, and a script for
     /// the material is not run at all.
     on_track: bool,
 }
@@ -72,15 +72,15 @@ enum State {
 }
 
 impl Scripts {
-    /// Creates the programs of a scene.
+    /// Creates the scripts of a scene.
     #[must_use]
-    pub(crate) fn new(programs: Programs, timeline: Timeline) -> Self {
-        if programs.uses.is_empty() {
+    pub(crate) fn new(scripts: CompiledScripts, timeline: Timeline) -> Self {
+        if scripts.uses.is_empty() {
             return Self::default();
         }
         let context = ScriptContext::new(timeline.rate.per_second(), timeline.duration);
         let (driven, bases, prefix) = (None, HashMap::new(), String::new());
-        Self { running: Some(Box::new(Running { programs, timeline, context, driven, bases, prefix })) }
+        Self { running: Some(Box::new(Running { scripts, timeline, context, driven, bases, prefix })) }
     }
     /// Sets the frame rate and the duration.
     pub(crate) fn set_timeline(&mut self, timeline: Timeline) {
@@ -97,7 +97,7 @@ impl Scripts {
         }
     }
 
-    /// Restores all values that programs drove: the world may be edited now.
+    /// Restores all values that scripts drove: the world may be edited now.
     pub(crate) fn release(&mut self, world: &mut World) {
         let Some(running) = &mut self.running else { return };
         running.driven = None;
@@ -109,7 +109,7 @@ impl Scripts {
         }
     }
 
-    /// Looks up which values programs drive, and their values without programs. To be called before tracks write to a world.
+    /// Looks up which values scripts drive, and their values without scripts. To be called before tracks write to a world.
     pub(crate) fn look_up(&mut self, world: &mut World) {
         if let Some(running) = &mut self.running
             && running.driven.is_none()
@@ -128,12 +128,12 @@ impl Scripts {
         }
     }
 
-    /// Sets every value that a program drives, and records what really changed. Values that others read come first, and otherwise
+    /// Sets every value that a script drives, and records what really changed. Values that others read come first, and otherwise
     /// the order is that of the document.
     ///
     /// # Errors
     ///
-    /// If a program fails, or if `cancelled` becomes true, which is checked before each of them. Then values may be left from
+    /// If a script fails, or if `cancelled` becomes true, which is checked before each of them. Then values may be left from
     /// another moment.
     pub(crate) fn run(
         &mut self,
@@ -204,12 +204,12 @@ impl Driven {
     }
 }
 
-/// All programs at one moment.
+/// All scripts at one moment.
 struct Moment<'a> {
     running: &'a mut Running,
     driven: Driven,
     states: Vec<State>,
-    /// The operations of channels' programs that ended at an unknown value.
+    /// The operations of channels' scripts that ended at an unknown value.
     in_vain: HashMap<usize, u64>,
     seconds: f64,
     world: &'a mut World,
@@ -260,9 +260,9 @@ impl Moment<'_> {
     }
 
     fn evaluate(&mut self, channel: &Channel) -> Result<Value, Stop> {
-        let Running { programs, context, bases, prefix: last, .. } = &mut *self.running;
-        let (notation, transfer) = (channel.property.notation(), programs.transfer);
-        let Some((program, prefix)) = programs.used(channel.script.0) else {
+        let Running { scripts, context, bases, prefix: last, .. } = &mut *self.running;
+        let (notation, transfer) = (channel.property.notation(), scripts.transfer);
+        let Some((script, prefix)) = scripts.used(channel.script.0) else {
             let error = ScriptError::whole("", "there is no such script in the scene", "", None);
             return Err(Stop::Error(Box::new(error)));
         };
@@ -275,17 +275,17 @@ impl Moment<'_> {
         let base =
             stored.map(|base| base.value).or_else(|| value(self.world, channel.entity, channel.property));
         let base = base.map_or(Data::Nothing, |base| notation.data(base, transfer));
-        // A part's programs see names as the part has them.
+        // A part's scripts see names as the part has them.
         let name = channel.name.strip_prefix(prefix).unwrap_or(&channel.name);
         context.belong(channel.order.map_or(0, |order| order.0), name, base);
-        let data = programs.language.run(program, context)?;
+        let data = scripts.language.run(script, context)?;
         let value = notation.value(&data, transfer).ok_or_else(|| notation.mismatch(&data));
         let refused = |value| {
             refusal(channel.property, value).map_or(Ok(value), |(message, help)| Err((message, Some(help))))
         };
         value.and_then(refused).map_err(|(message, help)| {
             let help = help.map(str::to_owned);
-            Stop::Error(Box::new(ScriptError::whole(program.text(), message, "this is the value", help)))
+            Stop::Error(Box::new(ScriptError::whole(script.text(), message, "this is the value", help)))
         })
     }
 
@@ -297,7 +297,7 @@ impl Moment<'_> {
         }
     }
 
-    /// Provides what a program reads, or returns the place of the channel that has to be driven first.
+    /// Provides what a script reads, or returns the place of the channel that has to be driven first.
     fn answer(&mut self, read: &Read, stack: &[usize]) -> Result<Option<usize>, Box<ScriptError>> {
         let (_, prefix) = self.used(stack);
         let target = format!("{prefix}{}", read.target);
@@ -337,16 +337,16 @@ impl Moment<'_> {
             let message = format!("\"{}\" has no {}", read.target, read.channel);
             return Err(self.mistake(read, stack, message, "reads it", None));
         };
-        let data = property.notation().data(value, self.running.programs.transfer);
+        let data = property.notation().data(value, self.running.scripts.transfer);
         self.running.context.know(read, data);
         Ok(None)
     }
 
-    /// Returns the text of the program that runs, and the prefix of the names that it reads.
+    /// Returns the text of the script that runs, and the prefix of the names that it reads.
     fn used(&self, stack: &[usize]) -> (&str, &str) {
         let script = stack.last().map(|place| self.driven.channels[*place].script);
-        let used = script.and_then(|script| self.running.programs.used(script.0));
-        used.map_or(("", ""), |(program, prefix)| (program.text(), prefix))
+        let used = script.and_then(|script| self.running.scripts.used(script.0));
+        used.map_or(("", ""), |(script, prefix)| (script.text(), prefix))
     }
 
     fn mistake(

@@ -390,12 +390,12 @@ fn a_script_gives_nothing_that_keys_may_not_have() {
                 ],
             };
             for value in values {
-                let program = value.replace('(', "[").replace(')', "]");
-                let by_script = is_taken(property, &case, &format!("Script(\"{program}\")"));
+                let script = value.replace('(', "[").replace(')', "]");
+                let by_script = is_taken(property, &case, &format!("Script(\"{script}\")"));
                 let by_keys = is_taken(property, &case, &format!("Keys([(0, {value})])"));
                 let is_huge = number == "1e61" && property.notation() != Notation::Color;
                 let expected = if is_held(property) { !is_huge } else { by_keys };
-                assert_eq!(by_script, expected, "{} of {program}", property.name());
+                assert_eq!(by_script, expected, "{} of {script}", property.name());
                 *(if by_script { &mut taken } else { &mut refused }) += 1;
             }
         }

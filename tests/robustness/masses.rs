@@ -30,15 +30,15 @@ enum Mass {
     },
     /// One file, many times.
     Copies,
-    /// Paths of what is no scene, as includes and as programs.
+    /// Paths of what is no scene, as includes and as scripts.
     Paths,
-    /// Programs that read each other.
-    Programs {
+    /// Scripts that read each other.
+    Scripts {
         is_ring: bool,
     },
-    /// Programs that spawn.
+    /// Scripts that spawn.
     Spawns,
-    /// Lists in lists in a program.
+    /// Lists in lists in a script.
     Lists,
     /// One long name, over and over.
     LongName,
@@ -84,7 +84,7 @@ pub(crate) fn masses(most: usize) -> impl Strategy<Value = Files> {
     .into_iter()
     .chain(ring.map(|is_ring| Mass::Parents { is_ring }))
     .chain(ring.map(|is_ring| Mass::Includes { is_ring }))
-    .chain(ring.map(|is_ring| Mass::Programs { is_ring }))
+    .chain(ring.map(|is_ring| Mass::Scripts { is_ring }))
     .collect();
     // Small numbers as often as large ones.
     let count = (1..=most, 0..=most.ilog2()).prop_map(|(count, halved)| (count >> halved).max(1));
@@ -150,7 +150,7 @@ fn files(mass: Mass, count: usize) -> Files {
         Mass::Tracks => animate(&format!("(name: \"e\", {SPHERE})"), &|_| {
             "(target: \"e\", channel: Radius, track: Keys([(0, 1), (1, 2)]))".to_owned()
         }),
-        Mass::Programs { is_ring } => {
+        Mass::Scripts { is_ring } => {
             let names = list(count, |index| format!("(name: \"e{index}\", {SPHERE})"));
             animate(&names, &|index| {
                 let read = if is_ring || next(index) > 0 {
@@ -162,15 +162,15 @@ fn files(mass: Mass, count: usize) -> Files {
             })
         }
         Mass::Spawns => {
-            let program =
+            let script =
                 "spawn(#{ shape: sphere(1), material: \"m\" }); for i in 0..9 { spawn(#{ name: `a${i}` }) }";
-            scene(&format!("{CAMERA} spawn: [{}]", list(count, |_| format!("Script(r#\"{program}\"#)"))))
+            scene(&format!("{CAMERA} spawn: [{}]", list(count, |_| format!("Script(r#\"{script}\"#)"))))
         }
         Mass::Lists => {
-            let program = format!("{}1{}", "[".repeat(count), "]".repeat(count));
+            let script = format!("{}1{}", "[".repeat(count), "]".repeat(count));
             animate(&format!("(name: \"e\", {SPHERE})"), &|index| {
-                let program = if index == 0 { &program } else { "[1, 2, 3]" };
-                format!("(target: \"e\", channel: Translation, track: Script(\"{program}\"))")
+                let script = if index == 0 { &script } else { "[1, 2, 3]" };
+                format!("(target: \"e\", channel: Translation, track: Script(\"{script}\"))")
             })
         }
         Mass::LongName => {
@@ -182,9 +182,9 @@ fn files(mass: Mass, count: usize) -> Files {
         Mass::Paths => {
             let path = |index: usize| PATHS[index % PATHS.len()];
             let includes = list(count, |index| format!("(file: \"{}\", name: \"p{index}\")", path(index)));
-            let programs = list(count, |index| format!("File(\"{}\")", path(index)));
+            let scripts = list(count, |index| format!("File(\"{}\")", path(index)));
             return with_parts(
-                scene(&format!("{CAMERA} include: [{includes}], spawn: [{programs}]")),
+                scene(&format!("{CAMERA} include: [{includes}], spawn: [{scripts}]")),
                 vec![String::new()],
             );
         }

@@ -54,9 +54,9 @@ fn way() -> impl Strategy<Value = String> {
     prop_oneof![2 => keys(point()), 1 => path, 1 => orbit]
 }
 
-/// Programs whose value is a number.
-fn number_program() -> impl Strategy<Value = String> {
-    program(vec![
+/// Scripts whose value is a number.
+fn number_script() -> impl Strategy<Value = String> {
+    script(vec![
         "abs(sin(t)) + 0.1",
         "base",
         "random(index)",
@@ -74,9 +74,9 @@ fn number_program() -> impl Strategy<Value = String> {
     ])
 }
 
-/// Programs whose value is three numbers.
-fn triple_program() -> impl Strategy<Value = String> {
-    program(vec![
+/// Scripts whose value is three numbers.
+fn triple_script() -> impl Strategy<Value = String> {
+    script(vec![
         "[t, sin(t), noise(t)]",
         "base * t",
         "base / length(base)",
@@ -91,14 +91,14 @@ fn triple_program() -> impl Strategy<Value = String> {
     ])
 }
 
-fn program(programs: Vec<&'static str>) -> impl Strategy<Value = String> {
-    let program = prop::sample::select(programs);
-    program.prop_map(|program| format!("Script(r#\"{}\"#)", program.replace('\'', "\"")))
+fn script(scripts: Vec<&'static str>) -> impl Strategy<Value = String> {
+    let script = prop::sample::select(scripts);
+    script.prop_map(|script| format!("Script(r#\"{}\"#)", script.replace('\'', "\"")))
 }
 
-/// Programs that spawn.
+/// Scripts that spawn.
 pub(crate) fn spawning() -> impl Strategy<Value = String> {
-    program(vec![
+    script(vec![
         "for i in 0..30 { spawn(#{ shape: sphere(0.1 + 0.2 * random(i)), material: 'm0', translation: [i / 5 - 3, noise(i), 0] }) }",
         "for i in 0..9 { spawn(#{ name: `s${i}`, parent: if i > 0 { `s${i - 1}` } else { 'e0' }, scale: 0.5, rotation: [0, 90 * i, 0] }) }",
         "spawn(#{ light: point(#{ intensity: [1, 1, 1] * random(1), falloff: [1, 0, 1e30] }), translation: [0, 9, 0] })",
@@ -109,17 +109,17 @@ pub(crate) fn spawning() -> impl Strategy<Value = String> {
 
 fn tracks(
     value: impl Strategy<Value = String> + 'static,
-    program: impl Strategy<Value = String> + 'static,
+    script: impl Strategy<Value = String> + 'static,
 ) -> BoxedStrategy<String> {
-    prop_oneof![3 => keys(value), 1 => program].boxed()
+    prop_oneof![3 => keys(value), 1 => script].boxed()
 }
 
 fn numbers(value: impl Strategy<Value = String> + 'static) -> BoxedStrategy<String> {
-    tracks(value, number_program())
+    tracks(value, number_script())
 }
 
 fn triples(value: impl Strategy<Value = String> + 'static) -> BoxedStrategy<String> {
-    tracks(value, triple_program())
+    tracks(value, triple_script())
 }
 
 /// What can move of an entity, of a material, of a camera and of the whole scene.
@@ -143,7 +143,7 @@ fn channels() -> [Vec<(&'static str, BoxedStrategy<String>)>; 4] {
             ("CheckerSize", numbers(size())),
         ]
     };
-    let place = || prop_oneof![3 => way(), 1 => triple_program()].boxed();
+    let place = || prop_oneof![3 => way(), 1 => triple_script()].boxed();
     let mut entity = surface();
     // Most move, turn or grow.
     for _ in 0..4 {
@@ -205,7 +205,7 @@ pub(crate) fn animation() -> impl Strategy<Value = String> {
                 _ => index.to_string(),
             };
             let played = match index {
-                // Programs take none of this.
+                // Scripts take none of this.
                 _ if channel.contains("track: Script") => "",
                 1 => ", repeat: Loop",
                 2 => ", repeat: PingPong, speed: -1e60",

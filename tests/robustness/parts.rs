@@ -28,7 +28,7 @@ pub(crate) struct Parts {
     materials: [String; 3],
     /// What each is, and perhaps the index of its parent.
     entities: Vec<(String, Option<usize>)>,
-    programs: Vec<String>,
+    scripts: Vec<String>,
     animations: Vec<String>,
 }
 
@@ -40,9 +40,9 @@ pub(crate) fn parts() -> impl Strategy<Value = Parts> {
     let views = (camera().boxed(), prop_oneof![Just(Vec::new()), cameras], shots(CAMERAS));
     let materials = [material().boxed(), material().boxed(), material().boxed()];
     let entities = prop::collection::vec((entity().boxed(), prop::option::weighted(0.3, 0..12usize)), 0..12);
-    let programs = prop_oneof![3 => Just(Vec::new()), 1 => prop::collection::vec(spawning(), 1..3)];
-    (settings, views, materials, entities, programs, prop::collection::vec(animation().boxed(), 0..5))
-        .prop_map(|(settings, (camera, cameras, shots), materials, entities, programs, animations)| {
+    let scripts = prop_oneof![3 => Just(Vec::new()), 1 => prop::collection::vec(spawning(), 1..3)];
+    (settings, views, materials, entities, scripts, prop::collection::vec(animation().boxed(), 0..5))
+        .prop_map(|(settings, (camera, cameras, shots), materials, entities, scripts, animations)| {
             let (transfer, (quality, sampling), ambient, background, fog) = settings;
             let shots = if cameras.len() == CAMERAS { shots } else { String::new() };
             Parts {
@@ -57,7 +57,7 @@ pub(crate) fn parts() -> impl Strategy<Value = Parts> {
                 fog,
                 materials,
                 entities,
-                programs,
+                scripts,
                 animations,
             }
         })
@@ -84,13 +84,13 @@ impl Parts {
             .enumerate()
             .map(|(index, camera)| format!("\"c{index}\": ({camera}),\n"))
             .collect();
-        let (animations, programs) = (self.animations.join(",\n"), self.programs.join(",\n"));
+        let (animations, scripts) = (self.animations.join(",\n"), self.scripts.join(",\n"));
         format!(
             r#"Scene(timeline: (fps: 5, duration: 2), film: (width: 32, height: 18, transfer: {transfer}),
             quality: ({quality}), sampling: ({sampling}), camera: ({camera}), cameras: {{ {cameras} }}, shots: [{shots}],
             ambient: {ambient}, background: {background}, {fog}
             materials: {{ "m0": {m0}, "m1": {m1}, "m2": {m2} }},
-            entities: [{entities}], spawn: [{programs}], animate: [{animations}])"#
+            entities: [{entities}], spawn: [{scripts}], animate: [{animations}])"#
         )
     }
 
@@ -102,7 +102,7 @@ impl Parts {
             cameras: Vec::new(),
             shots: String::new(),
             entities: Vec::new(),
-            programs: Vec::new(),
+            scripts: Vec::new(),
             animations: Vec::new(),
             ..self.clone()
         };
@@ -125,10 +125,10 @@ impl Parts {
                 good.entities.push((what, parent));
             }
         }
-        for program in self.programs {
-            good.programs.push(program);
+        for script in self.scripts {
+            good.scripts.push(script);
             if !is_good(&good)? {
-                good.programs.pop();
+                good.scripts.pop();
             }
         }
         for animation in self.animations {

@@ -20,7 +20,7 @@ const TIME: Duration = Duration::from_secs(10);
 /// Kibibytes of the whole process.
 const MEMORY: u64 = 1 << 20;
 
-/// Writes programs at random.
+/// Writes scripts at random.
 struct Author {
     state: u64,
     /// Does it spawn?
@@ -208,7 +208,7 @@ impl Author {
             };
         }
         if self.below(3) > 0 {
-            // What goes wrong in it does not end the program.
+            // What goes wrong in it does not end the script.
             return format!("try {{ {} }} catch {{ }} ", self.simple_statement());
         }
         self.simple_statement()
@@ -267,7 +267,7 @@ impl Author {
         format!("spawn(#{{ {fields} }}); ")
     }
 
-    fn program(mut self) -> String {
+    fn script(mut self) -> String {
         let (f, g) = (self.block(1), self.value(2));
         let mut text =
             format!("fn f(a) {{ let b = a; let c = [a]; let d = 1; let m = #{{}}; let s = \"\"; {f} {g} }} ");
@@ -302,11 +302,11 @@ fn scene(seed: u64) -> String {
     let mut author = Author { state: seed, spawns: seed.is_multiple_of(2) };
     let channel = author.one_of(&["Radius", "Translation", "Rotation", "Scale", "Color", "Kd"]);
     let spawns = author.spawns;
-    let program = author.program();
+    let script = author.script();
     let script = if spawns {
-        format!("spawn: [Script(r####\"{program}\"####)]")
+        format!("spawn: [Script(r####\"{script}\"####)]")
     } else {
-        format!("animate: [(target: \"ball\", channel: {channel}, track: Script(r####\"{program}\"####))]")
+        format!("animate: [(target: \"ball\", channel: {channel}, track: Script(r####\"{script}\"####))]")
     };
     format!(
         "(timeline: (fps: 10, duration: 4), camera: (position: (0, 0, -8), target: (0, 0, 0)),

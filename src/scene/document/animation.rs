@@ -18,7 +18,7 @@ pub(crate) struct AnimationDocument {
     pub(crate) repeat: RepeatDocument,
     pub(crate) offset: f64,
     pub(crate) speed: f64,
-    /// The index of its program among the compiled ones, if it is one.
+    /// The index of its script among the compiled ones, if it is one.
     pub(crate) script: Option<usize>,
 }
 
@@ -78,33 +78,33 @@ fn once() -> f64 {
 }
 
 impl<T> TrackDocument<T> {
-    /// Returns the track's program, if it is one.
-    pub(crate) fn program(&self) -> Option<ProgramDocument> {
+    /// Returns the track's script, if it is one.
+    pub(crate) fn script(&self) -> Option<ScriptDocument> {
         match self {
             Self::Keys(_) | Self::Path { .. } | Self::Orbit { .. } => None,
-            Self::Script(text) => Some(ProgramDocument::Script(text.clone())),
-            Self::ScriptFile(name) => Some(ProgramDocument::File(name.clone())),
+            Self::Script(text) => Some(ScriptDocument::Script(text.clone())),
+            Self::ScriptFile(name) => Some(ScriptDocument::File(name.clone())),
         }
     }
 }
 
 impl TracksDocument {
-    /// Returns the track's program, if it is one.
-    pub(crate) fn program(&self) -> Option<ProgramDocument> {
+    /// Returns the track's script, if it is one.
+    pub(crate) fn script(&self) -> Option<ScriptDocument> {
         match self {
-            Self::Number(track) => track.program(),
-            Self::Vector(track) => track.program(),
-            Self::Scale(track) => track.program(),
-            Self::Rotation(track) => track.program(),
-            Self::Color(track) => track.program(),
+            Self::Number(track) => track.script(),
+            Self::Vector(track) => track.script(),
+            Self::Scale(track) => track.script(),
+            Self::Rotation(track) => track.script(),
+            Self::Color(track) => track.script(),
         }
     }
 }
 
-/// A program.
+/// A script.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(rename = "Program")]
-pub(crate) enum ProgramDocument {
+#[serde(rename = "Script")]
+pub(crate) enum ScriptDocument {
     Script(String),
     File(String),
 }

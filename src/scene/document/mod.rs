@@ -9,7 +9,7 @@ mod settings;
 mod values;
 
 pub(super) use animation::{
-    AnimationDocument, EasingDocument, KeyDocument, ProgramDocument, RepeatDocument, TrackDocument,
+    AnimationDocument, EasingDocument, KeyDocument, RepeatDocument, ScriptDocument, TrackDocument,
     TracksDocument,
 };
 pub(super) use channel::ChannelDocument;

@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::{
     AnimationDocument, BackgroundDocument, ColorDocument, EntityDocument, Entries, IncludeDocument,
-    MaterialDocument, ProgramDocument, RateDocument, Triple, whole,
+    MaterialDocument, RateDocument, ScriptDocument, Triple, whole,
 };
 
 /// The whole file.
@@ -28,7 +28,7 @@ pub(crate) struct SceneDocument {
     pub(crate) materials: Entries<MaterialDocument>,
     /// Shared between the readings of a file that is being edited.
     pub(crate) entities: Vec<Arc<EntityDocument>>,
-    pub(crate) spawn: Vec<ProgramDocument>,
+    pub(crate) spawn: Vec<ScriptDocument>,
     pub(crate) animate: Vec<AnimationDocument>,
 }
 

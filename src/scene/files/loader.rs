@@ -12,9 +12,9 @@ use super::{Files, SceneFile, Scope};
 use crate::scene::Diagnostic;
 use crate::scene::document::SceneDocument;
 use crate::scene::parse::parse;
-use crate::scene::programs::{self, Compiled};
 use crate::scene::quote::{linked, short};
 use crate::scene::reparse::Parsed;
+use crate::scene::scripts::{self, Compiled};
 use crate::scene::validate::{At, Problems, validate};
 use crate::script::SpawnBudget;
 
@@ -61,10 +61,10 @@ impl Files {
         }
     }
 
-    /// Compiles the programs that drive values in every file.
+    /// Compiles the scripts that drive values in every file.
     pub(in crate::scene) fn compile(&mut self) -> Compiled {
         let own = self.files.first().and_then(|file| file.document.as_ref());
-        let mut compiler = programs::Compiler::new(own);
+        let mut compiler = scripts::Compiler::new(own);
         for (index, file) in self.files.iter_mut().enumerate() {
             if let Some(document) = &mut file.document {
                 let folder = Path::new(&file.name).parent().unwrap_or(Path::new(""));
@@ -127,7 +127,7 @@ impl Loader {
         let seed = own.document.as_ref().map_or(0, |document| document.sampling.seed);
         if let Some(document) = &mut file.document {
             let Self { loaded: Files { paths, .. }, budget, .. } = self;
-            programs::spawn(document, folder, seed, budget, paths, &mut file.problems);
+            scripts::spawn(document, folder, seed, budget, paths, &mut file.problems);
         }
         let wanted: Vec<String> = file.document.iter().flat_map(SceneDocument::included_files).collect();
         self.loaded.files.push(file);

@@ -16,7 +16,7 @@ pub(in crate::scene) struct Merged {
     pub(in crate::scene) document: SceneDocument,
     /// Entities with the parents that their files do not name, by their places in the document.
     pub(in crate::scene) parents: Vec<(usize, usize)>,
-    /// The uses of programs: the index of each one's program, and the prefix of the names in its file. Animations refer to this
+    /// The uses of scripts: the index of each one's script, and the prefix of the names in its file. Animations refer to this
     /// list by index.
     pub(in crate::scene) uses: Vec<(usize, String)>,
 }
@@ -94,7 +94,7 @@ impl<'a> Merger<'a> {
             scene.animate = self.animate;
         } else {
             for animation in &mut scene.animate {
-                use_program(animation, "", &mut self.uses);
+                use_script(animation, "", &mut self.uses);
             }
         }
         (Merged { document: scene, parents: self.parents, uses: self.uses }, self.runs)
@@ -170,7 +170,7 @@ impl<'a> Merger<'a> {
 
     /// Adds an animation. One of a file replaces those of its parts for the same value.
     fn add_animation(&mut self, mut animation: AnimationDocument, prefix: &str) {
-        use_program(&mut animation, prefix, &mut self.uses);
+        use_script(&mut animation, prefix, &mut self.uses);
         let what = (animation.target.clone(), animation.material.clone(), animation.channel.0);
         let index = *self.animated.entry(what).or_insert(self.animate.len());
         match self.animate.get_mut(index) {
@@ -184,10 +184,10 @@ impl<'a> Merger<'a> {
     }
 }
 
-/// Gives an animation by a program its own place among the uses of programs.
-fn use_program(animation: &mut AnimationDocument, prefix: &str, uses: &mut Vec<(usize, String)>) {
-    if let Some(program) = &mut animation.script {
-        uses.push((*program, prefix.to_owned()));
-        *program = uses.len() - 1;
+/// Gives an animation by a script its own place among the uses of scripts.
+fn use_script(animation: &mut AnimationDocument, prefix: &str, uses: &mut Vec<(usize, String)>) {
+    if let Some(script) = &mut animation.script {
+        uses.push((*script, prefix.to_owned()));
+        *script = uses.len() - 1;
     }
 }

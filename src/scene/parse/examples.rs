@@ -47,7 +47,7 @@ const EXAMPLES: [Example; 10] = [
             "ScriptFile(\"wave.rhai\")",
         ],
     },
-    Example { name: "Program", noun: "a script", forms: &["Script(\"..\")", "File(\"stars.rhai\")"] },
+    Example { name: "Script", noun: "a script", forms: &["Script(\"..\")", "File(\"stars.rhai\")"] },
     Example {
         name: "Easing",
         noun: "an easing",
@@ -99,8 +99,8 @@ mod tests {
 
     use super::*;
     use crate::scene::document::{
-        AreaShapeDocument, ChannelDocument, EasingDocument, LightDocument, NoiseDocument, ProgramDocument,
-        RepeatDocument, RotationDocument, ShapeDocument, TrackDocument, TransferDocument,
+        AreaShapeDocument, ChannelDocument, EasingDocument, LightDocument, NoiseDocument, RepeatDocument,
+        RotationDocument, ScriptDocument, ShapeDocument, TrackDocument, TransferDocument,
     };
     use crate::scene::parse::options;
 
@@ -129,7 +129,7 @@ mod tests {
         check::<AreaShapeDocument>("AreaShape");
         check::<LightDocument>("Light");
         check::<TrackDocument<f64>>("Track");
-        check::<ProgramDocument>("Program");
+        check::<ScriptDocument>("Script");
         check::<EasingDocument>("Easing");
         check::<RepeatDocument>("Repeat");
         check::<TransferDocument>("Transfer");

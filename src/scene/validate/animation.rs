@@ -51,7 +51,7 @@ fn one_view(property: Property) -> Option<Property> {
 }
 
 fn playback(animation: &AnimationDocument, at: &At<'_>, problems: &mut Problems) {
-    if animation.track.program().is_some() {
+    if animation.track.script().is_some() {
         let AnimationDocument { repeat, offset, speed, .. } = animation;
         let help = "leave it out, and write another time into the script, as sin(2 * (t - 1)) or mod(t, 3)";
         for (name, is_usual) in [

@@ -1,4 +1,4 @@
-//! The programs of a scene file: read, compiled, and run where they spawn.
+//! The scripts of a scene file: read, compiled, and run where they spawn.
 
 use std::collections::HashMap;
 use std::io::ErrorKind;
@@ -8,15 +8,15 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::Sources;
 use super::data;
 use super::diagnostic::Source;
-use super::document::{EntityDocument, ProgramDocument, SceneDocument};
+use super::document::{EntityDocument, SceneDocument, ScriptDocument};
 use super::input::{self, InputError, Offered};
 use super::nearby::nearby;
 use super::script_sources::{SceneScripts, ScriptPlace};
 use super::spawn::transfer;
 use super::validate::{At, Problems};
-use crate::script::{Language, Programs, ScriptError, SpawnBudget, limits, run_spawning};
+use crate::script::{CompiledScripts, Language, ScriptError, SpawnBudget, limits, run_spawning};
 
-/// Runs the programs that spawn. Their entities follow the document's own, and are deducted from `budget`.
+/// Runs the scripts that spawn. Their entities follow the document's own, and are deducted from `budget`.
 pub(super) fn spawn(
     document: &mut SceneDocument,
     folder: &Path,
@@ -28,9 +28,9 @@ pub(super) fn spawn(
     let scene = At::scene();
     let list = scene.field("spawn");
     problems.spawned_from(document.entities.len());
-    for (index, program) in document.spawn.iter().enumerate() {
+    for (index, script) in document.spawn.iter().enumerate() {
         let at = list.index(index);
-        let Some(code) = Code::read(program, folder, paths, &at, problems) else { continue };
+        let Some(code) = Code::read(script, folder, paths, &at, problems) else { continue };
         let (result, spawned) = run(&code.text, seed, budget);
         for (entity, place) in spawned {
             document.entities.push(Arc::new(entity));
@@ -42,23 +42,23 @@ pub(super) fn spawn(
     }
 }
 
-/// Compiles the programs that drive values, file after file.
+/// Compiles the scripts that drive values, file after file.
 pub(super) struct Compiler {
     compiled: Compiled,
 }
 
-/// The programs of a scene, and the places where they are written.
+/// The scripts of a scene, and the places where they are written.
 pub(super) struct Compiled {
-    programs: Programs,
-    places: Vec<ProgramOrigin>,
+    scripts: CompiledScripts,
+    places: Vec<ScriptOrigin>,
 }
 
-/// The place where a program is written.
-struct ProgramOrigin {
+/// The place where a script is written.
+struct ScriptOrigin {
     file: usize,
     /// The index of the animation in its list.
     animation: usize,
-    /// The program's own file, if it has one.
+    /// The script's own file, if it has one.
     source: Option<Arc<Source>>,
 }
 
@@ -67,11 +67,11 @@ impl Compiler {
     pub(super) fn new(scene: Option<&SceneDocument>) -> Self {
         let (seed, film) =
             scene.map_or_else(Default::default, |scene| (scene.sampling.seed, scene.film.transfer));
-        let programs = Programs::new(Language::new(seed), transfer(film));
-        Self { compiled: Compiled { programs, places: Vec::new() } }
+        let scripts = CompiledScripts::new(Language::new(seed), transfer(film));
+        Self { compiled: Compiled { scripts, places: Vec::new() } }
     }
 
-    /// Compiles the programs of a file; its animations get their indices among all programs.
+    /// Compiles the scripts of a file; its animations get their indices among all scripts.
     pub(super) fn compile(
         &mut self,
         file: usize,
@@ -80,19 +80,19 @@ impl Compiler {
         paths: &mut Vec<PathBuf>,
         problems: &mut Problems,
     ) {
-        let Compiled { programs, places } = &mut self.compiled;
+        let Compiled { scripts, places } = &mut self.compiled;
         let scene = At::scene();
         let list = scene.field("animate");
         for (index, animation) in document.animate.iter_mut().enumerate() {
-            let Some(program) = animation.track.program() else { continue };
+            let Some(script) = animation.track.script() else { continue };
             let animation_at = list.index(index);
             let at = animation_at.field("track");
-            let Some(code) = Code::read(&program, folder, paths, &at, problems) else { continue };
-            match programs.language.compile(&code.text) {
-                Ok(program) => {
-                    animation.script = Some(programs.list.len());
-                    programs.list.push(program);
-                    places.push(ProgramOrigin { file, animation: index, source: code.source });
+            let Some(code) = Code::read(&script, folder, paths, &at, problems) else { continue };
+            match scripts.language.compile(&code.text) {
+                Ok(script) => {
+                    animation.script = Some(scripts.list.len());
+                    scripts.list.push(script);
+                    places.push(ScriptOrigin { file, animation: index, source: code.source });
                 }
                 Err(error) => problems.add_script(&at, code.source, &error),
             }
@@ -105,7 +105,7 @@ impl Compiler {
 }
 
 impl Compiled {
-    /// Adds the uses of the programs, and the texts of files. Only texts with a program in them are kept.
+    /// Adds the uses of the scripts, and the texts of files. Only texts with a script in them are kept.
     pub(super) fn placed(mut self, uses: &[(usize, String)], sources: &Sources) -> SceneScripts {
         let mut kept: HashMap<usize, Arc<Source>> = HashMap::new();
         let places: Vec<ScriptPlace> = self
@@ -122,15 +122,15 @@ impl Compiled {
                 }
             })
             .collect();
-        self.programs.uses = uses.to_vec();
-        let places = uses.iter().filter_map(|(program, _)| places.get(*program).cloned()).collect();
-        SceneScripts::new(self.programs, places)
+        self.scripts.uses = uses.to_vec();
+        let places = uses.iter().filter_map(|(script, _)| places.get(*script).cloned()).collect();
+        SceneScripts::new(self.scripts, places)
     }
 }
 
 type SpawnedEntities = Vec<(EntityDocument, usize)>;
 
-/// Runs a program that spawns; returns all entities up to its end or its error.
+/// Runs a script that spawns; returns all entities up to its end or its error.
 fn run(text: &str, seed: u64, budget: &mut SpawnBudget) -> (Result<(), ScriptError>, SpawnedEntities) {
     let list = Arc::new(Mutex::new(SpawnedEntities::new()));
     let into = Arc::clone(&list);
@@ -143,34 +143,35 @@ fn run(text: &str, seed: u64, budget: &mut SpawnBudget) -> (Result<(), ScriptErr
     (result, spawned)
 }
 
-/// A program's text, and the file that it is in if that is not the scene's.
+/// A script's text, and the file that it is in if that is not the scene's.
 pub(super) struct Code {
     pub(super) text: String,
     pub(super) source: Option<Arc<Source>>,
 }
 
 impl Code {
-    /// Reads a program. `None` if that fails, which is then among the problems.
+    /// Reads a script. `None` if that fails, which is then among the problems.
     pub(super) fn read(
-        program: &ProgramDocument,
+        script: &ScriptDocument,
         folder: &Path,
         paths: &mut Vec<PathBuf>,
         at: &At<'_>,
         problems: &mut Problems,
     ) -> Option<Self> {
-        match program {
-            ProgramDocument::Script(text) => Some(Self { text: text.clone(), source: None }),
-            ProgramDocument::File(name) => match read(&remembered(folder.join(name), paths), Path::new(name))
-            {
-                Ok(text) => {
-                    let file = folder.join(name).display().to_string();
-                    Some(Self { source: Some(Arc::new(Source { file, text: text.clone() })), text })
+        match script {
+            ScriptDocument::Script(text) => Some(Self { text: text.clone(), source: None }),
+            ScriptDocument::File(name) => {
+                match read(&remembered(folder.join(name), paths), Path::new(name)) {
+                    Ok(text) => {
+                        let file = folder.join(name).display().to_string();
+                        Some(Self { source: Some(Arc::new(Source { file, text: text.clone() })), text })
+                    }
+                    Err((message, help)) => {
+                        problems.add(&at.index(0), message, "not readable", help);
+                        None
+                    }
                 }
-                Err((message, help)) => {
-                    problems.add(&at.index(0), message, "not readable", help);
-                    None
-                }
-            },
+            }
         }
     }
 }
@@ -187,7 +188,7 @@ fn remembered(path: PathBuf, paths: &mut Vec<PathBuf>) -> PathBuf {
 fn read(path: &Path, written: &Path) -> Result<String, (String, String)> {
     let file = path.display();
     let remedy = || "write the path of a text file, as seen from the scene file's folder".to_owned();
-    let bytes = input::read(path, Offered::Refused, limits::PROGRAM as u64).map_err(|error| match error {
+    let bytes = input::read(path, Offered::Refused, limits::SCRIPT as u64).map_err(|error| match error {
         InputError::System(error) if error.kind() == ErrorKind::NotFound => {
             (format!("there is no file `{file}`"), nearby(path, written, is_no_scene).unwrap_or_else(remedy))
         }
