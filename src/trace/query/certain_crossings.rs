@@ -2,7 +2,7 @@
 //! does not absorb, nothing else is asked of it.
 
 use crate::trace::rays::{Limit, Ray, RayView, ShapeId};
-use crate::trace::scene::{Geometry, Kind, Place};
+use crate::trace::scene::{Geometry, Kind, Location};
 use crate::trace::shapes::Sphere;
 
 /// 2^-32: what is nearer to a light than so, compared with its distance, takes a second look.
@@ -51,7 +51,7 @@ impl Geometry {
     /// other shapes.
     #[inline]
     pub(crate) fn crossings_at_a_glance(&self, id: ShapeId, ray: &RayView<'_>, limit: &Limit) -> Option<u32> {
-        let Place { kind: Kind::Sphere, index } = self.places[id.index()] else {
+        let Location { kind: Kind::Sphere, index } = self.locations[id.index()] else {
             return None;
         };
         if ray.left_normal(id).is_some() {

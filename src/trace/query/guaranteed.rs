@@ -9,7 +9,7 @@ use super::hit::Hit;
 use super::intersector::Intersector;
 use crate::trace::math::{Double, Double3, Exact3, Root};
 use crate::trace::rays::{Limit, Ray, RayView, ShapeId};
-use crate::trace::scene::{Geometry, Kind, Place};
+use crate::trace::scene::{Geometry, Kind, Location};
 use crate::trace::shapes::{Bounds, ExactHit, Face, Intersection, RefinedHit, Side};
 
 /// 2^-36: nearer to a light than so, compared with its distance, what a ray meets is compared with the light's exact place, which
@@ -25,7 +25,7 @@ const CLEARLY: f64 = f64::from_bits((1023 - 20) << 52);
 /// Evaluates an expression with `$shape` bound to the shape with an id, whatever its kind.
 macro_rules! ask {
     ($geometry:expr, $id:expr, $shape:ident => $question:expr) => {{
-        let Place { kind, index } = $geometry.places[$id.index()];
+        let Location { kind, index } = $geometry.locations[$id.index()];
         let index = index as usize;
         match kind {
             Kind::Sphere => {

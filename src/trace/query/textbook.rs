@@ -14,7 +14,7 @@ use super::hit::Hit;
 use super::intersector::Intersector;
 use crate::trace::math::{Double, Root};
 use crate::trace::rays::{Limit, Ray, RayView, ShapeId};
-use crate::trace::scene::{Geometry, Kind, Place};
+use crate::trace::scene::{Geometry, Kind, Location};
 use crate::trace::shapes::RefinedHit;
 
 /// `f64` or `f32`.
@@ -132,7 +132,7 @@ impl<T: Number> Back<T> {
 
 /// All shapes of a scene in one number type.
 pub(crate) struct Textbook<T> {
-    places: Vec<Place>,
+    locations: Vec<Location>,
     spheres: Vec<(Vector<T>, T)>,
     planes: Vec<(Vector<T>, Vector<T>)>,
     boxes: Vec<[Vector<T>; 2]>,
@@ -144,7 +144,7 @@ impl<T: Number> Textbook<T> {
     pub(crate) fn new(geometry: &Geometry) -> Self {
         let vector = Vector::<T>::new;
         Self {
-            places: geometry.places.clone(),
+            locations: geometry.locations.clone(),
             spheres: geometry
                 .spheres
                 .iter()
@@ -246,7 +246,7 @@ impl<T: Number> Intersector for Textbook<T> {
     fn intersect(&self, id: ShapeId, ray: &RayView<'_>, _guards: &mut Escalations) -> Option<Hit> {
         let (origin, direction) = (Vector::<T>::new(ray.origin()), Vector::<T>::new(ray.direction()));
         let least = if ray.departure().is_some() { T::AHEAD } else { T::ZERO };
-        let Place { kind, index } = self.places[id.index()];
+        let Location { kind, index } = self.locations[id.index()];
         let index = index as usize;
         let t = match kind {
             Kind::Sphere => {
@@ -291,7 +291,7 @@ impl<T: Number> Intersector for Textbook<T> {
     fn refine(&self, ray: &Ray, hit: &Hit, _guards: &mut Escalations) -> RefinedHit {
         let t = hit.root.t();
         let point = Vector::<T>::new(ray.origin()).along(Vector::new(ray.direction()), T::new(t));
-        let Place { kind, index } = self.places[hit.id.index()];
+        let Location { kind, index } = self.locations[hit.id.index()];
         let index = index as usize;
         let normal = match kind {
             Kind::Sphere => point.minus(self.spheres[index].0).value(),

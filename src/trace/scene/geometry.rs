@@ -24,7 +24,7 @@ pub enum PreparedShape {
 /// The shapes, one array a kind, and a table from ids into them.
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
-    pub(crate) places: Vec<Place>,
+    pub(crate) locations: Vec<Location>,
     order: DocumentOrder,
     pub(crate) spheres: Vec<Sphere>,
     pub(crate) planes: Vec<Plane>,
@@ -33,8 +33,9 @@ pub struct Geometry {
     pub(crate) box_images: Vec<BoxImage>,
 }
 
+/// Where a shape is stored: in which of the arrays, and at which index.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
+pub(crate) struct Location {
     pub(crate) kind: Kind,
     pub(crate) index: u32,
 }
@@ -58,19 +59,19 @@ impl Geometry {
     ///
     /// With more than [`Self::LARGEST_COUNT`] shapes.
     pub fn push(&mut self, shape: PreparedShape) -> ShapeId {
-        fn store<T>(list: &mut Vec<T>, kind: Kind, shape: T) -> Place {
+        fn store<T>(list: &mut Vec<T>, kind: Kind, shape: T) -> Location {
             list.push(shape);
-            Place { kind, index: to_index(list.len() - 1) }
+            Location { kind, index: to_index(list.len() - 1) }
         }
-        let place = match shape {
+        let location = match shape {
             PreparedShape::Sphere(shape) => store(&mut self.spheres, Kind::Sphere, shape),
             PreparedShape::Plane(shape) => store(&mut self.planes, Kind::Plane, shape),
             PreparedShape::AlignedBox(shape) => store(&mut self.boxes, Kind::AlignedBox, shape),
             PreparedShape::SphereImage(shape) => store(&mut self.sphere_images, Kind::SphereImage, shape),
             PreparedShape::BoxImage(shape) => store(&mut self.box_images, Kind::BoxImage, shape),
         };
-        self.places.push(place);
-        let id = ShapeId(to_index(self.places.len() - 1));
+        self.locations.push(location);
+        let id = ShapeId(to_index(self.locations.len() - 1));
         self.order.push(id);
         id
     }
@@ -78,7 +79,7 @@ impl Geometry {
     /// Puts another shape of the same kind in the place of one; `false`, and nothing done, if the kinds differ.
     #[must_use]
     pub fn replace(&mut self, id: ShapeId, shape: PreparedShape) -> bool {
-        let Place { kind, index } = self.places[id.index()];
+        let Location { kind, index } = self.locations[id.index()];
         let index = index as usize;
         match (kind, shape) {
             (Kind::Sphere, PreparedShape::Sphere(shape)) => self.spheres[index] = shape,
@@ -94,7 +95,7 @@ impl Geometry {
     /// Says whether a shape is exactly this one.
     #[must_use]
     pub fn holds(&self, id: ShapeId, shape: &PreparedShape) -> bool {
-        let Place { kind, index } = self.places[id.index()];
+        let Location { kind, index } = self.locations[id.index()];
         let index = index as usize;
         match (kind, shape) {
             (Kind::Sphere, PreparedShape::Sphere(shape)) => self.spheres[index] == *shape,
@@ -108,7 +109,7 @@ impl Geometry {
 
     /// Says whether two shapes are equal, part by part.
     pub(crate) fn are_equal(&self, one: ShapeId, other: ShapeId) -> bool {
-        let Place { kind, index } = self.places[other.index()];
+        let Location { kind, index } = self.locations[other.index()];
         let index = index as usize;
         match kind {
             Kind::Sphere => self.holds(one, &PreparedShape::Sphere(self.spheres[index])),
@@ -121,7 +122,7 @@ impl Geometry {
 
     /// Passes on the numbers that a shape is made of, and a last one that differs from kind to kind.
     pub(crate) fn numbers(&self, id: ShapeId, mut each: impl FnMut(f64)) {
-        let Place { kind, index } = self.places[id.index()];
+        let Location { kind, index } = self.locations[id.index()];
         let index = index as usize;
         let mut all = |vectors: &[DVec3]| vectors.iter().flat_map(DVec3::to_array).for_each(&mut each);
         let map = |forward: &DAffine3| {
@@ -159,13 +160,13 @@ impl Geometry {
     /// How many shapes there are.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.places.len()
+        self.locations.len()
     }
 
     /// Returns whether there is nothing to see.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.places.is_empty()
+        self.locations.is_empty()
     }
 
     /// How many of them are planes.
@@ -186,13 +187,13 @@ impl Geometry {
 
     /// Returns all ids, in the order in which shapes were added.
     pub fn ids(&self) -> impl ExactSizeIterator<Item = ShapeId> + use<> {
-        (0..to_index(self.places.len())).map(ShapeId)
+        (0..to_index(self.locations.len())).map(ShapeId)
     }
 
     /// A box around the shape; `None` for planes and for shapes that no box can be trusted with.
     #[must_use]
     pub fn bounds(&self, id: ShapeId) -> Option<Bounds> {
-        let Place { kind, index } = self.places[id.index()];
+        let Location { kind, index } = self.locations[id.index()];
         let index = index as usize;
         match kind {
             Kind::Sphere => Some(self.spheres[index].bounds()),

@@ -24,7 +24,7 @@ pub(crate) use environment::transmittance;
 pub use environment::{Background, Fog, Passage};
 pub(crate) use equal_shapes::EqualGroup;
 pub use geometry::{Geometry, PreparedShape};
-pub(crate) use geometry::{Kind, Place};
+pub(crate) use geometry::{Kind, Location};
 pub use light::{Cone, Falloff, Light, LightSource};
 pub use material::{Checker, Refraction, SurfaceMaterial};
 pub use material_summary::MaterialSummary;

@@ -56,8 +56,8 @@ impl Map {
     }
 
     #[inline]
-    fn place_back(&self, place: Compensated3) -> Compensated3 {
-        let from_translation = place.minus(self.forward.translation);
+    fn compensated_point_back(&self, point: Compensated3) -> Compensated3 {
+        let from_translation = point.minus(self.forward.translation);
         let [x, y, z] = &self.exact_inverse;
         [from_translation.dot_exact(*x), from_translation.dot_exact(*y), from_translation.dot_exact(*z)]
             .into()
@@ -174,7 +174,7 @@ impl SphereImage {
 
     fn stepped(&self, origin: DVec3, direction: DVec3, t: f64) -> RefinedHit {
         let place = Compensated3::along(origin, direction, t);
-        let own = self.map.place_back(place);
+        let own = self.map.compensated_point_back(place);
         let way = self.map.direction_back(direction);
         let slope = 2.0 * own.rounded().dot(way);
         let step = newton_step(own.beyond(self.sphere.radius).rounded(), slope);
@@ -207,7 +207,7 @@ impl SphereImage {
         _face: Face,
     ) -> RefinedHit {
         let place = Compensated3::along(origin, direction, t.rounded());
-        let own = self.map.place_back(place).moved(self.map.direction_back(direction) * t.rest());
+        let own = self.map.compensated_point_back(place).moved(self.map.direction_back(direction) * t.rest());
         RefinedHit { t, point: place.moved(direction * t.rest()), normal: self.map.normal(own) }
     }
 
