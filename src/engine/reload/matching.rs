@@ -46,18 +46,18 @@ struct Columns<'a> {
 /// All entities of a world, in document order.
 struct Things<'a> {
     tables: &'a [Table<'a>],
-    places: Vec<Place>,
+    locations: Vec<Location>,
 }
 
 /// The location of an entity's components.
 #[derive(Clone, Copy)]
-struct Place {
+struct Location {
     order: u64,
     table: u32,
     row: u32,
 }
 
-/// The mark by which an entity is recognised: the name, or else its content and place. Materials do not count: they alone are
+/// The mark by which an entity is recognised: the name, or else its transform and shape. Materials do not count: they alone are
 /// animated in entities without a name.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum Mark<'a> {
@@ -70,7 +70,7 @@ impl Matching {
         let (old_columns, new_columns) = (columns(world), columns(scene));
         let types = same_types(&old_columns, &new_columns);
         let (old, new) = (tables(world, &old_columns), tables(scene, &new_columns));
-        if let Some(own) = in_place(&old, &new, &types) {
+        if let Some(own) = stored_alike(&old, &new, &types) {
             return Self {
                 own,
                 new: Vec::new(),
@@ -94,15 +94,17 @@ impl Matching {
         };
         let mut drawn_before = (0..old.len()).filter(|at| old.table(*at).drawn);
         for at in 0..new.len() {
-            let (entity, place) = (new.entity(at), found.place(at));
+            let (entity, counterpart) = (new.entity(at), found.counterpart(at));
             if new.table(at).drawn {
-                matching.same_drawn &= place.is_some() && drawn_before.next() == place;
+                matching.same_drawn &= counterpart.is_some() && drawn_before.next() == counterpart;
             }
-            match place {
+            match counterpart {
                 None => matching.new.push(entity),
-                Some(place) => {
-                    matching.own.insert(entity, old.entity(place));
-                    if types[new.places[at].table as usize] != Some(old.places[place].table as usize) {
+                Some(counterpart) => {
+                    matching.own.insert(entity, old.entity(counterpart));
+                    if types[new.locations[at].table as usize]
+                        != Some(old.locations[counterpart].table as usize)
+                    {
                         matching.of_other_types.push(entity);
                     }
                 }
@@ -153,8 +155,8 @@ fn same_types(old: &[Columns<'_>], new: &[Columns<'_>]) -> Vec<Option<usize>> {
 }
 
 /// Returns the entities of the world if they are stored as those of the scene are: in sequence they have the same marks, the same
-/// places in document order and components of the same types. This holds while edits change values only.
-fn in_place(old: &[Table<'_>], new: &[Table<'_>], types: &[Option<usize>]) -> Option<Counterparts> {
+/// positions in document order and components of the same types. This holds while edits change values only.
+fn stored_alike(old: &[Table<'_>], new: &[Table<'_>], types: &[Option<usize>]) -> Option<Counterparts> {
     let count = |tables: &[Table<'_>]| -> usize { tables.iter().map(|table| table.entities.len()).sum() };
     if count(old) != count(new) {
         return None;
@@ -183,8 +185,8 @@ impl<'a> Table<'a> {
         match self.names {
             Some(names) => Mark::Name(&names[row].0),
             None => Mark::Content(
-                self.transforms.map_or([0; 10], |transforms| placed(&transforms[row])),
-                self.shapes.map_or([0; 4], |shapes| shaped(&shapes[row])),
+                self.transforms.map_or([0; 10], |transforms| transform_bits(&transforms[row])),
+                self.shapes.map_or([0; 4], |shapes| shape_bits(&shapes[row])),
             ),
         }
     }
@@ -192,26 +194,26 @@ impl<'a> Table<'a> {
 
 impl<'a> Things<'a> {
     fn in_document_order(tables: &'a [Table<'a>]) -> Self {
-        let mut places = Vec::with_capacity(tables.iter().map(|table| table.entities.len()).sum());
+        let mut locations = Vec::with_capacity(tables.iter().map(|table| table.entities.len()).sum());
         for (table, index) in tables.iter().zip(0..) {
             let rows = (0..table.entities.len()).zip(0..);
-            places.extend(rows.map(|(at, row)| Place { order: table.order(at), table: index, row }));
+            locations.extend(rows.map(|(at, row)| Location { order: table.order(at), table: index, row }));
         }
-        let id = |place: &Place| tables[place.table as usize].entities[place.row as usize].id();
-        places.sort_by(|a, b| a.order.cmp(&b.order).then_with(|| id(a).cmp(&id(b))));
-        Self { tables, places }
+        let id = |location: &Location| tables[location.table as usize].entities[location.row as usize].id();
+        locations.sort_by(|a, b| a.order.cmp(&b.order).then_with(|| id(a).cmp(&id(b))));
+        Self { tables, locations }
     }
 
     fn len(&self) -> usize {
-        self.places.len()
+        self.locations.len()
     }
 
     fn table(&self, at: usize) -> &Table<'a> {
-        &self.tables[self.places[at].table as usize]
+        &self.tables[self.locations[at].table as usize]
     }
 
     fn entity(&self, at: usize) -> Entity {
-        self.table(at).entities[self.places[at].row as usize]
+        self.table(at).entities[self.locations[at].row as usize]
     }
 
     fn is_named(&self, at: usize) -> bool {
@@ -219,11 +221,11 @@ impl<'a> Things<'a> {
     }
 
     fn mark(&self, at: usize) -> Mark<'a> {
-        self.table(at).mark(self.places[at].row as usize)
+        self.table(at).mark(self.locations[at].row as usize)
     }
 }
 
-/// The places of a new list's entities in an old one: at the beginning and at the end both agree, one after the other.
+/// The indices of a new list's entities in an old one: at the beginning and at the end both agree, one after the other.
 struct Found {
     middle: Vec<Option<usize>>,
     old: Range<usize>,
@@ -240,22 +242,22 @@ impl Found {
         let tail = (1..=shorter - head).take_while(alike).count();
         let mut found = Self { middle: Vec::new(), old: head..old.len() - tail, new: head..new.len() - tail };
 
-        let mut places: HashMap<Mark<'_>, Vec<usize>> = HashMap::new();
+        let mut by_mark: HashMap<Mark<'_>, Vec<usize>> = HashMap::new();
         for at in found.old.clone().rev() {
-            places.entry(old.mark(at)).or_default().push(at);
+            by_mark.entry(old.mark(at)).or_default().push(at);
         }
-        found.middle = found.new.clone().map(|at| places.get_mut(&new.mark(at))?.pop()).collect();
+        found.middle = found.new.clone().map(|at| by_mark.get_mut(&new.mark(at))?.pop()).collect();
 
         let left: Vec<usize> = found.missed().filter(|at| !old.is_named(*at)).collect();
-        let places = found.middle.iter_mut().zip(found.new.clone());
-        let lost = places.filter(|(place, at)| place.is_none() && !new.is_named(*at));
-        for ((place, _), at) in lost.zip(left) {
-            *place = Some(at);
+        let counterparts = found.middle.iter_mut().zip(found.new.clone());
+        let lost = counterparts.filter(|(counterpart, at)| counterpart.is_none() && !new.is_named(*at));
+        for ((counterpart, _), at) in lost.zip(left) {
+            *counterpart = Some(at);
         }
         found
     }
 
-    fn place(&self, at: usize) -> Option<usize> {
+    fn counterpart(&self, at: usize) -> Option<usize> {
         match at {
             _ if at < self.new.start => Some(at),
             _ if at < self.new.end => self.middle[at - self.new.start],
@@ -263,7 +265,7 @@ impl Found {
         }
     }
 
-    /// Returns the places in the old list that are not among those found.
+    /// Returns the indices in the old list that are not among those found.
     fn missed(&self) -> impl Iterator<Item = usize> + use<> {
         let mut is_found = vec![false; self.old.len()];
         for at in self.middle.iter().flatten() {
@@ -274,14 +276,14 @@ impl Found {
 }
 
 /// Returns the bits of a transform.
-pub(super) fn placed(transform: &Transform) -> [u64; 10] {
+pub(super) fn transform_bits(transform: &Transform) -> [u64; 10] {
     let ([x, y, z], [i, j, k, w]) = (transform.translation.to_array(), transform.rotation.to_array());
     let [a, b, c] = transform.scale.to_array();
     [x, y, z, i, j, k, w, a, b, c].map(f64::to_bits)
 }
 
 /// Returns the bits of a shape.
-pub(super) fn shaped(shape: &Shape) -> [u64; 4] {
+pub(super) fn shape_bits(shape: &Shape) -> [u64; 4] {
     let (kind, DVec3 { x, y, z }) = match *shape {
         Shape::Sphere { radius } => (1, DVec3::splat(radius)),
         Shape::Plane { normal } => (2, normal),

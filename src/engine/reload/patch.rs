@@ -4,7 +4,7 @@ use hecs::{Component, Entity, World};
 use rayon::prelude::*;
 
 use super::counterparts::Counterparts;
-use super::matching::{Matching, placed, shaped};
+use super::matching::{Matching, shape_bits, transform_bits};
 use crate::components::{
     self, Checker, Follow, LookAt, Material, Parent, Reflective, Refractive, Shape, Shots, Specular,
     Transform, with_components,
@@ -74,22 +74,22 @@ fn write(worlds: Worlds<'_>, changes: &mut Changes) {
             &[$(|worlds| worlds.$written::<components::$component>(),)*]
         };
     }
-    let writers: &[fn(Worlds<'_>) -> Written] = with_components!(writers);
-    let written: Vec<Written> = writers.par_iter().map(|write| write(worlds)).collect();
-    for Written { entities, declare } in written {
+    let writers: &[fn(Worlds<'_>) -> ComponentChanges] = with_components!(writers);
+    let written: Vec<ComponentChanges> = writers.par_iter().map(|write| write(worlds)).collect();
+    for ComponentChanges { entities, declare } in written {
         entities.into_iter().for_each(|entity| declare(changes, entity));
     }
 }
 
 /// The entities of the world in which components of one type have changed, and how that is declared.
-struct Written {
+struct ComponentChanges {
     entities: Vec<Entity>,
     declare: fn(&mut Changes, Entity),
 }
 
-impl Written {
+impl ComponentChanges {
     /// Nothing to declare.
-    const NOTHING: Self = Self { entities: Vec::new(), declare: |_, _| {} };
+    const NONE: Self = Self { entities: Vec::new(), declare: |_, _| {} };
 }
 
 /// Two worlds, the components of which are moved from one to the other type by type.
@@ -102,29 +102,29 @@ struct Worlds<'a> {
 
 /// One method per word of [`with_components`].
 impl Worlds<'_> {
-    fn transform<T: Put>(self) -> Written {
-        Written { entities: self.put(T::put), declare: Changes::mark_transform }
+    fn transform<T: Put>(self) -> ComponentChanges {
+        ComponentChanges { entities: self.put(T::put), declare: Changes::mark_transform }
     }
 
-    fn shape<T: Put>(self) -> Written {
-        Written { entities: self.put(T::put), declare: Changes::mark_shape }
+    fn shape<T: Put>(self) -> ComponentChanges {
+        ComponentChanges { entities: self.put(T::put), declare: Changes::mark_shape }
     }
 
-    fn material<T: Put>(self) -> Written {
-        Written { entities: self.put(T::put), declare: Changes::mark_material }
+    fn material<T: Put>(self) -> ComponentChanges {
+        ComponentChanges { entities: self.put(T::put), declare: Changes::mark_material }
     }
 
-    fn anew<T: Component>(self) -> Written {
+    fn anew<T: Component>(self) -> ComponentChanges {
         self.put(|old: &mut T, new| {
             std::mem::swap(old, new);
             false
         });
-        Written::NOTHING
+        ComponentChanges::NONE
     }
 
     #[expect(clippy::extra_unused_type_parameters, reason = "it is called as the other words are")]
-    fn kept<T: Component>(self) -> Written {
-        Written::NOTHING
+    fn kept<T: Component>(self) -> ComponentChanges {
+        ComponentChanges::NONE
     }
 
     /// Returns the entities of the world for which `put` reports a change.
@@ -162,14 +162,14 @@ impl Put for Checker {}
 /// Compares bits, as zeros of different signs give different world transforms.
 impl Put for Transform {
     fn put(&mut self, new: &mut Self) -> bool {
-        put_bits(self, new, placed)
+        put_bits(self, new, transform_bits)
     }
 }
 
 /// Compares bits, as for transforms.
 impl Put for Shape {
     fn put(&mut self, new: &mut Self) -> bool {
-        put_bits(self, new, shaped)
+        put_bits(self, new, shape_bits)
     }
 }
 
