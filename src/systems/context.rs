@@ -25,7 +25,7 @@ impl Context<'_> {
     }
 
     /// Spawns an entity after all others in document order, and declares it. Entities that are spawned directly into the world
-    /// get their places after the system has run, by their ids.
+    /// get their positions after the system has run, by their ids.
     pub fn spawn(&mut self, components: impl DynamicBundle) -> Entity {
         let entity = self.world.spawn(components);
         self.spawned.push(entity);

@@ -71,7 +71,7 @@ pub enum FaultCause {
         /// The edge's length in the world.
         edge: f64,
         /// The coordinate of its middle.
-        place: f64,
+        coordinate: f64,
     },
     /// A number is not in its range.
     OutOfRange {
@@ -82,7 +82,7 @@ pub enum FaultCause {
         /// The valid range.
         range: &'static str,
     },
-    /// An entity that it refers to is not there, or has no place.
+    /// An entity that it refers to does not exist, or has no position.
     Missing(&'static str),
 }
 
@@ -105,9 +105,9 @@ impl Fault {
             FaultCause::BeyondMeasure => "keep coordinates and sizes between 1e-150 and 1e150".to_owned(),
             FaultCause::NotPositive(..) => "make it greater than 0".to_owned(),
             FaultCause::NoDirection(_) => "give it any length but zero, as (0, 1, 0)".to_owned(),
-            FaultCause::Lost { place, .. } => format!(
+            FaultCause::Lost { coordinate, .. } => format!(
                 "make it longer than {}, or bring it nearer to the origin",
-                brief(place.abs().next_up() - place.abs())
+                brief(coordinate.abs().next_up() - coordinate.abs())
             ),
             FaultCause::OutOfRange { range, .. } => format!("keep it {range}"),
             FaultCause::Missing(_) => "refer to an entity that is there".to_owned(),
@@ -151,12 +151,12 @@ impl fmt::Display for FaultCause {
                 write!(formatter, "its {what} is {}", brief(*value))
             }
             Self::NoDirection(what) => write!(formatter, "its {what} has no direction"),
-            Self::Lost { edge, place } => write!(
+            Self::Lost { edge, coordinate } => write!(
                 formatter,
                 "its edge of {} is lost at {}, where numbers are {} apart",
                 brief(*edge),
-                brief(*place),
-                brief(place.abs().next_up() - place.abs())
+                brief(*coordinate),
+                brief(coordinate.abs().next_up() - coordinate.abs())
             ),
             Self::Missing(what) => write!(formatter, "the entity that it {what} is not there"),
         }

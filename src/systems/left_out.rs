@@ -27,7 +27,7 @@ impl Preparation {
                 other => other,
             }),
             Effect::SpotLights => less.shrink_lights(|source| match *source {
-                LightSource::Spot(place, _) => LightSource::Point(place),
+                LightSource::Spot(position, _) => LightSource::Point(position),
                 other => other,
             }),
             Effect::Falloff => less.scene.lights.iter_mut().for_each(|light| light.falloff = None),

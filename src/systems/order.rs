@@ -1,11 +1,11 @@
-//! Places in document order for entities that have none yet.
+//! Gives positions in document order to entities that have none yet.
 
 use hecs::{Entity, World};
 
 use crate::components::{Light, Order, Shape};
 
-/// Gives places to visible entities and lights that have none yet, after all that are taken: first to `spawned`, in that order,
-/// then to the rest by their ids, which in a fresh world is the order in which they were spawned.
+/// Gives positions to visible entities and lights that have none yet, after all that are taken: first to `spawned`, in that
+/// order, then to the rest by their ids, which in a fresh world is the order in which they were spawned.
 pub(super) fn order_newcomers(world: &mut World, spawned: &[Entity]) {
     type Newcomer<'a> = hecs::Without<(Entity, hecs::Or<&'a Shape, &'a Light>), &'a Order>;
     let mut newcomers: Vec<Entity> =

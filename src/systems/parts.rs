@@ -1,4 +1,4 @@
-//! The places of properties' values in the components of an entity: one line for each property.
+//! Finds properties' values in the components of an entity: one line for each property.
 
 use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
@@ -31,7 +31,7 @@ macro_rules! parts {
 
         /// Returns a value of an entity. `None` if the entity lacks it.
         ///
-        /// What is not written has the value that takes its place: an ambient colour is the colour, and a camera with a view
+        /// What is not stored has the value that stands for it: an ambient colour is the colour, and a camera with a view
         /// direction has a target in that direction.
         #[must_use]
         pub fn value(world: &World, entity: Entity, property: Property) -> Option<Value> {
@@ -58,8 +58,8 @@ parts! {
     fog: Fog,
 }
 
-/// The place of a value.
-enum Place<'a> {
+/// A mutable reference to a value, in the component that holds it.
+enum ValueMut<'a> {
     Number(&'a mut f64),
     Single(&'a mut f32),
     Vector(&'a mut DVec3),
@@ -72,20 +72,20 @@ impl Parts<'_> {
     /// Writes a value, clamped to its range, and returns whether it is different from before. Nothing is written if the entity
     /// lacks it, or if it is of another kind.
     pub(super) fn set(&mut self, property: Property, value: Value) -> bool {
-        self.place(property).is_some_and(|place| place.write(held(value, property.quantity())))
+        self.value_mut(property).is_some_and(|stored| stored.write(held(value, property.quantity())))
     }
 
     fn get(&mut self, property: Property) -> Option<Value> {
-        Some(self.place(property)?.read())
+        Some(self.value_mut(property)?.read())
     }
 
-    /// Returns the place of a value, if the entity has it.
-    fn place(&mut self, property: Property) -> Option<Place<'_>> {
+    /// Returns a reference to a value, if the entity has it.
+    fn value_mut(&mut self, property: Property) -> Option<ValueMut<'_>> {
         /// Matches a pattern in a component, if there is one.
         macro_rules! within {
-            ($part:expr, $pattern:pat => $place:expr) => {
+            ($part:expr, $pattern:pat => $value:expr) => {
                 match $part {
-                    $pattern => $place,
+                    $pattern => $value,
                     _ => return None,
                 }
             };
@@ -93,8 +93,8 @@ impl Parts<'_> {
         use AreaShape::Rectangle;
         use Background::{Flat, Gradient};
         use LightKind::{Directional, Spot};
-        use Place::{Color, Number, Rotation, Single, Vector};
         use Projection::{FieldOfView, Screen};
+        use ValueMut::{Color, Number, Rotation, Single, Vector};
         Some(match property {
             Property::Translation => Vector(&mut self.transform.as_mut()?.translation),
             Property::Rotation => Rotation(&mut self.transform.as_mut()?.rotation),
@@ -120,7 +120,7 @@ impl Parts<'_> {
             }
             Property::Angle => within!(self.light_kind()?, Spot { angle, .. } => Number(angle)),
             Property::Softness => within!(self.light_kind()?, Spot { softness, .. } => Number(softness)),
-            Property::Falloff => Place::Falloff(self.light.as_mut()?.falloff.as_mut()?),
+            Property::Falloff => ValueMut::Falloff(self.light.as_mut()?.falloff.as_mut()?),
             Property::LightRadius => {
                 within!(self.area_shape()?, AreaShape::Sphere { radius } => Number(radius))
             }
@@ -207,37 +207,39 @@ fn held(value: Value, quantity: Quantity) -> Value {
     }
 }
 
-impl Place<'_> {
+impl ValueMut<'_> {
     fn read(self) -> Value {
         match self {
-            Self::Number(place) => Value::Number(*place),
-            Self::Single(place) => Value::Number(f64::from(*place)),
-            Self::Vector(place) => Value::Vector(*place),
-            Self::Falloff(place) => Value::Vector(DVec3::new(place.constant, place.linear, place.quadratic)),
-            Self::Rotation(place) => Value::Rotation(*place),
-            Self::Color(place) => Value::Color(*place),
+            Self::Number(stored) => Value::Number(*stored),
+            Self::Single(stored) => Value::Number(f64::from(*stored)),
+            Self::Vector(stored) => Value::Vector(*stored),
+            Self::Falloff(stored) => {
+                Value::Vector(DVec3::new(stored.constant, stored.linear, stored.quadratic))
+            }
+            Self::Rotation(stored) => Value::Rotation(*stored),
+            Self::Color(stored) => Value::Color(*stored),
         }
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "coefficients are f32")]
     fn write(self, value: Value) -> bool {
         match (self, value) {
-            (Self::Number(place), Value::Number(value)) => put(place, value),
-            (Self::Single(place), Value::Number(value)) => put(place, value as f32),
-            (Self::Vector(place), Value::Vector(value)) => put(place, value),
-            (Self::Falloff(place), Value::Vector(DVec3 { x, y: linear, z: quadratic })) => {
-                put(place, Falloff { constant: x.clamp(SMALLEST, f64::INFINITY), linear, quadratic })
+            (Self::Number(stored), Value::Number(value)) => put(stored, value),
+            (Self::Single(stored), Value::Number(value)) => put(stored, value as f32),
+            (Self::Vector(stored), Value::Vector(value)) => put(stored, value),
+            (Self::Falloff(stored), Value::Vector(DVec3 { x, y: linear, z: quadratic })) => {
+                put(stored, Falloff { constant: x.clamp(SMALLEST, f64::INFINITY), linear, quadratic })
             }
-            (Self::Rotation(place), Value::Rotation(value)) => put(place, value),
-            (Self::Color(place), Value::Color(value)) => put(place, value),
+            (Self::Rotation(stored), Value::Rotation(value)) => put(stored, value),
+            (Self::Color(stored), Value::Color(value)) => put(stored, value),
             _ => false,
         }
     }
 }
 
 /// Writes a value, and returns whether it is different from before.
-fn put<T: PartialEq>(place: &mut T, value: T) -> bool {
-    let differs = *place != value;
-    *place = value;
+fn put<T: PartialEq>(stored: &mut T, value: T) -> bool {
+    let differs = *stored != value;
+    *stored = value;
     differs
 }

@@ -51,10 +51,10 @@ fn propagate_roots(world: &mut World) {
 
 /// Gives transforms to entities that need them and lack them.
 fn complete(world: &mut World) {
-    type Placed<'a> = hecs::Or<hecs::Or<&'a Shape, &'a Light>, hecs::Or<&'a Transform, &'a Parent>>;
+    type Spatial<'a> = hecs::Or<hecs::Or<&'a Shape, &'a Light>, hecs::Or<&'a Transform, &'a Parent>>;
     let incomplete = |world: &World| -> Vec<Entity> {
         let query = world
-            .query::<(Entity, Placed<'_>, hecs::Satisfies<&Transform>, hecs::Satisfies<&WorldTransform>)>();
+            .query::<(Entity, Spatial<'_>, hecs::Satisfies<&Transform>, hecs::Satisfies<&WorldTransform>)>();
         let mut query = query;
         query.iter().filter(|(_, _, own, derived)| !(*own && *derived)).map(|(entity, ..)| entity).collect()
     };

@@ -1,4 +1,4 @@
-//! The written form of animated values, their sources, and what changes with them.
+//! The stored form of animated values, their sources, and what changes with them.
 
 use hecs::{Entity, World};
 
@@ -8,16 +8,16 @@ use crate::animation::Value;
 use crate::color::Rgb;
 use crate::components::{Camera, Material, Part, Property, View};
 
-/// The written form of a value, which need not be the value itself.
+/// The stored form of a value, which need not be the value itself.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Written {
+pub(super) enum Stored {
     Value(Value),
     View(View),
     AmbientColor(Option<Rgb>),
 }
 
-impl Written {
-    /// Reads a value as it is written. `None` if the entity lacks the value.
+impl Stored {
+    /// Reads a value as it is stored. `None` if the entity lacks the value.
     pub(super) fn of(world: &World, entity: Entity, property: Property) -> Option<Self> {
         Some(match property {
             Property::Target | Property::View => Self::View(world.get::<&Camera>(entity).ok()?.view),
@@ -27,7 +27,7 @@ impl Written {
     }
 }
 
-/// Returns the values that a value is made of: itself alone, or, where it is not written, those whose place it takes. `is_driven`
+/// Returns the values that a value is made of: itself alone, or, where it is not stored, those that stand for it. `is_driven`
 /// are those that will be written before they are read.
 pub(super) fn sources(
     world: &World,
@@ -56,18 +56,18 @@ pub(super) fn sources(
 }
 
 impl Parts<'_> {
-    /// Writes what [was there](Written::of).
-    pub(super) fn put_back(&mut self, property: Property, written: Written) {
-        match written {
-            Written::Value(value) => {
+    /// Writes what [was there](Stored::of).
+    pub(super) fn put_back(&mut self, property: Property, stored: Stored) {
+        match stored {
+            Stored::Value(value) => {
                 self.set(property, value);
             }
-            Written::View(view) => {
+            Stored::View(view) => {
                 if let Some(camera) = &mut self.camera {
                     camera.view = view;
                 }
             }
-            Written::AmbientColor(color) => {
+            Stored::AmbientColor(color) => {
                 if let Some(material) = &mut self.material {
                     material.ambient_color = color;
                 }

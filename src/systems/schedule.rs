@@ -232,7 +232,7 @@ fn animate_all(
     scripts.run(world, time, changes, cancelled)
 }
 
-/// Runs one system, trusts its declarations, and gives newcomers their places.
+/// Runs one system, trusts its declarations, and gives newcomers their positions in document order.
 fn run(system: &System, world: &mut World, time: Time, step: Option<f64>, changes: &mut Changes) {
     let mut spawned = Vec::new();
     changes.watch(|changes| {

@@ -8,7 +8,7 @@ use hecs::{Entity, World};
 use super::Changes;
 use super::halt::{Halt, ScriptFailure};
 use super::parts::{Parts, PartsQuery, value};
-use super::property::{Written, declare, sources};
+use super::property::{Stored, declare, sources};
 use super::refusal::refusal;
 use crate::animation::Value;
 use crate::components::{self, Animated, Motion, Name, Order, Property, ScriptId};
@@ -38,13 +38,13 @@ struct Running {
 #[derive(Clone, Copy, Debug)]
 struct Base {
     value: Value,
-    written: Written,
+    stored: Stored,
 }
 
 #[derive(Debug)]
 struct Driven {
     channels: Vec<Channel>,
-    places: HashMap<(Entity, Property), usize>,
+    indices: HashMap<(Entity, Property), usize>,
     /// The entities by their names; `None` until a script reads one.
     names: Option<HashMap<String, Entity>>,
 }
@@ -101,10 +101,10 @@ impl Scripts {
     pub(crate) fn release(&mut self, world: &mut World) {
         let Some(running) = &mut self.running else { return };
         running.driven = None;
-        #[expect(clippy::iter_over_hash_type, reason = "each value has a place of its own")]
+        #[expect(clippy::iter_over_hash_type, reason = "each value is stored on its own")]
         for ((entity, property), base) in running.bases.drain() {
             if let Ok(parts) = world.query_one_mut::<PartsQuery<'_>>(entity) {
-                Parts::new(parts).put_back(property, base.written);
+                Parts::new(parts).put_back(property, base.stored);
             }
         }
     }
@@ -145,7 +145,7 @@ impl Scripts {
         let Some(running) = &mut self.running else { return Ok(()) };
         let Some(driven) = running.driven.take() else { return Ok(()) };
         running.context.turn_to(time.seconds(), running.timeline.rate.frames_at(time));
-        let (driven, result) = Moment {
+        let (driven, result) = Evaluation {
             states: vec![State::Waiting; driven.channels.len()],
             in_vain: HashMap::new(),
             seconds: time.seconds(),
@@ -164,7 +164,7 @@ impl Scripts {
 impl Base {
     fn of(world: &World, entity: Entity, property: Property) -> Option<Self> {
         let value = value(world, entity, property)?;
-        Some(Self { value, written: Written::of(world, entity, property)? })
+        Some(Self { value, stored: Stored::of(world, entity, property)? })
     }
 }
 
@@ -189,10 +189,10 @@ impl Driven {
                 }
             }
         }
-        channels.sort_by(|one, other| one.place().cmp(&other.place()));
-        let places = channels.iter().enumerate();
-        let places = places.map(|(place, channel)| ((channel.entity, channel.property), place)).collect();
-        Self { channels, places, names: None }
+        channels.sort_by(|one, other| one.sort_key().cmp(&other.sort_key()));
+        let indices = channels.iter().enumerate();
+        let indices = indices.map(|(index, channel)| ((channel.entity, channel.property), index)).collect();
+        Self { channels, indices, names: None }
     }
 
     fn named(&mut self, world: &World, name: &str) -> Option<Entity> {
@@ -204,8 +204,8 @@ impl Driven {
     }
 }
 
-/// All scripts at one moment.
-struct Moment<'a> {
+/// The evaluation of all scripts at one moment.
+struct Evaluation<'a> {
     running: &'a mut Running,
     driven: Driven,
     states: Vec<State>,
@@ -217,33 +217,33 @@ struct Moment<'a> {
     cancelled: &'a AtomicBool,
 }
 
-impl Moment<'_> {
+impl Evaluation<'_> {
     fn run(mut self) -> (Driven, Result<(), Halt>) {
-        let result = (0..self.driven.channels.len()).try_for_each(|place| self.drive(place));
+        let result = (0..self.driven.channels.len()).try_for_each(|index| self.drive(index));
         (self.driven, result)
     }
 
     /// Sets a value, after those that it depends on.
-    fn drive(&mut self, place: usize) -> Result<(), Halt> {
-        let mut stack = vec![place];
-        while let Some(&place) = stack.last() {
+    fn drive(&mut self, index: usize) -> Result<(), Halt> {
+        let mut stack = vec![index];
+        while let Some(&index) = stack.last() {
             if self.cancelled.load(Ordering::Relaxed) {
                 return Err(Halt::Cancelled);
             }
-            if self.states[place] == State::Done {
+            if self.states[index] == State::Done {
                 stack.pop();
                 continue;
             }
-            self.states[place] = State::Underway;
-            let channel = self.driven.channels[place].clone();
+            self.states[index] = State::Underway;
+            let channel = self.driven.channels[index].clone();
             match self.evaluate(&channel) {
                 Ok(value) => {
                     self.write(&channel, value);
-                    self.states[place] = State::Done;
+                    self.states[index] = State::Done;
                 }
                 Err(Stop::Error(error)) => return Err(self.failure(&channel, error).into()),
                 Err(Stop::Needs(read)) => {
-                    let in_vain = self.in_vain.entry(place).or_default();
+                    let in_vain = self.in_vain.entry(index).or_default();
                     *in_vain += self.running.context.work();
                     if *in_vain > limits::OPERATIONS_UNTIL_KNOWN {
                         let message = "this takes too long".to_owned();
@@ -271,9 +271,9 @@ impl Moment<'_> {
             context.forget();
             prefix.clone_into(last);
         }
-        let stored = bases.get(&(channel.entity, channel.property)).filter(|_| !channel.on_track);
+        let known = bases.get(&(channel.entity, channel.property)).filter(|_| !channel.on_track);
         let base =
-            stored.map(|base| base.value).or_else(|| value(self.world, channel.entity, channel.property));
+            known.map(|base| base.value).or_else(|| value(self.world, channel.entity, channel.property));
         let base = base.map_or(Data::Nothing, |base| notation.data(base, transfer));
         // A part's scripts see names as the part has them.
         let name = channel.name.strip_prefix(prefix).unwrap_or(&channel.name);
@@ -297,7 +297,7 @@ impl Moment<'_> {
         }
     }
 
-    /// Provides what a script reads, or returns the place of the channel that has to be driven first.
+    /// Provides what a script reads, or returns the index of the channel that has to be driven first.
     fn answer(&mut self, read: &Read, stack: &[usize]) -> Result<Option<usize>, Box<ScriptError>> {
         let (_, prefix) = self.used(stack);
         let target = format!("{prefix}{}", read.target);
@@ -321,13 +321,13 @@ impl Moment<'_> {
             let message = format!("there is no channel {}", read.channel);
             return Err(self.mistake(read, stack, message, "reads it", Some(unknown)));
         };
-        let is_driven = |property| self.driven.places.contains_key(&(entity, property));
+        let is_driven = |property| self.driven.indices.contains_key(&(entity, property));
         for property in sources(self.world, entity, property, is_driven) {
-            let Some(&place) = self.driven.places.get(&(entity, property)) else { continue };
-            match self.states[place] {
-                State::Waiting => return Ok(Some(place)),
+            let Some(&index) = self.driven.indices.get(&(entity, property)) else { continue };
+            match self.states[index] {
+                State::Waiting => return Ok(Some(index)),
                 State::Underway => {
-                    let message = self.ring(stack, place);
+                    let message = self.ring(stack, index);
                     return Err(self.mistake(read, stack, message, "this closes the ring", None));
                 }
                 State::Done => {}
@@ -344,7 +344,7 @@ impl Moment<'_> {
 
     /// Returns the text of the script that runs, and the prefix of the names that it reads.
     fn used(&self, stack: &[usize]) -> (&str, &str) {
-        let script = stack.last().map(|place| self.driven.channels[*place].script);
+        let script = stack.last().map(|index| self.driven.channels[*index].script);
         let used = script.and_then(|script| self.running.scripts.used(script.0));
         used.map_or(("", ""), |(script, prefix)| (script.text(), prefix))
     }
@@ -362,10 +362,10 @@ impl Moment<'_> {
         Box::new(ScriptError { span: read.span.clone(), unknown, ..error })
     }
 
-    fn ring(&self, stack: &[usize], place: usize) -> String {
-        let start = stack.iter().position(|underway| *underway == place).unwrap_or(0);
-        let members = stack[start..].iter().chain([&place]);
-        let names: Vec<String> = members.map(|place| self.driven.channels[*place].title()).collect();
+    fn ring(&self, stack: &[usize], index: usize) -> String {
+        let start = stack.iter().position(|underway| *underway == index).unwrap_or(0);
+        let members = stack[start..].iter().chain([&index]);
+        let names: Vec<String> = members.map(|index| self.driven.channels[*index].title()).collect();
         format!("a ring of scripts: {}", names.join(" reads "))
     }
 
@@ -375,8 +375,8 @@ impl Moment<'_> {
 }
 
 impl Channel {
-    /// Returns the place in document order; cameras and settings have none, and follow by their names.
-    fn place(&self) -> (bool, Option<Order>, &str) {
+    /// Returns the key by which channels are sorted in document order; cameras and settings have none, and follow by their names.
+    fn sort_key(&self) -> (bool, Option<Order>, &str) {
         (self.order.is_none(), self.order, &self.name)
     }
 

@@ -57,7 +57,7 @@ pub(super) fn active_camera_entity(world: &World, moment: Time) -> Option<Entity
 }
 
 /// Returns an entity's position in the world.
-pub(super) fn place_of(world: &World, entity: Option<Entity>) -> Option<DVec3> {
+pub(super) fn position_of(world: &World, entity: Option<Entity>) -> Option<DVec3> {
     component::<WorldTransform>(world, entity).map(|transform| transform.affine.translation)
 }
 
@@ -74,14 +74,14 @@ struct Stance {
 }
 
 fn stance(world: &World, entity: Option<Entity>, camera: &Camera) -> Stance {
-    let followed = place_of(world, component::<Follow>(world, entity).map(|Follow(entity)| entity));
-    let looked_at = place_of(world, component::<LookAt>(world, entity).map(|LookAt(entity)| entity));
+    let followed = position_of(world, component::<Follow>(world, entity).map(|Follow(entity)| entity));
+    let looked_at = position_of(world, component::<LookAt>(world, entity).map(|LookAt(entity)| entity));
     let outer = component::<WorldTransform>(world, entity).map(|transform| transform.affine);
     let direction = |own: DVec3| outer.map_or(own, |outer| outer.transform_vector3(own));
     let own_eye = outer.map_or(camera.position, |outer| outer.transform_point3(camera.position));
     let eye = followed.map_or(own_eye, |followed| own_eye + followed);
     let view = match (looked_at, camera.view) {
-        (Some(place), _) => place - eye,
+        (Some(point), _) => point - eye,
         // Of two points that go along together the difference is that in their own space.
         (None, View::Target(target)) => direction(target - camera.position),
         (None, View::Direction(own)) => direction(own),

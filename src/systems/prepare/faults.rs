@@ -6,7 +6,7 @@ use glam::DVec3;
 use hecs::{Component, Entity, World};
 
 use super::Preparation;
-use super::camera::{active_camera_entity, place_of};
+use super::camera::{active_camera_entity, position_of};
 use super::light::prepared_light;
 use super::material::Surfaced;
 use super::settings::first_entity;
@@ -209,7 +209,7 @@ fn camera_faults(world: &World, prepared: &Preparation, faults: &mut Vec<Fault>)
     let followed = world.get::<&Follow>(entity).map(|follow| follow.0);
     let looked_at = world.get::<&LookAt>(entity).map(|look_at| look_at.0);
     for (linked, what) in [(followed, "follows"), (looked_at, "looks at")] {
-        if linked.is_ok_and(|linked| place_of(world, Some(linked)).is_none()) {
+        if linked.is_ok_and(|linked| position_of(world, Some(linked)).is_none()) {
             faults.push(instead(entity, FaultCause::Missing(what), Instead::Nothing));
         }
     }

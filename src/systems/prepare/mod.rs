@@ -319,8 +319,8 @@ impl Preparation {
 }
 
 /// Writes a value, and returns whether it is different from before.
-fn set<T: PartialEq>(place: &mut T, value: T) -> bool {
-    let differs = *place != value;
-    *place = value;
+fn set<T: PartialEq>(field: &mut T, value: T) -> bool {
+    let differs = *field != value;
+    *field = value;
     differs
 }

@@ -71,17 +71,17 @@ pub(super) fn prepared_shape(shape: &Shape, transform: &WorldTransform) -> Resul
                     if let Some(axis) = (0..3).find(|axis| min[*axis].partial_cmp(&max[*axis]) != Some(Less))
                     {
                         let edge = 2.0 * half.rounded()[axis];
-                        return Err(FaultCause::Lost { edge, place: translation[axis] });
+                        return Err(FaultCause::Lost { edge, coordinate: translation[axis] });
                     }
                     Ok(PreparedShape::AlignedBox(AlignedBox { min, max }))
                 }
                 None => {
                     invertible()?;
                     let edge = size.min_element() * largest;
-                    let place = translation.abs().max_element();
+                    let coordinate = translation.abs().max_element();
                     BoxImage::exact(exact.columns, exact.translation, half)
                         .map(PreparedShape::BoxImage)
-                        .ok_or(FaultCause::Lost { edge, place })
+                        .ok_or(FaultCause::Lost { edge, coordinate })
                 }
             }
         }
