@@ -113,7 +113,7 @@ impl ArcLength {
 
     /// Returns the segment and the parameter in 0..=1 at which this length from the start is reached; the nearest end for lengths
     /// outside the curve.
-    pub(super) fn place(&self, length: f64) -> (usize, f64) {
+    pub(super) fn locate(&self, length: f64) -> (usize, f64) {
         let after = self.panels.partition_point(|panel| panel.before <= length);
         let panel = &self.panels[after.saturating_sub(1)];
         (panel.segment, self.parameter(panel, length - panel.before))
@@ -197,7 +197,7 @@ mod tests {
         for curve in &curves {
             for step in 0..=1000 {
                 let length = curve.length() * f64::from(step) / 1000.0;
-                let (_, u) = curve.place(length);
+                let (_, u) = curve.locate(length);
                 // From panel to panel, so that the sum is as exact as they are.
                 let whole: f64 =
                     curve.panels.iter().filter(|panel| panel.to <= u).map(|panel| panel.length).sum();
@@ -205,7 +205,7 @@ mod tests {
                 let part = part.map_or(0.0, |panel| curve.segments[0].length(panel.from, u));
                 assert!((whole + part - length).abs() < 2e-15 * curve.length(), "{length}: {u}");
             }
-            assert_eq!((curve.place(-1.0), curve.place(9.0)), ((0, 0.0), (0, 1.0)));
+            assert_eq!((curve.locate(-1.0), curve.locate(9.0)), ((0, 0.0), (0, 1.0)));
         }
     }
 

@@ -96,7 +96,7 @@ impl Path {
         };
         let progress = self.pace.progress(seconds);
         let progress = if self.closed { progress.rem_euclid(1.0) } else { progress };
-        let (index, u) = curve.place(progress.clamp(0.0, 1.0) * curve.length());
+        let (index, u) = curve.locate(progress.clamp(0.0, 1.0) * curve.length());
         let point = self.waypoints[index] + self.scale * curve.segment(index).at(u);
         let beyond = (progress - progress.clamp(0.0, 1.0)) * curve.length();
         if beyond == 0.0 { point } else { point + self.scale * beyond * curve.segment(index).direction(u) }

@@ -53,7 +53,7 @@ impl Whose {
         }
     }
 
-    fn place<'a>(&self, sources: &'a Sources) -> Option<SourceLine<'a>> {
+    fn line<'a>(&self, sources: &'a Sources) -> Option<SourceLine<'a>> {
         match self {
             Self::Entity(_, order) => sources.entities(&[(*order)?]).next(),
             Self::Camera(name) => Some(sources.camera(name)),
@@ -109,14 +109,14 @@ impl Warnings {
     /// Prints the warnings; those of entities that are in the sources, with their lines.
     pub(super) fn tell(&self, sources: Option<&Sources>) {
         for Warning { fault, whose, moment, more } in &self.listed {
-            let place = sources.and_then(|sources| whose.place(sources));
-            let place = place.map_or_else(String::new, |place| format!("{place}, "));
+            let line = sources.and_then(|sources| whose.line(sources));
+            let line = line.map_or_else(String::new, |line| format!("{line}, "));
             let more = match more {
                 0 => String::new(),
                 1 => " and one more".to_owned(),
                 more => format!(" and {more} more"),
             };
-            let about = [format!(" --> {place}{moment}{more}"), format!("  = help: {}", fault.remedy())];
+            let about = [format!(" --> {line}{moment}{more}"), format!("  = help: {}", fault.remedy())];
             print::warning(&format!("{} {fault}", whose.text()), &about);
         }
         match self.others.len() {
@@ -129,11 +129,11 @@ impl Warnings {
     /// Returns the warnings as JSON.
     pub(super) fn to_json(&self, sources: Option<&Sources>) -> Value {
         let one = |Warning { fault, whose, moment, more }: &Warning| {
-            let place = sources.and_then(|sources| whose.place(sources));
+            let line = sources.and_then(|sources| whose.line(sources));
             json!({
                 "entity": whose.text(),
-                "file": place.map(|place| place.file),
-                "line": place.map(|place| place.line),
+                "file": line.map(|line| line.file),
+                "line": line.map(|line| line.line),
                 "message": fault.to_string(),
                 "help": fault.remedy(),
                 "first": moment,

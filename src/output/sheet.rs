@@ -100,7 +100,7 @@ impl Sheet {
 
     /// Adds a frame as the next tile. What is outside the tile, and outside the sheet, is cropped.
     pub fn add(&mut self, film: &Film, frame: u32, time: Time) {
-        let (left, top) = self.next_place();
+        let (left, top) = self.next_corner();
         let columns = film.width().min(self.tile.0) as usize;
         let rows = film.pixels().chunks_exact(film.width().max(1) as usize).take(self.tile.1 as usize);
         let transfer = self.transfer;
@@ -136,7 +136,7 @@ impl Sheet {
     }
 
     /// Returns the left and top of the next tile.
-    fn next_place(&mut self) -> (u32, u32) {
+    fn next_corner(&mut self) -> (u32, u32) {
         let (column, row) = (self.count % self.columns, self.count / self.columns);
         self.count = self.count.saturating_add(1);
         let (across, down) = (self.tile.0 + GAP, self.tile.1 + label_height(self.tile) + GAP);

@@ -41,7 +41,7 @@ pub(super) fn settle(path: &Path) -> io::Result<()> {
 
 /// Writes a file where there is none.
 pub(super) fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    Partial::filled(folder_of(path), bytes)?.place(path)?;
+    Partial::filled(folder_of(path), bytes)?.link(path)?;
     settle(path)
 }
 
@@ -126,7 +126,7 @@ impl Partial {
     }
 
     /// Links the file into place, as a second name, unlike a new name, can only be given where there is no file.
-    fn place(self, path: &Path) -> io::Result<()> {
+    fn link(self, path: &Path) -> io::Result<()> {
         match fs::hard_link(&self.path, path) {
             Err(error) if error.kind() != ErrorKind::AlreadyExists => self.claim(path),
             linked => linked,

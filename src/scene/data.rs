@@ -13,13 +13,12 @@ use crate::script::Data;
 
 /// Reads the entity that a map describes. A second line of an error's message is the remedy.
 pub(super) fn entity(data: Data) -> Result<EntityDocument, String> {
-    let placed = placed(data).map_err(|mistake| mistake.to_string())?;
-    serde::Deserialize::deserialize(DataDeserializer(placed))
-        .map_err(|mistake: DataError| mistake.to_string())
+    let data = with_transform(data).map_err(|mistake| mistake.to_string())?;
+    serde::Deserialize::deserialize(DataDeserializer(data)).map_err(|mistake: DataError| mistake.to_string())
 }
 
 /// Puts `translation`, `rotation` and `scale` into the transform: they may stand beside it in a script.
-fn placed(data: Data) -> Result<Data, DataError> {
+fn with_transform(data: Data) -> Result<Data, DataError> {
     let Data::Map(fields) = data else { return Ok(data) };
     let (parts, mut fields): (Vec<_>, Vec<_>) = fields
         .into_iter()

@@ -78,7 +78,7 @@ impl Scene {
         }
         let paths = std::mem::take(&mut files.paths);
         let (merged, sources) = files.merge();
-        let scripts = compiled.placed(&merged.uses, &sources);
+        let scripts = compiled.link(&merged.uses, &sources);
         let kept = keep(sources);
         let (world, timeline) = spawn(&merged);
         Ok((Self { world, timeline, files: paths, scripts }, kept))

@@ -1,4 +1,4 @@
-//! The scripts of a scene with their places in its texts, by which errors at run time are reported.
+//! The scripts of a scene with their sources in its texts, by which errors at run time are reported.
 
 use std::fmt;
 use std::sync::Arc;
@@ -16,15 +16,15 @@ pub(crate) struct SceneScripts {
     sources: ScriptSources,
 }
 
-/// The places where the scripts of a scene are written.
+/// The sources of all scripts of a scene.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ScriptSources {
-    places: Vec<ScriptPlace>,
+    list: Vec<ScriptSource>,
 }
 
-/// The place where a script is written.
+/// Where a script is written.
 #[derive(Clone, Debug)]
-pub(super) struct ScriptPlace {
+pub(super) struct ScriptSource {
     pub(super) source: Arc<Source>,
     /// The index of its animation in the list; `None` for a whole file.
     pub(super) animation: Option<usize>,
@@ -37,11 +37,11 @@ pub struct ScriptMistake {
 }
 
 impl SceneScripts {
-    pub(super) fn new(scripts: CompiledScripts, places: Vec<ScriptPlace>) -> Self {
-        Self { scripts, sources: ScriptSources { places } }
+    pub(super) fn new(scripts: CompiledScripts, sources: Vec<ScriptSource>) -> Self {
+        Self { scripts, sources: ScriptSources { list: sources } }
     }
 
-    /// Returns the scripts, and the places where they are written.
+    /// Returns the scripts, and their sources.
     pub(crate) fn into_parts(self) -> (CompiledScripts, ScriptSources) {
         (self.scripts, self.sources)
     }
@@ -51,8 +51,8 @@ impl ScriptSources {
     /// Returns the mistake of a script; `about` says what it drives, and when.
     pub(crate) fn mistake(&self, script: ScriptId, about: &str, error: &ScriptError) -> ScriptMistake {
         let (message, label) = (format!("{about}: {}", error.message), error.label.clone());
-        let (span, source) = match self.places.get(script.0) {
-            Some(ScriptPlace { source, animation: Some(animation) }) => {
+        let (span, source) = match self.list.get(script.0) {
+            Some(ScriptSource { source, animation: Some(animation) }) => {
                 let path = [
                     PathStep::Field("animate"),
                     PathStep::Index(*animation),
@@ -63,7 +63,7 @@ impl ScriptSources {
                 let span = inside_text(&source.text, span, &error.span);
                 (Some(span), Some(Arc::clone(source)))
             }
-            Some(ScriptPlace { source, animation: None }) => {
+            Some(ScriptSource { source, animation: None }) => {
                 (Some(error.span.clone()), Some(Arc::clone(source)))
             }
             None => (None, None),

@@ -11,7 +11,7 @@ use super::diagnostic::Source;
 use super::document::{EntityDocument, SceneDocument, ScriptDocument};
 use super::input::{self, InputError, Offered};
 use super::nearby::nearby;
-use super::script_sources::{SceneScripts, ScriptPlace};
+use super::script_sources::{SceneScripts, ScriptSource};
 use super::spawn::transfer;
 use super::validate::{At, Problems};
 use crate::script::{CompiledScripts, Language, ScriptError, SpawnBudget, limits, run_spawning};
@@ -47,13 +47,13 @@ pub(super) struct Compiler {
     compiled: Compiled,
 }
 
-/// The scripts of a scene, and the places where they are written.
+/// The scripts of a scene, and where they are written.
 pub(super) struct Compiled {
     scripts: CompiledScripts,
-    places: Vec<ScriptOrigin>,
+    origins: Vec<ScriptOrigin>,
 }
 
-/// The place where a script is written.
+/// Where a script is written, by the index of the file.
 struct ScriptOrigin {
     file: usize,
     /// The index of the animation in its list.
@@ -68,7 +68,7 @@ impl Compiler {
         let (seed, film) =
             scene.map_or_else(Default::default, |scene| (scene.sampling.seed, scene.film.transfer));
         let scripts = CompiledScripts::new(Language::new(seed), transfer(film));
-        Self { compiled: Compiled { scripts, places: Vec::new() } }
+        Self { compiled: Compiled { scripts, origins: Vec::new() } }
     }
 
     /// Compiles the scripts of a file; its animations get their indices among all scripts.
@@ -80,7 +80,7 @@ impl Compiler {
         paths: &mut Vec<PathBuf>,
         problems: &mut Problems,
     ) {
-        let Compiled { scripts, places } = &mut self.compiled;
+        let Compiled { scripts, origins } = &mut self.compiled;
         let scene = At::scene();
         let list = scene.field("animate");
         for (index, animation) in document.animate.iter_mut().enumerate() {
@@ -92,7 +92,7 @@ impl Compiler {
                 Ok(script) => {
                     animation.script = Some(scripts.list.len());
                     scripts.list.push(script);
-                    places.push(ScriptOrigin { file, animation: index, source: code.source });
+                    origins.push(ScriptOrigin { file, animation: index, source: code.source });
                 }
                 Err(error) => problems.add_script(&at, code.source, &error),
             }
@@ -106,25 +106,25 @@ impl Compiler {
 
 impl Compiled {
     /// Adds the uses of the scripts, and the texts of files. Only texts with a script in them are kept.
-    pub(super) fn placed(mut self, uses: &[(usize, String)], sources: &Sources) -> SceneScripts {
+    pub(super) fn link(mut self, uses: &[(usize, String)], sources: &Sources) -> SceneScripts {
         let mut kept: HashMap<usize, Arc<Source>> = HashMap::new();
-        let places: Vec<ScriptPlace> = self
-            .places
+        let written: Vec<ScriptSource> = self
+            .origins
             .iter()
-            .map(|written| match &written.source {
-                Some(source) => ScriptPlace { source: Arc::clone(source), animation: None },
+            .map(|origin| match &origin.source {
+                Some(source) => ScriptSource { source: Arc::clone(source), animation: None },
                 None => {
-                    let source = kept.entry(written.file).or_insert_with(|| {
-                        let (file, text) = sources.file(written.file).unwrap_or_default();
+                    let source = kept.entry(origin.file).or_insert_with(|| {
+                        let (file, text) = sources.file(origin.file).unwrap_or_default();
                         Arc::new(Source { file: file.to_owned(), text: text.to_owned() })
                     });
-                    ScriptPlace { source: Arc::clone(source), animation: Some(written.animation) }
+                    ScriptSource { source: Arc::clone(source), animation: Some(origin.animation) }
                 }
             })
             .collect();
         self.scripts.uses = uses.to_vec();
-        let places = uses.iter().filter_map(|(script, _)| places.get(*script).cloned()).collect();
-        SceneScripts::new(self.scripts, places)
+        let written = uses.iter().filter_map(|(script, _)| written.get(*script).cloned()).collect();
+        SceneScripts::new(self.scripts, written)
     }
 }
 

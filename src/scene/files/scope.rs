@@ -145,7 +145,7 @@ impl<'a> Scope<'a> {
     }
 
     /// Returns the file and line of an origin, as `parts/car.ron:12`.
-    pub(in crate::scene) fn place(self, origin: Origin) -> String {
+    pub(in crate::scene) fn file_and_line(self, origin: Origin) -> String {
         let file = &self.files[origin.file];
         let step = match origin.list {
             "materials" => PathStep::Key(origin.index),

@@ -51,14 +51,14 @@ fn taken(clash: &Clash<'_>, scope: Scope<'_>, scene: &At<'_>, problems: &mut Pro
     let what = if is_material { "materials" } else { "entities" };
     let message = format!("two {what} are called \"{name}\"");
     // Looked up only if it is reported.
-    let place = |origin| if problems.is_full() { String::new() } else { scope.place(origin) };
+    let line = |origin| if problems.is_full() { String::new() } else { scope.file_and_line(origin) };
     let (label, help) = match include {
         Some(_) => (
-            format!("one is at {}, one at {}", place(first), place(second)),
+            format!("one is at {}, one at {}", line(first), line(second)),
             format!("give this include a name of its own: as `part` it brings \"part/{name}\""),
         ),
         None => (
-            format!("the other is at {}", place(first)),
+            format!("the other is at {}", line(first)),
             "give each its own name, or give the include one".to_owned(),
         ),
     };

@@ -62,7 +62,8 @@ fn bounds(journey: &Journey) -> (DVec3, DVec3) {
 }
 
 impl View {
-    fn place(&self, point: DVec3) -> PagePoint {
+    /// Projects a point of the world onto the page.
+    fn project(&self, point: DVec3) -> PagePoint {
         let [right, up] = self.across(point - self.center);
         let [x, y] = self.frame.middle();
         [x + right * self.scale, y - up * self.scale]
@@ -79,7 +80,7 @@ impl View {
         const MOST: f64 = 240.0;
         let count = journey.samples.len() as f64;
         let steps = journey.shots().flat_map(|shot| shot.windows(2));
-        let length: f64 = steps.map(|pair| apart(self.place(pair[0].eye), self.place(pair[1].eye))).sum();
+        let length: f64 = steps.map(|pair| apart(self.project(pair[0].eye), self.project(pair[1].eye))).sum();
         let least = (count / MOST).max(NEAREST * count / length.max(1.0));
         let strides = (0..9).flat_map(|exponent| [1, 2, 5].map(|digit| digit * 10_usize.pow(exponent)));
         strides.into_iter().find(|stride| *stride as f64 >= least).unwrap_or(usize::MAX)
@@ -120,7 +121,7 @@ impl View {
     /// Draws an outline, if it is in the frame and not so large that it would only be a line there.
     fn thing(&self, svg: &mut Svg, thing: &Thing) {
         if let Some((middle, radius)) = thing.extent() {
-            let ([x, y], reach) = (self.place(middle), radius * self.scale);
+            let ([x, y], reach) = (self.project(middle), radius * self.scale);
             let around = Frame { left: x - reach, top: y - reach, width: 2.0 * reach, height: 2.0 * reach };
             if !self.frame.overlaps(&around) || reach > 20.0 * self.frame.width {
                 return;
@@ -134,13 +135,14 @@ impl View {
                 let apart = libm::hypot(half, a.dot(b));
                 let radii = [mean + apart, (mean - apart).max(0.0)].map(f64::sqrt);
                 let degrees = (0.5 * libm::atan2(a.dot(b), half)).to_degrees();
-                svg.ellipse("thing", self.place(*center), radii, -degrees);
+                svg.ellipse("thing", self.project(*center), radii, -degrees);
             }
             Thing::Box(corners) => {
                 let edges = (0..8_usize).flat_map(|corner| [1, 2, 4].map(|bit| (corner, corner | bit)));
                 let edges = edges.filter(|(one, other)| one != other);
-                let edge =
-                    |(one, other): (usize, usize)| vec![self.place(corners[one]), self.place(corners[other])];
+                let edge = |(one, other): (usize, usize)| {
+                    vec![self.project(corners[one]), self.project(corners[other])]
+                };
                 svg.lines("thing", &edges.map(edge).collect::<Vec<_>>());
             }
             Thing::Plane { point, normal } => self.plane(svg, *point, *normal),
@@ -153,7 +155,7 @@ impl View {
             return;
         }
         let [right, up] = self.across(normal);
-        let ([x, y], middle) = (self.place(point), self.frame.middle());
+        let ([x, y], middle) = (self.project(point), self.frame.middle());
         // Up is towards smaller y on the page.
         let away = (middle[0] - x) * right - (middle[1] - y) * up;
         let foot = [middle[0] - away * right, middle[1] + away * up];
@@ -166,7 +168,7 @@ impl View {
         let targets: Vec<Vec<PagePoint>> = shot
             .chunk_by(|one, next| one.target.is_some() == next.target.is_some())
             .map(|run| {
-                thinned(run.iter().filter_map(|sample| sample.target).map(|target| self.place(target)))
+                thinned(run.iter().filter_map(|sample| sample.target).map(|target| self.project(target)))
             })
             .collect();
         svg.lines("target", &targets);
@@ -180,7 +182,7 @@ impl View {
     /// Returns a tick across the path.
     fn tick(&self, shot: &[CameraSample], index: usize) -> Option<Vec<PagePoint>> {
         const HALF: f64 = 3.0;
-        let ([x, y], [right, down]) = (self.place(shot[index].eye), self.heading(shot, index)?);
+        let ([x, y], [right, down]) = (self.project(shot[index].eye), self.heading(shot, index)?);
         Some(vec![[x - HALF * down, y + HALF * right], [x + HALF * down, y - HALF * right]])
     }
 
@@ -189,15 +191,15 @@ impl View {
     fn heading(&self, shot: &[CameraSample], index: usize) -> Option<PagePoint> {
         let here = &shot[index];
         let [before, after] =
-            [index.wrapping_sub(1), index + 1].map(|near| self.place(shot.get(near).unwrap_or(here).eye));
-        [(before, after), (self.place(here.eye), after)].into_iter().find_map(|(from, to)| {
+            [index.wrapping_sub(1), index + 1].map(|near| self.project(shot.get(near).unwrap_or(here).eye));
+        [(before, after), (self.project(here.eye), after)].into_iter().find_map(|(from, to)| {
             let length = apart(from, to);
             (length > 1e-6).then(|| [(to[0] - from[0]) / length, (to[1] - from[1]) / length])
         })
     }
 
     fn way(&self, shot: &[CameraSample]) -> Vec<PagePoint> {
-        thinned(shot.iter().map(|sample| self.place(sample.eye)))
+        thinned(shot.iter().map(|sample| self.project(sample.eye)))
     }
 
     /// Returns short strokes from the eye along the view.
@@ -205,7 +207,7 @@ impl View {
         const LENGTH: f64 = 24.0;
         const MOST: usize = 32;
         let stroke = |sample: &CameraSample| {
-            let ([x, y], [right, up]) = (self.place(sample.eye), self.across(sample.axes[2]));
+            let ([x, y], [right, up]) = (self.project(sample.eye), self.across(sample.axes[2]));
             vec![[x, y], [x + LENGTH * right, y - LENGTH * up]]
         };
         shot.iter().step_by(shot.len().div_ceil(MOST).max(1)).map(stroke).collect()
@@ -221,12 +223,12 @@ impl View {
         let several = journey.shots().nth(1).is_some();
         for shot in journey.shots() {
             for index in journey.told(shot) {
-                let place = self.place(shot[index].eye);
+                let eye = self.project(shot[index].eye);
                 let text = shot[index].in_words(several && index == 0);
-                if labels.add(svg, "moment", place, self.heading(shot, index), &text) {
-                    svg.dot("eye-dot", place, 2.6);
+                if labels.add(svg, "moment", eye, self.heading(shot, index), &text) {
+                    svg.dot("eye-dot", eye, 2.6);
                     if let Some(target) = shot[index].target {
-                        svg.dot("target-dot", self.place(target), 2.2);
+                        svg.dot("target-dot", self.project(target), 2.2);
                     }
                 }
             }
