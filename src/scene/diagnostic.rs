@@ -1,4 +1,4 @@
-//! The description of a mistake in a scene: cause, place and remedy.
+//! The description of a mistake in a scene: cause, position and remedy.
 
 use std::fmt;
 use std::ops::Range;
@@ -9,12 +9,12 @@ use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet}
 use super::printable::{Printable, is_printable};
 use super::quote::bounded;
 
-/// One mistake.
+/// Describes a mistake in a scene: what is wrong, at which bytes of the text, and how to fix it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
     /// The cause.
     pub message: String,
-    /// The remark at the marked place.
+    /// The remark at the marked bytes.
     pub label: String,
     /// The remedy.
     pub help: Option<String>,

@@ -35,7 +35,7 @@ pub struct Inclusion {
     pub line: usize,
 }
 
-/// A mistake with its place.
+/// Locates a mistake: describes it, with the file, the position in it, and the includes that brought the file.
 #[derive(Clone, Copy, Debug)]
 pub struct Mistake<'a> {
     /// The file, as it was named or as it was included.

@@ -30,7 +30,7 @@ pub(super) struct ScriptSource {
     pub(super) animation: Option<usize>,
 }
 
-/// An error of a script while a frame was made. Displays as a compiler would, without colours.
+/// Describes the error of a script while a frame was made. Displays as a compiler would, without colours.
 #[derive(Clone, Debug)]
 pub struct ScriptMistake {
     diagnostic: Diagnostic,
@@ -73,7 +73,7 @@ impl ScriptSources {
 }
 
 impl ScriptMistake {
-    /// Returns cause, place and remedy.
+    /// Returns cause, position and remedy.
     #[must_use]
     pub fn diagnostic(&self) -> &Diagnostic {
         &self.diagnostic

@@ -50,7 +50,7 @@ pub enum Instead {
 pub enum FaultCause {
     /// It has a [`Shape`](crate::components::Shape) and no [`Material`](crate::components::Material).
     NoMaterial,
-    /// It came without being declared, see [`Changes::mark_all`](super::Changes::mark_all).
+    /// It was spawned without being declared, see [`Changes::mark_all`](super::Changes::mark_all).
     Undeclared,
     /// A number of a part of it is not finite.
     NotFinite(&'static str),
@@ -58,7 +58,7 @@ pub enum FaultCause {
     Overflow,
     /// A factor of its own scale is 0.
     NoScale,
-    /// Its transform collapses a direction to nothing: by the scales of its parents, or by rounding.
+    /// Its transform flattens it in some direction: by the scales of its parents, or by rounding.
     Flat,
     /// A coordinate or a size, in the world, is not within 1e-150 and 1e150.
     BeyondMeasure,
@@ -110,7 +110,7 @@ impl Fault {
                 brief(coordinate.abs().next_up() - coordinate.abs())
             ),
             FaultCause::OutOfRange { range, .. } => format!("keep it {range}"),
-            FaultCause::Missing(_) => "refer to an entity that is there".to_owned(),
+            FaultCause::Missing(_) => "refer to an entity that exists".to_owned(),
         }
     }
 }
@@ -128,7 +128,7 @@ impl fmt::Display for Fault {
                 match instead {
                     Instead::Number(number) => write!(formatter, "counts as {}", brief(number)),
                     Instead::Nothing => write!(formatter, "is left out"),
-                    Instead::AlongZ => write!(formatter, "+z is taken"),
+                    Instead::AlongZ => write!(formatter, "looks along +z"),
                 }
             }
         }
@@ -139,13 +139,13 @@ impl fmt::Display for FaultCause {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoMaterial => write!(formatter, "it has a shape but no material"),
-            Self::Undeclared => write!(formatter, "it came without being declared"),
+            Self::Undeclared => write!(formatter, "it was spawned without being declared"),
             Self::NotFinite(what) => write!(formatter, "its {what} is not finite"),
             Self::Overflow => {
                 write!(formatter, "its transform and those of its parents together are not finite")
             }
             Self::NoScale => write!(formatter, "its scale has a factor of 0"),
-            Self::Flat => write!(formatter, "its transform leaves no thickness of it in some direction"),
+            Self::Flat => write!(formatter, "its transform flattens it in some direction"),
             Self::BeyondMeasure => write!(formatter, "it is too large, too small or too far away"),
             Self::NotPositive(what, value) | Self::OutOfRange { what, value, .. } => {
                 write!(formatter, "its {what} is {}", brief(*value))
@@ -158,7 +158,7 @@ impl fmt::Display for FaultCause {
                 brief(*coordinate),
                 brief(coordinate.abs().next_up() - coordinate.abs())
             ),
-            Self::Missing(what) => write!(formatter, "the entity that it {what} is not there"),
+            Self::Missing(what) => write!(formatter, "the entity that it {what} does not exist"),
         }
     }
 }

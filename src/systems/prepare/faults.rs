@@ -282,7 +282,12 @@ fn setting_faults(world: &World, faults: &mut Vec<Fault>) {
         let shown = super::film_settings(world);
         if film.width == shown.width && film.height > shown.height {
             let limits = (1.0, f64::from(shown.height));
-            checked.number("film's height", film.height.into(), limits, "such that 2^28 pixels are enough");
+            checked.number(
+                "film's height",
+                film.height.into(),
+                limits,
+                "so small that the film has at most 2^28 pixels",
+            );
         }
     }));
     check(setting(world, |checked, sampling: &Sampling| {
