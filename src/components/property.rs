@@ -7,7 +7,7 @@
 //! | [`Quantity`]: what it is | how its values are written; which keys are good; the range to which they are held; whether it can go along a path |
 //!
 //! For a new row the compiler demands its place (`systems::parts`) and a case in `tests/engine/every_channel.rs`; a test demands
-//! its line in `scene/reference.md`. Only a new part or quantity takes more: the compiler and the tests lead there.
+//! its line in `scene/manual.md`. Only a new part or quantity takes more: the compiler and the tests lead there.
 
 use super::quantity::Quantity;
 use super::table::table;

@@ -246,13 +246,13 @@ fn neighbouring_frames_turn_as_their_path_does() {
     assert_eq!(turned, 2);
 }
 
-/// The example of the scene reference: no perspective, so that balls of one size are of one size in the picture however deep they
+/// The example of the scene manual: no perspective, so that balls of one size are of one size in the picture however deep they
 /// are, where the screen's own units say.
 #[test]
 fn a_camera_far_away_with_its_screen_among_the_things_shows_no_perspective() {
     const SIDE: u32 = 81;
     let example = "camera: (position: (0, 0, -1e9), view: (0, 0, 1), screen: (distance: 1e9, height: 4))";
-    assert!(include_str!("../../src/scene/reference.md").contains(example));
+    assert!(include_str!("../../src/scene/manual.md").contains(example));
     let scene = read(&format!(
         r#"Scene(film: (width: {SIDE}, height: {SIDE}), {example}, ambient: (1, 1, 1),
         materials: {{ "m": (k_a: 1) }}, entities: [

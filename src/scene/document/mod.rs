@@ -1,5 +1,5 @@
 //! The file format, as serde types. Doc comments here are short: the format is explained, with units, ranges and
-//! defaults, in the [reference](super::reference), which a test holds against these types.
+//! defaults, in the [manual](super::manual), which a test holds against these types.
 
 mod animation;
 mod channel;

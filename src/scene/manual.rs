@@ -1,6 +1,6 @@
 #![doc = "[language]: crate::scene::language\n"]
 // The text links by that name: among the sources to a file, and here, where the first meaning counts, to a module.
-#![doc = include_str!("reference.md")]
+#![doc = include_str!("manual.md")]
 
 #[cfg(test)]
 mod tests {
@@ -23,9 +23,9 @@ mod tests {
     use crate::scene::parse::options;
     use crate::script::Data;
 
-    const REFERENCE: &str = include_str!("reference.md");
+    const MANUAL: &str = include_str!("manual.md");
 
-    /// What the reference says in one section.
+    /// What the manual says in one section.
     #[derive(Debug, Default)]
     struct Section {
         /// Field, default (or an example), and whether it is required.
@@ -36,7 +36,7 @@ mod tests {
 
     fn sections() -> BTreeMap<String, Section> {
         let mut sections = BTreeMap::new();
-        for part in REFERENCE.split("\n## ").skip(1) {
+        for part in MANUAL.split("\n## ").skip(1) {
             let (name, body) = part.split_once('\n').unwrap();
             let mut section = Section::default();
             for line in body.lines() {
@@ -87,7 +87,7 @@ mod tests {
         sections: &mut BTreeMap<String, Section>,
         known: &[impl AsRef<str>],
     ) {
-        let section = sections.remove(name).unwrap_or_else(|| panic!("the reference has no section {name}"));
+        let section = sections.remove(name).unwrap_or_else(|| panic!("the manual has no section {name}"));
         let named: Vec<String> = section.fields.iter().map(|(field, ..)| field.clone()).collect();
         let known: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
         assert_eq!(named, known, "{name}");
@@ -109,14 +109,14 @@ mod tests {
     }
 
     fn check_variants<T: DeserializeOwned>(name: &str, sections: &mut BTreeMap<String, Section>) -> Section {
-        let section = sections.remove(name).unwrap_or_else(|| panic!("the reference has no section {name}"));
+        let section = sections.remove(name).unwrap_or_else(|| panic!("the manual has no section {name}"));
         let named: Vec<String> = section.variants.iter().map(|(variant, _)| variant.clone()).collect();
         assert_eq!(named, known::<T>("NobodyKnows"), "{name}");
         section
     }
 
     #[test]
-    fn the_reference_names_every_field_every_variant_and_every_default() {
+    fn the_manual_names_every_field_every_variant_and_every_default() {
         let mut sections = sections();
         let all = &mut sections;
         check_fields::<SceneDocument>("Scene", all);
@@ -160,14 +160,10 @@ mod tests {
         for (variant, inside) in check_variants::<AreaShapeDocument>("AreaShape", all).variants {
             assert_eq!(inside, known::<AreaShapeDocument>(&format!("{variant}(nobody_knows: 0)")).join(", "));
         }
-        assert!(
-            sections.is_empty(),
-            "the reference describes what the format has not: {:?}",
-            sections.keys()
-        );
+        assert!(sections.is_empty(), "the manual describes what the format has not: {:?}", sections.keys());
     }
 
-    /// What the reference calls the keys of a channel.
+    /// What the manual calls the keys of a channel.
     fn keys(quantity: Quantity) -> String {
         let range = quantity.range();
         match quantity {
@@ -199,8 +195,8 @@ mod tests {
     }
 
     #[test]
-    fn the_reference_says_what_the_keys_of_every_channel_are() {
-        let section = REFERENCE.split("\n## Channel\n").nth(1).unwrap();
+    fn the_manual_says_what_the_keys_of_every_channel_are() {
+        let section = MANUAL.split("\n## Channel\n").nth(1).unwrap();
         let bullets: Vec<&str> = section.split("\n\n").next().unwrap().split("\n- ").skip(1).collect();
         assert_eq!(bullets.len(), Property::ALL.len());
         let mut before = String::new();
@@ -219,17 +215,17 @@ mod tests {
     }
 
     #[test]
-    fn the_reference_says_what_goes_along_paths() {
+    fn the_manual_says_what_goes_along_paths() {
         let points = Property::ALL.into_iter().filter(|property| property.quantity() == Quantity::Point);
         let points: Vec<&str> = points.map(Property::name).collect();
         let [rest @ .., last] = &points[..] else { panic!() };
-        let said = REFERENCE.split_whitespace().collect::<Vec<_>>().join(" ");
+        let said = MANUAL.split_whitespace().collect::<Vec<_>>().join(" ");
         assert_eq!(said.matches(&format!("For {} and {last}.", rest.join(", "))).count(), 2);
     }
 
     #[test]
-    fn the_reference_says_how_far_numbers_go() {
-        let said = REFERENCE.split_whitespace().collect::<Vec<_>>().join(" ");
+    fn the_manual_says_how_far_numbers_go() {
+        let said = MANUAL.split_whitespace().collect::<Vec<_>>().join(" ");
         let coordinates = format!("coordinates at most {LARGEST:e} in magnitude");
         assert!(said.contains(&format!("{coordinates}; sizes must be at least {SMALLEST:e}.")));
         assert!(said.contains(&format!("per scene unit of length in the world, 0 to {MOST_LIGHT:e} |")));
@@ -241,7 +237,7 @@ mod tests {
     /// A type of the format that is not checked above would go unnoticed.
     #[test]
     fn every_type_of_the_format_is_checked() {
-        let this = include_str!("reference.rs");
+        let this = include_str!("manual.rs");
         for source in [
             include_str!("document/animation.rs"),
             include_str!("document/entity.rs"),
