@@ -316,9 +316,9 @@ fn reach(
     let mut sum = DVec3::ZERO;
     for sample in 0..light.1.places() {
         let Some(Proposal { color, shadow }) = propose(Effects::ALL, light, lit, sample) else { continue };
-        let share = shadow.map_or(Ok(Rgb::ONE), |shadow_ray| {
+        let share = shadow.map_or(Ok(Rgb::ONE), |way| {
             asked = true;
-            visibility(scene, scratch, &shadow_ray, own_shape, seen)
+            visibility(scene, scratch, &way.ray(lit.surface), own_shape, seen)
         });
         match share {
             Ok(share) => sum += (color * share).as_dvec3(),

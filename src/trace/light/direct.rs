@@ -52,7 +52,28 @@ pub(crate) struct Proposal {
     /// What it adds where nothing is in its way.
     pub(crate) color: Rgb,
     /// What has to be asked first; `None` where nothing can stand in the way.
-    pub(crate) shadow: Option<ShadowRay>,
+    pub(crate) shadow: Option<WayToLight>,
+}
+
+/// The way from a surface point to a light, [`scaled`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WayToLight {
+    pub(crate) direction: DVec3,
+    /// Where the light is.
+    pub(crate) limit: Limit,
+    /// Whether the light comes from the other side, through the clear medium behind the surface.
+    pub(crate) from_behind: bool,
+}
+
+impl WayToLight {
+    /// Returns the ray from a surface point: the one that it was proposed for.
+    #[inline(always)]
+    pub(crate) fn ray(&self, surface: &SurfacePoint) -> ShadowRay {
+        let Self { direction, limit, from_behind } = *self;
+        // Normals face the ray that arrived, and so does the side that is left. The point is finite, as there is a way to the light.
+        let departure = surface.departure(surface.from_outside != from_behind);
+        ShadowRay { ray: Ray::departing(surface.point, direction, departure), limit, from_behind }
+    }
 }
 
 /// Returns what sample `sample` of light number `index` adds, as far as nothing stands in its way; `None` where it is nothing
@@ -99,7 +120,7 @@ fn arriving(
     to_light: DVec3,
     limit: Limit,
 ) -> Option<Proposal> {
-    let LitPoint { surface, material, normal, .. } = *lit;
+    let LitPoint { material, normal, .. } = *lit;
     let length = length(to_light);
     let cosine = normal.dot(to_light) / length;
     let from_behind = effects.clear_shadows() && cosine < 0.0 && material.refraction.is_some();
@@ -117,10 +138,7 @@ fn arriving(
     if !(effects.shadows() && light.casts_shadows) {
         return Some(Proposal { color, shadow: None });
     }
-    // Normals face the ray that arrived, and so does the side that is left. The point is finite, as there is a way to the light.
-    let departure = surface.departure(surface.from_outside != from_behind);
-    let ray = Ray::departing(surface.point, to_light, departure);
-    Some(Proposal { color, shadow: Some(ShadowRay { ray, limit, from_behind }) })
+    Some(Proposal { color, shadow: Some(WayToLight { direction: to_light, limit, from_behind }) })
 }
 
 fn to_u32(index: usize) -> u32 {

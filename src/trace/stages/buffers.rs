@@ -31,8 +31,6 @@ pub(super) struct FoundSurface {
     pub(super) point: SurfacePoint,
     /// The diffuse colour there.
     pub(super) diffuse: Rgb,
-    /// The unit normal on the side that the ray came from.
-    pub(super) normal: DVec3,
 }
 
 /// What a tile's rays, generation by generation, leave from stage to stage.

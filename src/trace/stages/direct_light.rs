@@ -64,7 +64,7 @@ fn lit_point<'a>(sample: &Sample<'a>, wave: &'a [QueuedRay], surface: &'a FoundS
         material: sample.context.scene.material(surface.point.hit.id),
         diffuse: surface.diffuse,
         asker: SampleId { seed: sample.context.sampling.seed, pixel, sample: sample.index },
-        normal: surface.normal,
+        normal: surface.point.facing_normal(),
     }
 }
 

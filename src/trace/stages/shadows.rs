@@ -17,9 +17,10 @@ pub(super) fn shadows(
     let TileBuffers { wave, surfaces, proposals, scratch, rays_traced, last_occluders, .. } = buffers;
     let last_occluder = &mut last_occluders[place];
     proposals.retain_mut(|(at, Proposal { color, shadow })| {
-        let Some(shadow_ray) = shadow else { return true };
+        let Some(way) = shadow else { return true };
         rays_traced.shadow += 1;
         let surface = &surfaces[*at as usize];
+        let shadow_ray = &way.ray(&surface.point);
         let seen = (&surface.point, wave[surface.ray as usize].tree.state.medium);
         let occluders = (light.own_shape, &mut *last_occluder);
         let share = visibility(context.effects, context.scene, shapes, shadow_ray, occluders, seen, scratch);

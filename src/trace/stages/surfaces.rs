@@ -47,8 +47,7 @@ pub(super) fn surfaces(
         } else {
             0.0
         });
-        let normal = point.facing_normal();
-        surfaces.push(FoundSurface { ray: index, point, diffuse, normal });
+        surfaces.push(FoundSurface { ray: index, point, diffuse });
     }
 }
 
