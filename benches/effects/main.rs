@@ -1,7 +1,10 @@
 //! What effects cost: nothing when absent, and how much when present.
 //!
-//! `cargo bench --bench effects` prints a table of seconds. `benches/instructions` counts instructions under valgrind with the
-//! same program, by `count planned|full SCENE FRAMES`.
+//! `cargo bench --bench effects` prints a table of milliseconds. `benches/instructions` counts instructions under valgrind with
+//! the same program, by `count planned|full SCENE FRAMES`.
+//!
+//! Divan has no part in it, unlike in other benches: planned frames and full ones take turns here, as ratios of a few per cent
+//! are what matters, and valgrind needs a program that renders a given number of frames and measures nothing.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a bench prints its table, and may fail loudly")]
 

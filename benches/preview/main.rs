@@ -1,8 +1,11 @@
 //! How long it takes from a save to the picture in a browser.
 //!
 //! `cargo bench --bench preview` edits a scene 50 times by renaming another file to its name, and prints how many milliseconds
-//! later Chromium, without a window, had decoded the coarse and the full picture. Needs chromedriver. A scene of one's own may be
-//! given with `-- SCENE`; a comment at its end is what is edited then.
+//! later Chromium, without a window, had decoded the coarse and the full picture. Needs chromedriver. A scene of one's own may
+//! be given with `-- SCENE`; a comment at its end is what is edited then.
+//!
+//! Divan has no part in it, unlike in other benches: it times calls in one process and gives medians, but here a browser says
+//! when each of several things happened after one edit, and the slowest of them matter, by the 95th percentile.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a bench prints its table, and may fail loudly")]
 
