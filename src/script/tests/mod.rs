@@ -1,0 +1,34 @@
+//! What the language does, and what it refuses.
+
+mod ends;
+mod limits;
+mod mistakes;
+mod values;
+
+use super::{Data, Language, ScriptContext, Stop};
+
+fn run(text: &str) -> Result<Data, Stop> {
+    let language = Language::new(0);
+    let script = language.compile(text).map_err(|error| Stop::Error(Box::new(error)))?;
+    let mut context = ScriptContext::new(24.0, 5.0);
+    context.turn_to(2.5, 60.0);
+    context.belong(3, "ball", Data::from([1.0, 2.0, 3.0]));
+    language.run(&script, &mut context)
+}
+
+fn number(text: &str) -> f64 {
+    match run(text) {
+        Ok(Data::Number(number)) => number,
+        #[expect(clippy::cast_precision_loss, reason = "small")]
+        Ok(Data::Whole(whole)) => whole as f64,
+        other => panic!("{text}: {other:?}"),
+    }
+}
+
+/// The message, and what it marks.
+fn mistake(text: &str) -> (String, String) {
+    match run(text) {
+        Err(Stop::Error(error)) => (error.message.clone(), text[error.span.clone()].to_owned()),
+        other => panic!("{text}: {other:?}"),
+    }
+}

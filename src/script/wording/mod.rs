@@ -1,0 +1,8 @@
+//! Rhai's errors in the words of this program, with remedies.
+
+mod parsing;
+mod running;
+mod told;
+
+pub(super) use parsing::LONG_HEAD;
+pub(super) use told::{Told, function_name, shortened};
