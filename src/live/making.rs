@@ -1,7 +1,6 @@
 //! The making of a session's pictures: coarse ones, the requested one, and the full one due after an edit.
 
-use std::ops::ControlFlow::{Break, Continue};
-use std::sync::Arc;
+use std::ops::ControlFlow::Break;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
@@ -11,8 +10,9 @@ use super::easel::{Made, PictureKind};
 use super::event::Event;
 use super::ladder::{self, Care, LadderStep, Target};
 use super::mailbox::Detail;
+use super::onlooker::{Onlooker, rays};
 use super::state::{State, Times};
-use crate::engine::FrameReport;
+use crate::engine::{EngineError, FrameReport};
 use crate::trace::{Exposure, Film, Signals};
 
 /// While nothing of a frame is on show, a picture gets this long, or twice its expected time, before a coarse one is made.
@@ -20,12 +20,13 @@ const SOON: Duration = Duration::from_millis(50);
 /// The full picture due after an edit gets at least this long at a time, even when another picture is requested.
 const SLICE: Duration = Duration::from_millis(20);
 
-/// Returns the camera rays of a share of a picture: at least those of one sample of a tile, as so many are lost when it is ended.
-fn rays(share: f64, target: Target) -> u64 {
-    const IN_HAND: u64 = 256;
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
-    let rays = (share * target.rays()) as u64;
-    rays.max(IN_HAND)
+/// The requested picture, after some tracing.
+struct Traced {
+    /// Nothing, unless it is whole.
+    film: Result<Option<Film>, EngineError>,
+    /// Whether it takes longer than a first picture should.
+    is_late: bool,
+    target: Target,
 }
 
 impl Director {
@@ -103,92 +104,85 @@ impl Director {
     }
 
     /// Makes the requested picture, and shows it on the way. A command that comes in between loses nothing of it, unless it
-    /// requests something else. If nothing of the frame is on show yet and it takes longer than it should, a coarse picture comes
-    /// first.
+    /// requests something else. If nothing of the frame is on show yet and it takes longer than it should, a coarse picture
+    /// comes first.
     fn finish(&mut self, detail: Detail) {
         let state = self.handle.board.state();
         let kept = self.begun.take().filter(|begun| (begun.frame, begun.detail) == (state.frame, detail));
-        let frame = state.frame;
-        let mut begun = kept.unwrap_or_else(|| Begun::new(frame, detail));
-        let Self { stage: Some(stage), timings, easel, handle, last_step, next, .. } = self else {
+        let mut begun = kept.unwrap_or_else(|| Begun::new(state.frame, detail));
+        let is_first = self.easel.latest().is_none();
+        let Some(Traced { film, is_late, target }) = self.trace(&state, &mut begun, is_first) else {
             self.next = Next::Nothing;
             return;
         };
-        let (target, transfer, mailbox) =
-            (stage.target(detail), stage.film_settings().transfer, &handle.mailbox);
+        match film {
+            Ok(Some(film)) => self.finished(&state, &begun, film),
+            Ok(None) => self.unfinished(begun, (is_late && is_first).then_some(target)),
+            Err(error) => self.fail(error),
+        }
+    }
+
+    /// Traces the requested picture, or as much of it as there is time for. `None` if there is no scene.
+    fn trace(&mut self, state: &State, begun: &mut Begun, is_first: bool) -> Option<Traced> {
+        let Self { stage: Some(stage), timings, easel, handle, last_step, next, .. } = self else {
+            return None;
+        };
+        let (target, mailbox) = (stage.target(begun.detail), &handle.mailbox);
         let expected = Duration::try_from_secs_f64(2e-3 * timings.expected(target).unwrap_or(0.0));
         let deadline = expected.unwrap_or(Duration::MAX).max(SOON);
-        let is_first = easel.latest().is_none();
         let visits = &begun.visits;
-        let traced_before = Times::milliseconds(begun.traced) - visits.traced();
-        let mut visit = |exposure: &Exposure| {
-            let since = visits.now();
-            visits.go_on();
-            let traced = traced_before + visits.traced();
-            let so_far = exposure.share();
-            timings.note(Care::Whole, traced, rays(so_far, target));
-            // With the speed now known there may be time for another step; after an unfinished picture it would be a step back.
-            let step = last_step.filter(|_| !begun.is_shown);
-            if let Some(finer) = step.and_then(|(step, took)| timings.finer(step, took, target)) {
-                *next = Next::Step(finer, StepRole::Between);
-                return Break(());
-            }
-            handle.board.change(|state| state.progress = so_far);
-            let beneath = easel.latest().map(|(_, film)| Arc::clone(film));
-            if let Some(beneath) = beneath.filter(|_| visits.show()) {
-                let made = Made {
-                    film: exposure.develop_over(&beneath),
-                    transfer,
-                    kind: PictureKind::Coarse(so_far),
-                    times: Times { trace: traced, ..state.times },
-                    rays: state.rays,
-                    plan: None,
-                    warnings: Vec::new(),
-                    rendering: true,
-                };
-                if !easel.put_up(&state, made) {
-                    *next = Next::Nothing;
-                    return Break(());
-                }
-                visits.shown(since);
-                visits.go_on();
-                begun.is_shown = true;
-            }
-            Continue(())
+        let mut onlooker = Onlooker {
+            state,
+            target,
+            transfer: stage.film_settings().transfer,
+            traced_before: Times::milliseconds(begun.traced) - visits.traced(),
+            visits,
+            is_shown: &mut begun.is_shown,
+            timings,
+            easel,
+            board: &handle.board,
+            last_step: *last_step,
+            next,
         };
+        let (frame, exposure) = ((begun.frame, begun.detail), &mut begun.exposure);
         let (film, is_late) = mailbox.within(is_first.then_some(deadline), |begin| {
             let pause = || {
                 begin();
                 visits.are_due()
             };
             let signals = Signals { cancelled: mailbox.waiting(), pause: &pause };
-            stage.render_on((frame, detail), &mut begun.exposure, signals, &mut visit)
+            stage.render_on(frame, exposure, signals, &mut |exposure| onlooker.visit(exposure))
         });
-        let report = *stage.report();
-        begun.traced += report.trace;
-        match film {
-            Ok(Some(film)) => {
-                self.timings.moment = Times::milliseconds(report.animate + report.prepare);
-                self.timings.note(Care::Whole, Times::milliseconds(begun.traced), report.rays.camera);
-                if detail == Detail::Full {
-                    self.full_of = state.reloads;
-                }
-                self.next = self.after_picture();
-                let kind = if detail == Detail::Full { PictureKind::Full } else { PictureKind::Draft };
-                self.put_up(&state, kind, film, begun.traced);
-            }
-            Ok(None) => {
-                if is_late && is_first {
-                    let share = begun.exposure.as_ref().map_or(0.0, Exposure::share);
-                    self.timings.note(Care::Whole, Times::milliseconds(begun.traced), rays(share, target));
-                    self.next = self.first_step();
-                }
-                self.begun = Some(begun);
-                let progress = self.progress();
-                self.handle.board.change(|state| state.progress = progress);
-            }
-            Err(error) => self.fail(error),
+        begun.traced += stage.report().trace;
+        Some(Traced { film, is_late, target })
+    }
+
+    /// Puts up the requested picture.
+    fn finished(&mut self, state: &State, begun: &Begun, film: Film) {
+        let is_full = begun.detail == Detail::Full;
+        if let Some(stage) = &self.stage {
+            let report = stage.report();
+            self.timings.moment = Times::milliseconds(report.animate + report.prepare);
+            self.timings.note(Care::Whole, Times::milliseconds(begun.traced), report.rays.camera);
         }
+        if is_full {
+            self.full_of = state.reloads;
+        }
+        self.next = self.after_picture();
+        let kind = if is_full { PictureKind::Full } else { PictureKind::Draft };
+        self.put_up(state, kind, film, begun.traced);
+    }
+
+    /// Keeps the requested picture as far as it has come. A first one that was late gives way to a coarse one.
+    fn unfinished(&mut self, begun: Begun, late: Option<Target>) {
+        if let Some(target) = late {
+            let share = begun.exposure.as_ref().map_or(0.0, Exposure::share);
+            self.timings.note(Care::Whole, Times::milliseconds(begun.traced), rays(share, target));
+            self.next = self.first_step();
+        }
+        self.begun = Some(begun);
+        let progress = self.progress();
+        self.handle.board.change(|state| state.progress = progress);
     }
 
     /// Returns what to make after the requested picture: the full one that is due, if any.

@@ -23,6 +23,7 @@ mod handle;
 mod ladder;
 mod mailbox;
 mod making;
+mod onlooker;
 mod page;
 mod pixel_info;
 mod server;
