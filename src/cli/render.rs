@@ -24,18 +24,7 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
     let start = Instant::now();
     let mut engine = Engine::load(&arguments.scene)?;
     let load = start.elapsed();
-    if arguments.draft {
-        draft::apply(&mut engine);
-    }
-    let settings = RenderSettings::new(arguments, engine.timeline(), engine.film_settings())?;
-    engine.set_precision(arguments.precision.into());
-    engine.set_full(arguments.full);
-    if let Some(cutoff) = arguments.cutoff {
-        set_cutoff(&mut engine, cutoff);
-    }
-    if let Some(size) = settings.size {
-        resize(&mut engine, size);
-    }
+    let settings = set_up(&mut engine, arguments)?;
     let sheet = settings.sheet.map(|tiles| sheet::empty(tiles, engine.film_settings())).transpose()?;
     let directory = settings.sequence.directory();
     fs::create_dir_all(directory)
@@ -57,23 +46,50 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
     let interrupted = cancelled.load(Ordering::Relaxed) && !complete;
     report.finish(start.elapsed(), interrupted);
 
-    let sources = sources_for(&report, arguments);
-    if !arguments.json {
-        report.warnings.tell(sources.as_ref());
-        if !report.shots.is_empty() {
-            print::error_line(&report.plan());
-        }
-        print::error_line(&report.summary(&settings));
-    }
-    if arguments.json {
-        print::json(&report.to_json(sources.as_ref()))?;
-    }
+    tell(&report, arguments, &settings)?;
     rendered?;
     if interrupted {
         return Err(interruption.failure());
     }
     if !complete {
         return Err(anyhow!("not all frames were written").into());
+    }
+    Ok(())
+}
+
+/// Sets the engine up as the arguments want it, and returns what to render.
+fn set_up(engine: &mut Engine, arguments: &RenderArguments) -> Result<RenderSettings, Failure> {
+    if arguments.draft {
+        draft::apply(engine);
+    }
+    let settings = RenderSettings::new(arguments, engine.timeline(), engine.film_settings())?;
+    engine.set_precision(arguments.precision.into());
+    engine.set_full(arguments.full);
+    if let Some(cutoff) = arguments.cutoff {
+        set_cutoff(engine, cutoff);
+    }
+    if let Some(size) = settings.size {
+        resize(engine, size);
+    }
+    Ok(settings)
+}
+
+/// Prints what was rendered.
+fn tell(
+    report: &RenderReport,
+    arguments: &RenderArguments,
+    settings: &RenderSettings,
+) -> Result<(), Failure> {
+    let sources = sources_for(report, arguments);
+    if !arguments.json {
+        report.warnings.tell(sources.as_ref());
+        if !report.shots.is_empty() {
+            print::error_line(&report.plan());
+        }
+        print::error_line(&report.summary(settings));
+    }
+    if arguments.json {
+        print::json(&report.to_json(sources.as_ref()))?;
     }
     Ok(())
 }
@@ -133,7 +149,12 @@ fn render_all(
         settle(written, &pending, report);
     }
     drop(progress);
-    match (refused.map(|error| Failure::Other(error.into())), rendered) {
+    outcome(refused.map(|error| Failure::Other(error.into())), rendered)
+}
+
+/// Returns the first failure, and prints another one before it: a file may be refused, and rendering may stop.
+fn outcome(refused: Option<Failure>, rendered: Result<(), Failure>) -> Result<(), Failure> {
+    match (refused, rendered) {
         (Some(refused), Err(failure)) => {
             refused.print();
             Err(failure)

@@ -68,6 +68,16 @@ enum ValueMut<'a> {
     Color(&'a mut Rgb),
 }
 
+/// Matches a pattern in a component, if there is one.
+macro_rules! within {
+    ($part:expr, $pattern:pat => $value:expr) => {
+        match $part {
+            $pattern => $value,
+            _ => return None,
+        }
+    };
+}
+
 impl Parts<'_> {
     /// Writes a value, clamped to its range, and returns whether it is different from before. Nothing is written if the entity
     /// lacks it, or if it is of another kind.
@@ -81,20 +91,54 @@ impl Parts<'_> {
 
     /// Returns a reference to a value, if the entity has it.
     fn value_mut(&mut self, property: Property) -> Option<ValueMut<'_>> {
-        /// Matches a pattern in a component, if there is one.
-        macro_rules! within {
-            ($part:expr, $pattern:pat => $value:expr) => {
-                match $part {
-                    $pattern => $value,
-                    _ => return None,
-                }
-            };
+        use Property as P;
+        match property {
+            P::Translation | P::Rotation | P::Scale | P::Radius | P::Size | P::Normal => {
+                self.shape_value(property)
+            }
+            P::Ka
+            | P::Kd
+            | P::Color
+            | P::AmbientColor
+            | P::Ks
+            | P::Shininess
+            | P::Kr
+            | P::Kt
+            | P::Ior
+            | P::Absorption
+            | P::CheckerColor
+            | P::CheckerSize => self.surface_value(property),
+            P::Intensity
+            | P::Direction
+            | P::Angle
+            | P::Softness
+            | P::Falloff
+            | P::LightRadius
+            | P::LightWidth
+            | P::LightHeight => self.light_value(property),
+            P::Position
+            | P::Target
+            | P::View
+            | P::Up
+            | P::Roll
+            | P::Fov
+            | P::ScreenDistance
+            | P::ScreenWidth
+            | P::ScreenHeight
+            | P::Aperture
+            | P::Focus => self.camera_value(property),
+            P::Ambient
+            | P::Background
+            | P::BackgroundBottom
+            | P::BackgroundTop
+            | P::FogColor
+            | P::FogDensity => self.scene_value(property),
         }
-        use AreaShape::Rectangle;
-        use Background::{Flat, Gradient};
-        use LightKind::{Directional, Spot};
-        use Projection::{FieldOfView, Screen};
-        use ValueMut::{Color, Number, Rotation, Single, Vector};
+    }
+
+    /// Returns a reference to a value of its transform or its shape.
+    fn shape_value(&mut self, property: Property) -> Option<ValueMut<'_>> {
+        use ValueMut::{Number, Rotation, Vector};
         Some(match property {
             Property::Translation => Vector(&mut self.transform.as_mut()?.translation),
             Property::Rotation => Rotation(&mut self.transform.as_mut()?.rotation),
@@ -102,6 +146,14 @@ impl Parts<'_> {
             Property::Radius => within!(self.shape.as_mut()?, Shape::Sphere { radius } => Number(radius)),
             Property::Size => within!(self.shape.as_mut()?, Shape::Box { size } => Vector(size)),
             Property::Normal => within!(self.shape.as_mut()?, Shape::Plane { normal } => Vector(normal)),
+            _ => return None,
+        })
+    }
+
+    /// Returns a reference to a value of its surface.
+    fn surface_value(&mut self, property: Property) -> Option<ValueMut<'_>> {
+        use ValueMut::{Color, Number, Single};
+        Some(match property {
             Property::Ka => Single(&mut self.material.as_mut()?.k_a),
             Property::Kd => Single(&mut self.material.as_mut()?.k_d),
             Property::Color => Color(&mut self.material.as_mut()?.color),
@@ -114,6 +166,16 @@ impl Parts<'_> {
             Property::Absorption => Color(&mut self.refractive.as_mut()?.absorption),
             Property::CheckerColor => Color(&mut self.checker.as_mut()?.color),
             Property::CheckerSize => Number(&mut self.checker.as_mut()?.size),
+            _ => return None,
+        })
+    }
+
+    /// Returns a reference to a value of its light.
+    fn light_value(&mut self, property: Property) -> Option<ValueMut<'_>> {
+        use AreaShape::Rectangle;
+        use LightKind::{Directional, Spot};
+        use ValueMut::{Color, Number, Vector};
+        Some(match property {
             Property::Intensity => Color(&mut self.light.as_mut()?.intensity),
             Property::Direction => {
                 within!(self.light_kind()?, Directional { direction } => Vector(direction))
@@ -126,6 +188,15 @@ impl Parts<'_> {
             }
             Property::LightWidth => within!(self.area_shape()?, Rectangle { width, .. } => Number(width)),
             Property::LightHeight => within!(self.area_shape()?, Rectangle { height, .. } => Number(height)),
+            _ => return None,
+        })
+    }
+
+    /// Returns a reference to a value of its camera.
+    fn camera_value(&mut self, property: Property) -> Option<ValueMut<'_>> {
+        use Projection::{FieldOfView, Screen};
+        use ValueMut::{Number, Vector};
+        Some(match property {
             Property::Position => Vector(&mut self.camera.as_mut()?.position),
             Property::Target => Vector(target(self.camera.as_mut()?)),
             Property::View => Vector(view(self.camera.as_mut()?)),
@@ -141,6 +212,15 @@ impl Parts<'_> {
             Property::ScreenHeight => within!(self.projection()?, Screen { height, .. } => Number(height)),
             Property::Aperture => Number(&mut self.camera.as_mut()?.lens.as_mut()?.aperture),
             Property::Focus => Number(&mut self.camera.as_mut()?.lens.as_mut()?.focus),
+            _ => return None,
+        })
+    }
+
+    /// Returns a reference to a value of what is around everything.
+    fn scene_value(&mut self, property: Property) -> Option<ValueMut<'_>> {
+        use Background::{Flat, Gradient};
+        use ValueMut::{Color, Number};
+        Some(match property {
             Property::Ambient => Color(&mut self.ambient.as_mut()?.0),
             Property::Background => within!(self.background.as_mut()?, Flat(color) => Color(color)),
             Property::BackgroundBottom => {
@@ -149,6 +229,7 @@ impl Parts<'_> {
             Property::BackgroundTop => within!(self.background.as_mut()?, Gradient { top, .. } => Color(top)),
             Property::FogColor => Color(&mut self.fog.as_mut()?.color),
             Property::FogDensity => Number(&mut self.fog.as_mut()?.density),
+            _ => return None,
         })
     }
 

@@ -175,16 +175,19 @@ impl<'a> Survey<'a> {
                 Background::Flat(_) => LeftOut("the background is the same everywhere"),
                 Background::Gradient { .. } => Needed("the background is a gradient"),
             },
+            Effect::Antialiasing | Effect::DepthOfField => self.sampled(effect),
+            Effect::MotionBlur => LeftOut("the camera has no shutter"),
+        }
+    }
+
+    fn sampled(&self, effect: Effect) -> Need {
+        use Need::{LeftOut, Needed};
+        match effect {
             Effect::Antialiasing if self.samples() == 1 => LeftOut("a pixel has one sample"),
             Effect::Antialiasing => Needed("a pixel has several samples"),
-            Effect::DepthOfField if !self.preparation.camera().has_lens() => {
-                LeftOut("the camera has no lens")
-            }
-            Effect::DepthOfField if self.samples() == 1 => {
-                LeftOut("a pixel has one sample, through the middle of the lens")
-            }
-            Effect::DepthOfField => Needed("the camera has a lens"),
-            Effect::MotionBlur => LeftOut("the camera has no shutter"),
+            _ if !self.preparation.camera().has_lens() => LeftOut("the camera has no lens"),
+            _ if self.samples() == 1 => LeftOut("a pixel has one sample, through the middle of the lens"),
+            _ => Needed("the camera has a lens"),
         }
     }
 

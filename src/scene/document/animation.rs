@@ -183,80 +183,69 @@ impl AnimationDocument {
 /// Written by hand, because the content of `track` depends on `channel`.
 impl<'de> Deserialize<'de> for AnimationDocument {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct AnimationVisitor;
-
-        #[derive(Deserialize)]
-        #[serde(field_identifier, rename_all = "lowercase")]
-        enum Field {
-            Target,
-            Material,
-            Channel,
-            Track,
-            Repeat,
-            Offset,
-            Speed,
-        }
-
-        impl<'de> Visitor<'de> for AnimationVisitor {
-            type Value = AnimationDocument;
-
-            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-                formatter.write_str(
-                    "an animation, as (target: \"name\", channel: Translation, track: Keys([ .. ]))",
-                )
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<AnimationDocument, A::Error> {
-                let (mut target, mut material, mut channel, mut track) = (None, None, None, None);
-                let (mut repeat, mut offset, mut speed) = (None, None, None);
-                while let Some(field) = map.next_key()? {
-                    let twice = match field {
-                        Field::Target => target.is_some().then_some("target"),
-                        Field::Material => material.is_some().then_some("material"),
-                        Field::Channel => channel.is_some().then_some("channel"),
-                        Field::Track => track.is_some().then_some("track"),
-                        Field::Repeat => repeat.is_some().then_some("repeat"),
-                        Field::Offset => offset.is_some().then_some("offset"),
-                        Field::Speed => speed.is_some().then_some("speed"),
-                    };
-                    if let Some(name) = twice {
-                        return Err(A::Error::duplicate_field(name));
-                    }
-                    match field {
-                        Field::Target => target = map.next_value::<Option<String>>()?,
-                        Field::Material => material = map.next_value::<Option<String>>()?,
-                        Field::Channel => channel = Some(map.next_value::<ChannelDocument>()?),
-                        Field::Track => {
-                            let Some(channel) = channel else {
-                                return Err(A::Error::custom(
-                                    "`track` stands before `channel`\nwrite `channel` first: it says what kind of values the keys have",
-                                ));
-                            };
-                            track = Some(tracks(channel, &mut map)?);
-                        }
-                        Field::Repeat => repeat = Some(map.next_value::<RepeatDocument>()?),
-                        Field::Offset => offset = Some(map.next_value::<f64>()?),
-                        Field::Speed => speed = Some(map.next_value::<f64>()?),
-                    }
-                }
-                let channel = channel.ok_or_else(|| A::Error::missing_field("channel"))?;
-                let track = track.ok_or_else(|| A::Error::missing_field("track"))?;
-                let (repeat, offset) = (repeat.unwrap_or_default(), offset.unwrap_or(0.0));
-                let speed = speed.unwrap_or(1.0);
-                Ok(AnimationDocument {
-                    target,
-                    material,
-                    channel,
-                    track,
-                    repeat,
-                    offset,
-                    speed,
-                    script: None,
-                })
-            }
-        }
-
         deserializer.deserialize_struct("Animation", Self::FIELDS, AnimationVisitor)
+    }
+}
+
+struct AnimationVisitor;
+
+#[derive(Deserialize)]
+#[serde(field_identifier, rename_all = "lowercase")]
+enum AnimationField {
+    Target,
+    Material,
+    Channel,
+    Track,
+    Repeat,
+    Offset,
+    Speed,
+}
+
+impl<'de> Visitor<'de> for AnimationVisitor {
+    type Value = AnimationDocument;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("an animation, as (target: \"name\", channel: Translation, track: Keys([ .. ]))")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<AnimationDocument, A::Error> {
+        let (mut target, mut material, mut channel, mut track) = (None, None, None, None);
+        let (mut repeat, mut offset, mut speed) = (None, None, None);
+        while let Some(field) = map.next_key()? {
+            let twice = match field {
+                AnimationField::Target => target.is_some().then_some("target"),
+                AnimationField::Material => material.is_some().then_some("material"),
+                AnimationField::Channel => channel.is_some().then_some("channel"),
+                AnimationField::Track => track.is_some().then_some("track"),
+                AnimationField::Repeat => repeat.is_some().then_some("repeat"),
+                AnimationField::Offset => offset.is_some().then_some("offset"),
+                AnimationField::Speed => speed.is_some().then_some("speed"),
+            };
+            if let Some(name) = twice {
+                return Err(A::Error::duplicate_field(name));
+            }
+            match field {
+                AnimationField::Target => target = map.next_value::<Option<String>>()?,
+                AnimationField::Material => material = map.next_value::<Option<String>>()?,
+                AnimationField::Channel => channel = Some(map.next_value::<ChannelDocument>()?),
+                AnimationField::Track => {
+                    let Some(channel) = channel else {
+                        return Err(A::Error::custom(
+                            "`track` stands before `channel`\nwrite `channel` first: it says what kind of values the keys have",
+                        ));
+                    };
+                    track = Some(tracks(channel, &mut map)?);
+                }
+                AnimationField::Repeat => repeat = Some(map.next_value::<RepeatDocument>()?),
+                AnimationField::Offset => offset = Some(map.next_value::<f64>()?),
+                AnimationField::Speed => speed = Some(map.next_value::<f64>()?),
+            }
+        }
+        let channel = channel.ok_or_else(|| A::Error::missing_field("channel"))?;
+        let track = track.ok_or_else(|| A::Error::missing_field("track"))?;
+        let (repeat, offset) = (repeat.unwrap_or_default(), offset.unwrap_or(0.0));
+        let speed = speed.unwrap_or(1.0);
+        Ok(AnimationDocument { target, material, channel, track, repeat, offset, speed, script: None })
     }
 }
 

@@ -73,64 +73,63 @@ impl BackgroundDocument {
 
 impl<'de> Deserialize<'de> for BackgroundDocument {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct BackgroundVisitor;
-
-        #[derive(Deserialize)]
-        #[serde(field_identifier, rename_all = "lowercase")]
-        enum Field {
-            Bottom,
-            Top,
-            Other(String),
-        }
-
-        impl<'de> Visitor<'de> for BackgroundVisitor {
-            type Value = BackgroundDocument;
-
-            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-                formatter.write_str(
-                    "a background: a colour, as (255, 120, 60) or \"#ff783c\", or two, as (bottom: (255, 255, 255), top: (128, 179, 255))",
-                )
-            }
-
-            fn visit_str<E: Error>(self, text: &str) -> Result<BackgroundDocument, E> {
-                ColorDocument::deserialize(text.into_deserializer()).map(BackgroundDocument::Flat)
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, sequence: A) -> Result<BackgroundDocument, A::Error> {
-                triple(sequence, &self).map(|channels| BackgroundDocument::Flat(ColorDocument(channels)))
-            }
-
-            /// Reports mistakes in its own words, since serde would blame the scene.
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<BackgroundDocument, A::Error> {
-                let (mut bottom, mut top) = (None, None);
-                while let Some(field) = map.next_key()? {
-                    let (name, place) = match field {
-                        Field::Bottom => ("bottom", &mut bottom),
-                        Field::Top => ("top", &mut top),
-                        Field::Other(name) => {
-                            let remedy = suggest::remedy(&name, BackgroundDocument::FIELDS, "fields");
-                            let message =
-                                format!("unknown field `{}` of `background`\n{remedy}", short(&name));
-                            return Err(A::Error::custom(message));
-                        }
-                    };
-                    if place.is_some() {
-                        let message = format!("field `{name}` of `background` is written twice");
-                        return Err(A::Error::custom(message + "\nremove one of the two"));
-                    }
-                    *place = Some(map.next_value()?);
-                }
-                let missing = |name: &str| {
-                    let message = format!("missing field `{name}` of `background`");
-                    A::Error::custom(message + "\nwrite both `bottom` and `top`, or a single colour")
-                };
-                let bottom = bottom.ok_or_else(|| missing("bottom"))?;
-                let top = top.ok_or_else(|| missing("top"))?;
-                Ok(BackgroundDocument::Gradient { bottom, top })
-            }
-        }
-
         deserializer.deserialize_any(BackgroundVisitor)
+    }
+}
+
+struct BackgroundVisitor;
+
+#[derive(Deserialize)]
+#[serde(field_identifier, rename_all = "lowercase")]
+enum BackgroundField {
+    Bottom,
+    Top,
+    Other(String),
+}
+
+impl<'de> Visitor<'de> for BackgroundVisitor {
+    type Value = BackgroundDocument;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(
+            "a background: a colour, as (255, 120, 60) or \"#ff783c\", or two, as (bottom: (255, 255, 255), top: (128, 179, 255))",
+        )
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<BackgroundDocument, E> {
+        ColorDocument::deserialize(text.into_deserializer()).map(BackgroundDocument::Flat)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, sequence: A) -> Result<BackgroundDocument, A::Error> {
+        triple(sequence, &self).map(|channels| BackgroundDocument::Flat(ColorDocument(channels)))
+    }
+
+    /// Reports mistakes in its own words, since serde would blame the scene.
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<BackgroundDocument, A::Error> {
+        let (mut bottom, mut top) = (None, None);
+        while let Some(field) = map.next_key()? {
+            let (name, place) = match field {
+                BackgroundField::Bottom => ("bottom", &mut bottom),
+                BackgroundField::Top => ("top", &mut top),
+                BackgroundField::Other(name) => {
+                    let remedy = suggest::remedy(&name, BackgroundDocument::FIELDS, "fields");
+                    let message = format!("unknown field `{}` of `background`\n{remedy}", short(&name));
+                    return Err(A::Error::custom(message));
+                }
+            };
+            if place.is_some() {
+                let message = format!("field `{name}` of `background` is written twice");
+                return Err(A::Error::custom(message + "\nremove one of the two"));
+            }
+            *place = Some(map.next_value()?);
+        }
+        let missing = |name: &str| {
+            let message = format!("missing field `{name}` of `background`");
+            A::Error::custom(message + "\nwrite both `bottom` and `top`, or a single colour")
+        };
+        let bottom = bottom.ok_or_else(|| missing("bottom"))?;
+        let top = top.ok_or_else(|| missing("top"))?;
+        Ok(BackgroundDocument::Gradient { bottom, top })
     }
 }
 

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::entities::SLASH;
 use super::{At, Named, Problems, check};
-use crate::scene::document::{CameraDocument, SceneDocument, ShotDocument};
+use crate::scene::document::{CameraDocument, SceneDocument, ShotDocument, Triple};
 use crate::scene::files::Scope;
 use crate::scene::quote::{Figure, short};
 
@@ -105,7 +105,26 @@ fn one_view(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
 fn camera(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
     let position_good = check::vector(document.position, &at.field("position"), problems);
     let up_good = check::direction(document.up, "up", &at.field("up"), problems);
-    let view = match (document.target, document.view) {
+    let view = view(document, position_good, at, problems);
+    if let Some(view) = view.filter(|_| up_good) {
+        across(document.up, view, at, problems);
+    }
+    check::number(document.roll, &at.field("roll"), problems);
+    projection(document, at, problems);
+    lens(document, at, problems);
+    if let Some(share) = document.shutter {
+        shutter(share, &at.field("shutter"), problems);
+    }
+}
+
+/// Returns the direction in which a camera looks, and the name of the field that says so; reports one that looks nowhere or has two.
+fn view(
+    document: &CameraDocument,
+    position_good: bool,
+    at: &At<'_>,
+    problems: &mut Problems,
+) -> Option<(DVec3, &'static str)> {
+    match (document.target, document.view) {
         _ if document.look_at.is_some() => {
             one_view(document, at, problems);
             None
@@ -147,29 +166,23 @@ fn camera(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
             );
             None
         }
-    };
-    if let Some((view, name)) = view
-        && up_good
-    {
-        let up = DVec3::from(document.up);
-        // In units of the larger components, so that nothing overflows.
-        let across = (up / up.abs().max_element()).cross(view / view.abs().max_element());
-        if across.length() < 1e-9 {
-            let message = format!("the camera's up is parallel to its {name}");
-            let explicit = at.field("up");
-            problems.add(
-                &explicit,
-                message,
-                "no way to tell which way is up",
-                "choose another `up`, as (0, 0, 1) for a camera that looks down",
-            );
-        }
     }
-    check::number(document.roll, &at.field("roll"), problems);
-    projection(document, at, problems);
-    lens(document, at, problems);
-    if let Some(share) = document.shutter {
-        shutter(share, &at.field("shutter"), problems);
+}
+
+/// Reports an up direction that is parallel to the view.
+fn across(up: Triple, (view, name): (DVec3, &str), at: &At<'_>, problems: &mut Problems) {
+    let up = DVec3::from(up);
+    // In units of the larger components, so that nothing overflows.
+    let across = (up / up.abs().max_element()).cross(view / view.abs().max_element());
+    if across.length() < 1e-9 {
+        let message = format!("the camera's up is parallel to its {name}");
+        let explicit = at.field("up");
+        problems.add(
+            &explicit,
+            message,
+            "no way to tell which way is up",
+            "choose another `up`, as (0, 0, 1) for a camera that looks down",
+        );
     }
 }
 

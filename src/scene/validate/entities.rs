@@ -25,48 +25,8 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
         if let Some(light) = &entity.light {
             super::lights::validate(light, &at.field("light"), problems);
         }
-        match (&entity.shape, &entity.material) {
-            (Some(shape), material) => {
-                self::shape(shape, &at.field("shape"), problems);
-                if material.is_none() {
-                    problems.add(
-                        &at.field("shape"),
-                        "a shape without a material",
-                        "nothing says what it looks like",
-                        "add `material: \"name\"`, one of `materials`",
-                    );
-                }
-            }
-            (None, Some(_)) => {
-                problems.add(
-                    &at.field("material"),
-                    "a material without a shape",
-                    "nothing has this surface",
-                    "add a `shape`, or remove the material",
-                );
-            }
-            (None, None) => {}
-        }
-        if let Some(name) = &entity.material {
-            let at = at.field("material");
-            match (scope.material(name), &entity.shape) {
-                (Lookup::Missing, _) => {
-                    problems.add_unknown(&at, Named::Material, name, || scope.material_names());
-                }
-                (
-                    Lookup::Found(MaterialDocument { checker: Some(_), .. }),
-                    Some(ShapeDocument::Sphere { .. }),
-                ) => {
-                    problems.add(
-                        &at,
-                        "a sphere cannot have a chequered material",
-                        "`checker` is two-dimensional",
-                        "give it a material without `checker`; planes and boxes can have squares",
-                    );
-                }
-                _ => {}
-            }
-        }
+        look(entity, &at, problems);
+        material(entity, scope, &at, problems);
         if let Some(parent) = &entity.parent
             && scope.entity(parent).is_missing()
         {
@@ -74,6 +34,52 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
         }
     }
     cycles(&document.entities, &names, &at, problems);
+}
+
+/// Reports a shape without a material, a material without a shape, and what is wrong with the shape.
+fn look(entity: &EntityDocument, at: &At<'_>, problems: &mut Problems) {
+    match (&entity.shape, &entity.material) {
+        (Some(shape), material) => {
+            self::shape(shape, &at.field("shape"), problems);
+            if material.is_none() {
+                problems.add(
+                    &at.field("shape"),
+                    "a shape without a material",
+                    "nothing says what it looks like",
+                    "add `material: \"name\"`, one of `materials`",
+                );
+            }
+        }
+        (None, Some(_)) => {
+            problems.add(
+                &at.field("material"),
+                "a material without a shape",
+                "nothing has this surface",
+                "add a `shape`, or remove the material",
+            );
+        }
+        (None, None) => {}
+    }
+}
+
+/// Reports a material that is not there, or does not go with the shape.
+fn material(entity: &EntityDocument, scope: Scope<'_>, at: &At<'_>, problems: &mut Problems) {
+    let Some(name) = &entity.material else { return };
+    let at = at.field("material");
+    match (scope.material(name), &entity.shape) {
+        (Lookup::Missing, _) => {
+            problems.add_unknown(&at, Named::Material, name, || scope.material_names());
+        }
+        (Lookup::Found(MaterialDocument { checker: Some(_), .. }), Some(ShapeDocument::Sphere { .. })) => {
+            problems.add(
+                &at,
+                "a sphere cannot have a chequered material",
+                "`checker` is two-dimensional",
+                "give it a material without `checker`; planes and boxes can have squares",
+            );
+        }
+        _ => {}
+    }
 }
 
 /// Returns entities by name; reports names that are taken.

@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering::Less;
 
-use glam::DVec3;
+use glam::{DAffine3, DMat3, DVec3};
 
 use crate::components::{Shape, WorldTransform};
 use crate::systems::FaultCause;
@@ -11,80 +11,118 @@ use crate::trace::PreparedShape;
 use crate::trace::math::{Double, Double3};
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 
+/// The largest magnitude of world coordinates, and of the inverse of sizes.
+const LARGEST: f64 = 1e150;
+
 /// Returns a shape in world space, or why there is none: where it has no extent or is far out of range, squares of its
 /// coordinates would no longer be numbers.
 pub(super) fn prepared_shape(shape: &Shape, transform: &WorldTransform) -> Result<PreparedShape, FaultCause> {
-    /// The largest magnitude of world coordinates, and of the inverse of sizes.
-    const LARGEST: f64 = 1e150;
-    let matrix = transform.affine.matrix3;
-    let translation = transform.affine.translation;
-    let largest = matrix.to_cols_array().into_iter().fold(0.0, |largest: f64, part| largest.max(part.abs()));
-    // Near 1 a determinant is not in danger.
-    let unit = matrix * towards_one(largest);
-    let measurable = |size: f64| (1.0 / LARGEST..LARGEST).contains(&size);
-    if !transform.affine.is_finite() {
-        return Err(FaultCause::NotFinite("transform"));
-    }
-    if largest == 0.0 {
-        return Err(FaultCause::Flat);
-    }
-    if !measurable(largest) || translation.abs().max_element() >= LARGEST {
-        return Err(FaultCause::BeyondMeasure);
-    }
-    if unit.determinant() == 0.0 {
-        return Err(FaultCause::Flat);
-    }
-    let invertible = || {
-        let back = unit.inverse() * towards_one(largest);
-        let good = back.to_cols_array().into_iter().all(|part| part.abs() < LARGEST);
-        if good { Ok(transform.affine) } else { Err(FaultCause::Flat) }
-    };
-    let sized = |what: &'static str, size: f64| match size {
-        _ if size.is_nan() || size <= 0.0 => Err(FaultCause::NotPositive(what, size)),
-        _ if !measurable(size * largest) => Err(FaultCause::BeyondMeasure),
-        _ => Ok(()),
-    };
-    let exact = ExactAffine::of(transform);
+    let map = Map::new(transform)?;
     match *shape {
-        Shape::Sphere { radius } => {
-            sized("radius", radius)?;
-            Ok(match transform.uniform_scale {
-                Some(scale) => PreparedShape::Sphere(Sphere { center: translation, radius: radius * scale }),
-                None => PreparedShape::SphereImage(SphereImage::new(invertible()?, radius)),
-            })
+        Shape::Sphere { radius } => map.sphere(radius),
+        Shape::Plane { normal } => map.plane(normal),
+        Shape::Box { size } => map.cuboid(size),
+    }
+}
+
+/// Returns whether squares of a size and of its inverse are numbers.
+fn measurable(size: f64) -> bool {
+    (1.0 / LARGEST..LARGEST).contains(&size)
+}
+
+/// A transform that maps shapes: it is finite, in range and not flat.
+struct Map<'a> {
+    transform: &'a WorldTransform,
+    /// The largest magnitude of its matrix' entries.
+    largest: f64,
+}
+
+impl<'a> Map<'a> {
+    fn new(transform: &'a WorldTransform) -> Result<Self, FaultCause> {
+        let entries = transform.affine.matrix3.to_cols_array();
+        let map = Self {
+            transform,
+            largest: entries.into_iter().fold(0.0, |largest: f64, part| largest.max(part.abs())),
+        };
+        if !transform.affine.is_finite() {
+            return Err(FaultCause::NotFinite("transform"));
         }
-        Shape::Plane { normal } if !normal.is_finite() => Err(FaultCause::NotFinite("normal")),
-        Shape::Plane { normal } => {
-            let normal = normal_image(&exact, towards_one(largest), normal);
-            let plane = Plane::new(translation, normal).ok_or(FaultCause::NoDirection("normal"))?;
-            Ok(PreparedShape::Plane(plane))
+        if map.largest == 0.0 {
+            return Err(FaultCause::Flat);
         }
-        Shape::Box { size } => {
-            for edge in size.to_array() {
-                sized("edge", edge)?;
-            }
-            let half = Double3::decimal(size).times_power(0.5);
-            match aligned_half(&exact, half) {
-                Some(half) => {
-                    let (min, max) = (exact.translation - half, exact.translation + half);
-                    let (min, max) = (min.rounded(), max.rounded());
-                    if let Some(axis) = (0..3).find(|axis| min[*axis].partial_cmp(&max[*axis]) != Some(Less))
-                    {
-                        let edge = 2.0 * half.rounded()[axis];
-                        return Err(FaultCause::Lost { edge, coordinate: translation[axis] });
-                    }
-                    Ok(PreparedShape::AlignedBox(AlignedBox { min, max }))
-                }
-                None => {
-                    invertible()?;
-                    let edge = size.min_element() * largest;
-                    let coordinate = translation.abs().max_element();
-                    BoxImage::exact(exact.columns, exact.translation, half)
-                        .map(PreparedShape::BoxImage)
-                        .ok_or(FaultCause::Lost { edge, coordinate })
-                }
-            }
+        if !measurable(map.largest) || transform.affine.translation.abs().max_element() >= LARGEST {
+            return Err(FaultCause::BeyondMeasure);
         }
+        if map.unit().determinant() == 0.0 {
+            return Err(FaultCause::Flat);
+        }
+        Ok(map)
+    }
+
+    /// Returns the matrix with entries near 1, for which a determinant is not in danger.
+    fn unit(&self) -> DMat3 {
+        self.transform.affine.matrix3 * towards_one(self.largest)
+    }
+
+    /// Returns the map if its inverse is in range too.
+    fn invertible(&self) -> Result<DAffine3, FaultCause> {
+        let back = self.unit().inverse() * towards_one(self.largest);
+        let good = back.to_cols_array().into_iter().all(|part| part.abs() < LARGEST);
+        if good { Ok(self.transform.affine) } else { Err(FaultCause::Flat) }
+    }
+
+    /// Checks a size of a shape, which has this name.
+    fn check_size(&self, what: &'static str, size: f64) -> Result<(), FaultCause> {
+        match size {
+            _ if size.is_nan() || size <= 0.0 => Err(FaultCause::NotPositive(what, size)),
+            _ if !measurable(size * self.largest) => Err(FaultCause::BeyondMeasure),
+            _ => Ok(()),
+        }
+    }
+
+    fn sphere(&self, radius: f64) -> Result<PreparedShape, FaultCause> {
+        self.check_size("radius", radius)?;
+        let center = self.transform.affine.translation;
+        Ok(match self.transform.uniform_scale {
+            Some(scale) => PreparedShape::Sphere(Sphere { center, radius: radius * scale }),
+            None => PreparedShape::SphereImage(SphereImage::new(self.invertible()?, radius)),
+        })
+    }
+
+    fn plane(&self, normal: DVec3) -> Result<PreparedShape, FaultCause> {
+        if !normal.is_finite() {
+            return Err(FaultCause::NotFinite("normal"));
+        }
+        let normal = normal_image(&ExactAffine::of(self.transform), towards_one(self.largest), normal);
+        let plane = Plane::new(self.transform.affine.translation, normal);
+        plane.map(PreparedShape::Plane).ok_or(FaultCause::NoDirection("normal"))
+    }
+
+    fn cuboid(&self, size: DVec3) -> Result<PreparedShape, FaultCause> {
+        for edge in size.to_array() {
+            self.check_size("edge", edge)?;
+        }
+        let exact = ExactAffine::of(self.transform);
+        let half = Double3::decimal(size).times_power(0.5);
+        if let Some(half) = aligned_half(&exact, half) {
+            return self.aligned_box(&exact, half);
+        }
+        self.invertible()?;
+        let edge = size.min_element() * self.largest;
+        let coordinate = self.transform.affine.translation.abs().max_element();
+        BoxImage::exact(exact.columns, exact.translation, half)
+            .map(PreparedShape::BoxImage)
+            .ok_or(FaultCause::Lost { edge, coordinate })
+    }
+
+    fn aligned_box(&self, exact: &ExactAffine, half: Double3) -> Result<PreparedShape, FaultCause> {
+        let (min, max) = (exact.translation - half, exact.translation + half);
+        let (min, max) = (min.rounded(), max.rounded());
+        if let Some(axis) = (0..3).find(|axis| min[*axis].partial_cmp(&max[*axis]) != Some(Less)) {
+            let edge = 2.0 * half.rounded()[axis];
+            return Err(FaultCause::Lost { edge, coordinate: self.transform.affine.translation[axis] });
+        }
+        Ok(PreparedShape::AlignedBox(AlignedBox { min, max }))
     }
 }
 
