@@ -42,4 +42,6 @@ pub use path::Path;
 pub use playback::{Playback, Repeat};
 pub use rotation::{Rotation, slerp};
 pub use track::{Key, Track};
-pub use value::{Kind, Notation, Value};
+#[doc(hidden)]
+pub use value::Notation;
+pub use value::{Kind, Value};

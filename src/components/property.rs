@@ -185,6 +185,7 @@ impl Property {
 
     /// Returns how its values are written in scene files and scripts.
     #[must_use]
+    #[doc(hidden)]
     pub const fn notation(self) -> Notation {
         self.quantity().notation()
     }

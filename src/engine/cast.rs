@@ -74,6 +74,7 @@ fn exponent(ray: &trace::CastRay, direction: DVec3) -> i32 {
 pub trait IntoRay {
     /// Returns the kernel's ray, and the power of two by which its direction is longer than the given one. `None` if a number is
     /// not finite or the direction is zero.
+    #[doc(hidden)]
     fn into_ray(self) -> Option<(trace::CastRay, i32)>;
 }
 

@@ -362,6 +362,7 @@ impl Engine {
 
     /// Returns everything that goes into the first sample of the pixel in column `i` and row `j`: the only one, unless
     /// [`Sampling`](crate::components::Sampling) has more. As [`probe_sample`](Engine::probe_sample).
+    #[doc(hidden)]
     #[must_use]
     pub fn probe(&self, i: u32, j: u32) -> Option<Probe<'_>> {
         self.probe_sample(i, j, 0)
@@ -370,6 +371,7 @@ impl Engine {
     /// Returns everything that goes into sample `index` of the pixel in column `i` and row `j`, at the moment of the last
     /// [`seek`](Engine::seek) or, where a shutter is open, [`seek_sample`](Engine::seek_sample), by the reference path. `None`
     /// before the first of them, outside the film, and for a sample that the pixel does not have.
+    #[doc(hidden)]
     #[must_use]
     pub fn probe_sample(&self, i: u32, j: u32, index: u32) -> Option<Probe<'_>> {
         let preparation = self.preparation.as_ref()?;

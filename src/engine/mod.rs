@@ -10,6 +10,7 @@ mod report;
 
 pub use cast::{Hit, IntoRay, Ray, SecondaryRay};
 pub use engine::{Engine, EngineError};
+#[doc(hidden)]
 pub use probe::Probe;
 pub use render::Draft;
 pub use report::FrameReport;

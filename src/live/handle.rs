@@ -32,11 +32,13 @@ pub struct Handle {
 
 impl Handle {
     /// Sends a command to the session.
+    #[doc(hidden)]
     pub fn post(&self, command: Command) {
         self.mailbox.post(command);
     }
 
     /// Returns the current state of the session.
+    #[doc(hidden)]
     #[must_use]
     pub fn state(&self) -> State {
         self.board.state()
@@ -48,6 +50,7 @@ impl Handle {
     }
 
     /// Returns a picture; `None` once it is out of date.
+    #[doc(hidden)]
     #[must_use]
     pub fn picture(&self, id: u64) -> Option<Picture> {
         self.board.picture(id)

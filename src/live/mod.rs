@@ -38,7 +38,7 @@ pub use guard::{HostName, NoHostName};
 pub use handle::{Handle, SessionSettings};
 pub use server::Server;
 pub use session::Session;
-pub use state::Times;
+pub use state::{Mistakes, PictureInfo, Times};
 pub use watcher::{QUIET, Watcher, Watching};
 
 // What the server asks of a session, and tests with it: no part of the library's face.
@@ -47,5 +47,5 @@ pub use {
     board::Picture,
     mailbox::{Answer, Command, Detail, View},
     pixel_info::{PixelInfo, SurfaceInfo},
-    state::{Mistakes, PictureInfo, Planned, State},
+    state::{Planned, State},
 };

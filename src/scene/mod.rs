@@ -20,6 +20,7 @@ mod diagnostic;
 mod document;
 mod error;
 mod files;
+#[doc(hidden)]
 pub mod input;
 pub mod language;
 mod load;
@@ -43,6 +44,7 @@ mod validate;
 pub use diagnostic::{Diagnostic, Source, SourcePosition};
 pub use error::{Inclusion, LoadError, Mistake};
 pub use load::{Scene, TEMPLATE};
+#[doc(hidden)]
 pub use printable::{Printable, is_printable};
 pub use reader::Reader;
 pub use script_sources::ScriptMistake;

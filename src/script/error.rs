@@ -11,7 +11,7 @@ use super::wording::{Told, function_name, shortened};
 
 /// A mistake in a script's text, or one that shows when it runs.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ScriptError {
+pub(crate) struct ScriptError {
     /// The mistake.
     pub(crate) message: String,
     /// The remark at the marked place.

@@ -6,15 +6,15 @@ use crate::script::ScriptError;
 
 /// A script that gave no value.
 #[derive(Clone, Debug)]
-pub struct ScriptFailure {
+pub(crate) struct ScriptFailure {
     /// The script.
-    pub script: ScriptId,
+    pub(crate) script: ScriptId,
     /// The value that it drives: `Radius of "ball"`.
-    pub channel: String,
+    pub(crate) channel: String,
     /// The moment, in seconds.
-    pub seconds: f64,
+    pub(crate) seconds: f64,
     /// The error.
-    pub error: Box<ScriptError>,
+    pub(crate) error: Box<ScriptError>,
 }
 
 /// The reason why a world could not be brought to a moment.

@@ -42,8 +42,7 @@ pub use changes::Changes;
 pub use context::Context;
 pub use effect::Effect;
 pub use faults::{Consequence, Fault, FaultCause, Instead};
-pub(crate) use halt::Halt;
-pub use halt::ScriptFailure;
+pub(crate) use halt::{Halt, ScriptFailure};
 pub use parts::value;
 pub use plan::{Need, Plan};
 #[doc(hidden)]

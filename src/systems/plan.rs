@@ -68,6 +68,7 @@ impl Plan {
     }
 
     /// Returns the effects that the kernel's stages need.
+    #[doc(hidden)]
     #[must_use]
     pub fn effects(&self) -> Effects {
         self.effects

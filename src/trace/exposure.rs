@@ -99,6 +99,7 @@ impl TileLight {
 
 impl Exposure {
     /// Of no light so far, to have this many samples in a pixel.
+    #[doc(hidden)]
     #[must_use]
     pub fn new((columns, rows): (u32, u32), samples: u32) -> Self {
         let tiles = (0..rows)
@@ -115,6 +116,7 @@ impl Exposure {
     /// be as large as this, and samples before `from` must be there.
     ///
     /// Says whether all were added; if not, the same call goes on.
+    #[doc(hidden)]
     #[must_use]
     pub fn add(
         &mut self,
@@ -211,6 +213,7 @@ impl Exposure {
     }
 
     /// The picture, and what it took.
+    #[doc(hidden)]
     #[must_use]
     pub fn develop(self) -> (Film, Effort) {
         let mut film = Film::new(self.width, self.height);

@@ -22,7 +22,7 @@
 //!    and `film` holds the result.
 //!
 //! Folders import one way: `math` <- `rays` <- `shapes` <- `bvh` <- `scene` <- `query` <- `light` <- `stages`. What a scene holds is in
-//! `scene`, what rays ask of it in `query`, and what light does in `light`, which `stages` and [`mod@reference`] share.
+//! `scene`, what rays ask of it in `query`, and what light does in `light`, which `stages` and `reference` share.
 //!
 //! # What a picture needs, and no more
 //!
@@ -39,7 +39,7 @@
 //! generation, and at 4096 rays; rays beyond the last two see the background untraced. How many it was is in [`TreeEnds`].
 //!
 //! Two paths answer what a ray meets: the scene's tree of bounding boxes, and the linear scan of the
-//! [reference path](mod@reference). Both ask the same shapes the same questions, so that both make the same picture, bit for bit.
+//! reference path, in `reference`. Both ask the same shapes the same questions, so that both make the same picture, bit for bit.
 //!
 #![doc = include_str!("numerics.md")]
 
@@ -53,6 +53,7 @@ mod light;
 pub mod math;
 mod query;
 mod rays;
+#[doc(hidden)]
 pub mod reference;
 mod scene;
 #[doc(hidden)]
@@ -63,22 +64,22 @@ pub use effort::{RayCounts, TreeEnds};
 pub use exposure::{Exposure, Signals};
 pub use film::Film;
 pub use math::Sampling;
-pub use query::{Escalations, Hit, SurfacePoint};
-pub use rays::{Ray, ShapeId};
-pub use scene::{Camera, Passage, Precision};
+pub use query::Escalations;
+pub use scene::{Camera, Precision};
 
-// What tests and benchmarks ask of the kernel itself: no part of the library's face.
+// What tests, benchmarks and explanations of pixels ask of the kernel itself: no part of the library's face.
 #[doc(hidden)]
 pub use {
     effects::{Effects, Lighting, Paths},
     effort::Effort,
     light::Boundary,
     math::Root,
-    query::{CastHit, CastRay},
+    query::{CastHit, CastRay, Hit, SurfacePoint},
+    rays::{Ray, ShapeId},
     scene::{
         Background, Checker, CheckerPattern, Cone, Falloff, Fog, Geometry, Light, LightSource,
-        MaterialSummary, MaterialTable, PreparedScene, PreparedShape, Refraction, SceneChanges, ShapeChange,
-        SurfaceMaterial,
+        MaterialSummary, MaterialTable, Passage, PreparedScene, PreparedShape, Refraction, SceneChanges,
+        ShapeChange, SurfaceMaterial,
     },
     shapes::{Bounds, RefinedHit},
 };

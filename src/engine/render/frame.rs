@@ -234,6 +234,7 @@ impl Engine {
     /// # Errors
     ///
     /// As [`Engine::render_frame`].
+    #[doc(hidden)]
     pub fn seek_sample(&mut self, time: Time, index: u32) -> Result<(), EngineError> {
         let instants = self.instants(time);
         self.report = FrameReport { time, ..FrameReport::default() };

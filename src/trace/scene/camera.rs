@@ -135,6 +135,7 @@ impl Camera {
     }
 
     /// The ray through the centre of pixel (i, j). `None` only if the eye or the screen is not finite.
+    #[doc(hidden)]
     #[must_use]
     #[inline(always)]
     pub fn ray(&self, i: u32, j: u32) -> Option<Ray> {
@@ -154,6 +155,7 @@ impl Camera {
     /// over it, towards the place in the plane in focus that the eye sees through theirs on the screen.
     ///
     /// `None` only if the eye or the screen is not finite.
+    #[doc(hidden)]
     #[must_use]
     #[inline]
     pub fn sample_ray(&self, sampling: Sampling, i: u32, j: u32, index: u32) -> Option<Ray> {
@@ -188,6 +190,7 @@ impl Camera {
     }
 
     /// May a ray of the camera meet something in the box? `false` only where none can.
+    #[doc(hidden)]
     #[must_use]
     pub fn may_see(&self, bounds: &Bounds) -> bool {
         if self.lens.is_some() || self.distance.is_nan() || self.distance <= 0.0 {
