@@ -10,19 +10,21 @@
 //!    samples.
 //! 2. `stages/camera_rays` makes the first wave of rays, by `scene/camera`; where samples lie is in `math/sampling`.
 //! 3. `stages/closest_hits` finds what each ray meets first, by `query/closest_hit`, which walks the tree (`bvh/traverse`) and asks the
-//!    shapes (`query/guaranteed`), which are defined in `shapes`.
+//!    shapes (`query/guaranteed`), which are defined in `shapes`. Rays from one point, as a camera's are, are first asked sixteen at a
+//!    time, by `packet/bundle`: what is certain of them is the same, and the rest is left.
 //! 4. `stages/surfaces` refines hits to surface points, where light, a medium or a mirror asks for them, and adds ambient light.
 //! 5. `stages/direct_light` goes through the lights: what one could add at each point is proposed, by `light/direct`.
 //!    `stages/shadows` follows the proposals' shadow rays, by `light/transmission`, `query/occlusion` and `query/crossings`; what comes
-//!    through is added.
+//!    through is added. Which shapes may hide a light with a place from the tile is found once, by `packet/candidates`.
 //! 6. `stages/sums` adds what each ray brings to its pixel, in the order of the wave.
 //! 7. `stages/next_rays` makes mirrored and refracted rays, by `light/secondary`, and keeps those that can still show, by
 //!    `light/contribution`. They are the next wave, and go on at 3.
 //! 8. `exposure` adds samples up in the order of their indices, in `f64`, in which the mean of equal samples is exactly their value,
 //!    and `film` holds the result.
 //!
-//! Folders import one way: `math` <- `rays` <- `shapes` <- `bvh` <- `scene` <- `query` <- `light` <- `stages`. What a scene holds is in
-//! `scene`, what rays ask of it in `query`, and what light does in `light`, which `stages` and `reference` share.
+//! Folders import one way: `math` <- `rays` <- `shapes` <- `bvh` <- `scene` <- `query` <- `light`, `packet` <- `stages`. What a scene
+//! holds is in `scene`, what rays ask of it in `query`, what many rays ask of it at once in `packet`, and what light does in `light`,
+//! which `stages` and `reference` share.
 //!
 //! # What a picture needs, and no more
 //!
@@ -51,6 +53,7 @@ mod film;
 mod light;
 #[doc(hidden)]
 pub mod math;
+mod packet;
 mod query;
 mod rays;
 #[doc(hidden)]
@@ -73,7 +76,7 @@ pub use {
     effects::{Effects, Lighting, Paths},
     effort::Effort,
     light::Boundary,
-    math::Root,
+    math::{Root, SimdLevel},
     query::{CastHit, CastRay, Hit, SurfacePoint},
     rays::{Ray, ShapeId},
     scene::{

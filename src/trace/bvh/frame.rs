@@ -72,6 +72,16 @@ impl Frame {
         Self { origin, scale: libm::ldexp(1.0, -exponent.clamp(-1020, 1020)) }
     }
 
+    /// The point of the scene that is the frame's origin.
+    pub(super) fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// How long a unit of the scene is.
+    pub(super) fn scale(&self) -> f64 {
+        self.scale
+    }
+
     /// A box, rounded outwards.
     pub(crate) fn bounds(&self, bounds: &Bounds) -> FrameBox {
         let (min, max) = ((bounds.min - self.origin) * self.scale, (bounds.max - self.origin) * self.scale);
@@ -119,18 +129,18 @@ impl Frame {
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "rounding to f32 is the point")]
-fn nearest(value: f64) -> f32 {
+pub(super) fn nearest(value: f64) -> f32 {
     value as f32
 }
 
 /// An `f32` that is certainly below a value which was computed with one or two roundings.
-fn below(value: f64) -> f32 {
+pub(super) fn below(value: f64) -> f32 {
     let rounded = nearest(value);
     // The nearest f32 is off by at most half a step, which one step down more than makes up for.
     rounded.next_down()
 }
 
 /// An `f32` that is certainly above a value which was computed with one or two roundings.
-fn above(value: f64) -> f32 {
+pub(super) fn above(value: f64) -> f32 {
     -below(-value)
 }

@@ -6,13 +6,16 @@
 //! - [`frame`]: the coordinates in which boxes are kept in `f32`, and rays in those coordinates.
 //! - [`build`]: from boxes to a tree of nodes with eight children, through a binary tree by obvhs.
 //! - [`node`]: one node, eight boxes against one ray.
-//! - [`traverse`]: from the root to the leaves, nearest first.
+//! - [`traverse`]: from the root to the leaves, nearest first, with one ray.
+//! - [`shaft`]: the same with a bundle of rays, eight boxes at once.
 
 mod build;
 mod frame;
 mod node;
+mod shaft;
 mod traverse;
 
+pub(crate) use shaft::{Depth, PARTS, Planes, Shaft, ShaftVisitor, Slopes};
 pub(crate) use traverse::Stack;
 
 use frame::Frame;

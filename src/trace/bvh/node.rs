@@ -1,5 +1,7 @@
 //! Eight boxes against one ray.
 
+use fearless_simd::{f32x8, prelude::*};
+
 use super::frame::{FrameBox, FrameRay};
 use crate::trace::rays::ShapeId;
 
@@ -81,6 +83,25 @@ impl Node {
         }
         self.children[index] = child;
         self.used |= 1 << index;
+    }
+
+    /// Plane `index` of all children's boxes: lower x, y, z, then upper x, y, z.
+    #[inline(always)]
+    pub(super) fn plane<S: Simd>(&self, simd: S, index: usize) -> f32x8<S> {
+        f32x8::load_array_ref(simd, &self.planes[index])
+    }
+
+    /// A child's box, plane by plane.
+    #[inline(always)]
+    pub(super) fn bounds(&self, child: usize) -> [f32; 6] {
+        let planes = &self.planes;
+        [0, 1, 2, 3, 4, 5].map(|plane: usize| planes[plane][child])
+    }
+
+    /// Which children there are, as a bit mask.
+    #[inline(always)]
+    pub(super) fn used(&self) -> u32 {
+        self.used
     }
 
     /// The children that there are.

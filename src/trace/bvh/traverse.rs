@@ -13,23 +13,31 @@ pub(crate) struct Stack(Vec<Pending>);
 /// Where a ray may enter a child, as the bits of an `f32` that is not negative, and below them the child: in the order of
 /// entries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Pending(u64);
+pub(super) struct Pending(u64);
 
 impl Pending {
     #[inline]
-    fn new(child: Child, entry: f32) -> Self {
+    pub(super) fn new(child: Child, entry: f32) -> Self {
         Self(u64::from(entry.to_bits()) << 32 | u64::from(child.word()))
     }
 
     #[inline]
     #[expect(clippy::cast_possible_truncation, reason = "the lower half")]
-    fn child(self) -> Child {
+    pub(super) fn child(self) -> Child {
         Child::from_word(self.0 as u32)
     }
 
     #[inline]
-    fn entry(self) -> f32 {
+    pub(super) fn entry(self) -> f32 {
         f32::from_bits((self.0 >> 32) as u32)
+    }
+}
+
+impl Stack {
+    /// Returns the stack, empty.
+    pub(super) fn cleared(&mut self) -> &mut Vec<Pending> {
+        self.0.clear();
+        &mut self.0
     }
 }
 
@@ -50,8 +58,7 @@ impl Tree {
         }
         let frame_ray = self.frame.ray(ray);
         let mut frame_limit = self.frame.limit(limit);
-        let stack = &mut stack.0;
-        stack.clear();
+        let stack = stack.cleared();
         let mut node = &self.nodes[0];
         loop {
             let (mut mask, entries) = node.entries(&frame_ray, frame_limit);
@@ -105,8 +112,7 @@ impl Tree {
         }
         let frame_ray = self.frame.ray(ray);
         let frame_limit = self.frame.limit(limit);
-        let stack = &mut stack.0;
-        stack.clear();
+        let stack = stack.cleared();
         let mut node = &self.nodes[0];
         loop {
             let (mut mask, _) = node.entries(&frame_ray, frame_limit);
@@ -130,7 +136,7 @@ impl Tree {
 
 /// Sorts a few by insertion: farther ones below, nearer ones on top.
 #[inline]
-fn farther_first(pushed: &mut [Pending]) {
+pub(super) fn farther_first(pushed: &mut [Pending]) {
     for from in 1..pushed.len() {
         let mut place = from;
         while place > 0 && pushed[place - 1] < pushed[place] {

@@ -9,20 +9,21 @@ use super::medium_stack::{MediumStack, MediumStacks};
 use super::scratch::LightScratch;
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
-use crate::trace::query::{Crossed, Intersector, Scratch, SurfacePoint};
+use crate::trace::query::{Crossed, Crossing, Intersector, Scratch, SurfacePoint};
 use crate::trace::rays::{RayView, ShapeId};
 use crate::trace::scene::{PreparedScene, transmittance};
 
 /// What share of a light comes to a surface point, channel by channel; `None` where nothing does. The light is given by its own
-/// shape, and by what hid it from the last point that asked, which is asked first: neighbours are mostly in the same shadow.
-/// `medium` is the stack of clear solids that the surface is seen from.
+/// shape, and by what hid it from the last point that asked, which is asked first: neighbours are mostly in the same shadow. Of
+/// the tree's shapes only `candidates` are asked, if there are any given. `medium` is the stack of clear solids that the
+/// surface is seen from.
 #[inline(always)]
 pub(crate) fn visibility(
     effects: Effects,
     scene: &PreparedScene,
     shapes: &impl Intersector,
     shadow_ray: &ShadowRay,
-    (own_shape, last_occluder): (Option<ShapeId>, &mut Option<ShapeId>),
+    (own_shape, last_occluder, candidates): (Option<ShapeId>, &mut Option<ShapeId>, Option<&[ShapeId]>),
     (surface, medium): (&SurfacePoint, MediumStack),
     scratch: &mut LightScratch<'_>,
 ) -> Option<Rgb> {
@@ -35,10 +36,11 @@ pub(crate) fn visibility(
         return None;
     }
     if !effects.clear_shadows() {
-        *last_occluder = scene.occluder(shapes, ray, limit, own_shape, &mut scratch.search);
+        *last_occluder = scene.occluder(shapes, ray, limit, (own_shape, candidates), &mut scratch.search);
         return last_occluder.is_none().then_some(Rgb::ONE);
     }
-    *last_occluder = scene.occluder_or_crossed(shapes, ray, limit, own_shape, &mut scratch.search);
+    *last_occluder =
+        scene.occluder_or_crossed(shapes, ray, limit, (own_shape, candidates), &mut scratch.search);
     let visible = last_occluder.is_none();
     visible.then(|| filtered(scene, shapes, shadow_ray, own_shape, (surface, medium), scratch))
 }
@@ -132,11 +134,7 @@ pub(crate) fn filtered_and_absorbed(
         medium = media.through(scene, medium, surface, ties, ray.direction());
         filters.push(Filter { id: surface.hit.id, crossings: 1, length: 0.0 });
     }
-    crossings.sort_unstable_by(|one, other| {
-        let along =
-            one.t.total_cmp(&other.t).then(scene.order().rank(one.id).cmp(&scene.order().rank(other.id)));
-        along.then(other.entering.cmp(&one.entering))
-    });
+    sort_along_ray(scene, crossings);
     let per_t = ray.direction().length();
     let mut from = 0.0;
     let mut passed = |media: &MediumStacks, medium: MediumStack, to: f64| {
@@ -162,6 +160,16 @@ pub(crate) fn filtered_and_absorbed(
     media.truncate(mark);
     filters.retain(|filter| Some(filter.id) != own_shape);
     product(scene, filters)
+}
+
+/// Sorts crossings from the surface to the light. Of those at one place the first in document order comes first, and is entered
+/// before it is left.
+fn sort_along_ray(scene: &PreparedScene, crossings: &mut [Crossing]) {
+    let rank = |crossing: &Crossing| scene.order().rank(crossing.id);
+    crossings.sort_unstable_by(|one, other| {
+        let along = one.t.total_cmp(&other.t).then(rank(one).cmp(&rank(other)));
+        along.then(other.entering.cmp(&one.entering))
+    });
 }
 
 fn product(scene: &PreparedScene, filters: &mut [Filter]) -> Rgb {

@@ -12,6 +12,7 @@ mod error_free;
 mod root;
 mod sampling;
 mod scaling;
+mod simd_level;
 mod sums;
 mod vector;
 
@@ -21,5 +22,6 @@ pub use double::Double;
 pub use root::Root;
 pub use sampling::{Dimension, PixelSamples, Sampling, disc};
 pub(crate) use scaling::scaled;
+pub use simd_level::SimdLevel;
 pub use sums::{dot, offset_height, square_difference};
 pub use vector::Double3;

@@ -28,6 +28,12 @@ impl Root {
         self.t
     }
 
+    /// The bound of its error.
+    #[must_use]
+    pub(crate) fn error(&self) -> f64 {
+        self.error
+    }
+
     /// The largest that it may really be.
     #[must_use]
     pub fn latest(&self) -> f64 {

@@ -32,6 +32,14 @@ pub(crate) struct TiedHits {
     pub(super) count: u32,
 }
 
+impl ClosestHit {
+    /// A hit that nothing else is tied with.
+    #[inline]
+    pub(crate) fn alone(hit: Hit) -> Self {
+        Self { hit, tied: TiedHits { start: 0, count: 0 } }
+    }
+}
+
 impl TiedHits {
     #[inline]
     pub(crate) fn is_empty(self) -> bool {

@@ -15,7 +15,7 @@ mod scratch;
 mod textbook;
 
 pub use cast::{CastHit, CastRay};
-pub(crate) use crossings::{Crossed, Look};
+pub(crate) use crossings::{Crossed, Crossing, Look};
 pub use escalations::Escalations;
 pub(crate) use hit::ClosestHit;
 pub use hit::{Hit, SurfacePoint};

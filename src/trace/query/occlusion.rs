@@ -10,14 +10,15 @@ use crate::trace::rays::{Limit, Ray, RayView, ShapeId};
 use crate::trace::scene::{EqualGroup, PreparedScene};
 
 impl PreparedScene {
-    /// Anything but `except` that stands between the ray's origin and `limit`: whatever is found first.
+    /// Anything but `except` that stands between the ray's origin and `limit`: whatever is found first. Of the tree's shapes
+    /// only `candidates` are asked, if there are any given.
     #[must_use]
     pub(crate) fn occluder(
         &self,
         shapes: &impl Intersector,
         ray: &Ray,
         limit: &Limit,
-        except: Option<ShapeId>,
+        (except, candidates): (Option<ShapeId>, Option<&[ShapeId]>),
         scratch: &mut Scratch<'_>,
     ) -> Option<ShapeId> {
         let Scratch { stack, escalations, ties, cancelled, .. } = scratch;
@@ -27,18 +28,21 @@ impl PreparedScene {
         let mut hides = |id: ShapeId| counts(id) && shapes.occludes(id, ray, limit, escalations);
         let mut beside = self.beside.iter().copied();
         let beside = beside.find(|id| cancelled.load(Relaxed) || hides(*id));
-        beside.or_else(|| self.tree.find_any(ray, limit.t(), stack, cancelled, hides))
+        beside.or_else(|| match candidates {
+            Some(candidates) => candidates.iter().copied().find(|id| hides(*id)),
+            None => self.tree.find_any(ray, limit.t(), stack, cancelled, hides),
+        })
     }
 
     /// Anything opaque but `except` that stands between the ray's origin and `limit`. If there is nothing, `scratch.crossed` are
-    /// the clear shapes that do.
+    /// the clear shapes that do. `candidates` are as those of [`Self::occluder`].
     #[must_use]
     pub(crate) fn occluder_or_crossed(
         &self,
         shapes: &impl Intersector,
         ray: &Ray,
         limit: &Limit,
-        except: Option<ShapeId>,
+        (except, candidates): (Option<ShapeId>, Option<&[ShapeId]>),
         scratch: &mut Scratch<'_>,
     ) -> Option<ShapeId> {
         let Scratch { stack, escalations, ties, crossed, cancelled, .. } = scratch;
@@ -53,7 +57,10 @@ impl PreparedScene {
         };
         let mut beside = self.beside.iter().copied();
         let beside = beside.find(|id| cancelled.load(Relaxed) || hides(*id));
-        beside.or_else(|| self.tree.find_any(ray, limit.t(), stack, cancelled, hides))
+        beside.or_else(|| match candidates {
+            Some(candidates) => candidates.iter().copied().find(|id| hides(*id)),
+            None => self.tree.find_any(ray, limit.t(), stack, cancelled, hides),
+        })
     }
 
     /// Does the shape stand in the ray's way? A clear one never does, but is added to those that are crossed.

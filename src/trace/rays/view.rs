@@ -25,7 +25,7 @@ impl<'a> RayView<'a> {
     }
 
     /// Returns a ray that leaves no more than one shape.
-    #[cfg(test)]
+    #[inline]
     pub(crate) fn alone(ray: &'a Ray) -> Self {
         Self { ray, ties: &[] }
     }

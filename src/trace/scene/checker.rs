@@ -83,12 +83,13 @@ impl CheckerPattern {
 
 /// The axes of the squares on a plane: unit vectors across its normal and across each other.
 ///
-/// Where the normal is along one of the space's axes they are the other two. In between they follow the normal without a jump, and
-/// it does not matter to which side it points. No axes can follow a normal everywhere (the hairy ball theorem): these turn
+/// Where the normal is along one of the space's axes they are the other two. In between they follow the normal without a jump,
+/// and it does not matter to which side it points. No axes can follow a normal everywhere (the hairy ball theorem): these turn
 /// without end around (1, 1, 1) and its opposite, which are as far as can be from the space's axes, and around nothing else.
 ///
-/// What the plane shows of the space's axes together is the diagonal between the two. Each counts the less the nearer the normal is to
-/// it, in fourth powers, so that a plane which is tilted about one of them by up to 20 degrees has squares along it to a degree.
+/// What the plane shows of the space's axes together is the diagonal between the two. Each counts the less the nearer the
+/// normal is to it, in fourth powers, so that a plane which is tilted about one of them by up to 20 degrees has squares along
+/// it to a degree.
 fn axes_across(normal: DVec3) -> [DVec3; 2] {
     /// What the rounding of the sum of three vectors may leave of none.
     const NONE: f64 = 16.0 * f64::EPSILON;

@@ -1,4 +1,5 @@
-//! A scene at one moment, as arrays: shapes, materials, lights, the camera and what is around them. What rays ask of them is in `query`.
+//! A scene at one moment, as arrays: shapes, materials, lights, the camera and what is around them. What rays ask of them is in
+//! `query`.
 
 mod camera;
 mod changes;

@@ -12,6 +12,7 @@ use super::material_table::MaterialTable;
 use super::precision::Precision;
 use crate::color::Rgb;
 use crate::trace::bvh::Tree;
+use crate::trace::math::SimdLevel;
 use crate::trace::rays::ShapeId;
 use crate::trace::shapes::Bounds;
 
@@ -41,6 +42,8 @@ pub struct PreparedScene {
     pub cutoff: f32,
     /// How shapes are asked.
     pub precision: Precision,
+    /// With which vector instructions rays are followed.
+    pub simd: SimdLevel,
 }
 
 impl PreparedScene {
@@ -62,6 +65,7 @@ impl PreparedScene {
             depth: 1,
             cutoff: 0.0,
             precision: Precision::default(),
+            simd: SimdLevel::best(),
         };
         scene.rebuild_tree();
         scene
@@ -89,8 +93,8 @@ impl PreparedScene {
         self.rebuild_tree();
     }
 
-    /// Puts other shapes of the same kinds in the place of some, and returns those that differ. `None` if a kind differs: the scene must
-    /// then be made anew.
+    /// Puts other shapes of the same kinds in the place of some, and returns those that differ. `None` if a kind differs: the
+    /// scene must then be made anew.
     #[must_use]
     pub fn replace_shapes(&mut self, replacements: &[(ShapeId, PreparedShape)]) -> Option<Vec<ShapeChange>> {
         let mut changes = Vec::new();

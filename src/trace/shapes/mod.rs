@@ -31,5 +31,6 @@ pub(crate) use intersection::{ExactHit, Face, Side};
 pub use intersection::{Intersection, RefinedHit};
 pub use plane::Plane;
 pub use sphere::Sphere;
+pub(crate) use sphere::U;
 pub use sphere_image::SphereImage;
 pub(crate) use sphere_image::inverse;

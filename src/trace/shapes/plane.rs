@@ -31,6 +31,11 @@ impl Plane {
         self.point
     }
 
+    /// The normal, of any length.
+    pub(crate) fn normal(&self) -> DVec3 {
+        self.normal
+    }
+
     /// The unit normal.
     #[must_use]
     pub fn unit_normal(&self) -> DVec3 {

@@ -8,6 +8,7 @@ use super::tile::Tile;
 use crate::color::Rgb;
 use crate::trace::effort::{Effort, RayCounts, StageCounts, TreeEnds};
 use crate::trace::light::{Budget, LightScratch, Proposal, RenderContext, TreeRay};
+use crate::trace::packet::{Bundle, Candidates};
 use crate::trace::query::{ClosestHit, SurfacePoint};
 use crate::trace::rays::ShapeId;
 
@@ -38,6 +39,10 @@ pub(super) struct FoundSurface {
 pub(crate) struct TileBuffers<'a> {
     /// The rays that go through the stages now, pixel by pixel.
     pub(super) wave: Vec<QueuedRay>,
+    /// The wave's rays, where they have their origin in common.
+    pub(super) bundle: Bundle,
+    /// What may stand between a light and the surface points.
+    pub(super) candidates: Candidates,
     /// What each ray of the wave meets first.
     pub(super) hits: Vec<Option<ClosestHit>>,
     /// The surface points that light, a medium or a mirror asks for, in the order of the wave.
@@ -77,6 +82,8 @@ impl<'a> TileBuffers<'a> {
     pub(crate) fn new(cancelled: &'a AtomicBool) -> Self {
         Self {
             wave: Vec::new(),
+            bundle: Bundle::default(),
+            candidates: Candidates::default(),
             hits: Vec::new(),
             surfaces: Vec::new(),
             radiance: Vec::new(),

@@ -1,5 +1,5 @@
-//! Light from sources, one after the other: what a light could add is proposed at all surface points of the wave, and what of it comes
-//! through is added.
+//! Light from sources, one after the other: what a light could add is proposed at all surface points of the wave, and what of
+//! it comes through is added.
 
 use glam::DVec3;
 
@@ -26,7 +26,7 @@ pub(super) fn direct_light(sample: &Sample<'_>, shapes: &impl Intersector, buffe
             }
             propose_all(sample, (*index, light), light_sample, buffers);
             if sample.context.effects.shadows() {
-                shadows(sample.context, shapes, (place, light), buffers);
+                shadows(sample, shapes, (place, light), buffers);
             }
             add(light, buffers);
         }

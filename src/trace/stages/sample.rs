@@ -2,7 +2,7 @@
 
 use super::buffers::TileBuffers;
 use super::camera_rays::camera_rays;
-use super::closest_hits::closest_hits;
+use super::closest_hits::{camera_hits, closest_hits};
 use super::direct_light::direct_light;
 use super::next_rays::{give_up, next_rays, select};
 use super::sums::add_to_pixels;
@@ -11,7 +11,8 @@ use super::tile::{Sample, Tile};
 use crate::trace::light::RenderContext;
 use crate::trace::query::Intersector;
 
-/// Rays that go through the stages together, at most: a generation of more is taken in parts, so that memory does not grow with it.
+/// Rays that go through the stages together, at most: a generation of more is taken in parts, so that memory does not grow with
+/// it.
 const LONGEST_WAVE: usize = 1024;
 
 /// Traces one sample of every pixel of a tile: what it brings is in the buffers afterwards. Says whether that is all: once nobody
@@ -28,7 +29,8 @@ pub(crate) fn render_sample(
     let sample = Sample { context, tile, index };
     buffers.begin(tile, context);
     camera_rays(&sample, buffers);
-    trace_wave(&sample, shapes, buffers);
+    camera_hits(&sample, shapes, buffers);
+    shade_wave(&sample, shapes, buffers);
     let mut generations = context.generations() - 1;
     while context.effects.mirrors() && !buffers.next.is_empty() && !buffers.is_cancelled() {
         let mut selected = std::mem::take(&mut buffers.selected);
@@ -38,7 +40,8 @@ pub(crate) fn render_sample(
         while rays.len() > 0 && !buffers.is_cancelled() {
             buffers.wave.clear();
             buffers.wave.extend(rays.by_ref().take(LONGEST_WAVE));
-            trace_wave(&sample, shapes, buffers);
+            closest_hits(context, shapes, buffers);
+            shade_wave(&sample, shapes, buffers);
         }
         drop(rays);
         buffers.selected = selected;
@@ -49,10 +52,9 @@ pub(crate) fn render_sample(
     !buffers.is_cancelled()
 }
 
-/// Takes the wave through all stages.
-fn trace_wave(sample: &Sample<'_>, shapes: &impl Intersector, buffers: &mut TileBuffers<'_>) {
+/// Takes the wave, with what it meets, through the other stages.
+fn shade_wave(sample: &Sample<'_>, shapes: &impl Intersector, buffers: &mut TileBuffers<'_>) {
     let context = sample.context;
-    closest_hits(context, shapes, buffers);
     surfaces(context, shapes, buffers);
     if context.effects.lights() {
         direct_light(sample, shapes, buffers);

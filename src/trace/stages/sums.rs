@@ -3,8 +3,8 @@
 use super::buffers::TileBuffers;
 use crate::trace::light::{RenderContext, held};
 
-/// Adds the light at the end of each ray to its pixel, ray by ray in the order of the wave, and what happens to light on the way to the
-/// ray's throughput.
+/// Adds the light at the end of each ray to its pixel, ray by ray in the order of the wave, and what happens to light on the
+/// way to the ray's throughput.
 pub(super) fn add_to_pixels(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.entered.sums += 1;
     let effects = context.effects;

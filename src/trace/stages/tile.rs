@@ -25,6 +25,14 @@ impl Tile {
     }
 }
 
+/// Returns the number of the packet that rays of a pixel belong to: those of a square of 4 by 4 pixels are one. `width` is the
+/// tile's.
+pub(super) fn packet_of(pixel: u32, width: u32) -> usize {
+    const SIDE: u32 = 4;
+    let (column, row) = (pixel % width / SIDE, pixel / width / SIDE);
+    (row * (TILE / SIDE) + column) as usize
+}
+
 /// What is the same for all rays of a tile's sample.
 pub(super) struct Sample<'a> {
     pub(super) context: &'a RenderContext<'a>,
