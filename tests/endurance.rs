@@ -22,7 +22,7 @@ mod http;
 mod model;
 #[path = "engine/reload/random.rs"]
 mod random;
-#[path = "common/splitmix.rs"]
+#[path = "random/splitmix.rs"]
 mod splitmix;
 
 use http::request;

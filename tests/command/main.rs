@@ -9,7 +9,7 @@ mod probe;
 mod process;
 mod sheet;
 #[cfg(unix)]
-#[path = "../common/splitmix.rs"]
+#[path = "../random/splitmix.rs"]
 mod splitmix;
 mod usage;
 

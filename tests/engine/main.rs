@@ -10,9 +10,9 @@ mod own_systems;
 mod prepared_changes;
 mod reload;
 mod scripts;
-#[path = "../common/spent.rs"]
+#[path = "../processor_time/spent.rs"]
 mod spent;
-#[path = "../common/splitmix.rs"]
+#[path = "../random/splitmix.rs"]
 mod splitmix;
 
 use rayreel::components::Name;

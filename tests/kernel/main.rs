@@ -16,7 +16,7 @@ mod oracle;
 mod ray_counts;
 mod ray_trees;
 mod sampling;
-#[path = "../common/splitmix.rs"]
+#[path = "../random/splitmix.rs"]
 mod splitmix;
 
 use rayreel::{Engine, Scene};

@@ -19,7 +19,7 @@ mod masses;
 mod moves;
 mod parts;
 mod scripts;
-#[path = "../common/spent.rs"]
+#[path = "../processor_time/spent.rs"]
 mod spent;
 mod things;
 mod values;
