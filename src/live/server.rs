@@ -18,7 +18,7 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use axum::Router;
-use axum::body::{Bytes, to_bytes};
+use axum::body::{Body, Bytes};
 use axum::extract::{Path, Request, State};
 use axum::http::header::{CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, HeaderName, HeaderValue};
 use axum::http::{HeaderMap, StatusCode};
@@ -27,7 +27,7 @@ use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use futures_util::future::select;
-use futures_util::stream::{self, Stream};
+use futures_util::stream::{self, Stream, StreamExt};
 use hyper_util::rt::{TokioExecutor, TokioIo, TokioTimer};
 use hyper_util::server::conn::auto;
 use hyper_util::service::TowerToHyperService;
@@ -176,8 +176,23 @@ async fn guarded(State(shared): State<Shared>, headers: HeaderMap, request: Requ
 /// Returns a request with all of its body; `None` if it is too slow or too large.
 async fn whole(request: Request) -> Option<Request> {
     let (head, body) = request.into_parts();
-    let bytes = timeout(PATIENCE, to_bytes(body, LARGEST_BODY)).await.ok()?.ok()?;
+    let bytes = timeout(PATIENCE, read(body)).await.ok()??;
     Some(Request::from_parts(head, bytes.into()))
+}
+
+/// Reads a body to its end; `None` if it is too large. What is too large is dropped as it comes: who was cut off while still sending
+/// might not hear why.
+async fn read(body: Body) -> Option<Vec<u8>> {
+    let mut pieces = body.into_data_stream();
+    let mut all = Some(Vec::new());
+    while let Some(piece) = pieces.next().await {
+        let piece = piece.ok()?;
+        all = all.filter(|read| read.len() + piece.len() <= LARGEST_BODY);
+        if let Some(read) = &mut all {
+            read.extend_from_slice(&piece);
+        }
+    }
+    all
 }
 
 async fn state(State(shared): State<Shared>) -> Response {
