@@ -64,10 +64,14 @@ impl Change {
         Some(Self { content: start..end, first, next, parsed: before..until, from, rest, is_cut, lengths })
     }
 
-    /// Returns the new text with marks in the places of entities that are taken over.
+    /// Returns the new text with marks in the places of entities that are taken over. `None` if a name in the change might be
+    /// that of the marks, as written or by an escape.
     pub(super) fn marked(&self, text: &str) -> Option<String> {
         let (above, below) = (text.get(..self.content.start)?, text.get(self.rest..)?);
         let change = text.get(self.parsed.clone())?;
+        if change.contains(MARK) || change.contains('\\') {
+            return None;
+        }
         let mark = format!("(name: {MARK:?})");
         let end_mark = if self.is_cut { format!(",{mark}") } else { String::new() };
         Some(format!("{above}{mark},{change}{end_mark}{below}"))

@@ -40,8 +40,6 @@
 //! 5. Entity documents are shared and never changed. Scripts add what they spawn to the document, not to the entities that are
 //!    kept here.
 //!
-//! A scene with an entity of the marks' own name is outside of this argument.
-//!
 //! # What makes it fall back
 //!
 //! [`Parsed::parse_again`] returns `None`, and the whole text is parsed, if
@@ -50,6 +48,7 @@
 //! - the closing bracket of the list lies neither in the common start nor in the common end;
 //! - the change begins before the list, and the new text has extensions, no list, or a list that begins only after what would
 //!   be parsed;
+//! - a name in the change might be that of the marks: it is written there, or a backslash, which may stand for any letter;
 //! - the parser refuses the text with the marks: messages about mistakes always come from a parse of the whole;
 //! - the marks are not the first and the last of what was parsed (4).
 //!
