@@ -15,7 +15,7 @@ mod node;
 mod shaft;
 mod traverse;
 
-pub(crate) use shaft::{Depth, PARTS, Planes, Shaft, ShaftVisitor, Slopes};
+pub(crate) use shaft::{Depth, Limits, PARTS, Planes, Shaft, ShaftVisitor, Slopes};
 pub(crate) use traverse::Stack;
 
 use frame::Frame;

@@ -62,6 +62,10 @@ pub(crate) struct Shaft {
     part_high: [[f32; PARTS]; 2],
 }
 
+/// By part: the depth up to which shapes are of interest, in the tree's frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limits(pub(crate) [f32; PARTS]);
+
 /// A box in the tree's frame: lower x, y, z, then upper x, y, z.
 pub(crate) type Planes = [f32; 6];
 
@@ -239,14 +243,14 @@ impl Shaft {
 
     /// Returns which parts' rays may meet a box before their own depths, as a bit mask.
     #[inline(always)]
-    pub(crate) fn parts<S: Simd>(&self, simd: S, bounds: &Planes, limits: &[f32; PARTS]) -> u32 {
+    pub(crate) fn parts<S: Simd>(&self, simd: S, bounds: &Planes, limits: &Limits) -> u32 {
         let splat = f32x16::splat;
         let [w, u, v] = self.depth.axes();
         let [near, far] = self.depth.near_and_far();
         let (near, far) = (bounds[near] - self.origin[w], bounds[far] - self.origin[w]);
         let (near, far) = if self.depth.upwards { (near, far) } else { (-near, -far) };
         let near = near.max(0.0);
-        let limits = f32x16::load_array_ref(simd, limits);
+        let limits = f32x16::load_array_ref(simd, &limits.0);
         let mut met = splat(simd, near).simd_le(limits);
         for (side, across) in [u, v].into_iter().enumerate() {
             let (lower, upper) =
@@ -258,6 +262,17 @@ impl Shaft {
                 & splat(simd, upper + self.slack).simd_ge((low * near).min(low * far));
         }
         mask_bits(met.to_bitmask())
+    }
+}
+
+impl Limits {
+    /// Of parts where nothing is of interest.
+    pub(crate) const NONE: Self = Self([f32::NEG_INFINITY; PARTS]);
+
+    /// Returns the depth up to which shapes are of interest to any part.
+    #[inline(always)]
+    pub(crate) fn farthest<S: Simd>(&self, simd: S) -> f32 {
+        f32x16::load_array_ref(simd, &self.0).reduce_max()
     }
 }
 

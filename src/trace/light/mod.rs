@@ -14,7 +14,7 @@ mod transmission;
 pub(crate) use context::RenderContext;
 pub(crate) use contribution::Budget;
 pub use dielectric::Boundary;
-pub(crate) use direct::{LitPoint, Proposal, SampleId, ShadowRay, propose};
+pub(crate) use direct::{LitPoint, Proposal, SampleId, ShadowRay, WayToLight, propose};
 pub(crate) use medium_stack::MediumStack;
 pub(crate) use scratch::LightScratch;
 pub(crate) use secondary::{LARGEST_TREE, PathState, SecondaryRays, TreeRay, secondary_rays};

@@ -2,11 +2,11 @@
 
 use std::sync::atomic::Ordering;
 
-use fearless_simd::{dispatch, f32x16, prelude::*};
+use fearless_simd::{dispatch, prelude::*};
 
 use super::leaves;
 use super::rays::{HALF, LANES, Packet, bits};
-use crate::trace::bvh::{Depth, PARTS, Planes, Shaft, ShaftVisitor, Slopes};
+use crate::trace::bvh::{Depth, Limits, PARTS, Planes, Shaft, ShaftVisitor, Slopes};
 use crate::trace::query::{ClosestHit, Escalations, Intersector, Scratch};
 use crate::trace::rays::{Ray, RayView, ShapeId};
 use crate::trace::scene::{Kind, Location, PreparedScene};
@@ -99,8 +99,7 @@ fn intersect<S: Simd>(
     scratch: &mut Scratch<'_>,
 ) {
     let Scratch { stack, cancelled, escalations, .. } = scratch;
-    let limits = [f32::NEG_INFINITY; PARTS];
-    let mut visitor = Visitor { scene, shaft, bundle, limits, tests: 0, escalations };
+    let mut visitor = Visitor { scene, shaft, bundle, limits: Limits::NONE, tests: 0, escalations };
     for part in 0..PARTS {
         if visitor.bundle.packets[part].count() == 0 {
             continue;
@@ -113,7 +112,7 @@ fn intersect<S: Simd>(
         }
         visitor.update_limit(simd, part);
     }
-    let limit = visitor.farthest_limit(simd);
+    let limit = visitor.limits.farthest(simd);
     scene.tree.visit_shaft(simd, shaft, limit, stack, cancelled, &mut visitor);
 }
 
@@ -122,8 +121,7 @@ struct Visitor<'a> {
     scene: &'a PreparedScene,
     shaft: &'a Shaft,
     bundle: &'a mut Bundle,
-    /// By packet: the depth before which something can be of interest.
-    limits: [f32; PARTS],
+    limits: Limits,
     tests: usize,
     escalations: &'a mut Escalations,
 }
@@ -144,7 +142,7 @@ impl<S: Simd> ShaftVisitor<S> for Visitor<'_> {
                 self.update_limit(simd, part);
             }
         }
-        self.farthest_limit(simd)
+        self.limits.farthest(simd)
     }
 }
 
@@ -205,12 +203,6 @@ impl Visitor<'_> {
 
     #[inline(always)]
     fn update_limit<S: Simd>(&mut self, simd: S, part: usize) {
-        self.limits[part] = self.shaft.depth_limit(self.bundle.packets[part].farthest(simd));
-    }
-
-    /// The farthest of all packets'.
-    #[inline(always)]
-    fn farthest_limit<S: Simd>(&self, simd: S) -> f32 {
-        f32x16::load_array_ref(simd, &self.limits).reduce_max()
+        self.limits.0[part] = self.shaft.depth_limit(self.bundle.packets[part].farthest(simd));
     }
 }

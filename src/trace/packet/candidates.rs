@@ -7,12 +7,12 @@
 
 use std::sync::atomic::AtomicBool;
 
-use fearless_simd::{dispatch, f32x16, prelude::*};
+use fearless_simd::{dispatch, prelude::*};
 use glam::DVec3;
 
-use crate::trace::bvh::{Depth, PARTS, Planes, Shaft, ShaftVisitor, Slopes, Stack};
+use crate::trace::bvh::{Depth, Limits, PARTS, Planes, Shaft, ShaftVisitor, Slopes, Stack};
 use crate::trace::query::Scratch;
-use crate::trace::rays::ShapeId;
+use crate::trace::rays::{Limit, ShapeId};
 use crate::trace::scene::PreparedScene;
 
 /// More candidates than so are better found by each ray in the tree.
@@ -24,17 +24,6 @@ const MOST_VISITS: usize = 128;
 /// Fewer rays are not worth it.
 const FEWEST: usize = 32;
 
-/// A ray to a light, as a [`Candidates`] knows it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct RayToLight {
-    /// Number of the part that it belongs to; those near each other belong in one.
-    pub(crate) part: usize,
-    /// Scaled, towards the light.
-    pub(crate) direction: DVec3,
-    /// The light is at so many times the direction.
-    pub(crate) t: f64,
-}
-
 /// The shapes of the tree that may hide a light, part by part; kept for its memory.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Candidates {
@@ -44,16 +33,16 @@ pub(crate) struct Candidates {
 }
 
 impl Candidates {
-    /// Finds all shapes of the tree that may stand between a light and where rays to it start. `false`, and nothing found,
+    /// Finds all shapes of the tree that may stand between a light and where rays to it start. Of each ray the part, the scaled
+    /// direction and the limit are given; those near each other belong in one part. `false`, and nothing found,
     /// where they go too far apart, or are too few to be worth it.
     pub(crate) fn find(
         &mut self,
         scene: &PreparedScene,
-        light: DVec3,
-        rays: impl Iterator<Item = RayToLight>,
+        rays: impl Iterator<Item = (usize, DVec3, Limit)>,
         scratch: &mut Scratch<'_>,
     ) -> bool {
-        let Some((shaft, limits)) = shaft(scene, light, rays) else { return false };
+        let Some((shaft, limits)) = shaft(scene, rays) else { return false };
         self.parts.iter_mut().for_each(Vec::clear);
         self.crowded = 0;
         let Scratch { stack, cancelled, .. } = scratch;
@@ -73,17 +62,17 @@ impl Candidates {
 /// Makes a shaft from a light to where rays start, and how far it reaches, part by part.
 fn shaft(
     scene: &PreparedScene,
-    light: DVec3,
-    rays: impl Iterator<Item = RayToLight>,
-) -> Option<(Shaft, [f32; PARTS])> {
+    rays: impl Iterator<Item = (usize, DVec3, Limit)>,
+) -> Option<(Shaft, Limits)> {
     let mut rays = rays.peekable();
-    let depth = Depth::along(-rays.peek()?.direction);
+    let (_, direction, limit) = *rays.peek()?;
+    let (light, depth) = (limit.place(), Depth::along(-direction));
     let mut count = 0;
     let (mut slopes, mut farthest) = ([Slopes::NONE; PARTS], [f64::NEG_INFINITY; PARTS]);
-    for RayToLight { part, direction, t } in rays {
+    for (part, direction, limit) in rays {
         let (speed, across) = depth.slopes(-direction)?;
         slopes[part].add(across);
-        farthest[part] = farthest[part].max(speed * t);
+        farthest[part] = farthest[part].max(speed * limit.t());
         count += 1;
     }
     if count < FEWEST {
@@ -91,27 +80,26 @@ fn shaft(
     }
     let shaft = scene.tree.shaft(light, depth, &slopes)?;
     let limits = farthest.map(|depth| shaft.depth_limit(depth * scene.tree.scale()));
-    Some((shaft, limits))
+    Some((shaft, Limits(limits)))
 }
 
 #[inline(always)]
 fn gather<S: Simd>(
     simd: S,
     scene: &PreparedScene,
-    (shaft, limits): (&Shaft, [f32; PARTS]),
+    (shaft, limits): (&Shaft, Limits),
     candidates: &mut Candidates,
     (stack, cancelled): (&mut Stack, &AtomicBool),
 ) {
     let mut visitor = Visitor { shaft, candidates, limits, visits: 0 };
-    let limit = visitor.farthest_limit(simd);
+    let limit = visitor.limits.farthest(simd);
     scene.tree.visit_shaft(simd, shaft, limit, stack, cancelled, &mut visitor);
 }
 
 struct Visitor<'a> {
     shaft: &'a Shaft,
     candidates: &'a mut Candidates,
-    /// By part: the depth before which shapes are of interest.
-    limits: [f32; PARTS],
+    limits: Limits,
     visits: usize,
 }
 
@@ -131,16 +119,9 @@ impl<S: Simd> ShaftVisitor<S> for Visitor<'_> {
                 self.candidates.parts[part].push(id);
             } else {
                 self.candidates.crowded |= 1 << part;
-                self.limits[part] = f32::NEG_INFINITY;
+                self.limits.0[part] = f32::NEG_INFINITY;
             }
         }
-        self.farthest_limit(simd)
-    }
-}
-
-impl Visitor<'_> {
-    #[inline(always)]
-    fn farthest_limit<S: Simd>(&self, simd: S) -> f32 {
-        f32x16::load_array_ref(simd, &self.limits).reduce_max()
+        self.limits.farthest(simd)
     }
 }

@@ -17,4 +17,5 @@ mod rays;
 mod tests;
 
 pub(crate) use bundle::Bundle;
-pub(crate) use candidates::{Candidates, RayToLight};
+pub(crate) use candidates::Candidates;
+pub(crate) use rays::LANES;

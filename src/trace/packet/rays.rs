@@ -5,9 +5,10 @@ use fearless_simd::{f64x8, mask32x8, mask64x8, prelude::*, u32x8};
 use crate::trace::math::Root;
 use crate::trace::query::Hit;
 use crate::trace::rays::{Ray, ShapeId};
+use crate::trace::shapes::SLOWEST;
 
 /// How many rays a packet has.
-pub(super) const LANES: usize = 16;
+pub(crate) const LANES: usize = 16;
 
 /// Lanes of half a packet: as many `f64` as the widest vectors hold.
 pub(super) const HALF: usize = LANES / 2;
@@ -53,9 +54,6 @@ pub(super) struct Verdicts<S: Simd> {
     /// Rays of which it is not certain that they meet it or not.
     pub(super) open: mask64x8<S>,
 }
-
-/// As [`AlignedBox::intersect`](crate::trace::shapes::AlignedBox::intersect) has it.
-const SLOWEST: f64 = 1e-300;
 
 impl Packet {
     /// Of no ray.

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DMat3, DVec3};
 use proptest::prelude::*;
 
-use super::{Bundle, Candidates, RayToLight};
+use super::{Bundle, Candidates};
 use crate::trace::math::{SimdLevel, scaled};
 use crate::trace::query::Scratch;
 use crate::trace::rays::{Limit, Ray};
@@ -128,26 +128,25 @@ proptest! {
         let view = if view == DVec3::ZERO { DVec3::Z } else { view };
         let (mut scene, light) = (scene(&shapes), light * far);
         let mut scratch = Scratch::default();
-        let mut shadow_rays: Vec<(Ray, Limit, RayToLight)> = Vec::new();
+        let mut shadow_rays: Vec<(Ray, Limit, usize, DVec3)> = Vec::new();
         for (part, ray) in rays(&camera(eye, view, 2.0)) {
             scratch.tied_hits.clear();
             let Some(closest) = scene.closest(scene.geometry(), &ray, &mut scratch) else { continue };
             let surface = scene.surface(scene.geometry(), &ray, &closest, &mut scratch);
             let Some((direction, scale)) = scaled(light - surface.point) else { continue };
-            let t = scale.recip();
             let outward = direction.dot(surface.normal) > 0.0;
             if let Some(ray) = surface.leave(outward, direction) {
-                shadow_rays.push((ray, Limit::new(t, light), RayToLight { part, direction, t }));
+                shadow_rays.push((ray, Limit::new(scale.recip(), light), part, direction));
             }
         }
         let mut candidates = Candidates::default();
         for (name, level) in SimdLevel::all() {
             scene.simd = level;
-            let rays = shadow_rays.iter().map(|(_, _, ray)| *ray);
-            if !candidates.find(&scene, light, rays, &mut scratch) {
+            let rays = shadow_rays.iter().map(|(_, limit, part, direction)| (*part, *direction, *limit));
+            if !candidates.find(&scene, rays, &mut scratch) {
                 continue;
             }
-            for (ray, limit, RayToLight { part, .. }) in &shadow_rays {
+            for (ray, limit, part, _) in &shadow_rays {
                 let hidden = |candidates, scratch: &mut Scratch<'_>| {
                     scene.occluder(scene.geometry(), ray, limit, (None, candidates), scratch).is_some()
                 };
@@ -172,9 +171,9 @@ fn candidates_are_few() {
         (0..256).map(|index| DVec3::new(f64::from(index % 16) * 0.1, 0.0, f64::from(index / 16) * 0.1));
     let rays = floor.zip(0..).map(|(point, index)| {
         let (direction, scale) = scaled(light - point).unwrap();
-        RayToLight { part: index / 64 * 4 + index % 16 / 4, direction, t: scale.recip() }
+        (index / 64 * 4 + index % 16 / 4, direction, Limit::new(scale.recip(), light))
     });
-    assert!(candidates.find(&scene, light, rays, &mut Scratch::default()));
+    assert!(candidates.find(&scene, rays, &mut Scratch::default()));
     let counts: Vec<usize> = (0..16).map(|part| candidates.of(part).unwrap().len()).collect();
     assert!(counts.iter().any(|count| *count > 0) && counts.iter().all(|count| *count <= 4), "{counts:?}");
 }

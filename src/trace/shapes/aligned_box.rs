@@ -18,7 +18,7 @@ pub struct AlignedBox {
 }
 
 /// Below this a direction's reciprocal might not be finite.
-const SLOWEST: f64 = 1e-300;
+pub(crate) const SLOWEST: f64 = 1e-300;
 
 /// A ray in a space of its own that it was taken into, and by how much each coordinate may be off.
 pub(crate) struct Inexact {

@@ -25,6 +25,7 @@ mod sphere;
 mod sphere_image;
 
 pub use aligned_box::AlignedBox;
+pub(crate) use aligned_box::SLOWEST;
 pub use bounds::Bounds;
 pub use box_image::BoxImage;
 pub(crate) use intersection::{ExactHit, Face, Side};

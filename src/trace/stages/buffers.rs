@@ -18,6 +18,8 @@ pub(super) struct QueuedRay {
     pub(super) tree: TreeRay,
     /// Index of the pixel in the tile.
     pub(super) pixel: u32,
+    /// Number of the part of the tile that the pixel is in.
+    pub(super) part: u8,
     /// Whether it is mirrored; else it is refracted.
     pub(super) mirrored: bool,
     /// Whether it is left out, as it could not show.

@@ -45,5 +45,6 @@ fn start(sample: &Sample<'_>, ray: Option<Ray>, pixel: u32, buffers: &mut TileBu
         MediumStack::NONE
     };
     let tree = TreeRay { ray, state: PathState::at_camera(medium) };
-    buffers.wave.push(QueuedRay { tree, pixel, mirrored: false, cut: false });
+    let part = sample.tile.part(pixel);
+    buffers.wave.push(QueuedRay { tree, pixel, part, mirrored: false, cut: false });
 }

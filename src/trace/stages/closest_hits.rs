@@ -1,7 +1,7 @@
 //! What each ray of the wave meets first.
 
 use super::buffers::TileBuffers;
-use super::tile::{Sample, packet_of};
+use super::tile::Sample;
 use crate::trace::light::RenderContext;
 use crate::trace::query::Intersector;
 use crate::trace::scene::Precision;
@@ -29,8 +29,7 @@ pub(super) fn camera_hits(sample: &Sample<'_>, shapes: &impl Intersector, buffer
         return closest_hits(sample.context, shapes, buffers);
     }
     let TileBuffers { wave, hits, scratch, bundle, .. } = buffers;
-    let width = sample.tile.width;
-    let rays = wave.iter().map(|queued| (packet_of(queued.pixel, width), queued.tree.ray));
+    let rays = wave.iter().map(|queued| (usize::from(queued.part), queued.tree.ray));
     let Some(open) = bundle.closest_hits(scene, rays, &mut scratch.search, hits) else {
         return closest_hits(sample.context, shapes, buffers);
     };

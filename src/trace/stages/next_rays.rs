@@ -15,12 +15,13 @@ pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'
         if !context.scene.material(surface.point.hit.id).continues() {
             continue;
         }
-        let QueuedRay { tree, pixel, .. } = &wave[surface.ray as usize];
+        let QueuedRay { tree, pixel, part, .. } = &wave[surface.ray as usize];
         let arrived = (&tree.ray, &tree.state);
         let SecondaryRays { reflected, refracted } =
             secondary_rays(context, scratch, arrived, &surface.point);
         for (tree, mirrored) in [(reflected, true), (refracted, false)] {
-            next.extend(tree.map(|tree| QueuedRay { tree, pixel: *pixel, mirrored, cut: false }));
+            let queued = |tree| QueuedRay { tree, pixel: *pixel, part: *part, mirrored, cut: false };
+            next.extend(tree.map(queued));
         }
     }
 }

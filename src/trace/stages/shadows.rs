@@ -1,9 +1,8 @@
 //! Which of a light's proposals come through.
 
 use super::buffers::TileBuffers;
-use super::tile::{Sample, packet_of};
-use crate::trace::light::{Proposal, visibility};
-use crate::trace::packet::RayToLight;
+use super::tile::Sample;
+use crate::trace::light::{Proposal, WayToLight, visibility};
 use crate::trace::query::Intersector;
 use crate::trace::scene::{Light, LightSource, Precision};
 
@@ -28,8 +27,7 @@ pub(super) fn shadows(
         let queued = &wave[surface.ray as usize];
         let shadow_ray = &way.ray(&surface.point);
         let seen = (&surface.point, queued.tree.state.medium);
-        let candidates =
-            if listed { candidates.of(packet_of(queued.pixel, sample.tile.width)) } else { None };
+        let candidates = if listed { candidates.of(queued.part.into()) } else { None };
         let occluders = (light.own_shape, &mut *last_occluder, candidates);
         let share = visibility(context.effects, context.scene, shapes, shadow_ray, occluders, seen, scratch);
         if context.effects.clear_shadows()
@@ -44,16 +42,18 @@ pub(super) fn shadows(
 /// Finds what may stand between a light and all points that it was proposed for. Says whether it did: rays to a light with a
 /// size, or to one that is infinitely far away, have no point in common.
 fn find_candidates(sample: &Sample<'_>, light: &Light, buffers: &mut TileBuffers<'_>) -> bool {
-    let (LightSource::Point(place) | LightSource::Spot(place, _)) = light.source else { return false };
+    if !matches!(light.source, LightSource::Point(_) | LightSource::Spot(..)) {
+        return false;
+    }
     // The textbook's shapes accept rays that pass them by more than bundles allow for.
     if sample.context.scene.precision != Precision::Guaranteed {
         return false;
     }
     let TileBuffers { wave, surfaces, proposals, candidates, scratch, .. } = buffers;
     let rays = proposals.iter().filter_map(|(at, Proposal { shadow, .. })| {
-        let (way, pixel) = (shadow.as_ref()?, wave[surfaces[*at as usize].ray as usize].pixel);
-        let part = packet_of(pixel, sample.tile.width);
-        Some(RayToLight { part, direction: way.direction, t: way.limit.t() })
+        let WayToLight { direction, limit, .. } = shadow.as_ref()?;
+        let part = wave[surfaces[*at as usize].ray as usize].part;
+        Some((part.into(), *direction, *limit))
     });
-    candidates.find(sample.context.scene, place, rays, &mut scratch.search)
+    candidates.find(sample.context.scene, rays, &mut scratch.search)
 }

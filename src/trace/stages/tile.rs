@@ -1,6 +1,8 @@
 //! Tiles of a picture, and samples of their pixels.
 
+use crate::trace::bvh::PARTS;
 use crate::trace::light::RenderContext;
+use crate::trace::packet::LANES;
 
 /// Pixels along a tile's side.
 pub(crate) const TILE: u32 = 16;
@@ -23,14 +25,15 @@ impl Tile {
     pub(super) fn pixel(&self, index: u32) -> (u32, u32) {
         (self.i + index % self.width, self.j + index / self.width)
     }
-}
 
-/// Returns the number of the packet that rays of a pixel belong to: those of a square of 4 by 4 pixels are one. `width` is the
-/// tile's.
-pub(super) fn packet_of(pixel: u32, width: u32) -> usize {
-    const SIDE: u32 = 4;
-    let (column, row) = (pixel % width / SIDE, pixel / width / SIDE);
-    (row * (TILE / SIDE) + column) as usize
+    /// Number of the part that a pixel is in, by its index. A part has the rays of a packet.
+    pub(super) fn part(&self, index: u32) -> u8 {
+        const SIDE: u32 = 4;
+        const { assert!((TILE / SIDE).pow(2) as usize == PARTS && SIDE.pow(2) as usize == LANES) };
+        let (column, row) = (index % self.width / SIDE, index / self.width / SIDE);
+        // There are sixteen.
+        u8::try_from(row * (TILE / SIDE) + column).unwrap_or(0)
+    }
 }
 
 /// What is the same for all rays of a tile's sample.
