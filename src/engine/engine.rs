@@ -15,7 +15,7 @@ use crate::systems::{
 };
 use crate::time::Timeline;
 use crate::trace::reference::Reference;
-use crate::trace::{self, Precision};
+use crate::trace::{self, Exposure, Precision};
 
 /// A world of entities that is rendered moment by moment.
 ///
@@ -93,6 +93,8 @@ pub struct Engine {
     pub(super) shutters: Option<Shutters>,
     pub(super) plan: Option<Plan>,
     pub(super) report: FrameReport,
+    /// The last picture's, kept for its memory.
+    pub(super) spare_exposure: Option<Exposure>,
     pub(super) script_sources: ScriptSources,
 }
 
@@ -170,6 +172,7 @@ impl Engine {
             shutters: None,
             plan: None,
             report: FrameReport::default(),
+            spare_exposure: None,
             script_sources: ScriptSources::default(),
         }
     }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
 use crate::trace::effort::Effort;
-use crate::trace::film::{Film, PixelSum};
+use crate::trace::film::{Band, Film, PixelSum};
 use crate::trace::light::RenderContext;
 use crate::trace::math::Sampling;
 use crate::trace::query::{Intersector, Textbook};
@@ -47,53 +47,54 @@ pub struct Exposure {
     /// In a pixel.
     samples: u32,
     tiles: Vec<ExposedTile>,
+    light: Light,
     effort: Effort,
 }
 
-/// A tile, and what has come to it.
-#[derive(Clone, Debug)]
+/// A tile, and how many samples of each of its pixels have come.
+#[derive(Clone, Copy, Debug)]
 struct ExposedTile {
     tile: Tile,
-    light: TileLight,
-    /// How many samples of each of its pixels that is.
     samples: u32,
 }
 
-/// What has come to the pixels of a tile so far, row by row.
+/// What has come to the pixels so far, tile by tile, and in a tile row by row; every tile has room for a whole one.
 #[derive(Clone, Debug)]
-enum TileLight {
+enum Light {
     /// Their only sample.
     Sample(Vec<Rgb>),
     /// All samples so far.
     Sums(Vec<PixelSum>),
 }
 
-impl TileLight {
-    fn new(tile: Tile, samples: u32) -> Self {
-        let count = (tile.width * tile.height) as usize;
-        if samples == 1 { Self::Sample(Vec::new()) } else { Self::Sums(vec![PixelSum::default(); count]) }
+/// How many pixels a whole tile has.
+const PIXELS: usize = (TILE * TILE) as usize;
+
+/// What can be added up to a pixel.
+trait PixelLight: Copy + Default + Send + Sync {
+    fn add(&mut self, sample: Rgb);
+
+    /// Returns the mean of so many samples.
+    fn mean(self, samples: u32) -> Rgb;
+}
+
+impl PixelLight for Rgb {
+    fn add(&mut self, sample: Rgb) {
+        *self = sample;
     }
 
-    fn add(&mut self, sample: &[Rgb]) {
-        match self {
-            Self::Sample(only) => sample.clone_into(only),
-            Self::Sums(sums) => sums.iter_mut().zip(sample).for_each(|(sum, pixel)| sum.add(*pixel)),
-        }
+    fn mean(self, _: u32) -> Rgb {
+        self
+    }
+}
+
+impl PixelLight for PixelSum {
+    fn add(&mut self, sample: Rgb) {
+        Self::add(self, sample);
     }
 
-    /// Into the film, as the mean of so many samples; says how many pixels had overflowed.
-    fn develop(&self, tile: Tile, samples: u32, film: &mut Film) -> u64 {
-        let width = tile.width as usize;
-        let rows = tile.j..;
-        match self {
-            Self::Sample(only) => {
-                rows.zip(only.chunks(width)).map(|(j, row)| film.store(tile.i, j, row.iter().copied())).sum()
-            }
-            Self::Sums(sums) => rows
-                .zip(sums.chunks(width))
-                .map(|(j, row)| film.store(tile.i, j, row.iter().map(|sum| sum.mean(samples))))
-                .sum(),
-        }
+    fn mean(self, samples: u32) -> Rgb {
+        Self::mean(self, samples)
     }
 }
 
@@ -102,13 +103,34 @@ impl Exposure {
     #[doc(hidden)]
     #[must_use]
     pub fn new((columns, rows): (u32, u32), samples: u32) -> Self {
-        let tiles = (0..rows)
+        let tiles: Vec<ExposedTile> = (0..rows)
             .step_by(TILE as usize)
             .flat_map(|j| (0..columns).step_by(TILE as usize).map(move |i| (i, j)))
             .map(|(i, j)| Tile { i, j, width: TILE.min(columns - i), height: TILE.min(rows - j) })
-            .map(|tile| ExposedTile { tile, light: TileLight::new(tile, samples), samples: 0 })
+            .map(|tile| ExposedTile { tile, samples: 0 })
             .collect();
-        Self { width: columns, height: rows, samples, tiles, effort: Effort::default() }
+        let count = tiles.len() * PIXELS;
+        let light = if samples == 1 {
+            Light::Sample(vec![Rgb::ZERO; count])
+        } else {
+            Light::Sums(vec![PixelSum::default(); count])
+        };
+        Self { width: columns, height: rows, samples, tiles, light, effort: Effort::default() }
+    }
+
+    /// Returns the same without any light, to be exposed again, where it has as many pixels and is to have as many samples; else
+    /// a new one.
+    #[must_use]
+    pub(crate) fn again(self, resolution: (u32, u32), samples: u32) -> Self {
+        if (self.width, self.height, self.samples) != (resolution.0, resolution.1, samples) {
+            return Self::new(resolution, samples);
+        }
+        let mut again = Self { effort: Effort::default(), ..self };
+        again.tiles.iter_mut().for_each(|exposed| exposed.samples = 0);
+        if let Light::Sums(sums) = &mut again.light {
+            sums.fill(PixelSum::default());
+        }
+        again
     }
 
     /// Adds samples `from..to` of every pixel, those that are not there yet, on the current rayon pool's threads. The bits do not
@@ -146,37 +168,15 @@ impl Exposure {
         &mut self,
         context: &RenderContext<'_>,
         shapes: &impl Intersector,
-        (from, to): (u32, u32),
+        samples: (u32, u32),
         signals: Signals<'_>,
     ) -> bool {
-        let efforts: Vec<Effort> = self
-            .tiles
-            .par_iter_mut()
-            .map_init(
-                || TileBuffers::new(signals.cancelled),
-                |buffers, exposed| {
-                    let mut effort = Effort::default();
-                    for sample in from.max(exposed.samples)..to {
-                        if (signals.pause)() {
-                            break;
-                        }
-                        let whole = render_sample(context, shapes, (exposed.tile, sample), buffers);
-                        let traced = buffers.take_effort();
-                        if !whole {
-                            break;
-                        }
-                        exposed.light.add(buffers.pixels());
-                        exposed.samples = sample + 1;
-                        effort += traced;
-                    }
-                    effort
-                },
-            )
-            .collect();
-        for effort in efforts {
-            self.effort += effort;
-        }
-        self.tiles.iter().all(|exposed| exposed.samples >= to)
+        let tiles = &mut self.tiles;
+        self.effort += match &mut self.light {
+            Light::Sample(pixels) => add_samples(context, shapes, (tiles, pixels), samples, signals),
+            Light::Sums(pixels) => add_samples(context, shapes, (tiles, pixels), samples, signals),
+        };
+        self.tiles.iter().all(|exposed| exposed.samples >= samples.1)
     }
 
     /// Which part of its samples is there, 0 to 1.
@@ -193,9 +193,17 @@ impl Exposure {
     #[must_use]
     pub fn develop_over(&self, beneath: &Film) -> Film {
         let mut film = Film::new(self.width, self.height);
-        for ExposedTile { tile, light, samples } in &self.tiles {
+        for (index, ExposedTile { tile, samples }) in self.tiles.iter().enumerate() {
             if *samples > 0 {
-                light.develop(*tile, *samples, &mut film);
+                let (mut whole, light) = (film.whole_mut(), index * PIXELS);
+                match &self.light {
+                    Light::Sample(pixels) => {
+                        develop_tile(*tile, &pixels[light..], *samples, (&mut whole, tile.j))
+                    }
+                    Light::Sums(pixels) => {
+                        develop_tile(*tile, &pixels[light..], *samples, (&mut whole, tile.j))
+                    }
+                };
                 continue;
             }
             let nearest = |place: u32, count: u32, of: u32| {
@@ -215,12 +223,77 @@ impl Exposure {
     /// The picture, and what it took.
     #[doc(hidden)]
     #[must_use]
-    pub fn develop(self) -> (Film, Effort) {
-        let mut film = Film::new(self.width, self.height);
+    pub fn develop(&self) -> (Film, Effort) {
+        let (film, overflowed) = match &self.light {
+            Light::Sample(pixels) => self.develop_pixels(pixels),
+            Light::Sums(pixels) => self.develop_pixels(pixels),
+        };
         let mut effort = self.effort;
-        for exposed in &self.tiles {
-            effort.escalations.overflowed += exposed.light.develop(exposed.tile, self.samples, &mut film);
-        }
+        effort.escalations.overflowed += overflowed;
         (film, effort)
     }
+
+    /// The picture, and how many pixels had overflowed.
+    fn develop_pixels<P: PixelLight>(&self, light: &[P]) -> (Film, u64) {
+        let across = self.width.div_ceil(TILE) as usize;
+        let mut film = Film::new(self.width, self.height);
+        let bands = film.bands_mut(TILE).zip(light.par_chunks((across * PIXELS).max(1)));
+        let overflowed = bands.zip(self.tiles.par_chunks(across.max(1))).map(|((mut band, light), tiles)| {
+            let tiles = tiles.iter().zip(light.chunks(PIXELS));
+            tiles
+                .map(|(exposed, light)| develop_tile(exposed.tile, light, self.samples, (&mut band, 0)))
+                .sum::<u64>()
+        });
+        let overflowed = overflowed.sum();
+        (film, overflowed)
+    }
+}
+
+/// Stores a tile's pixels, the means of so many samples, in a band whose row `j` is the tile's first. Says how many had overflowed.
+fn develop_tile<P: PixelLight>(
+    tile: Tile,
+    light: &[P],
+    samples: u32,
+    (band, j): (&mut Band<'_>, u32),
+) -> u64 {
+    let rows = light.chunks(tile.width as usize).take(tile.height as usize).zip(j..);
+    rows.map(|(row, j)| band.store(tile.i, j, row.iter().map(|pixel| pixel.mean(samples)))).sum()
+}
+
+/// Adds samples of all tiles, over all threads. Returns what they took.
+fn add_samples<P: PixelLight>(
+    context: &RenderContext<'_>,
+    shapes: &impl Intersector,
+    (tiles, light): (&mut [ExposedTile], &mut [P]),
+    (from, to): (u32, u32),
+    signals: Signals<'_>,
+) -> Effort {
+    let efforts: Vec<Effort> = tiles
+        .par_iter_mut()
+        .zip(light.par_chunks_mut(PIXELS))
+        .map_init(
+            || TileBuffers::new(signals.cancelled),
+            |buffers, (exposed, light)| {
+                let mut effort = Effort::default();
+                for sample in from.max(exposed.samples)..to {
+                    if (signals.pause)() {
+                        break;
+                    }
+                    let whole = render_sample(context, shapes, (exposed.tile, sample), buffers);
+                    let traced = buffers.take_effort();
+                    if !whole {
+                        break;
+                    }
+                    light.iter_mut().zip(buffers.pixels()).for_each(|(pixel, sample)| pixel.add(*sample));
+                    exposed.samples = sample + 1;
+                    effort += traced;
+                }
+                effort
+            },
+        )
+        .collect();
+    efforts.into_iter().fold(Effort::default(), |mut all, effort| {
+        all += effort;
+        all
+    })
 }

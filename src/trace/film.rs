@@ -1,6 +1,7 @@
 //! Linear pixels of one frame.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use crate::color::Rgb;
 
@@ -68,6 +69,33 @@ impl Film {
 
     /// Stores pixels of row `j` from column `i` on, and says how many had overflowed: those are saturated, so that a film is
     /// always finite.
+    #[inline]
+    pub(crate) fn store(&mut self, i: u32, j: u32, pixels: impl ExactSizeIterator<Item = Rgb>) -> u64 {
+        self.whole_mut().store(i, j, pixels)
+    }
+
+    /// All of its rows.
+    pub(crate) fn whole_mut(&mut self) -> Band<'_> {
+        Band { width: self.width, pixels: &mut self.pixels }
+    }
+
+    /// Divides the film into so many rows each, from the top; the last ones may be fewer.
+    pub(crate) fn bands_mut(&mut self, rows: u32) -> impl IndexedParallelIterator<Item = Band<'_>> {
+        let width = self.width;
+        let count = (width as usize * rows as usize).max(1);
+        self.pixels.par_chunks_mut(count).map(move |pixels| Band { width, pixels })
+    }
+}
+
+/// Some rows of a film.
+#[derive(Debug)]
+pub(crate) struct Band<'a> {
+    width: u32,
+    pixels: &'a mut [Rgb],
+}
+
+impl Band<'_> {
+    /// As [`Film::store`], in row `j` of these.
     #[inline]
     pub(crate) fn store(&mut self, i: u32, j: u32, pixels: impl ExactSizeIterator<Item = Rgb>) -> u64 {
         let start = j as usize * self.width as usize + i as usize;

@@ -174,7 +174,7 @@ impl<'a> Reference<'a> {
                 let traced = trace(context, scratch, kind, parent, &ray, asker);
                 ray.state.throughput *= traced.passage.transmitted;
                 if let RayEnd::Surface(lit) = &traced.end {
-                    let arrived = (&ray.ray, &ray.state);
+                    let arrived = (ray.ray.direction(), &ray.state);
                     let SecondaryRays { reflected, refracted } =
                         secondary_rays(context, scratch, arrived, &lit.surface);
                     let kinds = [(RayKind::Reflection, reflected), (RayKind::Refraction, refracted)];
@@ -298,8 +298,11 @@ fn lit(
     let (ambient_color, diffuse) = material.colors_at(surface.point, surface.normal);
     let TreeRay { ray, state } = arrived;
     let normal = surface.facing_normal();
-    let lit = LitPoint { ray, state, surface: &surface, material, diffuse, asker, normal };
-    let lights = scene.lights.iter().enumerate().map(|light| reach(scene, scratch, light, &lit)).collect();
+    let (arriving, path, point) = (ray.direction(), state.path, surface.point);
+    let lit = LitPoint { arriving, path, point, material, diffuse, asker, normal };
+    let seen = (&surface, state.medium);
+    let lights = scene.lights.iter().enumerate();
+    let lights = lights.map(|light| reach(scene, scratch, light, &lit, seen)).collect();
     let also_there = scene.tied(&surface, &scratch.search.ties);
     LitSurface { ambient: ambient(scene, ambient_color), lights, surface, also_there }
 }
@@ -309,16 +312,16 @@ fn reach(
     scratch: &mut LightScratch<'_>,
     light: (usize, &Light),
     lit: &LitPoint<'_>,
+    seen: (&SurfacePoint, MediumStack),
 ) -> LightReach {
     let (mut first, mut hidden, mut asked) = (None, 0, false);
     let own_shape = light.1.own_shape;
-    let seen = (lit.surface, lit.state.medium);
     let mut sum = DVec3::ZERO;
     for sample in 0..light.1.places() {
         let Some(Proposal { color, shadow }) = propose(Effects::ALL, light, lit, sample) else { continue };
         let share = shadow.map_or(Ok(Rgb::ONE), |way| {
             asked = true;
-            visibility(scene, scratch, &way.ray(lit.surface), own_shape, seen)
+            visibility(scene, scratch, &way.ray(seen.0), own_shape, seen)
         });
         match share {
             Ok(share) => sum += (color * share).as_dvec3(),

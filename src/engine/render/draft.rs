@@ -102,6 +102,7 @@ impl Engine {
             escalations: effort.escalations,
             ..self.report
         };
+        self.spare_exposure = Some(exposure);
         film
     }
 }

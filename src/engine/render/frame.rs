@@ -78,10 +78,17 @@ impl Engine {
     ) -> Result<Option<Film>, EngineError> {
         let instants = self.instants(time);
         let (mut traced, mut whole) = (Duration::ZERO, true);
+        let mut spare = self.spare_exposure.take();
         let sought = self.seek_all(time, &instants, signals.cancelled, |preparation, effects, range| {
             let (scene, camera) = (preparation.scene(), preparation.camera());
             let sampling = preparation.sampling(time);
-            let exposure = begun.get_or_insert_with(|| Exposure::new(camera.resolution(), sampling.samples));
+            let exposure = begun.get_or_insert_with(|| {
+                let (resolution, samples) = (camera.resolution(), sampling.samples);
+                match spare.take() {
+                    Some(spare) => spare.again(resolution, samples),
+                    None => Exposure::new(resolution, samples),
+                }
+            });
             whole = add_all(signals, visit, exposure, |exposure| {
                 let start = Instant::now();
                 let whole = exposure.add(scene, camera, sampling, range, effects, signals);

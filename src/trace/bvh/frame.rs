@@ -53,6 +53,11 @@ pub(crate) struct FrameRay {
 }
 
 impl Frame {
+    /// Four times what rounding to `f32` can shift the origin by. The shapes' own rounding shifts what they accept by a
+    /// few units in the last place of their distance, and by as many times more as their maps stretch: for the worst map
+    /// that is let into the tree, a quarter of what is left.
+    pub(super) const SLACK: f64 = 1.0 / 4_194_304.0;
+
     /// The frame of these boxes.
     pub(crate) fn of(bounds: &[Bounds]) -> Self {
         let median = |axis: usize| {
@@ -97,12 +102,8 @@ impl Frame {
     pub(crate) fn ray(&self, ray: &Ray) -> FrameRay {
         /// Below this a component's reciprocal would leave `f32`: such a ray never fails the axis.
         const SLOWEST: f64 = 1e-30;
-        /// Four times what rounding to `f32` can shift the origin by. The shapes' own rounding shifts what they accept by a
-        /// few units in the last place of their distance, and by as many times more as their maps stretch: for the worst map
-        /// that is let into the tree, a quarter of what is left.
-        const SLACK: f64 = 1.0 / 4_194_304.0;
         let origin = (ray.origin() - self.origin) * self.scale;
-        let slack = SLACK * (1.0 + origin.abs().max_element());
+        let slack = Self::SLACK * (1.0 + origin.abs().max_element());
         let direction = ray.direction();
         let mut result =
             FrameRay { near_origin: [0.0; 3], far_origin: [0.0; 3], inverse: [0.0; 3], downward: [false; 3] };

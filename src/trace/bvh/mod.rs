@@ -7,14 +7,17 @@
 //! - [`build`]: from boxes to a tree of nodes with eight children, through a binary tree by obvhs.
 //! - [`node`]: one node, eight boxes against one ray.
 //! - [`traverse`]: from the root to the leaves, nearest first, with one ray.
-//! - [`shaft`]: the same with a bundle of rays, eight boxes at once.
+//! - [`packet`]: the same with sixteen rays.
+//! - [`shaft`]: the same with a bundle of rays from one point, eight boxes at once.
 
 mod build;
 mod frame;
 mod node;
+mod packet;
 mod shaft;
 mod traverse;
 
+pub(crate) use packet::{FramePacket, PacketStack, PacketVisitor};
 pub(crate) use shaft::{Depth, Limits, PARTS, Planes, Shaft, ShaftVisitor, Slopes};
 pub(crate) use traverse::Stack;
 

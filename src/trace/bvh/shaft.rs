@@ -27,6 +27,7 @@ use glam::DVec3;
 use super::node::{Link, Node, WIDTH};
 use super::traverse::{Pending, Stack};
 use super::{Tree, frame};
+use crate::trace::math::{F64s, Vectors, mask, splat};
 use crate::trace::rays::ShapeId;
 
 /// 2^-20, or 16 times the unit roundoff of `f32`.
@@ -87,13 +88,6 @@ impl Slopes {
         Self { low: both(self.low, other.low, f64::min), high: both(self.high, other.high, f64::max) }
     }
 
-    /// Widens them by those of another ray.
-    #[inline]
-    pub(crate) fn add(&mut self, [u, v]: [f64; 2]) {
-        self.low = [self.low[0].min(u), self.low[1].min(v)];
-        self.high = [self.high[0].max(u), self.high[1].max(v)];
-    }
-
     fn steepest(&self) -> f64 {
         self.low.iter().chain(&self.high).fold(0.0, |steepest, slope| slope.abs().max(steepest))
     }
@@ -106,16 +100,58 @@ impl Depth {
         Self { axis, upwards: direction[axis] > 0.0 }
     }
 
-    /// Returns the depth of a ray's direction, and its slopes; `None` where it goes the other way, or so steeply that it would
-    /// make the shaft too wide.
-    #[inline]
-    pub(crate) fn slopes(self, direction: DVec3) -> Option<(f64, [f64; 2])> {
+    /// Returns the slopes of rays in some lanes, at least one, along their directions times `sense`, 1 or -1. `None` where one goes
+    /// the other way, or so steeply that it would make the shaft too wide.
+    #[inline(always)]
+    pub(crate) fn slopes_of<S: Simd>(
+        self,
+        simd: S,
+        directions: &Vectors,
+        lanes: u32,
+        sense: f64,
+    ) -> Option<Slopes> {
         const STEEPEST: f64 = 16.0;
-        let [w, u, v] = self.axes().map(|axis| direction[axis]);
-        let depth = if self.upwards { w } else { -w };
-        let inverse = depth.recip();
-        let slopes = [u * inverse, v * inverse];
-        (depth > 0.0 && slopes[0].abs() <= STEEPEST && slopes[1].abs() <= STEEPEST).then_some((depth, slopes))
+        let [w, u, v] = self.axes();
+        let mut lows = [splat(simd, f64::INFINITY); 2];
+        let mut highs = [splat(simd, f64::NEG_INFINITY); 2];
+        for half in 0..2 {
+            let asked = mask(simd, lanes, half);
+            let inverse = splat(simd, self.sign() * sense) / directions.axis(w).load(simd, half);
+            let mut good = inverse.simd_gt(splat(simd, 0.0));
+            for (side, across) in [u, v].into_iter().enumerate() {
+                let slope = directions.axis(across).load(simd, half) * sense * inverse;
+                good &= slope.abs().simd_le(splat(simd, STEEPEST));
+                lows[side] = (asked & slope.simd_lt(lows[side])).select(slope, lows[side]);
+                highs[side] = (asked & slope.simd_gt(highs[side])).select(slope, highs[side]);
+            }
+            if (asked & !good).any_true() {
+                return None;
+            }
+        }
+        Some(Slopes { low: lows.map(|low| low.reduce_min()), high: highs.map(|high| high.reduce_max()) })
+    }
+
+    /// Returns the greatest depth that rays in some lanes reach by their `t`, along their directions times `sense`, 1 or -1; minus
+    /// infinity of no lane.
+    #[inline(always)]
+    pub(crate) fn farthest<S: Simd>(
+        self,
+        simd: S,
+        (directions, lanes, sense): (&Vectors, u32, f64),
+        t: impl Fn(usize) -> F64s<S>,
+    ) -> f64 {
+        let nowhere = splat(simd, f64::NEG_INFINITY);
+        let mut farthest = nowhere;
+        for half in 0..2 {
+            let speed = directions.axis(self.axis).load(simd, half) * (self.sign() * sense);
+            let depth = mask(simd, lanes, half).select(t(half) * speed, nowhere);
+            farthest = depth.simd_gt(farthest).select(depth, farthest);
+        }
+        farthest.reduce_max()
+    }
+
+    fn sign(self) -> f64 {
+        if self.upwards { 1.0 } else { -1.0 }
     }
 
     /// The axis itself, and those across.

@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 
-use super::secondary::PathState;
 use super::shading::{diffuse, intensity, length, specular};
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
@@ -13,11 +12,11 @@ use crate::trace::scene::{Light, LightSource, SurfaceMaterial};
 
 /// A surface point to be lit.
 pub(crate) struct LitPoint<'a> {
-    /// The ray that found it.
-    pub(crate) ray: &'a Ray,
-    /// What it carries.
-    pub(crate) state: &'a PathState,
-    pub(crate) surface: &'a SurfacePoint,
+    /// The direction of the ray that found it.
+    pub(crate) arriving: DVec3,
+    /// The place in the tree of rays of that ray.
+    pub(crate) path: u64,
+    pub(crate) point: DVec3,
     pub(crate) material: &'a SurfaceMaterial,
     /// The diffuse colour there.
     pub(crate) diffuse: Rgb,
@@ -89,24 +88,36 @@ pub(crate) fn propose(
         LightSource::Point(place) | LightSource::Spot(place, _) => from_place(effects, light, lit, place),
         LightSource::Directional(direction) => {
             // From a place that is not finite there is no way to any other light by itself.
-            let (to_light, _) = lit.surface.point.is_finite().then(|| scaled(direction))??;
+            let (to_light, _) = lit.point.is_finite().then(|| scaled(direction))??;
             arriving(effects, light, lit, to_light, Limit::NONE)
         }
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } if !effects.extras => None,
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
-            let dimension = Dimension::Light { light: to_u32(index), path: lit.state.path };
-            let SampleId { seed, pixel: (i, j), sample: of_pixel } = lit.asker;
-            let first = of_pixel.wrapping_mul(light.places());
-            let square = PixelSamples::new(seed, i, j).pair(dimension, first.wrapping_add(sample));
-            from_place(effects, light, lit, light.source.place(lit.surface.point, square))
+            let place = light_place((index, light), lit.point, (lit.asker, lit.path), sample);
+            from_place(effects, light, lit, place)
         }
     }
+}
+
+/// Returns the place of a light with a size from which its sample `sample` comes to a point. The ray that found the point has this
+/// place in the tree of rays of the sample that asks.
+pub(super) fn light_place(
+    (index, light): (usize, &Light),
+    point: DVec3,
+    (asker, path): (SampleId, u64),
+    sample: u32,
+) -> DVec3 {
+    let dimension = Dimension::Light { light: to_u32(index), path };
+    let SampleId { seed, pixel: (i, j), sample: of_pixel } = asker;
+    let first = of_pixel.wrapping_mul(light.places());
+    let square = PixelSamples::new(seed, i, j).pair(dimension, first.wrapping_add(sample));
+    light.source.place(point, square)
 }
 
 /// Returns what a light adds from one of its places. It adds nothing at the very point.
 #[inline(always)]
 fn from_place(effects: Effects, light: &Light, lit: &LitPoint<'_>, place: DVec3) -> Option<Proposal> {
-    let (to_light, scale) = scaled(place - lit.surface.point)?;
+    let (to_light, scale) = scaled(place - lit.point)?;
     arriving(effects, light, lit, to_light, Limit::new(scale.recip(), place))
 }
 
@@ -130,7 +141,7 @@ fn arriving(
     let intensity = intensity(effects, light, to_light, length, limit.t());
     let mut color = diffuse(lit.diffuse, intensity, cosine.abs());
     if effects.extras && material.specular > 0.0 && !from_behind && intensity != Rgb::ZERO {
-        color += specular(material, intensity, normal, to_light, -lit.ray.direction());
+        color += specular(material, intensity, normal, to_light, -lit.arriving);
     }
     if color == Rgb::ZERO {
         return None;

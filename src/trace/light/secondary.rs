@@ -64,11 +64,11 @@ pub(crate) struct SecondaryRays {
     pub(crate) refracted: Option<TreeRay>,
 }
 
-/// The continuations of a ray at a surface. Total internal reflection turns refracted light into mirrored light.
+/// The continuations of a ray, which arrives in a direction, at a surface. Total internal reflection turns refracted light into mirrored light.
 pub(crate) fn secondary_rays(
     context: &RenderContext<'_>,
     scratch: &mut LightScratch<'_>,
-    (ray, arrived): (&Ray, &PathState),
+    (direction, arrived): (DVec3, &PathState),
     surface: &SurfacePoint,
 ) -> SecondaryRays {
     let RenderContext { scene, effects, .. } = *context;
@@ -79,9 +79,9 @@ pub(crate) fn secondary_rays(
         && let Some(medium) = &material.refraction
     {
         let LightScratch { media, search, .. } = scratch;
-        let beyond = media.through(scene, arrived.medium, surface, &search.ties, ray.direction());
+        let beyond = media.through(scene, arrived.medium, surface, &search.ties, direction);
         let (from, into) = (media.ior(scene, arrived.medium), media.ior(scene, beyond));
-        let refracted = Refracted::at(medium, Boundary { from, into }, ray, surface);
+        let refracted = Refracted::at(medium, Boundary { from, into }, direction, surface);
         reflected += refracted.reflected;
         refraction = refracted.direction.map(|direction| (direction, refracted.transmitted, beyond));
     }
@@ -95,7 +95,7 @@ pub(crate) fn secondary_rays(
     };
     let mut branches = SecondaryRays::default();
     if let Some(state) = arrives(reflected, arrived.medium, 0) {
-        let direction = mirrored(ray.direction(), surface.normal);
+        let direction = mirrored(direction, surface.normal);
         branches.reflected = surface.leave(surface.from_outside, direction).map(|ray| TreeRay { ray, state });
     }
     if effects.media()
@@ -118,8 +118,7 @@ struct Refracted {
 }
 
 impl Refracted {
-    fn at(medium: &Refraction, boundary: Boundary, arrived: &Ray, surface: &SurfacePoint) -> Self {
-        let direction = arrived.direction();
+    fn at(medium: &Refraction, boundary: Boundary, direction: DVec3, surface: &SurfacePoint) -> Self {
         if boundary.from == boundary.into {
             return Self { reflected: 0.0, transmitted: medium.transmitted, direction: Some(direction) };
         }

@@ -9,6 +9,7 @@ mod algebraic;
 mod compensated;
 mod double;
 mod error_free;
+mod lanes;
 mod root;
 mod sampling;
 mod scaling;
@@ -19,6 +20,11 @@ mod vector;
 pub(crate) use algebraic::{Exact, Exact3, ExactRoot};
 pub use compensated::Compensated3;
 pub use double::Double;
+pub(crate) use lanes::{
+    Colors, CompensatedLanes, F64s, F64s3, LANES, Mask, Numbers, Vectors, add, bits, bits16,
+    dot as dot_lanes, half_of, lanes, mask, mask16, quick_two_sum, scaled_lanes, select3, splat, splat3,
+    subtract, times, two_product, two_sum,
+};
 pub use root::Root;
 pub use sampling::{Dimension, PixelSamples, Sampling, disc};
 pub(crate) use scaling::scaled;

@@ -11,89 +11,91 @@ use fearless_simd::{dispatch, prelude::*};
 use glam::DVec3;
 
 use crate::trace::bvh::{Depth, Limits, PARTS, Planes, Shaft, ShaftVisitor, Slopes, Stack};
+use crate::trace::math::{Numbers, Vectors, lanes};
 use crate::trace::query::Scratch;
-use crate::trace::rays::{Limit, ShapeId};
+use crate::trace::rays::ShapeId;
 use crate::trace::scene::PreparedScene;
 
-/// More candidates than so are better found by each ray in the tree.
+/// More candidates than so are better found in the tree.
 const MOST: usize = 12;
 
 /// More shapes than so are not looked at: in a wide shaft there are many that matter to none of its parts.
 const MOST_VISITS: usize = 128;
 
 /// Fewer rays are not worth it.
-const FEWEST: usize = 32;
+const FEWEST: u32 = 32;
 
-/// The shapes of the tree that may hide a light, part by part; kept for its memory.
+/// The shapes of the tree that may hide a light, packet by packet; kept for its memory.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Candidates {
     parts: [Vec<ShapeId>; PARTS],
-    /// Parts whose rays are to find them in the tree, as a bit mask.
+    /// Packets whose rays are to find them in the tree, as a bit mask.
     crowded: u32,
 }
 
+/// Where a light lies from the points of a packet.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WaysToLight<'a> {
+    pub(crate) directions: &'a Vectors,
+    /// How many times as far the light is.
+    pub(crate) limits: &'a Numbers,
+    /// The lanes that ask.
+    pub(crate) lanes: u32,
+}
+
 impl Candidates {
-    /// Finds all shapes of the tree that may stand between a light and where rays to it start. Of each ray the part, the scaled
-    /// direction and the limit are given; those near each other belong in one part. `false`, and nothing found,
-    /// where they go too far apart, or are too few to be worth it.
-    pub(crate) fn find(
+    /// Finds all shapes of the tree that may stand between a light and the points of packets. `false`, and nothing found, where
+    /// they lie too far apart, or are too few to be worth it.
+    pub(crate) fn find<'a>(
         &mut self,
         scene: &PreparedScene,
-        rays: impl Iterator<Item = (usize, DVec3, Limit)>,
+        light: DVec3,
+        packets: impl Iterator<Item = WaysToLight<'a>> + Clone,
         scratch: &mut Scratch<'_>,
     ) -> bool {
-        let Some((shaft, limits)) = shaft(scene, rays) else { return false };
+        if packets.clone().map(|ways| ways.lanes.count_ones()).sum::<u32>() < FEWEST {
+            return false;
+        }
         self.parts.iter_mut().for_each(Vec::clear);
         self.crowded = 0;
         let Scratch { stack, cancelled, .. } = scratch;
         let search = (stack, *cancelled);
-        dispatch!(scene.simd.level(), simd => gather(simd, scene, (&shaft, limits), self, search));
-        true
+        dispatch!(scene.simd.level(), simd => gather(simd, scene, light, packets, self, search))
     }
 
-    /// Returns the shapes of the tree that the rays of a part have to be asked of; `None` where they have to find them
+    /// Returns the shapes of the tree that the rays of a packet have to be asked of; `None` where they have to find them
     /// themselves.
     #[inline]
-    pub(crate) fn of(&self, part: usize) -> Option<&[ShapeId]> {
-        (self.crowded & (1 << part) == 0).then_some(self.parts[part].as_slice())
+    pub(crate) fn of(&self, packet: usize) -> Option<&[ShapeId]> {
+        (self.crowded & (1 << packet) == 0).then_some(self.parts[packet].as_slice())
     }
-}
-
-/// Makes a shaft from a light to where rays start, and how far it reaches, part by part.
-fn shaft(
-    scene: &PreparedScene,
-    rays: impl Iterator<Item = (usize, DVec3, Limit)>,
-) -> Option<(Shaft, Limits)> {
-    let mut rays = rays.peekable();
-    let (_, direction, limit) = *rays.peek()?;
-    let (light, depth) = (limit.place(), Depth::along(-direction));
-    let mut count = 0;
-    let (mut slopes, mut farthest) = ([Slopes::NONE; PARTS], [f64::NEG_INFINITY; PARTS]);
-    for (part, direction, limit) in rays {
-        let (speed, across) = depth.slopes(-direction)?;
-        slopes[part].add(across);
-        farthest[part] = farthest[part].max(speed * limit.t());
-        count += 1;
-    }
-    if count < FEWEST {
-        return None;
-    }
-    let shaft = scene.tree.shaft(light, depth, &slopes)?;
-    let limits = farthest.map(|depth| shaft.depth_limit(depth * scene.tree.scale()));
-    Some((shaft, Limits(limits)))
 }
 
 #[inline(always)]
-fn gather<S: Simd>(
+fn gather<'a, S: Simd>(
     simd: S,
     scene: &PreparedScene,
-    (shaft, limits): (&Shaft, Limits),
+    light: DVec3,
+    packets: impl Iterator<Item = WaysToLight<'a>> + Clone,
     candidates: &mut Candidates,
     (stack, cancelled): (&mut Stack, &AtomicBool),
-) {
-    let mut visitor = Visitor { shaft, candidates, limits, visits: 0 };
-    let limit = visitor.limits.farthest(simd);
-    scene.tree.visit_shaft(simd, shaft, limit, stack, cancelled, &mut visitor);
+) -> bool {
+    let Some(first) = packets.clone().find(|ways| ways.lanes != 0) else { return false };
+    // From the light to the points.
+    let depth = Depth::along(-first.directions.get(first.lanes.trailing_zeros() as usize));
+    let (mut slopes, mut farthest) = ([Slopes::NONE; PARTS], [f64::NEG_INFINITY; PARTS]);
+    for (part, ways) in packets.enumerate() {
+        let Some(found) = depth.slopes_of(simd, ways.directions, ways.lanes, -1.0) else { return false };
+        slopes[part] = found;
+        let back = (ways.directions, ways.lanes, -1.0);
+        farthest[part] = depth.farthest(simd, back, |half| ways.limits.load(simd, half));
+    }
+    let Some(shaft) = scene.tree.shaft(light, depth, &slopes) else { return false };
+    let limits = Limits(farthest.map(|depth| shaft.depth_limit(depth * scene.tree.scale())));
+    let limit = limits.farthest(simd);
+    let mut visitor = Visitor { shaft: &shaft, candidates, limits, visits: 0 };
+    scene.tree.visit_shaft(simd, &shaft, limit, stack, cancelled, &mut visitor);
+    true
 }
 
 struct Visitor<'a> {
@@ -111,10 +113,7 @@ impl<S: Simd> ShaftVisitor<S> for Visitor<'_> {
             self.candidates.crowded = u32::MAX;
             return f32::NEG_INFINITY;
         }
-        let mut parts = self.shaft.parts(simd, bounds, &self.limits);
-        while parts != 0 {
-            let part = parts.trailing_zeros() as usize % PARTS;
-            parts &= parts - 1;
+        for part in lanes(self.shaft.parts(simd, bounds, &self.limits)) {
             if self.candidates.parts[part].len() < MOST {
                 self.candidates.parts[part].push(id);
             } else {

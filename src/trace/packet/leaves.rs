@@ -1,44 +1,66 @@
-//! One shape against half of a packet's rays: the operations of the scalar code, in their order.
+//! One shape against half of a packet's rays: the scalar code's operations in their order, so that every `t` and every bound has
+//! the scalar code's bits.
 
-use fearless_simd::{f64x8, mask64x8, prelude::*};
+use fearless_simd::prelude::*;
 use glam::DVec3;
 
-use super::rays::{F64s, Packet, Verdicts, load};
+use crate::trace::math::{F64s, F64s3, Mask, dot_lanes as dot, splat, splat3, subtract, times};
+use crate::trace::rays::RayPacket;
 use crate::trace::shapes::{AlignedBox, Bounds, Plane, Sphere, U};
+
+/// Half of a packet's rays.
+#[derive(Clone, Copy)]
+pub(super) struct Rays<S: Simd> {
+    pub(super) origin: F64s3<S>,
+    pub(super) direction: F64s3<S>,
+    /// 1 / direction.direction
+    pub(super) inverse_square: F64s<S>,
+}
+
+/// What they have to do with a shape.
+#[derive(Clone, Copy)]
+pub(super) struct Verdicts<S: Simd> {
+    pub(super) t: F64s<S>,
+    pub(super) error: F64s<S>,
+    /// Rays that certainly meet it, at `t`.
+    pub(super) hit: Mask<S>,
+    /// Rays of which it is not certain that they meet it or not.
+    pub(super) open: Mask<S>,
+}
+
+impl<S: Simd> Rays<S> {
+    #[inline(always)]
+    pub(super) fn load(simd: S, packet: &RayPacket, half: usize) -> Self {
+        Self {
+            origin: packet.origins.load(simd, half),
+            direction: packet.directions.load(simd, half),
+            inverse_square: packet.inverse_squares.load(simd, half),
+        }
+    }
+}
 
 /// Where rays meet a sphere: `first_root` of [`Sphere::intersect`]. `None` where all of them certainly miss it.
 #[inline(always)]
-pub(super) fn sphere<S: Simd>(
-    simd: S,
-    origin: DVec3,
-    sphere: &Sphere,
-    packet: &Packet,
-    half: usize,
-) -> Option<Verdicts<S>> {
-    let splat = f64x8::splat;
-    let direction = directions(simd, packet, half);
-    let to_center = sphere.center - origin;
-    let squared_radius = sphere.radius * sphere.radius;
-    let squared_distance = to_center.dot(to_center);
-    let [x, y, z] = to_center.to_array().map(|number: f64| f64x8::splat(simd, number));
-    let inverse_square = load(simd, &packet.inverse_square[half]);
-
-    let b = dot([x, y, z], direction);
+pub(super) fn sphere<S: Simd>(simd: S, rays: &Rays<S>, sphere: &Sphere) -> Option<Verdicts<S>> {
+    let to_center = subtract(splat3(simd, sphere.center), rays.origin);
+    let squared_radius = splat(simd, sphere.radius * sphere.radius);
+    let Rays { direction, inverse_square, .. } = *rays;
+    let b = dot(to_center, direction);
     let projection = b * inverse_square;
-    let nearest =
-        [x - direction[0] * projection, y - direction[1] * projection, z - direction[2] * projection];
-    let q = splat(simd, squared_radius) - dot(nearest, nearest);
-    let q_error = splat(simd, 32.0 * U) * (b * projection + splat(simd, squared_radius));
+    let nearest = subtract(to_center, times(direction, projection));
+    let q = squared_radius - dot(nearest, nearest);
+    let q_error = (b * projection + squared_radius) * (32.0 * U);
     let maybe = !q.simd_lt(-q_error);
     if !maybe.any_true() {
         return None;
     }
     let zero = splat(simd, 0.0);
+    let squared_distance = dot(to_center, to_center);
     let root = (dot(direction, direction) * q).sqrt();
     let s = b + root.copysign(b);
-    let error = splat(simd, 64.0 * U * (squared_distance + squared_radius)) / root;
-    let clear = q.simd_gt(splat(simd, 1024.0) * q_error);
-    let one = splat(simd, squared_distance - squared_radius) / s;
+    let error = (squared_distance + squared_radius) * (64.0 * U) / root;
+    let clear = q.simd_gt(q_error * 1024.0);
+    let one = (squared_distance - squared_radius) / s;
     let ahead = clear & s.simd_gt(zero) & one.simd_gt(error);
     let other = s * inverse_square;
     let ordered = one.simd_lt(other);
@@ -52,36 +74,70 @@ pub(super) fn sphere<S: Simd>(
     Some(Verdicts { t, error, hit, open: maybe & !hit & !far_behind })
 }
 
+/// Where rays come out of a sphere that they leave inwards: `far_root` of [`Sphere::exit`].
+#[inline(always)]
+pub(super) fn sphere_exit<S: Simd>(simd: S, rays: &Rays<S>, sphere: &Sphere) -> Verdicts<S> {
+    let to_center = subtract(splat3(simd, sphere.center), rays.origin);
+    let squared_radius = splat(simd, sphere.radius * sphere.radius);
+    let direction = rays.direction;
+    let (a, b) = (dot(direction, direction), dot(to_center, direction));
+    let projection = b / a;
+    let nearest = subtract(to_center, times(direction, projection));
+    let q = squared_radius - dot(nearest, nearest);
+    let q_error = (b * projection + squared_radius) * (32.0 * U);
+    let root = (a * q).sqrt();
+    let t = (b + root) / a;
+    let error = (dot(to_center, to_center) + squared_radius) * (64.0 * U) / root;
+    let hit = q.simd_gt(q_error * 1024.0) & b.simd_gt(splat(simd, 0.0)) & t.simd_gt(error);
+    Verdicts { t, error, hit, open: !hit }
+}
+
 /// Where rays meet a box: [`AlignedBox::intersect`], for rays that are not slow.
 #[inline(always)]
 pub(super) fn aligned_box<S: Simd>(
     simd: S,
-    origin: DVec3,
+    origin: F64s3<S>,
+    inverse: F64s3<S>,
     shape: &AlignedBox,
-    packet: &Packet,
-    half: usize,
 ) -> Verdicts<S> {
-    let splat = f64x8::splat;
     let zero = splat(simd, 0.0);
-    let Slabs { entry, exit, close } = slabs(simd, origin, (shape.min, shape.max), packet, half);
+    let Slabs { entry, exit, close } = slabs(simd, origin, inverse, (shape.min, shape.max));
     let maybe = !(exit.simd_lt(zero) | entry.simd_gt(exit + close));
     let open = maybe & entry.simd_gt(exit - close);
     let t = entry.simd_ge(zero).select(entry, exit) + zero;
-    Verdicts { t, error: splat(simd, 4.0 * U) * t, hit: maybe & !open, open }
+    Verdicts { t, error: t * (4.0 * U), hit: maybe & !open, open }
 }
 
-/// Which rays, that are not slow, may meet what is within bounds before what they have met so far.
+/// Where rays come out of a box that they leave inwards: [`AlignedBox::exit`].
+#[inline(always)]
+pub(super) fn box_exit<S: Simd>(simd: S, rays: &Rays<S>, shape: &AlignedBox) -> Verdicts<S> {
+    let zero = splat(simd, 0.0);
+    let (min, max) = (splat3(simd, shape.min), splat3(simd, shape.max));
+    let mut nearest = splat(simd, f64::INFINITY);
+    for axis in 0..3 {
+        let speed = rays.direction[axis];
+        let face = speed.simd_gt(zero).select(max[axis], min[axis]);
+        let t = (face - rays.origin[axis]) / speed;
+        nearest = (!speed.simd_eq(zero) & t.simd_lt(nearest)).select(t, nearest);
+    }
+    // Of a zero the scalar code knows the sign.
+    let open = nearest.simd_eq(zero);
+    let t = nearest.simd_gt(zero).select(nearest, zero);
+    Verdicts { t, error: t * (4.0 * U), hit: !open, open }
+}
+
+/// Which rays, that are not slow, may meet what is within bounds before they have gone so far.
 #[inline(always)]
 pub(super) fn may_meet<S: Simd>(
     simd: S,
-    origin: DVec3,
+    origin: F64s3<S>,
+    inverse: F64s3<S>,
     bounds: &Bounds,
-    packet: &Packet,
-    half: usize,
-) -> mask64x8<S> {
-    let Slabs { entry, exit, close } = slabs(simd, origin, (bounds.min, bounds.max), packet, half);
-    let missed = exit.simd_lt(f64x8::splat(simd, 0.0)) | entry.simd_gt(exit + close);
-    !missed & !(entry - close).simd_gt(packet.latest(simd, half))
+    latest: F64s<S>,
+) -> Mask<S> {
+    let Slabs { entry, exit, close } = slabs(simd, origin, inverse, (bounds.min, bounds.max));
+    let missed = exit.simd_lt(splat(simd, 0.0)) | entry.simd_gt(exit + close);
+    !missed & !(entry - close).simd_gt(latest)
 }
 
 /// Where rays enter and leave what a box's three slabs have in common.
@@ -93,21 +149,12 @@ struct Slabs<S: Simd> {
 }
 
 #[inline(always)]
-fn slabs<S: Simd>(
-    simd: S,
-    origin: DVec3,
-    (min, max): (DVec3, DVec3),
-    packet: &Packet,
-    half: usize,
-) -> Slabs<S> {
-    let splat = f64x8::splat;
-    let (to_min, to_max) = (min - origin, max - origin);
+fn slabs<S: Simd>(simd: S, origin: F64s3<S>, inverse: F64s3<S>, (min, max): (DVec3, DVec3)) -> Slabs<S> {
     let mut entry = splat(simd, f64::NEG_INFINITY);
     let mut exit = splat(simd, f64::INFINITY);
     for axis in 0..3 {
-        let inverse = load(simd, &packet.inverse[axis][half]);
-        let at_min = splat(simd, to_min[axis]) * inverse;
-        let at_max = splat(simd, to_max[axis]) * inverse;
+        let at_min = (splat(simd, min[axis]) - origin[axis]) * inverse[axis];
+        let at_max = (splat(simd, max[axis]) - origin[axis]) * inverse[axis];
         let ordered = at_min.simd_lt(at_max);
         let (near, far) = (ordered.select(at_min, at_max), ordered.select(at_max, at_min));
         entry = near.simd_gt(entry).select(near, entry);
@@ -115,47 +162,24 @@ fn slabs<S: Simd>(
     }
     let (entry_size, exit_size) = (entry.abs(), exit.abs());
     let size = entry_size.simd_gt(exit_size).select(entry_size, exit_size);
-    Slabs { entry, exit, close: splat(simd, 8.0 * U) * size }
+    Slabs { entry, exit, close: size * (8.0 * U) }
 }
 
 /// Where rays meet a plane: [`Plane::intersect`].
 #[inline(always)]
-pub(super) fn plane<S: Simd>(
-    simd: S,
-    origin: DVec3,
-    plane: &Plane,
-    packet: &Packet,
-    half: usize,
-) -> Verdicts<S> {
-    let splat = f64x8::splat;
-    let direction = directions(simd, packet, half);
-    let (to_plane, normal) = (plane.point() - origin, plane.normal());
-    let size = normal.abs();
-    let height = to_plane.dot(normal);
-    let height_error = 6.0 * U * to_plane.abs().dot(size);
-    let [x, y, z] = normal.to_array().map(|number: f64| f64x8::splat(simd, number));
-    let speed = dot(direction, [x, y, z]);
-    let [x, y, z] = size.to_array().map(|number: f64| f64x8::splat(simd, number));
-    let speeds = [direction[0].abs(), direction[1].abs(), direction[2].abs()];
-    let speed_error = splat(simd, 4.0 * U) * dot(speeds, [x, y, z]);
+pub(super) fn plane<S: Simd>(simd: S, rays: &Rays<S>, plane: &Plane) -> Verdicts<S> {
+    let to_plane = subtract(splat3(simd, plane.point()), rays.origin);
+    let normal = splat3(simd, plane.normal());
+    let size = splat3(simd, plane.normal().abs());
+    let sizes = [to_plane[0].abs(), to_plane[1].abs(), to_plane[2].abs()];
+    let speeds = [rays.direction[0].abs(), rays.direction[1].abs(), rays.direction[2].abs()];
+    let (height, speed) = (dot(to_plane, normal), dot(rays.direction, normal));
+    let (height_error, speed_error) = (dot(sizes, size) * (6.0 * U), dot(speeds, size) * (4.0 * U));
     let inverse = splat(simd, 1.0) / speed;
-    let t = splat(simd, height) * inverse;
-    let error =
-        (splat(simd, height_error) + t.abs() * speed_error) * inverse.abs() + splat(simd, 4.0 * U) * t.abs();
-    let certain = speed.abs().simd_gt(splat(simd, 1024.0) * speed_error);
+    let t = height * inverse;
+    let error = (height_error + t.abs() * speed_error) * inverse.abs() + t.abs() * (4.0 * U);
+    let certain = speed.abs().simd_gt(speed_error * 1024.0);
     let hit = certain & t.simd_gt(error);
     let miss = certain & t.simd_lt(-error);
     Verdicts { t, error, hit, open: !hit & !miss }
-}
-
-#[inline(always)]
-fn directions<S: Simd>(simd: S, packet: &Packet, half: usize) -> [F64s<S>; 3] {
-    let [x, y, z] = &packet.direction;
-    [load(simd, &x[half]), load(simd, &y[half]), load(simd, &z[half])]
-}
-
-/// In glam's order.
-#[inline(always)]
-fn dot<S: Simd>(a: [F64s<S>; 3], b: [F64s<S>; 3]) -> F64s<S> {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -1,21 +1,26 @@
-//! Many rays at once: bundles of camera rays in vectors of the width that the processor has.
+//! Sixteen rays at once, in vectors of the width that the processor has.
 //!
 //! What a ray meets is defined by the scalar code in `shapes` and `query`. Here the same operations are made in the same order
 //! for sixteen rays at once, so that every `t` and every bound of its error has the same bits, whatever the width. Where a
 //! verdict is not certain, or two hits may be at the same place, nothing is decided here: the ray is left to the scalar code.
 //!
-//! - [`bundle`]: a tile's rays, sorted into packets, and what they meet.
-//! - [`candidates`]: what may stand between a light and a tile's surfaces.
-//! - [`rays`]: sixteen rays, and what each of them has met so far.
-//! - [`leaves`]: one shape against the rays of a packet.
+//! - [`leaves`]: one shape of a kind against half of a packet's rays; [`verdicts`]: a shape of any kind.
+//! - [`closest_hit`]: the nearest of what a packet's rays meet; [`bundle`]: the same of packets of rays from one point.
+//! - [`occlusion`]: what stands between surface points and a light; [`candidates`]: what may, for all packets of a tile.
+//! - [`refine`]: the surface points that hits stand for.
 
 mod bundle;
 mod candidates;
+mod closest_hit;
 mod leaves;
-mod rays;
+mod occlusion;
+mod refine;
 #[cfg(test)]
 mod tests;
+mod verdicts;
 
-pub(crate) use bundle::Bundle;
-pub(crate) use candidates::Candidates;
-pub(crate) use rays::LANES;
+pub(crate) use bundle::bundle_hits;
+pub(crate) use candidates::{Candidates, WaysToLight};
+pub(crate) use closest_hit::closest_hits;
+pub(crate) use occlusion::{Occlusion, ShadowPacket, occluded};
+pub(crate) use refine::refine;

@@ -1,13 +1,15 @@
-//! What bundles find, held against single rays, at every level.
+//! What packets find, held against single rays, at every level.
 
+use fearless_simd::{dispatch, prelude::*};
 use glam::{DAffine3, DMat3, DVec3};
 use proptest::prelude::*;
 
-use super::{Bundle, Candidates};
-use crate::trace::math::{SimdLevel, scaled};
-use crate::trace::query::Scratch;
-use crate::trace::rays::{Limit, Ray};
-use crate::trace::scene::{Camera, Geometry, PreparedScene, PreparedShape, SurfaceMaterial};
+use super::{Candidates, ShadowPacket, WaysToLight, bundle_hits, closest_hits, occluded, refine};
+use crate::color::Rgb;
+use crate::trace::math::{Numbers, SimdLevel, Vectors, lanes, scaled, scaled_lanes};
+use crate::trace::query::{HitPacket, Scratch, SurfacePacket};
+use crate::trace::rays::{Limit, Ray, RayPacket, ShapeId, TieLists};
+use crate::trace::scene::{Camera, Geometry, PreparedScene, PreparedShape, Refraction, SurfaceMaterial};
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 
 const SIDE: u32 = 16;
@@ -54,47 +56,150 @@ fn shape() -> impl Strategy<Value = PreparedShape> {
 }
 
 fn scene(shapes: &[PreparedShape]) -> PreparedScene {
+    scene_of(shapes, |_| false)
+}
+
+fn scene_of(shapes: &[PreparedShape], is_clear: impl Fn(usize) -> bool) -> PreparedScene {
     let mut geometry = Geometry::default();
     for shape in shapes {
         let _ = geometry.push(*shape);
     }
-    PreparedScene::new(geometry, vec![SurfaceMaterial::default(); shapes.len()])
+    let glass = Refraction { transmitted: 0.5, ior: 1.5, absorption: Rgb::ZERO, fresnel: false };
+    let material = |index| SurfaceMaterial {
+        refraction: is_clear(index).then_some(glass),
+        ..SurfaceMaterial::default()
+    };
+    PreparedScene::new(geometry, (0..shapes.len()).map(material).collect::<Vec<_>>())
 }
 
-fn rays(camera: &Camera) -> Vec<(usize, Ray)> {
-    let pixels = (0..SIDE).flat_map(|j| (0..SIDE).map(move |i| (i, j)));
-    let ray = |(i, j)| Some(((j / 4 * 4 + i / 4) as usize, camera.ray(i, j)?));
-    pixels.filter_map(ray).collect()
+/// The camera's rays, as packets of four by four pixels.
+fn packets(scene: &PreparedScene, camera: &Camera) -> Vec<RayPacket> {
+    let centers = camera.pixel_centers();
+    let mut packets = vec![RayPacket::EMPTY; 16];
+    for (packet, index) in packets.iter_mut().zip(0..) {
+        let first = (index % 4 * 4, index / 4 * 4);
+        dispatch!(scene.simd.level(), simd => centers.rays(simd, first, (4, 4), packet));
+        for lane in lanes(packet.lanes) {
+            let (column, row) = (lane as u32 % 4, lane as u32 / 4);
+            assert_eq!(Some(packet.get(lane)), camera.ray(first.0 + column, first.1 + row));
+        }
+    }
+    packets
+}
+
+/// Compares what a packet was found to meet with what single rays meet, and where. Returns how many rays were decided.
+fn compare(
+    name: &str,
+    scene: &PreparedScene,
+    rays: &RayPacket,
+    hits: &mut HitPacket,
+    ties: &TieLists,
+) -> Result<usize, TestCaseError> {
+    let mut scratch = Scratch::default();
+    scratch.ties = ties.clone();
+    let decided = rays.lanes & !hits.open;
+    let mut surfaces = SurfacePacket::EMPTY;
+    let met = decided
+        & lanes(0xffff).filter(|lane| hits.get(*lane).is_some()).fold(0, |mask, lane| mask | 1 << lane);
+    let special = dispatch!(scene.simd.level(), simd => refine(simd, scene, rays, hits, met, &mut surfaces));
+    prop_assert_eq!(met & !special, surfaces.lanes);
+    for lane in lanes(decided) {
+        let ray = rays.get(lane);
+        scratch.tied_hits.clear();
+        let single = scene.closest(scene.geometry(), &ray, &mut scratch);
+        prop_assert_eq!(hits.get(lane), single, "{} {:?}", name, ray);
+        if let (Some(closest), true) = (single, surfaces.lanes & (1 << lane) != 0) {
+            let point = scene.surface(scene.geometry(), &ray, &closest, &mut scratch);
+            prop_assert_eq!(surfaces.get(lane, hits), Some(point), "{} {:?}", name, ray);
+        }
+    }
+    Ok(decided.count_ones() as usize)
 }
 
 /// Compares what a bundle finds at every level with what single rays find, and returns how many rays it decided itself.
 fn decided(scene: &mut PreparedScene, camera: &Camera) -> Result<usize, TestCaseError> {
-    let rays = rays(camera);
-    let mut least = rays.len();
-    let (mut bundle, mut hits, mut scratch) = (Bundle::default(), Vec::new(), Scratch::default());
+    let mut least = usize::MAX;
     for (name, level) in SimdLevel::all() {
         scene.simd = level;
-        let Some(open) = bundle.closest_hits(scene, rays.iter().copied(), &mut scratch, &mut hits) else {
+        let packets = packets(scene, camera);
+        let mut hits = vec![HitPacket::EMPTY; 16];
+        let origin = camera.position();
+        if !bundle_hits(scene, origin, &packets, &mut hits, &mut Scratch::default()) {
             return Ok(0);
-        };
-        let open = open.to_vec();
-        least = least.min(rays.len() - open.len());
-        for (index, (_, ray)) in rays.iter().enumerate() {
-            if u32::try_from(index).is_ok_and(|index| open.contains(&index)) {
-                continue;
-            }
-            scratch.tied_hits.clear();
-            let single = scene.closest(scene.geometry(), ray, &mut scratch);
-            let found = hits[index].map(|closest| closest.hit);
-            prop_assert_eq!(found, single.map(|closest| closest.hit), "{} {:?}", name, ray);
-            prop_assert!(single.is_none_or(|closest| closest.tied.is_empty()), "{} {:?}", name, ray);
         }
+        let mut count = 0;
+        for (rays, hits) in packets.iter().zip(&mut hits) {
+            count += compare(name, scene, rays, hits, &TieLists::default())?;
+        }
+        least = least.min(count);
     }
     Ok(least)
 }
 
+/// Finds what rays of packets meet at every level, one packet after the other. Returns how many were decided.
+fn decided_by_packets(
+    scene: &mut PreparedScene,
+    packets: &[RayPacket],
+    ties: &TieLists,
+) -> Result<usize, TestCaseError> {
+    let mut least = usize::MAX;
+    for (name, level) in SimdLevel::all() {
+        scene.simd = level;
+        let mut count = 0;
+        for rays in packets {
+            let mut hits = HitPacket::EMPTY;
+            let mut scratch = Scratch::default();
+            let Scratch { packet_stack, escalations, cancelled, .. } = &mut scratch;
+            closest_hits(scene, rays, &mut hits, packet_stack, (escalations, cancelled));
+            count += compare(name, scene, rays, &mut hits, ties)?;
+        }
+        least = least.min(count);
+    }
+    Ok(least)
+}
+
+/// Rays that leave the surfaces that the camera sees, mirrored or straight through, with the lists of what they are tied with.
+fn secondary(scene: &PreparedScene, camera: &Camera, inwards: bool) -> (Vec<RayPacket>, TieLists) {
+    let mut scratch = Scratch::default();
+    let mut packets = Vec::new();
+    for rays in packets_of(camera) {
+        let mut packet = RayPacket::EMPTY;
+        for (lane, ray) in rays.iter().enumerate() {
+            scratch.tied_hits.clear();
+            let Some(closest) = scene.closest(scene.geometry(), ray, &mut scratch) else { continue };
+            let surface = scene.surface(scene.geometry(), ray, &closest, &mut scratch);
+            let direction = ray.direction();
+            let mirrored = direction - 2.0 * direction.dot(surface.normal) * surface.normal;
+            let left = if inwards {
+                surface.leave(!surface.from_outside, direction)
+            } else {
+                surface.leave(surface.from_outside, mirrored)
+            };
+            if let Some(ray) = left {
+                packet.set(lane, &ray);
+            }
+        }
+        packets.push(packet);
+    }
+    (packets, scratch.ties)
+}
+
+/// The camera's rays, sixteen by sixteen.
+fn packets_of(camera: &Camera) -> Vec<Vec<Ray>> {
+    let square = |index: u32| {
+        let pixels = (0..16).map(move |lane| (index % 4 * 4 + lane % 4, index / 4 * 4 + lane / 4));
+        pixels.filter_map(|(i, j)| camera.ray(i, j)).collect()
+    };
+    (0..16).map(square).collect()
+}
+
 fn camera(eye: DVec3, view: DVec3, wide: f64) -> Camera {
     Camera::new(eye, view, DVec3::Y, 1.0, (wide, wide), (SIDE, SIDE))
+}
+
+/// Some direction, whatever is given.
+fn looking(view: DVec3) -> DVec3 {
+    if view == DVec3::ZERO { DVec3::Z } else { view }
 }
 
 proptest! {
@@ -108,53 +213,147 @@ proptest! {
         wide in prop_oneof![Just(1.0), Just(0.01), Just(3.0)],
         far in prop_oneof![4 => Just(1.0), 1 => Just(50.0), 1 => Just(1e7)],
     ) {
-        let view = if view == DVec3::ZERO { DVec3::Z } else { view };
-        decided(&mut scene(&shapes), &camera(eye * far, view, wide))?;
+        decided(&mut scene(&shapes), &camera(eye * far, looking(view), wide))?;
     }
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(3000))]
+    #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// From points on shapes and from anywhere, to a light that may be on a shape or within one.
+    /// From anywhere, from the surfaces of shapes outwards, and into them.
     #[test]
-    fn candidates_hide_a_light_where_the_tree_says_so(
+    fn packets_find_what_single_rays_find(
         shapes in prop::collection::vec(shape(), 1..14),
+        eye in point(),
+        view in point(),
+        wide in prop_oneof![Just(1.0), Just(0.01), Just(3.0)],
+        far in prop_oneof![4 => Just(1.0), 1 => Just(50.0), 1 => Just(1e7)],
+    ) {
+        let mut scene = scene(&shapes);
+        let camera = camera(eye * far, looking(view), wide);
+        let straight = packets(&scene, &camera);
+        decided_by_packets(&mut scene, &straight, &TieLists::default())?;
+        for inwards in [false, true] {
+            let (packets, ties) = secondary(&scene, &camera, inwards);
+            decided_by_packets(&mut scene, &packets, &ties)?;
+        }
+    }
+
+    /// From points on shapes, outwards and inwards, to a light that may be on a shape or within one, with and without a list of
+    /// candidates, where some shapes are clear.
+    #[test]
+    fn packets_are_hidden_where_single_rays_are(
+        shapes in prop::collection::vec((shape(), any::<bool>()), 1..14),
         eye in point(),
         view in point(),
         light in point(),
         far in prop_oneof![4 => Just(1.0), 1 => Just(50.0)],
+        clear in any::<bool>(),
+        own in 0..20_u32,
     ) {
-        let view = if view == DVec3::ZERO { DVec3::Z } else { view };
-        let (mut scene, light) = (scene(&shapes), light * far);
-        let mut scratch = Scratch::default();
-        let mut shadow_rays: Vec<(Ray, Limit, usize, DVec3)> = Vec::new();
-        for (part, ray) in rays(&camera(eye, view, 2.0)) {
-            scratch.tied_hits.clear();
-            let Some(closest) = scene.closest(scene.geometry(), &ray, &mut scratch) else { continue };
-            let surface = scene.surface(scene.geometry(), &ray, &closest, &mut scratch);
-            let Some((direction, scale)) = scaled(light - surface.point) else { continue };
-            let outward = direction.dot(surface.normal) > 0.0;
-            if let Some(ray) = surface.leave(outward, direction) {
-                shadow_rays.push((ray, Limit::new(scale.recip(), light), part, direction));
-            }
-        }
-        let mut candidates = Candidates::default();
+        let (kinds, clears): (Vec<PreparedShape>, Vec<bool>) = shapes.into_iter().unzip();
+        let (mut scene, light) = (scene_of(&kinds, |index| clear && clears[index]), light * far);
+        let except = ((own as usize) < kinds.len()).then_some(ShapeId(own));
+        let (shadows, ties) = shadow_rays(&scene, &camera(eye, looking(view), 2.0), light);
         for (name, level) in SimdLevel::all() {
             scene.simd = level;
-            let rays = shadow_rays.iter().map(|(_, limit, part, direction)| (*part, *direction, *limit));
-            if !candidates.find(&scene, rays, &mut scratch) {
-                continue;
-            }
-            for (ray, limit, part, _) in &shadow_rays {
-                let hidden = |candidates, scratch: &mut Scratch<'_>| {
-                    scene.occluder(scene.geometry(), ray, limit, (None, candidates), scratch).is_some()
-                };
-                let listed = hidden(candidates.of(*part), &mut scratch);
-                prop_assert_eq!(listed, hidden(None, &mut scratch), "{} {:?}", name, ray);
+            let ways = shadows.iter().map(|(rays, limits)| WaysToLight {
+                directions: &rays.directions,
+                limits,
+                lanes: rays.lanes,
+            });
+            let mut scratch = Scratch { ties: ties.clone(), ..Scratch::default() };
+            let mut candidates = Candidates::default();
+            let listed = candidates.find(&scene, light, ways, &mut scratch);
+            for (packet, (rays, limits)) in shadows.iter().enumerate() {
+                let lists = [None, if listed { candidates.of(packet) } else { None }];
+                for candidates in lists {
+                    let shadow = ShadowPacket { rays, limits, except, candidates, clear };
+                    let Scratch { packet_stack, escalations, cancelled, .. } = &mut scratch;
+                    let effort = (escalations, *cancelled);
+                    let found = occluded(&scene, &shadow, &mut None, packet_stack, effort);
+                    for lane in lanes(rays.lanes) {
+                        let (ray, limit) = (rays.get(lane), Limit::new(limits.get(lane), light));
+                        let single = hidden(&scene, &ray, &limit, (except, candidates), clear, &mut scratch);
+                        let (in_tree, crossed) = hidden(&scene, &ray, &limit, (except, None), clear, &mut scratch);
+                        prop_assert_eq!(single.0, in_tree, "{} {:?}", name, ray);
+                        if found.open & (1 << lane) == 0 {
+                            let occluded = found.hidden & (1 << lane) != 0;
+                            prop_assert_eq!(occluded, in_tree, "{} {:?}", name, ray);
+                            prop_assert!(occluded || !crossed, "{} {:?}", name, ray);
+                        }
+                    }
+                }
             }
         }
     }
+
+    /// Whatever the exponents of its coordinates.
+    #[test]
+    fn directions_are_scaled_as_one_by_one(
+        exponents in prop::array::uniform3(-1074..1024_i32),
+        mantissas in prop::array::uniform3(-2.0..2.0_f64),
+        near in any::<bool>(),
+    ) {
+        let exponents = if near { exponents.map(|exponent| exponent / 64) } else { exponents };
+        let coordinate = |axis: usize| libm::ldexp(mantissas[axis], exponents[axis]);
+        let direction = DVec3::new(coordinate(0), coordinate(1), coordinate(2));
+        for (name, level) in SimdLevel::all() {
+            let (mut found, mut scales) = (Vectors::splat(direction), Numbers::splat(0.0));
+            let usual = dispatch!(level.level(), simd => {
+                let (direction, scale, usual) = scaled_lanes(simd, found.load(simd, 0));
+                found.store(0, direction);
+                scales.store(0, scale);
+                usual.any_true()
+            });
+            if usual {
+                prop_assert_eq!(scaled(direction), Some((found.get(0), scales.get(0))), "{}", name);
+            }
+        }
+    }
+}
+
+/// Whether anything hides a ray, and whether it crosses anything clear.
+fn hidden(
+    scene: &PreparedScene,
+    ray: &Ray,
+    limit: &Limit,
+    occluders: (Option<ShapeId>, Option<&[ShapeId]>),
+    clear: bool,
+    scratch: &mut Scratch<'_>,
+) -> (bool, bool) {
+    if clear {
+        let found = scene.occluder_or_crossed(scene.geometry(), ray, limit, occluders, scratch);
+        (found.is_some(), !scratch.crossed.is_empty())
+    } else {
+        (scene.occluder(scene.geometry(), ray, limit, occluders, scratch).is_some(), false)
+    }
+}
+
+/// Rays from what the camera sees to a light, with how far that is, and the lists of what they are tied with.
+fn shadow_rays(
+    scene: &PreparedScene,
+    camera: &Camera,
+    light: DVec3,
+) -> (Vec<(RayPacket, Numbers)>, TieLists) {
+    let mut scratch = Scratch::default();
+    let mut shadows = Vec::new();
+    for rays in packets_of(camera) {
+        let (mut packet, mut limits) = (RayPacket::EMPTY, Numbers::splat(0.0));
+        for (lane, ray) in rays.iter().enumerate() {
+            scratch.tied_hits.clear();
+            let Some(closest) = scene.closest(scene.geometry(), ray, &mut scratch) else { continue };
+            let surface = scene.surface(scene.geometry(), ray, &closest, &mut scratch);
+            let Some((direction, scale)) = scaled(light - surface.point) else { continue };
+            let outward = direction.dot(surface.normal) > 0.0;
+            if let Some(ray) = surface.leave(outward, direction) {
+                packet.set(lane, &ray);
+                limits.set(lane, scale.recip());
+            }
+        }
+        shadows.push((packet, limits));
+    }
+    (shadows, scratch.ties)
 }
 
 /// Few shapes are asked, and those that matter: a test of the test above, which could not fail otherwise.
@@ -166,21 +365,23 @@ fn candidates_are_few() {
         .collect();
     shapes.push(PreparedShape::Plane(Plane::new(DVec3::ZERO, DVec3::Y).unwrap()));
     let (scene, light) = (scene(&shapes), DVec3::new(0.0, 20.0, 0.0));
-    let mut candidates = Candidates::default();
-    let floor =
-        (0..256).map(|index| DVec3::new(f64::from(index % 16) * 0.1, 0.0, f64::from(index / 16) * 0.1));
-    let rays = floor.zip(0..).map(|(point, index)| {
+    let mut ways = vec![(Vectors::splat(DVec3::ONE), Numbers::splat(0.0)); 16];
+    for index in 0..256_u32 {
+        let (packet, lane) = (index / 64 * 4 + index % 16 / 4, index / 16 % 4 * 4 + index % 4);
+        let point = DVec3::new(f64::from(index % 16) * 0.1, 0.0, f64::from(index / 16) * 0.1);
         let (direction, scale) = scaled(light - point).unwrap();
-        (index / 64 * 4 + index % 16 / 4, direction, Limit::new(scale.recip(), light))
-    });
-    assert!(candidates.find(&scene, rays, &mut Scratch::default()));
-    let counts: Vec<usize> = (0..16).map(|part| candidates.of(part).unwrap().len()).collect();
+        ways[packet as usize].0.set(lane as usize, direction);
+        ways[packet as usize].1.set(lane as usize, scale.recip());
+    }
+    let ways = ways.iter().map(|(directions, limits)| WaysToLight { directions, limits, lanes: 0xffff });
+    let mut candidates = Candidates::default();
+    assert!(candidates.find(&scene, light, ways, &mut Scratch::default()));
+    let counts: Vec<usize> = (0..16).map(|packet| candidates.of(packet).unwrap().len()).collect();
     assert!(counts.iter().any(|count| *count > 0) && counts.iter().all(|count| *count <= 4), "{counts:?}");
 }
 
-/// What is not close is decided at once: a test of the test above, which could not fail otherwise.
-#[test]
-fn nearly_all_rays_are_decided_at_once() {
+/// Two hundred spheres and boxes over a floor.
+fn crowd() -> PreparedScene {
     let floor = PreparedShape::Plane(Plane::new(DVec3::NEG_Y, DVec3::Y).unwrap());
     let mut shapes = vec![floor];
     for index in 0..200 {
@@ -191,6 +392,33 @@ fn nearly_all_rays_are_decided_at_once() {
             PreparedShape::AlignedBox(AlignedBox { min: place, max: place + 0.5 })
         });
     }
+    scene(&shapes)
+}
+
+/// What is not close is decided at once: a test of the tests above, which could not fail otherwise.
+#[test]
+fn nearly_all_rays_are_decided_at_once() {
+    let mut scene = crowd();
     let camera = camera(DVec3::new(0.3, 2.0, -6.1), DVec3::new(0.01, -0.2, 1.0), 2.0);
-    assert_eq!(decided(&mut scene(&shapes), &camera).unwrap(), 256);
+    assert_eq!(decided(&mut scene, &camera).unwrap(), 256);
+    let straight = packets(&scene, &camera);
+    assert_eq!(decided_by_packets(&mut scene, &straight, &TieLists::default()).unwrap(), 256);
+    for inwards in [false, true] {
+        let (packets, ties) = secondary(&scene, &camera, inwards);
+        let count: u32 = packets.iter().map(|packet| packet.lanes.count_ones()).sum();
+        let decided = decided_by_packets(&mut scene, &packets, &ties).unwrap();
+        assert!(count > 150 && decided + 8 >= count as usize, "{decided} of {count}");
+    }
+    let light = DVec3::new(3.0, 30.0, -2.0);
+    let (shadows, _) = shadow_rays(&scene, &camera, light);
+    let (mut hidden, mut lit) = (0, 0);
+    for (rays, limits) in &shadows {
+        let shadow = ShadowPacket { rays, limits, except: None, candidates: None, clear: false };
+        let mut scratch = Scratch::default();
+        let Scratch { packet_stack, escalations, cancelled, .. } = &mut scratch;
+        let found = occluded(&scene, &shadow, &mut None, packet_stack, (escalations, cancelled));
+        hidden += found.hidden.count_ones();
+        lit += (rays.lanes & !found.hidden & !found.open).count_ones();
+    }
+    assert!(hidden > 10 && lit > 100 && hidden + lit > 150, "{hidden} hidden, {lit} lit");
 }

@@ -14,7 +14,7 @@ use crate::trace::shapes::{Bounds, ExactHit, Face, Intersection, RefinedHit, Sid
 
 /// 2^-36: nearer to a light than so, compared with its distance, what a ray meets is compared with the light's exact place, which
 /// the ray, of a rounded direction, passes by.
-const NEAR: f64 = f64::from_bits((1023 - 36) << 52);
+pub(crate) const NEAR: f64 = f64::from_bits((1023 - 36) << 52);
 
 /// 2^-44: some units in the last place of a light's place, which is rounded too: a panel flush with a ceiling is on it.
 const ROUNDED: f64 = f64::from_bits((1023 - 44) << 52);

@@ -32,15 +32,9 @@ pub(crate) struct TiedHits {
     pub(super) count: u32,
 }
 
-impl ClosestHit {
-    /// A hit that nothing else is tied with.
-    #[inline]
-    pub(crate) fn alone(hit: Hit) -> Self {
-        Self { hit, tied: TiedHits { start: 0, count: 0 } }
-    }
-}
-
 impl TiedHits {
+    pub(super) const NONE: Self = Self { start: 0, count: 0 };
+
     #[inline]
     pub(crate) fn is_empty(self) -> bool {
         self.count == 0

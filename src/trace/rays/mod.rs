@@ -2,6 +2,7 @@
 
 mod departure;
 mod limit;
+mod packet;
 mod ray;
 mod shape_id;
 mod ties;
@@ -9,8 +10,10 @@ mod view;
 
 pub(crate) use departure::Departure;
 pub(crate) use limit::Limit;
+pub(crate) use packet::RayPacket;
 pub use ray::Ray;
 pub use shape_id::ShapeId;
+pub(crate) use shape_id::ShapeIds;
 
 pub(crate) use ties::{Tie, TieLists, Ties};
 pub(crate) use view::RayView;

@@ -1,11 +1,13 @@
 //! Camera rays.
 
-use std::ops::Range;
-
+use fearless_simd::prelude::*;
 use glam::DVec3;
 
-use crate::trace::math::{Dimension, Double, PixelSamples, Sampling, disc, scaled};
-use crate::trace::rays::Ray;
+use crate::trace::math::{
+    Dimension, Double, LANES, PixelSamples, Sampling, Vectors, add, bits, disc, dot_lanes as dot, lanes,
+    scaled, scaled_lanes, splat, splat3,
+};
+use crate::trace::rays::{Ray, RayPacket};
 use crate::trace::shapes::Bounds;
 
 /// The camera, ready to make rays: an eye and a grid of pixels on a screen before it.
@@ -251,15 +253,50 @@ pub(crate) struct PixelCenters {
 }
 
 impl PixelCenters {
-    /// [`Camera::ray`] of some columns' pixels in row `j`.
-    #[inline]
-    pub(crate) fn rays(&self, columns: Range<u32>, j: u32) -> impl Iterator<Item = Option<Ray>> {
-        let Self { eye, forward, .. } = *self;
-        let upwards = self.rows[j as usize];
-        let columns = &self.columns[columns.start as usize..columns.end as usize];
-        columns.iter().map(move |across| Ray::new(eye, *across + upwards + forward))
+    /// Puts the rays through the centres of four by four pixels into the lanes, row by row: [`Camera::ray`] of each. The first is
+    /// pixel (i, j), and there are `columns` by `rows` of them, up to four.
+    #[inline(always)]
+    pub(crate) fn rays<S: Simd>(
+        &self,
+        simd: S,
+        (i, j): (u32, u32),
+        (columns, rows): (u32, u32),
+        rays: &mut RayPacket,
+    ) {
+        rays.clear();
+        if !self.eye.is_finite() {
+            return;
+        }
+        let (mut across, mut upwards) = (Vectors::splat(DVec3::ZERO), Vectors::splat(DVec3::ZERO));
+        let mut asked = 0;
+        for lane in 0..LANES {
+            // Beyond the last column and row there are no pixels.
+            let (column, row) = ((lane as u32 % SIDE).min(columns - 1), (lane as u32 / SIDE).min(rows - 1));
+            across.set(lane, self.columns[(i + column) as usize]);
+            upwards.set(lane, self.rows[(j + row) as usize]);
+            asked |= u32::from(lane as u32 % SIDE < columns && lane as u32 / SIDE < rows) << lane;
+        }
+        rays.origins = Vectors::splat(self.eye);
+        let forward = splat3(simd, self.forward);
+        let mut unusual = 0;
+        for half in 0..2 {
+            let towards = add(add(across.load(simd, half), upwards.load(simd, half)), forward);
+            let (direction, _, usual) = scaled_lanes(simd, towards);
+            unusual |= asked & bits(!usual, half);
+            rays.directions.store(half, direction);
+            rays.inverse_squares.store(half, splat(simd, 1.0) / dot(direction, direction));
+        }
+        rays.lanes = asked & !unusual;
+        for lane in lanes(unusual) {
+            if let Some(ray) = Ray::new(self.eye, across.get(lane) + upwards.get(lane) + self.forward) {
+                rays.set(lane, &ray);
+            }
+        }
     }
 }
+
+/// Pixels along the sides of the square that a packet's rays go through.
+pub(crate) const SIDE: u32 = 4;
 
 /// a x b, each component rounded once: of nearly parallel vectors, rounding on the way would leave little else.
 fn cross(a: DVec3, b: DVec3) -> DVec3 {

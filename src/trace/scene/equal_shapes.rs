@@ -66,6 +66,12 @@ impl EqualShapes {
         }
     }
 
+    /// Returns whether any shapes are equal.
+    #[inline]
+    pub(crate) fn any(&self) -> bool {
+        !self.groups.is_empty()
+    }
+
     /// Returns the group that a shape is in.
     #[inline]
     pub(crate) fn group(&self, id: ShapeId) -> Option<&EqualGroup> {

@@ -4,59 +4,40 @@ use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
 
-use super::tile::Tile;
+use super::surfaces::AnswerPacket;
+use super::tile::{PACKETS, Tile};
+use super::wave::{QueuedRay, Wave};
 use crate::color::Rgb;
 use crate::trace::effort::{Effort, RayCounts, StageCounts, TreeEnds};
-use crate::trace::light::{Budget, LightScratch, Proposal, RenderContext, TreeRay};
-use crate::trace::packet::{Bundle, Candidates};
-use crate::trace::query::{ClosestHit, SurfacePoint};
-use crate::trace::rays::ShapeId;
-
-/// A ray on its way for a pixel.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct QueuedRay {
-    pub(super) tree: TreeRay,
-    /// Index of the pixel in the tile.
-    pub(super) pixel: u32,
-    /// Number of the part of the tile that the pixel is in.
-    pub(super) part: u8,
-    /// Whether it is mirrored; else it is refracted.
-    pub(super) mirrored: bool,
-    /// Whether it is left out, as it could not show.
-    pub(super) cut: bool,
-}
-
-/// A surface point that a ray of the wave found, to be lit.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct FoundSurface {
-    /// Index of the ray in the wave.
-    pub(super) ray: u32,
-    pub(super) point: SurfacePoint,
-    /// The diffuse colour there.
-    pub(super) diffuse: Rgb,
-}
+use crate::trace::light::{Budget, LightScratch, ProposalPacket, RenderContext};
+use crate::trace::math::{Colors, LANES, Numbers};
+use crate::trace::packet::Candidates;
+use crate::trace::query::{HitPacket, SurfacePacket};
+use crate::trace::rays::{RayPacket, ShapeId};
 
 /// What a tile's rays, generation by generation, leave from stage to stage.
 #[derive(Debug)]
 pub(crate) struct TileBuffers<'a> {
-    /// The rays that go through the stages now, pixel by pixel.
-    pub(super) wave: Vec<QueuedRay>,
-    /// The wave's rays, where they have their origin in common.
-    pub(super) bundle: Bundle,
+    /// The rays that go through the stages now.
+    pub(super) wave: Wave,
+    /// By packet of the wave: what each ray meets first.
+    pub(super) hits: Box<[HitPacket; PACKETS]>,
+    /// The surface points that light, a medium or a mirror asks for.
+    pub(super) surfaces: Box<[SurfacePacket; PACKETS]>,
+    /// How the surfaces there answer light.
+    pub(super) answers: Box<[AnswerPacket; PACKETS]>,
+    /// The light at the far end of each ray, towards its origin.
+    pub(super) radiance: Box<[Colors; PACKETS]>,
+    /// The length of each ray, scene units: infinite where it meets nothing, 0 where no length is asked for.
+    pub(super) lengths: Box<[Numbers; PACKETS]>,
+    /// What a sample of one light adds at surface points.
+    pub(super) proposals: Box<[ProposalPacket; PACKETS]>,
+    /// What an extended light adds at each surface point, summed over its samples.
+    pub(super) light_sums: Box<[[DVec3; LANES]; PACKETS]>,
+    /// The rays from a packet's surface points to a light.
+    pub(super) shadow_rays: RayPacket,
     /// What may stand between a light and the surface points.
     pub(super) candidates: Candidates,
-    /// What each ray of the wave meets first.
-    pub(super) hits: Vec<Option<ClosestHit>>,
-    /// The surface points that light, a medium or a mirror asks for, in the order of the wave.
-    pub(super) surfaces: Vec<FoundSurface>,
-    /// The light at the far end of each ray of the wave, towards its origin.
-    pub(super) radiance: Vec<Rgb>,
-    /// The length of each ray of the wave, scene units: infinite where it meets nothing, 0 where no length is asked for.
-    pub(super) lengths: Vec<f64>,
-    /// What a sample of one light adds at surface points, by their indices.
-    pub(super) proposals: Vec<(u32, Proposal)>,
-    /// What an extended light adds at each surface point, summed over its samples.
-    pub(super) light_sums: Vec<DVec3>,
     /// For every light that is on: what hid it from the last point of this tile that asked, if anything did.
     pub(super) last_occluders: Vec<Option<ShapeId>>,
     /// What the rays of this generation send on.
@@ -83,15 +64,16 @@ impl<'a> TileBuffers<'a> {
     /// Makes empty buffers. Once `cancelled` is true, whatever is in them will do.
     pub(crate) fn new(cancelled: &'a AtomicBool) -> Self {
         Self {
-            wave: Vec::new(),
-            bundle: Bundle::default(),
+            wave: Wave::new(),
+            hits: Box::new([const { HitPacket::EMPTY }; PACKETS]),
+            surfaces: Box::new([const { SurfacePacket::EMPTY }; PACKETS]),
+            answers: Box::new([const { AnswerPacket::EMPTY }; PACKETS]),
+            radiance: Box::new([Colors::splat(Rgb::ZERO); PACKETS]),
+            lengths: Box::new([Numbers::splat(0.0); PACKETS]),
+            proposals: Box::new([const { ProposalPacket::EMPTY }; PACKETS]),
+            light_sums: Box::new([[DVec3::ZERO; LANES]; PACKETS]),
+            shadow_rays: RayPacket::EMPTY,
             candidates: Candidates::default(),
-            hits: Vec::new(),
-            surfaces: Vec::new(),
-            radiance: Vec::new(),
-            lengths: Vec::new(),
-            proposals: Vec::new(),
-            light_sums: Vec::new(),
             last_occluders: Vec::new(),
             next: Vec::new(),
             selected: Vec::new(),
@@ -110,7 +92,7 @@ impl<'a> TileBuffers<'a> {
     /// Makes ready for a sample of a tile, and clears what one that was cancelled left.
     pub(super) fn begin(&mut self, tile: Tile, context: &RenderContext<'_>) {
         let count = (tile.width * tile.height) as usize;
-        self.wave.clear();
+        self.wave.count = 0;
         self.pixels.clear();
         self.pixels.resize(count, Rgb::ZERO);
         if context.effects.mirrors() {

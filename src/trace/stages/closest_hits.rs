@@ -1,12 +1,14 @@
 //! What each ray of the wave meets first.
 
 use super::buffers::TileBuffers;
-use super::tile::Sample;
 use crate::trace::light::RenderContext;
-use crate::trace::query::Intersector;
+use crate::trace::math::lanes;
+use crate::trace::packet::{bundle_hits, closest_hits as packet_hits};
+use crate::trace::query::{Intersector, Scratch};
 use crate::trace::scene::Precision;
 
-/// Finds the closest hits of the wave, ray by ray.
+/// Finds the closest hits of the wave: as many at once as start at one point, else packet by packet. What cannot be decided
+/// at once is decided ray by ray, and has the same answer.
 pub(super) fn closest_hits(
     context: &RenderContext<'_>,
     shapes: &impl Intersector,
@@ -14,29 +16,23 @@ pub(super) fn closest_hits(
 ) {
     buffers.entered.closest_hits += 1;
     let TileBuffers { wave, hits, scratch, .. } = buffers;
-    hits.clear();
-    scratch.search.tied_hits.clear();
-    hits.extend(
-        wave.iter().map(|queued| context.scene.closest(shapes, &queued.tree.ray, &mut scratch.search)),
-    );
-}
-
-/// Finds the closest hits of a wave of camera rays, as many at once as they have their origin in common. What cannot be decided
-/// at once is decided ray by ray, and has the same answer.
-pub(super) fn camera_hits(sample: &Sample<'_>, shapes: &impl Intersector, buffers: &mut TileBuffers<'_>) {
-    let scene = sample.context.scene;
+    let (scene, search) = (context.scene, &mut scratch.search);
+    search.tied_hits.clear();
+    let (rays, hits) = (&wave.rays[..wave.count], &mut hits[..wave.count]);
     if scene.precision != Precision::Guaranteed {
-        return closest_hits(sample.context, shapes, buffers);
+        for (rays, hits) in rays.iter().zip(&mut *hits) {
+            hits.clear();
+            hits.open = rays.lanes;
+        }
+    } else if !wave.origin.is_some_and(|origin| bundle_hits(scene, origin, rays, hits, search)) {
+        let Scratch { packet_stack, escalations, cancelled, .. } = search;
+        for (rays, hits) in rays.iter().zip(&mut *hits) {
+            packet_hits(scene, rays, hits, packet_stack, (escalations, cancelled));
+        }
     }
-    let TileBuffers { wave, hits, scratch, bundle, .. } = buffers;
-    let rays = wave.iter().map(|queued| (usize::from(queued.part), queued.tree.ray));
-    let Some(open) = bundle.closest_hits(scene, rays, &mut scratch.search, hits) else {
-        return closest_hits(sample.context, shapes, buffers);
-    };
-    buffers.entered.closest_hits += 1;
-    scratch.search.tied_hits.clear();
-    for index in open {
-        let index = *index as usize;
-        hits[index] = scene.closest(shapes, &wave[index].tree.ray, &mut scratch.search);
+    for (rays, hits) in rays.iter().zip(hits) {
+        for lane in lanes(hits.open) {
+            hits.set(lane, scene.closest(shapes, &rays.get(lane), search));
+        }
     }
 }

@@ -1,12 +1,14 @@
 //! Light from sources, one after the other: what a light could add is proposed at all surface points of the wave, and what of
 //! it comes through is added.
 
+use fearless_simd::{dispatch, prelude::*};
 use glam::DVec3;
 
-use super::buffers::{FoundSurface, QueuedRay, TileBuffers};
+use super::buffers::TileBuffers;
 use super::shadows::shadows;
 use super::tile::Sample;
-use crate::trace::light::{LitPoint, Proposal, SampleId, propose};
+use crate::trace::light::{LitPacket, SampleId, propose_lanes};
+use crate::trace::math::{LANES, lanes, mask16};
 use crate::trace::query::Intersector;
 use crate::trace::scene::Light;
 
@@ -16,8 +18,7 @@ pub(super) fn direct_light(sample: &Sample<'_>, shapes: &impl Intersector, buffe
     let lights = &sample.context.lights;
     for (place, (index, light)) in lights.iter().enumerate() {
         if light.places() > 1 {
-            buffers.light_sums.clear();
-            buffers.light_sums.resize(buffers.surfaces.len(), DVec3::ZERO);
+            buffers.light_sums.fill([DVec3::ZERO; LANES]);
         }
         for light_sample in 0..light.places() {
             // A light may have thousands of samples.
@@ -28,7 +29,7 @@ pub(super) fn direct_light(sample: &Sample<'_>, shapes: &impl Intersector, buffe
             if sample.context.effects.shadows() {
                 shadows(sample, shapes, (place, light), buffers);
             }
-            add(light, buffers);
+            add(sample, light, buffers);
         }
         if light.places() > 1 {
             add_means(light, buffers);
@@ -43,47 +44,59 @@ fn propose_all(
     light_sample: u32,
     buffers: &mut TileBuffers<'_>,
 ) {
-    let effects = sample.context.effects;
-    let TileBuffers { wave, surfaces, proposals, .. } = buffers;
-    proposals.clear();
-    for (at, surface) in (0..).zip(surfaces.iter()) {
-        let proposal = propose(effects, light, &lit_point(sample, wave, surface), light_sample);
-        proposals.extend(proposal.map(|proposal| (at, proposal)));
-    }
-}
-
-#[inline(always)]
-fn lit_point<'a>(sample: &Sample<'a>, wave: &'a [QueuedRay], surface: &'a FoundSurface) -> LitPoint<'a> {
-    let QueuedRay { tree, pixel, .. } = &wave[surface.ray as usize];
-    // Only lights with a size ask for it.
-    let pixel = if sample.context.effects.extras { sample.tile.pixel(*pixel) } else { (0, 0) };
-    LitPoint {
-        ray: &tree.ray,
-        state: &tree.state,
-        surface: &surface.point,
-        material: sample.context.scene.material(surface.point.hit.id),
-        diffuse: surface.diffuse,
-        asker: SampleId { seed: sample.context.sampling.seed, pixel, sample: sample.index },
-        normal: surface.point.facing_normal(),
-    }
+    let context = sample.context;
+    let TileBuffers { wave, hits, surfaces, answers, proposals, .. } = buffers;
+    let (seed, of_pixel) = (context.sampling.seed, sample.index);
+    dispatch!(context.scene.simd.level(), simd => {
+        for packet in 0..wave.count {
+            let pixels = &wave.pixels[packet];
+            let asker = |lane: usize| SampleId { seed, pixel: sample.tile.pixel(pixels[lane]), sample: of_pixel };
+            let lit = LitPacket {
+                rays: &wave.rays[packet],
+                states: &wave.states[packet],
+                hits: &hits[packet],
+                surfaces: &surfaces[packet],
+                diffuse: &answers[packet].diffuse,
+                shiny: answers[packet].shiny,
+                clear: answers[packet].clear,
+            };
+            let scene = (context.scene, context.effects);
+            propose_lanes(simd, scene, light, &lit, light_sample, asker, &mut proposals[packet]);
+        }
+    });
 }
 
 /// Adds what the shadows left of the proposals.
-fn add(light: &Light, buffers: &mut TileBuffers<'_>) {
-    let TileBuffers { surfaces, proposals, light_sums, radiance, .. } = buffers;
-    for (at, Proposal { color, .. }) in proposals.iter() {
-        if light.places() > 1 {
-            light_sums[*at as usize] += color.as_dvec3();
-        } else {
-            radiance[surfaces[*at as usize].ray as usize] += *color;
+fn add(sample: &Sample<'_>, light: &Light, buffers: &mut TileBuffers<'_>) {
+    let TileBuffers { wave, proposals, light_sums, radiance, .. } = buffers;
+    if light.places() > 1 {
+        for (proposals, sums) in proposals[..wave.count].iter().zip(light_sums.iter_mut()) {
+            for lane in lanes(proposals.lanes) {
+                sums[lane] += proposals.colors.get(lane).as_dvec3();
+            }
         }
+        return;
     }
+    dispatch!(sample.context.scene.simd.level(), simd => {
+        for (proposals, radiance) in proposals[..wave.count].iter().zip(radiance.iter_mut()) {
+            let (mut light, added) = (radiance.load(simd), proposals.colors.load(simd));
+            let lit = mask16(simd, proposals.lanes);
+            for (light, added) in light.iter_mut().zip(added) {
+                *light = lit.select(*light + added, *light);
+            }
+            radiance.store(light);
+        }
+    });
 }
 
 /// Adds the means over an extended light's samples.
 fn add_means(light: &Light, buffers: &mut TileBuffers<'_>) {
-    let TileBuffers { surfaces, light_sums, radiance, .. } = buffers;
-    for (surface, sum) in surfaces.iter().zip(light_sums.iter()) {
-        radiance[surface.ray as usize] += (*sum / f64::from(light.places())).as_vec3();
+    let TileBuffers { wave, surfaces, light_sums, radiance, .. } = buffers;
+    for packet in 0..wave.count {
+        for lane in lanes(surfaces[packet].lanes) {
+            let mean = (light_sums[packet][lane] / f64::from(light.places())).as_vec3();
+            let before = radiance[packet].get(lane);
+            radiance[packet].set(lane, before + mean);
+        }
     }
 }

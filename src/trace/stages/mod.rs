@@ -18,6 +18,7 @@ mod shadows;
 mod sums;
 mod surfaces;
 mod tile;
+mod wave;
 
 pub(crate) use buffers::TileBuffers;
 pub(crate) use sample::render_sample;

@@ -1,27 +1,28 @@
 //! The last stage: which mirrored and refracted rays go on as the next generation.
 
-use super::buffers::{QueuedRay, TileBuffers};
+use super::buffers::TileBuffers;
+use super::wave::QueuedRay;
 use crate::trace::light::{LARGEST_TREE, RenderContext, SecondaryRays, secondary_rays};
+use crate::trace::math::lanes;
 
 /// Queues the rays that the wave's surfaces send on.
 pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.entered.next_rays += 1;
-    let TileBuffers { wave, surfaces, next, scratch, .. } = buffers;
-    for surface in surfaces.iter() {
-        // Many solids may be entered at one point.
-        if scratch.search.is_cancelled() {
-            return;
-        }
-        if !context.scene.material(surface.point.hit.id).continues() {
-            continue;
-        }
-        let QueuedRay { tree, pixel, part, .. } = &wave[surface.ray as usize];
-        let arrived = (&tree.ray, &tree.state);
-        let SecondaryRays { reflected, refracted } =
-            secondary_rays(context, scratch, arrived, &surface.point);
-        for (tree, mirrored) in [(reflected, true), (refracted, false)] {
-            let queued = |tree| QueuedRay { tree, pixel: *pixel, part: *part, mirrored, cut: false };
-            next.extend(tree.map(queued));
+    let TileBuffers { wave, hits, surfaces, answers, next, scratch, .. } = buffers;
+    for packet in 0..wave.count {
+        let surfaces = &surfaces[packet];
+        for lane in lanes(answers[packet].continues & surfaces.lanes) {
+            // Many solids may be entered at one point.
+            if scratch.search.is_cancelled() {
+                return;
+            }
+            let Some(point) = surfaces.get(lane, &hits[packet]) else { continue };
+            let arrived = (wave.rays[packet].directions.get(lane), &wave.states[packet][lane]);
+            let SecondaryRays { reflected, refracted } = secondary_rays(context, scratch, arrived, &point);
+            let pixel = wave.pixels[packet][lane];
+            for (tree, mirrored) in [(reflected, true), (refracted, false)] {
+                next.extend(tree.map(|tree| QueuedRay { tree, pixel, mirrored, cut: false }));
+            }
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::buffers::TileBuffers;
 use super::camera_rays::camera_rays;
-use super::closest_hits::{camera_hits, closest_hits};
+use super::closest_hits::closest_hits;
 use super::direct_light::direct_light;
 use super::next_rays::{give_up, next_rays, select};
 use super::sums::add_to_pixels;
@@ -10,10 +10,6 @@ use super::surfaces::surfaces;
 use super::tile::{Sample, Tile};
 use crate::trace::light::RenderContext;
 use crate::trace::query::Intersector;
-
-/// Rays that go through the stages together, at most: a generation of more is taken in parts, so that memory does not grow with
-/// it.
-const LONGEST_WAVE: usize = 1024;
 
 /// Traces one sample of every pixel of a tile: what it brings is in the buffers afterwards. Says whether that is all: once nobody
 /// waits for it any more, it is left as it is. Every search looks for that, and so do stages that may take long.
@@ -29,7 +25,7 @@ pub(crate) fn render_sample(
     let sample = Sample { context, tile, index };
     buffers.begin(tile, context);
     camera_rays(&sample, buffers);
-    camera_hits(&sample, shapes, buffers);
+    closest_hits(context, shapes, buffers);
     shade_wave(&sample, shapes, buffers);
     let mut generations = context.generations() - 1;
     while context.effects.mirrors() && !buffers.next.is_empty() && !buffers.is_cancelled() {
@@ -38,8 +34,7 @@ pub(crate) fn render_sample(
         generations = generations.saturating_sub(1);
         let mut rays = selected.drain(..);
         while rays.len() > 0 && !buffers.is_cancelled() {
-            buffers.wave.clear();
-            buffers.wave.extend(rays.by_ref().take(LONGEST_WAVE));
+            buffers.wave.fill(rays.by_ref());
             closest_hits(context, shapes, buffers);
             shade_wave(&sample, shapes, buffers);
         }

@@ -1,11 +1,50 @@
 //! Refinement: the surface points that hits stand for, where light, a medium or a mirror asks for them.
 
-use super::buffers::{FoundSurface, TileBuffers};
+use fearless_simd::{dispatch, prelude::*};
+
+use super::buffers::TileBuffers;
+use super::tile::PACKETS;
+use super::wave::Wave;
 use crate::color::Rgb;
-use crate::trace::effects::Effects;
-use crate::trace::light::{MediumStack, PathState, RenderContext, ambient};
-use crate::trace::query::{Intersector, SurfacePoint};
-use crate::trace::scene::SurfaceMaterial;
+use crate::trace::light::{MediumStack, RenderContext, ambient};
+use crate::trace::math::{Colors, Numbers, lanes};
+use crate::trace::packet::refine;
+use crate::trace::query::{HitPacket, Intersector, SurfacePacket, SurfacePoint};
+use crate::trace::rays::RayPacket;
+use crate::trace::scene::{Background, SurfaceMaterial};
+
+/// How the surfaces of a packet's points answer light, lane by lane.
+#[derive(Clone, Debug)]
+pub(super) struct AnswerPacket {
+    /// The diffuse colours at points.
+    pub(super) diffuse: Colors,
+    /// Lanes of highlights.
+    pub(super) shiny: u32,
+    /// Lanes of clear shapes.
+    pub(super) clear: u32,
+    /// Lanes whose rays are sent on.
+    pub(super) continues: u32,
+    /// Lanes with squares of other colours.
+    checkered: u32,
+    /// Lanes whose points have to be known.
+    wanted: u32,
+}
+
+impl AnswerPacket {
+    /// Of no surface.
+    pub(super) const EMPTY: Self =
+        Self { diffuse: Colors::splat(Rgb::ZERO), shiny: 0, clear: 0, continues: 0, checkered: 0, wanted: 0 };
+
+    /// Notes how a material answers in some lanes.
+    #[inline(always)]
+    fn note(&mut self, lanes: u32, material: &SurfaceMaterial) {
+        let in_lanes = |holds: bool| if holds { lanes } else { 0 };
+        self.shiny = self.shiny & !lanes | in_lanes(material.specular > 0.0);
+        self.clear = self.clear & !lanes | in_lanes(material.refraction.is_some());
+        self.continues = self.continues & !lanes | in_lanes(material.continues());
+        self.checkered = self.checkered & !lanes | in_lanes(material.checker.is_some());
+    }
+}
 
 /// Finds the surface points of the wave's hits, and the light there that no light source gives: the background, and ambient
 /// light.
@@ -14,60 +53,130 @@ pub(super) fn surfaces(
     shapes: &impl Intersector,
     buffers: &mut TileBuffers<'_>,
 ) {
-    let scene = context.scene;
     buffers.entered.surfaces += 1;
-    let TileBuffers { wave, hits, surfaces, radiance, lengths, scratch, .. } = buffers;
+    let TileBuffers { wave, hits, surfaces, answers, radiance, lengths, scratch, .. } = buffers;
+    let mut special = [0; PACKETS];
+    dispatch!(context.scene.simd.level(), simd => {
+        for packet in 0..wave.count {
+            let found = (&mut answers[packet], &mut radiance[packet], &mut surfaces[packet]);
+            special[packet] = find(simd, context, (wave, packet), &hits[packet], found);
+        }
+    });
+    for packet in 0..wave.count {
+        let rays = &wave.rays[packet];
+        let (hits, surfaces) = (&mut hits[packet], &mut surfaces[packet]);
+        for lane in lanes(special[packet]) {
+            // Many shapes may be met at one point.
+            if scratch.search.is_cancelled() {
+                return;
+            }
+            let Some(closest) = hits.get(lane) else { continue };
+            let point = context.scene.surface(shapes, &rays.get(lane), &closest, &mut scratch.search);
+            surfaces.set(lane, &point, hits);
+            // Among surfaces in the same place it may be another one that is seen than the first that was met.
+            let material = context.scene.material(point.hit.id);
+            answers[packet].note(1 << lane, material);
+            radiance[packet].set(lane, ambient(context.scene, material.ambient));
+            answers[packet].diffuse.set(lane, material.diffuse);
+        }
+        if context.effects.extras {
+            for lane in lanes(answers[packet].checkered & surfaces.lanes) {
+                let Some(SurfacePoint { hit, point, normal, .. }) = surfaces.get(lane, hits) else {
+                    continue;
+                };
+                let (color, diffuse) = context.scene.material(hit.id).colors_at(point, normal);
+                radiance[packet].set(lane, ambient(context.scene, color));
+                answers[packet].diffuse.set(lane, diffuse);
+            }
+        }
+        if context.effects.in_media() || context.effects.extras {
+            measure(rays, hits, surfaces, &mut lengths[packet]);
+        }
+    }
+}
+
+/// Finds the points of a packet. Returns the lanes whose points have to be found one by one.
+#[inline(always)]
+fn find<S: Simd>(
+    simd: S,
+    context: &RenderContext<'_>,
+    (wave, packet): (&Wave, usize),
+    hits: &HitPacket,
+    (answers, radiance, surfaces): (&mut AnswerPacket, &mut Colors, &mut SurfacePacket),
+) -> u32 {
+    let rays = &wave.rays[packet];
     surfaces.clear();
-    radiance.clear();
-    lengths.clear();
-    for ((index, queued), hit) in (0..).zip(wave.iter()).zip(hits.iter()) {
-        // Many shapes may be met at one point.
-        if scratch.search.is_cancelled() {
-            return;
-        }
-        let (ray, state) = (&queued.tree.ray, &queued.tree.state);
-        let Some(closest) = hit else {
-            radiance.push(scene.background.towards(ray.direction()));
-            lengths.push(f64::INFINITY);
-            continue;
-        };
-        let material = scene.material(closest.hit.id);
-        if !needs_point(context, state, material) {
-            radiance.push(ambient(scene, material.ambient));
-            lengths.push(0.0);
-            continue;
-        }
-        let point = scene.surface(shapes, ray, closest, &mut scratch.search);
-        // Among surfaces in the same place it may be another one that is seen than the first that was met.
-        let material = scene.material(point.hit.id);
-        let (color, diffuse) = colors(context.effects, material, &point);
-        radiance.push(ambient(scene, color));
-        lengths.push(if context.effects.in_media() || context.effects.extras {
-            point.distance(ray)
+    answers.wanted = 0;
+    let met = hits.ids.lanes(simd) & rays.lanes;
+    if met != rays.lanes {
+        background(context, rays, radiance);
+    }
+    if met == 0 {
+        return 0;
+    }
+    let scene = context.scene;
+    let states = &wave.states[packet];
+    if let Some(id) = hits.ids.common(simd, met) {
+        let material = scene.material(id);
+        let (color, diffuse) = (ambient(scene, material.ambient), material.diffuse);
+        answers.note(met, material);
+        answers.diffuse = Colors::splat(diffuse);
+        if met == rays.lanes {
+            *radiance = Colors::splat(color);
         } else {
+            lanes(met).for_each(|lane| radiance.set(lane, color));
+        }
+        answers.wanted = if needs_point(context, material) { met } else { 0 };
+    } else {
+        for lane in lanes(met) {
+            let Some(id) = hits.ids.get(lane) else { continue };
+            let material = scene.material(id);
+            answers.note(1 << lane, material);
+            answers.diffuse.set(lane, material.diffuse);
+            radiance.set(lane, ambient(scene, material.ambient));
+            answers.wanted |= u32::from(needs_point(context, material)) << lane;
+        }
+    }
+    if context.effects.in_media() {
+        let in_medium = |lane: &usize| states[*lane].medium != MediumStack::NONE;
+        answers.wanted |= lanes(met).filter(in_medium).fold(0, |mask, lane| mask | 1 << lane);
+    }
+    if answers.wanted == 0 { 0 } else { refine(simd, scene, rays, hits, answers.wanted, surfaces) }
+}
+
+/// Lets all rays of a packet see the background.
+#[inline(always)]
+fn background(context: &RenderContext<'_>, rays: &RayPacket, radiance: &mut Colors) {
+    match context.scene.background {
+        Background::Flat(color) => *radiance = Colors::splat(color),
+        Background::Gradient { .. } => {
+            for lane in lanes(rays.lanes) {
+                radiance.set(lane, context.scene.background.towards(rays.directions.get(lane)));
+            }
+        }
+    }
+}
+
+/// Finds the lengths of rays: infinite where they meet nothing, 0 where no length is asked for.
+fn measure(rays: &RayPacket, hits: &HitPacket, surfaces: &SurfacePacket, lengths: &mut Numbers) {
+    for lane in lanes(rays.lanes) {
+        let length = if surfaces.lanes & (1 << lane) != 0 {
+            surfaces.get(lane, hits).map_or(0.0, |point| point.distance(&rays.get(lane)))
+        } else if hits.ids.get(lane).is_some() {
             0.0
-        });
-        surfaces.push(FoundSurface { ray: index, point, diffuse });
+        } else {
+            f64::INFINITY
+        };
+        lengths.set(lane, length);
     }
 }
 
 /// Says whether more is asked of what a ray meets than what it is made of.
 #[inline]
-fn needs_point(context: &RenderContext<'_>, state: &PathState, material: &SurfaceMaterial) -> bool {
+fn needs_point(context: &RenderContext<'_>, material: &SurfaceMaterial) -> bool {
     let lit = context.effects.lights() && !context.lights.is_empty() && material.scatters();
     let continues = (context.effects.mirrors() && material.reflected > 0.0)
         || (context.effects.media() && material.refraction.is_some());
-    let in_medium = context.effects.in_media() && state.medium != MediumStack::NONE;
     let rare = context.effects.extras && (context.scene.fog.density > 0.0 || material.checker.is_some());
-    lit || continues || in_medium || rare
-}
-
-/// Returns the ambient and the diffuse colour at a point.
-#[inline]
-fn colors(effects: Effects, material: &SurfaceMaterial, point: &SurfacePoint) -> (Rgb, Rgb) {
-    if effects.extras {
-        material.colors_at(point.point, point.normal)
-    } else {
-        (material.ambient, material.diffuse)
-    }
+    lit || continues || rare
 }

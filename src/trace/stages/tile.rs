@@ -2,10 +2,17 @@
 
 use crate::trace::bvh::PARTS;
 use crate::trace::light::RenderContext;
-use crate::trace::packet::LANES;
+use crate::trace::math::LANES;
+use crate::trace::scene::SIDE;
 
 /// Pixels along a tile's side.
 pub(crate) const TILE: u32 = 16;
+
+/// How many packets a tile's rays are. A shaft has a part for each.
+pub(super) const PACKETS: usize = PARTS;
+
+const _: () =
+    assert!(SIDE.pow(2) as usize == LANES && (TILE / SIDE).pow(2) as usize == PACKETS && TILE % SIDE == 0);
 
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug)]
@@ -20,19 +27,43 @@ pub(crate) struct Tile {
     pub(crate) height: u32,
 }
 
+/// The pixels of a packet's camera rays, four by four, or as many as the tile has there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Square {
+    /// Column and row of the first, in the picture.
+    pub(super) first: (u32, u32),
+    /// Columns and rows.
+    pub(super) size: (u32, u32),
+}
+
 impl Tile {
-    /// Column and row of a pixel by its index.
+    /// Returns column and row of a pixel by its index.
     pub(super) fn pixel(&self, index: u32) -> (u32, u32) {
         (self.i + index % self.width, self.j + index / self.width)
     }
 
-    /// Number of the part that a pixel is in, by its index. A part has the rays of a packet.
-    pub(super) fn part(&self, index: u32) -> u8 {
-        const SIDE: u32 = 4;
-        const { assert!((TILE / SIDE).pow(2) as usize == PARTS && SIDE.pow(2) as usize == LANES) };
-        let (column, row) = (index % self.width / SIDE, index / self.width / SIDE);
-        // There are sixteen.
-        u8::try_from(row * (TILE / SIDE) + column).unwrap_or(0)
+    /// Returns the index of a pixel by its column and row.
+    pub(super) fn index(&self, (i, j): (u32, u32)) -> u32 {
+        (j - self.j) * self.width + (i - self.i)
+    }
+
+    /// Returns the pixels of a packet; `None` where the tile has none.
+    pub(super) fn square(&self, packet: usize) -> Option<Square> {
+        let packet = u32::try_from(packet).ok()?;
+        let (column, row) = (packet % (TILE / SIDE) * SIDE, packet / (TILE / SIDE) * SIDE);
+        (column < self.width && row < self.height).then(|| Square {
+            first: (self.i + column, self.j + row),
+            size: ((self.width - column).min(SIDE), (self.height - row).min(SIDE)),
+        })
+    }
+}
+
+impl Square {
+    /// Returns column and row of the pixel in a lane, if there is one.
+    pub(super) fn pixel(&self, lane: usize) -> Option<(u32, u32)> {
+        let lane = u32::try_from(lane).ok()?;
+        let (column, row) = (lane % SIDE, lane / SIDE);
+        (column < self.size.0 && row < self.size.1).then_some((self.first.0 + column, self.first.1 + row))
     }
 }
 

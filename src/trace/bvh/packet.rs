@@ -1,0 +1,274 @@
+//! Sixteen rays against boxes.
+//!
+//! A box's lower plane is measured from the upper end of a ray's origin, and its upper plane from the lower end, whichever way the
+//! ray goes: both let it enter earlier and leave later. So a ray enters at the smaller quotient and leaves at the larger one.
+//!
+//! Where all rays go the same way along every axis, eight boxes are asked at once first: their planes lie at least as far from the
+//! outermost origin, and are come closer to with at least the slowest and at most the fastest ray. As rounding is monotonous, no
+//! box is left out in which a single ray of the packet is let.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use fearless_simd::{f32x8, f32x16, prelude::*};
+
+use super::Tree;
+use super::frame::Frame;
+use super::node::{Child, Link, Node, WIDTH};
+use crate::trace::math::{LANES, Numbers, Vectors, bits16, lanes, mask16, splat};
+use crate::trace::rays::ShapeId;
+
+/// An `f32` of every lane.
+type Floats = [f32; LANES];
+
+/// Rays in the frame, for culling only, and how far they are followed.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(crate) struct FramePacket {
+    /// The ends of the origins, by axis.
+    low: [Floats; 3],
+    high: [Floats; 3],
+    inverse: [Floats; 3],
+    limits: Floats,
+    /// The largest of the limits.
+    farthest: f32,
+    /// Lanes that still look for something.
+    active: u32,
+    /// For all rays that were in it at first.
+    shared: Option<Shared>,
+    scale: f64,
+}
+
+/// What rays have in common that go the same way along every axis.
+#[derive(Clone, Copy, Debug)]
+struct Shared {
+    lowest: [f32; 3],
+    highest: [f32; 3],
+    /// The smallest and the largest reciprocal.
+    inverse: [[f32; 2]; 3],
+    downward: [bool; 3],
+}
+
+/// Nodes and shapes still to be visited; kept between rays so that none allocates.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PacketStack(Vec<Pending>);
+
+/// A child that rays in some lanes may enter, the first of them here.
+#[derive(Clone, Copy, Debug)]
+struct Pending {
+    entry: f32,
+    child: Child,
+    lanes: u32,
+}
+
+/// What is asked of every shape that rays of a packet may meet.
+pub(crate) trait PacketVisitor<S: Simd> {
+    /// Visits a shape with the rays in some lanes, and updates what is still of interest.
+    fn visit(&mut self, simd: S, id: ShapeId, lanes: u32, packet: &mut FramePacket);
+}
+
+impl FramePacket {
+    /// Lets lanes look no further.
+    #[inline(always)]
+    pub(crate) fn finish(&mut self, lanes: u32) {
+        self.active &= !lanes;
+    }
+
+    /// Follows rays no further than so.
+    #[inline(always)]
+    pub(crate) fn limit<S: Simd>(&mut self, simd: S, ts: &Numbers, errors: &Numbers) {
+        /// More than rounding to `f32` may take away.
+        const LONGER: f32 = 1.0 + 1.0 / 1_048_576.0;
+        const LEAST: f32 = 1e-30;
+        let scale = splat(simd, self.scale);
+        let latest = |half: usize| (ts.load(simd, half) + errors.load(simd, half)) * scale;
+        let limits = latest(0).narrow(latest(1)) * LONGER + LEAST;
+        limits.store_array(&mut self.limits);
+        let none = f32x16::splat(simd, f32::NEG_INFINITY);
+        self.farthest = mask16(simd, self.active).select(limits, none).reduce_max();
+    }
+
+    /// Returns which of some lanes may enter a child, and the first place where one does.
+    #[inline(always)]
+    fn enters<S: Simd>(&self, simd: S, planes: &[f32; 6], lanes: u32) -> (u32, f32x16<S>) {
+        let load = |floats: &Floats| f32x16::load_array_ref(simd, floats);
+        let mut entry = f32x16::splat(simd, 0.0);
+        let mut exit = load(&self.limits);
+        for axis in 0..3 {
+            let inverse = load(&self.inverse[axis]);
+            let at_lower = (f32x16::splat(simd, planes[axis]) - load(&self.high[axis])) * inverse;
+            let at_upper = (f32x16::splat(simd, planes[axis + 3]) - load(&self.low[axis])) * inverse;
+            entry = entry.max(at_lower.min(at_upper));
+            exit = exit.min(at_lower.max(at_upper));
+        }
+        (bits16(entry.simd_le(exit * Node::LENGTHEN)) & lanes, entry)
+    }
+}
+
+impl Shared {
+    fn of<S: Simd>(simd: S, packet: &FramePacket) -> Option<Self> {
+        let mask = mask16(simd, packet.active);
+        let load = |floats: &Floats| f32x16::load_array_ref(simd, floats);
+        let least =
+            |floats: &Floats| mask.select(load(floats), f32x16::splat(simd, f32::INFINITY)).reduce_min();
+        let most =
+            |floats: &Floats| mask.select(load(floats), f32x16::splat(simd, f32::NEG_INFINITY)).reduce_max();
+        let [mut lowest, mut highest] = [[0.0; 3]; 2];
+        let (mut inverse, mut downward) = ([[0.0; 2]; 3], [false; 3]);
+        for axis in 0..3 {
+            (lowest[axis], highest[axis]) = (least(&packet.low[axis]), most(&packet.high[axis]));
+            inverse[axis] = [least(&packet.inverse[axis]), most(&packet.inverse[axis])];
+            downward[axis] = inverse[axis][1] < 0.0;
+            if !downward[axis] && inverse[axis][0] < 0.0 {
+                return None;
+            }
+        }
+        Some(Self { lowest, highest, inverse, downward })
+    }
+
+    /// Returns which of a node's children a ray may enter before a limit, and no ray enters them before which places.
+    #[inline(always)]
+    fn entries<S: Simd>(&self, simd: S, node: &Node, limit: f32) -> (u32, f32x8<S>) {
+        let splat = |number: f32| f32x8::splat(simd, number);
+        let mut entry = splat(0.0);
+        let mut exit = splat(limit);
+        for axis in 0..3 {
+            let lower = node.plane(simd, axis) - splat(self.highest[axis]);
+            let upper = node.plane(simd, axis + 3) - splat(self.lowest[axis]);
+            let (near, far) = if self.downward[axis] { (upper, lower) } else { (lower, upper) };
+            let [slow, fast] = self.inverse[axis].map(splat);
+            entry = entry.max((near * slow).min(near * fast));
+            exit = exit.min((far * slow).max(far * fast));
+        }
+        (node.used() & mask_bits(entry.simd_le(exit * Node::LENGTHEN).to_bitmask()), entry)
+    }
+}
+
+impl Frame {
+    /// Rays in some lanes.
+    #[inline(always)]
+    fn packet<S: Simd>(
+        &self,
+        simd: S,
+        (origins, directions): (&Vectors, &Vectors),
+        active: u32,
+    ) -> FramePacket {
+        /// Slower than so a ray does not go: what it would enter later is entered, and there is nothing that it leaves before.
+        const SLOWEST: f64 = 1e-30;
+        let mut packet = FramePacket {
+            low: [[0.0; LANES]; 3],
+            high: [[0.0; LANES]; 3],
+            inverse: [[0.0; LANES]; 3],
+            limits: [f32::INFINITY; LANES],
+            farthest: f32::INFINITY,
+            active,
+            shared: None,
+            scale: self.scale(),
+        };
+        let scale = splat(simd, self.scale());
+        let shift = |half: usize, axis: usize| {
+            (origins.axis(axis).load(simd, half) - splat(simd, self.origin()[axis])) * scale
+        };
+        let slack = |half: usize| {
+            let [x, y, z] = [shift(half, 0).abs(), shift(half, 1).abs(), shift(half, 2).abs()];
+            (x.max(y).max(z) + 1.0) * Frame::SLACK
+        };
+        let slacks = [slack(0), slack(1)];
+        let inverse = |half: usize, axis: usize| {
+            let direction = directions.axis(axis).load(simd, half);
+            let slowest = splat(simd, SLOWEST).copysign(direction);
+            let slow = direction.abs().simd_lt(splat(simd, SLOWEST));
+            splat(simd, 1.0) / slow.select(slowest, direction)
+        };
+        for axis in 0..3 {
+            let places = [shift(0, axis), shift(1, axis)];
+            let low = (places[0] - slacks[0]).narrow(places[1] - slacks[1]);
+            let high = (places[0] + slacks[0]).narrow(places[1] + slacks[1]);
+            low.store_array(&mut packet.low[axis]);
+            high.store_array(&mut packet.high[axis]);
+            inverse(0, axis).narrow(inverse(1, axis)).store_array(&mut packet.inverse[axis]);
+        }
+        packet.shared = Shared::of(simd, &packet);
+        packet
+    }
+}
+
+impl Tree {
+    /// Makes rays in some lanes ready for culling.
+    #[inline(always)]
+    pub(crate) fn packet<S: Simd>(&self, simd: S, rays: (&Vectors, &Vectors), active: u32) -> FramePacket {
+        self.frame.packet(simd, rays, active)
+    }
+
+    /// Visits every shape that rays of a packet may meet before their limits, nearer ones first. Once `cancelled` is true the rest is
+    /// left out.
+    #[inline(always)]
+    pub(crate) fn visit_packet<S: Simd>(
+        &self,
+        simd: S,
+        packet: &mut FramePacket,
+        stack: &mut PacketStack,
+        cancelled: &AtomicBool,
+        visitor: &mut impl PacketVisitor<S>,
+    ) {
+        let stack = &mut stack.0;
+        stack.clear();
+        let Some(mut node) = self.nodes.first() else { return };
+        loop {
+            push_children(simd, node, packet, stack);
+            loop {
+                let Some(Pending { entry, child, lanes }) = stack.pop() else { return };
+                if entry > packet.farthest * Node::LENGTHEN || lanes & packet.active == 0 {
+                    continue;
+                }
+                match child.read() {
+                    Link::Node(index) => {
+                        node = &self.nodes[index];
+                        break;
+                    }
+                    Link::Leaf(_) if cancelled.load(Ordering::Relaxed) => return,
+                    Link::Leaf(id) => visitor.visit(simd, id, lanes & packet.active, packet),
+                }
+                if packet.active == 0 {
+                    return;
+                }
+            }
+        }
+    }
+}
+
+/// Puts a node's children that any ray may enter onto the stack, the farthest first.
+#[inline(always)]
+fn push_children<S: Simd>(simd: S, node: &Node, packet: &FramePacket, stack: &mut Vec<Pending>) {
+    let (candidates, entries) = match &packet.shared {
+        Some(shared) => shared.entries(simd, node, packet.farthest),
+        None => (node.used(), f32x8::splat(simd, 0.0)),
+    };
+    let entries = *entries.as_array();
+    let base = stack.len();
+    for index in lanes(candidates) {
+        let index = index % WIDTH;
+        let (lanes, lane_entries) = packet.enters(simd, &node.bounds(index), packet.active);
+        if lanes == 0 {
+            continue;
+        }
+        let entry = if packet.shared.is_some() {
+            entries[index]
+        } else {
+            let never = f32x16::splat(simd, f32::INFINITY);
+            mask16(simd, lanes).select(lane_entries, never).reduce_min()
+        };
+        let mut place = stack.len();
+        stack.push(Pending { entry, child: node.children[index], lanes });
+        while place > base && stack[place - 1].entry < entry {
+            stack.swap(place - 1, place);
+            place -= 1;
+        }
+    }
+}
+
+/// Lanes as bits of a `u32`.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "eight lanes")]
+fn mask_bits(mask: u64) -> u32 {
+    mask as u32
+}

@@ -1,0 +1,262 @@
+//! What lights add at sixteen surface points: the operations of [`propose`](super::propose), in their order.
+
+use fearless_simd::{f32x16, prelude::*};
+use glam::DVec3;
+
+use super::direct::{LitPoint, Proposal, SampleId, WayToLight, light_place, propose};
+use super::secondary::PathState;
+use super::shading::{intensity, specular};
+use crate::color::Rgb;
+use crate::trace::effects::Effects;
+use crate::trace::math::{
+    Colors, F64s, F64s3, LANES, Mask, Numbers, Vectors, bits, bits16, dot_lanes as dot, half_of, lanes, mask,
+    scaled, scaled_lanes, select3, splat, splat3, subtract,
+};
+use crate::trace::query::{HitPacket, SurfacePacket};
+use crate::trace::rays::{Limit, RayPacket};
+use crate::trace::scene::{Light, LightSource, PreparedScene, SurfaceMaterial};
+
+/// Surface points to be lit, lane by lane.
+pub(crate) struct LitPacket<'a> {
+    /// The rays that found them.
+    pub(crate) rays: &'a RayPacket,
+    /// What those carry.
+    pub(crate) states: &'a [PathState; LANES],
+    pub(crate) hits: &'a HitPacket,
+    pub(crate) surfaces: &'a SurfacePacket,
+    /// The diffuse colours there.
+    pub(crate) diffuse: &'a Colors,
+    /// Lanes whose materials have highlights.
+    pub(crate) shiny: u32,
+    /// Lanes whose materials are clear.
+    pub(crate) clear: u32,
+}
+
+/// What a light adds, lane by lane, if it comes through.
+#[derive(Clone, Debug)]
+pub(crate) struct ProposalPacket {
+    /// Lanes to which something is added.
+    pub(crate) lanes: u32,
+    /// Of these, lanes of which it has to be asked first what stands in the way.
+    pub(crate) asking: u32,
+    /// Lanes to which light comes from the other side, through the clear medium behind the surface.
+    pub(crate) from_behind: u32,
+    /// What is added where nothing is in the way.
+    pub(crate) colors: Colors,
+    /// To the light, [`scaled`].
+    pub(crate) directions: Vectors,
+    /// How many times as far it is.
+    pub(crate) limits: Numbers,
+    /// Where it is, if it has a size.
+    places: Vectors,
+}
+
+impl ProposalPacket {
+    /// Of nothing.
+    pub(crate) const EMPTY: Self = Self {
+        lanes: 0,
+        asking: 0,
+        from_behind: 0,
+        colors: Colors::splat(Rgb::ZERO),
+        directions: Vectors::splat(DVec3::ONE),
+        limits: Numbers::splat(0.0),
+        places: Vectors::splat(DVec3::ZERO),
+    };
+
+    /// Returns the way to the light in a lane that has one.
+    #[inline]
+    pub(crate) fn way(&self, light: &Light, lane: usize) -> WayToLight {
+        let limit = match light.source {
+            LightSource::Point(place) | LightSource::Spot(place, _) => {
+                Limit::new(self.limits.get(lane), place)
+            }
+            LightSource::Directional(_) => Limit::NONE,
+            LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
+                Limit::new(self.limits.get(lane), self.places.get(lane))
+            }
+        };
+        let from_behind = self.from_behind & (1 << lane) != 0;
+        WayToLight { direction: self.directions.get(lane), limit, from_behind }
+    }
+
+    /// Puts a proposal into a lane that has none.
+    fn set(&mut self, lane: usize, proposal: &Proposal) {
+        let bit = 1 << lane;
+        self.lanes |= bit;
+        self.colors.set(lane, proposal.color);
+        if let Some(WayToLight { direction, limit, from_behind }) = proposal.shadow {
+            self.asking |= bit;
+            self.directions.set(lane, direction);
+            self.limits.set(lane, limit.t());
+            self.places.set(lane, limit.place());
+            if from_behind {
+                self.from_behind |= bit;
+            }
+        }
+    }
+}
+
+/// Finds what sample `sample` of light number `index` adds to each point, as far as nothing stands in its way. `asker` says for
+/// which sample of which pixel the light is asked in a lane.
+#[inline(always)]
+pub(crate) fn propose_lanes<S: Simd>(
+    simd: S,
+    (scene, effects): (&PreparedScene, Effects),
+    (index, light): (usize, &Light),
+    lit: &LitPacket<'_>,
+    sample: u32,
+    asker: impl Fn(usize) -> SampleId,
+    proposals: &mut ProposalPacket,
+) {
+    (proposals.lanes, proposals.asking, proposals.from_behind) = (0, 0, 0);
+    let asked = lit.surfaces.lanes;
+    let Some(target) = target((index, light), effects, lit, sample, &asker, proposals) else { return };
+    if asked == 0 {
+        return;
+    }
+    let mut cosines = Numbers::splat(0.0);
+    let mut lengths = Numbers::splat(1.0);
+    let (mut unusual, mut facing, mut behind) = (0, 0, 0);
+    for half in 0..2 {
+        if half_of(asked, half) == 0 {
+            continue;
+        }
+        let point = lit.surfaces.points.load(simd, half);
+        let (to_light, limit, usual) = way(simd, &target, point, (proposals, half));
+        let length = dot(to_light, to_light).sqrt();
+        let normal = lit.surfaces.normals.load(simd, half);
+        let outside = mask(simd, lit.surfaces.from_outside, half);
+        let normal = select3(outside, normal, normal.map(|coordinate| -coordinate));
+        let cosine = dot(normal, to_light) / length;
+        let zero = splat(simd, 0.0);
+        unusual |= asked & !bits(usual, half) & (0xff << (half * 8));
+        facing |= bits(cosine.simd_gt(zero), half);
+        behind |= bits(cosine.simd_lt(zero), half);
+        proposals.directions.store(half, to_light);
+        proposals.limits.store(half, limit);
+        cosines.store(half, cosine.abs());
+        lengths.store(half, length);
+    }
+    let usual = asked & !unusual;
+    let from_behind = if effects.clear_shadows() { behind & lit.clear & usual } else { 0 };
+    let lit_lanes = facing & usual | from_behind;
+    let dims = effects.extras && (light.falloff.is_some() || matches!(light.source, LightSource::Spot(..)));
+    let mut intensities = Colors::splat(light.intensity);
+    if dims {
+        for lane in lanes(lit_lanes) {
+            let (length, limit) = (lengths.get(lane), proposals.limits.get(lane));
+            let intensity = intensity(effects, light, proposals.directions.get(lane), length, limit);
+            intensities.set(lane, intensity);
+        }
+    }
+    let (diffuse, arriving) = (lit.diffuse.load(simd), intensities.load(simd));
+    let cosine = cosines.rounded(simd);
+    let shade = |channel: usize| diffuse[channel] * arriving[channel] * cosine;
+    proposals.colors.store([shade(0), shade(1), shade(2)]);
+    if effects.extras {
+        for lane in lanes(lit.shiny & lit_lanes & !from_behind) {
+            let intensity = intensities.get(lane);
+            let Some(id) = lit.hits.ids.get(lane) else { continue };
+            if intensity != Rgb::ZERO {
+                let normal = facing_normal(lit.surfaces, lane);
+                let back = -lit.rays.directions.get(lane);
+                let way = proposals.directions.get(lane);
+                let highlight = specular(scene.material(id), intensity, normal, way, back);
+                proposals.colors.set(lane, proposals.colors.get(lane) + highlight);
+            }
+        }
+    }
+    let black = f32x16::splat(simd, 0.0);
+    let [red, green, blue] = proposals.colors.load(simd);
+    let lights = bits16(!(red.simd_eq(black) & green.simd_eq(black) & blue.simd_eq(black)));
+    proposals.lanes = lit_lanes & lights;
+    proposals.from_behind = from_behind;
+    if effects.shadows() && light.casts_shadows {
+        proposals.asking = proposals.lanes;
+    }
+    for lane in lanes(unusual) {
+        let Some(id) = lit.hits.ids.get(lane) else { continue };
+        let material = scene.material(id);
+        let point = lit_point(lit, lane, material, asker(lane));
+        if let Some(proposal) = propose(effects, (index, light), &point, sample) {
+            proposals.set(lane, &proposal);
+        }
+    }
+}
+
+fn lit_point<'a>(
+    lit: &LitPacket<'_>,
+    lane: usize,
+    material: &'a SurfaceMaterial,
+    asker: SampleId,
+) -> LitPoint<'a> {
+    LitPoint {
+        arriving: lit.rays.directions.get(lane),
+        path: lit.states[lane].path,
+        point: lit.surfaces.points.get(lane),
+        normal: facing_normal(lit.surfaces, lane),
+        material,
+        diffuse: lit.diffuse.get(lane),
+        asker,
+    }
+}
+
+fn facing_normal(surfaces: &SurfacePacket, lane: usize) -> DVec3 {
+    let normal = surfaces.normals.get(lane);
+    if surfaces.from_outside & (1 << lane) != 0 { normal } else { -normal }
+}
+
+/// Where light comes from.
+enum Target {
+    /// From here.
+    Place(DVec3),
+    /// From the places of the lanes.
+    Places,
+    /// From infinitely far away; [`scaled`].
+    Direction(DVec3),
+}
+
+/// `None` where nothing comes.
+fn target(
+    light: (usize, &Light),
+    effects: Effects,
+    lit: &LitPacket<'_>,
+    sample: u32,
+    asker: impl Fn(usize) -> SampleId,
+    proposals: &mut ProposalPacket,
+) -> Option<Target> {
+    match light.1.source {
+        LightSource::Point(place) | LightSource::Spot(place, _) => Some(Target::Place(place)),
+        LightSource::Directional(direction) => Some(Target::Direction(scaled(direction)?.0)),
+        LightSource::Sphere { .. } | LightSource::Rectangle { .. } if !effects.extras => None,
+        LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
+            for lane in lanes(lit.surfaces.lanes) {
+                let (point, path) = (lit.surfaces.points.get(lane), lit.states[lane].path);
+                proposals.places.set(lane, light_place(light, point, (asker(lane), path), sample));
+            }
+            Some(Target::Places)
+        }
+    }
+}
+
+/// The direction to the light, how many times as far it is, and where that is so.
+#[inline(always)]
+fn way<S: Simd>(
+    simd: S,
+    target: &Target,
+    point: F64s3<S>,
+    (proposals, half): (&ProposalPacket, usize),
+) -> (F64s3<S>, F64s<S>, Mask<S>) {
+    let place = match *target {
+        Target::Place(place) => splat3(simd, place),
+        Target::Places => proposals.places.load(simd, half),
+        Target::Direction(direction) => {
+            let infinity = splat(simd, f64::INFINITY);
+            let finite = |coordinate: F64s<S>| coordinate.abs().simd_lt(infinity);
+            let usual = finite(point[0]) & finite(point[1]) & finite(point[2]);
+            return (splat3(simd, direction), infinity, usual);
+        }
+    };
+    let (direction, scale, usual) = scaled_lanes(simd, subtract(place, point));
+    (direction, splat(simd, 1.0) / scale, usual)
+}

@@ -1,0 +1,368 @@
+//! Numbers of sixteen lanes, and arithmetic on eight at a time.
+//!
+//! Every operation here makes, in each lane, the operations of its scalar counterpart in the same order: the same bits come out,
+//! whatever the width of the processor's vectors.
+
+use fearless_simd::{f32x16, f64x8, mask32x16, mask64x8, prelude::*, u64x8};
+use glam::DVec3;
+
+use crate::color::Rgb;
+
+/// How many lanes a packet has.
+pub(crate) const LANES: usize = 16;
+
+/// Lanes of half a packet: as many `f64` as the widest vectors hold.
+pub(crate) const HALF: usize = LANES / 2;
+
+/// An `f64` of half of the lanes.
+pub(crate) type F64s<S> = f64x8<S>;
+
+/// A vector of half of the lanes.
+pub(crate) type F64s3<S> = [f64x8<S>; 3];
+
+/// A truth of half of the lanes.
+pub(crate) type Mask<S> = mask64x8<S>;
+
+/// An `f64` of every lane.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(crate) struct Numbers([[f64; HALF]; 2]);
+
+impl Numbers {
+    /// The same number in all lanes.
+    pub(crate) const fn splat(number: f64) -> Self {
+        Self([[number; HALF]; 2])
+    }
+
+    /// Returns the number in a lane.
+    #[inline(always)]
+    pub(crate) fn get(&self, lane: usize) -> f64 {
+        self.0[lane / HALF % 2][lane % HALF]
+    }
+
+    /// Sets the number in a lane.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, lane: usize, number: f64) {
+        self.0[lane / HALF % 2][lane % HALF] = number;
+    }
+
+    /// Returns half of the numbers.
+    #[inline(always)]
+    pub(crate) fn load<S: Simd>(&self, simd: S, half: usize) -> F64s<S> {
+        f64x8::load_array_ref(simd, &self.0[half % 2])
+    }
+
+    /// Sets half of the numbers.
+    #[inline(always)]
+    pub(crate) fn store<S: Simd>(&mut self, half: usize, numbers: F64s<S>) {
+        numbers.store_array(&mut self.0[half % 2]);
+    }
+
+    /// Returns all of them, rounded.
+    #[inline(always)]
+    pub(crate) fn rounded<S: Simd>(&self, simd: S) -> f32x16<S> {
+        self.load(simd, 0).narrow(self.load(simd, 1))
+    }
+}
+
+/// A vector of every lane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Vectors([Numbers; 3]);
+
+impl Vectors {
+    /// The same vector in all lanes.
+    pub(crate) const fn splat(vector: DVec3) -> Self {
+        Self([Numbers::splat(vector.x), Numbers::splat(vector.y), Numbers::splat(vector.z)])
+    }
+
+    /// Returns the vector in a lane.
+    #[inline(always)]
+    pub(crate) fn get(&self, lane: usize) -> DVec3 {
+        DVec3::new(self.0[0].get(lane), self.0[1].get(lane), self.0[2].get(lane))
+    }
+
+    /// Sets the vector in a lane.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, lane: usize, vector: DVec3) {
+        self.0[0].set(lane, vector.x);
+        self.0[1].set(lane, vector.y);
+        self.0[2].set(lane, vector.z);
+    }
+
+    /// Returns one coordinate.
+    #[inline(always)]
+    pub(crate) fn axis(&self, axis: usize) -> &Numbers {
+        &self.0[axis]
+    }
+
+    /// Returns half of the vectors.
+    #[inline(always)]
+    pub(crate) fn load<S: Simd>(&self, simd: S, half: usize) -> F64s3<S> {
+        [self.0[0].load(simd, half), self.0[1].load(simd, half), self.0[2].load(simd, half)]
+    }
+
+    /// Sets half of the vectors.
+    #[inline(always)]
+    pub(crate) fn store<S: Simd>(&mut self, half: usize, [x, y, z]: F64s3<S>) {
+        self.0[0].store(half, x);
+        self.0[1].store(half, y);
+        self.0[2].store(half, z);
+    }
+}
+
+/// A colour of every lane.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(crate) struct Colors([[f32; LANES]; 3]);
+
+impl Colors {
+    /// The same colour in all lanes.
+    pub(crate) const fn splat(color: Rgb) -> Self {
+        Self([[color.x; LANES], [color.y; LANES], [color.z; LANES]])
+    }
+
+    /// Returns the colour in a lane.
+    #[inline(always)]
+    pub(crate) fn get(&self, lane: usize) -> Rgb {
+        let lane = lane % LANES;
+        Rgb::new(self.0[0][lane], self.0[1][lane], self.0[2][lane])
+    }
+
+    /// Sets the colour in a lane.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, lane: usize, color: Rgb) {
+        let lane = lane % LANES;
+        (self.0[0][lane], self.0[1][lane], self.0[2][lane]) = (color.x, color.y, color.z);
+    }
+
+    /// Returns all of them, channel by channel.
+    #[inline(always)]
+    pub(crate) fn load<S: Simd>(&self, simd: S) -> [f32x16<S>; 3] {
+        let [red, green, blue] = &self.0;
+        [
+            f32x16::load_array_ref(simd, red),
+            f32x16::load_array_ref(simd, green),
+            f32x16::load_array_ref(simd, blue),
+        ]
+    }
+
+    /// Sets all of them.
+    #[inline(always)]
+    pub(crate) fn store<S: Simd>(&mut self, [red, green, blue]: [f32x16<S>; 3]) {
+        red.store_array(&mut self.0[0]);
+        green.store_array(&mut self.0[1]);
+        blue.store_array(&mut self.0[2]);
+    }
+}
+
+/// Goes through the lanes of a bit mask.
+#[inline(always)]
+pub(crate) fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = (mask != 0).then(|| mask.trailing_zeros() as usize % LANES);
+        mask &= mask.wrapping_sub(1);
+        lane
+    })
+}
+
+/// The bits of a mask that are half of the lanes, as the lowest bits.
+#[inline(always)]
+pub(crate) fn half_of(mask: u32, half: usize) -> u32 {
+    mask >> (half * HALF) & 0xff
+}
+
+/// Half of the lanes, as bits of all of them.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "eight lanes")]
+pub(crate) fn bits<S: Simd>(mask: Mask<S>, half: usize) -> u32 {
+    (mask.to_bitmask() as u32) << (half * HALF)
+}
+
+/// Half of the lanes of a bit mask.
+#[inline(always)]
+pub(crate) fn mask<S: Simd>(simd: S, bits: u32, half: usize) -> Mask<S> {
+    mask64x8::from_bitmask(simd, half_of(bits, half).into())
+}
+
+/// All lanes of a bit mask.
+#[inline(always)]
+pub(crate) fn mask16<S: Simd>(simd: S, bits: u32) -> mask32x16<S> {
+    mask32x16::from_bitmask(simd, bits.into())
+}
+
+/// All lanes as bits.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "sixteen lanes")]
+pub(crate) fn bits16<S: Simd>(mask: mask32x16<S>) -> u32 {
+    mask.to_bitmask() as u32
+}
+
+#[inline(always)]
+pub(crate) fn splat<S: Simd>(simd: S, number: f64) -> F64s<S> {
+    f64x8::splat(simd, number)
+}
+
+#[inline(always)]
+pub(crate) fn splat3<S: Simd>(simd: S, vector: DVec3) -> F64s3<S> {
+    [splat(simd, vector.x), splat(simd, vector.y), splat(simd, vector.z)]
+}
+
+/// The sum of the products, in the order of `DVec3::dot`.
+#[inline(always)]
+pub(crate) fn dot<S: Simd>(a: F64s3<S>, b: F64s3<S>) -> F64s<S> {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+pub(crate) fn add<S: Simd>(a: F64s3<S>, b: F64s3<S>) -> F64s3<S> {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+#[inline(always)]
+pub(crate) fn subtract<S: Simd>(a: F64s3<S>, b: F64s3<S>) -> F64s3<S> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
+pub(crate) fn times<S: Simd>(a: F64s3<S>, factor: F64s<S>) -> F64s3<S> {
+    [a[0] * factor, a[1] * factor, a[2] * factor]
+}
+
+/// `a` where the mask is true, else `b`.
+#[inline(always)]
+pub(crate) fn select3<S: Simd>(mask: Mask<S>, a: F64s3<S>, b: F64s3<S>) -> F64s3<S> {
+    [mask.select(a[0], b[0]), mask.select(a[1], b[1]), mask.select(a[2], b[2])]
+}
+
+/// [`scaled`](super::scaled), with the power of two; and in which lanes it is that: the others have numbers that are so large or so
+/// small that the scalar function has to look at them.
+#[inline(always)]
+pub(crate) fn scaled_lanes<S: Simd>(simd: S, direction: F64s3<S>) -> (F64s3<S>, F64s<S>, Mask<S>) {
+    /// 2^-400, 2^100 and 2^-900: between the first two no direction is lifted, and a component of at least the last stays normal.
+    const BOUNDS: [f64; 3] = [
+        f64::from_bits((1023 - 400) << 52),
+        f64::from_bits((1023 + 100) << 52),
+        f64::from_bits((1023 - 900) << 52),
+    ];
+    let [smallest, largest, normal] = BOUNDS.map(|bound: f64| f64x8::splat(simd, bound));
+    let zero = splat(simd, 0.0);
+    let size = [direction[0].abs(), direction[1].abs(), direction[2].abs()];
+    let longest = size[0].simd_gt(size[1]).select(size[0], size[1]);
+    let longest = longest.simd_gt(size[2]).select(longest, size[2]);
+    let mut usual = longest.simd_ge(smallest) & longest.simd_lt(largest);
+    for size in size {
+        usual &= size.simd_ge(normal) | size.simd_eq(zero);
+    }
+    let exponent: u64x8<S> = longest.bitcast();
+    let exponent = exponent & u64x8::splat(simd, 0x7ff << 52);
+    let scale: F64s<S> = (u64x8::splat(simd, 2046 << 52) - exponent).bitcast();
+    (times(direction, scale), scale, usual)
+}
+
+/// [`two_sum`](super::error_free::two_sum).
+#[inline(always)]
+pub(crate) fn two_sum<S: Simd>(a: F64s<S>, b: F64s<S>) -> (F64s<S>, F64s<S>) {
+    let sum = a + b;
+    let b_part = sum - a;
+    (sum, (a - (sum - b_part)) + (b - b_part))
+}
+
+/// [`quick_two_sum`](super::error_free::quick_two_sum).
+#[inline(always)]
+pub(crate) fn quick_two_sum<S: Simd>(a: F64s<S>, b: F64s<S>) -> (F64s<S>, F64s<S>) {
+    let sum = a + b;
+    (sum, b - (sum - a))
+}
+
+/// [`two_product`](super::error_free::two_product).
+#[inline(always)]
+pub(crate) fn two_product<S: Simd>(a: F64s<S>, b: F64s<S>) -> (F64s<S>, F64s<S>) {
+    let product = a * b;
+    let (a_high, a_low) = halves(a);
+    let (b_high, b_low) = halves(b);
+    let error = ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low;
+    (product, error)
+}
+
+#[inline(always)]
+fn halves<S: Simd>(a: F64s<S>) -> (F64s<S>, F64s<S>) {
+    let scaled = a * 134_217_729.0;
+    let high = scaled - (scaled - a);
+    (high, a - high)
+}
+
+/// Vectors whose rounding errors are kept beside them: [`Compensated3`](super::Compensated3) in every lane.
+#[derive(Clone, Copy)]
+pub(crate) struct CompensatedLanes<S: Simd> {
+    value: F64s3<S>,
+    rest: F64s3<S>,
+}
+
+impl<S: Simd> CompensatedLanes<S> {
+    /// origin + t direction.
+    #[inline(always)]
+    pub(crate) fn along(origin: F64s3<S>, direction: F64s3<S>, t: F64s<S>) -> Self {
+        let (mut value, mut rest) = (origin, origin);
+        for axis in 0..3 {
+            let (way, way_error) = two_product(direction[axis], t);
+            let (sum, error) = two_sum(origin[axis], way);
+            (value[axis], rest[axis]) = (sum, error + way_error);
+        }
+        Self { value, rest }
+    }
+
+    /// Less a point.
+    #[inline(always)]
+    pub(crate) fn minus(self, point: F64s3<S>) -> Self {
+        let Self { mut value, mut rest } = self;
+        for axis in 0..3 {
+            let (difference, error) = two_sum(value[axis], -point[axis]);
+            (value[axis], rest[axis]) = two_sum(difference, error + rest[axis]);
+        }
+        Self { value, rest }
+    }
+
+    /// Rounded to `f64`.
+    #[inline(always)]
+    pub(crate) fn rounded(self) -> F64s3<S> {
+        self.value
+    }
+
+    /// Plus a short way, rounded once.
+    #[inline(always)]
+    pub(crate) fn moved(self, way: F64s3<S>) -> F64s3<S> {
+        add(self.value, add(self.rest, way))
+    }
+
+    /// The sum of the products with plain numbers, rounded to `f64`.
+    #[inline(always)]
+    pub(crate) fn dot(self, other: F64s3<S>) -> F64s<S> {
+        let (mut products, mut errors) = (other, other);
+        for axis in 0..3 {
+            let (product, error) = two_product(self.value[axis], other[axis]);
+            (products[axis], errors[axis]) = (product, error + self.rest[axis] * other[axis]);
+        }
+        let (sum, sum_error) = two_sum(products[0], products[1]);
+        let (sum, other_error) = two_sum(sum, products[2]);
+        sum + ((errors[0] + errors[1] + errors[2]) + (sum_error + other_error))
+    }
+
+    /// The square of its length less that of a radius, rounded to `f64`.
+    #[inline(always)]
+    pub(crate) fn beyond(self, radius: F64s<S>) -> F64s<S> {
+        let (mut squares, mut errors) = (self.value, self.rest);
+        for axis in 0..3 {
+            let value = self.value[axis];
+            let (square, error) = two_product(value, value);
+            let twice = value * 2.0;
+            (squares[axis], errors[axis]) = (square, error + self.rest[axis] * twice);
+        }
+        let (square, square_error) = two_product(radius, radius);
+        let (sum, sum_error) = two_sum(squares[0], squares[1]);
+        let (sum, other_error) = two_sum(sum, squares[2]);
+        let (sum, last_error) = two_sum(sum, -square);
+        let error =
+            (errors[0] + errors[1] + errors[2] - square_error) + (sum_error + other_error + last_error);
+        sum + error
+    }
+}

@@ -1,0 +1,127 @@
+//! The nearest of what sixteen rays meet.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use fearless_simd::{dispatch, prelude::*};
+
+use super::verdicts::{Answer, Asking, Inverses};
+use crate::trace::bvh::{FramePacket, PacketStack, PacketVisitor};
+use crate::trace::math::{F64s, bits, half_of, mask, splat};
+use crate::trace::query::{Escalations, HitPacket};
+use crate::trace::rays::{RayPacket, ShapeId};
+use crate::trace::scene::PreparedScene;
+
+/// Fewer rays are not worth it.
+const FEWEST: u32 = 3;
+
+/// Finds what the rays of a packet meet first. Those that single rays have to decide are left open in `hits`.
+pub(crate) fn closest_hits(
+    scene: &PreparedScene,
+    rays: &RayPacket,
+    hits: &mut HitPacket,
+    stack: &mut PacketStack,
+    (escalations, cancelled): (&mut Escalations, &AtomicBool),
+) {
+    hits.clear();
+    // What is tied with others is left in as many senses as there are.
+    hits.open = rays.tied;
+    let active = rays.lanes & !rays.tied;
+    if active.count_ones() < FEWEST {
+        hits.open = rays.lanes;
+        return;
+    }
+    let mut inverses = Inverses::UNKNOWN;
+    let asking = Asking { geometry: scene.geometry(), rays, inverses: &mut inverses, escalations };
+    let mut search = Search { asking, hits };
+    dispatch!(scene.simd.level(), simd => search.run(simd, scene, active, stack, cancelled));
+}
+
+/// A packet on its way.
+pub(super) struct Search<'a> {
+    pub(super) asking: Asking<'a>,
+    pub(super) hits: &'a mut HitPacket,
+}
+
+impl Search<'_> {
+    #[inline(always)]
+    fn run<S: Simd>(
+        &mut self,
+        simd: S,
+        scene: &PreparedScene,
+        active: u32,
+        stack: &mut PacketStack,
+        cancelled: &AtomicBool,
+    ) {
+        for id in &scene.beside {
+            if cancelled.load(Ordering::Relaxed) {
+                return;
+            }
+            self.meet(simd, *id, active);
+        }
+        let rays = (&self.asking.rays.origins, &self.asking.rays.directions);
+        let mut packet = scene.tree.packet(simd, rays, active & !self.hits.open);
+        packet.limit(simd, &self.hits.ts, &self.hits.errors);
+        scene.tree.visit_packet(simd, &mut packet, stack, cancelled, self);
+    }
+
+    /// Takes a shape into account in some lanes. Says whether any of their rays meets it nearer than all before.
+    #[inline(always)]
+    pub(super) fn meet<S: Simd>(&mut self, simd: S, id: ShapeId, lanes: u32) -> bool {
+        let mut nearer = false;
+        for half in 0..2 {
+            if half_of(lanes, half) == 0 {
+                continue;
+            }
+            let latest = latest(simd, self.hits, half);
+            if let Some(answer) = self.asking.ask(simd, id, (half, lanes), latest) {
+                nearer |= consider(simd, self.hits, (half, id), &answer);
+            }
+        }
+        nearer
+    }
+}
+
+impl<S: Simd> PacketVisitor<S> for Search<'_> {
+    #[inline(always)]
+    fn visit(&mut self, simd: S, id: ShapeId, lanes: u32, packet: &mut FramePacket) {
+        let nearer = self.meet(simd, id, lanes);
+        packet.finish(self.hits.open);
+        if nearer {
+            packet.limit(simd, &self.hits.ts, &self.hits.errors);
+        }
+    }
+}
+
+/// Until where half of the rays may have their nearest hits.
+#[inline(always)]
+pub(super) fn latest<S: Simd>(simd: S, hits: &HitPacket, half: usize) -> F64s<S> {
+    hits.ts.load(simd, half) + hits.errors.load(simd, half)
+}
+
+/// Takes half of the rays' hits of a shape into account. Of hits that may be at the same place none is taken for the nearer one: such
+/// rays are open. Says whether any hit is nearer than those before.
+#[inline(always)]
+fn consider<S: Simd>(
+    simd: S,
+    hits: &mut HitPacket,
+    (half, id): (usize, ShapeId),
+    answer: &Answer<S>,
+) -> bool {
+    let Answer { verdicts, far } = answer;
+    let (t, error) = (verdicts.t, verdicts.error);
+    let (best, best_error) = (hits.ts.load(simd, half), hits.errors.load(simd, half));
+    // What is infinitely far away is not met.
+    let hit = verdicts.hit & t.simd_lt(splat(simd, f64::INFINITY));
+    let not_farther = bits(hit & (t - error).simd_le(best + best_error), half);
+    let nearer = bits(hit & (t + error).simd_lt(best - best_error), half);
+    hits.open |= not_farther & !nearer | bits(verdicts.open, half);
+    if nearer == 0 {
+        return false;
+    }
+    let chosen = mask(simd, nearer, half);
+    hits.ts.store(half, chosen.select(t, best));
+    hits.errors.store(half, chosen.select(error, best_error));
+    hits.ids.replace(simd, nearer, id);
+    hits.far = hits.far & !nearer | far & nearer;
+    true
+}

@@ -1,0 +1,163 @@
+//! What stands between sixteen surface points and a light.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use fearless_simd::{dispatch, prelude::*};
+
+use super::verdicts::{Asking, Inverses};
+use crate::trace::bvh::{FramePacket, PacketStack, PacketVisitor};
+use crate::trace::math::{Numbers, bits, half_of, splat};
+use crate::trace::query::{Escalations, NEAR};
+use crate::trace::rays::{RayPacket, ShapeId};
+use crate::trace::scene::PreparedScene;
+
+/// Fewer rays are not worth a walk through the tree.
+const FEWEST: u32 = 3;
+
+/// Shadow rays, and what may stand in their way.
+pub(crate) struct ShadowPacket<'a> {
+    pub(crate) rays: &'a RayPacket,
+    /// How far the light is.
+    pub(crate) limits: &'a Numbers,
+    /// A shape that does not count: the light's own.
+    pub(crate) except: Option<ShapeId>,
+    /// Shapes of the tree that may stand in the way of any of them; `None` where they have to be found there.
+    pub(crate) candidates: Option<&'a [ShapeId]>,
+    /// Whether clear shapes hide nothing.
+    pub(crate) clear: bool,
+}
+
+/// What became of them, as bit masks. The other rays reach the light, and cross nothing on the way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Occlusion {
+    /// Rays that something certainly stands in the way of.
+    pub(crate) hidden: u32,
+    /// Rays that have to be followed one by one.
+    pub(crate) open: u32,
+}
+
+/// Finds which shadow rays are hidden. What hid the last one that asked is asked first, and what hides any of these is noted there.
+pub(crate) fn occluded(
+    scene: &PreparedScene,
+    shadow: &ShadowPacket<'_>,
+    last_occluder: &mut Option<ShapeId>,
+    stack: &mut PacketStack,
+    (escalations, cancelled): (&mut Escalations, &AtomicBool),
+) -> Occlusion {
+    let mut inverses = Inverses::UNKNOWN;
+    let rays = shadow.rays;
+    let asking = Asking { geometry: scene.geometry(), rays, inverses: &mut inverses, escalations };
+    // What is tied with others is left in as many senses as there are.
+    let found = Occlusion { hidden: 0, open: rays.tied };
+    let mut search = Search { scene, shadow, asking, found, last_occluder };
+    dispatch!(scene.simd.level(), simd => search.run(simd, stack, cancelled));
+    search.found
+}
+
+struct Search<'a> {
+    scene: &'a PreparedScene,
+    shadow: &'a ShadowPacket<'a>,
+    asking: Asking<'a>,
+    found: Occlusion,
+    last_occluder: &'a mut Option<ShapeId>,
+}
+
+/// What a shape does to a light.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Role {
+    Hides,
+    /// It weakens it, for which rays are followed one by one.
+    Weakens,
+    Ignored,
+}
+
+impl Search<'_> {
+    #[inline(always)]
+    fn run<S: Simd>(&mut self, simd: S, stack: &mut PacketStack, cancelled: &AtomicBool) {
+        if let Some(id) = *self.last_occluder {
+            self.meet(simd, id, self.undecided());
+        }
+        for id in &self.scene.beside {
+            if self.undecided() == 0 || cancelled.load(Ordering::Relaxed) {
+                return;
+            }
+            self.meet(simd, *id, self.undecided());
+        }
+        if let Some(candidates) = self.shadow.candidates {
+            for id in candidates {
+                if self.undecided() == 0 {
+                    return;
+                }
+                self.meet(simd, *id, self.undecided());
+            }
+        } else if self.undecided().count_ones() < FEWEST {
+            self.found.open |= self.undecided();
+        } else {
+            let rays = (&self.shadow.rays.origins, &self.shadow.rays.directions);
+            let mut packet = self.scene.tree.packet(simd, rays, self.undecided());
+            packet.limit(simd, self.shadow.limits, &Numbers::splat(0.0));
+            self.scene.tree.visit_packet(simd, &mut packet, stack, cancelled, self);
+        }
+    }
+
+    #[inline(always)]
+    fn undecided(&self) -> u32 {
+        self.shadow.rays.lanes & !self.found.hidden & !self.found.open
+    }
+
+    /// As `PreparedScene::occluder` and `PreparedScene::occluder_or_crossed` see it.
+    #[inline(always)]
+    fn role(&self, id: ShapeId) -> Role {
+        let group = self.scene.equal_shapes.group(id);
+        if self.shadow.except == Some(id) && group.is_none() {
+            return Role::Ignored;
+        }
+        let hides = !self.shadow.clear
+            || match group {
+                Some(group) => group.opaque(self.shadow.except).is_some(),
+                None => self.scene.material(id).refraction.is_none(),
+            };
+        if hides { Role::Hides } else { Role::Weakens }
+    }
+
+    /// Takes a shape into account in some lanes.
+    #[inline(always)]
+    fn meet<S: Simd>(&mut self, simd: S, id: ShapeId, lanes: u32) {
+        let role = self.role(id);
+        if role == Role::Ignored {
+            return;
+        }
+        for half in 0..2 {
+            if half_of(lanes, half) == 0 {
+                continue;
+            }
+            let limit = self.shadow.limits.load(simd, half);
+            let (nearer, farther) = (limit * (1.0 - NEAR), limit * (1.0 + NEAR));
+            let Some(answer) = self.asking.ask(simd, id, (half, lanes), farther) else { continue };
+            let verdicts = answer.verdicts;
+            let (t, error) = (verdicts.t, verdicts.error);
+            // What is infinitely far away is not met.
+            let hit = verdicts.hit & t.simd_lt(splat(simd, f64::INFINITY));
+            let beyond = bits(hit & (t - error).simd_gt(farther), half);
+            let before = bits(hit & (t + error).simd_lt(nearer), half);
+            let (hit, open) = (bits(hit, half), bits(verdicts.open, half));
+            if role == Role::Weakens {
+                self.found.open |= hit & !beyond | open;
+                continue;
+            }
+            self.found.open |= hit & !before & !beyond | open;
+            self.found.hidden |= before;
+            if before != 0 {
+                *self.last_occluder = Some(id);
+            }
+        }
+    }
+}
+
+impl<S: Simd> PacketVisitor<S> for Search<'_> {
+    #[inline(always)]
+    fn visit(&mut self, simd: S, id: ShapeId, lanes: u32, packet: &mut FramePacket) {
+        self.meet(simd, id, lanes);
+        packet.finish(self.found.hidden | self.found.open);
+    }
+}

@@ -1,0 +1,283 @@
+//! Refinement of sixteen hits at once: the operations of the shapes' `refine`, in their order.
+
+use fearless_simd::prelude::*;
+use glam::DVec3;
+
+use crate::trace::math::{
+    CompensatedLanes, F64s, F64s3, Mask, Numbers, Vectors, bits, dot_lanes as dot, half_of, lanes, mask,
+    quick_two_sum, select3, splat, times, two_product, two_sum,
+};
+use crate::trace::query::{HitPacket, SurfacePacket};
+use crate::trace::rays::{RayPacket, ShapeId, ShapeIds};
+use crate::trace::scene::{Geometry, Kind, Location, PreparedScene};
+use crate::trace::shapes::{AlignedBox, Sphere, U};
+
+/// What the shapes of lanes are made of.
+struct Parameters {
+    /// A sphere's centre, a plane's point, or the lower corner of a box.
+    places: Vectors,
+    /// A plane's normal, or the upper corner of a box.
+    others: Vectors,
+    /// A plane's unit normal.
+    units: Vectors,
+    radii: Numbers,
+    spheres: u32,
+    planes: u32,
+    boxes: u32,
+}
+
+/// Finds the surface points that hits in some lanes stand for, where one step from a `t` that is nearly right leads there. Returns
+/// the lanes of the others, which `PreparedScene::surface` finds one by one.
+#[inline(always)]
+pub(crate) fn refine<S: Simd>(
+    simd: S,
+    scene: &PreparedScene,
+    rays: &RayPacket,
+    hits: &HitPacket,
+    asked: u32,
+    surfaces: &mut SurfacePacket,
+) -> u32 {
+    let mut special = asked & hits.tied;
+    if scene.equal_shapes.any() {
+        let grouped =
+            |lane: &usize| hits.ids.get(*lane).is_none_or(|id| scene.equal_shapes.group(id).is_some());
+        special |= lanes(asked).filter(grouped).fold(0, |mask, lane| mask | 1 << lane);
+    }
+    let shapes = Parameters::gather(simd, scene.geometry(), &hits.ids, asked & !special);
+    special |= asked & !(shapes.spheres | shapes.planes | shapes.boxes);
+    for half in 0..2 {
+        if half_of(asked & !special, half) == 0 {
+            continue;
+        }
+        special |= refine_half(simd, (rays, hits), &shapes, (half, asked & !special), surfaces);
+    }
+    surfaces.lanes |= asked & !special;
+    surfaces.first_equals = hits.ids;
+    special
+}
+
+impl Parameters {
+    #[inline(always)]
+    fn gather<S: Simd>(simd: S, geometry: &Geometry, ids: &ShapeIds, asked: u32) -> Self {
+        let mut all = Self {
+            places: Vectors::splat(DVec3::ZERO),
+            others: Vectors::splat(DVec3::ONE),
+            units: Vectors::splat(DVec3::Y),
+            radii: Numbers::splat(1.0),
+            spheres: 0,
+            planes: 0,
+            boxes: 0,
+        };
+        if asked == 0 {
+            return all;
+        }
+        if let Some(id) = ids.common(simd, asked) {
+            if let Some((place, other, unit, radius)) = all.read(geometry, id, asked) {
+                (all.places, all.others) = (Vectors::splat(place), Vectors::splat(other));
+                (all.units, all.radii) = (Vectors::splat(unit), Numbers::splat(radius));
+            }
+            return all;
+        }
+        for lane in lanes(asked) {
+            let Some(id) = ids.get(lane) else { continue };
+            if let Some((place, other, unit, radius)) = all.read(geometry, id, 1 << lane) {
+                all.places.set(lane, place);
+                all.others.set(lane, other);
+                all.units.set(lane, unit);
+                all.radii.set(lane, radius);
+            }
+        }
+        all
+    }
+
+    /// Returns what a shape in some lanes is made of, and notes its kind. `None` for images.
+    #[inline(always)]
+    fn read(&mut self, geometry: &Geometry, id: ShapeId, lanes: u32) -> Option<(DVec3, DVec3, DVec3, f64)> {
+        let Location { kind, index } = geometry.locations[id.index()];
+        let index = index as usize;
+        match kind {
+            Kind::Sphere => {
+                self.spheres |= lanes;
+                let Sphere { center, radius } = geometry.spheres[index];
+                Some((center, DVec3::ONE, DVec3::Y, radius))
+            }
+            Kind::Plane => {
+                self.planes |= lanes;
+                let plane = &geometry.planes[index];
+                Some((plane.point(), plane.normal(), plane.unit_normal(), 1.0))
+            }
+            Kind::AlignedBox => {
+                self.boxes |= lanes;
+                let AlignedBox { min, max } = geometry.boxes[index];
+                Some((min, max, DVec3::Y, 1.0))
+            }
+            Kind::SphereImage | Kind::BoxImage => None,
+        }
+    }
+}
+
+/// Points of half of the lanes.
+#[derive(Clone, Copy)]
+struct Points<S: Simd> {
+    /// The parameter, rounded, and what that leaves over.
+    t: F64s<S>,
+    rest: F64s<S>,
+    point: F64s3<S>,
+    normal: F64s3<S>,
+    /// Where that is right.
+    found: Mask<S>,
+}
+
+/// A ray each, and the inexact `t` of its hit.
+#[derive(Clone, Copy)]
+struct Inexact<S: Simd> {
+    origin: F64s3<S>,
+    direction: F64s3<S>,
+    t: F64s<S>,
+}
+
+/// Returns the lanes of half of a packet that have to be refined one by one.
+#[inline(always)]
+fn refine_half<S: Simd>(
+    simd: S,
+    (rays, hits): (&RayPacket, &HitPacket),
+    shapes: &Parameters,
+    (half, asked): (usize, u32),
+    surfaces: &mut SurfacePacket,
+) -> u32 {
+    let (t, error) = (hits.ts.load(simd, half), hits.errors.load(simd, half));
+    let rounded = error.simd_le(t * f64::EPSILON);
+    let rough = error.simd_gt(t * (1.0 / 268_435_456.0));
+    let direction = rays.directions.load(simd, half);
+    let inexact = Inexact { origin: rays.origins.load(simd, half), direction, t };
+    let mut points: Option<Points<S>> = None;
+    if half_of(shapes.spheres & asked, half) != 0 {
+        points = Some(spheres(simd, &inexact, shapes, half));
+    }
+    if half_of(shapes.planes & asked, half) != 0 {
+        let these = mask(simd, shapes.planes, half);
+        points = Some(Points::select(these, planes(simd, &inexact, shapes, half), points));
+    }
+    if half_of(shapes.boxes & asked, half) != 0 {
+        let these = mask(simd, shapes.boxes, half);
+        points = Some(Points::select(these, boxes(simd, &inexact, shapes, half), points));
+    }
+    let Some(points) = points else { return 0 };
+    let special = bits(rounded | rough | !points.found, half) & asked;
+    let outside = dot(direction, points.normal).simd_le(splat(simd, 0.0));
+    surfaces.from_outside |= bits(outside, half) & asked & !special & !hits.far;
+    surfaces.points.store(half, points.point);
+    surfaces.normals.store(half, points.normal);
+    surfaces.ts.store(half, points.t);
+    surfaces.rests.store(half, points.rest);
+    special
+}
+
+impl<S: Simd> Points<S> {
+    /// These where the mask is true, else others.
+    #[inline(always)]
+    fn select(mask: Mask<S>, these: Self, others: Option<Self>) -> Self {
+        let Some(others) = others else { return these };
+        Self {
+            t: mask.select(these.t, others.t),
+            rest: mask.select(these.rest, others.rest),
+            point: select3(mask, these.point, others.point),
+            normal: select3(mask, these.normal, others.normal),
+            found: (mask & these.found) | (!mask & others.found),
+        }
+    }
+}
+
+/// `newton_step`.
+#[inline(always)]
+fn newton_step<S: Simd>(simd: S, residual: F64s<S>, slope: F64s<S>) -> F64s<S> {
+    let step = -residual / slope;
+    step.abs().simd_lt(splat(simd, f64::INFINITY)).select(step, splat(simd, 0.0))
+}
+
+/// `Sphere::refine`.
+#[inline(always)]
+fn spheres<S: Simd>(simd: S, inexact: &Inexact<S>, shapes: &Parameters, half: usize) -> Points<S> {
+    let Inexact { origin, direction, t } = *inexact;
+    let place = CompensatedLanes::along(origin, direction, t);
+    let from_center = place.minus(shapes.places.load(simd, half));
+    let slope = dot(from_center.rounded(), direction) * 2.0;
+    let step = newton_step(simd, from_center.beyond(shapes.radii.load(simd, half)), slope);
+    let way = times(direction, step);
+    let outwards = from_center.moved(way);
+    let reciprocal = splat(simd, 1.0) / dot(outwards, outwards).sqrt();
+    let zero = splat(simd, 0.0);
+    let found = reciprocal.simd_lt(splat(simd, f64::INFINITY)) & reciprocal.simd_gt(zero);
+    let (t, rest) = two_sum(t, step);
+    Points { t, rest, point: place.moved(way), normal: times(outwards, reciprocal), found }
+}
+
+/// `Plane::refine`.
+#[inline(always)]
+fn planes<S: Simd>(simd: S, inexact: &Inexact<S>, shapes: &Parameters, half: usize) -> Points<S> {
+    let Inexact { origin, direction, t } = *inexact;
+    let normal = shapes.others.load(simd, half);
+    let place = CompensatedLanes::along(origin, direction, t);
+    let height = place.minus(shapes.places.load(simd, half)).dot(normal);
+    let step = newton_step(simd, height, dot(direction, normal));
+    let (t, rest) = two_sum(t, step);
+    let point = place.moved(times(direction, step));
+    let found = t.simd_eq(t);
+    Points { t, rest, point, normal: shapes.units.load(simd, half), found }
+}
+
+/// `AlignedBox::refine`.
+#[inline(always)]
+fn boxes<S: Simd>(simd: S, inexact: &Inexact<S>, shapes: &Parameters, half: usize) -> Points<S> {
+    /// Quotients of smaller numbers might lose digits.
+    const TINY: f64 = 1e-140;
+    let Inexact { origin, direction, t } = *inexact;
+    let (min, max) = (shapes.places.load(simd, half), shapes.others.load(simd, half));
+    // The only face whose plane the ray is on at `t`.
+    let none = t.simd_lt(t);
+    let (mut lower, mut upper) = ([none; 3], [none; 3]);
+    let (mut once, mut twice) = (none, none);
+    for axis in 0..3 {
+        let way = direction[axis] * t;
+        for (near, planes) in [(&mut lower, min), (&mut upper, max)] {
+            let to_plane = planes[axis] - origin[axis];
+            let size = to_plane.abs() + way.abs();
+            near[axis] = (to_plane - way).abs().simd_le(size * (16.0 * U));
+            twice |= once & near[axis];
+            once |= near[axis];
+        }
+    }
+    let at = [lower[0] | upper[0], lower[1] | upper[1], lower[2] | upper[2]];
+    let is_upper = upper[0] | upper[1] | upper[2];
+    let pick = |[x, y, z]: F64s3<S>| at[0].select(x, at[1].select(y, z));
+    let face = is_upper.select(pick(max), pick(min));
+    let (from, speed) = (pick(origin), pick(direction));
+    let found = once & !twice & speed.abs().simd_gt(splat(simd, TINY));
+    // The difference over the speed, in double-double.
+    let (high, low) = two_sum(face, -from);
+    let first = high / speed;
+    let (product, error) = two_product(speed, first);
+    let (product, product_rest) = quick_two_sum(product, error + splat(simd, 0.0) * first);
+    let left = difference((high, low), (product, product_rest));
+    let (t, rest) = quick_two_sum(first, left / speed);
+    let place = CompensatedLanes::along(origin, direction, t).moved(times(direction, rest));
+    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+    let sign = is_upper.select(one, -one);
+    let (mut point, mut normal) = (place, place);
+    for axis in 0..3 {
+        let clamped = place[axis].simd_gt(min[axis]).select(place[axis], min[axis]);
+        let clamped = clamped.simd_lt(max[axis]).select(clamped, max[axis]);
+        point[axis] = at[axis].select(face, clamped);
+        normal[axis] = at[axis].select(sign, zero);
+    }
+    Points { t, rest, point, normal, found }
+}
+
+/// The rounded difference of two double-doubles.
+#[inline(always)]
+fn difference<S: Simd>(a: (F64s<S>, F64s<S>), b: (F64s<S>, F64s<S>)) -> F64s<S> {
+    let (high, error) = two_sum(a.0, -b.0);
+    let (low, low_error) = two_sum(a.1, -b.1);
+    let (high, error) = quick_two_sum(high, error + low);
+    quick_two_sum(high, error + low_error).0
+}

@@ -1,0 +1,178 @@
+//! A shape of any kind against a packet's rays.
+
+use fearless_simd::prelude::*;
+use glam::DVec3;
+
+use super::leaves::{self, Rays, Verdicts};
+use crate::trace::math::{F64s, Mask, Numbers, Vectors, bits, half_of, lanes, mask, splat};
+use crate::trace::query::{Escalations, Intersector};
+use crate::trace::rays::{RayPacket, RayView, ShapeId};
+use crate::trace::scene::{Geometry, Kind, Location};
+use crate::trace::shapes::SLOWEST;
+
+/// The reciprocals of directions, made when the first box is asked.
+#[derive(Clone, Debug)]
+pub(super) struct Inverses {
+    numbers: Vectors,
+    known: bool,
+    /// Lanes with a coordinate so small that its reciprocal may not be finite.
+    slow: u32,
+}
+
+impl Inverses {
+    pub(super) const UNKNOWN: Self = Self { numbers: Vectors::splat(DVec3::ONE), known: false, slow: 0 };
+
+    #[inline(always)]
+    fn know<S: Simd>(&mut self, simd: S, rays: &RayPacket) {
+        if self.known {
+            return;
+        }
+        (self.known, self.slow) = (true, 0);
+        for half in 0..2 {
+            let mut direction = rays.directions.load(simd, half);
+            for coordinate in &mut direction {
+                let slow = coordinate.abs().simd_le(splat(simd, SLOWEST));
+                self.slow |= bits(slow, half);
+                *coordinate = splat(simd, 1.0) / *coordinate;
+            }
+            self.numbers.store(half, direction);
+        }
+    }
+}
+
+/// A packet's rays that ask, in some lanes.
+pub(super) struct Asking<'a> {
+    pub(super) geometry: &'a Geometry,
+    pub(super) rays: &'a RayPacket,
+    pub(super) inverses: &'a mut Inverses,
+    pub(super) escalations: &'a mut Escalations,
+}
+
+/// What half of the lanes have to do with a shape, and in which it is the far side of one that is left inwards.
+pub(super) struct Answer<S: Simd> {
+    pub(super) verdicts: Verdicts<S>,
+    pub(super) far: u32,
+}
+
+impl Asking<'_> {
+    /// Asks what rays in some lanes of a half have to do with a shape, as `Geometry::intersect` is asked by one that leaves no
+    /// more than one shape. What is farther than `latest` may be left out. `None` where none of them meets it.
+    #[inline(always)]
+    pub(super) fn ask<S: Simd>(
+        &mut self,
+        simd: S,
+        id: ShapeId,
+        (half, asked): (usize, u32),
+        latest: F64s<S>,
+    ) -> Option<Answer<S>> {
+        let leaving =
+            if self.rays.departing & asked == 0 { 0 } else { self.rays.left.lanes_of(simd, id) & asked };
+        let near = asked & !leaving;
+        let mut verdicts =
+            (half_of(near, half) != 0).then(|| self.near(simd, id, (half, near), latest)).flatten();
+        if let Some(verdicts) = &mut verdicts {
+            let near = mask(simd, near, half);
+            verdicts.hit &= near;
+            verdicts.open &= near;
+        }
+        let inward = leaving & !self.rays.outward;
+        if half_of(inward, half) == 0 {
+            return verdicts.map(|verdicts| Answer { verdicts, far: 0 });
+        }
+        let Some(exit) = self.exit(simd, id, half) else {
+            return verdicts.map(|verdicts| Answer { verdicts, far: 0 });
+        };
+        let lanes = mask(simd, inward, half);
+        let (hit, open) = (exit.hit & lanes, exit.open & lanes);
+        let verdicts = match verdicts {
+            None => Verdicts { hit, open, ..exit },
+            Some(near) => Verdicts {
+                t: lanes.select(exit.t, near.t),
+                error: lanes.select(exit.error, near.error),
+                hit: hit | near.hit,
+                open: open | near.open,
+            },
+        };
+        Some(Answer { verdicts, far: inward })
+    }
+
+    #[inline(always)]
+    fn near<S: Simd>(
+        &mut self,
+        simd: S,
+        id: ShapeId,
+        (half, asked): (usize, u32),
+        latest: F64s<S>,
+    ) -> Option<Verdicts<S>> {
+        let Location { kind, index } = self.geometry.locations[id.index()];
+        let index = index as usize;
+        let rays = Rays::load(simd, self.rays, half);
+        match kind {
+            Kind::Sphere => leaves::sphere(simd, &rays, &self.geometry.spheres[index]),
+            Kind::Plane => Some(leaves::plane(simd, &rays, &self.geometry.planes[index])),
+            Kind::AlignedBox => {
+                self.inverses.know(simd, self.rays);
+                let inverse = self.inverses.numbers.load(simd, half);
+                let shape = &self.geometry.boxes[index];
+                let mut verdicts = leaves::aligned_box(simd, rays.origin, inverse, shape);
+                let slow = mask(simd, self.inverses.slow, half);
+                verdicts.hit &= !slow;
+                verdicts.open |= slow;
+                Some(verdicts)
+            }
+            Kind::SphereImage | Kind::BoxImage => self.one_by_one(simd, id, (half, asked), latest),
+        }
+    }
+
+    /// The same ray by ray, for those that meet the shape's bounds.
+    #[inline(always)]
+    fn one_by_one<S: Simd>(
+        &mut self,
+        simd: S,
+        id: ShapeId,
+        (half, asked): (usize, u32),
+        latest: F64s<S>,
+    ) -> Option<Verdicts<S>> {
+        let mut met = mask(simd, asked, half);
+        if let Some(bounds) = self.geometry.bounds(id) {
+            self.inverses.know(simd, self.rays);
+            let origin = self.rays.origins.load(simd, half);
+            let inverse = self.inverses.numbers.load(simd, half);
+            let slow = mask(simd, self.inverses.slow, half);
+            met &= slow | leaves::may_meet(simd, origin, inverse, &bounds, latest);
+        }
+        let met = bits(met, half);
+        if met == 0 {
+            return None;
+        }
+        let (mut ts, mut errors, mut hit) = (Numbers::splat(0.0), Numbers::splat(0.0), 0);
+        for lane in lanes(met) {
+            let ray = self.rays.get(lane);
+            if let Some(found) = self.geometry.intersect(id, &RayView::alone(&ray), self.escalations) {
+                ts.set(lane, found.root.t());
+                errors.set(lane, found.root.error());
+                hit |= 1 << lane;
+            }
+        }
+        let (t, error) = (ts.load(simd, half), errors.load(simd, half));
+        Some(Verdicts { t, error, hit: mask(simd, hit, half), open: Mask::<S>::from_bitmask(simd, 0) })
+    }
+
+    /// Where rays come out of a shape that they leave inwards. `None` where they never do.
+    #[inline(always)]
+    fn exit<S: Simd>(&self, simd: S, id: ShapeId, half: usize) -> Option<Verdicts<S>> {
+        let Location { kind, index } = self.geometry.locations[id.index()];
+        let index = index as usize;
+        let rays = Rays::load(simd, self.rays, half);
+        match kind {
+            Kind::Sphere => Some(leaves::sphere_exit(simd, &rays, &self.geometry.spheres[index])),
+            Kind::Plane => None,
+            Kind::AlignedBox => Some(leaves::box_exit(simd, &rays, &self.geometry.boxes[index])),
+            Kind::SphereImage | Kind::BoxImage => {
+                let (none, all) = (Mask::<S>::from_bitmask(simd, 0), Mask::<S>::from_bitmask(simd, 0xff));
+                let zero = splat(simd, 0.0);
+                Some(Verdicts { t: zero, error: zero, hit: none, open: all })
+            }
+        }
+    }
+}

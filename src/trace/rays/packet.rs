@@ -1,0 +1,84 @@
+//! Sixteen rays.
+
+use super::departure::Departure;
+use super::ray::Ray;
+use super::shape_id::ShapeIds;
+use super::ties::Ties;
+use crate::trace::math::{LANES, Numbers, Vectors};
+use glam::DVec3;
+
+/// Rays lane by lane, as many as there are.
+#[derive(Clone, Debug)]
+pub(crate) struct RayPacket {
+    pub(crate) origins: Vectors,
+    pub(crate) directions: Vectors,
+    /// 1 / direction.direction
+    pub(crate) inverse_squares: Numbers,
+    /// Lanes that have rays, as a bit mask.
+    pub(crate) lanes: u32,
+    /// The shapes that rays leave.
+    pub(crate) left: ShapeIds,
+    /// Lanes whose rays leave a shape.
+    pub(crate) departing: u32,
+    /// Lanes whose rays go out of it.
+    pub(crate) outward: u32,
+    /// Lanes whose rays leave others besides.
+    pub(crate) tied: u32,
+    ties: [Ties; LANES],
+}
+
+impl RayPacket {
+    /// Of no ray. What is in lanes without rays may be calculated with.
+    pub(crate) const EMPTY: Self = Self {
+        origins: Vectors::splat(DVec3::ZERO),
+        directions: Vectors::splat(DVec3::ONE),
+        inverse_squares: Numbers::splat(1.0 / 3.0),
+        lanes: 0,
+        left: ShapeIds::NONE,
+        departing: 0,
+        outward: 0,
+        tied: 0,
+        ties: [Ties::NONE; LANES],
+    };
+
+    /// Takes all rays out.
+    #[inline]
+    pub(crate) fn clear(&mut self) {
+        (self.lanes, self.departing, self.outward, self.tied) = (0, 0, 0, 0);
+        self.left = ShapeIds::NONE;
+    }
+
+    /// Puts a ray into a lane that has none.
+    #[inline]
+    pub(crate) fn set(&mut self, lane: usize, ray: &Ray) {
+        let bit = 1 << lane;
+        self.origins.set(lane, ray.origin());
+        self.directions.set(lane, ray.direction());
+        self.inverse_squares.set(lane, ray.inverse_square());
+        self.lanes |= bit;
+        if let Some(Departure { id, outward, ties }) = ray.departure().copied() {
+            self.left.set(lane, Some(id));
+            self.departing |= bit;
+            if outward {
+                self.outward |= bit;
+            }
+            if ties != Ties::NONE {
+                self.tied |= bit;
+                self.ties[lane] = ties;
+            }
+        }
+    }
+
+    /// Returns the ray in a lane.
+    #[inline]
+    pub(crate) fn get(&self, lane: usize) -> Ray {
+        let bit = 1 << lane;
+        let ties = if self.tied & bit == 0 { Ties::NONE } else { self.ties[lane] };
+        let outward = self.outward & bit != 0;
+        Ray::from_parts(
+            self.origins.get(lane),
+            (self.directions.get(lane), self.inverse_squares.get(lane)),
+            self.left.get(lane).map(|id| Departure { id, outward, ties }),
+        )
+    }
+}
