@@ -94,8 +94,9 @@ impl Node {
     /// A child's box, plane by plane.
     #[inline(always)]
     pub(super) fn bounds(&self, child: usize) -> [f32; 6] {
-        let planes = &self.planes;
-        [0, 1, 2, 3, 4, 5].map(|plane: usize| planes[plane][child])
+        let [x, y, z, upper_x, upper_y, upper_z] = &self.planes;
+        let child = child % WIDTH;
+        [x[child], y[child], z[child], upper_x[child], upper_y[child], upper_z[child]]
     }
 
     /// Which children there are, as a bit mask.

@@ -3,9 +3,14 @@
 //! A box's lower plane is measured from the upper end of a ray's origin, and its upper plane from the lower end, whichever way the
 //! ray goes: both let it enter earlier and leave later. So a ray enters at the smaller quotient and leaves at the larger one.
 //!
+//! A quotient is (plane - origin) / speed, and computed as plane * inverse - origin * inverse, fused where the processor can. With
+//! the unit roundoff e of 2^-24, planes within -1..=1 and origins up to E, rounding the second product does what a shift of the
+//! origin by e E would do, and rounding the first, where it is rounded for itself, what a shift of the plane by e would do. That is
+//! less than 2^-23 (1 + E), by which origins are widened in addition to what [single rays](super::frame::Frame::ray) are. What
+//! is left is as it is there: a rounded reciprocal and a rounded difference, for which far sides are lengthened.
+//!
 //! Where all rays go the same way along every axis, eight boxes are asked at once first: their planes lie at least as far from the
-//! outermost origin, and are come closer to with at least the slowest and at most the fastest ray. As rounding is monotonous, no
-//! box is left out in which a single ray of the packet is let.
+//! outermost origin, and are come closer to with at least the slowest and at most the fastest ray.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -20,14 +25,17 @@ use crate::trace::rays::ShapeId;
 /// An `f32` of every lane.
 type Floats = [f32; LANES];
 
+/// One of every axis.
+type Ends = [Floats; 3];
+
 /// Rays in the frame, for culling only, and how far they are followed.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(crate) struct FramePacket {
-    /// The ends of the origins, by axis.
-    low: [Floats; 3],
-    high: [Floats; 3],
-    inverse: [Floats; 3],
+    inverse: Ends,
+    /// The ends of the origins times that, by axis.
+    low: Ends,
+    high: Ends,
     limits: Floats,
     /// The largest of the limits.
     farthest: f32,
@@ -95,18 +103,25 @@ impl FramePacket {
         let mut exit = load(&self.limits);
         for axis in 0..3 {
             let inverse = load(&self.inverse[axis]);
-            let at_lower = (f32x16::splat(simd, planes[axis]) - load(&self.high[axis])) * inverse;
-            let at_upper = (f32x16::splat(simd, planes[axis + 3]) - load(&self.low[axis])) * inverse;
-            entry = entry.max(at_lower.min(at_upper));
-            exit = exit.min(at_lower.max(at_upper));
+            let at_lower = inverse.mul_sub(planes[axis], load(&self.high[axis]));
+            let at_upper = inverse.mul_sub(planes[axis + 3], load(&self.low[axis]));
+            let (near, far) = match &self.shared {
+                Some(shared) if shared.downward[axis] => (at_upper, at_lower),
+                Some(_) => (at_lower, at_upper),
+                None => (at_lower.min(at_upper), at_lower.max(at_upper)),
+            };
+            entry = entry.max(near);
+            exit = exit.min(far);
         }
         (bits16(entry.simd_le(exit * Node::LENGTHEN)) & lanes, entry)
     }
 }
 
 impl Shared {
-    fn of<S: Simd>(simd: S, packet: &FramePacket) -> Option<Self> {
-        let mask = mask16(simd, packet.active);
+    /// Of rays in some lanes, by the ends of their origins, and their reciprocals.
+    #[inline(always)]
+    fn of<S: Simd>(simd: S, active: u32, (low, high, inverses): (&Ends, &Ends, &Ends)) -> Option<Self> {
+        let mask = mask16(simd, active);
         let load = |floats: &Floats| f32x16::load_array_ref(simd, floats);
         let least =
             |floats: &Floats| mask.select(load(floats), f32x16::splat(simd, f32::INFINITY)).reduce_min();
@@ -115,8 +130,8 @@ impl Shared {
         let [mut lowest, mut highest] = [[0.0; 3]; 2];
         let (mut inverse, mut downward) = ([[0.0; 2]; 3], [false; 3]);
         for axis in 0..3 {
-            (lowest[axis], highest[axis]) = (least(&packet.low[axis]), most(&packet.high[axis]));
-            inverse[axis] = [least(&packet.inverse[axis]), most(&packet.inverse[axis])];
+            (lowest[axis], highest[axis]) = (least(&low[axis]), most(&high[axis]));
+            inverse[axis] = [least(&inverses[axis]), most(&inverses[axis])];
             downward[axis] = inverse[axis][1] < 0.0;
             if !downward[axis] && inverse[axis][0] < 0.0 {
                 return None;
@@ -135,7 +150,7 @@ impl Shared {
             let lower = node.plane(simd, axis) - splat(self.highest[axis]);
             let upper = node.plane(simd, axis + 3) - splat(self.lowest[axis]);
             let (near, far) = if self.downward[axis] { (upper, lower) } else { (lower, upper) };
-            let [slow, fast] = self.inverse[axis].map(splat);
+            let [slow, fast] = [splat(self.inverse[axis][0]), splat(self.inverse[axis][1])];
             entry = entry.max((near * slow).min(near * fast));
             exit = exit.min((far * slow).max(far * fast));
         }
@@ -154,23 +169,15 @@ impl Frame {
     ) -> FramePacket {
         /// Slower than so a ray does not go: what it would enter later is entered, and there is nothing that it leaves before.
         const SLOWEST: f64 = 1e-30;
-        let mut packet = FramePacket {
-            low: [[0.0; LANES]; 3],
-            high: [[0.0; LANES]; 3],
-            inverse: [[0.0; LANES]; 3],
-            limits: [f32::INFINITY; LANES],
-            farthest: f32::INFINITY,
-            active,
-            shared: None,
-            scale: self.scale(),
-        };
+        /// 2^-23 more.
+        const SLACK: f64 = 1.5 * Frame::SLACK;
         let scale = splat(simd, self.scale());
         let shift = |half: usize, axis: usize| {
             (origins.axis(axis).load(simd, half) - splat(simd, self.origin()[axis])) * scale
         };
         let slack = |half: usize| {
             let [x, y, z] = [shift(half, 0).abs(), shift(half, 1).abs(), shift(half, 2).abs()];
-            (x.max(y).max(z) + 1.0) * Frame::SLACK
+            (x.max(y).max(z) + 1.0) * SLACK
         };
         let slacks = [slack(0), slack(1)];
         let inverse = |half: usize, axis: usize| {
@@ -179,16 +186,29 @@ impl Frame {
             let slow = direction.abs().simd_lt(splat(simd, SLOWEST));
             splat(simd, 1.0) / slow.select(slowest, direction)
         };
+        let [mut low, mut high, mut inverses] = [[[0.0; LANES]; 3]; 3];
+        let [mut low_products, mut high_products] = [[[0.0; LANES]; 3]; 2];
         for axis in 0..3 {
             let places = [shift(0, axis), shift(1, axis)];
-            let low = (places[0] - slacks[0]).narrow(places[1] - slacks[1]);
-            let high = (places[0] + slacks[0]).narrow(places[1] + slacks[1]);
-            low.store_array(&mut packet.low[axis]);
-            high.store_array(&mut packet.high[axis]);
-            inverse(0, axis).narrow(inverse(1, axis)).store_array(&mut packet.inverse[axis]);
+            let below = (places[0] - slacks[0]).narrow(places[1] - slacks[1]);
+            let above = (places[0] + slacks[0]).narrow(places[1] + slacks[1]);
+            let inverse = inverse(0, axis).narrow(inverse(1, axis));
+            below.store_array(&mut low[axis]);
+            above.store_array(&mut high[axis]);
+            inverse.store_array(&mut inverses[axis]);
+            (below * inverse).store_array(&mut low_products[axis]);
+            (above * inverse).store_array(&mut high_products[axis]);
         }
-        packet.shared = Shared::of(simd, &packet);
-        packet
+        FramePacket {
+            inverse: inverses,
+            low: low_products,
+            high: high_products,
+            limits: [f32::INFINITY; LANES],
+            farthest: f32::INFINITY,
+            active,
+            shared: Shared::of(simd, active, (&low, &high, &inverses)),
+            scale: self.scale(),
+        }
     }
 }
 

@@ -128,7 +128,10 @@ impl Depth {
                 return None;
             }
         }
-        Some(Slopes { low: lows.map(|low| low.reduce_min()), high: highs.map(|high| high.reduce_max()) })
+        // Not by `map`: what is passed to it is compiled without the vector instructions.
+        let low = [lows[0].reduce_min(), lows[1].reduce_min()];
+        let high = [highs[0].reduce_max(), highs[1].reduce_max()];
+        Some(Slopes { low, high })
     }
 
     /// Returns the greatest depth that rays in some lanes reach by their `t`, along their directions times `sense`, 1 or -1; minus

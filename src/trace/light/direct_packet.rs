@@ -9,8 +9,8 @@ use super::shading::{intensity, specular};
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
 use crate::trace::math::{
-    Colors, F64s, F64s3, LANES, Mask, Numbers, Vectors, bits, bits16, dot_lanes as dot, half_of, lanes, mask,
-    scaled, scaled_lanes, select3, splat, splat3, subtract,
+    Colors, F64s, F64s3, LANES, Mask, Numbers, Scaled, Vectors, bits, bits16, dot_lanes as dot, half_of,
+    lanes, mask, scaled, scaled_lanes, select3, splat, splat3, subtract,
 };
 use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::{Limit, RayPacket};
@@ -126,7 +126,7 @@ pub(crate) fn propose_lanes<S: Simd>(
         let length = dot(to_light, to_light).sqrt();
         let normal = lit.surfaces.normals.load(simd, half);
         let outside = mask(simd, lit.surfaces.from_outside, half);
-        let normal = select3(outside, normal, normal.map(|coordinate| -coordinate));
+        let normal = select3(outside, normal, [-normal[0], -normal[1], -normal[2]]);
         let cosine = dot(normal, to_light) / length;
         let zero = splat(simd, 0.0);
         unusual |= asked & !bits(usual, half) & (0xff << (half * 8));
@@ -257,6 +257,6 @@ fn way<S: Simd>(
             return (splat3(simd, direction), infinity, usual);
         }
     };
-    let (direction, scale, usual) = scaled_lanes(simd, subtract(place, point));
-    (direction, splat(simd, 1.0) / scale, usual)
+    let Scaled { direction, length, usual } = scaled_lanes(simd, subtract(place, point));
+    (direction, length, usual)
 }

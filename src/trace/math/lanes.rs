@@ -3,6 +3,8 @@
 //! Every operation here makes, in each lane, the operations of its scalar counterpart in the same order: the same bits come out,
 //! whatever the width of the processor's vectors.
 
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+use fearless_simd::Level;
 use fearless_simd::{f32x16, f64x8, mask32x16, mask64x8, prelude::*, u64x8};
 use glam::DVec3;
 
@@ -234,29 +236,35 @@ pub(crate) fn select3<S: Simd>(mask: Mask<S>, a: F64s3<S>, b: F64s3<S>) -> F64s3
     [mask.select(a[0], b[0]), mask.select(a[1], b[1]), mask.select(a[2], b[2])]
 }
 
-/// [`scaled`](super::scaled), with the power of two; and in which lanes it is that: the others have numbers that are so large or so
-/// small that the scalar function has to look at them.
+/// A direction that was scaled, lane by lane.
+#[derive(Clone, Copy)]
+pub(crate) struct Scaled<S: Simd> {
+    pub(crate) direction: F64s3<S>,
+    /// How many times as long it was: the reciprocal of the power of two.
+    pub(crate) length: F64s<S>,
+    /// Where that is so. The others have numbers so large or so small that the scalar function has to look at them.
+    pub(crate) usual: Mask<S>,
+}
+
+/// [`scaled`](super::scaled).
 #[inline(always)]
-pub(crate) fn scaled_lanes<S: Simd>(simd: S, direction: F64s3<S>) -> (F64s3<S>, F64s<S>, Mask<S>) {
+pub(crate) fn scaled_lanes<S: Simd>(simd: S, direction: F64s3<S>) -> Scaled<S> {
     /// 2^-400, 2^100 and 2^-900: between the first two no direction is lifted, and a component of at least the last stays normal.
-    const BOUNDS: [f64; 3] = [
-        f64::from_bits((1023 - 400) << 52),
-        f64::from_bits((1023 + 100) << 52),
-        f64::from_bits((1023 - 900) << 52),
-    ];
-    let [smallest, largest, normal] = BOUNDS.map(|bound: f64| f64x8::splat(simd, bound));
-    let zero = splat(simd, 0.0);
-    let size = [direction[0].abs(), direction[1].abs(), direction[2].abs()];
-    let longest = size[0].simd_gt(size[1]).select(size[0], size[1]);
-    let longest = longest.simd_gt(size[2]).select(longest, size[2]);
-    let mut usual = longest.simd_ge(smallest) & longest.simd_lt(largest);
-    for size in size {
-        usual &= size.simd_ge(normal) | size.simd_eq(zero);
-    }
+    const SMALLEST: f64 = f64::from_bits((1023 - 400) << 52);
+    const LARGEST: f64 = f64::from_bits((1023 + 100) << 52);
+    const NORMAL: f64 = f64::from_bits((1023 - 900) << 52);
+    let (zero, normal) = (splat(simd, 0.0), splat(simd, NORMAL));
+    let [x, y, z] = [direction[0].abs(), direction[1].abs(), direction[2].abs()];
+    let longest = x.simd_gt(y).select(x, y);
+    let longest = longest.simd_gt(z).select(longest, z);
+    let whole = (x.simd_ge(normal) | x.simd_eq(zero))
+        & (y.simd_ge(normal) | y.simd_eq(zero))
+        & (z.simd_ge(normal) | z.simd_eq(zero));
+    let usual = whole & longest.simd_ge(splat(simd, SMALLEST)) & longest.simd_lt(splat(simd, LARGEST));
     let exponent: u64x8<S> = longest.bitcast();
     let exponent = exponent & u64x8::splat(simd, 0x7ff << 52);
     let scale: F64s<S> = (u64x8::splat(simd, 2046 << 52) - exponent).bitcast();
-    (times(direction, scale), scale, usual)
+    Scaled { direction: times(direction, scale), length: exponent.bitcast(), usual }
 }
 
 /// [`two_sum`](super::error_free::two_sum).
@@ -274,14 +282,47 @@ pub(crate) fn quick_two_sum<S: Simd>(a: F64s<S>, b: F64s<S>) -> (F64s<S>, F64s<S
     (sum, b - (sum - a))
 }
 
-/// [`two_product`](super::error_free::two_product).
+/// [`two_product`](super::error_free::two_product), for numbers that are [`moderate`].
+///
+/// Where the processor fuses a product and a sum, the error is what the fused difference of the product and its rounded value is: it
+/// has no more than 53 bits, of which none is lost as long as it does not underflow. So it is the very number that Dekker's splitting
+/// makes, which is exact under the same condition, and if no half overflows.
 #[inline(always)]
 pub(crate) fn two_product<S: Simd>(a: F64s<S>, b: F64s<S>) -> (F64s<S>, F64s<S>) {
     let product = a * b;
+    if fuses(a.simd) {
+        return (product, a.mul_sub(b, product));
+    }
     let (a_high, a_low) = halves(a);
     let (b_high, b_low) = halves(b);
     let error = ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low;
     (product, error)
+}
+
+/// Says whether `mul_sub` is rounded once.
+#[inline(always)]
+fn fuses<S: Simd>(simd: S) -> bool {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    return matches!(simd.level(), Level::Avx2(_) | Level::Avx512(_));
+    #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+    return false;
+}
+
+/// Says where a number is zero, or of a size in 2^-400..2^400: the product of two, and the error of it, are normal numbers then, or
+/// zero.
+#[inline(always)]
+pub(crate) fn moderate<S: Simd>(simd: S, number: F64s<S>) -> Mask<S> {
+    const SMALLEST: f64 = f64::from_bits((1023 - 400) << 52);
+    const LARGEST: f64 = f64::from_bits((1023 + 400) << 52);
+    let size = number.abs();
+    (size.simd_ge(splat(simd, SMALLEST)) | size.simd_eq(splat(simd, 0.0)))
+        & size.simd_lt(splat(simd, LARGEST))
+}
+
+/// The same of all coordinates.
+#[inline(always)]
+pub(crate) fn moderate3<S: Simd>(simd: S, [x, y, z]: F64s3<S>) -> Mask<S> {
+    moderate(simd, x) & moderate(simd, y) & moderate(simd, z)
 }
 
 #[inline(always)]

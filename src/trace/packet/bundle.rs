@@ -60,8 +60,8 @@ fn find<S: Simd>(
         tests: 0,
         escalations,
     };
-    for part in 0..rays.len() {
-        if rays[part].lanes == 0 {
+    for (part, packet) in rays.iter().enumerate() {
+        if packet.lanes == 0 {
             continue;
         }
         for id in &scene.beside {

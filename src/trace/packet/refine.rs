@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use crate::trace::math::{
     CompensatedLanes, F64s, F64s3, Mask, Numbers, Vectors, bits, dot_lanes as dot, half_of, lanes, mask,
-    quick_two_sum, select3, splat, times, two_product, two_sum,
+    moderate, moderate3, quick_two_sum, select3, splat, times, two_product, two_sum,
 };
 use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::{RayPacket, ShapeId, ShapeIds};
@@ -150,6 +150,7 @@ fn refine_half<S: Simd>(
     let rough = error.simd_gt(t * (1.0 / 268_435_456.0));
     let direction = rays.directions.load(simd, half);
     let inexact = Inexact { origin: rays.origins.load(simd, half), direction, t };
+    let moderate = moderate(simd, t) & moderate3(simd, direction);
     let mut points: Option<Points<S>> = None;
     if half_of(shapes.spheres & asked, half) != 0 {
         points = Some(spheres(simd, &inexact, shapes, half));
@@ -163,7 +164,7 @@ fn refine_half<S: Simd>(
         points = Some(Points::select(these, boxes(simd, &inexact, shapes, half), points));
     }
     let Some(points) = points else { return 0 };
-    let special = bits(rounded | rough | !points.found, half) & asked;
+    let special = bits(rounded | rough | !(moderate & points.found), half) & asked;
     let outside = dot(direction, points.normal).simd_le(splat(simd, 0.0));
     surfaces.from_outside |= bits(outside, half) & asked & !special & !hits.far;
     surfaces.points.store(half, points.point);
@@ -201,13 +202,15 @@ fn spheres<S: Simd>(simd: S, inexact: &Inexact<S>, shapes: &Parameters, half: us
     let Inexact { origin, direction, t } = *inexact;
     let place = CompensatedLanes::along(origin, direction, t);
     let from_center = place.minus(shapes.places.load(simd, half));
+    let radius = shapes.radii.load(simd, half);
+    let moderate = moderate(simd, radius) & moderate3(simd, from_center.rounded());
     let slope = dot(from_center.rounded(), direction) * 2.0;
-    let step = newton_step(simd, from_center.beyond(shapes.radii.load(simd, half)), slope);
+    let step = newton_step(simd, from_center.beyond(radius), slope);
     let way = times(direction, step);
     let outwards = from_center.moved(way);
     let reciprocal = splat(simd, 1.0) / dot(outwards, outwards).sqrt();
     let zero = splat(simd, 0.0);
-    let found = reciprocal.simd_lt(splat(simd, f64::INFINITY)) & reciprocal.simd_gt(zero);
+    let found = moderate & reciprocal.simd_lt(splat(simd, f64::INFINITY)) & reciprocal.simd_gt(zero);
     let (t, rest) = two_sum(t, step);
     Points { t, rest, point: place.moved(way), normal: times(outwards, reciprocal), found }
 }
@@ -218,11 +221,12 @@ fn planes<S: Simd>(simd: S, inexact: &Inexact<S>, shapes: &Parameters, half: usi
     let Inexact { origin, direction, t } = *inexact;
     let normal = shapes.others.load(simd, half);
     let place = CompensatedLanes::along(origin, direction, t);
-    let height = place.minus(shapes.places.load(simd, half)).dot(normal);
+    let from_point = place.minus(shapes.places.load(simd, half));
+    let found = moderate3(simd, normal) & moderate3(simd, from_point.rounded());
+    let height = from_point.dot(normal);
     let step = newton_step(simd, height, dot(direction, normal));
     let (t, rest) = two_sum(t, step);
     let point = place.moved(times(direction, step));
-    let found = t.simd_eq(t);
     Points { t, rest, point, normal: shapes.units.load(simd, half), found }
 }
 
@@ -256,11 +260,14 @@ fn boxes<S: Simd>(simd: S, inexact: &Inexact<S>, shapes: &Parameters, half: usiz
     // The difference over the speed, in double-double.
     let (high, low) = two_sum(face, -from);
     let first = high / speed;
+    let found = found & moderate(simd, first);
     let (product, error) = two_product(speed, first);
     let (product, product_rest) = quick_two_sum(product, error + splat(simd, 0.0) * first);
     let left = difference((high, low), (product, product_rest));
     let (t, rest) = quick_two_sum(first, left / speed);
     let place = CompensatedLanes::along(origin, direction, t).moved(times(direction, rest));
+    // The step is along the parameter that the division found.
+    let found = found & moderate(simd, t);
     let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
     let sign = is_upper.select(one, -one);
     let (mut point, mut normal) = (place, place);

@@ -6,7 +6,9 @@ use proptest::prelude::*;
 
 use super::{Candidates, ShadowPacket, WaysToLight, bundle_hits, closest_hits, occluded, refine};
 use crate::color::Rgb;
-use crate::trace::math::{Numbers, SimdLevel, Vectors, lanes, scaled, scaled_lanes};
+use crate::trace::math::{
+    Double, Numbers, Scaled, SimdLevel, Vectors, lanes, moderate, scaled, scaled_lanes, splat, two_product,
+};
 use crate::trace::query::{HitPacket, Scratch, SurfacePacket};
 use crate::trace::rays::{Limit, Ray, RayPacket, ShapeId, TieLists};
 use crate::trace::scene::{Camera, Geometry, PreparedScene, PreparedShape, Refraction, SurfaceMaterial};
@@ -79,9 +81,9 @@ fn packets(scene: &PreparedScene, camera: &Camera) -> Vec<RayPacket> {
     for (packet, index) in packets.iter_mut().zip(0..) {
         let first = (index % 4 * 4, index / 4 * 4);
         dispatch!(scene.simd.level(), simd => centers.rays(simd, first, (4, 4), packet));
-        for lane in lanes(packet.lanes) {
-            let (column, row) = (lane as u32 % 4, lane as u32 / 4);
-            assert_eq!(Some(packet.get(lane)), camera.ray(first.0 + column, first.1 + row));
+        let squares = (0..16).map(|lane| (first.0 + lane % 4, first.1 + lane / 4));
+        for (lane, (i, j)) in squares.enumerate().filter(|(lane, _)| packet.lanes & (1 << lane) != 0) {
+            assert_eq!(Some(packet.get(lane)), camera.ray(i, j));
         }
     }
     packets
@@ -95,8 +97,7 @@ fn compare(
     hits: &mut HitPacket,
     ties: &TieLists,
 ) -> Result<usize, TestCaseError> {
-    let mut scratch = Scratch::default();
-    scratch.ties = ties.clone();
+    let mut scratch = Scratch { ties: ties.clone(), ..Scratch::default() };
     let decided = rays.lanes & !hits.open;
     let mut surfaces = SurfacePacket::EMPTY;
     let met = decided
@@ -299,16 +300,37 @@ proptest! {
         let coordinate = |axis: usize| libm::ldexp(mantissas[axis], exponents[axis]);
         let direction = DVec3::new(coordinate(0), coordinate(1), coordinate(2));
         for (name, level) in SimdLevel::all() {
-            let (mut found, mut scales) = (Vectors::splat(direction), Numbers::splat(0.0));
+            let (mut found, mut lengths) = (Vectors::splat(direction), Numbers::splat(0.0));
             let usual = dispatch!(level.level(), simd => {
-                let (direction, scale, usual) = scaled_lanes(simd, found.load(simd, 0));
+                let Scaled { direction, length, usual } = scaled_lanes(simd, found.load(simd, 0));
                 found.store(0, direction);
-                scales.store(0, scale);
+                lengths.store(0, length);
                 usual.any_true()
             });
             if usual {
-                prop_assert_eq!(scaled(direction), Some((found.get(0), scales.get(0))), "{}", name);
+                prop_assert_eq!(scaled(direction), Some((found.get(0), lengths.get(0).recip())), "{}", name);
             }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+    /// Fused or not, over all that is moderate.
+    #[test]
+    fn products_have_the_scalar_errors(exponents in prop::array::uniform2(-400..400_i32), mantissas in prop::array::uniform2(1.0..2.0_f64)) {
+        let [a, b] = [0, 1].map(|index: usize| libm::ldexp(mantissas[index], exponents[index].min(399)));
+        for (name, level) in SimdLevel::all() {
+            let (mut product, mut error) = (Numbers::splat(0.0), Numbers::splat(0.0));
+            dispatch!(level.level(), simd => {
+                assert!(moderate(simd, splat(simd, a)).all_true() && moderate(simd, splat(simd, b)).all_true());
+                let (high, low) = two_product(splat(simd, a), splat(simd, -b));
+                product.store(0, high);
+                error.store(0, low);
+            });
+            let scalar = Double::product(a, -b);
+            prop_assert_eq!((product.get(3), error.get(3)), (scalar.rounded(), scalar.rest()), "{}", name);
         }
     }
 }

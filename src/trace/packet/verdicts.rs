@@ -68,19 +68,20 @@ impl Asking<'_> {
         let leaving =
             if self.rays.departing & asked == 0 { 0 } else { self.rays.left.lanes_of(simd, id) & asked };
         let near = asked & !leaving;
-        let mut verdicts =
-            (half_of(near, half) != 0).then(|| self.near(simd, id, (half, near), latest)).flatten();
-        if let Some(verdicts) = &mut verdicts {
+        let mut verdicts = None;
+        if half_of(near, half) != 0
+            && let Some(mut found) = self.near(simd, id, (half, near), latest)
+        {
             let near = mask(simd, near, half);
-            verdicts.hit &= near;
-            verdicts.open &= near;
+            found.hit &= near;
+            found.open &= near;
+            verdicts = Some(found);
         }
         let inward = leaving & !self.rays.outward;
-        if half_of(inward, half) == 0 {
-            return verdicts.map(|verdicts| Answer { verdicts, far: 0 });
-        }
-        let Some(exit) = self.exit(simd, id, half) else {
-            return verdicts.map(|verdicts| Answer { verdicts, far: 0 });
+        let exit = if half_of(inward, half) == 0 { None } else { self.exit(simd, id, half) };
+        let Some(exit) = exit else {
+            let verdicts = verdicts?;
+            return Some(Answer { verdicts, far: 0 });
         };
         let lanes = mask(simd, inward, half);
         let (hit, open) = (exit.hit & lanes, exit.open & lanes);

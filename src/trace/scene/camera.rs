@@ -4,8 +4,8 @@ use fearless_simd::prelude::*;
 use glam::DVec3;
 
 use crate::trace::math::{
-    Dimension, Double, LANES, PixelSamples, Sampling, Vectors, add, bits, disc, dot_lanes as dot, lanes,
-    scaled, scaled_lanes, splat, splat3,
+    Dimension, Double, HALF, LANES, PixelSamples, Sampling, Scaled, Vectors, add, bits, disc,
+    dot_lanes as dot, lanes, mask, scaled, scaled_lanes, select3, splat, splat3,
 };
 use crate::trace::rays::{Ray, RayPacket};
 use crate::trace::shapes::Bounds;
@@ -267,28 +267,31 @@ impl PixelCenters {
         if !self.eye.is_finite() {
             return;
         }
-        let (mut across, mut upwards) = (Vectors::splat(DVec3::ZERO), Vectors::splat(DVec3::ZERO));
-        let mut asked = 0;
-        for lane in 0..LANES {
-            // Beyond the last column and row there are no pixels.
-            let (column, row) = ((lane as u32 % SIDE).min(columns - 1), (lane as u32 / SIDE).min(rows - 1));
-            across.set(lane, self.columns[(i + column) as usize]);
-            upwards.set(lane, self.rows[(j + row) as usize]);
-            asked |= u32::from(lane as u32 % SIDE < columns && lane as u32 / SIDE < rows) << lane;
-        }
+        // Beyond the last column and row there are no pixels.
+        let column = |lane: usize| self.columns[(i + COLUMN[lane].min(columns - 1)) as usize];
+        let row = |number: u32| self.rows[(j + number.min(rows - 1)) as usize];
+        let mut across = Vectors::splat(DVec3::ZERO);
+        (0..HALF).for_each(|lane| across.set(lane, column(lane)));
+        let across = across.load(simd, 0);
         rays.origins = Vectors::splat(self.eye);
         let forward = splat3(simd, self.forward);
+        let asked = (0..LANES).fold(0, |mask, lane| {
+            let there = COLUMN[lane % HALF] < columns && ROW[lane] < rows;
+            mask | u32::from(there) << lane
+        });
         let mut unusual = 0;
-        for half in 0..2 {
-            let towards = add(add(across.load(simd, half), upwards.load(simd, half)), forward);
-            let (direction, _, usual) = scaled_lanes(simd, towards);
+        for (half, number) in [(0, 0), (1, 2)] {
+            let (upper, lower) = (splat3(simd, row(number)), splat3(simd, row(number + 1)));
+            let upwards = select3(mask(simd, 0x0f, 0), upper, lower);
+            let Scaled { direction, usual, .. } = scaled_lanes(simd, add(add(across, upwards), forward));
             unusual |= asked & bits(!usual, half);
             rays.directions.store(half, direction);
             rays.inverse_squares.store(half, splat(simd, 1.0) / dot(direction, direction));
         }
         rays.lanes = asked & !unusual;
         for lane in lanes(unusual) {
-            if let Some(ray) = Ray::new(self.eye, across.get(lane) + upwards.get(lane) + self.forward) {
+            let towards = column(lane % HALF) + row(ROW[lane]) + self.forward;
+            if let Some(ray) = Ray::new(self.eye, towards) {
                 rays.set(lane, &ray);
             }
         }
@@ -297,6 +300,10 @@ impl PixelCenters {
 
 /// Pixels along the sides of the square that a packet's rays go through.
 pub(crate) const SIDE: u32 = 4;
+
+/// The columns and rows of the lanes in it.
+const COLUMN: [u32; HALF] = [0, 1, 2, 3, 0, 1, 2, 3];
+const ROW: [u32; LANES] = [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3];
 
 /// a x b, each component rounded once: of nearly parallel vectors, rounding on the way would leave little else.
 fn cross(a: DVec3, b: DVec3) -> DVec3 {

@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
 
-use super::surfaces::AnswerPacket;
+use super::answers::AnswerPacket;
 use super::tile::{PACKETS, Tile};
 use super::wave::{QueuedRay, Wave};
 use crate::color::Rgb;

@@ -8,6 +8,7 @@
 //!                     +------------------------ the next wave --------------------+
 //! ```
 
+mod answers;
 mod buffers;
 mod camera_rays;
 mod closest_hits;

@@ -11,8 +11,9 @@ pub(crate) const TILE: u32 = 16;
 /// How many packets a tile's rays are. A shaft has a part for each.
 pub(super) const PACKETS: usize = PARTS;
 
-const _: () =
-    assert!(SIDE.pow(2) as usize == LANES && (TILE / SIDE).pow(2) as usize == PACKETS && TILE % SIDE == 0);
+const _: () = assert!(
+    SIDE.pow(2) as usize == LANES && (TILE / SIDE).pow(2) as usize == PACKETS && TILE.is_multiple_of(SIDE)
+);
 
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug)]
