@@ -19,7 +19,9 @@ use fearless_simd::{f32x8, f32x16, prelude::*};
 use super::Tree;
 use super::frame::Frame;
 use super::node::{Child, Link, Node, WIDTH};
-use crate::trace::math::{LANES, Numbers, Vectors, bits16, lanes, mask16, splat};
+use crate::trace::math::{
+    F64s, F64s3, LANES, Numbers, Vectors, bits16, lanes, mask16, splat, splat3, subtract, times,
+};
 use crate::trace::rays::ShapeId;
 
 /// An `f32` of every lane.
@@ -88,8 +90,9 @@ impl FramePacket {
         const LONGER: f32 = 1.0 + 1.0 / 1_048_576.0;
         const LEAST: f32 = 1e-30;
         let scale = splat(simd, self.scale);
-        let latest = |half: usize| (ts.load(simd, half) + errors.load(simd, half)) * scale;
-        let limits = latest(0).narrow(latest(1)) * LONGER + LEAST;
+        let early = (ts.load(simd, 0) + errors.load(simd, 0)) * scale;
+        let late = (ts.load(simd, 1) + errors.load(simd, 1)) * scale;
+        let limits = early.narrow(late) * LONGER + LEAST;
         limits.store_array(&mut self.limits);
         let none = f32x16::splat(simd, f32::NEG_INFINITY);
         self.farthest = mask16(simd, self.active).select(limits, none).reduce_max();
@@ -167,32 +170,15 @@ impl Frame {
         (origins, directions): (&Vectors, &Vectors),
         active: u32,
     ) -> FramePacket {
-        /// Slower than so a ray does not go: what it would enter later is entered, and there is nothing that it leaves before.
-        const SLOWEST: f64 = 1e-30;
-        /// 2^-23 more.
-        const SLACK: f64 = 1.5 * Frame::SLACK;
-        let scale = splat(simd, self.scale());
-        let shift = |half: usize, axis: usize| {
-            (origins.axis(axis).load(simd, half) - splat(simd, self.origin()[axis])) * scale
-        };
-        let slack = |half: usize| {
-            let [x, y, z] = [shift(half, 0).abs(), shift(half, 1).abs(), shift(half, 2).abs()];
-            (x.max(y).max(z) + 1.0) * SLACK
-        };
-        let slacks = [slack(0), slack(1)];
-        let inverse = |half: usize, axis: usize| {
-            let direction = directions.axis(axis).load(simd, half);
-            let slowest = splat(simd, SLOWEST).copysign(direction);
-            let slow = direction.abs().simd_lt(splat(simd, SLOWEST));
-            splat(simd, 1.0) / slow.select(slowest, direction)
-        };
         let [mut low, mut high, mut inverses] = [[[0.0; LANES]; 3]; 3];
         let [mut low_products, mut high_products] = [[[0.0; LANES]; 3]; 2];
+        let places = [self.places(simd, origins, 0), self.places(simd, origins, 1)];
+        let slacks = [slack(places[0]), slack(places[1])];
         for axis in 0..3 {
-            let places = [shift(0, axis), shift(1, axis)];
-            let below = (places[0] - slacks[0]).narrow(places[1] - slacks[1]);
-            let above = (places[0] + slacks[0]).narrow(places[1] + slacks[1]);
-            let inverse = inverse(0, axis).narrow(inverse(1, axis));
+            let below = (places[0][axis] - slacks[0]).narrow(places[1][axis] - slacks[1]);
+            let above = (places[0][axis] + slacks[0]).narrow(places[1][axis] + slacks[1]);
+            let directions = directions.axis(axis);
+            let inverse = inverse(simd, directions, 0).narrow(inverse(simd, directions, 1));
             below.store_array(&mut low[axis]);
             above.store_array(&mut high[axis]);
             inverse.store_array(&mut inverses[axis]);
@@ -210,6 +196,34 @@ impl Frame {
             scale: self.scale(),
         }
     }
+}
+
+impl Frame {
+    /// Half of the origins.
+    #[inline(always)]
+    fn places<S: Simd>(&self, simd: S, origins: &Vectors, half: usize) -> F64s3<S> {
+        let shifted = subtract(origins.load(simd, half), splat3(simd, self.origin()));
+        times(shifted, splat(simd, self.scale()))
+    }
+}
+
+/// How far origins are widened.
+#[inline(always)]
+fn slack<S: Simd>([x, y, z]: F64s3<S>) -> F64s<S> {
+    /// 2^-23 more.
+    const SLACK: f64 = 1.5 * Frame::SLACK;
+    (x.abs().max(y.abs()).max(z.abs()) + 1.0) * SLACK
+}
+
+/// Half of the reciprocals of one coordinate.
+#[inline(always)]
+fn inverse<S: Simd>(simd: S, directions: &Numbers, half: usize) -> F64s<S> {
+    /// Slower than so a ray does not go: what it would enter later is entered, and there is nothing that it leaves before.
+    const SLOWEST: f64 = 1e-30;
+    let direction = directions.load(simd, half);
+    let slowest = splat(simd, SLOWEST).copysign(direction);
+    let slow = direction.abs().simd_lt(splat(simd, SLOWEST));
+    splat(simd, 1.0) / slow.select(slowest, direction)
 }
 
 impl Tree {

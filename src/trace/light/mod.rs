@@ -9,6 +9,7 @@ mod filter;
 mod medium_stack;
 mod scratch;
 mod secondary;
+mod secondary_packet;
 mod shading;
 mod transmission;
 
@@ -20,5 +21,6 @@ pub(crate) use direct_packet::{LitPacket, ProposalPacket, propose_lanes};
 pub(crate) use medium_stack::MediumStack;
 pub(crate) use scratch::LightScratch;
 pub(crate) use secondary::{LARGEST_TREE, PathState, SecondaryRays, TreeRay, secondary_rays};
+pub(crate) use secondary_packet::{BranchPacket, mirrored_lanes};
 pub(crate) use shading::{ambient, held};
 pub(crate) use transmission::{filtered_and_absorbed, visibility};

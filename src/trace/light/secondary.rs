@@ -33,7 +33,7 @@ pub(crate) struct PathState {
 impl PathState {
     /// At the root of a tree.
     #[inline]
-    pub(crate) fn at_camera(medium: MediumStack) -> Self {
+    pub(crate) const fn at_camera(medium: MediumStack) -> Self {
         Self { throughput: Rgb::ONE, medium, path: 1 }
     }
 
@@ -86,26 +86,35 @@ pub(crate) fn secondary_rays(
         refraction = refracted.direction.map(|direction| (direction, refracted.transmitted, beyond));
     }
 
-    let arrives = |share: f32, medium: MediumStack, place: u64| {
-        // Where k_r + k_t is above 1, light may double without end. A number times no light is no light; infinity
-        // would be none.
-        let throughput = (arrived.throughput * share).min(Rgb::splat(f32::MAX));
-        let path = arrived.path.wrapping_mul(2).wrapping_add(place);
-        (throughput != Rgb::ZERO).then_some(PathState { throughput, medium, path })
-    };
     let mut branches = SecondaryRays::default();
-    if let Some(state) = arrives(reflected, arrived.medium, 0) {
+    if let Some(state) = reaching(arrived, reflected, arrived.medium, 0) {
         let direction = mirrored(direction, surface.normal);
         branches.reflected = surface.leave(surface.from_outside, direction).map(|ray| TreeRay { ray, state });
     }
     if effects.media()
         && let Some((direction, transmitted, beyond)) = refraction
-        && let Some(state) = arrives(transmitted, beyond, 1)
+        && let Some(state) = reaching(arrived, transmitted, beyond, 1)
     {
         branches.refracted =
             surface.leave(!surface.from_outside, direction).map(|ray| TreeRay { ray, state });
     }
     branches
+}
+
+/// What a ray carries that takes a share of the light on, in a medium, in place 0 or 1 below the one that it continues. `None` where it
+/// would bring nothing.
+#[inline]
+pub(super) fn reaching(
+    arrived: &PathState,
+    share: f32,
+    medium: MediumStack,
+    place: u64,
+) -> Option<PathState> {
+    // Where k_r + k_t is above 1, light may double without end. A number times no light is no light; infinity
+    // would be none.
+    let throughput = (arrived.throughput * share).min(Rgb::splat(f32::MAX));
+    let path = arrived.path.wrapping_mul(2).wrapping_add(place);
+    (throughput != Rgb::ZERO).then_some(PathState { throughput, medium, path })
 }
 
 /// What a clear surface does with its share k_t of the light.

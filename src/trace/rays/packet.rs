@@ -69,6 +69,34 @@ impl RayPacket {
         }
     }
 
+    /// Puts a ray of another packet into a lane that has none.
+    #[inline(always)]
+    pub(crate) fn copy(&mut self, lane: usize, from: &Self, from_lane: usize) {
+        let (bit, from_bit) = (1 << lane, 1 << from_lane);
+        let bit_if = |mask: u32| if mask & from_bit == 0 { 0 } else { bit };
+        self.origins.set(lane, from.origins.get(from_lane));
+        self.directions.set(lane, from.directions.get(from_lane));
+        self.inverse_squares.set(lane, from.inverse_squares.get(from_lane));
+        self.left.set(lane, from.left.get(from_lane));
+        self.lanes |= bit;
+        self.departing |= bit_if(from.departing);
+        self.outward |= bit_if(from.outward);
+        self.tied |= bit_if(from.tied);
+        if from.tied & from_bit != 0 {
+            self.ties[lane] = from.ties[from_lane];
+        }
+    }
+
+    /// The lists of what else rays leave, where anything is.
+    pub(crate) fn ties_mut(&mut self) -> impl Iterator<Item = &mut Ties> {
+        let tied = self.tied;
+        self.ties
+            .iter_mut()
+            .enumerate()
+            .filter(move |(lane, _)| tied & (1 << lane) != 0)
+            .map(|(_, ties)| ties)
+    }
+
     /// Returns the ray in a lane.
     #[inline]
     pub(crate) fn get(&self, lane: usize) -> Ray {
@@ -78,7 +106,11 @@ impl RayPacket {
         Ray::from_parts(
             self.origins.get(lane),
             (self.directions.get(lane), self.inverse_squares.get(lane)),
-            self.left.get(lane).map(|id| Departure { id, outward, ties }),
+            self.left.get(lane).filter(|_| self.departing & bit != 0).map(|id| Departure {
+                id,
+                outward,
+                ties,
+            }),
         )
     }
 }

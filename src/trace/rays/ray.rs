@@ -1,7 +1,6 @@
 //! Rays.
 
 use super::departure::Departure;
-use super::ties::Ties;
 use crate::trace::math::scaled;
 use glam::DVec3;
 
@@ -74,11 +73,6 @@ impl Ray {
     #[inline]
     pub(crate) fn departure(&self) -> Option<&Departure> {
         self.departure.as_ref()
-    }
-
-    /// The list of what else is left, if anything is.
-    pub(crate) fn ties_mut(&mut self) -> Option<&mut Ties> {
-        self.departure.as_mut().map(|departure| &mut departure.ties)
     }
 
     /// The point at `t`.

@@ -5,8 +5,9 @@ use std::sync::atomic::AtomicBool;
 use glam::DVec3;
 
 use super::answers::AnswerPacket;
+use super::generation::{Generation, UntracedRay};
 use super::tile::{PACKETS, Tile};
-use super::wave::{QueuedRay, Wave};
+use super::wave::Wave;
 use crate::color::Rgb;
 use crate::trace::effort::{Effort, RayCounts, StageCounts, TreeEnds};
 use crate::trace::light::{Budget, LightScratch, ProposalPacket, RenderContext};
@@ -41,11 +42,11 @@ pub(crate) struct TileBuffers<'a> {
     /// For every light that is on: what hid it from the last point of this tile that asked, if anything did.
     pub(super) last_occluders: Vec<Option<ShapeId>>,
     /// What the rays of this generation send on.
-    pub(super) next: Vec<QueuedRay>,
-    /// The rays of this generation, of which the wave is a part; kept for its memory.
-    pub(super) selected: Vec<QueuedRay>,
+    pub(super) next: Generation,
+    /// The rays of this generation, of which the wave is a part.
+    pub(super) current: Generation,
     /// Rays that are not traced any more.
-    pub(super) beyond: Vec<QueuedRay>,
+    pub(super) beyond: Vec<UntracedRay>,
     /// How many rays of each pixel are traced.
     pub(super) tree_sizes: Vec<u32>,
     /// What may be left out of each pixel.
@@ -75,8 +76,8 @@ impl<'a> TileBuffers<'a> {
             shadow_rays: RayPacket::EMPTY,
             candidates: Candidates::default(),
             last_occluders: Vec::new(),
-            next: Vec::new(),
-            selected: Vec::new(),
+            next: Generation::default(),
+            current: Generation::default(),
             beyond: Vec::new(),
             tree_sizes: Vec::new(),
             budgets: Vec::new(),

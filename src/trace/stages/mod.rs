@@ -13,6 +13,7 @@ mod buffers;
 mod camera_rays;
 mod closest_hits;
 mod direct_light;
+mod generation;
 mod next_rays;
 mod sample;
 mod shadows;

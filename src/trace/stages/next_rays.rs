@@ -1,79 +1,114 @@
 //! The last stage: which mirrored and refracted rays go on as the next generation.
 
+use fearless_simd::dispatch;
+
 use super::buffers::TileBuffers;
-use super::wave::QueuedRay;
-use crate::trace::light::{LARGEST_TREE, RenderContext, SecondaryRays, secondary_rays};
+use super::generation::UntracedRay;
+use crate::trace::light::{
+    BranchPacket, LARGEST_TREE, RenderContext, SecondaryRays, mirrored_lanes, secondary_rays,
+};
 use crate::trace::math::lanes;
 
 /// Queues the rays that the wave's surfaces send on.
 pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.entered.next_rays += 1;
     let TileBuffers { wave, hits, surfaces, answers, next, scratch, .. } = buffers;
+    let scene = context.scene;
     for packet in 0..wave.count {
-        let surfaces = &surfaces[packet];
-        for lane in lanes(answers[packet].continues & surfaces.lanes) {
+        let (hits, surfaces) = (&hits[packet], &surfaces[packet]);
+        let continues = answers[packet].continues & surfaces.lanes;
+        if continues == 0 {
+            continue;
+        }
+        let clear = if context.effects.media() { continues & answers[packet].clear } else { 0 };
+        let reflected = next.add();
+        let arrived = (&wave.rays[packet], &wave.states[packet]);
+        let branches = next.packet_mut(reflected);
+        let alone = dispatch!(scene.simd.level(), simd => {
+            mirrored_lanes(simd, scene, arrived, (hits, surfaces), continues & !clear, branches)
+        });
+        let refracted = if clear == 0 { reflected } else { next.add() };
+        for lane in lanes(clear | alone) {
             // Many solids may be entered at one point.
             if scratch.search.is_cancelled() {
                 return;
             }
-            let Some(point) = surfaces.get(lane, &hits[packet]) else { continue };
-            let arrived = (wave.rays[packet].directions.get(lane), &wave.states[packet][lane]);
-            let SecondaryRays { reflected, refracted } = secondary_rays(context, scratch, arrived, &point);
+            let Some(point) = surfaces.get(lane, hits) else { continue };
+            let arrived = (arrived.0.directions.get(lane), &arrived.1[lane]);
+            let SecondaryRays { reflected: mirrored, refracted: bent } =
+                secondary_rays(context, scratch, arrived, &point);
+            if let Some(ray) = mirrored {
+                next.packet_mut(reflected).set(lane, &ray);
+            }
+            if let Some(ray) = bent {
+                next.packet_mut(refracted).set(lane, &ray);
+            }
+        }
+        for lane in lanes(continues) {
             let pixel = wave.pixels[packet][lane];
-            for (tree, mirrored) in [(reflected, true), (refracted, false)] {
-                next.extend(tree.map(|tree| QueuedRay { tree, pixel, mirrored, cut: false }));
+            next.queue(reflected, lane, pixel, true);
+            if clear & (1 << lane) != 0 {
+                next.queue(refracted, lane, pixel, false);
             }
         }
     }
 }
 
-/// Selects the queued rays that go on, without what could not show, and what is beyond the last generation or the most rays of a
-/// sample. `generations` are left for the queued rays, 0 if they see the background untraced.
-pub(super) fn select(
-    context: &RenderContext<'_>,
-    generations: u32,
-    selected: &mut Vec<QueuedRay>,
-    buffers: &mut TileBuffers<'_>,
-) {
+/// Makes the rays that were sent on the current generation, without what could not show, and what is beyond the last generation or
+/// the most rays of a sample. `generations` are left for them, 0 if they see the background untraced.
+pub(super) fn select(context: &RenderContext<'_>, generations: u32, buffers: &mut TileBuffers<'_>) {
+    std::mem::swap(&mut buffers.current, &mut buffers.next);
+    buffers.next.clear();
     mark_negligible(context, generations, buffers);
-    let TileBuffers { next, beyond, tree_sizes, rays_traced, trees_ended, scratch, .. } = buffers;
-    for queued in next.drain(..) {
+    let TileBuffers { current, beyond, tree_sizes, rays_traced, trees_ended, scratch, .. } = buffers;
+    let mut queue = std::mem::take(&mut current.queue);
+    queue.retain(|queued| {
         let size = &mut tree_sizes[queued.pixel as usize];
         if queued.cut {
             trees_ended.cutoff += 1;
-        } else if generations > 0 && *size < LARGEST_TREE {
+            return false;
+        }
+        if generations > 0 && *size < LARGEST_TREE {
             *size += 1;
             *(if queued.mirrored { &mut rays_traced.reflection } else { &mut rays_traced.refraction }) += 1;
-            selected.push(queued);
-        } else {
-            beyond.push(queued);
+            return true;
         }
-    }
-    let left = selected.iter_mut().filter_map(|queued| queued.tree.ray.ties_mut());
-    scratch.search.ties.keep(left);
+        let BranchPacket { rays, states } = current.packet(queued.packet);
+        let direction = rays.directions.get(queued.lane);
+        beyond.push(UntracedRay {
+            direction,
+            throughput: states[queued.lane].throughput,
+            pixel: queued.pixel,
+        });
+        false
+    });
+    current.queue = queue;
+    scratch.search.ties.keep(current.ties_mut());
 }
 
 /// Marks what is cut, pixel by pixel: the queue is in their order.
 fn mark_negligible(context: &RenderContext<'_>, generations: u32, buffers: &mut TileBuffers) {
-    let TileBuffers { next, budgets, weighed, .. } = buffers;
-    for rays in next.chunk_by_mut(|one, other| one.pixel == other.pixel) {
+    let TileBuffers { current, budgets, weighed, .. } = buffers;
+    let mut queue = std::mem::take(&mut current.queue);
+    for rays in queue.chunk_by_mut(|one, other| one.pixel == other.pixel) {
         weighed.clear();
-        weighed.extend(rays.iter().enumerate().map(|(index, QueuedRay { tree, .. })| {
-            (context.brightest.most(tree.state.throughput, generations), index)
+        weighed.extend(rays.iter().enumerate().map(|(index, queued)| {
+            let throughput = current.packet(queued.packet).states[queued.lane].throughput;
+            (context.brightest.most(throughput, generations), index)
         }));
         let count = budgets[rays[0].pixel as usize].cut(weighed);
         for (_, index) in &weighed[..count] {
             rays[*index].cut = true;
         }
     }
+    current.queue = queue;
 }
 
 /// Lets rays that are not traced see the background.
 pub(super) fn give_up(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { beyond, pixels, trees_ended, .. } = buffers;
-    for QueuedRay { tree, pixel, .. } in beyond.iter() {
-        let background = context.scene.background.towards(tree.ray.direction());
-        pixels[*pixel as usize] += tree.state.throughput * background;
+    for UntracedRay { direction, throughput, pixel } in beyond.iter() {
+        pixels[*pixel as usize] += *throughput * context.scene.background.towards(*direction);
     }
     trees_ended.depth += beyond.len() as u64;
     beyond.clear();

@@ -8,6 +8,7 @@ use super::next_rays::{give_up, next_rays, select};
 use super::sums::add_to_pixels;
 use super::surfaces::surfaces;
 use super::tile::{Sample, Tile};
+use super::wave::LONGEST_WAVE;
 use crate::trace::light::RenderContext;
 use crate::trace::query::Intersector;
 
@@ -28,18 +29,19 @@ pub(crate) fn render_sample(
     closest_hits(context, shapes, buffers);
     shade_wave(&sample, shapes, buffers);
     let mut generations = context.generations() - 1;
-    while context.effects.mirrors() && !buffers.next.is_empty() && !buffers.is_cancelled() {
-        let mut selected = std::mem::take(&mut buffers.selected);
-        select(context, generations, &mut selected, buffers);
+    while context.effects.mirrors() && !buffers.next.queue.is_empty() && !buffers.is_cancelled() {
+        select(context, generations, buffers);
         generations = generations.saturating_sub(1);
-        let mut rays = selected.drain(..);
-        while rays.len() > 0 && !buffers.is_cancelled() {
-            buffers.wave.fill(rays.by_ref());
+        let queue = std::mem::take(&mut buffers.current.queue);
+        for queued in queue.chunks(LONGEST_WAVE) {
+            if buffers.is_cancelled() {
+                break;
+            }
+            buffers.wave.fill(&buffers.current, queued);
             closest_hits(context, shapes, buffers);
             shade_wave(&sample, shapes, buffers);
         }
-        drop(rays);
-        buffers.selected = selected;
+        buffers.current.queue = queue;
     }
     if context.effects.mirrors() {
         give_up(context, buffers);

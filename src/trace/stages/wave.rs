@@ -2,25 +2,14 @@
 
 use glam::DVec3;
 
+use super::generation::{Generation, QueuedRay};
 use super::tile::PACKETS;
-use crate::trace::light::{MediumStack, PathState, TreeRay};
+use crate::trace::light::{MediumStack, PathState};
 use crate::trace::math::LANES;
 use crate::trace::rays::RayPacket;
 
 /// Rays that go through the stages together, at most: a generation of more is taken in parts, so that memory does not grow with it.
 pub(super) const LONGEST_WAVE: usize = PACKETS * LANES;
-
-/// A ray on its way for a pixel.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct QueuedRay {
-    pub(super) tree: TreeRay,
-    /// Index of the pixel in the tile.
-    pub(super) pixel: u32,
-    /// Whether it is mirrored; else it is refracted.
-    pub(super) mirrored: bool,
-    /// Whether it is left out, as it could not show.
-    pub(super) cut: bool,
-}
 
 /// Rays in packets. Of one pixel they are in the order in which their light is added up.
 #[derive(Clone, Debug)]
@@ -48,19 +37,19 @@ impl Wave {
         }
     }
 
-    /// Takes as many rays as there is room for, in their order.
-    pub(super) fn fill(&mut self, queued: impl Iterator<Item = QueuedRay>) {
+    /// Takes rays of a generation, no more than there is room for, in their order.
+    pub(super) fn fill(&mut self, generation: &Generation, queued: &[QueuedRay]) {
         self.origin = None;
-        self.count = 0;
-        for (index, QueuedRay { tree, pixel, .. }) in queued.take(LONGEST_WAVE).enumerate() {
-            let (packet, lane) = (index / LANES, index % LANES);
-            if lane == 0 {
-                self.count += 1;
-                self.rays[packet].clear();
+        self.count = queued.len().div_ceil(LANES);
+        for (packet, queued) in queued.chunks(LANES).enumerate() {
+            let (rays, states) = (&mut self.rays[packet], &mut self.states[packet]);
+            rays.clear();
+            for (lane, queued) in queued.iter().enumerate() {
+                let from = generation.packet(queued.packet);
+                rays.copy(lane, &from.rays, queued.lane);
+                states[lane] = from.states[queued.lane];
+                self.pixels[packet][lane] = queued.pixel;
             }
-            self.rays[packet].set(lane, &tree.ray);
-            self.states[packet][lane] = tree.state;
-            self.pixels[packet][lane] = pixel;
         }
     }
 
