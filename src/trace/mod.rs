@@ -5,20 +5,26 @@
 //!
 //! Files in the order in which a camera ray goes through them:
 //!
-//! 1. `exposure` hands out the picture's tiles over all threads . `stages/sample` takes one sample of each of a tile's
+//! 1. `exposure` hands out the picture's tiles over all threads. `stages/sample` takes one sample of each of a tile's
 //!    pixels through the stages, each a function over the arrays in `stages/buffers`: memory does not grow with the number of
-//!    samples.
+//!    samples. Rays go in packets of sixteen (`rays/packet`), and so does all that is known of them; the arithmetic on lanes is in
+//!    `math/lanes`. What packets leave open, by a contested verdict, a tie or a number out of range, single rays decide, whose code
+//!    defines what is right.
 //! 2. `stages/camera_rays` makes the first wave of rays, by `scene/camera`; where samples lie is in `math/sampling`.
-//! 3. `stages/closest_hits` finds what each ray meets first, by `query/closest_hit`, which walks the tree (`bvh/traverse`) and asks the
-//!    shapes (`query/guaranteed`), which are defined in `shapes`. Rays from one point, as a camera's are, are first asked sixteen at a
-//!    time, by `packet/bundle`: what is certain of them is the same, and the rest is left.
-//! 4. `stages/surfaces` refines hits to surface points, where light, a medium or a mirror asks for them, and adds ambient light.
-//! 5. `stages/direct_light` goes through the lights: what one could add at each point is proposed, by `light/direct`.
-//!    `stages/shadows` follows the proposals' shadow rays, by `light/transmission`, `query/occlusion` and `query/crossings`; what comes
-//!    through is added. Which shapes may hide a light with a place from the tile is found once, by `packet/candidates`.
+//! 3. `stages/closest_hits` finds what each ray meets first. Packets from one point, as a camera's are, go through the tree
+//!    together, by `packet/bundle` and `bvh/shaft`; others one after the other, by `packet/closest_hit` and `bvh/packet`. Single rays
+//!    are followed by `query/closest_hit`, which walks the tree (`bvh/traverse`) and asks the shapes (`query/guaranteed`), which are
+//!    defined in `shapes`.
+//! 4. `stages/surfaces` refines hits to surface points, where light, a medium or a mirror asks for them, by `packet/refine`, and adds
+//!    ambient light.
+//! 5. `stages/direct_light` goes through the lights: what one could add at each point is proposed, by `light/direct_packet`, and in
+//!    a single lane by `light/direct`. `stages/shadows` follows the proposals' shadow rays, by `packet/occlusion`, and singly by
+//!    `light/transmission`, `query/occlusion` and `query/crossings`; what comes through is added. Which shapes may hide a light with a
+//!    place from the tile is found once, by `packet/candidates`.
 //! 6. `stages/sums` adds what each ray brings to its pixel, in the order of the wave.
-//! 7. `stages/next_rays` makes mirrored and refracted rays, by `light/secondary`, and keeps those that can still show, by
-//!    `light/contribution`. They are the next wave, and go on at 3.
+//! 7. `stages/next_rays` makes mirrored rays, by `light/secondary_packet`, and refracted ones, by `light/secondary`, and keeps those
+//!    that can still show, by `light/contribution`. They are the next generation, in `stages/generation`, and go on at 3, as many at a
+//!    time as a wave has room for.
 //! 8. `exposure` adds samples up in the order of their indices, in `f64`, in which the mean of equal samples is exactly their value,
 //!    and `film` holds the result.
 //!

@@ -72,6 +72,9 @@ struct Pending {
 
 /// What is asked of every shape that rays of a packet may meet.
 pub(crate) trait PacketVisitor<S: Simd> {
+    /// Whether nearer shapes are better visited first.
+    const NEAREST_FIRST: bool;
+
     /// Visits a shape with the rays in some lanes, and updates what is still of interest.
     fn visit(&mut self, simd: S, id: ShapeId, lanes: u32, packet: &mut FramePacket);
 }
@@ -236,19 +239,19 @@ impl Tree {
     /// Visits every shape that rays of a packet may meet before their limits, nearer ones first. Once `cancelled` is true the rest is
     /// left out.
     #[inline(always)]
-    pub(crate) fn visit_packet<S: Simd>(
+    pub(crate) fn visit_packet<S: Simd, V: PacketVisitor<S>>(
         &self,
         simd: S,
         packet: &mut FramePacket,
         stack: &mut PacketStack,
         cancelled: &AtomicBool,
-        visitor: &mut impl PacketVisitor<S>,
+        visitor: &mut V,
     ) {
         let stack = &mut stack.0;
         stack.clear();
         let Some(mut node) = self.nodes.first() else { return };
         loop {
-            push_children(simd, node, packet, stack);
+            push_children::<S, V>(simd, node, packet, stack);
             loop {
                 let Some(Pending { entry, child, lanes }) = stack.pop() else { return };
                 if entry > packet.farthest * Node::LENGTHEN || lanes & packet.active == 0 {
@@ -270,9 +273,14 @@ impl Tree {
     }
 }
 
-/// Puts a node's children that any ray may enter onto the stack, the farthest first.
+/// Puts a node's children that any ray may enter onto the stack, the farthest first where that matters.
 #[inline(always)]
-fn push_children<S: Simd>(simd: S, node: &Node, packet: &FramePacket, stack: &mut Vec<Pending>) {
+fn push_children<S: Simd, V: PacketVisitor<S>>(
+    simd: S,
+    node: &Node,
+    packet: &FramePacket,
+    stack: &mut Vec<Pending>,
+) {
     let (candidates, entries) = match &packet.shared {
         Some(shared) => shared.entries(simd, node, packet.farthest),
         None => (node.used(), f32x8::splat(simd, 0.0)),
@@ -285,7 +293,9 @@ fn push_children<S: Simd>(simd: S, node: &Node, packet: &FramePacket, stack: &mu
         if lanes == 0 {
             continue;
         }
-        let entry = if packet.shared.is_some() {
+        let entry = if !V::NEAREST_FIRST {
+            0.0
+        } else if packet.shared.is_some() {
             entries[index]
         } else {
             let never = f32x16::splat(simd, f32::INFINITY);
@@ -293,7 +303,7 @@ fn push_children<S: Simd>(simd: S, node: &Node, packet: &FramePacket, stack: &mu
         };
         let mut place = stack.len();
         stack.push(Pending { entry, child: node.children[index], lanes });
-        while place > base && stack[place - 1].entry < entry {
+        while V::NEAREST_FIRST && place > base && stack[place - 1].entry < entry {
             stack.swap(place - 1, place);
             place -= 1;
         }

@@ -63,6 +63,11 @@ impl Candidates {
         dispatch!(scene.simd.level(), simd => gather(simd, scene, light, packets, self, search))
     }
 
+    /// Returns whether there were too many shapes for all packets.
+    pub(crate) fn all_crowded(&self) -> bool {
+        self.crowded == u32::MAX
+    }
+
     /// Returns the shapes of the tree that the rays of a packet have to be asked of; `None` where they have to find them
     /// themselves.
     #[inline]

@@ -82,6 +82,8 @@ impl Search<'_> {
 }
 
 impl<S: Simd> PacketVisitor<S> for Search<'_> {
+    const NEAREST_FIRST: bool = true;
+
     #[inline(always)]
     fn visit(&mut self, simd: S, id: ShapeId, lanes: u32, packet: &mut FramePacket) {
         let nearer = self.meet(simd, id, lanes);

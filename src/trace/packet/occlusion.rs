@@ -155,6 +155,8 @@ impl Search<'_> {
 }
 
 impl<S: Simd> PacketVisitor<S> for Search<'_> {
+    const NEAREST_FIRST: bool = false;
+
     #[inline(always)]
     fn visit(&mut self, simd: S, id: ShapeId, lanes: u32, packet: &mut FramePacket) {
         self.meet(simd, id, lanes);

@@ -5,20 +5,43 @@ use glam::DVec3;
 
 use crate::trace::math::{
     CompensatedLanes, F64s, F64s3, Mask, Numbers, Vectors, bits, dot_lanes as dot, half_of, lanes, mask,
-    moderate, moderate3, quick_two_sum, select3, splat, times, two_product, two_sum,
+    moderate, moderate3, quick_two_sum, select3, splat, splat3, times, two_product, two_sum,
 };
 use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::{RayPacket, ShapeId, ShapeIds};
 use crate::trace::scene::{Geometry, Kind, Location, PreparedScene};
 use crate::trace::shapes::{AlignedBox, Sphere, U};
 
-/// What the shapes of lanes are made of.
-struct Parameters {
+/// What a shape is made of.
+#[derive(Clone, Copy)]
+struct Shape {
+    kind: Kind,
     /// A sphere's centre, a plane's point, or the lower corner of a box.
-    places: Vectors,
+    place: DVec3,
     /// A plane's normal, or the upper corner of a box.
-    others: Vectors,
+    other: DVec3,
     /// A plane's unit normal.
+    unit: DVec3,
+    radius: f64,
+}
+
+/// Shapes in lanes.
+trait Shapes {
+    /// Lanes that have a shape of a kind.
+    fn lanes_of(&self, kind: Kind) -> u32;
+    fn places<S: Simd>(&self, simd: S, half: usize) -> F64s3<S>;
+    fn others<S: Simd>(&self, simd: S, half: usize) -> F64s3<S>;
+    fn units<S: Simd>(&self, simd: S, half: usize) -> F64s3<S>;
+    fn radii<S: Simd>(&self, simd: S, half: usize) -> F64s<S>;
+}
+
+/// The same shape in some lanes.
+struct OneShape(Shape, u32);
+
+/// A shape of its own in each lane.
+struct ManyShapes {
+    places: Vectors,
+    others: Vectors,
     units: Vectors,
     radii: Numbers,
     spheres: u32,
@@ -43,22 +66,99 @@ pub(crate) fn refine<S: Simd>(
             |lane: &usize| hits.ids.get(*lane).is_none_or(|id| scene.equal_shapes.group(id).is_some());
         special |= lanes(asked).filter(grouped).fold(0, |mask, lane| mask | 1 << lane);
     }
-    let shapes = Parameters::gather(simd, scene.geometry(), &hits.ids, asked & !special);
-    special |= asked & !(shapes.spheres | shapes.planes | shapes.boxes);
-    for half in 0..2 {
-        if half_of(asked & !special, half) == 0 {
-            continue;
+    let usual = asked & !special;
+    let found = match hits.ids.common(simd, usual) {
+        _ if usual == 0 => 0,
+        Some(id) => match Shape::of(scene.geometry(), id) {
+            Some(shape) => refine_lanes(simd, (rays, hits), &OneShape(shape, usual), usual, surfaces),
+            None => 0,
+        },
+        None => {
+            let shapes = ManyShapes::gather(scene.geometry(), &hits.ids, usual);
+            refine_lanes(simd, (rays, hits), &shapes, usual, surfaces)
         }
-        special |= refine_half(simd, (rays, hits), &shapes, (half, asked & !special), surfaces);
-    }
-    surfaces.lanes |= asked & !special;
+    };
+    surfaces.lanes |= found;
     surfaces.first_equals = hits.ids;
-    special
+    asked & !found
 }
 
-impl Parameters {
+/// Returns the lanes in which that was right.
+#[inline(always)]
+fn refine_lanes<S: Simd>(
+    simd: S,
+    packet: (&RayPacket, &HitPacket),
+    shapes: &impl Shapes,
+    asked: u32,
+    surfaces: &mut SurfacePacket,
+) -> u32 {
+    let known =
+        shapes.lanes_of(Kind::Sphere) | shapes.lanes_of(Kind::Plane) | shapes.lanes_of(Kind::AlignedBox);
+    let mut found = asked & known;
+    for half in 0..2 {
+        if half_of(found, half) != 0 {
+            found &= !refine_half(simd, packet, shapes, (half, found), surfaces);
+        }
+    }
+    found
+}
+
+impl Shape {
+    /// `None` for images.
     #[inline(always)]
-    fn gather<S: Simd>(simd: S, geometry: &Geometry, ids: &ShapeIds, asked: u32) -> Self {
+    fn of(geometry: &Geometry, id: ShapeId) -> Option<Self> {
+        let Location { kind, index } = geometry.locations[id.index()];
+        let index = index as usize;
+        let none = Self { kind, place: DVec3::ZERO, other: DVec3::ONE, unit: DVec3::Y, radius: 1.0 };
+        match kind {
+            Kind::Sphere => {
+                let Sphere { center, radius } = geometry.spheres[index];
+                Some(Self { place: center, radius, ..none })
+            }
+            Kind::Plane => {
+                let plane = &geometry.planes[index];
+                let (place, other, unit) = (plane.point(), plane.normal(), plane.unit_normal());
+                Some(Self { place, other, unit, ..none })
+            }
+            Kind::AlignedBox => {
+                let AlignedBox { min, max } = geometry.boxes[index];
+                Some(Self { place: min, other: max, ..none })
+            }
+            Kind::SphereImage | Kind::BoxImage => None,
+        }
+    }
+}
+
+impl Shapes for OneShape {
+    #[inline(always)]
+    fn lanes_of(&self, kind: Kind) -> u32 {
+        if self.0.kind == kind { self.1 } else { 0 }
+    }
+
+    #[inline(always)]
+    fn places<S: Simd>(&self, simd: S, _half: usize) -> F64s3<S> {
+        splat3(simd, self.0.place)
+    }
+
+    #[inline(always)]
+    fn others<S: Simd>(&self, simd: S, _half: usize) -> F64s3<S> {
+        splat3(simd, self.0.other)
+    }
+
+    #[inline(always)]
+    fn units<S: Simd>(&self, simd: S, _half: usize) -> F64s3<S> {
+        splat3(simd, self.0.unit)
+    }
+
+    #[inline(always)]
+    fn radii<S: Simd>(&self, simd: S, _half: usize) -> F64s<S> {
+        splat(simd, self.0.radius)
+    }
+}
+
+impl ManyShapes {
+    #[inline(always)]
+    fn gather(geometry: &Geometry, ids: &ShapeIds, asked: u32) -> Self {
         let mut all = Self {
             places: Vectors::splat(DVec3::ZERO),
             others: Vectors::splat(DVec3::ONE),
@@ -68,51 +168,64 @@ impl Parameters {
             planes: 0,
             boxes: 0,
         };
-        if asked == 0 {
-            return all;
-        }
-        if let Some(id) = ids.common(simd, asked) {
-            if let Some((place, other, unit, radius)) = all.read(geometry, id, asked) {
-                (all.places, all.others) = (Vectors::splat(place), Vectors::splat(other));
-                (all.units, all.radii) = (Vectors::splat(unit), Numbers::splat(radius));
-            }
-            return all;
-        }
         for lane in lanes(asked) {
-            let Some(id) = ids.get(lane) else { continue };
-            if let Some((place, other, unit, radius)) = all.read(geometry, id, 1 << lane) {
-                all.places.set(lane, place);
-                all.others.set(lane, other);
-                all.units.set(lane, unit);
-                all.radii.set(lane, radius);
+            let Some(Shape { kind, place, other, unit, radius }) =
+                ids.get(lane).and_then(|id| Shape::of(geometry, id))
+            else {
+                continue;
+            };
+            all.places.set(lane, place);
+            let bit = 1 << lane;
+            match kind {
+                Kind::Sphere => {
+                    all.radii.set(lane, radius);
+                    all.spheres |= bit;
+                }
+                Kind::Plane => {
+                    all.others.set(lane, other);
+                    all.units.set(lane, unit);
+                    all.planes |= bit;
+                }
+                Kind::AlignedBox => {
+                    all.others.set(lane, other);
+                    all.boxes |= bit;
+                }
+                Kind::SphereImage | Kind::BoxImage => {}
             }
         }
         all
     }
+}
 
-    /// Returns what a shape in some lanes is made of, and notes its kind. `None` for images.
+impl Shapes for ManyShapes {
     #[inline(always)]
-    fn read(&mut self, geometry: &Geometry, id: ShapeId, lanes: u32) -> Option<(DVec3, DVec3, DVec3, f64)> {
-        let Location { kind, index } = geometry.locations[id.index()];
-        let index = index as usize;
+    fn lanes_of(&self, kind: Kind) -> u32 {
         match kind {
-            Kind::Sphere => {
-                self.spheres |= lanes;
-                let Sphere { center, radius } = geometry.spheres[index];
-                Some((center, DVec3::ONE, DVec3::Y, radius))
-            }
-            Kind::Plane => {
-                self.planes |= lanes;
-                let plane = &geometry.planes[index];
-                Some((plane.point(), plane.normal(), plane.unit_normal(), 1.0))
-            }
-            Kind::AlignedBox => {
-                self.boxes |= lanes;
-                let AlignedBox { min, max } = geometry.boxes[index];
-                Some((min, max, DVec3::Y, 1.0))
-            }
-            Kind::SphereImage | Kind::BoxImage => None,
+            Kind::Sphere => self.spheres,
+            Kind::Plane => self.planes,
+            Kind::AlignedBox => self.boxes,
+            Kind::SphereImage | Kind::BoxImage => 0,
         }
+    }
+
+    #[inline(always)]
+    fn places<S: Simd>(&self, simd: S, half: usize) -> F64s3<S> {
+        self.places.load(simd, half)
+    }
+
+    #[inline(always)]
+    fn others<S: Simd>(&self, simd: S, half: usize) -> F64s3<S> {
+        self.others.load(simd, half)
+    }
+
+    #[inline(always)]
+    fn units<S: Simd>(&self, simd: S, half: usize) -> F64s3<S> {
+        self.units.load(simd, half)
+    }
+
+    #[inline(always)]
+    fn radii<S: Simd>(&self, simd: S, half: usize) -> F64s<S> {
+        self.radii.load(simd, half)
     }
 }
 
@@ -141,7 +254,7 @@ struct Inexact<S: Simd> {
 fn refine_half<S: Simd>(
     simd: S,
     (rays, hits): (&RayPacket, &HitPacket),
-    shapes: &Parameters,
+    shapes: &impl Shapes,
     (half, asked): (usize, u32),
     surfaces: &mut SurfacePacket,
 ) -> u32 {
@@ -152,15 +265,15 @@ fn refine_half<S: Simd>(
     let inexact = Inexact { origin: rays.origins.load(simd, half), direction, t };
     let moderate = moderate(simd, t) & moderate3(simd, direction);
     let mut points: Option<Points<S>> = None;
-    if half_of(shapes.spheres & asked, half) != 0 {
+    if half_of(shapes.lanes_of(Kind::Sphere) & asked, half) != 0 {
         points = Some(spheres(simd, &inexact, shapes, half));
     }
-    if half_of(shapes.planes & asked, half) != 0 {
-        let these = mask(simd, shapes.planes, half);
+    if half_of(shapes.lanes_of(Kind::Plane) & asked, half) != 0 {
+        let these = mask(simd, shapes.lanes_of(Kind::Plane), half);
         points = Some(Points::select(these, planes(simd, &inexact, shapes, half), points));
     }
-    if half_of(shapes.boxes & asked, half) != 0 {
-        let these = mask(simd, shapes.boxes, half);
+    if half_of(shapes.lanes_of(Kind::AlignedBox) & asked, half) != 0 {
+        let these = mask(simd, shapes.lanes_of(Kind::AlignedBox), half);
         points = Some(Points::select(these, boxes(simd, &inexact, shapes, half), points));
     }
     let Some(points) = points else { return 0 };
@@ -198,11 +311,11 @@ fn newton_step<S: Simd>(simd: S, residual: F64s<S>, slope: F64s<S>) -> F64s<S> {
 
 /// `Sphere::refine`.
 #[inline(always)]
-fn spheres<S: Simd>(simd: S, inexact: &Inexact<S>, shapes: &Parameters, half: usize) -> Points<S> {
+fn spheres<S: Simd>(simd: S, inexact: &Inexact<S>, shapes: &impl Shapes, half: usize) -> Points<S> {
     let Inexact { origin, direction, t } = *inexact;
     let place = CompensatedLanes::along(origin, direction, t);
-    let from_center = place.minus(shapes.places.load(simd, half));
-    let radius = shapes.radii.load(simd, half);
+    let from_center = place.minus(shapes.places(simd, half));
+    let radius = shapes.radii(simd, half);
     let moderate = moderate(simd, radius) & moderate3(simd, from_center.rounded());
     let slope = dot(from_center.rounded(), direction) * 2.0;
     let step = newton_step(simd, from_center.beyond(radius), slope);
@@ -217,26 +330,26 @@ fn spheres<S: Simd>(simd: S, inexact: &Inexact<S>, shapes: &Parameters, half: us
 
 /// `Plane::refine`.
 #[inline(always)]
-fn planes<S: Simd>(simd: S, inexact: &Inexact<S>, shapes: &Parameters, half: usize) -> Points<S> {
+fn planes<S: Simd>(simd: S, inexact: &Inexact<S>, shapes: &impl Shapes, half: usize) -> Points<S> {
     let Inexact { origin, direction, t } = *inexact;
-    let normal = shapes.others.load(simd, half);
+    let normal = shapes.others(simd, half);
     let place = CompensatedLanes::along(origin, direction, t);
-    let from_point = place.minus(shapes.places.load(simd, half));
+    let from_point = place.minus(shapes.places(simd, half));
     let found = moderate3(simd, normal) & moderate3(simd, from_point.rounded());
     let height = from_point.dot(normal);
     let step = newton_step(simd, height, dot(direction, normal));
     let (t, rest) = two_sum(t, step);
     let point = place.moved(times(direction, step));
-    Points { t, rest, point, normal: shapes.units.load(simd, half), found }
+    Points { t, rest, point, normal: shapes.units(simd, half), found }
 }
 
 /// `AlignedBox::refine`.
 #[inline(always)]
-fn boxes<S: Simd>(simd: S, inexact: &Inexact<S>, shapes: &Parameters, half: usize) -> Points<S> {
+fn boxes<S: Simd>(simd: S, inexact: &Inexact<S>, shapes: &impl Shapes, half: usize) -> Points<S> {
     /// Quotients of smaller numbers might lose digits.
     const TINY: f64 = 1e-140;
     let Inexact { origin, direction, t } = *inexact;
-    let (min, max) = (shapes.places.load(simd, half), shapes.others.load(simd, half));
+    let (min, max) = (shapes.places(simd, half), shapes.others(simd, half));
     // The only face whose plane the ray is on at `t`.
     let none = t.simd_lt(t);
     let (mut lower, mut upper) = ([none; 3], [none; 3]);

@@ -41,6 +41,8 @@ pub(crate) struct TileBuffers<'a> {
     pub(super) candidates: Candidates,
     /// For every light that is on: what hid it from the last point of this tile that asked, if anything did.
     pub(super) last_occluders: Vec<Option<ShapeId>>,
+    /// For every light that is on: whether too many shapes of this tile may hide it for lists of them.
+    pub(super) crowded_lights: Vec<bool>,
     /// What the rays of this generation send on.
     pub(super) next: Generation,
     /// The rays of this generation, of which the wave is a part.
@@ -76,6 +78,7 @@ impl<'a> TileBuffers<'a> {
             shadow_rays: RayPacket::EMPTY,
             candidates: Candidates::default(),
             last_occluders: Vec::new(),
+            crowded_lights: Vec::new(),
             next: Generation::default(),
             current: Generation::default(),
             beyond: Vec::new(),
@@ -109,6 +112,8 @@ impl<'a> TileBuffers<'a> {
         if context.effects.lights() {
             self.last_occluders.clear();
             self.last_occluders.resize(context.lights.len(), None);
+            self.crowded_lights.clear();
+            self.crowded_lights.resize(context.lights.len(), false);
         }
     }
 

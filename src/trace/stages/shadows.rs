@@ -22,7 +22,9 @@ pub(super) fn shadows(
     buffers.entered.shadows += 1;
     let context = sample.context;
     let scene = context.scene;
-    let listed = find_candidates(sample, light, buffers);
+    // Where there were too many shapes for one wave, there are for the next.
+    let listed = !buffers.crowded_lights[place] && find_candidates(sample, light, buffers);
+    buffers.crowded_lights[place] |= listed && buffers.candidates.all_crowded();
     for packet in 0..buffers.wave.count {
         let asking = buffers.proposals[packet].asking;
         if asking == 0 {
