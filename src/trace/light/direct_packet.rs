@@ -109,78 +109,117 @@ pub(crate) fn propose_lanes<S: Simd>(
     proposals: &mut ProposalPacket,
 ) {
     (proposals.lanes, proposals.asking, proposals.from_behind) = (0, 0, 0);
-    let asked = lit.surfaces.lanes;
-    let Some(target) = target((index, light), effects, lit, sample, &asker, proposals) else { return };
-    if asked == 0 {
+    if lit.surfaces.lanes == 0 {
         return;
     }
-    let mut cosines = Numbers::splat(0.0);
-    let mut lengths = Numbers::splat(1.0);
-    let (mut unusual, mut facing, mut behind) = (0, 0, 0);
+    let Some(target) = target((index, light), effects, lit, sample, &asker, proposals) else { return };
+    let Aim { cosines, lengths, facing, behind, unusual } = aim(simd, &target, lit, proposals);
+    if effects.clear_shadows() {
+        proposals.from_behind = behind & lit.clear;
+    }
+    proposals.lanes = facing | proposals.from_behind;
+    let intensities = intensities(effects, light, &lengths, proposals);
+    let (diffuse, arriving, cosine) = (lit.diffuse.load(simd), intensities.load(simd), cosines.rounded(simd));
+    proposals.colors.store([
+        diffuse[0] * arriving[0] * cosine,
+        diffuse[1] * arriving[1] * cosine,
+        diffuse[2] * arriving[2] * cosine,
+    ]);
+    if effects.extras {
+        add_highlights(scene, lit, &intensities, proposals);
+    }
+    let black = f32x16::splat(simd, 0.0);
+    let [red, green, blue] = proposals.colors.load(simd);
+    proposals.lanes &= bits16(!(red.simd_eq(black) & green.simd_eq(black) & blue.simd_eq(black)));
+    if effects.shadows() && light.casts_shadows {
+        proposals.asking = proposals.lanes;
+    }
+    for lane in lanes(unusual) {
+        let Some(id) = lit.hits.ids.get(lane) else { continue };
+        let point = lit_point(lit, lane, scene.material(id), asker(lane));
+        if let Some(proposal) = propose(effects, (index, light), &point, sample) {
+            proposals.set(lane, &proposal);
+        }
+    }
+}
+
+/// How a light is seen from points.
+struct Aim {
+    /// Cosines of the angles to the normals, without their signs.
+    cosines: Numbers,
+    /// The lengths of the directions to the light.
+    lengths: Numbers,
+    /// Lanes whose points face the light.
+    facing: u32,
+    /// Lanes whose points turn their backs on it.
+    behind: u32,
+    /// Lanes that have to be asked one by one.
+    unusual: u32,
+}
+
+/// Finds the directions to a light, and how far it is, for the proposals.
+#[inline(always)]
+fn aim<S: Simd>(simd: S, target: &Target, lit: &LitPacket<'_>, proposals: &mut ProposalPacket) -> Aim {
+    let asked = lit.surfaces.lanes;
+    let (cosines, lengths) = (Numbers::splat(0.0), Numbers::splat(1.0));
+    let mut aim = Aim { cosines, lengths, facing: 0, behind: 0, unusual: 0 };
+    let mut usual = 0;
     for half in 0..2 {
         if half_of(asked, half) == 0 {
             continue;
         }
         let point = lit.surfaces.points.load(simd, half);
-        let (to_light, limit, usual) = way(simd, &target, point, (proposals, half));
+        let (to_light, limit, found) = way(simd, target, point, (proposals, half));
         let length = dot(to_light, to_light).sqrt();
         let normal = lit.surfaces.normals.load(simd, half);
         let outside = mask(simd, lit.surfaces.from_outside, half);
         let normal = select3(outside, normal, [-normal[0], -normal[1], -normal[2]]);
         let cosine = dot(normal, to_light) / length;
         let zero = splat(simd, 0.0);
-        unusual |= asked & !bits(usual, half) & (0xff << (half * 8));
-        facing |= bits(cosine.simd_gt(zero), half);
-        behind |= bits(cosine.simd_lt(zero), half);
+        usual |= bits(found, half);
+        aim.facing |= bits(cosine.simd_gt(zero), half);
+        aim.behind |= bits(cosine.simd_lt(zero), half);
+        aim.cosines.store(half, cosine.abs());
+        aim.lengths.store(half, length);
         proposals.directions.store(half, to_light);
         proposals.limits.store(half, limit);
-        cosines.store(half, cosine.abs());
-        lengths.store(half, length);
     }
-    let usual = asked & !unusual;
-    let from_behind = if effects.clear_shadows() { behind & lit.clear & usual } else { 0 };
-    let lit_lanes = facing & usual | from_behind;
-    let dims = effects.extras && (light.falloff.is_some() || matches!(light.source, LightSource::Spot(..)));
+    aim.facing &= asked & usual;
+    aim.behind &= asked & usual;
+    aim.unusual = asked & !usual;
+    aim
+}
+
+/// Returns how much of a light arrives in the lanes of proposals.
+#[inline(always)]
+fn intensities(effects: Effects, light: &Light, lengths: &Numbers, proposals: &ProposalPacket) -> Colors {
     let mut intensities = Colors::splat(light.intensity);
-    if dims {
-        for lane in lanes(lit_lanes) {
+    if effects.extras && (light.falloff.is_some() || matches!(light.source, LightSource::Spot(..))) {
+        for lane in lanes(proposals.lanes) {
             let (length, limit) = (lengths.get(lane), proposals.limits.get(lane));
-            let intensity = intensity(effects, light, proposals.directions.get(lane), length, limit);
-            intensities.set(lane, intensity);
+            let direction = proposals.directions.get(lane);
+            intensities.set(lane, intensity(effects, light, direction, length, limit));
         }
     }
-    let (diffuse, arriving) = (lit.diffuse.load(simd), intensities.load(simd));
-    let cosine = cosines.rounded(simd);
-    let shade = |channel: usize| diffuse[channel] * arriving[channel] * cosine;
-    proposals.colors.store([shade(0), shade(1), shade(2)]);
-    if effects.extras {
-        for lane in lanes(lit.shiny & lit_lanes & !from_behind) {
-            let intensity = intensities.get(lane);
-            let Some(id) = lit.hits.ids.get(lane) else { continue };
-            if intensity != Rgb::ZERO {
-                let normal = facing_normal(lit.surfaces, lane);
-                let back = -lit.rays.directions.get(lane);
-                let way = proposals.directions.get(lane);
-                let highlight = specular(scene.material(id), intensity, normal, way, back);
-                proposals.colors.set(lane, proposals.colors.get(lane) + highlight);
-            }
-        }
-    }
-    let black = f32x16::splat(simd, 0.0);
-    let [red, green, blue] = proposals.colors.load(simd);
-    let lights = bits16(!(red.simd_eq(black) & green.simd_eq(black) & blue.simd_eq(black)));
-    proposals.lanes = lit_lanes & lights;
-    proposals.from_behind = from_behind;
-    if effects.shadows() && light.casts_shadows {
-        proposals.asking = proposals.lanes;
-    }
-    for lane in lanes(unusual) {
-        let Some(id) = lit.hits.ids.get(lane) else { continue };
-        let material = scene.material(id);
-        let point = lit_point(lit, lane, material, asker(lane));
-        if let Some(proposal) = propose(effects, (index, light), &point, sample) {
-            proposals.set(lane, &proposal);
-        }
+    intensities
+}
+
+/// Adds highlights to the colours of proposals.
+#[inline(always)]
+fn add_highlights(
+    scene: &PreparedScene,
+    lit: &LitPacket<'_>,
+    intensities: &Colors,
+    proposals: &mut ProposalPacket,
+) {
+    for lane in lanes(lit.shiny & proposals.lanes & !proposals.from_behind) {
+        let intensity = intensities.get(lane);
+        let Some(id) = lit.hits.ids.get(lane).filter(|_| intensity != Rgb::ZERO) else { continue };
+        let normal = facing_normal(lit.surfaces, lane);
+        let back = -lit.rays.directions.get(lane);
+        let way = proposals.directions.get(lane);
+        let highlight = specular(scene.material(id), intensity, normal, way, back);
+        proposals.colors.set(lane, proposals.colors.get(lane) + highlight);
     }
 }
 

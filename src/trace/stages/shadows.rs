@@ -20,8 +20,6 @@ pub(super) fn shadows(
     buffers: &mut TileBuffers<'_>,
 ) {
     buffers.entered.shadows += 1;
-    let context = sample.context;
-    let scene = context.scene;
     // Where there were too many shapes for one wave, there are for the next.
     let listed = !buffers.crowded_lights[place] && find_candidates(sample, light, buffers);
     buffers.crowded_lights[place] |= listed && buffers.candidates.all_crowded();
@@ -31,44 +29,68 @@ pub(super) fn shadows(
             continue;
         }
         buffers.rays_traced.shadow += u64::from(asking.count_ones());
-        let candidates = if listed { buffers.candidates.of(packet) } else { None };
-        let last_occluder = &mut buffers.last_occluders[place];
-        let proposals = &mut buffers.proposals[packet];
-        let Occlusion { hidden, mut open } = if scene.precision == Precision::Guaranteed {
-            let rays = &mut buffers.shadow_rays;
-            dispatch!(scene.simd.level(), simd => leave(simd, &buffers.surfaces[packet], proposals, rays));
-            let shadow = ShadowPacket {
-                rays,
-                limits: &proposals.limits,
-                except: light.own_shape,
-                candidates,
-                clear: context.effects.clear_shadows(),
-            };
-            let search = &mut buffers.scratch.search;
-            let effort = (&mut search.escalations, search.cancelled);
-            occluded(scene, &shadow, last_occluder, &mut search.packet_stack, effort)
-        } else {
-            Occlusion { hidden: 0, open: asking }
-        };
-        if context.effects.clear_shadows() {
-            open |= asking & (proposals.from_behind | inside(&buffers.wave.states[packet], asking));
-        }
-        proposals.lanes &= !hidden;
-        for lane in lanes(open & !hidden) {
-            let (surfaces, hits) = (&buffers.surfaces[packet], &buffers.hits[packet]);
-            let Some(point) = surfaces.get(lane, hits) else { continue };
-            let shadow_ray = &proposals.way(light, lane).ray(&point);
-            let seen = (&point, buffers.wave.states[packet][lane].medium);
-            let occluders = (light.own_shape, &mut *last_occluder, candidates);
-            let scratch = &mut buffers.scratch;
-            let share = visibility(context.effects, scene, shapes, shadow_ray, occluders, seen, scratch);
-            match share {
-                Some(share) if context.effects.clear_shadows() => {
-                    proposals.colors.set(lane, proposals.colors.get(lane) * share);
-                }
-                Some(_) => {}
-                None => proposals.lanes &= !(1 << lane),
+        let Occlusion { hidden, open } = occlusion(sample, (place, light), (packet, listed), buffers);
+        buffers.proposals[packet].lanes &= !hidden;
+        follow(sample, shapes, (place, light), (packet, listed), open & !hidden, buffers);
+    }
+}
+
+/// Finds which shadow rays of a packet are hidden for certain, and which have to be followed one by one.
+fn occlusion(
+    sample: &Sample<'_>,
+    (place, light): (usize, &Light),
+    (packet, listed): (usize, bool),
+    buffers: &mut TileBuffers<'_>,
+) -> Occlusion {
+    let (scene, clear) = (sample.context.scene, sample.context.effects.clear_shadows());
+    let TileBuffers { wave, surfaces, proposals, candidates, shadow_rays, last_occluders, scratch, .. } =
+        buffers;
+    let proposals = &proposals[packet];
+    if scene.precision != Precision::Guaranteed {
+        return Occlusion { hidden: 0, open: proposals.asking };
+    }
+    dispatch!(scene.simd.level(), simd => leave(simd, &surfaces[packet], proposals, shadow_rays));
+    let shadow = ShadowPacket {
+        rays: shadow_rays,
+        limits: &proposals.limits,
+        except: light.own_shape,
+        candidates: if listed { candidates.of(packet) } else { None },
+        clear,
+    };
+    let search = &mut scratch.search;
+    let effort = (&mut search.escalations, search.cancelled);
+    let mut found = occluded(scene, &shadow, &mut last_occluders[place], &mut search.packet_stack, effort);
+    if clear {
+        let through = proposals.from_behind | inside(&wave.states[packet], proposals.asking);
+        found.open |= proposals.asking & through;
+    }
+    found
+}
+
+/// Follows some shadow rays of a packet one by one.
+fn follow(
+    sample: &Sample<'_>,
+    shapes: &impl Intersector,
+    (place, light): (usize, &Light),
+    (packet, listed): (usize, bool),
+    open: u32,
+    buffers: &mut TileBuffers<'_>,
+) {
+    let (scene, effects) = (sample.context.scene, sample.context.effects);
+    let TileBuffers { wave, hits, surfaces, proposals, candidates, last_occluders, scratch, .. } = buffers;
+    let proposals = &mut proposals[packet];
+    let candidates = if listed { candidates.of(packet) } else { None };
+    for lane in lanes(open) {
+        let Some(point) = surfaces[packet].get(lane, &hits[packet]) else { continue };
+        let shadow_ray = &proposals.way(light, lane).ray(&point);
+        let seen = (&point, wave.states[packet][lane].medium);
+        let occluders = (light.own_shape, &mut last_occluders[place], candidates);
+        match visibility(effects, scene, shapes, shadow_ray, occluders, seen, scratch) {
+            Some(share) if effects.clear_shadows() => {
+                proposals.colors.set(lane, proposals.colors.get(lane) * share);
             }
+            Some(_) => {}
+            None => proposals.lanes &= !(1 << lane),
         }
     }
 }
