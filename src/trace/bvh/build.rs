@@ -6,17 +6,15 @@ use obvhs::bvh2::Bvh2;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use rayon::prelude::*;
 
-use super::Tree;
 use super::frame::{Frame, FrameBox};
 use super::node::{Child, Node, WIDTH};
-use crate::trace::rays::ShapeId;
-use crate::trace::shapes::Bounds;
+use super::{Extent, Tree};
 
 impl Tree {
-    /// A tree over these shapes.
-    pub(crate) fn build(ids: &[ShapeId], bounds: &[Bounds]) -> Self {
-        let frame = Frame::of(bounds);
-        let boxes: Vec<FrameBox> = bounds.par_iter().map(|bounds| frame.bounds(bounds)).collect();
+    /// Builds a tree over these shapes. Returns with it the index of each leaf's shape.
+    pub(crate) fn build(extents: &[Extent]) -> (Self, Vec<u32>) {
+        let frame = Frame::of(extents);
+        let boxes: Vec<FrameBox> = extents.par_iter().map(|extent| frame.bounds(&extent.bounds)).collect();
         let uneven: Vec<Aabb> =
             boxes.par_iter().enumerate().map(|(index, bounds)| uneven(bounds, index)).collect();
         let indices = (0..u32::try_from(boxes.len()).unwrap_or(u32::MAX)).collect();
@@ -30,7 +28,7 @@ impl Tree {
             SortPrecision::U64,
             0,
         );
-        Collapse::new(&binary, ids, &boxes).run(frame)
+        Collapse::new(&binary, extents, &boxes).run(frame)
     }
 }
 
@@ -52,25 +50,27 @@ fn uneven(bounds: &FrameBox, index: usize) -> Aabb {
 /// boxes are asked all at once before any of them is.
 struct Collapse<'a> {
     binary: &'a Bvh2,
-    /// The shapes' ids, in the order of the boxes.
-    given: &'a [ShapeId],
+    extents: &'a [Extent],
     boxes: &'a [FrameBox],
     /// How many shapes lie under each binary node.
     counts: Vec<u32>,
     /// The box around them.
     bounds: Vec<FrameBox>,
     nodes: Vec<Node>,
+    /// By leaf: the index of its shape.
+    leaves: Vec<u32>,
 }
 
 impl<'a> Collapse<'a> {
-    fn new(binary: &'a Bvh2, given: &'a [ShapeId], boxes: &'a [FrameBox]) -> Self {
+    fn new(binary: &'a Bvh2, extents: &'a [Extent], boxes: &'a [FrameBox]) -> Self {
         let mut collapse = Self {
             binary,
-            given,
+            extents,
             boxes,
             counts: vec![0; binary.nodes.len()],
             bounds: vec![FrameBox::EMPTY; binary.nodes.len()],
             nodes: Vec::new(),
+            leaves: Vec::with_capacity(boxes.len()),
         };
         collapse.measure();
         collapse
@@ -104,7 +104,7 @@ impl<'a> Collapse<'a> {
         }
     }
 
-    fn run(mut self, frame: Frame) -> Tree {
+    fn run(mut self, frame: Frame) -> (Tree, Vec<u32>) {
         if !self.binary.nodes.is_empty() {
             self.nodes.push(Node::empty());
             let mut pending = vec![(0, 0)];
@@ -112,7 +112,7 @@ impl<'a> Collapse<'a> {
                 self.fill(binary_index, wide_index, &mut pending);
             }
         }
-        Tree { frame, nodes: self.nodes }
+        (Tree { frame, nodes: self.nodes }, self.leaves)
     }
 
     fn is_small(&self, index: usize) -> bool {
@@ -138,18 +138,24 @@ impl<'a> Collapse<'a> {
             length += 1;
         }
         for (place, &member) in members[..length].iter().enumerate() {
-            let child = if self.counts[member] == 1 {
-                let shape = self.binary.nodes[member].first_index as usize;
-                Child::leaf(self.given[self.binary.primitive_indices[shape] as usize])
+            let (child, round) = if self.counts[member] == 1 {
+                let first = self.binary.nodes[member].first_index as usize;
+                let shape = self.binary.primitive_indices[first];
+                self.leaves.push(shape);
+                (Child::leaf(to_u32(self.leaves.len() - 1)), self.extents[shape as usize].round)
             } else {
                 let next = self.nodes.len();
                 self.nodes.push(Node::empty());
                 pending.push((member, next));
-                Child::node(u32::try_from(next).unwrap_or(u32::MAX))
+                (Child::node(to_u32(next)), false)
             };
-            self.nodes[wide_index].set(place, &self.bounds[member], child);
+            self.nodes[wide_index].set(place, &self.bounds[member], child, round);
         }
     }
+}
+
+fn to_u32(index: usize) -> u32 {
+    u32::try_from(index).unwrap_or(u32::MAX)
 }
 
 #[cfg(test)]
@@ -158,9 +164,10 @@ mod tests {
 
     use super::super::node::Link;
     use super::*;
+    use crate::trace::shapes::Bounds;
 
-    /// The tree's ids in order, and how many nodes lie above its deepest leaf.
-    fn walk(tree: &Tree) -> (Vec<ShapeId>, usize) {
+    /// The indices of a tree's shapes in order, and how many nodes lie above its deepest leaf.
+    fn walk((tree, leaves): &(Tree, Vec<u32>)) -> (Vec<u32>, usize) {
         let mut found = Vec::new();
         let mut deepest = 0;
         let mut open = vec![(0, 1)];
@@ -169,11 +176,11 @@ mod tests {
             for link in tree.nodes[index].links() {
                 match link {
                     Link::Node(index) => open.push((index, depth + 1)),
-                    Link::Leaf(id) => found.push(id),
+                    Link::Leaf(leaf) => found.push(leaves[leaf.index()]),
                 }
             }
         }
-        found.sort_unstable_by_key(|id| id.0);
+        found.sort_unstable();
         (found, deepest)
     }
 
@@ -188,11 +195,11 @@ mod tests {
         ];
         for place in places {
             for half in [0.0, 1e-60, 0.4] {
-                let ids: Vec<ShapeId> = (0..count).map(ShapeId).collect();
-                let bounds: Vec<Bounds> =
-                    (0..count).map(|index| Bounds::around(place(index), DVec3::splat(half))).collect();
-                let (found, depth) = walk(&Tree::build(&ids, &bounds));
-                assert_eq!(found, ids);
+                let around = |index: u32| Bounds::around(place(index), DVec3::splat(half));
+                let extents: Vec<Extent> =
+                    (0..count).map(|index| Extent { bounds: around(index), round: false }).collect();
+                let (found, depth) = walk(&Tree::build(&extents));
+                assert_eq!(found, (0..count).collect::<Vec<u32>>());
                 assert!(depth <= 14, "{depth} nodes deep");
             }
         }

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::Extent;
 use crate::trace::rays::Ray;
 use crate::trace::shapes::Bounds;
 
@@ -58,20 +59,22 @@ impl Frame {
     /// that is let into the tree, a quarter of what is left.
     pub(super) const SLACK: f64 = 1.0 / 4_194_304.0;
 
-    /// The frame of these boxes.
-    pub(crate) fn of(bounds: &[Bounds]) -> Self {
+    /// The frame of these shapes.
+    pub(crate) fn of(extents: &[Extent]) -> Self {
         let median = |axis: usize| {
-            let mut centers: Vec<f64> = bounds.iter().map(|bounds| bounds.center()[axis]).collect();
+            let mut centers: Vec<f64> = extents.iter().map(|extent| extent.bounds.center()[axis]).collect();
             let middle = centers.len() / 2;
             *centers.select_nth_unstable_by(middle, f64::total_cmp).1
         };
-        if bounds.is_empty() {
+        if extents.is_empty() {
             return Self { origin: DVec3::ZERO, scale: 1.0 };
         }
         let origin = DVec3::new(median(0), median(1), median(2));
-        let reach = bounds
+        let reach = extents
             .iter()
-            .map(|bounds| (bounds.max - origin).abs().max((bounds.min - origin).abs()).max_element())
+            .map(|Extent { bounds, .. }| {
+                (bounds.max - origin).abs().max((bounds.min - origin).abs()).max_element()
+            })
             .fold(0.0, f64::max);
         let exponent = if reach > 0.0 { libm::ilogb(reach) + 1 } else { 0 };
         Self { origin, scale: libm::ldexp(1.0, -exponent.clamp(-1020, 1020)) }

@@ -1,6 +1,6 @@
 //! A tree of bounding boxes that says which shapes a ray may meet, and nothing else.
 //!
-//! The tree knows boxes and ids, never shapes. It is only ever asked to leave out what a ray cannot meet: every
+//! The tree knows boxes and numbers of leaves, never shapes. It is only ever asked to leave out what a ray cannot meet: every
 //! rounding in it goes the cautious way, so that the picture does not depend on it.
 //!
 //! - [`frame`]: the coordinates in which boxes are kept in `f32`, and rays in those coordinates.
@@ -17,12 +17,23 @@ mod packet;
 mod shaft;
 mod traverse;
 
+pub(crate) use node::LeafId;
 pub(crate) use packet::{FramePacket, PacketStack, PacketVisitor};
-pub(crate) use shaft::{Depth, Limits, PARTS, Planes, Shaft, ShaftVisitor, Slopes};
+pub(crate) use shaft::{Depth, LeafBox, Limits, PARTS, Shaft, ShaftVisitor, Slopes};
 pub(crate) use traverse::Stack;
 
 use frame::Frame;
 use node::Node;
+
+use crate::trace::shapes::Bounds;
+
+/// Where a shape is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extent {
+    pub(crate) bounds: Bounds,
+    /// Whether it is a sphere that touches all sides of them.
+    pub(crate) round: bool,
+}
 
 /// The tree over the shapes that have bounds.
 #[derive(Clone, Debug)]

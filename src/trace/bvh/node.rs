@@ -3,10 +3,13 @@
 use fearless_simd::{f32x8, prelude::*};
 
 use super::frame::{FrameBox, FrameRay};
-use crate::trace::rays::ShapeId;
 
 /// How many children a node has.
 pub(crate) const WIDTH: usize = 8;
+
+/// Identifies a shape of the tree: the number of its leaf, in the order in which nodes have them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct LeafId(u32);
 
 /// A node's child: another node, or a shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -16,7 +19,7 @@ pub(crate) struct Child(u32);
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Link {
     Node(usize),
-    Leaf(ShapeId),
+    Leaf(LeafId),
 }
 
 /// Eight children's boxes, plane by plane: lower x, y, z, then upper x, y, z.
@@ -27,18 +30,28 @@ pub(crate) struct Node {
     pub(crate) children: [Child; WIDTH],
     /// Which children there are, as a bit mask.
     used: u32,
+    /// Which of them are spheres that touch all sides of their boxes.
+    round: u32,
+}
+
+impl LeafId {
+    /// Returns it as an index into arrays of one entry a leaf.
+    #[inline(always)]
+    pub(crate) fn index(self) -> usize {
+        self.0 as usize
+    }
 }
 
 impl Child {
-    /// More than any id has: there are at most 2^28.
+    /// More than any leaf has: there are at most 2^28.
     const LEAF: u32 = 1 << 31;
 
     pub(crate) fn node(index: u32) -> Self {
         Self(index)
     }
 
-    pub(crate) fn leaf(id: ShapeId) -> Self {
-        Self(Self::LEAF | id.0)
+    pub(crate) fn leaf(index: u32) -> Self {
+        Self(Self::LEAF | index)
     }
 
     #[inline]
@@ -46,7 +59,7 @@ impl Child {
         if self.0 & Self::LEAF == 0 {
             Link::Node(self.0 as usize)
         } else {
-            Link::Leaf(ShapeId(self.0 & !Self::LEAF))
+            Link::Leaf(LeafId(self.0 & !Self::LEAF))
         }
     }
 
@@ -73,16 +86,18 @@ impl Node {
             planes: [lower, lower, lower, upper, upper, upper],
             children: [Child::default(); WIDTH],
             used: 0,
+            round: 0,
         }
     }
 
-    pub(crate) fn set(&mut self, index: usize, bounds: &FrameBox, child: Child) {
+    pub(crate) fn set(&mut self, index: usize, bounds: &FrameBox, child: Child, round: bool) {
         for axis in 0..3 {
             self.planes[axis][index] = bounds.min[axis];
             self.planes[axis + 3][index] = bounds.max[axis];
         }
         self.children[index] = child;
         self.used |= 1 << index;
+        self.round |= u32::from(round) << index;
     }
 
     /// Plane `index` of all children's boxes: lower x, y, z, then upper x, y, z.
@@ -103,6 +118,12 @@ impl Node {
     #[inline(always)]
     pub(super) fn used(&self) -> u32 {
         self.used
+    }
+
+    /// Returns whether a child is a sphere that touches all sides of its box.
+    #[inline(always)]
+    pub(super) fn is_round(&self, child: usize) -> bool {
+        self.round & (1 << child) != 0
     }
 
     /// The children that there are.

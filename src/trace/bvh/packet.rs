@@ -18,11 +18,11 @@ use fearless_simd::{f32x8, f32x16, prelude::*};
 
 use super::Tree;
 use super::frame::Frame;
-use super::node::{Child, Link, Node, WIDTH};
+use super::node::{Child, LeafId, Link, Node, WIDTH};
 use crate::trace::math::{
     F64s, F64s3, LANES, Numbers, Vectors, bits16, lanes, mask16, splat, splat3, subtract, times,
 };
-use crate::trace::rays::ShapeId;
+use crate::trace::rays::RayPacket;
 
 /// An `f32` of every lane.
 type Floats = [f32; LANES];
@@ -76,7 +76,7 @@ pub(crate) trait PacketVisitor<S: Simd> {
     const NEAREST_FIRST: bool;
 
     /// Visits a shape with the rays in some lanes, and updates what is still of interest.
-    fn visit(&mut self, simd: S, id: ShapeId, lanes: u32, packet: &mut FramePacket);
+    fn visit(&mut self, simd: S, leaf: LeafId, lanes: u32, packet: &mut FramePacket);
 }
 
 impl FramePacket {
@@ -167,21 +167,16 @@ impl Shared {
 impl Frame {
     /// Rays in some lanes.
     #[inline(always)]
-    fn packet<S: Simd>(
-        &self,
-        simd: S,
-        (origins, directions): (&Vectors, &Vectors),
-        active: u32,
-    ) -> FramePacket {
+    fn packet<S: Simd>(&self, simd: S, rays: &RayPacket, active: u32) -> FramePacket {
         let [mut low, mut high, mut inverses] = [[[0.0; LANES]; 3]; 3];
         let [mut low_products, mut high_products] = [[[0.0; LANES]; 3]; 2];
-        let places = [self.places(simd, origins, 0), self.places(simd, origins, 1)];
+        let places = [self.places(simd, &rays.origins, 0), self.places(simd, &rays.origins, 1)];
         let slacks = [slack(places[0]), slack(places[1])];
         for axis in 0..3 {
             let below = (places[0][axis] - slacks[0]).narrow(places[1][axis] - slacks[1]);
             let above = (places[0][axis] + slacks[0]).narrow(places[1][axis] + slacks[1]);
-            let directions = directions.axis(axis);
-            let inverse = inverse(simd, directions, 0).narrow(inverse(simd, directions, 1));
+            let direction = rays.directions.axis(axis);
+            let inverse = inverse(simd, direction, 0).narrow(inverse(simd, direction, 1));
             below.store_array(&mut low[axis]);
             above.store_array(&mut high[axis]);
             inverse.store_array(&mut inverses[axis]);
@@ -232,7 +227,7 @@ fn inverse<S: Simd>(simd: S, directions: &Numbers, half: usize) -> F64s<S> {
 impl Tree {
     /// Makes rays in some lanes ready for culling.
     #[inline(always)]
-    pub(crate) fn packet<S: Simd>(&self, simd: S, rays: (&Vectors, &Vectors), active: u32) -> FramePacket {
+    pub(crate) fn packet<S: Simd>(&self, simd: S, rays: &RayPacket, active: u32) -> FramePacket {
         self.frame.packet(simd, rays, active)
     }
 
@@ -263,7 +258,7 @@ impl Tree {
                         break;
                     }
                     Link::Leaf(_) if cancelled.load(Ordering::Relaxed) => return,
-                    Link::Leaf(id) => visitor.visit(simd, id, lanes & packet.active, packet),
+                    Link::Leaf(leaf) => visitor.visit(simd, leaf, lanes & packet.active, packet),
                 }
                 if packet.active == 0 {
                     return;

@@ -18,29 +18,39 @@
 //! That is less than 6 e (1 + E)(1 + S) in all. Boxes are accepted that are missed by 16 e (1 + E)(1 + S): what is left is for
 //! shapes that by their own rounding accept rays which pass them (see [`Frame::ray`](frame::Frame::ray)), and for the rounding
 //! of directions.
+//!
+//! A sphere of radius r is beyond the slope h if for its centre u - h w > r sqrt(1 + h^2). It touches the sides of its box, which are
+//! rounded outwards, by less than 3 e: their middle is off from its centre by less than 4 e, and half their distance is at most e
+//! less than its radius. That makes less than 5 e (1 + S), the product of radius and root is rounded by less than 3 e (1 + S), and
+//! the rest is as with boxes: less than 14 e (1 + E)(1 + S) in all, and of a sphere's own rounding there is next to nothing.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use fearless_simd::{f32x8, f32x16, prelude::*};
+use fearless_simd::{f32x8, f32x16, mask32x16, prelude::*};
 use glam::DVec3;
 
-use super::node::{Link, Node, WIDTH};
+use super::node::{LeafId, Link, Node, WIDTH};
 use super::traverse::{Pending, Stack};
 use super::{Tree, frame};
-use crate::trace::math::{F64s, Vectors, mask, splat};
-use crate::trace::rays::ShapeId;
+use crate::trace::math::{F64s, LANES, Numbers, Vectors, mask, splat};
 
 /// 2^-20, or 16 times the unit roundoff of `f32`.
 const SLACK: f64 = 1.0 / 1_048_576.0;
 
 /// How many bundles there are within a bundle.
-pub(crate) const PARTS: usize = 16;
+pub(crate) const PARTS: usize = 32;
 
-/// The smallest and the largest slope along the two axes across the depth.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A number of every part, as many at a time as a vector has lanes.
+type PartNumbers = [[f32; LANES]; PARTS / LANES];
+
+/// The smallest and the largest slope of each part's rays along the two axes across the depth.
+#[derive(Clone, Debug)]
 pub(crate) struct Slopes {
-    pub(crate) low: [f64; 2],
-    pub(crate) high: [f64; 2],
+    low: [[Numbers; PARTS / LANES]; 2],
+    high: [[Numbers; PARTS / LANES]; 2],
+    /// Of all parts.
+    lowest: [f64; 2],
+    highest: [f64; 2],
 }
 
 /// The axis that depth is measured along, and to which side.
@@ -59,37 +69,72 @@ pub(crate) struct Shaft {
     high: [f32; 2],
     slack: f32,
     /// Of the parts, likewise.
-    part_low: [[f32; PARTS]; 2],
-    part_high: [[f32; PARTS]; 2],
+    part_low: [PartNumbers; 2],
+    part_high: [PartNumbers; 2],
+    /// sqrt(1 + h^2) of each of those slopes.
+    part_low_root: [PartNumbers; 2],
+    part_high_root: [PartNumbers; 2],
 }
 
 /// By part: the depth up to which shapes are of interest, in the tree's frame.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Limits(pub(crate) [f32; PARTS]);
+pub(crate) struct Limits(PartNumbers);
 
-/// A box in the tree's frame: lower x, y, z, then upper x, y, z.
-pub(crate) type Planes = [f32; 6];
+/// The box of a shape in the tree's frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LeafBox {
+    /// Lower x, y, z, then upper x, y, z.
+    planes: [f32; 6],
+    /// Whether it is a sphere that touches all sides.
+    round: bool,
+}
 
 /// What is asked of every shape that rays of a shaft may meet.
 pub(crate) trait ShaftVisitor<S: Simd> {
     /// Visits a shape, with its box. Returns the depth from which on nothing is of interest any more.
-    fn visit(&mut self, simd: S, id: ShapeId, bounds: &Planes) -> f32;
+    fn visit(&mut self, simd: S, leaf: LeafId, bounds: &LeafBox) -> f32;
 }
 
 impl Slopes {
     /// Of no ray.
-    pub(crate) const NONE: Self = Self { low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] };
+    pub(crate) const NONE: Self = Self {
+        low: [[Numbers::splat(0.0); PARTS / LANES]; 2],
+        high: [[Numbers::splat(0.0); PARTS / LANES]; 2],
+        lowest: [f64::INFINITY; 2],
+        highest: [f64::NEG_INFINITY; 2],
+    };
 
-    /// Those of both.
-    pub(crate) fn union(&self, other: &Self) -> Self {
-        let both = |one: [f64; 2], two: [f64; 2], pick: fn(f64, f64) -> f64| {
-            [pick(one[0], two[0]), pick(one[1], two[1])]
-        };
-        Self { low: both(self.low, other.low, f64::min), high: both(self.high, other.high, f64::max) }
+    /// Takes those of a part's rays: of half of a packet in some lanes, along their directions times `sense`, 1 or -1, with depth
+    /// along an axis. `false` where one goes the other way, or so steeply that it would make the shaft too wide.
+    #[inline(always)]
+    pub(crate) fn set<S: Simd>(
+        &mut self,
+        simd: S,
+        part: usize,
+        (directions, lanes, half): (&Vectors, u32, usize),
+        (depth, sense): (Depth, f64),
+    ) -> bool {
+        const STEEPEST: f64 = 16.0;
+        let [w, u, v] = depth.axes();
+        let asked = mask(simd, lanes, half);
+        let inverse = splat(simd, depth.sign() * sense) / directions.axis(w).load(simd, half);
+        let mut good = inverse.simd_gt(splat(simd, 0.0));
+        let (group, lane) = (part / LANES % (PARTS / LANES), part % LANES);
+        for (side, across) in [u, v].into_iter().enumerate() {
+            let slope = directions.axis(across).load(simd, half) * sense * inverse;
+            good &= slope.abs().simd_le(splat(simd, STEEPEST));
+            let low = asked.select(slope, splat(simd, f64::INFINITY)).reduce_min();
+            let high = asked.select(slope, splat(simd, f64::NEG_INFINITY)).reduce_max();
+            self.low[side][group].set(lane, low);
+            self.high[side][group].set(lane, high);
+            self.lowest[side] = self.lowest[side].min(low);
+            self.highest[side] = self.highest[side].max(high);
+        }
+        !(asked & !good).any_true()
     }
 
     fn steepest(&self) -> f64 {
-        self.low.iter().chain(&self.high).fold(0.0, |steepest, slope| slope.abs().max(steepest))
+        self.lowest.iter().chain(&self.highest).fold(0.0, |steepest, slope| slope.abs().max(steepest))
     }
 }
 
@@ -100,57 +145,17 @@ impl Depth {
         Self { axis, upwards: direction[axis] > 0.0 }
     }
 
-    /// Returns the slopes of rays in some lanes, at least one, along their directions times `sense`, 1 or -1. `None` where one goes
-    /// the other way, or so steeply that it would make the shaft too wide.
-    #[inline(always)]
-    pub(crate) fn slopes_of<S: Simd>(
-        self,
-        simd: S,
-        directions: &Vectors,
-        lanes: u32,
-        sense: f64,
-    ) -> Option<Slopes> {
-        const STEEPEST: f64 = 16.0;
-        let [w, u, v] = self.axes();
-        let mut lows = [splat(simd, f64::INFINITY); 2];
-        let mut highs = [splat(simd, f64::NEG_INFINITY); 2];
-        for half in 0..2 {
-            let asked = mask(simd, lanes, half);
-            let inverse = splat(simd, self.sign() * sense) / directions.axis(w).load(simd, half);
-            let mut good = inverse.simd_gt(splat(simd, 0.0));
-            for (side, across) in [u, v].into_iter().enumerate() {
-                let slope = directions.axis(across).load(simd, half) * sense * inverse;
-                good &= slope.abs().simd_le(splat(simd, STEEPEST));
-                lows[side] = (asked & slope.simd_lt(lows[side])).select(slope, lows[side]);
-                highs[side] = (asked & slope.simd_gt(highs[side])).select(slope, highs[side]);
-            }
-            if (asked & !good).any_true() {
-                return None;
-            }
-        }
-        // Not by `map`: what is passed to it is compiled without the vector instructions.
-        let low = [lows[0].reduce_min(), lows[1].reduce_min()];
-        let high = [highs[0].reduce_max(), highs[1].reduce_max()];
-        Some(Slopes { low, high })
-    }
-
-    /// Returns the greatest depth that rays in some lanes reach by their `t`, along their directions times `sense`, 1 or -1; minus
-    /// infinity of no lane.
+    /// Returns the greatest depth that half of a packet's rays in some lanes reach by their `t`, along their directions times `sense`,
+    /// 1 or -1; minus infinity of no lane.
     #[inline(always)]
     pub(crate) fn farthest<S: Simd>(
         self,
         simd: S,
-        (directions, lanes, sense): (&Vectors, u32, f64),
-        t: impl Fn(usize) -> F64s<S>,
+        (directions, lanes, half): (&Vectors, u32, usize),
+        (t, sense): (F64s<S>, f64),
     ) -> f64 {
-        let nowhere = splat(simd, f64::NEG_INFINITY);
-        let mut farthest = nowhere;
-        for half in 0..2 {
-            let speed = directions.axis(self.axis).load(simd, half) * (self.sign() * sense);
-            let depth = mask(simd, lanes, half).select(t(half) * speed, nowhere);
-            farthest = depth.simd_gt(farthest).select(depth, farthest);
-        }
-        farthest.reduce_max()
+        let speed = directions.axis(self.axis).load(simd, half) * (self.sign() * sense);
+        mask(simd, lanes, half).select(t * speed, splat(simd, f64::NEG_INFINITY)).reduce_max()
     }
 
     fn sign(self) -> f64 {
@@ -171,31 +176,43 @@ impl Depth {
 }
 
 impl Tree {
-    /// Makes a shaft of the rays from a point that have these slopes, part by part. `None` where the point is so far from the
-    /// shapes that `f32` would tell too few of them apart.
-    pub(crate) fn shaft(&self, origin: DVec3, depth: Depth, parts: &[Slopes; PARTS]) -> Option<Shaft> {
+    /// Makes a shaft of the rays from a point that have these slopes. `None` where the point is so far from the shapes that `f32`
+    /// would tell too few of them apart.
+    #[inline(always)]
+    pub(crate) fn shaft<S: Simd>(
+        &self,
+        simd: S,
+        origin: DVec3,
+        depth: Depth,
+        slopes: &Slopes,
+    ) -> Option<Shaft> {
         /// Of the size of all shapes together.
         const COARSEST: f64 = 1.0 / 4096.0;
-        let all = parts.iter().fold(Slopes::NONE, |all, part| all.union(part));
         let origin = (origin - self.frame.origin()) * self.frame.scale();
-        let slack = SLACK * (1.0 + origin.abs().max_element()) * (1.0 + all.steepest());
+        let slack = SLACK * (1.0 + origin.abs().max_element()) * (1.0 + slopes.steepest());
         if slack.is_nan() || slack > COARSEST {
             return None;
         }
-        let (below, above) = (frame::below, frame::above);
         let mut shaft = Shaft {
             depth,
             origin: origin.to_array().map(frame::nearest),
-            low: all.low.map(below),
-            high: all.high.map(above),
-            slack: above(slack),
-            part_low: [[0.0; PARTS]; 2],
-            part_high: [[0.0; PARTS]; 2],
+            low: slopes.lowest.map(frame::below),
+            high: slopes.highest.map(frame::above),
+            slack: frame::above(slack),
+            part_low: [NO_NUMBERS; 2],
+            part_high: [NO_NUMBERS; 2],
+            part_low_root: [NO_NUMBERS; 2],
+            part_high_root: [NO_NUMBERS; 2],
         };
-        for (index, part) in parts.iter().enumerate() {
-            for side in 0..2 {
-                shaft.part_low[side][index] = below(part.low[side]);
-                shaft.part_high[side][index] = above(part.high[side]);
+        for side in 0..2 {
+            for group in 0..PARTS / LANES {
+                let low = slopes.low[side][group].rounded(simd);
+                let high = slopes.high[side][group].rounded(simd);
+                let (low, high) = (low - widened(low), high + widened(high));
+                low.store_array(&mut shaft.part_low[side][group]);
+                high.store_array(&mut shaft.part_high[side][group]);
+                (low * low + 1.0).sqrt().store_array(&mut shaft.part_low_root[side][group]);
+                (high * high + 1.0).sqrt().store_array(&mut shaft.part_high_root[side][group]);
             }
         }
         Some(shaft)
@@ -229,8 +246,9 @@ impl Tree {
                 match node.children[child].read() {
                     Link::Node(_) => stack.push(Pending::new(node.children[child], depths[child])),
                     Link::Leaf(_) if cancelled.load(Ordering::Relaxed) => return,
-                    Link::Leaf(id) if depths[child] <= limit => {
-                        limit = visitor.visit(simd, id, &node.bounds(child));
+                    Link::Leaf(leaf) if depths[child] <= limit => {
+                        let bounds = LeafBox { planes: node.bounds(child), round: node.is_round(child) };
+                        limit = visitor.visit(simd, leaf, &bounds);
                     }
                     Link::Leaf(_) => {}
                 }
@@ -280,40 +298,105 @@ impl Shaft {
         (node.used() & mask_bits(met.to_bitmask()), near)
     }
 
-    /// Returns which parts' rays may meet a box before their own depths, as a bit mask.
+    /// Returns which parts' rays may meet a shape before their own depths, as a bit mask.
     #[inline(always)]
-    pub(crate) fn parts<S: Simd>(&self, simd: S, bounds: &Planes, limits: &Limits) -> u32 {
+    pub(crate) fn parts<S: Simd>(&self, simd: S, bounds: &LeafBox, limits: &Limits) -> u32 {
+        let mut parts = 0;
+        for group in 0..PARTS / LANES {
+            let met = if bounds.round {
+                self.sphere_parts(simd, &bounds.planes, limits, group)
+            } else {
+                self.box_parts(simd, &bounds.planes, limits, group)
+            };
+            parts |= mask_bits(met.to_bitmask()) << (group * LANES);
+        }
+        parts
+    }
+
+    #[inline(always)]
+    fn box_parts<S: Simd>(&self, simd: S, planes: &[f32; 6], limits: &Limits, group: usize) -> mask32x16<S> {
         let splat = f32x16::splat;
         let [w, u, v] = self.depth.axes();
         let [near, far] = self.depth.near_and_far();
-        let (near, far) = (bounds[near] - self.origin[w], bounds[far] - self.origin[w]);
+        let (near, far) = (planes[near] - self.origin[w], planes[far] - self.origin[w]);
         let (near, far) = if self.depth.upwards { (near, far) } else { (-near, -far) };
         let near = near.max(0.0);
-        let limits = f32x16::load_array_ref(simd, &limits.0);
-        let mut met = splat(simd, near).simd_le(limits);
+        let mut met = splat(simd, near).simd_le(f32x16::load_array_ref(simd, &limits.0[group]));
         for (side, across) in [u, v].into_iter().enumerate() {
             let (lower, upper) =
-                (bounds[across] - self.origin[across], bounds[across + 3] - self.origin[across]);
-            let low = f32x16::load_array_ref(simd, &self.part_low[side]);
-            let high = f32x16::load_array_ref(simd, &self.part_high[side]);
+                (planes[across] - self.origin[across], planes[across + 3] - self.origin[across]);
+            let low = f32x16::load_array_ref(simd, &self.part_low[side][group]);
+            let high = f32x16::load_array_ref(simd, &self.part_high[side][group]);
             let (near, far) = (splat(simd, near), splat(simd, far));
             met &= splat(simd, lower - self.slack).simd_le((high * near).max(high * far))
                 & splat(simd, upper + self.slack).simd_ge((low * near).min(low * far));
         }
-        mask_bits(met.to_bitmask())
+        met
+    }
+
+    #[inline(always)]
+    fn sphere_parts<S: Simd>(
+        &self,
+        simd: S,
+        planes: &[f32; 6],
+        limits: &Limits,
+        group: usize,
+    ) -> mask32x16<S> {
+        let splat = f32x16::splat;
+        let load = |numbers: &PartNumbers| f32x16::load_array_ref(simd, &numbers[group]);
+        let [w, u, v] = self.depth.axes();
+        let (center, radius) = ball(planes);
+        let depth = center[w] - self.origin[w];
+        let depth = if self.depth.upwards { depth } else { -depth };
+        let mut met = splat(simd, depth - radius - self.slack).simd_le(load(&limits.0));
+        let (depth, radius) = (splat(simd, depth), splat(simd, radius));
+        for (side, across) in [u, v].into_iter().enumerate() {
+            let beside = center[across] - self.origin[across];
+            let (lower, upper) = (splat(simd, beside - self.slack), splat(simd, beside + self.slack));
+            let high = load(&self.part_high[side]) * depth + load(&self.part_high_root[side]) * radius;
+            let low = load(&self.part_low[side]) * depth - load(&self.part_low_root[side]) * radius;
+            met &= lower.simd_le(high) & upper.simd_ge(low);
+        }
+        met
     }
 }
 
 impl Limits {
     /// Of parts where nothing is of interest.
-    pub(crate) const NONE: Self = Self([f32::NEG_INFINITY; PARTS]);
+    pub(crate) const NONE: Self = Self([[f32::NEG_INFINITY; LANES]; PARTS / LANES]);
+
+    /// Lets shapes be of interest to a part up to this depth.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, part: usize, depth: f32) {
+        self.0[part / LANES % (PARTS / LANES)][part % LANES] = depth;
+    }
 
     /// Returns the depth up to which shapes are of interest to any part.
     #[inline(always)]
     pub(crate) fn farthest<S: Simd>(&self, simd: S) -> f32 {
-        f32x16::load_array_ref(simd, &self.0).reduce_max()
+        let [first, second] = &self.0;
+        f32x16::load_array_ref(simd, first).max(f32x16::load_array_ref(simd, second)).reduce_max()
     }
 }
+
+/// The centre and the radius of the sphere that touches the sides of a box.
+#[inline(always)]
+fn ball([x, y, z, upper_x, upper_y, upper_z]: &[f32; 6]) -> ([f32; 3], f32) {
+    let middle = |lower: f32, upper: f32| (lower + upper) * 0.5;
+    let center = [middle(*x, *upper_x), middle(*y, *upper_y), middle(*z, *upper_z)];
+    (center, (upper_x - x).max(upper_y - y).max(upper_z - z) * 0.5)
+}
+
+/// More than rounding a slope to `f32` takes away.
+#[inline(always)]
+fn widened<S: Simd>(slope: f32x16<S>) -> f32x16<S> {
+    /// Two units in the last place.
+    const WIDER: f32 = f32::EPSILON;
+    slope.abs() * WIDER + f32::MIN_POSITIVE
+}
+
+/// Of no part.
+const NO_NUMBERS: PartNumbers = [[0.0; LANES]; PARTS / LANES];
 
 /// Lanes as bits of a `u32`.
 #[inline(always)]

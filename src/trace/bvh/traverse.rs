@@ -3,8 +3,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::Tree;
-use super::node::{Child, Link, Node};
-use crate::trace::rays::{Ray, ShapeId};
+use super::node::{Child, LeafId, Link, Node};
+use crate::trace::rays::Ray;
 
 /// Nodes and shapes still to be visited, kept between rays so that none allocates.
 #[derive(Clone, Debug, Default)]
@@ -51,7 +51,7 @@ impl Tree {
         mut limit: f64,
         stack: &mut Stack,
         cancelled: &AtomicBool,
-        mut visit: impl FnMut(ShapeId) -> f64,
+        mut visit: impl FnMut(LeafId) -> f64,
     ) {
         if self.nodes.is_empty() {
             return;
@@ -81,11 +81,11 @@ impl Tree {
                         node = &self.nodes[index];
                         break;
                     }
-                    Link::Leaf(id) => {
+                    Link::Leaf(leaf) => {
                         if cancelled.load(Ordering::Relaxed) {
                             return;
                         }
-                        let wanted = visit(id);
+                        let wanted = visit(leaf);
                         if wanted < limit {
                             limit = wanted;
                             frame_limit = self.frame.limit(limit);
@@ -105,8 +105,8 @@ impl Tree {
         limit: f64,
         stack: &mut Stack,
         cancelled: &AtomicBool,
-        mut found: impl FnMut(ShapeId) -> bool,
-    ) -> Option<ShapeId> {
+        mut found: impl FnMut(LeafId) -> bool,
+    ) -> Option<LeafId> {
         if self.nodes.is_empty() {
             return None;
         }
@@ -122,7 +122,7 @@ impl Tree {
                 match child.read() {
                     Link::Node(_) => stack.push(Pending::new(child, 0.0)),
                     Link::Leaf(_) if cancelled.load(Ordering::Relaxed) => return None,
-                    Link::Leaf(id) if found(id) => return Some(id),
+                    Link::Leaf(leaf) if found(leaf) => return Some(leaf),
                     Link::Leaf(_) => {}
                 }
             }

@@ -8,6 +8,7 @@ use super::filter::Filter;
 use super::medium_stack::{MediumStack, MediumStacks};
 use super::scratch::LightScratch;
 use crate::color::Rgb;
+use crate::trace::bvh::LeafId;
 use crate::trace::effects::Effects;
 use crate::trace::query::{Crossed, Crossing, Intersector, Scratch, SurfacePoint};
 use crate::trace::rays::{RayView, ShapeId};
@@ -23,7 +24,7 @@ pub(crate) fn visibility(
     scene: &PreparedScene,
     shapes: &impl Intersector,
     shadow_ray: &ShadowRay,
-    (own_shape, last_occluder, candidates): (Option<ShapeId>, &mut Option<ShapeId>, Option<&[ShapeId]>),
+    (own_shape, last_occluder, candidates): (Option<ShapeId>, &mut Option<ShapeId>, Option<&[LeafId]>),
     (surface, medium): (&SurfacePoint, MediumStack),
     scratch: &mut LightScratch<'_>,
 ) -> Option<Rgb> {

@@ -159,11 +159,17 @@ impl Colors {
 
 /// Goes through the lanes of a bit mask.
 #[inline(always)]
-pub(crate) fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
+pub(crate) fn lanes(mask: u32) -> impl Iterator<Item = usize> {
+    set_bits(mask).map(|lane| lane % LANES)
+}
+
+/// Goes through the numbers of the bits that are set.
+#[inline(always)]
+pub(crate) fn set_bits(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
-        let lane = (mask != 0).then(|| mask.trailing_zeros() as usize % LANES);
+        let bit = (mask != 0).then(|| mask.trailing_zeros() as usize);
         mask &= mask.wrapping_sub(1);
-        lane
+        bit
     })
 }
 

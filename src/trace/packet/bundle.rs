@@ -6,12 +6,15 @@ use fearless_simd::{dispatch, prelude::*};
 use glam::DVec3;
 
 use super::closest_hit::{Search, latest};
-use super::verdicts::{Asking, Inverses};
-use crate::trace::bvh::{Depth, Limits, PARTS, Planes, Shaft, ShaftVisitor, Slopes};
-use crate::trace::math::lanes;
+use super::verdicts::{Asked, Asking, Inverses};
+use crate::trace::bvh::{Depth, LeafBox, LeafId, Limits, PARTS, Shaft, ShaftVisitor, Slopes};
+use crate::trace::math::set_bits;
 use crate::trace::query::{Escalations, HitPacket, Scratch};
-use crate::trace::rays::{RayPacket, ShapeId};
+use crate::trace::rays::RayPacket;
 use crate::trace::scene::PreparedScene;
+
+/// The first halves of packets, as parts.
+const EVERY_FIRST: u32 = 0x5555_5555;
 
 /// Shapes that packets are tested against before single rays are thought to do better, for each packet: where shapes are much
 /// smaller than pixels, a single ray meets few of those that its packet does.
@@ -40,15 +43,19 @@ fn find<S: Simd>(
 ) -> bool {
     let Some(first) = rays.iter().find(|packet| packet.lanes != 0) else { return false };
     let depth = Depth::along(first.directions.get(first.lanes.trailing_zeros() as usize));
-    let mut slopes = [Slopes::NONE; PARTS];
-    for (slopes, packet) in slopes.iter_mut().zip(rays) {
-        let Some(found) = depth.slopes_of(simd, &packet.directions, packet.lanes, 1.0) else { return false };
-        *slopes = found;
+    let mut slopes = Slopes::NONE;
+    for (packet, rays) in rays.iter().enumerate() {
+        for half in 0..2 {
+            let along = (&rays.directions, rays.lanes, half);
+            if !slopes.set(simd, packet * 2 + half, along, (depth, 1.0)) {
+                return false;
+            }
+        }
     }
-    let Some(shaft) = scene.tree.shaft(origin, depth, &slopes) else { return false };
+    let Some(shaft) = scene.tree.shaft(simd, origin, depth, &slopes) else { return false };
     hits.iter_mut().for_each(HitPacket::clear);
     let Scratch { stack, cancelled, escalations, .. } = scratch;
-    let mut inverses = [const { Inverses::UNKNOWN }; PARTS];
+    let mut inverses = [const { Inverses::UNKNOWN }; PARTS / 2];
     let mut visitor = Visitor {
         scene,
         shaft: &shaft,
@@ -60,17 +67,14 @@ fn find<S: Simd>(
         tests: 0,
         escalations,
     };
-    for (part, packet) in rays.iter().enumerate() {
-        if packet.lanes == 0 {
-            continue;
-        }
+    for (packet, rays) in rays.iter().enumerate() {
         for id in &scene.beside {
             if cancelled.load(Ordering::Relaxed) {
                 return true;
             }
-            visitor.meet(simd, part, *id);
+            visitor.meet(simd, (packet, rays.lanes), Asked::beside(scene, *id));
         }
-        visitor.update_limit(simd, part);
+        visitor.update_limits(simd, packet);
     }
     let limit = visitor.limits.farthest(simd);
     scene.tree.visit_shaft(simd, &shaft, limit, stack, cancelled, &mut visitor);
@@ -84,7 +88,7 @@ struct Visitor<'a> {
     depth: Depth,
     rays: &'a [RayPacket],
     hits: &'a mut [HitPacket],
-    inverses: &'a mut [Inverses; PARTS],
+    inverses: &'a mut [Inverses; PARTS / 2],
     limits: Limits,
     tests: usize,
     escalations: &'a mut Escalations,
@@ -92,16 +96,19 @@ struct Visitor<'a> {
 
 impl<S: Simd> ShaftVisitor<S> for Visitor<'_> {
     #[inline(always)]
-    fn visit(&mut self, simd: S, id: ShapeId, bounds: &Planes) -> f32 {
+    fn visit(&mut self, simd: S, leaf: LeafId, bounds: &LeafBox) -> f32 {
         let parts = self.shaft.parts(simd, bounds, &self.limits);
         self.tests += 1 + parts.count_ones() as usize;
         if self.tests > MOST_TESTS * PARTS {
             self.hits.iter_mut().zip(self.rays).for_each(|(hits, rays)| hits.open = rays.lanes);
             return f32::NEG_INFINITY;
         }
-        for part in lanes(parts) {
-            if self.meet(simd, part, id) {
-                self.update_limit(simd, part);
+        let shape = Asked::leaf(self.scene, leaf);
+        for first in set_bits((parts | parts >> 1) & EVERY_FIRST) {
+            let (packet, halves) = (first / 2, parts >> first & 3);
+            let asked = ((halves & 1) * 0x00ff) | ((halves >> 1) * 0xff00);
+            if self.meet(simd, (packet, asked), shape) {
+                self.update_limits(simd, packet);
             }
         }
         self.limits.farthest(simd)
@@ -109,26 +116,29 @@ impl<S: Simd> ShaftVisitor<S> for Visitor<'_> {
 }
 
 impl Visitor<'_> {
-    /// Intersects a packet with a shape. Says whether any of its rays meets that nearer than all before.
+    /// Intersects a packet's rays, in some lanes, with a shape. Says whether any of them meets that nearer than all before.
     #[inline(always)]
-    fn meet<S: Simd>(&mut self, simd: S, part: usize, id: ShapeId) -> bool {
-        let rays = &self.rays[part];
+    fn meet<S: Simd>(&mut self, simd: S, (packet, lanes): (usize, u32), shape: Asked<'_>) -> bool {
+        let rays = &self.rays[packet];
         let asking = Asking {
             geometry: self.scene.geometry(),
             rays,
-            inverses: &mut self.inverses[part],
+            inverses: &mut self.inverses[packet],
             escalations: self.escalations,
         };
-        Search { asking, hits: &mut self.hits[part] }.meet(simd, id, rays.lanes)
+        let mut search = Search { scene: self.scene, asking, hits: &mut self.hits[packet] };
+        search.meet(simd, shape, lanes & rays.lanes)
     }
 
-    /// Limits a packet to the greatest depth at which any of its rays may have its nearest hit.
+    /// Limits both halves of a packet to the greatest depth at which any of its rays may have its nearest hit.
     #[inline(always)]
-    fn update_limit<S: Simd>(&mut self, simd: S, part: usize) {
-        let (rays, hits) = (&self.rays[part], &self.hits[part]);
-        let along = (&rays.directions, rays.lanes, 1.0);
-        let farthest = self.depth.farthest(simd, along, |half| latest(simd, hits, half));
-        let farthest = farthest * self.scene.tree.scale();
-        self.limits.0[part] = self.shaft.depth_limit(farthest);
+    fn update_limits<S: Simd>(&mut self, simd: S, packet: usize) {
+        let (rays, hits) = (&self.rays[packet], &self.hits[packet]);
+        for half in 0..2 {
+            let along = (&rays.directions, rays.lanes, half);
+            let farthest = self.depth.farthest(simd, along, (latest(simd, hits, half), 1.0));
+            let limit = self.shaft.depth_limit(farthest * self.scene.tree.scale());
+            self.limits.set(packet * 2 + half, limit);
+        }
     }
 }

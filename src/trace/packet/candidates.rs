@@ -10,10 +10,9 @@ use std::sync::atomic::AtomicBool;
 use fearless_simd::{dispatch, prelude::*};
 use glam::DVec3;
 
-use crate::trace::bvh::{Depth, Limits, PARTS, Planes, Shaft, ShaftVisitor, Slopes, Stack};
-use crate::trace::math::{Numbers, Vectors, lanes};
+use crate::trace::bvh::{Depth, LeafBox, LeafId, Limits, PARTS, Shaft, ShaftVisitor, Slopes, Stack};
+use crate::trace::math::{Numbers, Vectors, half_of, set_bits};
 use crate::trace::query::Scratch;
-use crate::trace::rays::ShapeId;
 use crate::trace::scene::PreparedScene;
 
 /// More candidates than so are better found in the tree.
@@ -25,11 +24,11 @@ const MOST_VISITS: usize = 128;
 /// Fewer rays are not worth it.
 const FEWEST: u32 = 32;
 
-/// The shapes of the tree that may hide a light, packet by packet; kept for its memory.
+/// The shapes of the tree that may hide a light, half packet by half packet; kept for its memory.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Candidates {
-    parts: [Vec<ShapeId>; PARTS],
-    /// Packets whose rays are to find them in the tree, as a bit mask.
+    parts: [Vec<LeafId>; PARTS],
+    /// Halves whose rays are to find them in the tree, as a bit mask.
     crowded: u32,
 }
 
@@ -63,16 +62,17 @@ impl Candidates {
         dispatch!(scene.simd.level(), simd => gather(simd, scene, light, packets, self, search))
     }
 
-    /// Returns whether there were too many shapes for all packets.
+    /// Returns whether there were too many shapes for all halves.
     pub(crate) fn all_crowded(&self) -> bool {
         self.crowded == u32::MAX
     }
 
-    /// Returns the shapes of the tree that the rays of a packet have to be asked of; `None` where they have to find them
+    /// Returns the shapes of the tree that the rays of half of a packet have to be asked of; `None` where they have to find them
     /// themselves.
     #[inline]
-    pub(crate) fn of(&self, packet: usize) -> Option<&[ShapeId]> {
-        (self.crowded & (1 << packet) == 0).then_some(self.parts[packet].as_slice())
+    pub(crate) fn of(&self, packet: usize, half: usize) -> Option<&[LeafId]> {
+        let part = packet * 2 + half;
+        (self.crowded & (1 << part) == 0).then_some(self.parts[part].as_slice())
     }
 }
 
@@ -88,15 +88,24 @@ fn gather<'a, S: Simd>(
     let Some(first) = packets.clone().find(|ways| ways.lanes != 0) else { return false };
     // From the light to the points.
     let depth = Depth::along(-first.directions.get(first.lanes.trailing_zeros() as usize));
-    let (mut slopes, mut farthest) = ([Slopes::NONE; PARTS], [f64::NEG_INFINITY; PARTS]);
-    for (part, ways) in packets.enumerate() {
-        let Some(found) = depth.slopes_of(simd, ways.directions, ways.lanes, -1.0) else { return false };
-        slopes[part] = found;
-        let back = (ways.directions, ways.lanes, -1.0);
-        farthest[part] = depth.farthest(simd, back, |half| ways.limits.load(simd, half));
+    let (mut slopes, mut farthest) = (Slopes::NONE, [f64::NEG_INFINITY; PARTS]);
+    for (packet, ways) in packets.enumerate() {
+        for half in 0..2 {
+            if half_of(ways.lanes, half) == 0 {
+                continue;
+            }
+            let back = (ways.directions, ways.lanes, half);
+            if !slopes.set(simd, packet * 2 + half, back, (depth, -1.0)) {
+                return false;
+            }
+            farthest[packet * 2 + half] = depth.farthest(simd, back, (ways.limits.load(simd, half), -1.0));
+        }
     }
-    let Some(shaft) = scene.tree.shaft(light, depth, &slopes) else { return false };
-    let limits = Limits(farthest.map(|depth| shaft.depth_limit(depth * scene.tree.scale())));
+    let Some(shaft) = scene.tree.shaft(simd, light, depth, &slopes) else { return false };
+    let mut limits = Limits::NONE;
+    for (part, depth) in farthest.iter().enumerate() {
+        limits.set(part, shaft.depth_limit(depth * scene.tree.scale()));
+    }
     let limit = limits.farthest(simd);
     let mut visitor = Visitor { shaft: &shaft, candidates, limits, visits: 0 };
     scene.tree.visit_shaft(simd, &shaft, limit, stack, cancelled, &mut visitor);
@@ -112,18 +121,18 @@ struct Visitor<'a> {
 
 impl<S: Simd> ShaftVisitor<S> for Visitor<'_> {
     #[inline(always)]
-    fn visit(&mut self, simd: S, id: ShapeId, bounds: &Planes) -> f32 {
+    fn visit(&mut self, simd: S, leaf: LeafId, bounds: &LeafBox) -> f32 {
         self.visits += 1;
         if self.visits > MOST_VISITS {
             self.candidates.crowded = u32::MAX;
             return f32::NEG_INFINITY;
         }
-        for part in lanes(self.shaft.parts(simd, bounds, &self.limits)) {
+        for part in set_bits(self.shaft.parts(simd, bounds, &self.limits)) {
             if self.candidates.parts[part].len() < MOST {
-                self.candidates.parts[part].push(id);
+                self.candidates.parts[part].push(leaf);
             } else {
                 self.candidates.crowded |= 1 << part;
-                self.limits.0[part] = f32::NEG_INFINITY;
+                self.limits.set(part, f32::NEG_INFINITY);
             }
         }
         self.limits.farthest(simd)

@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use fearless_simd::{dispatch, prelude::*};
 
-use super::verdicts::{Answer, Asking, Inverses};
-use crate::trace::bvh::{FramePacket, PacketStack, PacketVisitor};
+use super::verdicts::{Answer, Asked, Asking, Inverses};
+use crate::trace::bvh::{FramePacket, LeafId, PacketStack, PacketVisitor};
 use crate::trace::math::{F64s, bits, half_of, mask, splat};
 use crate::trace::query::{Escalations, HitPacket};
 use crate::trace::rays::{RayPacket, ShapeId};
@@ -32,49 +32,43 @@ pub(crate) fn closest_hits(
     }
     let mut inverses = Inverses::UNKNOWN;
     let asking = Asking { geometry: scene.geometry(), rays, inverses: &mut inverses, escalations };
-    let mut search = Search { asking, hits };
-    dispatch!(scene.simd.level(), simd => search.run(simd, scene, active, stack, cancelled));
+    let mut search = Search { scene, asking, hits };
+    dispatch!(scene.simd.level(), simd => search.run(simd, active, stack, cancelled));
 }
 
 /// A packet on its way.
 pub(super) struct Search<'a> {
+    pub(super) scene: &'a PreparedScene,
     pub(super) asking: Asking<'a>,
     pub(super) hits: &'a mut HitPacket,
 }
 
 impl Search<'_> {
     #[inline(always)]
-    fn run<S: Simd>(
-        &mut self,
-        simd: S,
-        scene: &PreparedScene,
-        active: u32,
-        stack: &mut PacketStack,
-        cancelled: &AtomicBool,
-    ) {
+    fn run<S: Simd>(&mut self, simd: S, active: u32, stack: &mut PacketStack, cancelled: &AtomicBool) {
+        let scene = self.scene;
         for id in &scene.beside {
             if cancelled.load(Ordering::Relaxed) {
                 return;
             }
-            self.meet(simd, *id, active);
+            self.meet(simd, Asked::beside(scene, *id), active);
         }
-        let rays = (&self.asking.rays.origins, &self.asking.rays.directions);
-        let mut packet = scene.tree.packet(simd, rays, active & !self.hits.open);
+        let mut packet = scene.tree.packet(simd, self.asking.rays, active & !self.hits.open);
         packet.limit(simd, &self.hits.ts, &self.hits.errors);
         scene.tree.visit_packet(simd, &mut packet, stack, cancelled, self);
     }
 
     /// Takes a shape into account in some lanes. Says whether any of their rays meets it nearer than all before.
     #[inline(always)]
-    pub(super) fn meet<S: Simd>(&mut self, simd: S, id: ShapeId, lanes: u32) -> bool {
+    pub(super) fn meet<S: Simd>(&mut self, simd: S, shape: Asked<'_>, lanes: u32) -> bool {
         let mut nearer = false;
         for half in 0..2 {
             if half_of(lanes, half) == 0 {
                 continue;
             }
             let latest = latest(simd, self.hits, half);
-            if let Some(answer) = self.asking.ask(simd, id, (half, lanes), latest) {
-                nearer |= consider(simd, self.hits, (half, id), &answer);
+            if let Some(answer) = self.asking.ask(simd, shape, (half, lanes), latest) {
+                nearer |= consider(simd, self.hits, (half, shape.id), &answer);
             }
         }
         nearer
@@ -85,8 +79,8 @@ impl<S: Simd> PacketVisitor<S> for Search<'_> {
     const NEAREST_FIRST: bool = true;
 
     #[inline(always)]
-    fn visit(&mut self, simd: S, id: ShapeId, lanes: u32, packet: &mut FramePacket) {
-        let nearer = self.meet(simd, id, lanes);
+    fn visit(&mut self, simd: S, leaf: LeafId, lanes: u32, packet: &mut FramePacket) {
+        let nearer = self.meet(simd, Asked::leaf(self.scene, leaf), lanes);
         packet.finish(self.hits.open);
         if nearer {
             packet.limit(simd, &self.hits.ts, &self.hits.errors);

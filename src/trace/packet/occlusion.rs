@@ -4,9 +4,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use fearless_simd::{dispatch, prelude::*};
 
-use super::verdicts::{Asking, Inverses};
-use crate::trace::bvh::{FramePacket, PacketStack, PacketVisitor};
-use crate::trace::math::{Numbers, bits, half_of, splat};
+use super::verdicts::{Asked, Asking, Inverses};
+use crate::trace::bvh::{FramePacket, LeafId, PacketStack, PacketVisitor};
+use crate::trace::math::{HALF, Numbers, bits, half_of, splat};
 use crate::trace::query::{Escalations, NEAR};
 use crate::trace::rays::{RayPacket, ShapeId};
 use crate::trace::scene::PreparedScene;
@@ -21,8 +21,8 @@ pub(crate) struct ShadowPacket<'a> {
     pub(crate) limits: &'a Numbers,
     /// A shape that does not count: the light's own.
     pub(crate) except: Option<ShapeId>,
-    /// Shapes of the tree that may stand in the way of any of them; `None` where they have to be found there.
-    pub(crate) candidates: Option<&'a [ShapeId]>,
+    /// By half of the lanes: shapes of the tree that may stand in the way of any of them; `None` where they have to be found there.
+    pub(crate) candidates: [Option<&'a [LeafId]>; 2],
     /// Whether clear shapes hide nothing.
     pub(crate) clear: bool,
 }
@@ -75,26 +75,31 @@ impl Search<'_> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S, stack: &mut PacketStack, cancelled: &AtomicBool) {
         if let Some(id) = *self.last_occluder {
-            self.meet(simd, id, self.undecided());
+            self.meet(simd, Asked::beside(self.scene, id), self.undecided());
         }
         for id in &self.scene.beside {
             if self.undecided() == 0 || cancelled.load(Ordering::Relaxed) {
                 return;
             }
-            self.meet(simd, *id, self.undecided());
+            self.meet(simd, Asked::beside(self.scene, *id), self.undecided());
         }
-        if let Some(candidates) = self.shadow.candidates {
-            for id in candidates {
-                if self.undecided() == 0 {
-                    return;
+        let mut listed = 0;
+        for (half, candidates) in self.shadow.candidates.iter().enumerate() {
+            let Some(candidates) = candidates else { continue };
+            let lanes = 0xff << (half * HALF);
+            listed |= lanes;
+            for leaf in *candidates {
+                if self.undecided() & lanes == 0 {
+                    break;
                 }
-                self.meet(simd, *id, self.undecided());
+                self.meet(simd, Asked::leaf(self.scene, *leaf), self.undecided() & lanes);
             }
-        } else if self.undecided().count_ones() < FEWEST {
-            self.found.open |= self.undecided();
+        }
+        let unlisted = self.undecided() & !listed;
+        if unlisted.count_ones() < FEWEST {
+            self.found.open |= unlisted;
         } else {
-            let rays = (&self.shadow.rays.origins, &self.shadow.rays.directions);
-            let mut packet = self.scene.tree.packet(simd, rays, self.undecided());
+            let mut packet = self.scene.tree.packet(simd, self.shadow.rays, unlisted);
             packet.limit(simd, self.shadow.limits, &Numbers::splat(0.0));
             self.scene.tree.visit_packet(simd, &mut packet, stack, cancelled, self);
         }
@@ -122,8 +127,8 @@ impl Search<'_> {
 
     /// Takes a shape into account in some lanes.
     #[inline(always)]
-    fn meet<S: Simd>(&mut self, simd: S, id: ShapeId, lanes: u32) {
-        let role = self.role(id);
+    fn meet<S: Simd>(&mut self, simd: S, shape: Asked<'_>, lanes: u32) {
+        let role = self.role(shape.id);
         if role == Role::Ignored {
             return;
         }
@@ -133,7 +138,7 @@ impl Search<'_> {
             }
             let limit = self.shadow.limits.load(simd, half);
             let (nearer, farther) = (limit * (1.0 - NEAR), limit * (1.0 + NEAR));
-            let Some(answer) = self.asking.ask(simd, id, (half, lanes), farther) else { continue };
+            let Some(answer) = self.asking.ask(simd, shape, (half, lanes), farther) else { continue };
             let verdicts = answer.verdicts;
             let (t, error) = (verdicts.t, verdicts.error);
             // What is infinitely far away is not met.
@@ -148,7 +153,7 @@ impl Search<'_> {
             self.found.open |= hit & !before & !beyond | open;
             self.found.hidden |= before;
             if before != 0 {
-                *self.last_occluder = Some(id);
+                *self.last_occluder = Some(shape.id);
             }
         }
     }
@@ -158,8 +163,8 @@ impl<S: Simd> PacketVisitor<S> for Search<'_> {
     const NEAREST_FIRST: bool = false;
 
     #[inline(always)]
-    fn visit(&mut self, simd: S, id: ShapeId, lanes: u32, packet: &mut FramePacket) {
-        self.meet(simd, id, lanes);
+    fn visit(&mut self, simd: S, leaf: LeafId, lanes: u32, packet: &mut FramePacket) {
+        self.meet(simd, Asked::leaf(self.scene, leaf), lanes);
         packet.finish(self.found.hidden | self.found.open);
     }
 }

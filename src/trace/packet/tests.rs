@@ -6,8 +6,10 @@ use proptest::prelude::*;
 
 use super::{Candidates, ShadowPacket, WaysToLight, bundle_hits, closest_hits, occluded, refine};
 use crate::color::Rgb;
+use crate::trace::bvh::LeafId;
 use crate::trace::math::{
-    Double, Numbers, Scaled, SimdLevel, Vectors, lanes, moderate, scaled, scaled_lanes, splat, two_product,
+    Double, HALF, Numbers, Scaled, SimdLevel, Vectors, lanes, moderate, scaled, scaled_lanes, splat,
+    two_product,
 };
 use crate::trace::query::{HitPacket, Scratch, SurfacePacket};
 use crate::trace::rays::{Limit, Ray, RayPacket, ShapeId, TieLists};
@@ -267,7 +269,7 @@ proptest! {
             let mut candidates = Candidates::default();
             let listed = candidates.find(&scene, light, ways, &mut scratch);
             for (packet, (rays, limits)) in shadows.iter().enumerate() {
-                let lists = [None, if listed { candidates.of(packet) } else { None }];
+                let lists = [[None; 2], [0, 1].map(|half| if listed { candidates.of(packet, half) } else { None })];
                 for candidates in lists {
                     let shadow = ShadowPacket { rays, limits, except, candidates, clear };
                     let Scratch { packet_stack, escalations, cancelled, .. } = &mut scratch;
@@ -275,7 +277,7 @@ proptest! {
                     let found = occluded(&scene, &shadow, &mut None, packet_stack, effort);
                     for lane in lanes(rays.lanes) {
                         let (ray, limit) = (rays.get(lane), Limit::new(limits.get(lane), light));
-                        let single = hidden(&scene, &ray, &limit, (except, candidates), clear, &mut scratch);
+                        let single = hidden(&scene, &ray, &limit, (except, candidates[lane / HALF]), clear, &mut scratch);
                         let (in_tree, crossed) = hidden(&scene, &ray, &limit, (except, None), clear, &mut scratch);
                         prop_assert_eq!(single.0, in_tree, "{} {:?}", name, ray);
                         if found.open & (1 << lane) == 0 {
@@ -287,6 +289,20 @@ proptest! {
                 }
             }
         }
+    }
+
+    /// Most of them are beside what half a packet sees, or touch its edges.
+    #[test]
+    fn no_grain_of_many_is_lost(
+        centers in prop::collection::vec((-1.0..1.0, -1.0..1.0, 0.0..4.0), 60),
+        radius in prop_oneof![1e-4..1e-2, 1e-2..0.2],
+        turned in any::<bool>(),
+    ) {
+        let center = |(x, y, z): (f64, f64, f64)| if turned { DVec3::new(-z, x, y) } else { DVec3::new(x, y, z) };
+        let grain = |place| PreparedShape::Sphere(Sphere { center: center(place), radius });
+        let grains: Vec<PreparedShape> = centers.into_iter().map(grain).collect();
+        let camera = camera(center((0.1, 0.0, -1.0)), center((0.0, 0.1, 1.0)), 1.0);
+        prop_assert!(decided(&mut scene(&grains), &camera)? > 200);
     }
 
     /// Whatever the exponents of its coordinates.
@@ -340,7 +356,7 @@ fn hidden(
     scene: &PreparedScene,
     ray: &Ray,
     limit: &Limit,
-    occluders: (Option<ShapeId>, Option<&[ShapeId]>),
+    occluders: (Option<ShapeId>, Option<&[LeafId]>),
     clear: bool,
     scratch: &mut Scratch<'_>,
 ) -> (bool, bool) {
@@ -398,7 +414,7 @@ fn candidates_are_few() {
     let ways = ways.iter().map(|(directions, limits)| WaysToLight { directions, limits, lanes: 0xffff });
     let mut candidates = Candidates::default();
     assert!(candidates.find(&scene, light, ways, &mut Scratch::default()));
-    let counts: Vec<usize> = (0..16).map(|packet| candidates.of(packet).unwrap().len()).collect();
+    let counts: Vec<usize> = (0..32).map(|part| candidates.of(part / 2, part % 2).unwrap().len()).collect();
     assert!(counts.iter().any(|count| *count > 0) && counts.iter().all(|count| *count <= 4), "{counts:?}");
 }
 
@@ -435,7 +451,7 @@ fn nearly_all_rays_are_decided_at_once() {
     let (shadows, _) = shadow_rays(&scene, &camera, light);
     let (mut hidden, mut lit) = (0, 0);
     for (rays, limits) in &shadows {
-        let shadow = ShadowPacket { rays, limits, except: None, candidates: None, clear: false };
+        let shadow = ShadowPacket { rays, limits, except: None, candidates: [None; 2], clear: false };
         let mut scratch = Scratch::default();
         let Scratch { packet_stack, escalations, cancelled, .. } = &mut scratch;
         let found = occluded(&scene, &shadow, &mut None, packet_stack, (escalations, cancelled));

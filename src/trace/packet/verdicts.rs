@@ -4,10 +4,11 @@ use fearless_simd::prelude::*;
 use glam::DVec3;
 
 use super::leaves::{self, Rays, Verdicts};
+use crate::trace::bvh::LeafId;
 use crate::trace::math::{F64s, Mask, Numbers, Vectors, bits, half_of, lanes, mask, splat};
 use crate::trace::query::{Escalations, Intersector};
 use crate::trace::rays::{RayPacket, RayView, ShapeId};
-use crate::trace::scene::{Geometry, Kind, Location};
+use crate::trace::scene::{Geometry, PreparedScene, ShapeRef};
 use crate::trace::shapes::SLOWEST;
 
 /// The reciprocals of directions, made when the first box is asked.
@@ -48,10 +49,32 @@ pub(super) struct Asking<'a> {
     pub(super) escalations: &'a mut Escalations,
 }
 
+/// A shape, and what it is called.
+#[derive(Clone, Copy)]
+pub(super) struct Asked<'a> {
+    pub(super) id: ShapeId,
+    pub(super) shape: ShapeRef<'a>,
+}
+
 /// What half of the lanes have to do with a shape, and in which it is the far side of one that is left inwards.
 pub(super) struct Answer<S: Simd> {
     pub(super) verdicts: Verdicts<S>,
     pub(super) far: u32,
+}
+
+impl<'a> Asked<'a> {
+    /// A shape by its id.
+    #[inline(always)]
+    pub(super) fn beside(scene: &'a PreparedScene, id: ShapeId) -> Self {
+        Self { id, shape: scene.geometry.shape(id) }
+    }
+
+    /// A shape of the tree.
+    #[inline(always)]
+    pub(super) fn leaf(scene: &'a PreparedScene, leaf: LeafId) -> Self {
+        let (id, shape) = scene.leaves.get(leaf, &scene.geometry);
+        Self { id, shape }
+    }
 }
 
 impl Asking<'_> {
@@ -61,16 +84,16 @@ impl Asking<'_> {
     pub(super) fn ask<S: Simd>(
         &mut self,
         simd: S,
-        id: ShapeId,
+        shape: Asked<'_>,
         (half, asked): (usize, u32),
         latest: F64s<S>,
     ) -> Option<Answer<S>> {
-        let leaving =
-            if self.rays.departing & asked == 0 { 0 } else { self.rays.left.lanes_of(simd, id) & asked };
+        let departing = self.rays.departing & asked;
+        let leaving = if departing == 0 { 0 } else { self.rays.left.lanes_of(simd, shape.id) & departing };
         let near = asked & !leaving;
         let mut verdicts = None;
         if half_of(near, half) != 0
-            && let Some(mut found) = self.near(simd, id, (half, near), latest)
+            && let Some(mut found) = self.near(simd, shape, (half, near), latest)
         {
             let near = mask(simd, near, half);
             found.hit &= near;
@@ -78,7 +101,7 @@ impl Asking<'_> {
             verdicts = Some(found);
         }
         let inward = leaving & !self.rays.outward;
-        let exit = if half_of(inward, half) == 0 { None } else { self.exit(simd, id, half) };
+        let exit = if half_of(inward, half) == 0 { None } else { self.exit(simd, shape.shape, half) };
         let Some(exit) = exit else {
             let verdicts = verdicts?;
             return Some(Answer { verdicts, far: 0 });
@@ -101,27 +124,26 @@ impl Asking<'_> {
     fn near<S: Simd>(
         &mut self,
         simd: S,
-        id: ShapeId,
+        Asked { id, shape }: Asked<'_>,
         (half, asked): (usize, u32),
         latest: F64s<S>,
     ) -> Option<Verdicts<S>> {
-        let Location { kind, index } = self.geometry.locations[id.index()];
-        let index = index as usize;
         let rays = Rays::load(simd, self.rays, half);
-        match kind {
-            Kind::Sphere => leaves::sphere(simd, &rays, &self.geometry.spheres[index]),
-            Kind::Plane => Some(leaves::plane(simd, &rays, &self.geometry.planes[index])),
-            Kind::AlignedBox => {
+        match shape {
+            ShapeRef::Sphere(sphere) => leaves::sphere(simd, &rays, sphere),
+            ShapeRef::Plane(plane) => Some(leaves::plane(simd, &rays, plane)),
+            ShapeRef::AlignedBox(shape) => {
                 self.inverses.know(simd, self.rays);
                 let inverse = self.inverses.numbers.load(simd, half);
-                let shape = &self.geometry.boxes[index];
                 let mut verdicts = leaves::aligned_box(simd, rays.origin, inverse, shape);
                 let slow = mask(simd, self.inverses.slow, half);
                 verdicts.hit &= !slow;
                 verdicts.open |= slow;
                 Some(verdicts)
             }
-            Kind::SphereImage | Kind::BoxImage => self.one_by_one(simd, id, (half, asked), latest),
+            ShapeRef::SphereImage(_) | ShapeRef::BoxImage(_) => {
+                self.one_by_one(simd, id, (half, asked), latest)
+            }
         }
     }
 
@@ -161,15 +183,13 @@ impl Asking<'_> {
 
     /// Where rays come out of a shape that they leave inwards. `None` where they never do.
     #[inline(always)]
-    fn exit<S: Simd>(&self, simd: S, id: ShapeId, half: usize) -> Option<Verdicts<S>> {
-        let Location { kind, index } = self.geometry.locations[id.index()];
-        let index = index as usize;
+    fn exit<S: Simd>(&self, simd: S, shape: ShapeRef<'_>, half: usize) -> Option<Verdicts<S>> {
         let rays = Rays::load(simd, self.rays, half);
-        match kind {
-            Kind::Sphere => Some(leaves::sphere_exit(simd, &rays, &self.geometry.spheres[index])),
-            Kind::Plane => None,
-            Kind::AlignedBox => Some(leaves::box_exit(simd, &rays, &self.geometry.boxes[index])),
-            Kind::SphereImage | Kind::BoxImage => {
+        match shape {
+            ShapeRef::Sphere(sphere) => Some(leaves::sphere_exit(simd, &rays, sphere)),
+            ShapeRef::Plane(_) => None,
+            ShapeRef::AlignedBox(shape) => Some(leaves::box_exit(simd, &rays, shape)),
+            ShapeRef::SphereImage(_) | ShapeRef::BoxImage(_) => {
                 let (none, all) = (Mask::<S>::from_bitmask(simd, 0), Mask::<S>::from_bitmask(simd, 0xff));
                 let zero = splat(simd, 0.0);
                 Some(Verdicts { t: zero, error: zero, hit: none, open: all })

@@ -52,8 +52,9 @@ impl PreparedScene {
             }
             limit = nearest.meet(*id, shapes, ray, escalations);
         }
-        self.tree
-            .visit_nearest(ray, limit, stack, cancelled, |id| nearest.meet(id, shapes, ray, escalations));
+        self.tree.visit_nearest(ray, limit, stack, cancelled, |leaf| {
+            nearest.meet(self.leaves.id(leaf), shapes, ray, escalations)
+        });
         nearest.closest()
     }
 

@@ -9,7 +9,7 @@ use super::hit::Hit;
 use super::intersector::Intersector;
 use crate::trace::math::{Double, Double3, Exact3, Root};
 use crate::trace::rays::{Limit, Ray, RayView, ShapeId};
-use crate::trace::scene::{Geometry, Kind, Location};
+use crate::trace::scene::{Geometry, ShapeRef};
 use crate::trace::shapes::{Bounds, ExactHit, Face, Intersection, RefinedHit, Side};
 
 /// 2^-36: nearer to a light than so, compared with its distance, what a ray meets is compared with the light's exact place, which
@@ -25,29 +25,12 @@ const CLEARLY: f64 = f64::from_bits((1023 - 20) << 52);
 /// Evaluates an expression with `$shape` bound to the shape with an id, whatever its kind.
 macro_rules! ask {
     ($geometry:expr, $id:expr, $shape:ident => $question:expr) => {{
-        let Location { kind, index } = $geometry.locations[$id.index()];
-        let index = index as usize;
-        match kind {
-            Kind::Sphere => {
-                let $shape = &$geometry.spheres[index];
-                $question
-            }
-            Kind::Plane => {
-                let $shape = &$geometry.planes[index];
-                $question
-            }
-            Kind::AlignedBox => {
-                let $shape = &$geometry.boxes[index];
-                $question
-            }
-            Kind::SphereImage => {
-                let $shape = &$geometry.sphere_images[index];
-                $question
-            }
-            Kind::BoxImage => {
-                let $shape = &$geometry.box_images[index];
-                $question
-            }
+        match $geometry.shape($id) {
+            ShapeRef::Sphere($shape) => $question,
+            ShapeRef::Plane($shape) => $question,
+            ShapeRef::AlignedBox($shape) => $question,
+            ShapeRef::SphereImage($shape) => $question,
+            ShapeRef::BoxImage($shape) => $question,
         }
     }};
 }

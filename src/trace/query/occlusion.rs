@@ -6,6 +6,7 @@ use super::crossings::{Crossed, Look};
 use super::escalations::Escalations;
 use super::intersector::Intersector;
 use super::scratch::Scratch;
+use crate::trace::bvh::LeafId;
 use crate::trace::rays::{Limit, Ray, RayView, ShapeId};
 use crate::trace::scene::{EqualGroup, PreparedScene};
 
@@ -18,7 +19,7 @@ impl PreparedScene {
         shapes: &impl Intersector,
         ray: &Ray,
         limit: &Limit,
-        (except, candidates): (Option<ShapeId>, Option<&[ShapeId]>),
+        (except, candidates): (Option<ShapeId>, Option<&[LeafId]>),
         scratch: &mut Scratch<'_>,
     ) -> Option<ShapeId> {
         let Scratch { stack, escalations, ties, cancelled, .. } = scratch;
@@ -29,8 +30,12 @@ impl PreparedScene {
         let mut beside = self.beside.iter().copied();
         let beside = beside.find(|id| cancelled.load(Relaxed) || hides(*id));
         beside.or_else(|| match candidates {
-            Some(candidates) => candidates.iter().copied().find(|id| hides(*id)),
-            None => self.tree.find_any(ray, limit.t(), stack, cancelled, hides),
+            Some(candidates) => candidates.iter().map(|leaf| self.leaves.id(*leaf)).find(|id| hides(*id)),
+            None => {
+                let leaf =
+                    self.tree.find_any(ray, limit.t(), stack, cancelled, |leaf| hides(self.leaves.id(leaf)));
+                leaf.map(|leaf| self.leaves.id(leaf))
+            }
         })
     }
 
@@ -42,7 +47,7 @@ impl PreparedScene {
         shapes: &impl Intersector,
         ray: &Ray,
         limit: &Limit,
-        (except, candidates): (Option<ShapeId>, Option<&[ShapeId]>),
+        (except, candidates): (Option<ShapeId>, Option<&[LeafId]>),
         scratch: &mut Scratch<'_>,
     ) -> Option<ShapeId> {
         let Scratch { stack, escalations, ties, crossed, cancelled, .. } = scratch;
@@ -58,8 +63,12 @@ impl PreparedScene {
         let mut beside = self.beside.iter().copied();
         let beside = beside.find(|id| cancelled.load(Relaxed) || hides(*id));
         beside.or_else(|| match candidates {
-            Some(candidates) => candidates.iter().copied().find(|id| hides(*id)),
-            None => self.tree.find_any(ray, limit.t(), stack, cancelled, hides),
+            Some(candidates) => candidates.iter().map(|leaf| self.leaves.id(*leaf)).find(|id| hides(*id)),
+            None => {
+                let leaf =
+                    self.tree.find_any(ray, limit.t(), stack, cancelled, |leaf| hides(self.leaves.id(leaf)));
+                leaf.map(|leaf| self.leaves.id(leaf))
+            }
         })
     }
 

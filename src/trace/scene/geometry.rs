@@ -21,6 +21,16 @@ pub enum PreparedShape {
     BoxImage(BoxImage),
 }
 
+/// A shape where it is stored.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum ShapeRef<'a> {
+    Sphere(&'a Sphere),
+    Plane(&'a Plane),
+    AlignedBox(&'a AlignedBox),
+    SphereImage(&'a SphereImage),
+    BoxImage(&'a BoxImage),
+}
+
 /// The shapes, one array a kind, and a table from ids into them.
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
@@ -76,6 +86,20 @@ impl Geometry {
         id
     }
 
+    /// Returns a shape.
+    #[inline(always)]
+    pub(crate) fn shape(&self, id: ShapeId) -> ShapeRef<'_> {
+        let Location { kind, index } = self.locations[id.index()];
+        let index = index as usize;
+        match kind {
+            Kind::Sphere => ShapeRef::Sphere(&self.spheres[index]),
+            Kind::Plane => ShapeRef::Plane(&self.planes[index]),
+            Kind::AlignedBox => ShapeRef::AlignedBox(&self.boxes[index]),
+            Kind::SphereImage => ShapeRef::SphereImage(&self.sphere_images[index]),
+            Kind::BoxImage => ShapeRef::BoxImage(&self.box_images[index]),
+        }
+    }
+
     /// Puts another shape of the same kind in the place of one; `false`, and nothing done, if the kinds differ.
     #[must_use]
     pub fn replace(&mut self, id: ShapeId, shape: PreparedShape) -> bool {
@@ -95,62 +119,55 @@ impl Geometry {
     /// Says whether a shape is exactly this one.
     #[must_use]
     pub fn holds(&self, id: ShapeId, shape: &PreparedShape) -> bool {
-        let Location { kind, index } = self.locations[id.index()];
-        let index = index as usize;
-        match (kind, shape) {
-            (Kind::Sphere, PreparedShape::Sphere(shape)) => self.spheres[index] == *shape,
-            (Kind::Plane, PreparedShape::Plane(shape)) => self.planes[index] == *shape,
-            (Kind::AlignedBox, PreparedShape::AlignedBox(shape)) => self.boxes[index] == *shape,
-            (Kind::SphereImage, PreparedShape::SphereImage(shape)) => self.sphere_images[index] == *shape,
-            (Kind::BoxImage, PreparedShape::BoxImage(shape)) => self.box_images[index] == *shape,
+        match (self.shape(id), shape) {
+            (ShapeRef::Sphere(held), PreparedShape::Sphere(shape)) => held == shape,
+            (ShapeRef::Plane(held), PreparedShape::Plane(shape)) => held == shape,
+            (ShapeRef::AlignedBox(held), PreparedShape::AlignedBox(shape)) => held == shape,
+            (ShapeRef::SphereImage(held), PreparedShape::SphereImage(shape)) => held == shape,
+            (ShapeRef::BoxImage(held), PreparedShape::BoxImage(shape)) => held == shape,
             _ => false,
         }
     }
 
     /// Says whether two shapes are equal, part by part.
     pub(crate) fn are_equal(&self, one: ShapeId, other: ShapeId) -> bool {
-        let Location { kind, index } = self.locations[other.index()];
-        let index = index as usize;
-        match kind {
-            Kind::Sphere => self.holds(one, &PreparedShape::Sphere(self.spheres[index])),
-            Kind::Plane => self.holds(one, &PreparedShape::Plane(self.planes[index])),
-            Kind::AlignedBox => self.holds(one, &PreparedShape::AlignedBox(self.boxes[index])),
-            Kind::SphereImage => self.holds(one, &PreparedShape::SphereImage(self.sphere_images[index])),
-            Kind::BoxImage => self.holds(one, &PreparedShape::BoxImage(self.box_images[index])),
+        match (self.shape(one), self.shape(other)) {
+            (ShapeRef::Sphere(one), ShapeRef::Sphere(other)) => one == other,
+            (ShapeRef::Plane(one), ShapeRef::Plane(other)) => one == other,
+            (ShapeRef::AlignedBox(one), ShapeRef::AlignedBox(other)) => one == other,
+            (ShapeRef::SphereImage(one), ShapeRef::SphereImage(other)) => one == other,
+            (ShapeRef::BoxImage(one), ShapeRef::BoxImage(other)) => one == other,
+            _ => false,
         }
     }
 
     /// Passes on the numbers that a shape is made of, and a last one that differs from kind to kind.
     pub(crate) fn numbers(&self, id: ShapeId, mut each: impl FnMut(f64)) {
-        let Location { kind, index } = self.locations[id.index()];
-        let index = index as usize;
         let mut all = |vectors: &[DVec3]| vectors.iter().flat_map(DVec3::to_array).for_each(&mut each);
         let map = |forward: &DAffine3| {
             let linear = forward.matrix3;
             [linear.x_axis, linear.y_axis, linear.z_axis, forward.translation]
         };
-        let last = match kind {
-            Kind::Sphere => {
-                let Sphere { center, radius } = self.spheres[index];
-                all(&[center]);
-                radius
+        let last = match self.shape(id) {
+            ShapeRef::Sphere(Sphere { center, radius }) => {
+                all(&[*center]);
+                *radius
             }
-            Kind::Plane => {
-                all(&[self.planes[index].point(), self.planes[index].unit_normal()]);
+            ShapeRef::Plane(plane) => {
+                all(&[plane.point(), plane.unit_normal()]);
                 1.0
             }
-            Kind::AlignedBox => {
-                let AlignedBox { min, max } = self.boxes[index];
-                all(&[min, max]);
+            ShapeRef::AlignedBox(AlignedBox { min, max }) => {
+                all(&[*min, *max]);
                 2.0
             }
-            Kind::SphereImage => {
-                all(&map(self.sphere_images[index].forward()));
-                self.sphere_images[index].radius()
+            ShapeRef::SphereImage(image) => {
+                all(&map(image.forward()));
+                image.radius()
             }
-            Kind::BoxImage => {
-                all(&map(self.box_images[index].forward()));
-                all(&[self.box_images[index].half()]);
+            ShapeRef::BoxImage(image) => {
+                all(&map(image.forward()));
+                all(&[image.half()]);
                 3.0
             }
         };
@@ -193,14 +210,12 @@ impl Geometry {
     /// A box around the shape; `None` for planes and for shapes that no box can be trusted with.
     #[must_use]
     pub fn bounds(&self, id: ShapeId) -> Option<Bounds> {
-        let Location { kind, index } = self.locations[id.index()];
-        let index = index as usize;
-        match kind {
-            Kind::Sphere => Some(self.spheres[index].bounds()),
-            Kind::Plane => None,
-            Kind::AlignedBox => Some(self.boxes[index].bounds()),
-            Kind::SphereImage => self.sphere_images[index].bounds(),
-            Kind::BoxImage => self.box_images[index].bounds(),
+        match self.shape(id) {
+            ShapeRef::Sphere(sphere) => Some(sphere.bounds()),
+            ShapeRef::Plane(_) => None,
+            ShapeRef::AlignedBox(shape) => Some(shape.bounds()),
+            ShapeRef::SphereImage(image) => image.bounds(),
+            ShapeRef::BoxImage(image) => image.bounds(),
         }
     }
 }

@@ -1,20 +1,22 @@
 //! A scene as arrays, ready for rays.
 
+use rayon::prelude::*;
+
 use super::changes::ShapeChange;
 use super::document_order::DocumentOrder;
 use super::environment::{Background, Fog};
 use super::equal_shapes::EqualShapes;
-use super::geometry::{Geometry, PreparedShape};
+use super::geometry::{Geometry, PreparedShape, ShapeRef};
+use super::leaf_shapes::LeafShapes;
 use super::light::Light;
 use super::material::SurfaceMaterial;
 use super::material_summary::MaterialSummary;
 use super::material_table::MaterialTable;
 use super::precision::Precision;
 use crate::color::Rgb;
-use crate::trace::bvh::Tree;
+use crate::trace::bvh::{Extent, Tree};
 use crate::trace::math::SimdLevel;
 use crate::trace::rays::ShapeId;
-use crate::trace::shapes::Bounds;
 
 /// All that the kernel knows of a scene at one moment, apart from the camera.
 #[derive(Clone, Debug)]
@@ -24,6 +26,8 @@ pub struct PreparedScene {
     /// Of equal shapes the tree and what is beside it hold the first in document order.
     pub(crate) equal_shapes: EqualShapes,
     pub(crate) tree: Tree,
+    /// What its leaves stand for.
+    pub(crate) leaves: LeafShapes,
     /// Shapes without bounds, as planes, and shapes so much larger than the rest that they would spoil the tree.
     pub(crate) beside: Vec<ShapeId>,
     surfaces: MaterialSummary,
@@ -56,7 +60,8 @@ impl PreparedScene {
             surfaces: MaterialSummary::of(&materials),
             materials,
             equal_shapes: EqualShapes::default(),
-            tree: Tree::build(&[], &[]),
+            tree: Tree::build(&[]).0,
+            leaves: LeafShapes::default(),
             beside: Vec::new(),
             lights: Vec::new(),
             ambient: Rgb::ZERO,
@@ -153,16 +158,20 @@ impl PreparedScene {
         self.equal_shapes = EqualShapes::of(&self.geometry);
         self.sort_equal_shapes();
         let asked = || self.geometry.ids().filter(|id| self.first_equal(*id) == *id);
-        let bounded = asked().filter_map(|id| Some((id, self.geometry.bounds(id)?)));
-        let (mut ids, mut bounds): (Vec<ShapeId>, Vec<Bounds>) = bounded.unzip();
+        let round = |id: ShapeId| matches!(self.geometry.shape(id), ShapeRef::Sphere(_));
+        let bounded = asked()
+            .filter_map(|id| Some((id, Extent { bounds: self.geometry.bounds(id)?, round: round(id) })));
+        let (mut ids, mut extents): (Vec<ShapeId>, Vec<Extent>) = bounded.unzip();
         self.beside = asked().filter(|id| self.geometry.bounds(*id).is_none()).collect();
-        let huge = huge_shapes(&bounds);
+        let huge = huge_shapes(&extents);
         for index in huge.into_iter().rev() {
             self.beside.push(ids.remove(index));
-            bounds.remove(index);
+            extents.remove(index);
         }
         self.beside.sort_unstable_by_key(|id| self.geometry.order().rank(*id));
-        self.tree = Tree::build(&ids, &bounds);
+        let (tree, leaves) = Tree::build(&extents);
+        self.tree = tree;
+        self.leaves = LeafShapes::new(&self.geometry, leaves.par_iter().map(|index| ids[*index as usize]));
     }
 
     /// The first in document order of all shapes that equal one: the one that is asked what a ray meets.
@@ -188,18 +197,19 @@ impl PreparedScene {
 }
 
 /// Indices of at most 64 boxes whose longest edge is over 2^16 times the median of all that have one, ascending.
-fn huge_shapes(bounds: &[Bounds]) -> Vec<usize> {
+fn huge_shapes(extents: &[Extent]) -> Vec<usize> {
     const TIMES_MEDIAN: f64 = 65_536.0;
     const MOST: usize = 64;
-    let mut extents: Vec<f64> = bounds.iter().map(Bounds::extent).filter(|extent| *extent > 0.0).collect();
-    if extents.is_empty() {
+    let edge = |extent: &Extent| extent.bounds.extent();
+    let mut edges: Vec<f64> = extents.iter().map(edge).filter(|edge| *edge > 0.0).collect();
+    if edges.is_empty() {
         return Vec::new();
     }
-    let middle = extents.len() / 2;
-    let median = *extents.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let middle = edges.len() / 2;
+    let median = *edges.select_nth_unstable_by(middle, f64::total_cmp).1;
     let mut huge: Vec<usize> =
-        (0..bounds.len()).filter(|index| bounds[*index].extent() > median * TIMES_MEDIAN).collect();
-    huge.sort_by(|left, right| bounds[*right].extent().total_cmp(&bounds[*left].extent()));
+        (0..extents.len()).filter(|index| edge(&extents[*index]) > median * TIMES_MEDIAN).collect();
+    huge.sort_by(|left, right| edge(&extents[*right]).total_cmp(&edge(&extents[*left])));
     huge.truncate(MOST);
     huge.sort_unstable();
     huge

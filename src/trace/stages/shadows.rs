@@ -5,7 +5,7 @@ use fearless_simd::{dispatch, prelude::*};
 use super::buffers::TileBuffers;
 use super::tile::Sample;
 use crate::trace::light::{MediumStack, PathState, ProposalPacket, visibility};
-use crate::trace::math::{LANES, dot_lanes as dot, lanes, splat};
+use crate::trace::math::{HALF, LANES, dot_lanes as dot, lanes, splat};
 use crate::trace::packet::{Occlusion, ShadowPacket, WaysToLight, occluded};
 use crate::trace::query::{Intersector, SurfacePacket};
 use crate::trace::rays::RayPacket;
@@ -54,7 +54,7 @@ fn occlusion(
         rays: shadow_rays,
         limits: &proposals.limits,
         except: light.own_shape,
-        candidates: if listed { candidates.of(packet) } else { None },
+        candidates: [0, 1].map(|half| if listed { candidates.of(packet, half) } else { None }),
         clear,
     };
     let search = &mut scratch.search;
@@ -79,11 +79,11 @@ fn follow(
     let (scene, effects) = (sample.context.scene, sample.context.effects);
     let TileBuffers { wave, hits, surfaces, proposals, candidates, last_occluders, scratch, .. } = buffers;
     let proposals = &mut proposals[packet];
-    let candidates = if listed { candidates.of(packet) } else { None };
     for lane in lanes(open) {
         let Some(point) = surfaces[packet].get(lane, &hits[packet]) else { continue };
         let shadow_ray = &proposals.way(light, lane).ray(&point);
         let seen = (&point, wave.states[packet][lane].medium);
+        let candidates = if listed { candidates.of(packet, lane / HALF) } else { None };
         let occluders = (light.own_shape, &mut last_occluders[place], candidates);
         match visibility(effects, scene, shapes, shadow_ray, occluders, seen, scratch) {
             Some(share) if effects.clear_shadows() => {

@@ -8,8 +8,8 @@ use crate::trace::scene::SIDE;
 /// Pixels along a tile's side.
 pub(crate) const TILE: u32 = 16;
 
-/// How many packets a tile's rays are. A shaft has a part for each.
-pub(super) const PACKETS: usize = PARTS;
+/// How many packets a tile's rays are. A shaft has a part for each half.
+pub(super) const PACKETS: usize = PARTS / 2;
 
 const _: () = assert!(
     SIDE.pow(2) as usize == LANES && (TILE / SIDE).pow(2) as usize == PACKETS && TILE.is_multiple_of(SIDE)
