@@ -3,17 +3,18 @@
 use std::fmt;
 use std::sync::atomic::AtomicBool;
 
+use fearless_simd::dispatch;
 use rayon::prelude::*;
 
-use crate::color::Rgb;
 use crate::trace::effects::Effects;
 use crate::trace::effort::Effort;
-use crate::trace::film::{Band, Film, PixelSum};
+use crate::trace::exposed::ExposedLight;
+use crate::trace::film::{Band, Film};
 use crate::trace::light::RenderContext;
-use crate::trace::math::Sampling;
+use crate::trace::math::{Colors, Sampling, SimdLevel, Vectors};
 use crate::trace::query::{Intersector, Textbook};
 use crate::trace::scene::{Camera, Precision, PreparedScene};
-use crate::trace::stages::{TILE, Tile, TileBuffers, render_sample};
+use crate::trace::stages::{PACKETS, Square, TILE, Tile, TileBuffers, render_sample};
 
 /// What may end tracing before all is traced.
 #[derive(Clone, Copy)]
@@ -58,44 +59,14 @@ struct ExposedTile {
     samples: u32,
 }
 
-/// What has come to the pixels so far, tile by tile, and in a tile row by row; every tile has room for a whole one.
+/// What has come to the pixels so far, tile by tile, and in a tile packet by packet of its camera rays; every tile has room for a
+/// whole one.
 #[derive(Clone, Debug)]
 enum Light {
     /// Their only sample.
-    Sample(Vec<Rgb>),
+    Sample(Vec<Colors>),
     /// All samples so far.
-    Sums(Vec<PixelSum>),
-}
-
-/// How many pixels a whole tile has.
-const PIXELS: usize = (TILE * TILE) as usize;
-
-/// What can be added up to a pixel.
-trait PixelLight: Copy + Default + Send + Sync {
-    fn add(&mut self, sample: Rgb);
-
-    /// Returns the mean of so many samples.
-    fn mean(self, samples: u32) -> Rgb;
-}
-
-impl PixelLight for Rgb {
-    fn add(&mut self, sample: Rgb) {
-        *self = sample;
-    }
-
-    fn mean(self, _: u32) -> Rgb {
-        self
-    }
-}
-
-impl PixelLight for PixelSum {
-    fn add(&mut self, sample: Rgb) {
-        Self::add(self, sample);
-    }
-
-    fn mean(self, samples: u32) -> Rgb {
-        Self::mean(self, samples)
-    }
+    Sums(Vec<Vectors>),
 }
 
 impl Exposure {
@@ -109,11 +80,11 @@ impl Exposure {
             .map(|(i, j)| Tile { i, j, width: TILE.min(columns - i), height: TILE.min(rows - j) })
             .map(|tile| ExposedTile { tile, samples: 0 })
             .collect();
-        let count = tiles.len() * PIXELS;
+        let count = tiles.len() * PACKETS;
         let light = if samples == 1 {
-            Light::Sample(vec![Rgb::ZERO; count])
+            Light::Sample(vec![Colors::NONE; count])
         } else {
-            Light::Sums(vec![PixelSum::default(); count])
+            Light::Sums(vec![Vectors::NONE; count])
         };
         Self { width: columns, height: rows, samples, tiles, light, effort: Effort::default() }
     }
@@ -128,7 +99,7 @@ impl Exposure {
         let mut again = Self { effort: Effort::default(), ..self };
         again.tiles.iter_mut().for_each(|exposed| exposed.samples = 0);
         if let Light::Sums(sums) = &mut again.light {
-            sums.fill(PixelSum::default());
+            sums.fill(Vectors::NONE);
         }
         again
     }
@@ -195,7 +166,7 @@ impl Exposure {
         let mut film = Film::new(self.width, self.height);
         for (index, ExposedTile { tile, samples }) in self.tiles.iter().enumerate() {
             if *samples > 0 {
-                let (mut whole, light) = (film.whole_mut(), index * PIXELS);
+                let (mut whole, light) = (film.whole_mut(), index * PACKETS);
                 match &self.light {
                     Light::Sample(pixels) => {
                         develop_tile(*tile, &pixels[light..], *samples, (&mut whole, tile.j))
@@ -234,12 +205,12 @@ impl Exposure {
     }
 
     /// The picture, and how many pixels had overflowed.
-    fn develop_pixels<P: PixelLight>(&self, light: &[P]) -> (Film, u64) {
+    fn develop_pixels<L: ExposedLight>(&self, light: &[L]) -> (Film, u64) {
         let across = self.width.div_ceil(TILE) as usize;
         let mut film = Film::new(self.width, self.height);
-        let bands = film.bands_mut(TILE).zip(light.par_chunks((across * PIXELS).max(1)));
+        let bands = film.bands_mut(TILE).zip(light.par_chunks((across * PACKETS).max(1)));
         let overflowed = bands.zip(self.tiles.par_chunks(across.max(1))).map(|((mut band, light), tiles)| {
-            let tiles = tiles.iter().zip(light.chunks(PIXELS));
+            let tiles = tiles.iter().zip(light.chunks(PACKETS));
             tiles
                 .map(|(exposed, light)| develop_tile(exposed.tile, light, self.samples, (&mut band, 0)))
                 .sum::<u64>()
@@ -250,27 +221,35 @@ impl Exposure {
 }
 
 /// Stores a tile's pixels, the means of so many samples, in a band whose row `j` is the tile's first. Says how many had overflowed.
-fn develop_tile<P: PixelLight>(
+fn develop_tile<L: ExposedLight>(
     tile: Tile,
-    light: &[P],
+    light: &[L],
     samples: u32,
     (band, j): (&mut Band<'_>, u32),
 ) -> u64 {
-    let rows = light.chunks(tile.width as usize).take(tile.height as usize).zip(j..);
-    rows.map(|(row, j)| band.store(tile.i, j, row.iter().map(|pixel| pixel.mean(samples)))).sum()
+    dispatch!(SimdLevel::best().level(), simd => {
+        let mut overflowed = 0;
+        for (packet, light) in light[..PACKETS].iter().enumerate() {
+            if let Some(Square { first, size }) = tile.square(packet) {
+                let first = (first.0, first.1 - tile.j + j);
+                overflowed += band.store_square(simd, first, size, &light.mean(simd, samples));
+            }
+        }
+        overflowed
+    })
 }
 
 /// Adds samples of all tiles, over all threads. Returns what they took.
-fn add_samples<P: PixelLight>(
+fn add_samples<L: ExposedLight>(
     context: &RenderContext<'_>,
     shapes: &impl Intersector,
-    (tiles, light): (&mut [ExposedTile], &mut [P]),
+    (tiles, light): (&mut [ExposedTile], &mut [L]),
     (from, to): (u32, u32),
     signals: Signals<'_>,
 ) -> Effort {
     let efforts: Vec<Effort> = tiles
         .par_iter_mut()
-        .zip(light.par_chunks_mut(PIXELS))
+        .zip(light.par_chunks_mut(PACKETS))
         .map_init(
             || TileBuffers::new(signals.cancelled),
             |buffers, (exposed, light)| {
@@ -284,7 +263,7 @@ fn add_samples<P: PixelLight>(
                     if !whole {
                         break;
                     }
-                    light.iter_mut().zip(buffers.pixels()).for_each(|(pixel, sample)| pixel.add(*sample));
+                    add_sample(context, light, buffers);
                     exposed.samples = sample + 1;
                     effort += traced;
                 }
@@ -296,4 +275,13 @@ fn add_samples<P: PixelLight>(
         all += effort;
         all
     })
+}
+
+/// Adds the sample that buffers hold.
+fn add_sample<L: ExposedLight>(context: &RenderContext<'_>, light: &mut [L], buffers: &TileBuffers<'_>) {
+    dispatch!(context.scene.simd.level(), simd => {
+        for (light, sample) in light.iter_mut().zip(buffers.pixels()) {
+            light.add(simd, sample);
+        }
+    });
 }

@@ -1,9 +1,12 @@
 //! Linear pixels of one frame.
 
+use fearless_simd::{f32x16, prelude::*};
 use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::color::Rgb;
+use crate::trace::math::{Colors, bits16};
+use crate::trace::scene::SIDE;
 
 /// One frame's pixels in linear light, row by row from the top. Every value is finite and 0 or more.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,6 +108,39 @@ impl Band<'_> {
             overflowed += u64::from(*stored != pixel);
         }
         overflowed
+    }
+
+    /// The same of the pixels of a packet: of so many columns and rows, from column `i` and row `j` of these on.
+    #[inline(always)]
+    pub(crate) fn store_square<S: Simd>(
+        &mut self,
+        simd: S,
+        (i, j): (u32, u32),
+        (columns, rows): (u32, u32),
+        pixels: &Colors,
+    ) -> u64 {
+        let (black, most) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, f32::MAX));
+        let mut saturated = pixels.load(simd);
+        let mut whole = black.simd_eq(black);
+        for channel in &mut saturated {
+            let positive = channel.simd_gt(black).select(*channel, black);
+            let finite = positive.simd_lt(most).select(positive, most);
+            whole &= finite.simd_eq(*channel);
+            *channel = finite;
+        }
+        let mut colors = Colors::splat(Rgb::ZERO);
+        colors.store(saturated);
+        let overflowed = !bits16(whole);
+        let mut count = 0;
+        for row in 0..rows as usize {
+            let (first, length) = (row * SIDE as usize, columns as usize);
+            let start = (j as usize + row) * self.width as usize + i as usize;
+            for (lane, stored) in (first..).zip(&mut self.pixels[start..start + length]) {
+                *stored = colors.get(lane);
+            }
+            count += (overflowed >> first & ((1 << length) - 1)).count_ones();
+        }
+        count.into()
     }
 }
 

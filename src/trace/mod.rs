@@ -54,6 +54,7 @@
 mod bvh;
 mod effects;
 mod effort;
+mod exposed;
 mod exposure;
 mod film;
 mod light;

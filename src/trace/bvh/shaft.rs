@@ -104,7 +104,7 @@ impl Slopes {
         highest: [f64::NEG_INFINITY; 2],
     };
 
-    /// Takes those of a part's rays: of half of a packet in some lanes, along their directions times `sense`, 1 or -1, with depth
+    /// Takes those of a part's rays: of half of a packet in some lanes, at least one, along their directions times `sense`, 1 or -1, with depth
     /// along an axis. `false` where one goes the other way, or so steeply that it would make the shaft too wide.
     #[inline(always)]
     pub(crate) fn set<S: Simd>(
@@ -117,20 +117,23 @@ impl Slopes {
         const STEEPEST: f64 = 16.0;
         let [w, u, v] = depth.axes();
         let asked = mask(simd, lanes, half);
-        let inverse = splat(simd, depth.sign() * sense) / directions.axis(w).load(simd, half);
-        let mut good = inverse.simd_gt(splat(simd, 0.0));
+        // Turned round, a direction has the same slopes.
+        let inverse = splat(simd, depth.sign()) / directions.axis(w).load(simd, half);
+        let forwards = inverse * sense;
+        let ahead = forwards.simd_gt(splat(simd, 0.0)) & forwards.simd_lt(splat(simd, f64::INFINITY));
         let (group, lane) = (part / LANES % (PARTS / LANES), part % LANES);
+        let mut good = true;
         for (side, across) in [u, v].into_iter().enumerate() {
-            let slope = directions.axis(across).load(simd, half) * sense * inverse;
-            good &= slope.abs().simd_le(splat(simd, STEEPEST));
+            let slope = directions.axis(across).load(simd, half) * inverse;
             let low = asked.select(slope, splat(simd, f64::INFINITY)).reduce_min();
             let high = asked.select(slope, splat(simd, f64::NEG_INFINITY)).reduce_max();
             self.low[side][group].set(lane, low);
             self.high[side][group].set(lane, high);
             self.lowest[side] = self.lowest[side].min(low);
             self.highest[side] = self.highest[side].max(high);
+            good &= low >= -STEEPEST && high <= STEEPEST;
         }
-        !(asked & !good).any_true()
+        good && !(asked & !ahead).any_true()
     }
 
     fn steepest(&self) -> f64 {

@@ -4,13 +4,13 @@ use fearless_simd::{f32x16, prelude::*};
 use glam::DVec3;
 
 use super::direct::{LitPoint, Proposal, SampleId, WayToLight, light_place, propose};
-use super::secondary::PathState;
+use super::path_packet::PathPacket;
 use super::shading::{intensity, specular};
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
 use crate::trace::math::{
-    Colors, F64s, F64s3, LANES, Mask, Numbers, Scaled, Vectors, bits, bits16, dot_lanes as dot, half_of,
-    lanes, mask, scaled, scaled_lanes, select3, splat, splat3, subtract,
+    Colors, F64s, F64s3, Mask, Numbers, Scaled, Vectors, bits, bits16, dot_lanes as dot, half_of, lanes,
+    mask, scaled, scaled_lanes, select3, splat, splat3, subtract,
 };
 use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::{Limit, RayPacket};
@@ -21,7 +21,7 @@ pub(crate) struct LitPacket<'a> {
     /// The rays that found them.
     pub(crate) rays: &'a RayPacket,
     /// What those carry.
-    pub(crate) states: &'a [PathState; LANES],
+    pub(crate) paths: &'a PathPacket,
     pub(crate) hits: &'a HitPacket,
     pub(crate) surfaces: &'a SurfacePacket,
     /// The diffuse colours there.
@@ -43,8 +43,8 @@ pub(crate) struct ProposalPacket {
     pub(crate) from_behind: u32,
     /// What is added where nothing is in the way.
     pub(crate) colors: Colors,
-    /// To the light, [`scaled`].
-    pub(crate) directions: Vectors,
+    /// From the points to the light, where it has to be asked; their directions are known wherever something is added.
+    pub(crate) rays: RayPacket,
     /// How many times as far it is.
     pub(crate) limits: Numbers,
     /// Where it is, if it has a size.
@@ -58,7 +58,7 @@ impl ProposalPacket {
         asking: 0,
         from_behind: 0,
         colors: Colors::splat(Rgb::ZERO),
-        directions: Vectors::splat(DVec3::ONE),
+        rays: RayPacket::EMPTY,
         limits: Numbers::splat(0.0),
         places: Vectors::splat(DVec3::ZERO),
     };
@@ -76,7 +76,18 @@ impl ProposalPacket {
             }
         };
         let from_behind = self.from_behind & (1 << lane) != 0;
-        WayToLight { direction: self.directions.get(lane), limit, from_behind }
+        WayToLight { direction: self.rays.directions.get(lane), limit, from_behind }
+    }
+
+    /// Lets the rays of lanes that ask leave the surfaces.
+    #[inline(always)]
+    fn leave(&mut self, surfaces: &SurfacePacket) {
+        self.rays.lanes = self.asking;
+        self.rays.left = surfaces.first_equals;
+        self.rays.departing = self.asking;
+        self.rays.outward = surfaces.from_outside ^ self.from_behind;
+        // Which others they leave besides is left to who follows them one by one.
+        self.rays.tied = surfaces.tied & self.asking;
     }
 
     /// Puts a proposal into a lane that has none.
@@ -86,7 +97,7 @@ impl ProposalPacket {
         self.colors.set(lane, proposal.color);
         if let Some(WayToLight { direction, limit, from_behind }) = proposal.shadow {
             self.asking |= bit;
-            self.directions.set(lane, direction);
+            self.rays.directions.set(lane, direction);
             self.limits.set(lane, limit.t());
             self.places.set(lane, limit.place());
             if from_behind {
@@ -141,6 +152,7 @@ pub(crate) fn propose_lanes<S: Simd>(
             proposals.set(lane, &proposal);
         }
     }
+    proposals.leave(lit.surfaces);
 }
 
 /// How a light is seen from points.
@@ -181,7 +193,8 @@ fn aim<S: Simd>(simd: S, target: &Target, lit: &LitPacket<'_>, proposals: &mut P
         aim.behind |= bits(cosine.simd_lt(zero), half);
         aim.cosines.store(half, cosine.abs());
         aim.lengths.store(half, length);
-        proposals.directions.store(half, to_light);
+        proposals.rays.origins.store(half, point);
+        proposals.rays.directions.store(half, to_light);
         proposals.limits.store(half, limit);
     }
     aim.facing &= asked & usual;
@@ -197,7 +210,7 @@ fn intensities(effects: Effects, light: &Light, lengths: &Numbers, proposals: &P
     if effects.extras && (light.falloff.is_some() || matches!(light.source, LightSource::Spot(..))) {
         for lane in lanes(proposals.lanes) {
             let (length, limit) = (lengths.get(lane), proposals.limits.get(lane));
-            let direction = proposals.directions.get(lane);
+            let direction = proposals.rays.directions.get(lane);
             intensities.set(lane, intensity(effects, light, direction, length, limit));
         }
     }
@@ -217,7 +230,7 @@ fn add_highlights(
         let Some(id) = lit.hits.ids.get(lane).filter(|_| intensity != Rgb::ZERO) else { continue };
         let normal = facing_normal(lit.surfaces, lane);
         let back = -lit.rays.directions.get(lane);
-        let way = proposals.directions.get(lane);
+        let way = proposals.rays.directions.get(lane);
         let highlight = specular(scene.material(id), intensity, normal, way, back);
         proposals.colors.set(lane, proposals.colors.get(lane) + highlight);
     }
@@ -231,7 +244,7 @@ fn lit_point<'a>(
 ) -> LitPoint<'a> {
     LitPoint {
         arriving: lit.rays.directions.get(lane),
-        path: lit.states[lane].path,
+        path: lit.paths.paths[lane],
         point: lit.surfaces.points.get(lane),
         normal: facing_normal(lit.surfaces, lane),
         material,
@@ -270,7 +283,7 @@ fn target(
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } if !effects.extras => None,
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
             for lane in lanes(lit.surfaces.lanes) {
-                let (point, path) = (lit.surfaces.points.get(lane), lit.states[lane].path);
+                let (point, path) = (lit.surfaces.points.get(lane), lit.paths.paths[lane]);
                 proposals.places.set(lane, light_place(light, point, (asker(lane), path), sample));
             }
             Some(Target::Places)

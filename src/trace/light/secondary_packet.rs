@@ -2,10 +2,10 @@
 
 use fearless_simd::prelude::*;
 
-use super::medium_stack::MediumStack;
-use super::secondary::{PathState, TreeRay, reaching};
+use super::path_packet::PathPacket;
+use super::secondary::{TreeRay, reaching};
 use crate::trace::math::{
-    LANES, Mask, Scaled, bits, dot_lanes as dot, half_of, lanes, scaled_lanes, splat, subtract, times,
+    Mask, Scaled, bits, dot_lanes as dot, half_of, lanes, scaled_lanes, splat, subtract, times,
 };
 use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::RayPacket;
@@ -16,29 +16,28 @@ use crate::trace::scene::PreparedScene;
 pub(crate) struct BranchPacket {
     pub(crate) rays: RayPacket,
     /// What they carry.
-    pub(crate) states: [PathState; LANES],
+    pub(crate) paths: PathPacket,
 }
 
 impl BranchPacket {
     /// Of no ray.
-    pub(crate) const EMPTY: Self =
-        Self { rays: RayPacket::EMPTY, states: [PathState::at_camera(MediumStack::NONE); LANES] };
+    pub(crate) const EMPTY: Self = Self { rays: RayPacket::EMPTY, paths: PathPacket::AT_CAMERA };
 
     /// Puts a ray into a lane that has none.
     pub(crate) fn set(&mut self, lane: usize, TreeRay { ray, state }: &TreeRay) {
         self.rays.set(lane, ray);
-        self.states[lane] = *state;
+        self.paths.set(lane, state);
     }
 }
 
 /// Finds the mirrored rays of surfaces, in some lanes, that send on no others: what [`secondary_rays`](super::secondary_rays) finds
-/// there, in its operations and their order. The rays that they continue arrive as `rays`, which carry `states`. Returns the lanes
+/// there, in its operations and their order. The rays that they continue arrive as `rays`, which carry `paths`. Returns the lanes
 /// that have to be asked one by one.
 #[inline(always)]
 pub(crate) fn mirrored_lanes<S: Simd>(
     simd: S,
     scene: &PreparedScene,
-    (rays, states): (&RayPacket, &[PathState; LANES]),
+    (rays, paths): (&RayPacket, &PathPacket),
     (hits, surfaces): (&HitPacket, &SurfacePacket),
     asked: u32,
     branches: &mut BranchPacket,
@@ -46,8 +45,9 @@ pub(crate) fn mirrored_lanes<S: Simd>(
     let mut sent = 0;
     for lane in lanes(asked) {
         let Some(id) = hits.ids.get(lane) else { continue };
-        if let Some(state) = reaching(&states[lane], scene.material(id).reflected, states[lane].medium, 0) {
-            branches.states[lane] = state;
+        let arrived = paths.get(lane);
+        if let Some(state) = reaching(&arrived, scene.material(id).reflected, arrived.medium, 0) {
+            branches.paths.set(lane, &state);
             sent |= 1 << lane;
         }
     }
@@ -67,7 +67,6 @@ pub(crate) fn mirrored_lanes<S: Simd>(
         unusual |= sent & bits(Mask::<S>::from_bitmask(simd, 0xff), half) & !bits(usual & finite, half);
         branches.rays.origins.store(half, point);
         branches.rays.directions.store(half, direction);
-        branches.rays.inverse_squares.store(half, splat(simd, 1.0) / dot(direction, direction));
     }
     let sent = sent & !unusual;
     branches.rays.lanes = sent;

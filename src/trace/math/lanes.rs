@@ -97,6 +97,12 @@ impl Vectors {
         &self.0[axis]
     }
 
+    /// Returns one coordinate, to be changed.
+    #[inline(always)]
+    pub(crate) fn axis_mut(&mut self, axis: usize) -> &mut Numbers {
+        &mut self.0[axis]
+    }
+
     /// Returns half of the vectors.
     #[inline(always)]
     pub(crate) fn load<S: Simd>(&self, simd: S, half: usize) -> F64s3<S> {
@@ -259,14 +265,11 @@ pub(crate) fn scaled_lanes<S: Simd>(simd: S, direction: F64s3<S>) -> Scaled<S> {
     const SMALLEST: f64 = f64::from_bits((1023 - 400) << 52);
     const LARGEST: f64 = f64::from_bits((1023 + 100) << 52);
     const NORMAL: f64 = f64::from_bits((1023 - 900) << 52);
-    let (zero, normal) = (splat(simd, 0.0), splat(simd, NORMAL));
     let [x, y, z] = [direction[0].abs(), direction[1].abs(), direction[2].abs()];
-    let longest = x.simd_gt(y).select(x, y);
-    let longest = longest.simd_gt(z).select(longest, z);
-    let whole = (x.simd_ge(normal) | x.simd_eq(zero))
-        & (y.simd_ge(normal) | y.simd_eq(zero))
-        & (z.simd_ge(normal) | z.simd_eq(zero));
-    let usual = whole & longest.simd_ge(splat(simd, SMALLEST)) & longest.simd_lt(splat(simd, LARGEST));
+    let longest = x.max(y).max(z);
+    // What is no number makes the sum none.
+    let within = longest.simd_ge(splat(simd, SMALLEST)) & (x + y + z).simd_lt(splat(simd, LARGEST));
+    let usual = within & none_below(simd, [x, y, z], NORMAL);
     let exponent: u64x8<S> = longest.bitcast();
     let exponent = exponent & u64x8::splat(simd, 0x7ff << 52);
     let scale: F64s<S> = (u64x8::splat(simd, 2046 << 52) - exponent).bitcast();
@@ -318,17 +321,35 @@ fn fuses<S: Simd>(simd: S) -> bool {
 /// zero.
 #[inline(always)]
 pub(crate) fn moderate<S: Simd>(simd: S, number: F64s<S>) -> Mask<S> {
-    const SMALLEST: f64 = f64::from_bits((1023 - 400) << 52);
-    const LARGEST: f64 = f64::from_bits((1023 + 400) << 52);
     let size = number.abs();
-    (size.simd_ge(splat(simd, SMALLEST)) | size.simd_eq(splat(simd, 0.0)))
-        & size.simd_lt(splat(simd, LARGEST))
+    let zero = splat(simd, 0.0);
+    (size.simd_ge(splat(simd, LEAST)) | size.simd_eq(zero)) & size.simd_lt(splat(simd, MOST))
 }
 
-/// The same of all coordinates.
+/// The same of three numbers, whose sizes must add up to less than 2^400.
 #[inline(always)]
 pub(crate) fn moderate3<S: Simd>(simd: S, [x, y, z]: F64s3<S>) -> Mask<S> {
-    moderate(simd, x) & moderate(simd, y) & moderate(simd, z)
+    let sizes = [x.abs(), y.abs(), z.abs()];
+    // What is no number makes the sum none.
+    let sum = sizes[0] + sizes[1] + sizes[2];
+    sum.simd_lt(splat(simd, MOST)) & none_below(simd, sizes, LEAST)
+}
+
+/// 2^-400 and 2^400.
+const LEAST: f64 = f64::from_bits((1023 - 400) << 52);
+const MOST: f64 = f64::from_bits((1023 + 400) << 52);
+
+/// Says where three sizes are zero or at least so large.
+#[inline(always)]
+fn none_below<S: Simd>(simd: S, [x, y, z]: F64s3<S>, least: f64) -> Mask<S> {
+    let (least, zero) = (splat(simd, least), splat(simd, 0.0));
+    let all = x.min(y).min(z).simd_ge(least);
+    if all.all_true() {
+        return all;
+    }
+    (x.simd_ge(least) | x.simd_eq(zero))
+        & (y.simd_ge(least) | y.simd_eq(zero))
+        & (z.simd_ge(least) | z.simd_eq(zero))
 }
 
 #[inline(always)]

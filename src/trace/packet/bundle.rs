@@ -6,9 +6,11 @@ use fearless_simd::{dispatch, prelude::*};
 use glam::DVec3;
 
 use super::closest_hit::{Search, latest};
-use super::verdicts::{Asked, Asking, Inverses};
+use super::reciprocals::Reciprocals;
+use super::scratch::PacketScratch;
+use super::verdicts::{Asked, Asking};
 use crate::trace::bvh::{Depth, LeafBox, LeafId, Limits, PARTS, Shaft, ShaftVisitor, Slopes};
-use crate::trace::math::set_bits;
+use crate::trace::math::{half_of, set_bits};
 use crate::trace::query::{Escalations, HitPacket, Scratch};
 use crate::trace::rays::RayPacket;
 use crate::trace::scene::PreparedScene;
@@ -27,7 +29,7 @@ pub(crate) fn bundle_hits(
     origin: DVec3,
     rays: &[RayPacket],
     hits: &mut [HitPacket],
-    scratch: &mut Scratch<'_>,
+    scratch: (&mut Scratch<'_>, &mut PacketScratch),
 ) -> bool {
     dispatch!(scene.simd.level(), simd => find(simd, scene, origin, rays, hits, scratch))
 }
@@ -39,7 +41,7 @@ fn find<S: Simd>(
     origin: DVec3,
     rays: &[RayPacket],
     hits: &mut [HitPacket],
-    scratch: &mut Scratch<'_>,
+    (scratch, PacketScratch { reciprocals, .. }): (&mut Scratch<'_>, &mut PacketScratch),
 ) -> bool {
     let Some(first) = rays.iter().find(|packet| packet.lanes != 0) else { return false };
     let depth = Depth::along(first.directions.get(first.lanes.trailing_zeros() as usize));
@@ -47,7 +49,7 @@ fn find<S: Simd>(
     for (packet, rays) in rays.iter().enumerate() {
         for half in 0..2 {
             let along = (&rays.directions, rays.lanes, half);
-            if !slopes.set(simd, packet * 2 + half, along, (depth, 1.0)) {
+            if half_of(rays.lanes, half) != 0 && !slopes.set(simd, packet * 2 + half, along, (depth, 1.0)) {
                 return false;
             }
         }
@@ -55,14 +57,14 @@ fn find<S: Simd>(
     let Some(shaft) = scene.tree.shaft(simd, origin, depth, &slopes) else { return false };
     hits.iter_mut().for_each(HitPacket::clear);
     let Scratch { stack, cancelled, escalations, .. } = scratch;
-    let mut inverses = [const { Inverses::UNKNOWN }; PARTS / 2];
+    reciprocals.iter_mut().for_each(Reciprocals::forget);
     let mut visitor = Visitor {
         scene,
         shaft: &shaft,
         depth,
         rays,
         hits,
-        inverses: &mut inverses,
+        reciprocals,
         limits: Limits::NONE,
         tests: 0,
         escalations,
@@ -88,7 +90,7 @@ struct Visitor<'a> {
     depth: Depth,
     rays: &'a [RayPacket],
     hits: &'a mut [HitPacket],
-    inverses: &'a mut [Inverses; PARTS / 2],
+    reciprocals: &'a mut [Reciprocals; PARTS / 2],
     limits: Limits,
     tests: usize,
     escalations: &'a mut Escalations,
@@ -123,7 +125,7 @@ impl Visitor<'_> {
         let asking = Asking {
             geometry: self.scene.geometry(),
             rays,
-            inverses: &mut self.inverses[packet],
+            reciprocals: &mut self.reciprocals[packet],
             escalations: self.escalations,
         };
         let mut search = Search { scene: self.scene, asking, hits: &mut self.hits[packet] };

@@ -4,7 +4,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use fearless_simd::{dispatch, prelude::*};
 
-use super::verdicts::{Answer, Asked, Asking, Inverses};
+use super::scratch::PacketScratch;
+use super::verdicts::{Answer, Asked, Asking};
 use crate::trace::bvh::{FramePacket, LeafId, PacketStack, PacketVisitor};
 use crate::trace::math::{F64s, bits, half_of, mask, splat};
 use crate::trace::query::{Escalations, HitPacket};
@@ -19,7 +20,7 @@ pub(crate) fn closest_hits(
     scene: &PreparedScene,
     rays: &RayPacket,
     hits: &mut HitPacket,
-    stack: &mut PacketStack,
+    PacketScratch { stack, reciprocals }: &mut PacketScratch,
     (escalations, cancelled): (&mut Escalations, &AtomicBool),
 ) {
     hits.clear();
@@ -30,8 +31,9 @@ pub(crate) fn closest_hits(
         hits.open = rays.lanes;
         return;
     }
-    let mut inverses = Inverses::UNKNOWN;
-    let asking = Asking { geometry: scene.geometry(), rays, inverses: &mut inverses, escalations };
+    let reciprocals = &mut reciprocals[0];
+    reciprocals.forget();
+    let asking = Asking { geometry: scene.geometry(), rays, reciprocals, escalations };
     let mut search = Search { scene, asking, hits };
     dispatch!(scene.simd.level(), simd => search.run(simd, active, stack, cancelled));
 }

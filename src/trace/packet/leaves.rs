@@ -13,8 +13,6 @@ use crate::trace::shapes::{AlignedBox, Bounds, Plane, Sphere, U};
 pub(super) struct Rays<S: Simd> {
     pub(super) origin: F64s3<S>,
     pub(super) direction: F64s3<S>,
-    /// 1 / direction.direction
-    pub(super) inverse_square: F64s<S>,
 }
 
 /// What they have to do with a shape.
@@ -31,20 +29,22 @@ pub(super) struct Verdicts<S: Simd> {
 impl<S: Simd> Rays<S> {
     #[inline(always)]
     pub(super) fn load(simd: S, packet: &RayPacket, half: usize) -> Self {
-        Self {
-            origin: packet.origins.load(simd, half),
-            direction: packet.directions.load(simd, half),
-            inverse_square: packet.inverse_squares.load(simd, half),
-        }
+        Self { origin: packet.origins.load(simd, half), direction: packet.directions.load(simd, half) }
     }
 }
 
-/// Where rays meet a sphere: `first_root` of [`Sphere::intersect`]. `None` where all of them certainly miss it.
+/// Where rays meet a sphere: `first_root` of [`Sphere::intersect`]. `None` where all of them certainly miss it. `inverse_square` is
+/// 1 / direction.direction.
 #[inline(always)]
-pub(super) fn sphere<S: Simd>(simd: S, rays: &Rays<S>, sphere: &Sphere) -> Option<Verdicts<S>> {
+pub(super) fn sphere<S: Simd>(
+    simd: S,
+    rays: &Rays<S>,
+    inverse_square: F64s<S>,
+    sphere: &Sphere,
+) -> Option<Verdicts<S>> {
     let to_center = subtract(splat3(simd, sphere.center), rays.origin);
     let squared_radius = splat(simd, sphere.radius * sphere.radius);
-    let Rays { direction, inverse_square, .. } = *rays;
+    let direction = rays.direction;
     let b = dot(to_center, direction);
     let projection = b * inverse_square;
     let nearest = subtract(to_center, times(direction, projection));

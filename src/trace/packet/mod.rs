@@ -8,13 +8,16 @@
 //! - [`closest_hit`]: the nearest of what a packet's rays meet; [`bundle`]: the same of packets of rays from one point.
 //! - [`occlusion`]: what stands between surface points and a light; [`candidates`]: what may, for all packets of a tile.
 //! - [`refine`]: the surface points that hits stand for.
+//! - [`reciprocals`]: quotients that shapes ask of rays; [`scratch`]: what is kept for its memory.
 
 mod bundle;
 mod candidates;
 mod closest_hit;
 mod leaves;
 mod occlusion;
+mod reciprocals;
 mod refine;
+mod scratch;
 #[cfg(test)]
 mod tests;
 mod verdicts;
@@ -24,3 +27,4 @@ pub(crate) use candidates::{Candidates, WaysToLight};
 pub(crate) use closest_hit::closest_hits;
 pub(crate) use occlusion::{Occlusion, ShadowPacket, occluded};
 pub(crate) use refine::refine;
+pub(crate) use scratch::PacketScratch;

@@ -4,7 +4,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use fearless_simd::{dispatch, prelude::*};
 
-use super::verdicts::{Asked, Asking, Inverses};
+use super::scratch::PacketScratch;
+use super::verdicts::{Asked, Asking};
 use crate::trace::bvh::{FramePacket, LeafId, PacketStack, PacketVisitor};
 use crate::trace::math::{HALF, Numbers, bits, half_of, splat};
 use crate::trace::query::{Escalations, NEAR};
@@ -41,12 +42,12 @@ pub(crate) fn occluded(
     scene: &PreparedScene,
     shadow: &ShadowPacket<'_>,
     last_occluder: &mut Option<ShapeId>,
-    stack: &mut PacketStack,
+    PacketScratch { stack, reciprocals }: &mut PacketScratch,
     (escalations, cancelled): (&mut Escalations, &AtomicBool),
 ) -> Occlusion {
-    let mut inverses = Inverses::UNKNOWN;
-    let rays = shadow.rays;
-    let asking = Asking { geometry: scene.geometry(), rays, inverses: &mut inverses, escalations };
+    let (rays, reciprocals) = (shadow.rays, &mut reciprocals[0]);
+    reciprocals.forget();
+    let asking = Asking { geometry: scene.geometry(), rays, reciprocals, escalations };
     // What is tied with others is left in as many senses as there are.
     let found = Occlusion { hidden: 0, open: rays.tied };
     let mut search = Search { scene, shadow, asking, found, last_occluder };

@@ -33,10 +33,16 @@ trait Shapes {
     fn others<S: Simd>(&self, simd: S, half: usize) -> F64s3<S>;
     fn units<S: Simd>(&self, simd: S, half: usize) -> F64s3<S>;
     fn radii<S: Simd>(&self, simd: S, half: usize) -> F64s<S>;
+    /// Says where radii and normals are [`moderate`].
+    fn moderate<S: Simd>(&self, simd: S, half: usize) -> Mask<S>;
 }
 
 /// The same shape in some lanes.
-struct OneShape(Shape, u32);
+struct OneShape {
+    shape: Shape,
+    lanes: u32,
+    moderate: bool,
+}
 
 /// A shape of its own in each lane.
 struct ManyShapes {
@@ -70,7 +76,10 @@ pub(crate) fn refine<S: Simd>(
     let found = match hits.ids.common(simd, usual) {
         _ if usual == 0 => 0,
         Some(id) => match Shape::of(scene.geometry(), id) {
-            Some(shape) => refine_lanes(simd, (rays, hits), &OneShape(shape, usual), usual, surfaces),
+            Some(shape) => {
+                let shape = OneShape::new(simd, shape, usual);
+                refine_lanes(simd, (rays, hits), &shape, usual, surfaces)
+            }
             None => 0,
         },
         None => {
@@ -129,30 +138,43 @@ impl Shape {
     }
 }
 
+impl OneShape {
+    #[inline(always)]
+    fn new<S: Simd>(simd: S, shape: Shape, lanes: u32) -> Self {
+        let numbers = moderate3(simd, splat3(simd, shape.other)) & moderate(simd, splat(simd, shape.radius));
+        Self { shape, lanes, moderate: numbers.all_true() }
+    }
+}
+
 impl Shapes for OneShape {
     #[inline(always)]
+    fn moderate<S: Simd>(&self, simd: S, _half: usize) -> Mask<S> {
+        Mask::<S>::from_bitmask(simd, if self.moderate { 0xff } else { 0 })
+    }
+
+    #[inline(always)]
     fn lanes_of(&self, kind: Kind) -> u32 {
-        if self.0.kind == kind { self.1 } else { 0 }
+        if self.shape.kind == kind { self.lanes } else { 0 }
     }
 
     #[inline(always)]
     fn places<S: Simd>(&self, simd: S, _half: usize) -> F64s3<S> {
-        splat3(simd, self.0.place)
+        splat3(simd, self.shape.place)
     }
 
     #[inline(always)]
     fn others<S: Simd>(&self, simd: S, _half: usize) -> F64s3<S> {
-        splat3(simd, self.0.other)
+        splat3(simd, self.shape.other)
     }
 
     #[inline(always)]
     fn units<S: Simd>(&self, simd: S, _half: usize) -> F64s3<S> {
-        splat3(simd, self.0.unit)
+        splat3(simd, self.shape.unit)
     }
 
     #[inline(always)]
     fn radii<S: Simd>(&self, simd: S, _half: usize) -> F64s<S> {
-        splat(simd, self.0.radius)
+        splat(simd, self.shape.radius)
     }
 }
 
@@ -198,6 +220,11 @@ impl ManyShapes {
 }
 
 impl Shapes for ManyShapes {
+    #[inline(always)]
+    fn moderate<S: Simd>(&self, simd: S, half: usize) -> Mask<S> {
+        moderate(simd, self.radii.load(simd, half)) & moderate3(simd, self.others.load(simd, half))
+    }
+
     #[inline(always)]
     fn lanes_of(&self, kind: Kind) -> u32 {
         match kind {
@@ -316,7 +343,7 @@ fn spheres<S: Simd>(simd: S, inexact: &Inexact<S>, shapes: &impl Shapes, half: u
     let place = CompensatedLanes::along(origin, direction, t);
     let from_center = place.minus(shapes.places(simd, half));
     let radius = shapes.radii(simd, half);
-    let moderate = moderate(simd, radius) & moderate3(simd, from_center.rounded());
+    let moderate = shapes.moderate(simd, half) & moderate3(simd, from_center.rounded());
     let slope = dot(from_center.rounded(), direction) * 2.0;
     let step = newton_step(simd, from_center.beyond(radius), slope);
     let way = times(direction, step);
@@ -335,7 +362,7 @@ fn planes<S: Simd>(simd: S, inexact: &Inexact<S>, shapes: &impl Shapes, half: us
     let normal = shapes.others(simd, half);
     let place = CompensatedLanes::along(origin, direction, t);
     let from_point = place.minus(shapes.places(simd, half));
-    let found = moderate3(simd, normal) & moderate3(simd, from_point.rounded());
+    let found = shapes.moderate(simd, half) & moderate3(simd, from_point.rounded());
     let height = from_point.dot(normal);
     let step = newton_step(simd, height, dot(direction, normal));
     let (t, rest) = two_sum(t, step);

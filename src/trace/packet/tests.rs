@@ -4,7 +4,9 @@ use fearless_simd::{dispatch, prelude::*};
 use glam::{DAffine3, DMat3, DVec3};
 use proptest::prelude::*;
 
-use super::{Candidates, ShadowPacket, WaysToLight, bundle_hits, closest_hits, occluded, refine};
+use super::{
+    Candidates, PacketScratch, ShadowPacket, WaysToLight, bundle_hits, closest_hits, occluded, refine,
+};
 use crate::color::Rgb;
 use crate::trace::bvh::LeafId;
 use crate::trace::math::{
@@ -127,7 +129,8 @@ fn decided(scene: &mut PreparedScene, camera: &Camera) -> Result<usize, TestCase
         let packets = packets(scene, camera);
         let mut hits = vec![HitPacket::EMPTY; 16];
         let origin = camera.position();
-        if !bundle_hits(scene, origin, &packets, &mut hits, &mut Scratch::default()) {
+        let scratch = (&mut Scratch::default(), &mut PacketScratch::default());
+        if !bundle_hits(scene, origin, &packets, &mut hits, scratch) {
             return Ok(0);
         }
         let mut count = 0;
@@ -152,8 +155,8 @@ fn decided_by_packets(
         for rays in packets {
             let mut hits = HitPacket::EMPTY;
             let mut scratch = Scratch::default();
-            let Scratch { packet_stack, escalations, cancelled, .. } = &mut scratch;
-            closest_hits(scene, rays, &mut hits, packet_stack, (escalations, cancelled));
+            let Scratch { escalations, cancelled, .. } = &mut scratch;
+            closest_hits(scene, rays, &mut hits, &mut PacketScratch::default(), (escalations, cancelled));
             count += compare(name, scene, rays, &mut hits, ties)?;
         }
         least = least.min(count);
@@ -272,9 +275,9 @@ proptest! {
                 let lists = [[None; 2], [0, 1].map(|half| if listed { candidates.of(packet, half) } else { None })];
                 for candidates in lists {
                     let shadow = ShadowPacket { rays, limits, except, candidates, clear };
-                    let Scratch { packet_stack, escalations, cancelled, .. } = &mut scratch;
+                    let Scratch { escalations, cancelled, .. } = &mut scratch;
                     let effort = (escalations, *cancelled);
-                    let found = occluded(&scene, &shadow, &mut None, packet_stack, effort);
+                    let found = occluded(&scene, &shadow, &mut None, &mut PacketScratch::default(), effort);
                     for lane in lanes(rays.lanes) {
                         let (ray, limit) = (rays.get(lane), Limit::new(limits.get(lane), light));
                         let single = hidden(&scene, &ray, &limit, (except, candidates[lane / HALF]), clear, &mut scratch);
@@ -453,8 +456,9 @@ fn nearly_all_rays_are_decided_at_once() {
     for (rays, limits) in &shadows {
         let shadow = ShadowPacket { rays, limits, except: None, candidates: [None; 2], clear: false };
         let mut scratch = Scratch::default();
-        let Scratch { packet_stack, escalations, cancelled, .. } = &mut scratch;
-        let found = occluded(&scene, &shadow, &mut None, packet_stack, (escalations, cancelled));
+        let Scratch { escalations, cancelled, .. } = &mut scratch;
+        let effort = (escalations, *cancelled);
+        let found = occluded(&scene, &shadow, &mut None, &mut PacketScratch::default(), effort);
         hidden += found.hidden.count_ones();
         lit += (rays.lanes & !found.hidden & !found.open).count_ones();
     }

@@ -1,51 +1,20 @@
 //! A shape of any kind against a packet's rays.
 
 use fearless_simd::prelude::*;
-use glam::DVec3;
 
 use super::leaves::{self, Rays, Verdicts};
+use super::reciprocals::Reciprocals;
 use crate::trace::bvh::LeafId;
-use crate::trace::math::{F64s, Mask, Numbers, Vectors, bits, half_of, lanes, mask, splat};
+use crate::trace::math::{F64s, Mask, Numbers, bits, half_of, lanes, mask, splat};
 use crate::trace::query::{Escalations, Intersector};
 use crate::trace::rays::{RayPacket, RayView, ShapeId};
 use crate::trace::scene::{Geometry, PreparedScene, ShapeRef};
-use crate::trace::shapes::SLOWEST;
-
-/// The reciprocals of directions, made when the first box is asked.
-#[derive(Clone, Debug)]
-pub(super) struct Inverses {
-    numbers: Vectors,
-    known: bool,
-    /// Lanes with a coordinate so small that its reciprocal may not be finite.
-    slow: u32,
-}
-
-impl Inverses {
-    pub(super) const UNKNOWN: Self = Self { numbers: Vectors::splat(DVec3::ONE), known: false, slow: 0 };
-
-    #[inline(always)]
-    fn know<S: Simd>(&mut self, simd: S, rays: &RayPacket) {
-        if self.known {
-            return;
-        }
-        (self.known, self.slow) = (true, 0);
-        for half in 0..2 {
-            let mut direction = rays.directions.load(simd, half);
-            for coordinate in &mut direction {
-                let slow = coordinate.abs().simd_le(splat(simd, SLOWEST));
-                self.slow |= bits(slow, half);
-                *coordinate = splat(simd, 1.0) / *coordinate;
-            }
-            self.numbers.store(half, direction);
-        }
-    }
-}
 
 /// A packet's rays that ask, in some lanes.
 pub(super) struct Asking<'a> {
     pub(super) geometry: &'a Geometry,
     pub(super) rays: &'a RayPacket,
-    pub(super) inverses: &'a mut Inverses,
+    pub(super) reciprocals: &'a mut Reciprocals,
     pub(super) escalations: &'a mut Escalations,
 }
 
@@ -130,13 +99,15 @@ impl Asking<'_> {
     ) -> Option<Verdicts<S>> {
         let rays = Rays::load(simd, self.rays, half);
         match shape {
-            ShapeRef::Sphere(sphere) => leaves::sphere(simd, &rays, sphere),
+            ShapeRef::Sphere(sphere) => {
+                let inverse_square = self.reciprocals.of_squares(simd, self.rays, half);
+                leaves::sphere(simd, &rays, inverse_square, sphere)
+            }
             ShapeRef::Plane(plane) => Some(leaves::plane(simd, &rays, plane)),
             ShapeRef::AlignedBox(shape) => {
-                self.inverses.know(simd, self.rays);
-                let inverse = self.inverses.numbers.load(simd, half);
+                let (inverse, slow) = self.reciprocals.of_directions(simd, self.rays, half);
                 let mut verdicts = leaves::aligned_box(simd, rays.origin, inverse, shape);
-                let slow = mask(simd, self.inverses.slow, half);
+                let slow = mask(simd, slow, half);
                 verdicts.hit &= !slow;
                 verdicts.open |= slow;
                 Some(verdicts)
@@ -158,10 +129,9 @@ impl Asking<'_> {
     ) -> Option<Verdicts<S>> {
         let mut met = mask(simd, asked, half);
         if let Some(bounds) = self.geometry.bounds(id) {
-            self.inverses.know(simd, self.rays);
             let origin = self.rays.origins.load(simd, half);
-            let inverse = self.inverses.numbers.load(simd, half);
-            let slow = mask(simd, self.inverses.slow, half);
+            let (inverse, slow) = self.reciprocals.of_directions(simd, self.rays, half);
+            let slow = mask(simd, slow, half);
             met &= slow | leaves::may_meet(simd, origin, inverse, &bounds, latest);
         }
         let met = bits(met, half);

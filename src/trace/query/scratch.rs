@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::crossings::{Crossed, Crossing};
 use super::escalations::Escalations;
 use super::nearest::TiedHitLists;
-use crate::trace::bvh::{PacketStack, Stack};
+use crate::trace::bvh::Stack;
 use crate::trace::rays::TieLists;
 
 /// What searches need besides the scene, kept between rays so that none allocates.
@@ -14,7 +14,6 @@ pub(crate) struct Scratch<'a> {
     /// Once it is true nobody waits for answers, and any will do.
     pub(crate) cancelled: &'a AtomicBool,
     pub(crate) stack: Stack,
-    pub(crate) packet_stack: PacketStack,
     pub(crate) escalations: Escalations,
     /// What the surfaces are tied with that rays of this tile have found.
     pub(crate) ties: TieLists,
@@ -34,7 +33,6 @@ impl<'a> Scratch<'a> {
         Self {
             cancelled,
             stack: Stack::default(),
-            packet_stack: PacketStack::default(),
             escalations: Escalations::default(),
             ties: TieLists::default(),
             tied_hits: TiedHitLists::default(),

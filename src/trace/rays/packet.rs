@@ -4,7 +4,7 @@ use super::departure::Departure;
 use super::ray::Ray;
 use super::shape_id::ShapeIds;
 use super::ties::Ties;
-use crate::trace::math::{LANES, Numbers, Vectors};
+use crate::trace::math::{LANES, Vectors};
 use glam::DVec3;
 
 /// Rays lane by lane, as many as there are.
@@ -12,8 +12,6 @@ use glam::DVec3;
 pub(crate) struct RayPacket {
     pub(crate) origins: Vectors,
     pub(crate) directions: Vectors,
-    /// 1 / direction.direction
-    pub(crate) inverse_squares: Numbers,
     /// Lanes that have rays, as a bit mask.
     pub(crate) lanes: u32,
     /// The shapes that rays leave.
@@ -32,7 +30,6 @@ impl RayPacket {
     pub(crate) const EMPTY: Self = Self {
         origins: Vectors::splat(DVec3::ZERO),
         directions: Vectors::splat(DVec3::ONE),
-        inverse_squares: Numbers::splat(1.0 / 3.0),
         lanes: 0,
         left: ShapeIds::NONE,
         departing: 0,
@@ -54,7 +51,6 @@ impl RayPacket {
         let bit = 1 << lane;
         self.origins.set(lane, ray.origin());
         self.directions.set(lane, ray.direction());
-        self.inverse_squares.set(lane, ray.inverse_square());
         self.lanes |= bit;
         if let Some(Departure { id, outward, ties }) = ray.departure().copied() {
             self.left.set(lane, Some(id));
@@ -76,7 +72,6 @@ impl RayPacket {
         let bit_if = |mask: u32| if mask & from_bit == 0 { 0 } else { bit };
         self.origins.set(lane, from.origins.get(from_lane));
         self.directions.set(lane, from.directions.get(from_lane));
-        self.inverse_squares.set(lane, from.inverse_squares.get(from_lane));
         self.left.set(lane, from.left.get(from_lane));
         self.lanes |= bit;
         self.departing |= bit_if(from.departing);
@@ -103,14 +98,8 @@ impl RayPacket {
         let bit = 1 << lane;
         let ties = if self.tied & bit == 0 { Ties::NONE } else { self.ties[lane] };
         let outward = self.outward & bit != 0;
-        Ray::from_parts(
-            self.origins.get(lane),
-            (self.directions.get(lane), self.inverse_squares.get(lane)),
-            self.left.get(lane).filter(|_| self.departing & bit != 0).map(|id| Departure {
-                id,
-                outward,
-                ties,
-            }),
-        )
+        let left = self.left.get(lane).filter(|_| self.departing & bit != 0);
+        let departure = left.map(|id| Departure { id, outward, ties });
+        Ray::scaled(self.origins.get(lane), self.directions.get(lane), departure)
     }
 }

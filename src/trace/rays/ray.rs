@@ -34,18 +34,9 @@ impl Ray {
         Self::scaled(origin, direction, Some(departure))
     }
 
-    /// A ray whose direction is [`scaled`], given with 1 / direction.direction.
-    #[inline(always)]
-    pub(super) fn from_parts(
-        origin: DVec3,
-        (direction, inverse_square): (DVec3, f64),
-        departure: Option<Departure>,
-    ) -> Self {
-        Self { origin, direction, inverse_square, departure }
-    }
-
+    /// A ray whose direction is [`scaled`].
     #[inline]
-    fn scaled(origin: DVec3, direction: DVec3, departure: Option<Departure>) -> Self {
+    pub(super) fn scaled(origin: DVec3, direction: DVec3, departure: Option<Departure>) -> Self {
         Self { origin, direction, inverse_square: direction.dot(direction).recip(), departure }
     }
 

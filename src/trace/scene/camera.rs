@@ -4,8 +4,8 @@ use fearless_simd::prelude::*;
 use glam::DVec3;
 
 use crate::trace::math::{
-    Dimension, Double, HALF, LANES, PixelSamples, Sampling, Scaled, Vectors, add, bits, disc,
-    dot_lanes as dot, lanes, mask, scaled, scaled_lanes, select3, splat, splat3,
+    Dimension, Double, LANES, PixelSamples, Sampling, Scaled, Vectors, add, bits, disc, lanes, scaled,
+    scaled_lanes, splat3,
 };
 use crate::trace::rays::{Ray, RayPacket};
 use crate::trace::shapes::Bounds;
@@ -146,8 +146,16 @@ impl Camera {
 
     /// The centres of all pixels.
     pub(crate) fn pixel_centers(&self) -> PixelCenters {
-        let columns = (0..self.columns).map(|i| self.right * self.across(f64::from(i))).collect();
-        let rows = (0..self.rows).map(|j| self.up * self.upwards(f64::from(j))).collect();
+        let column = |i: u32| self.right * self.across(f64::from(i.min(self.columns - 1)));
+        let row = |j: u32| self.up * self.upwards(f64::from(j.min(self.rows - 1)));
+        let groups = |count: u32| (0..count).step_by(SIDE as usize);
+        let spread = |of_lane: &dyn Fn(usize) -> DVec3| {
+            let mut lanes = Vectors::splat(DVec3::ZERO);
+            (0..LANES).for_each(|lane| lanes.set(lane, of_lane(lane)));
+            lanes
+        };
+        let columns = groups(self.columns).map(|i| spread(&|lane| column(i + COLUMN[lane]))).collect();
+        let rows = groups(self.rows).map(|j| spread(&|lane| row(j + ROW[lane]))).collect();
         PixelCenters { eye: self.eye, forward: self.forward, columns, rows }
     }
 
@@ -244,17 +252,18 @@ impl Camera {
     }
 }
 
-/// The centres of all pixels: what those of a column, and those of a row, have in common.
+/// The centres of all pixels: what those of a column, and those of a row, have in common. Beyond the last ones are those again.
 pub(crate) struct PixelCenters {
     eye: DVec3,
     forward: DVec3,
-    columns: Vec<DVec3>,
-    rows: Vec<DVec3>,
+    /// Four by four, for the lanes of a packet.
+    columns: Vec<Vectors>,
+    rows: Vec<Vectors>,
 }
 
 impl PixelCenters {
     /// Puts the rays through the centres of four by four pixels into the lanes, row by row: [`Camera::ray`] of each. The first is
-    /// pixel (i, j), and there are `columns` by `rows` of them, up to four.
+    /// pixel (i, j), both multiples of four, and there are `columns` by `rows` of them, up to four.
     #[inline(always)]
     pub(crate) fn rays<S: Simd>(
         &self,
@@ -267,30 +276,25 @@ impl PixelCenters {
         if !self.eye.is_finite() {
             return;
         }
-        // Beyond the last column and row there are no pixels.
-        let column = |lane: usize| self.columns[(i + COLUMN[lane].min(columns - 1)) as usize];
-        let row = |number: u32| self.rows[(j + number.min(rows - 1)) as usize];
-        let mut across = Vectors::splat(DVec3::ZERO);
-        (0..HALF).for_each(|lane| across.set(lane, column(lane)));
-        let across = across.load(simd, 0);
+        let (across, upwards) = (&self.columns[(i / SIDE) as usize], &self.rows[(j / SIDE) as usize]);
         rays.origins = Vectors::splat(self.eye);
         let forward = splat3(simd, self.forward);
-        let asked = (0..LANES).fold(0, |mask, lane| {
-            let there = COLUMN[lane % HALF] < columns && ROW[lane] < rows;
-            mask | u32::from(there) << lane
-        });
+        let asked = if (columns, rows) == (SIDE, SIDE) {
+            (1 << LANES) - 1
+        } else {
+            let there = |lane: &usize| COLUMN[*lane] < columns && ROW[*lane] < rows;
+            (0..LANES).filter(there).fold(0, |mask, lane| mask | 1 << lane)
+        };
         let mut unusual = 0;
-        for (half, number) in [(0, 0), (1, 2)] {
-            let (upper, lower) = (splat3(simd, row(number)), splat3(simd, row(number + 1)));
-            let upwards = select3(mask(simd, 0x0f, 0), upper, lower);
-            let Scaled { direction, usual, .. } = scaled_lanes(simd, add(add(across, upwards), forward));
+        for half in 0..2 {
+            let towards = add(add(across.load(simd, half), upwards.load(simd, half)), forward);
+            let Scaled { direction, usual, .. } = scaled_lanes(simd, towards);
             unusual |= asked & bits(!usual, half);
             rays.directions.store(half, direction);
-            rays.inverse_squares.store(half, splat(simd, 1.0) / dot(direction, direction));
         }
         rays.lanes = asked & !unusual;
         for lane in lanes(unusual) {
-            let towards = column(lane % HALF) + row(ROW[lane]) + self.forward;
+            let towards = across.get(lane) + upwards.get(lane) + self.forward;
             if let Some(ray) = Ray::new(self.eye, towards) {
                 rays.set(lane, &ray);
             }
@@ -302,7 +306,7 @@ impl PixelCenters {
 pub(crate) const SIDE: u32 = 4;
 
 /// The columns and rows of the lanes in it.
-const COLUMN: [u32; HALF] = [0, 1, 2, 3, 0, 1, 2, 3];
+const COLUMN: [u32; LANES] = [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3];
 const ROW: [u32; LANES] = [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3];
 
 /// a x b, each component rounded once: of nearly parallel vectors, rounding on the way would leave little else.

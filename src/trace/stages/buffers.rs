@@ -6,15 +6,15 @@ use glam::DVec3;
 
 use super::answers::AnswerPacket;
 use super::generation::{Generation, UntracedRay};
-use super::tile::{PACKETS, Tile};
+use super::tile::PACKETS;
 use super::wave::Wave;
 use crate::color::Rgb;
 use crate::trace::effort::{Effort, RayCounts, StageCounts, TreeEnds};
 use crate::trace::light::{Budget, LightScratch, ProposalPacket, RenderContext};
 use crate::trace::math::{Colors, LANES, Numbers};
-use crate::trace::packet::Candidates;
+use crate::trace::packet::{Candidates, PacketScratch};
 use crate::trace::query::{HitPacket, SurfacePacket};
-use crate::trace::rays::{RayPacket, ShapeId};
+use crate::trace::rays::ShapeId;
 
 /// What a tile's rays, generation by generation, leave from stage to stage.
 #[derive(Debug)]
@@ -35,8 +35,6 @@ pub(crate) struct TileBuffers<'a> {
     pub(super) proposals: Box<[ProposalPacket; PACKETS]>,
     /// What an extended light adds at each surface point, summed over its samples.
     pub(super) light_sums: Box<[[DVec3; LANES]; PACKETS]>,
-    /// The rays from a packet's surface points to a light.
-    pub(super) shadow_rays: RayPacket,
     /// What may stand between a light and the surface points.
     pub(super) candidates: Candidates,
     /// For every light that is on: what hid it from the last point of this tile that asked, if anything did.
@@ -56,8 +54,9 @@ pub(crate) struct TileBuffers<'a> {
     /// What each of a pixel's next rays can bring, and its index in the queue.
     pub(super) weighed: Vec<(f32, usize)>,
     pub(super) scratch: LightScratch<'a>,
-    /// Row by row.
-    pub(super) pixels: Vec<Rgb>,
+    pub(super) packet_scratch: PacketScratch,
+    /// By packet of the camera rays: what has come to their pixels.
+    pub(super) pixels: Box<[Colors; PACKETS]>,
     pub(super) rays_traced: RayCounts,
     pub(super) trees_ended: TreeEnds,
     pub(super) entered: StageCounts,
@@ -75,7 +74,6 @@ impl<'a> TileBuffers<'a> {
             lengths: Box::new([Numbers::splat(0.0); PACKETS]),
             proposals: Box::new([const { ProposalPacket::EMPTY }; PACKETS]),
             light_sums: Box::new([[DVec3::ZERO; LANES]; PACKETS]),
-            shadow_rays: RayPacket::EMPTY,
             candidates: Candidates::default(),
             last_occluders: Vec::new(),
             crowded_lights: Vec::new(),
@@ -86,7 +84,8 @@ impl<'a> TileBuffers<'a> {
             budgets: Vec::new(),
             weighed: Vec::new(),
             scratch: LightScratch::new(cancelled),
-            pixels: Vec::new(),
+            packet_scratch: PacketScratch::default(),
+            pixels: Box::new([Colors::splat(Rgb::ZERO); PACKETS]),
             rays_traced: RayCounts::default(),
             trees_ended: TreeEnds::default(),
             entered: StageCounts::default(),
@@ -94,18 +93,16 @@ impl<'a> TileBuffers<'a> {
     }
 
     /// Makes ready for a sample of a tile, and clears what one that was cancelled left.
-    pub(super) fn begin(&mut self, tile: Tile, context: &RenderContext<'_>) {
-        let count = (tile.width * tile.height) as usize;
+    pub(super) fn begin(&mut self, context: &RenderContext<'_>) {
         self.wave.count = 0;
-        self.pixels.clear();
-        self.pixels.resize(count, Rgb::ZERO);
+        self.pixels.fill(Colors::splat(Rgb::ZERO));
         if context.effects.mirrors() {
             self.next.clear();
             self.beyond.clear();
             self.tree_sizes.clear();
-            self.tree_sizes.resize(count, 1);
+            self.tree_sizes.resize(PACKETS * LANES, 1);
             self.budgets.clear();
-            self.budgets.resize(count, Budget::new(context.scene));
+            self.budgets.resize(PACKETS * LANES, Budget::new(context.scene));
         }
         self.scratch.media.clear();
         self.scratch.search.ties.clear();
@@ -123,8 +120,8 @@ impl<'a> TileBuffers<'a> {
         self.scratch.search.is_cancelled()
     }
 
-    /// What the last sample brought, row by row.
-    pub(crate) fn pixels(&self) -> &[Rgb] {
+    /// What the last sample brought, packet by packet of the camera rays.
+    pub(crate) fn pixels(&self) -> &[Colors; PACKETS] {
         &self.pixels
     }
 

@@ -5,7 +5,7 @@ use fearless_simd::{dispatch, prelude::*};
 use super::buffers::TileBuffers;
 use super::tile::{PACKETS, Sample, Square};
 use super::wave::Wave;
-use crate::trace::light::{MediumStack, PathState};
+use crate::trace::light::PathPacket;
 use crate::trace::math::{LANES, lanes};
 
 /// Makes the wave of camera rays, in packets of four by four pixels. A camera that is not in a finite place has none: its pixels see
@@ -14,7 +14,7 @@ pub(super) fn camera_rays(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.entered.camera_rays += 1;
     let Sample { context, tile, index } = *sample;
     let centers = context.sampling.samples <= 1;
-    buffers.wave.count = PACKETS;
+    (buffers.wave.count, buffers.wave.in_place) = (PACKETS, true);
     // A single sample passes through the middle of a lens.
     buffers.wave.origin = (centers || !context.camera.has_lens()).then(|| context.camera.position());
     if centers {
@@ -57,20 +57,27 @@ fn center_rays<S: Simd>(simd: S, sample: &Sample<'_>, wave: &mut Wave) {
 fn start(sample: &Sample<'_>, packet: usize, square: &Square, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { wave, scratch, pixels, .. } = buffers;
     let rays = &wave.rays[packet];
-    for lane in 0..LANES {
-        let Some(place) = square.pixel(lane) else { continue };
-        let pixel = sample.tile.index(place);
-        wave.pixels[packet][lane] = pixel;
-        if rays.lanes & (1 << lane) == 0 {
-            pixels[pixel as usize] = sample.context.nowhere();
-        }
+    wave.pixels[packet] = PIXELS[packet];
+    for lane in lanes(square.lanes() & !rays.lanes) {
+        pixels[packet].set(lane, sample.context.nowhere());
     }
-    let states = &mut wave.states[packet];
-    *states = [PathState::at_camera(MediumStack::NONE); LANES];
+    let paths = &mut wave.paths[packet];
+    *paths = PathPacket::AT_CAMERA;
     if sample.context.effects.in_media() {
         for lane in lanes(rays.lanes) {
-            let medium = sample.context.medium(rays.origins.get(lane), &mut scratch.media);
-            states[lane] = PathState::at_camera(medium);
+            paths.media[lane] = sample.context.medium(rays.origins.get(lane), &mut scratch.media);
         }
     }
 }
+
+/// The pixels of camera rays, packet by packet.
+#[expect(clippy::cast_possible_truncation, reason = "a tile's pixels")]
+const PIXELS: [[u32; LANES]; PACKETS] = {
+    let mut pixels = [[0; LANES]; PACKETS];
+    let mut index = 0;
+    while index < PACKETS * LANES {
+        pixels[index / LANES][index % LANES] = index as u32;
+        index += 1;
+    }
+    pixels
+};

@@ -15,7 +15,7 @@ pub(super) fn closest_hits(
     buffers: &mut TileBuffers<'_>,
 ) {
     buffers.entered.closest_hits += 1;
-    let TileBuffers { wave, hits, scratch, .. } = buffers;
+    let TileBuffers { wave, hits, scratch, packet_scratch, .. } = buffers;
     let (scene, search) = (context.scene, &mut scratch.search);
     search.tied_hits.clear();
     let (rays, hits) = (&wave.rays[..wave.count], &mut hits[..wave.count]);
@@ -24,10 +24,13 @@ pub(super) fn closest_hits(
             hits.clear();
             hits.open = rays.lanes;
         }
-    } else if !wave.origin.is_some_and(|origin| bundle_hits(scene, origin, rays, hits, search)) {
-        let Scratch { packet_stack, escalations, cancelled, .. } = search;
+    } else if !wave
+        .origin
+        .is_some_and(|origin| bundle_hits(scene, origin, rays, hits, (search, packet_scratch)))
+    {
+        let Scratch { escalations, cancelled, .. } = search;
         for (rays, hits) in rays.iter().zip(&mut *hits) {
-            packet_hits(scene, rays, hits, packet_stack, (escalations, cancelled));
+            packet_hits(scene, rays, hits, packet_scratch, (escalations, cancelled));
         }
     }
     for (rays, hits) in rays.iter().zip(hits) {

@@ -53,7 +53,7 @@ fn propose_all(
             let asker = |lane: usize| SampleId { seed, pixel: sample.tile.pixel(pixels[lane]), sample: of_pixel };
             let lit = LitPacket {
                 rays: &wave.rays[packet],
-                states: &wave.states[packet],
+                paths: &wave.paths[packet],
                 hits: &hits[packet],
                 surfaces: &surfaces[packet],
                 diffuse: &answers[packet].diffuse,

@@ -7,7 +7,7 @@ use super::generation::UntracedRay;
 use crate::trace::light::{
     BranchPacket, LARGEST_TREE, RenderContext, SecondaryRays, mirrored_lanes, secondary_rays,
 };
-use crate::trace::math::lanes;
+use crate::trace::math::{LANES, lanes};
 
 /// Queues the rays that the wave's surfaces send on.
 pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
@@ -22,7 +22,7 @@ pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'
         }
         let clear = if context.effects.media() { continues & answers[packet].clear } else { 0 };
         let reflected = next.add();
-        let arrived = (&wave.rays[packet], &wave.states[packet]);
+        let arrived = (&wave.rays[packet], &wave.paths[packet]);
         let branches = next.packet_mut(reflected);
         let alone = dispatch!(scene.simd.level(), simd => {
             mirrored_lanes(simd, scene, arrived, (hits, surfaces), continues & !clear, branches)
@@ -34,7 +34,7 @@ pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'
                 return;
             }
             let Some(point) = surfaces.get(lane, hits) else { continue };
-            let arrived = (arrived.0.directions.get(lane), &arrived.1[lane]);
+            let arrived = (arrived.0.directions.get(lane), &arrived.1.get(lane));
             let SecondaryRays { reflected: mirrored, refracted: bent } =
                 secondary_rays(context, scratch, arrived, &point);
             if let Some(ray) = mirrored {
@@ -73,11 +73,11 @@ pub(super) fn select(context: &RenderContext<'_>, generations: u32, buffers: &mu
             *(if queued.mirrored { &mut rays_traced.reflection } else { &mut rays_traced.refraction }) += 1;
             return true;
         }
-        let BranchPacket { rays, states } = current.packet(queued.packet);
+        let BranchPacket { rays, paths } = current.packet(queued.packet);
         let direction = rays.directions.get(queued.lane);
         beyond.push(UntracedRay {
             direction,
-            throughput: states[queued.lane].throughput,
+            throughput: paths.throughputs.get(queued.lane),
             pixel: queued.pixel,
         });
         false
@@ -93,7 +93,7 @@ fn mark_negligible(context: &RenderContext<'_>, generations: u32, buffers: &mut 
     for rays in queue.chunk_by_mut(|one, other| one.pixel == other.pixel) {
         weighed.clear();
         weighed.extend(rays.iter().enumerate().map(|(index, queued)| {
-            let throughput = current.packet(queued.packet).states[queued.lane].throughput;
+            let throughput = current.packet(queued.packet).paths.throughputs.get(queued.lane);
             (context.brightest.most(throughput, generations), index)
         }));
         let count = budgets[rays[0].pixel as usize].cut(weighed);
@@ -108,7 +108,9 @@ fn mark_negligible(context: &RenderContext<'_>, generations: u32, buffers: &mut 
 pub(super) fn give_up(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { beyond, pixels, trees_ended, .. } = buffers;
     for UntracedRay { direction, throughput, pixel } in beyond.iter() {
-        pixels[*pixel as usize] += *throughput * context.scene.background.towards(*direction);
+        let light = *throughput * context.scene.background.towards(*direction);
+        let (packet, lane) = (*pixel as usize / LANES, *pixel as usize % LANES);
+        pixels[packet].set(lane, pixels[packet].get(lane) + light);
     }
     trees_ended.depth += beyond.len() as u64;
     beyond.clear();

@@ -24,7 +24,7 @@ pub(crate) fn render_sample(
     buffers: &mut TileBuffers<'_>,
 ) -> bool {
     let sample = Sample { context, tile, index };
-    buffers.begin(tile, context);
+    buffers.begin(context);
     camera_rays(&sample, buffers);
     closest_hits(context, shapes, buffers);
     shade_wave(&sample, shapes, buffers);

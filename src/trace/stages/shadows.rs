@@ -1,14 +1,11 @@
 //! Which of a light's proposals come through.
 
-use fearless_simd::{dispatch, prelude::*};
-
 use super::buffers::TileBuffers;
 use super::tile::Sample;
-use crate::trace::light::{MediumStack, PathState, ProposalPacket, visibility};
-use crate::trace::math::{HALF, LANES, dot_lanes as dot, lanes, splat};
+use crate::trace::light::{MediumStack, PathPacket, visibility};
+use crate::trace::math::{HALF, lanes};
 use crate::trace::packet::{Occlusion, ShadowPacket, WaysToLight, occluded};
-use crate::trace::query::{Intersector, SurfacePacket};
-use crate::trace::rays::RayPacket;
+use crate::trace::query::Intersector;
 use crate::trace::scene::{Light, LightSource, Precision};
 
 /// Follows the shadow rays of what was proposed for a light, number `place` of those that are on: drops what is hidden, and
@@ -43,15 +40,13 @@ fn occlusion(
     buffers: &mut TileBuffers<'_>,
 ) -> Occlusion {
     let (scene, clear) = (sample.context.scene, sample.context.effects.clear_shadows());
-    let TileBuffers { wave, surfaces, proposals, candidates, shadow_rays, last_occluders, scratch, .. } =
-        buffers;
+    let TileBuffers { wave, proposals, candidates, last_occluders, scratch, packet_scratch, .. } = buffers;
     let proposals = &proposals[packet];
     if scene.precision != Precision::Guaranteed {
         return Occlusion { hidden: 0, open: proposals.asking };
     }
-    dispatch!(scene.simd.level(), simd => leave(simd, &surfaces[packet], proposals, shadow_rays));
     let shadow = ShadowPacket {
-        rays: shadow_rays,
+        rays: &proposals.rays,
         limits: &proposals.limits,
         except: light.own_shape,
         candidates: [0, 1].map(|half| if listed { candidates.of(packet, half) } else { None }),
@@ -59,9 +54,9 @@ fn occlusion(
     };
     let search = &mut scratch.search;
     let effort = (&mut search.escalations, search.cancelled);
-    let mut found = occluded(scene, &shadow, &mut last_occluders[place], &mut search.packet_stack, effort);
+    let mut found = occluded(scene, &shadow, &mut last_occluders[place], packet_scratch, effort);
     if clear {
-        let through = proposals.from_behind | inside(&wave.states[packet], proposals.asking);
+        let through = proposals.from_behind | inside(&wave.paths[packet], proposals.asking);
         found.open |= proposals.asking & through;
     }
     found
@@ -82,7 +77,7 @@ fn follow(
     for lane in lanes(open) {
         let Some(point) = surfaces[packet].get(lane, &hits[packet]) else { continue };
         let shadow_ray = &proposals.way(light, lane).ray(&point);
-        let seen = (&point, wave.states[packet][lane].medium);
+        let seen = (&point, wave.paths[packet].media[lane]);
         let candidates = if listed { candidates.of(packet, lane / HALF) } else { None };
         let occluders = (light.own_shape, &mut last_occluders[place], candidates);
         match visibility(effects, scene, shapes, shadow_ray, occluders, seen, scratch) {
@@ -96,25 +91,9 @@ fn follow(
 }
 
 /// Returns the lanes of points that are seen from inside of clear solids.
-fn inside(states: &[PathState; LANES], asking: u32) -> u32 {
-    let inside = |lane: &usize| states[*lane].medium != MediumStack::NONE;
+fn inside(paths: &PathPacket, asking: u32) -> u32 {
+    let inside = |lane: &usize| paths.media[*lane] != MediumStack::NONE;
     lanes(asking).filter(inside).fold(0, |mask, lane| mask | 1 << lane)
-}
-
-/// Lets rays leave the surface points towards a light.
-#[inline(always)]
-fn leave<S: Simd>(simd: S, surfaces: &SurfacePacket, proposals: &ProposalPacket, rays: &mut RayPacket) {
-    rays.origins = surfaces.points;
-    rays.directions = proposals.directions;
-    for half in 0..2 {
-        let direction = rays.directions.load(simd, half);
-        rays.inverse_squares.store(half, splat(simd, 1.0) / dot(direction, direction));
-    }
-    rays.lanes = proposals.asking;
-    rays.left = surfaces.first_equals;
-    rays.departing = proposals.asking;
-    rays.outward = surfaces.from_outside ^ proposals.from_behind;
-    rays.tied = surfaces.tied & proposals.asking;
 }
 
 /// Finds what may stand between a light and all points that it was proposed for. Says whether it did: rays to a light with a
@@ -127,7 +106,7 @@ fn find_candidates(sample: &Sample<'_>, light: &Light, buffers: &mut TileBuffers
     }
     let TileBuffers { wave, proposals, candidates, scratch, .. } = buffers;
     let ways = proposals[..wave.count].iter().map(|proposals| WaysToLight {
-        directions: &proposals.directions,
+        directions: &proposals.rays.directions,
         limits: &proposals.limits,
         lanes: proposals.asking,
     });

@@ -82,7 +82,6 @@ fn find<S: Simd>(
         return 0;
     }
     let scene = context.scene;
-    let states = &wave.states[packet];
     if let Some(id) = hits.ids.common(simd, met) {
         let material = scene.material(id);
         let (color, diffuse) = (ambient(scene, material.ambient), material.diffuse);
@@ -105,7 +104,7 @@ fn find<S: Simd>(
         }
     }
     if context.effects.in_media() {
-        let in_medium = |lane: &usize| states[*lane].medium != MediumStack::NONE;
+        let in_medium = |lane: &usize| wave.paths[packet].media[*lane] != MediumStack::NONE;
         answers.wanted |= lanes(met).filter(in_medium).fold(0, |mask, lane| mask | 1 << lane);
     }
     if answers.wanted == 0 { 0 } else { refine(simd, scene, rays, hits, answers.wanted, surfaces) }

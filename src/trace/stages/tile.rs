@@ -9,7 +9,7 @@ use crate::trace::scene::SIDE;
 pub(crate) const TILE: u32 = 16;
 
 /// How many packets a tile's rays are. A shaft has a part for each half.
-pub(super) const PACKETS: usize = PARTS / 2;
+pub(crate) const PACKETS: usize = PARTS / 2;
 
 const _: () = assert!(
     SIDE.pow(2) as usize == LANES && (TILE / SIDE).pow(2) as usize == PACKETS && TILE.is_multiple_of(SIDE)
@@ -30,28 +30,24 @@ pub(crate) struct Tile {
 
 /// The pixels of a packet's camera rays, four by four, or as many as the tile has there.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Square {
+pub(crate) struct Square {
     /// Column and row of the first, in the picture.
-    pub(super) first: (u32, u32),
+    pub(crate) first: (u32, u32),
     /// Columns and rows.
-    pub(super) size: (u32, u32),
+    pub(crate) size: (u32, u32),
 }
 
 impl Tile {
-    /// Returns column and row of a pixel by its index.
+    /// Returns column and row of a pixel by its index: pixels are counted packet by packet, and in those lane by lane.
     pub(super) fn pixel(&self, index: u32) -> (u32, u32) {
-        (self.i + index % self.width, self.j + index / self.width)
-    }
-
-    /// Returns the index of a pixel by its column and row.
-    pub(super) fn index(&self, (i, j): (u32, u32)) -> u32 {
-        (j - self.j) * self.width + (i - self.i)
+        let (column, row) = place(index / PACKET);
+        (self.i + column + index % SIDE, self.j + row + index % PACKET / SIDE)
     }
 
     /// Returns the pixels of a packet; `None` where the tile has none.
-    pub(super) fn square(&self, packet: usize) -> Option<Square> {
-        let packet = u32::try_from(packet).ok()?;
-        let (column, row) = (packet % (TILE / SIDE) * SIDE, packet / (TILE / SIDE) * SIDE);
+    #[inline]
+    pub(crate) fn square(&self, packet: usize) -> Option<Square> {
+        let (column, row) = place(u32::try_from(packet).ok()?);
         (column < self.width && row < self.height).then(|| Square {
             first: (self.i + column, self.j + row),
             size: ((self.width - column).min(SIDE), (self.height - row).min(SIDE)),
@@ -59,7 +55,25 @@ impl Tile {
     }
 }
 
+/// How many pixels a packet has.
+const PACKET: u32 = SIDE * SIDE;
+
+/// Returns column and row of a packet's first pixel in its tile.
+#[inline]
+fn place(packet: u32) -> (u32, u32) {
+    (packet % (TILE / SIDE) * SIDE, packet / (TILE / SIDE) * SIDE)
+}
+
 impl Square {
+    /// Returns the lanes that have a pixel, as a bit mask.
+    pub(super) fn lanes(&self) -> u32 {
+        const ALL: (u32, u32) = (SIDE, SIDE);
+        if self.size == ALL {
+            return (1 << LANES) - 1;
+        }
+        (0..LANES).filter(|lane| self.pixel(*lane).is_some()).fold(0, |mask, lane| mask | 1 << lane)
+    }
+
     /// Returns column and row of the pixel in a lane, if there is one.
     pub(super) fn pixel(&self, lane: usize) -> Option<(u32, u32)> {
         let lane = u32::try_from(lane).ok()?;

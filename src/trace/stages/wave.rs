@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::generation::{Generation, QueuedRay};
 use super::tile::PACKETS;
-use crate::trace::light::{MediumStack, PathState};
+use crate::trace::light::PathPacket;
 use crate::trace::math::LANES;
 use crate::trace::rays::RayPacket;
 
@@ -18,9 +18,11 @@ pub(super) struct Wave {
     pub(super) count: usize,
     pub(super) rays: Box<[RayPacket; PACKETS]>,
     /// What they carry.
-    pub(super) states: Box<[[PathState; LANES]; PACKETS]>,
+    pub(super) paths: Box<[PathPacket; PACKETS]>,
     /// The indices of their pixels in the tile.
     pub(super) pixels: Box<[[u32; LANES]; PACKETS]>,
+    /// Whether each ray is in the lane of its pixel.
+    pub(super) in_place: bool,
     /// Where all of them start, if that is one point.
     pub(super) origin: Option<DVec3>,
 }
@@ -31,23 +33,24 @@ impl Wave {
         Self {
             count: 0,
             rays: Box::new([const { RayPacket::EMPTY }; PACKETS]),
-            states: Box::new([[PathState::at_camera(MediumStack::NONE); LANES]; PACKETS]),
+            paths: Box::new([const { PathPacket::AT_CAMERA }; PACKETS]),
             pixels: Box::new([[0; LANES]; PACKETS]),
+            in_place: false,
             origin: None,
         }
     }
 
     /// Takes rays of a generation, no more than there is room for, in their order.
     pub(super) fn fill(&mut self, generation: &Generation, queued: &[QueuedRay]) {
-        self.origin = None;
+        (self.in_place, self.origin) = (false, None);
         self.count = queued.len().div_ceil(LANES);
         for (packet, queued) in queued.chunks(LANES).enumerate() {
-            let (rays, states) = (&mut self.rays[packet], &mut self.states[packet]);
+            let (rays, paths) = (&mut self.rays[packet], &mut self.paths[packet]);
             rays.clear();
             for (lane, queued) in queued.iter().enumerate() {
                 let from = generation.packet(queued.packet);
                 rays.copy(lane, &from.rays, queued.lane);
-                states[lane] = from.states[queued.lane];
+                paths.set(lane, &from.paths.get(queued.lane));
                 self.pixels[packet][lane] = queued.pixel;
             }
         }

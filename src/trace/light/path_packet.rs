@@ -1,0 +1,36 @@
+//! What sixteen rays carry from the camera.
+
+use super::medium_stack::MediumStack;
+use super::secondary::PathState;
+use crate::color::Rgb;
+use crate::trace::math::{Colors, LANES};
+
+/// A [`PathState`] of every lane.
+#[derive(Clone, Debug)]
+pub(crate) struct PathPacket {
+    pub(crate) throughputs: Colors,
+    pub(crate) media: [MediumStack; LANES],
+    pub(crate) paths: [u64; LANES],
+}
+
+impl PathPacket {
+    /// At the root of trees, outside of all solids.
+    pub(crate) const AT_CAMERA: Self =
+        Self { throughputs: Colors::splat(Rgb::ONE), media: [MediumStack::NONE; LANES], paths: [1; LANES] };
+
+    /// Returns what the ray in a lane carries.
+    #[inline(always)]
+    pub(crate) fn get(&self, lane: usize) -> PathState {
+        let lane = lane % LANES;
+        PathState { throughput: self.throughputs.get(lane), medium: self.media[lane], path: self.paths[lane] }
+    }
+
+    /// Sets what the ray in a lane carries.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, lane: usize, state: &PathState) {
+        let lane = lane % LANES;
+        self.throughputs.set(lane, state.throughput);
+        self.media[lane] = state.medium;
+        self.paths[lane] = state.path;
+    }
+}
