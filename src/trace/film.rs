@@ -133,12 +133,15 @@ impl Band<'_> {
         let overflowed = !bits16(whole);
         let mut count = 0;
         for row in 0..rows as usize {
-            let (first, length) = (row * SIDE as usize, columns as usize);
+            let first = row * SIDE as usize;
             let start = (j as usize + row) * self.width as usize + i as usize;
-            for (lane, stored) in (first..).zip(&mut self.pixels[start..start + length]) {
-                *stored = colors.get(lane);
+            let stored = &mut self.pixels[start..start + columns as usize];
+            if let Ok(stored) = <&mut [Rgb; SIDE as usize]>::try_from(&mut *stored) {
+                *stored = [0, 1, 2, 3].map(|column| colors.get(first + column));
+            } else {
+                (first..).zip(stored).for_each(|(lane, stored)| *stored = colors.get(lane));
             }
-            count += (overflowed >> first & ((1 << length) - 1)).count_ones();
+            count += (overflowed >> first & ((1 << columns) - 1)).count_ones();
         }
         count.into()
     }
