@@ -1,11 +1,12 @@
 //! Reads the text of a scene.
 
 use ron::error::SpannedError;
-use ron::extensions::Extensions;
 use serde::Deserialize;
 
 use super::explain::explain;
+use super::in_parts::read_in_parts;
 use super::trail::Trail;
+use super::whole::{options, read_whole};
 use crate::scene::Diagnostic;
 use crate::scene::document::SceneDocument;
 use crate::scene::spans::tokens;
@@ -25,14 +26,15 @@ fn nothing(text: &str) -> Diagnostic {
     Diagnostic::new(message, "", Some(help), None)
 }
 
-/// Reads a scene's text.
+/// Reads a scene's text, on all threads if it is long.
 pub(in crate::scene) fn read(text: &str) -> Result<SceneDocument, SpannedError> {
-    options().from_str(text)
-}
-
-/// Returns the options with which scene files are read: `Some` may be left out.
-pub(in crate::scene) fn options() -> ron::Options {
-    ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME)
+    /// Shorter texts are read before others could help.
+    const LONG: usize = 1 << 16;
+    /// Parts for each thread, as some take longer than others.
+    const PARTS: usize = 4;
+    let parts = if text.len() < LONG { 1 } else { rayon::current_num_threads() * PARTS };
+    let in_parts = if parts > PARTS { read_in_parts(text, parts) } else { None };
+    in_parts.map_or_else(|| read_whole(text), Ok)
 }
 
 /// Returns the trail of reading a text that is refused.

@@ -1,0 +1,195 @@
+//! The entities of a long scene, parsed in parts on all threads.
+//!
+//! # How a text is divided
+//!
+//! The list `entities` is cut after the closing brackets of some entities: where a line that ends with `),` is followed by one as far
+//! indented as the first entity. Each part is parsed as a list of its own, beginning with the comma after an entity `()`. What is
+//! before the first part and after the last one is parsed with the last, with a mark in the place of the others.
+//!
+//! ```text
+//! text      Scene(.. entities: [ a, b, c, d, e, f ], ..)
+//! parsed    (entities: [ a, b])    (entities: [(), c, d])    Scene(.. entities: [ mark, e, f ], ..)
+//! ```
+//!
+//! # Why the result is that of a parse of the whole
+//!
+//! Whether the cuts are where they seem to be is not assumed, but follows if all parts are accepted:
+//!
+//! 1. The mark is the first entity of the scene, so that the parser, having read what is before it, begins a list of entities there.
+//!    It reads the first part as it would in the whole text.
+//! 2. A part ends with a bracket, and what closes its list follows at once. Inside a text or a comment that would be swallowed, and
+//!    inside an entity it would not fit; and whatever else the list is followed by is refused. So the parser has read whole entities.
+//! 3. Within the whole text it comes to the next part in the same state as after the entity `()`.
+//! 4. What an entity means depends on its own text alone: RON has no references, and of a scene with extensions no list is found.
+//!
+//! If any part is refused, or the mark is not found, the whole text is parsed.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+use serde::Deserialize;
+
+use super::whole::options;
+use crate::scene::document::{EntityDocument, SceneDocument};
+use crate::scene::spans::list_of;
+
+/// The name of an entity that stands for those of other parts.
+const MARK: &str = "those of the parts before";
+
+/// A list of entities, and nothing else.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Part {
+    entities: Vec<Arc<EntityDocument>>,
+}
+
+/// Parses a scene's text in so many parts, or fewer. `None` if it has to be parsed as a whole.
+pub(super) fn read_in_parts(text: &str, parts: usize) -> Option<SceneDocument> {
+    let start = list_of(text, SceneDocument::ENTITIES)?;
+    let ends = cuts(text, start, parts);
+    let last = *ends.last()?;
+    let (above, below) = (text.get(..start)?, text.get(last..)?);
+    if [above, below].iter().any(|text| text.contains(MARK) || text.contains('\\')) {
+        return None;
+    }
+    let starts = std::iter::once(start).chain(ends.iter().copied());
+    let ranges: Vec<Range<usize>> = starts.zip(&ends).map(|(start, end)| start..*end).collect();
+    let rest = || options().from_str::<SceneDocument>(&format!("{above}(name: {MARK:?}){below}")).ok();
+    let parse =
+        || ranges.par_iter().map(|range| part(text, range.clone(), start)).collect::<Option<Vec<_>>>();
+    let (parsed, rest) = rayon::join(parse, rest);
+    let mut document = rest?;
+    let mut others = std::mem::take(&mut document.entities).into_iter();
+    others.next().filter(|mark| mark.name.as_deref() == Some(MARK))?;
+    document.entities = parsed?.into_iter().flatten().chain(others).collect();
+    Some(document)
+}
+
+/// Parses a part of a list that begins at `start`.
+fn part(text: &str, range: Range<usize>, start: usize) -> Option<Vec<Arc<EntityDocument>>> {
+    let is_first = range.start == start;
+    let before = if is_first { "" } else { "()" };
+    let part = format!("(entities: [{before}{}])", text.get(range)?);
+    let Part { mut entities } = options().from_str(&part).ok()?;
+    if !is_first {
+        entities.drain(..1);
+    }
+    Some(entities)
+}
+
+/// Returns where to cut a list, about evenly: each is the end of what seems to be an entity.
+fn cuts(text: &str, start: usize, parts: usize) -> Vec<usize> {
+    /// So far from where it would be even.
+    const FARTHEST: usize = 1 << 16;
+    let bytes = text.as_bytes();
+    let Some(between) = separator(&bytes[start..]) else { return Vec::new() };
+    let length = (bytes.len() - start) / parts.max(1);
+    let mut cuts: Vec<usize> = Vec::new();
+    for part in 1..parts {
+        let from = (start + length * part).max(cuts.last().copied().unwrap_or(start));
+        let near = &bytes[from..bytes.len().min(from + FARTHEST)];
+        if let Some(place) = near.windows(between.len()).position(|window| window == between) {
+            cuts.push(from + place + 1);
+        }
+    }
+    cuts.dedup();
+    cuts
+}
+
+/// Returns what stands between two entities, from the closing bracket of one to the opening one of the other, if each begins a line
+/// as the first one does.
+fn separator(content: &[u8]) -> Option<Vec<u8>> {
+    let indent = content.iter().position(|byte| !byte.is_ascii_whitespace())?;
+    let line = content[..indent].iter().position(|byte| matches!(byte, b'\n' | b'\r'))?;
+    (content[indent] == b'(').then(|| [b"),", &content[line..=indent]].concat())
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use proptest::sample::{Index, select};
+
+    use super::super::whole::read_whole;
+    use super::*;
+
+    const SCENE: &str = r#"// a scene [with (brackets
+Scene(
+    materials: { "red": (color: (255, 0, 0)) },
+    entities: [
+        (name: "a", shape: Sphere(radius: 1), material: "red"),
+        (name: "b]", transform: (translation: (-0.0, 2, 3))),
+        (),
+        (name: "c(", light: Point(intensity: (1, 1, 1))), // one
+        (name: "d",
+            shape: Box(size: (1, 1, 1)),
+        ),
+        (name: "e"),
+        (name: "f"), /* none */
+        (name: "g"),
+    ],
+    ambient: (1, 1, 1), // entities: [()]
+)
+"#;
+
+    /// What may be written anywhere, meant to confuse.
+    const PIECES: [&str; 26] = [
+        "",
+        " ",
+        "\n",
+        "1",
+        "/* ",
+        " */",
+        "// ",
+        "),\n        (",
+        "(name: \"new\"),\n        ",
+        ",",
+        "(",
+        ")",
+        "[",
+        "]",
+        "],",
+        "\"",
+        "r#\"",
+        "\"#",
+        "x",
+        "\\",
+        "entities: [\n        (",
+        "#![enable(unwrap_newtypes)]",
+        "Entity",
+        "Some(",
+        "], animate: [",
+        "], ambient: (1, 1, 1), animate: [",
+    ];
+
+    #[test]
+    fn a_list_is_parsed_in_parts() {
+        let whole = read_whole(SCENE).unwrap();
+        for parts in [2, 3, 7] {
+            assert_eq!(read_in_parts(SCENE, parts).as_ref(), Some(&whole));
+        }
+        assert_eq!(read_in_parts(SCENE, 1), None);
+        assert_eq!(read_in_parts("(entities: [])", 4), None);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(8000))]
+
+        #[test]
+        fn what_parts_give_is_what_the_whole_gives(
+            edits in prop::collection::vec((any::<Index>(), 0..4_usize, select(&PIECES[..])), 0..4),
+            parts in 2..6_usize,
+        ) {
+            let mut text = SCENE.to_owned();
+            for (at, length, piece) in edits {
+                let start = text.ceil_char_boundary(at.index(text.len() + 1));
+                let end = text.ceil_char_boundary((start + length).min(text.len()));
+                text.replace_range(start..end, piece);
+            }
+            if let Some(found) = read_in_parts(&text, parts) {
+                // Zeros have signs.
+                prop_assert_eq!(format!("{:?}", Some(found)), format!("{:?}", read_whole(&text).ok()), "{}", text);
+            }
+        }
+    }
+}
