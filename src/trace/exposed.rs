@@ -1,62 +1,66 @@
-//! What has come to the pixels of a packet.
+//! Where a tile's samples are added to those that came before.
 
 use fearless_simd::prelude::*;
 use glam::DVec3;
 
 use crate::color::Rgb;
+use crate::trace::film::FilmTile;
 use crate::trace::math::{Colors, Vectors, splat};
+use crate::trace::stages::{PACKETS, Square, Tile};
 
-/// What samples of a packet's pixels add up to.
-pub(crate) trait ExposedLight: Copy + Send + Sync {
-    /// What there is without samples.
-    const NONE: Self;
-
-    /// Adds a sample of each pixel.
-    fn add<S: Simd>(&mut self, simd: S, samples: &Colors);
-
-    /// Returns the means of so many samples.
-    fn mean<S: Simd>(&self, simd: S, samples: u32) -> Colors;
+/// The light of a tile's pixels so far.
+pub(crate) trait TileLight: Send {
+    /// Adds a sample of each pixel, given packet by packet of the camera rays. Says how many pixels have overflowed.
+    fn add<S: Simd>(&mut self, simd: S, tile: &Tile, samples: &[Colors; PACKETS]) -> u64;
 }
 
-/// The only sample of each pixel.
-impl ExposedLight for Colors {
-    const NONE: Self = Self::splat(Rgb::ZERO);
-
+/// The only sample of each pixel is what is seen.
+impl TileLight for FilmTile<'_> {
     #[inline(always)]
-    fn add<S: Simd>(&mut self, simd: S, samples: &Colors) {
-        self.store(samples.load(simd));
-    }
-
-    #[inline(always)]
-    fn mean<S: Simd>(&self, _: S, _: u32) -> Colors {
-        *self
+    fn add<S: Simd>(&mut self, simd: S, tile: &Tile, samples: &[Colors; PACKETS]) -> u64 {
+        let mut overflowed = 0;
+        for (packet, samples) in samples.iter().enumerate() {
+            if let Some(Square { first: (i, j), size }) = tile.square(packet) {
+                overflowed += self.store(simd, (i - tile.i, j - tile.j), size, samples);
+            }
+        }
+        overflowed
     }
 }
 
-/// Sums in `f64`, so that the mean of equal samples is exactly their value, and that of 2^16 samples is as good as that of two.
-impl ExposedLight for Vectors {
-    const NONE: Self = Self::splat(DVec3::ZERO);
+/// What the samples of each pixel add up to, packet by packet. In `f64`, so that the mean of equal samples is exactly their value, and
+/// that of 2^16 samples is as good as that of two.
+#[derive(Debug)]
+pub(crate) struct TileSums<'a>(pub(crate) &'a mut [Vectors]);
 
-    #[inline(always)]
-    fn add<S: Simd>(&mut self, simd: S, samples: &Colors) {
-        for (channel, samples) in samples.load(simd).into_iter().enumerate() {
-            let (first, second) = samples.widen();
-            let sums = self.axis_mut(channel);
-            sums.store(0, sums.load(simd, 0) + first);
-            sums.store(1, sums.load(simd, 1) + second);
-        }
-    }
+/// The sums of a packet without samples.
+pub(crate) const NO_SUMS: Vectors = Vectors::splat(DVec3::ZERO);
 
+impl TileLight for TileSums<'_> {
     #[inline(always)]
-    fn mean<S: Simd>(&self, simd: S, samples: u32) -> Colors {
-        let count = splat(simd, f64::from(samples));
-        let mut means = [Colors::splat(Rgb::ZERO).load(simd)[0]; 3];
-        for (channel, mean) in means.iter_mut().enumerate() {
-            let sums = self.axis(channel);
-            *mean = (sums.load(simd, 0) / count).narrow(sums.load(simd, 1) / count);
+    fn add<S: Simd>(&mut self, simd: S, _: &Tile, samples: &[Colors; PACKETS]) -> u64 {
+        for (sums, samples) in self.0.iter_mut().zip(samples) {
+            for (channel, samples) in samples.load(simd).into_iter().enumerate() {
+                let (first, second) = samples.widen();
+                let sums = sums.axis_mut(channel);
+                sums.store(0, sums.load(simd, 0) + first);
+                sums.store(1, sums.load(simd, 1) + second);
+            }
         }
-        let mut colors = Colors::splat(Rgb::ZERO);
-        colors.store(means);
-        colors
+        0
     }
+}
+
+/// Returns the means of so many samples of a packet's pixels.
+#[inline(always)]
+pub(crate) fn means<S: Simd>(simd: S, sums: &Vectors, samples: u32) -> Colors {
+    let mut means = Colors::splat(Rgb::ZERO);
+    let count = splat(simd, f64::from(samples));
+    let mean = |channel: usize, half: usize| sums.axis(channel).load(simd, half) / count;
+    means.store([
+        mean(0, 0).narrow(mean(0, 1)),
+        mean(1, 0).narrow(mean(1, 1)),
+        mean(2, 0).narrow(mean(2, 1)),
+    ]);
+    means
 }

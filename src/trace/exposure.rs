@@ -6,15 +6,16 @@ use std::sync::atomic::AtomicBool;
 use fearless_simd::dispatch;
 use rayon::prelude::*;
 
+use crate::color::Rgb;
 use crate::trace::effects::Effects;
 use crate::trace::effort::Effort;
-use crate::trace::exposed::ExposedLight;
-use crate::trace::film::{Band, Film};
+use crate::trace::exposed::{NO_SUMS, TileLight, TileSums, means};
+use crate::trace::film::Film;
 use crate::trace::light::RenderContext;
 use crate::trace::math::{Colors, Sampling, SimdLevel, Vectors};
 use crate::trace::query::{Intersector, Textbook};
 use crate::trace::scene::{Camera, Precision, PreparedScene};
-use crate::trace::stages::{PACKETS, Square, TILE, Tile, TileBuffers, render_sample};
+use crate::trace::stages::{PACKETS, TILE, Tile, TileBuffers, render_sample};
 
 /// What may end tracing before all is traced.
 #[derive(Clone, Copy)]
@@ -59,13 +60,13 @@ struct ExposedTile {
     samples: u32,
 }
 
-/// What has come to the pixels so far, tile by tile, and in a tile packet by packet of its camera rays; every tile has room for a
-/// whole one.
+/// What has come to the pixels so far.
 #[derive(Clone, Debug)]
 enum Light {
     /// Their only sample.
-    Sample(Vec<Colors>),
-    /// All samples so far.
+    Picture(Film),
+    /// What all samples add up to, tile by tile, and in a tile packet by packet of its camera rays; every tile has room for a whole
+    /// one.
     Sums(Vec<Vectors>),
 }
 
@@ -80,11 +81,10 @@ impl Exposure {
             .map(|(i, j)| Tile { i, j, width: TILE.min(columns - i), height: TILE.min(rows - j) })
             .map(|tile| ExposedTile { tile, samples: 0 })
             .collect();
-        let count = tiles.len() * PACKETS;
         let light = if samples == 1 {
-            Light::Sample(vec![Colors::NONE; count])
+            Light::Picture(Film::new(columns, rows))
         } else {
-            Light::Sums(vec![Vectors::NONE; count])
+            Light::Sums(vec![NO_SUMS; tiles.len() * PACKETS])
         };
         Self { width: columns, height: rows, samples, tiles, light, effort: Effort::default() }
     }
@@ -98,8 +98,9 @@ impl Exposure {
         }
         let mut again = Self { effort: Effort::default(), ..self };
         again.tiles.iter_mut().for_each(|exposed| exposed.samples = 0);
-        if let Light::Sums(sums) = &mut again.light {
-            sums.fill(Vectors::NONE);
+        match &mut again.light {
+            Light::Picture(film) => *film = Film::new(again.width, again.height),
+            Light::Sums(sums) => sums.fill(NO_SUMS),
         }
         again
     }
@@ -142,10 +143,15 @@ impl Exposure {
         samples: (u32, u32),
         signals: Signals<'_>,
     ) -> bool {
-        let tiles = &mut self.tiles;
+        let tiles = self.tiles.par_iter_mut();
         self.effort += match &mut self.light {
-            Light::Sample(pixels) => add_samples(context, shapes, (tiles, pixels), samples, signals),
-            Light::Sums(pixels) => add_samples(context, shapes, (tiles, pixels), samples, signals),
+            Light::Picture(film) => {
+                add_samples(context, shapes, tiles.zip(film.tiles_mut()), samples, signals)
+            }
+            Light::Sums(sums) => {
+                let sums = sums.par_chunks_mut(PACKETS).map(TileSums);
+                add_samples(context, shapes, tiles.zip(sums), samples, signals)
+            }
         };
         self.tiles.iter().all(|exposed| exposed.samples >= samples.1)
     }
@@ -163,24 +169,15 @@ impl Exposure {
     /// is seen, of any size.
     #[must_use]
     pub fn develop_over(&self, beneath: &Film) -> Film {
-        let mut film = Film::new(self.width, self.height);
-        for (index, ExposedTile { tile, samples }) in self.tiles.iter().enumerate() {
-            if *samples > 0 {
-                let (mut whole, light) = (film.whole_mut(), index * PACKETS);
-                match &self.light {
-                    Light::Sample(pixels) => {
-                        develop_tile(*tile, &pixels[light..], *samples, (&mut whole, tile.j))
-                    }
-                    Light::Sums(pixels) => {
-                        develop_tile(*tile, &pixels[light..], *samples, (&mut whole, tile.j))
-                    }
-                };
-                continue;
-            }
-            let nearest = |place: u32, count: u32, of: u32| {
-                let nearest = u64::from(place) * u64::from(of) / u64::from(count);
-                u32::try_from(nearest).unwrap_or(0)
-            };
+        let mut film = match &self.light {
+            Light::Picture(film) => film.clone(),
+            Light::Sums(sums) => develop_sums(&self.tiles, sums, (self.width, self.height)).0,
+        };
+        let nearest = |place: u32, count: u32, of: u32| {
+            let nearest = u64::from(place) * u64::from(of) / u64::from(count);
+            u32::try_from(nearest).unwrap_or(0)
+        };
+        for ExposedTile { tile, .. } in self.tiles.iter().filter(|exposed| exposed.samples == 0) {
             for j in tile.j..tile.j + tile.height {
                 let row = nearest(j, self.height, beneath.height());
                 let pixels = (tile.i..tile.i + tile.width)
@@ -191,68 +188,52 @@ impl Exposure {
         film
     }
 
-    /// The picture, and what it took.
+    /// Takes the picture out, and says what it took.
     #[doc(hidden)]
     #[must_use]
-    pub fn develop(&self) -> (Film, Effort) {
-        let (film, overflowed) = match &self.light {
-            Light::Sample(pixels) => self.develop_pixels(pixels),
-            Light::Sums(pixels) => self.develop_pixels(pixels),
-        };
+    pub fn develop(&mut self) -> (Film, Effort) {
         let mut effort = self.effort;
-        effort.escalations.overflowed += overflowed;
+        let film = match &mut self.light {
+            Light::Picture(film) => std::mem::replace(film, Film::new(0, 0)),
+            Light::Sums(sums) => {
+                let (film, overflowed) = develop_sums(&self.tiles, sums, (self.width, self.height));
+                effort.escalations.overflowed += overflowed;
+                film
+            }
+        };
         (film, effort)
-    }
-
-    /// The picture, and how many pixels had overflowed.
-    fn develop_pixels<L: ExposedLight>(&self, light: &[L]) -> (Film, u64) {
-        let across = self.width.div_ceil(TILE) as usize;
-        let mut film = Film::new(self.width, self.height);
-        let bands = film.bands_mut(TILE).zip(light.par_chunks((across * PACKETS).max(1)));
-        let overflowed = bands.zip(self.tiles.par_chunks(across.max(1))).map(|((mut band, light), tiles)| {
-            let tiles = tiles.iter().zip(light.chunks(PACKETS));
-            tiles
-                .map(|(exposed, light)| develop_tile(exposed.tile, light, self.samples, (&mut band, 0)))
-                .sum::<u64>()
-        });
-        let overflowed = overflowed.sum();
-        (film, overflowed)
     }
 }
 
-/// Stores a tile's pixels, the means of so many samples, in a band whose row `j` is the tile's first. Says how many had overflowed.
-fn develop_tile<L: ExposedLight>(
-    tile: Tile,
-    light: &[L],
-    samples: u32,
-    (band, j): (&mut Band<'_>, u32),
-) -> u64 {
-    dispatch!(SimdLevel::best().level(), simd => {
-        let mut overflowed = 0;
-        for (packet, light) in light[..PACKETS].iter().enumerate() {
-            if let Some(Square { first, size }) = tile.square(packet) {
-                let first = (first.0, first.1 - tile.j + j);
-                overflowed += band.store_square(simd, first, size, &light.mean(simd, samples));
+/// Returns the means of what samples add up to, and how many had overflowed.
+fn develop_sums(tiles: &[ExposedTile], sums: &[Vectors], (width, height): (u32, u32)) -> (Film, u64) {
+    let mut film = Film::new(width, height);
+    let stored = film.tiles_mut().into_par_iter().zip(sums.par_chunks(PACKETS)).zip(tiles);
+    let overflowed = stored.map(|((mut stored, sums), ExposedTile { tile, samples })| {
+        dispatch!(SimdLevel::best().level(), simd => {
+            let mut pixels = [Colors::splat(Rgb::ZERO); PACKETS];
+            for (pixels, sums) in pixels.iter_mut().zip(sums) {
+                *pixels = means(simd, sums, (*samples).max(1));
             }
-        }
-        overflowed
-    })
+            stored.add(simd, tile, &pixels)
+        })
+    });
+    let overflowed = overflowed.sum();
+    (film, overflowed)
 }
 
 /// Adds samples of all tiles, over all threads. Returns what they took.
-fn add_samples<L: ExposedLight>(
+fn add_samples<'t, L: TileLight>(
     context: &RenderContext<'_>,
     shapes: &impl Intersector,
-    (tiles, light): (&mut [ExposedTile], &mut [L]),
+    tiles: impl IndexedParallelIterator<Item = (&'t mut ExposedTile, L)>,
     (from, to): (u32, u32),
     signals: Signals<'_>,
 ) -> Effort {
     let efforts: Vec<Effort> = tiles
-        .par_iter_mut()
-        .zip(light.par_chunks_mut(PACKETS))
         .map_init(
             || TileBuffers::new(signals.cancelled),
-            |buffers, (exposed, light)| {
+            |buffers, (exposed, mut light)| {
                 let mut effort = Effort::default();
                 for sample in from.max(exposed.samples)..to {
                     if (signals.pause)() {
@@ -263,7 +244,9 @@ fn add_samples<L: ExposedLight>(
                     if !whole {
                         break;
                     }
-                    add_sample(context, light, buffers);
+                    effort.escalations.overflowed += dispatch!(context.scene.simd.level(), simd => {
+                        light.add(simd, &exposed.tile, buffers.pixels())
+                    });
                     exposed.samples = sample + 1;
                     effort += traced;
                 }
@@ -275,13 +258,4 @@ fn add_samples<L: ExposedLight>(
         all += effort;
         all
     })
-}
-
-/// Adds the sample that buffers hold.
-fn add_sample<L: ExposedLight>(context: &RenderContext<'_>, light: &mut [L], buffers: &TileBuffers<'_>) {
-    dispatch!(context.scene.simd.level(), simd => {
-        for (light, sample) in light.iter_mut().zip(buffers.pixels()) {
-            light.add(simd, sample);
-        }
-    });
 }

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use crate::color::Rgb;
 use crate::trace::math::{Colors, bits16};
 use crate::trace::scene::SIDE;
+use crate::trace::stages::TILE;
 
 /// One frame's pixels in linear light, row by row from the top. Every value is finite and 0 or more.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,33 +75,6 @@ impl Film {
     /// always finite.
     #[inline]
     pub(crate) fn store(&mut self, i: u32, j: u32, pixels: impl ExactSizeIterator<Item = Rgb>) -> u64 {
-        self.whole_mut().store(i, j, pixels)
-    }
-
-    /// All of its rows.
-    pub(crate) fn whole_mut(&mut self) -> Band<'_> {
-        Band { width: self.width, pixels: &mut self.pixels }
-    }
-
-    /// Divides the film into so many rows each, from the top; the last ones may be fewer.
-    pub(crate) fn bands_mut(&mut self, rows: u32) -> impl IndexedParallelIterator<Item = Band<'_>> {
-        let width = self.width;
-        let count = (width as usize * rows as usize).max(1);
-        self.pixels.par_chunks_mut(count).map(move |pixels| Band { width, pixels })
-    }
-}
-
-/// Some rows of a film.
-#[derive(Debug)]
-pub(crate) struct Band<'a> {
-    width: u32,
-    pixels: &'a mut [Rgb],
-}
-
-impl Band<'_> {
-    /// As [`Film::store`], in row `j` of these.
-    #[inline]
-    pub(crate) fn store(&mut self, i: u32, j: u32, pixels: impl ExactSizeIterator<Item = Rgb>) -> u64 {
         let start = j as usize * self.width as usize + i as usize;
         let mut overflowed = 0;
         for (stored, pixel) in self.pixels[start..start + pixels.len()].iter_mut().zip(pixels) {
@@ -110,9 +84,35 @@ impl Band<'_> {
         overflowed
     }
 
-    /// The same of the pixels of a packet: of so many columns and rows, from column `i` and row `j` of these on.
+    /// Divides the film into tiles, row by row of tiles; those at the edges may be smaller.
+    pub(crate) fn tiles_mut(&mut self) -> Vec<FilmTile<'_>> {
+        let (width, side) = ((self.width as usize).max(1), TILE as usize);
+        let bands = self.pixels.par_chunks_mut(width * side);
+        let tiles = bands.flat_map_iter(|band| {
+            let mut tiles: Vec<FilmTile<'_>> =
+                (0..width).step_by(side).map(|_| FilmTile::default()).collect();
+            for (j, row) in band.chunks_mut(width).enumerate() {
+                for (tile, part) in tiles.iter_mut().zip(row.chunks_mut(side)) {
+                    tile.rows[j] = part;
+                }
+            }
+            tiles
+        });
+        tiles.collect()
+    }
+}
+
+/// A tile of a film: the part of each of its rows.
+#[derive(Debug, Default)]
+pub(crate) struct FilmTile<'a> {
+    rows: [&'a mut [Rgb]; TILE as usize],
+}
+
+impl FilmTile<'_> {
+    /// Stores the pixels of a packet, so many columns and rows, from column `i` and row `j` of the tile on. Says how many had
+    /// overflowed, as [`Film::store`] does.
     #[inline(always)]
-    pub(crate) fn store_square<S: Simd>(
+    pub(crate) fn store<S: Simd>(
         &mut self,
         simd: S,
         (i, j): (u32, u32),
@@ -132,10 +132,9 @@ impl Band<'_> {
         colors.store(saturated);
         let overflowed = !bits16(whole);
         let mut count = 0;
-        for row in 0..rows as usize {
+        for (row, stored) in self.rows[j as usize..].iter_mut().enumerate().take(rows as usize) {
             let first = row * SIDE as usize;
-            let start = (j as usize + row) * self.width as usize + i as usize;
-            let stored = &mut self.pixels[start..start + columns as usize];
+            let stored = &mut stored[i as usize..(i + columns) as usize];
             if let Ok(stored) = <&mut [Rgb; SIDE as usize]>::try_from(&mut *stored) {
                 *stored = [0, 1, 2, 3].map(|column| colors.get(first + column));
             } else {

@@ -92,7 +92,7 @@ impl Engine {
     }
 
     /// Finishes a picture; the report describes it.
-    pub(in crate::engine) fn develop(&mut self, exposure: Exposure) -> Film {
+    pub(in crate::engine) fn develop(&mut self, mut exposure: Exposure) -> Film {
         let start = Instant::now();
         let (film, effort) = exposure.develop();
         self.report = FrameReport {
