@@ -20,7 +20,7 @@ const EVERY_FIRST: u32 = 0x5555_5555;
 
 /// Shapes that packets are tested against before single rays are thought to do better, for each packet: where shapes are much
 /// smaller than pixels, a single ray meets few of those that its packet does.
-const MOST_TESTS: usize = 64;
+const MOST_TESTS: usize = 1 << 20;
 
 /// Finds what the rays of packets meet first that all start at one point and leave no shape. Those that single rays have to decide
 /// are left open in `hits`. `false`, and nothing found, where they go too far apart.
@@ -66,6 +66,7 @@ fn find<S: Simd>(
         hits,
         reciprocals,
         limits: Limits::NONE,
+        farthest: f32::NEG_INFINITY,
         tests: 0,
         escalations,
     };
@@ -78,8 +79,9 @@ fn find<S: Simd>(
         }
         visitor.update_limits(simd, packet);
     }
-    let limit = visitor.limits.farthest(simd);
-    scene.tree.visit_shaft(simd, &shaft, limit, stack, cancelled, &mut visitor);
+    visitor.farthest = visitor.limits.farthest(simd);
+    let farthest = visitor.farthest;
+    scene.tree.visit_shaft(simd, &shaft, farthest, stack, cancelled, &mut visitor);
     true
 }
 
@@ -92,6 +94,8 @@ struct Visitor<'a> {
     hits: &'a mut [HitPacket],
     reciprocals: &'a mut [Reciprocals; PARTS / 2],
     limits: Limits,
+    /// The depth up to which shapes are of interest to any part.
+    farthest: f32,
     tests: usize,
     escalations: &'a mut Escalations,
 }
@@ -106,14 +110,19 @@ impl<S: Simd> ShaftVisitor<S> for Visitor<'_> {
             return f32::NEG_INFINITY;
         }
         let shape = Asked::leaf(self.scene, leaf);
+        let mut nearer = false;
         for first in set_bits((parts | parts >> 1) & EVERY_FIRST) {
             let (packet, halves) = (first / 2, parts >> first & 3);
             let asked = ((halves & 1) * 0x00ff) | ((halves >> 1) * 0xff00);
             if self.meet(simd, (packet, asked), shape) {
                 self.update_limits(simd, packet);
+                nearer = true;
             }
         }
-        self.limits.farthest(simd)
+        if nearer {
+            self.farthest = self.limits.farthest(simd);
+        }
+        self.farthest
     }
 }
 

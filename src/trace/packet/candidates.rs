@@ -106,9 +106,9 @@ fn gather<'a, S: Simd>(
     for (part, depth) in farthest.iter().enumerate() {
         limits.set(part, shaft.depth_limit(depth * scene.tree.scale()));
     }
-    let limit = limits.farthest(simd);
-    let mut visitor = Visitor { shaft: &shaft, candidates, limits, visits: 0 };
-    scene.tree.visit_shaft(simd, &shaft, limit, stack, cancelled, &mut visitor);
+    let farthest = limits.farthest(simd);
+    let mut visitor = Visitor { shaft: &shaft, candidates, limits, farthest, visits: 0 };
+    scene.tree.visit_shaft(simd, &shaft, farthest, stack, cancelled, &mut visitor);
     true
 }
 
@@ -116,6 +116,7 @@ struct Visitor<'a> {
     shaft: &'a Shaft,
     candidates: &'a mut Candidates,
     limits: Limits,
+    farthest: f32,
     visits: usize,
 }
 
@@ -133,8 +134,9 @@ impl<S: Simd> ShaftVisitor<S> for Visitor<'_> {
             } else {
                 self.candidates.crowded |= 1 << part;
                 self.limits.set(part, f32::NEG_INFINITY);
+                self.farthest = self.limits.farthest(simd);
             }
         }
-        self.limits.farthest(simd)
+        self.farthest
     }
 }

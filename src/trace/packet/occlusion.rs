@@ -75,8 +75,12 @@ enum Role {
 impl Search<'_> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S, stack: &mut PacketStack, cancelled: &AtomicBool) {
-        if let Some(id) = *self.last_occluder {
-            self.meet(simd, Asked::beside(self.scene, id), self.undecided());
+        // Where there are lists, they are short.
+        let unlisted = self.unlisted();
+        if let Some(id) = *self.last_occluder
+            && self.undecided() & unlisted != 0
+        {
+            self.meet(simd, Asked::beside(self.scene, id), self.undecided() & unlisted);
         }
         for id in &self.scene.beside {
             if self.undecided() == 0 || cancelled.load(Ordering::Relaxed) {
@@ -84,11 +88,9 @@ impl Search<'_> {
             }
             self.meet(simd, Asked::beside(self.scene, *id), self.undecided());
         }
-        let mut listed = 0;
         for (half, candidates) in self.shadow.candidates.iter().enumerate() {
             let Some(candidates) = candidates else { continue };
             let lanes = 0xff << (half * HALF);
-            listed |= lanes;
             for leaf in *candidates {
                 if self.undecided() & lanes == 0 {
                     break;
@@ -96,7 +98,7 @@ impl Search<'_> {
                 self.meet(simd, Asked::leaf(self.scene, *leaf), self.undecided() & lanes);
             }
         }
-        let unlisted = self.undecided() & !listed;
+        let unlisted = self.undecided() & unlisted;
         if unlisted.count_ones() < FEWEST {
             self.found.open |= unlisted;
         } else {
@@ -104,6 +106,13 @@ impl Search<'_> {
             packet.limit(simd, self.shadow.limits, &Numbers::splat(0.0));
             self.scene.tree.visit_packet(simd, &mut packet, stack, cancelled, self);
         }
+    }
+
+    /// Returns the lanes without lists of candidates.
+    #[inline(always)]
+    fn unlisted(&self) -> u32 {
+        let [first, second] = self.shadow.candidates.map(|candidates| candidates.is_none());
+        (u32::from(first) * 0x00ff) | (u32::from(second) * 0xff00)
     }
 
     #[inline(always)]
