@@ -8,18 +8,21 @@
 //! - [`node`]: one node, eight boxes against one ray.
 //! - [`traverse`]: from the root to the leaves, nearest first, with one ray.
 //! - [`packet`]: the same with sixteen rays.
-//! - [`shaft`]: the same with a bundle of rays from one point, eight boxes at once.
+//! - [`frustum`]: the same with all rays from one point within some slopes, eight boxes at once; [`shaft`]: which of many bundles in
+//!   it may meet a shape.
 
 mod build;
 mod frame;
+mod frustum;
 mod node;
 mod packet;
 mod shaft;
 mod traverse;
 
+pub(crate) use frustum::{Depth, Frustum, FrustumVisitor, LeafBox, SlopeRange};
 pub(crate) use node::LeafId;
 pub(crate) use packet::{FramePacket, PacketStack, PacketVisitor};
-pub(crate) use shaft::{Depth, LeafBox, Limits, PARTS, Shaft, ShaftVisitor, Slopes};
+pub(crate) use shaft::{Limits, PARTS, Shaft, Slopes};
 pub(crate) use traverse::Stack;
 
 use frame::Frame;

@@ -10,7 +10,8 @@
 //! is left is as it is there: a rounded reciprocal and a rounded difference, for which far sides are lengthened.
 //!
 //! Where all rays go the same way along every axis, eight boxes are asked at once first: their planes lie at least as far from the
-//! outermost origin, and are come closer to with at least the slowest and at most the fastest ray.
+//! outermost origin, and are come closer to with at least the slowest and at most the fastest ray. Of rays that end at one point it
+//! is known better where they are: within the [frustum](super::frustum) from there.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -18,6 +19,7 @@ use fearless_simd::{f32x8, f32x16, prelude::*};
 
 use super::Tree;
 use super::frame::Frame;
+use super::frustum::Frustum;
 use super::node::{Child, LeafId, Link, Node, WIDTH};
 use crate::trace::math::{
     F64s, F64s3, LANES, Numbers, Vectors, bits16, lanes, mask16, splat, splat3, subtract, times,
@@ -44,8 +46,17 @@ pub(crate) struct FramePacket {
     /// Lanes that still look for something.
     active: u32,
     /// For all rays that were in it at first.
-    shared: Option<Shared>,
+    hull: Hull,
     scale: f64,
+}
+
+/// What all rays stay within.
+#[derive(Clone, Copy, Debug)]
+enum Hull {
+    Shared(Shared),
+    /// A frustum, up to a depth.
+    Frustum(Frustum, f32),
+    Unknown,
 }
 
 /// What rays have in common that go the same way along every axis.
@@ -111,10 +122,10 @@ impl FramePacket {
             let inverse = load(&self.inverse[axis]);
             let at_lower = inverse.mul_sub(planes[axis], load(&self.high[axis]));
             let at_upper = inverse.mul_sub(planes[axis + 3], load(&self.low[axis]));
-            let (near, far) = match &self.shared {
-                Some(shared) if shared.downward[axis] => (at_upper, at_lower),
-                Some(_) => (at_lower, at_upper),
-                None => (at_lower.min(at_upper), at_lower.max(at_upper)),
+            let (near, far) = match &self.hull {
+                Hull::Shared(shared) if shared.downward[axis] => (at_upper, at_lower),
+                Hull::Shared(_) => (at_lower, at_upper),
+                Hull::Frustum(..) | Hull::Unknown => (at_lower.min(at_upper), at_lower.max(at_upper)),
             };
             entry = entry.max(near);
             exit = exit.min(far);
@@ -167,7 +178,13 @@ impl Shared {
 impl Frame {
     /// Rays in some lanes.
     #[inline(always)]
-    fn packet<S: Simd>(&self, simd: S, rays: &RayPacket, active: u32) -> FramePacket {
+    fn packet<S: Simd>(
+        &self,
+        simd: S,
+        rays: &RayPacket,
+        active: u32,
+        frustum: Option<(Frustum, f32)>,
+    ) -> FramePacket {
         let [mut low, mut high, mut inverses] = [[[0.0; LANES]; 3]; 3];
         let [mut low_products, mut high_products] = [[[0.0; LANES]; 3]; 2];
         let places = [self.places(simd, &rays.origins, 0), self.places(simd, &rays.origins, 1)];
@@ -190,7 +207,12 @@ impl Frame {
             limits: [f32::INFINITY; LANES],
             farthest: f32::INFINITY,
             active,
-            shared: Shared::of(simd, active, (&low, &high, &inverses)),
+            hull: match frustum {
+                Some((frustum, depth)) => Hull::Frustum(frustum, depth),
+                None => {
+                    Shared::of(simd, active, (&low, &high, &inverses)).map_or(Hull::Unknown, Hull::Shared)
+                }
+            },
             scale: self.scale(),
         }
     }
@@ -225,10 +247,16 @@ fn inverse<S: Simd>(simd: S, directions: &Numbers, half: usize) -> F64s<S> {
 }
 
 impl Tree {
-    /// Makes rays in some lanes ready for culling.
+    /// Makes rays in some lanes ready for culling. They may be known to stay within a frustum, up to a depth.
     #[inline(always)]
-    pub(crate) fn packet<S: Simd>(&self, simd: S, rays: &RayPacket, active: u32) -> FramePacket {
-        self.frame.packet(simd, rays, active)
+    pub(crate) fn packet<S: Simd>(
+        &self,
+        simd: S,
+        rays: &RayPacket,
+        active: u32,
+        frustum: Option<(Frustum, f32)>,
+    ) -> FramePacket {
+        self.frame.packet(simd, rays, active, frustum)
     }
 
     /// Visits every shape that rays of a packet may meet before their limits, nearer ones first. Once `cancelled` is true the rest is
@@ -276,9 +304,10 @@ fn push_children<S: Simd, V: PacketVisitor<S>>(
     packet: &FramePacket,
     stack: &mut Vec<Pending>,
 ) {
-    let (candidates, entries) = match &packet.shared {
-        Some(shared) => shared.entries(simd, node, packet.farthest),
-        None => (node.used(), f32x8::splat(simd, 0.0)),
+    let (candidates, entries) = match &packet.hull {
+        Hull::Shared(shared) => shared.entries(simd, node, packet.farthest),
+        Hull::Frustum(frustum, depth) => frustum.meets(simd, node, *depth),
+        Hull::Unknown => (node.used(), f32x8::splat(simd, 0.0)),
     };
     let entries = *entries.as_array();
     let base = stack.len();
@@ -290,7 +319,7 @@ fn push_children<S: Simd, V: PacketVisitor<S>>(
         }
         let entry = if !V::NEAREST_FIRST {
             0.0
-        } else if packet.shared.is_some() {
+        } else if matches!(packet.hull, Hull::Shared(_)) {
             entries[index]
         } else {
             let never = f32x16::splat(simd, f32::INFINITY);

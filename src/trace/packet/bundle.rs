@@ -9,7 +9,7 @@ use super::closest_hit::{Search, latest};
 use super::reciprocals::Reciprocals;
 use super::scratch::PacketScratch;
 use super::verdicts::{Asked, Asking};
-use crate::trace::bvh::{Depth, LeafBox, LeafId, Limits, PARTS, Shaft, ShaftVisitor, Slopes};
+use crate::trace::bvh::{Depth, FrustumVisitor, LeafBox, LeafId, Limits, PARTS, Shaft, SlopeRange, Slopes};
 use crate::trace::math::{half_of, set_bits};
 use crate::trace::query::{Escalations, HitPacket, Scratch};
 use crate::trace::rays::RayPacket;
@@ -48,10 +48,12 @@ fn find<S: Simd>(
     let mut slopes = Slopes::NONE;
     for (packet, rays) in rays.iter().enumerate() {
         for half in 0..2 {
-            let along = (&rays.directions, rays.lanes, half);
-            if half_of(rays.lanes, half) != 0 && !slopes.set(simd, packet * 2 + half, along, (depth, 1.0)) {
-                return false;
+            if half_of(rays.lanes, half) == 0 {
+                continue;
             }
+            let along = (&rays.directions, rays.lanes, half);
+            let Some(range) = SlopeRange::of(simd, along, (depth, 1.0)) else { return false };
+            slopes.set(packet * 2 + half, &range);
         }
     }
     let Some(shaft) = scene.tree.shaft(simd, origin, depth, &slopes) else { return false };
@@ -81,7 +83,7 @@ fn find<S: Simd>(
     }
     visitor.farthest = visitor.limits.farthest(simd);
     let farthest = visitor.farthest;
-    scene.tree.visit_shaft(simd, &shaft, farthest, stack, cancelled, &mut visitor);
+    scene.tree.visit_frustum(simd, &shaft.frustum, farthest, stack, cancelled, &mut visitor);
     true
 }
 
@@ -100,7 +102,7 @@ struct Visitor<'a> {
     escalations: &'a mut Escalations,
 }
 
-impl<S: Simd> ShaftVisitor<S> for Visitor<'_> {
+impl<S: Simd> FrustumVisitor<S> for Visitor<'_> {
     #[inline(always)]
     fn visit(&mut self, simd: S, leaf: LeafId, bounds: &LeafBox) -> f32 {
         let parts = self.shaft.parts(simd, bounds, &self.limits);
@@ -148,7 +150,7 @@ impl Visitor<'_> {
         for half in 0..2 {
             let along = (&rays.directions, rays.lanes, half);
             let farthest = self.depth.farthest(simd, along, (latest(simd, hits, half), 1.0));
-            let limit = self.shaft.depth_limit(farthest * self.scene.tree.scale());
+            let limit = self.shaft.frustum.depth_limit(farthest * self.scene.tree.scale());
             self.limits.set(packet * 2 + half, limit);
         }
     }

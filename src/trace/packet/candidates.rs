@@ -10,7 +10,9 @@ use std::sync::atomic::AtomicBool;
 use fearless_simd::{dispatch, prelude::*};
 use glam::DVec3;
 
-use crate::trace::bvh::{Depth, LeafBox, LeafId, Limits, PARTS, Shaft, ShaftVisitor, Slopes, Stack};
+use crate::trace::bvh::{
+    Depth, FrustumVisitor, LeafBox, LeafId, Limits, PARTS, Shaft, SlopeRange, Slopes, Stack,
+};
 use crate::trace::math::{Numbers, Vectors, half_of, set_bits};
 use crate::trace::query::Scratch;
 use crate::trace::scene::PreparedScene;
@@ -95,20 +97,19 @@ fn gather<'a, S: Simd>(
                 continue;
             }
             let back = (ways.directions, ways.lanes, half);
-            if !slopes.set(simd, packet * 2 + half, back, (depth, -1.0)) {
-                return false;
-            }
+            let Some(range) = SlopeRange::of(simd, back, (depth, -1.0)) else { return false };
+            slopes.set(packet * 2 + half, &range);
             farthest[packet * 2 + half] = depth.farthest(simd, back, (ways.limits.load(simd, half), -1.0));
         }
     }
     let Some(shaft) = scene.tree.shaft(simd, light, depth, &slopes) else { return false };
     let mut limits = Limits::NONE;
     for (part, depth) in farthest.iter().enumerate() {
-        limits.set(part, shaft.depth_limit(depth * scene.tree.scale()));
+        limits.set(part, shaft.frustum.depth_limit(depth * scene.tree.scale()));
     }
     let farthest = limits.farthest(simd);
     let mut visitor = Visitor { shaft: &shaft, candidates, limits, farthest, visits: 0 };
-    scene.tree.visit_shaft(simd, &shaft, farthest, stack, cancelled, &mut visitor);
+    scene.tree.visit_frustum(simd, &shaft.frustum, farthest, stack, cancelled, &mut visitor);
     true
 }
 
@@ -120,7 +121,7 @@ struct Visitor<'a> {
     visits: usize,
 }
 
-impl<S: Simd> ShaftVisitor<S> for Visitor<'_> {
+impl<S: Simd> FrustumVisitor<S> for Visitor<'_> {
     #[inline(always)]
     fn visit(&mut self, simd: S, leaf: LeafId, bounds: &LeafBox) -> f32 {
         self.visits += 1;

@@ -55,7 +55,7 @@ impl Search<'_> {
             }
             self.meet(simd, Asked::beside(scene, *id), active);
         }
-        let mut packet = scene.tree.packet(simd, self.asking.rays, active & !self.hits.open);
+        let mut packet = scene.tree.packet(simd, self.asking.rays, active & !self.hits.open, None);
         packet.limit(simd, &self.hits.ts, &self.hits.errors);
         scene.tree.visit_packet(simd, &mut packet, stack, cancelled, self);
     }

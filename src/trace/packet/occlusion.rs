@@ -1,12 +1,16 @@
 //! What stands between sixteen surface points and a light.
+//!
+//! Seen from a light that is a point, rays that are not listed have a frustum of their own, as bundles of [`candidates`](super::candidates)
+//! have, and with the same right.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use fearless_simd::{dispatch, prelude::*};
+use glam::DVec3;
 
 use super::scratch::PacketScratch;
 use super::verdicts::{Asked, Asking};
-use crate::trace::bvh::{FramePacket, LeafId, PacketStack, PacketVisitor};
+use crate::trace::bvh::{Depth, FramePacket, Frustum, LeafId, PacketStack, PacketVisitor, SlopeRange};
 use crate::trace::math::{HALF, Numbers, bits, half_of, splat};
 use crate::trace::query::{Escalations, NEAR};
 use crate::trace::rays::{RayPacket, ShapeId};
@@ -20,6 +24,8 @@ pub(crate) struct ShadowPacket<'a> {
     pub(crate) rays: &'a RayPacket,
     /// How far the light is.
     pub(crate) limits: &'a Numbers,
+    /// Where all of them end, if that is one point.
+    pub(crate) light: Option<DVec3>,
     /// A shape that does not count: the light's own.
     pub(crate) except: Option<ShapeId>,
     /// By half of the lanes: shapes of the tree that may stand in the way of any of them; `None` where they have to be found there.
@@ -102,10 +108,30 @@ impl Search<'_> {
         if unlisted.count_ones() < FEWEST {
             self.found.open |= unlisted;
         } else {
-            let mut packet = self.scene.tree.packet(simd, self.shadow.rays, unlisted);
+            let frustum = self.frustum(simd, unlisted);
+            let mut packet = self.scene.tree.packet(simd, self.shadow.rays, unlisted, frustum);
             packet.limit(simd, self.shadow.limits, &Numbers::splat(0.0));
             self.scene.tree.visit_packet(simd, &mut packet, stack, cancelled, self);
         }
+    }
+
+    /// Returns what rays in some lanes stay within, seen from the light, and up to which depth.
+    #[inline(always)]
+    fn frustum<S: Simd>(&self, simd: S, lanes: u32) -> Option<(Frustum, f32)> {
+        let ShadowPacket { rays, limits, light, .. } = self.shadow;
+        let depth = Depth::along(-rays.directions.get(lanes.trailing_zeros() as usize));
+        let (mut slopes, mut farthest) = (SlopeRange::NONE, f64::NEG_INFINITY);
+        for half in 0..2 {
+            if half_of(lanes, half) == 0 {
+                continue;
+            }
+            let back = (&rays.directions, lanes, half);
+            slopes.include(&SlopeRange::of(simd, back, (depth, -1.0))?);
+            farthest = farthest.max(depth.farthest(simd, back, (limits.load(simd, half), -1.0)));
+        }
+        let tree = &self.scene.tree;
+        let frustum = tree.frustum((*light)?, depth, &slopes)?;
+        Some((frustum, frustum.depth_limit(farthest * tree.scale())))
     }
 
     /// Returns the lanes without lists of candidates.

@@ -272,9 +272,9 @@ proptest! {
             let mut candidates = Candidates::default();
             let listed = candidates.find(&scene, light, ways, &mut scratch);
             for (packet, (rays, limits)) in shadows.iter().enumerate() {
-                let lists = [[None; 2], [0, 1].map(|half| if listed { candidates.of(packet, half) } else { None })];
-                for candidates in lists {
-                    let shadow = ShadowPacket { rays, limits, except, candidates, clear };
+                let lists = [0, 1].map(|half| if listed { candidates.of(packet, half) } else { None });
+                for (candidates, lit_from) in [([None; 2], None), ([None; 2], Some(light)), (lists, Some(light))] {
+                    let shadow = ShadowPacket { rays, limits, light: lit_from, except, candidates, clear };
                     let Scratch { escalations, cancelled, .. } = &mut scratch;
                     let effort = (escalations, *cancelled);
                     let found = occluded(&scene, &shadow, &mut None, &mut PacketScratch::default(), effort);
@@ -454,7 +454,14 @@ fn nearly_all_rays_are_decided_at_once() {
     let (shadows, _) = shadow_rays(&scene, &camera, light);
     let (mut hidden, mut lit) = (0, 0);
     for (rays, limits) in &shadows {
-        let shadow = ShadowPacket { rays, limits, except: None, candidates: [None; 2], clear: false };
+        let shadow = ShadowPacket {
+            rays,
+            limits,
+            light: Some(light),
+            except: None,
+            candidates: [None; 2],
+            clear: false,
+        };
         let mut scratch = Scratch::default();
         let Scratch { escalations, cancelled, .. } = &mut scratch;
         let effort = (escalations, *cancelled);

@@ -1,5 +1,7 @@
 //! Which of a light's proposals come through.
 
+use glam::DVec3;
+
 use super::buffers::TileBuffers;
 use super::tile::Sample;
 use crate::trace::light::{MediumStack, PathPacket, visibility};
@@ -48,6 +50,7 @@ fn occlusion(
     let shadow = ShadowPacket {
         rays: &proposals.rays,
         limits: &proposals.limits,
+        light: place_of(light),
         except: light.own_shape,
         candidates: [0, 1].map(|half| if listed { candidates.of(packet, half) } else { None }),
         clear,
@@ -96,10 +99,18 @@ fn inside(paths: &PathPacket, asking: u32) -> u32 {
     lanes(asking).filter(inside).fold(0, |mask, lane| mask | 1 << lane)
 }
 
+/// Returns where all rays to a light end, if that is one point.
+fn place_of(light: &Light) -> Option<DVec3> {
+    match light.source {
+        LightSource::Point(place) | LightSource::Spot(place, _) => Some(place),
+        LightSource::Directional(_) | LightSource::Sphere { .. } | LightSource::Rectangle { .. } => None,
+    }
+}
+
 /// Finds what may stand between a light and all points that it was proposed for. Says whether it did: rays to a light with a
 /// size, or to one that is infinitely far away, have no point in common.
 fn find_candidates(sample: &Sample<'_>, light: &Light, buffers: &mut TileBuffers<'_>) -> bool {
-    let (LightSource::Point(place) | LightSource::Spot(place, _)) = light.source else { return false };
+    let Some(place) = place_of(light) else { return false };
     // The textbook's shapes accept rays that pass them by more than bundles allow for.
     if sample.context.scene.precision != Precision::Guaranteed {
         return false;
