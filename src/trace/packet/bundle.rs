@@ -20,7 +20,7 @@ const EVERY_FIRST: u32 = 0x5555_5555;
 
 /// Shapes that packets are tested against before single rays are thought to do better, for each packet: where shapes are much
 /// smaller than pixels, a single ray meets few of those that its packet does.
-const MOST_TESTS: usize = 1 << 20;
+const MOST_TESTS: usize = 1024;
 
 /// Finds what the rays of packets meet first that all start at one point and leave no shape. Those that single rays have to decide
 /// are left open in `hits`. `false`, and nothing found, where they go too far apart.
