@@ -12,7 +12,7 @@
 //!    defines what is right.
 //! 2. `stages/camera_rays` makes the first wave of rays, by `scene/camera`; where samples lie is in `math/sampling`.
 //! 3. `stages/closest_hits` finds what each ray meets first. Packets from one point, as a camera's are, go through the tree
-//!    together, by `packet/bundle` and `bvh/shaft`; others one after the other, by `packet/closest_hit` and `bvh/packet`. Single rays
+//!    together, by `packet/bundle`, `bvh/frustum` and `bvh/shaft`; others one after the other, by `packet/closest_hit` and `bvh/packet`. Single rays
 //!    are followed by `query/closest_hit`, which walks the tree (`bvh/traverse`) and asks the shapes (`query/guaranteed`), which are
 //!    defined in `shapes`.
 //! 4. `stages/surfaces` refines hits to surface points, where light, a medium or a mirror asks for them, by `packet/refine`, and adds
@@ -21,12 +21,13 @@
 //!    a single lane by `light/direct`. `stages/shadows` follows the proposals' shadow rays, by `packet/occlusion`, and singly by
 //!    `light/transmission`, `query/occlusion` and `query/crossings`; what comes through is added. Which shapes may hide a light with a
 //!    place from the tile is found once, by `packet/candidates`.
-//! 6. `stages/sums` adds what each ray brings to its pixel, in the order of the wave.
+//! 6. `stages/sums` adds what each ray brings to its pixel, in the order of the wave. A tile's pixels are kept packet by packet of its
+//!    camera rays, whose light is added in their lanes.
 //! 7. `stages/next_rays` makes mirrored rays, by `light/secondary_packet`, and refracted ones, by `light/secondary`, and keeps those
 //!    that can still show, by `light/contribution`. They are the next generation, in `stages/generation`, and go on at 3, as many at a
 //!    time as a wave has room for.
-//! 8. `exposure` adds samples up in the order of their indices, in `f64`, in which the mean of equal samples is exactly their value,
-//!    and `film` holds the result.
+//! 8. `exposure` adds samples up in the order of their indices (`exposed`), in `f64`, in which the mean of equal samples is exactly
+//!    their value, and `film` holds the result; a single sample goes there at once.
 //!
 //! Folders import one way: `math` <- `rays` <- `shapes` <- `bvh` <- `scene` <- `query` <- `light`, `packet` <- `stages`. What a scene
 //! holds is in `scene`, what rays ask of it in `query`, what many rays ask of it at once in `packet`, and what light does in `light`,
