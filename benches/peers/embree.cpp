@@ -13,48 +13,13 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <fstream>
 #include <limits>
-#include <string>
-#include <vector>
+
+#include "neutral_scene.hpp"
 
 namespace {
 
 constexpr double INFINITE = std::numeric_limits<double>::infinity();
-
-struct Vector {
-    double x = 0, y = 0, z = 0;
-};
-
-Vector operator+(Vector a, Vector b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-Vector operator-(Vector a, Vector b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Vector operator*(Vector a, Vector b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
-Vector operator*(Vector a, double s) { return {a.x * s, a.y * s, a.z * s}; }
-double dot(Vector a, Vector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Vector cross(Vector a, Vector b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
-Vector normalized(Vector a) { return a * (1 / std::sqrt(dot(a, a))); }
-
-struct Camera { Vector eye, view, up; double zoom = 1; };
-struct Light { Vector place, color; };
-struct Material { Vector color; double ambient, diffuse, reflection; };
-struct Plane { Vector normal; double offset; int material; };
-struct Sphere { float x, y, z, radius; };
-struct Box { Vector low, high; };
-
-struct Scene {
-    int width = 0, height = 0, depth = 1;
-    Vector background;
-    Camera camera;
-    std::vector<Light> lights;
-    std::vector<Material> materials;
-    std::vector<Plane> planes;
-    std::vector<Sphere> spheres;
-    std::vector<Box> boxes;
-    std::vector<int> sphere_materials, box_materials;
-};
 
 // What a shape is: its kind, the value of Embree's geomID, and which of that kind. Nothing is met by a ray that meets NONE.
 enum Kind : unsigned { SPHERES = 0, BOXES = 1, PLANES = 2, NONE = RTC_INVALID_GEOMETRY_ID };
@@ -72,51 +37,6 @@ struct Ray { Vector origin, direction; Shape left; };
 struct Hit { Shape shape; double distance = INFINITE; Vector face_normal; };
 struct Surface { Vector point, normal; Shape shape; const Material *material; };
 struct Counts { unsigned long camera = 0, shadow = 0, reflection = 0; };
-
-[[noreturn]] void fail(const std::string &message) {
-    std::fprintf(stderr, "embree: %s\n", message.c_str());
-    std::exit(1);
-}
-
-std::istream &operator>>(std::istream &in, Vector &v) { return in >> v.x >> v.y >> v.z; }
-
-Scene read_scene(const char *path) {
-    std::ifstream in(path);
-    Scene scene;
-    std::string word;
-    while (in >> word) {
-        if (word == "res") in >> scene.width >> scene.height;
-        else if (word == "depth") in >> scene.depth;
-        else if (word == "bg") in >> scene.background;
-        else if (word == "camera") {
-            Vector target;
-            in >> scene.camera.eye >> scene.camera.view >> scene.camera.up >> scene.camera.zoom >> target;
-        } else if (word == "light") {
-            Light light;
-            in >> light.place >> light.color;
-            scene.lights.push_back(light);
-        } else if (word == "mat") {
-            Material material;
-            in >> material.color >> material.ambient >> material.diffuse >> material.reflection;
-            scene.materials.push_back(material);
-        } else if (word == "plane") {
-            Plane plane;
-            in >> plane.normal >> plane.offset >> plane.material;
-            scene.planes.push_back(plane);
-        } else if (word == "sphere") {
-            Sphere sphere;
-            in >> sphere.x >> sphere.y >> sphere.z >> sphere.radius >> scene.sphere_materials.emplace_back();
-            scene.spheres.push_back(sphere);
-        } else if (word == "box") {
-            Box box;
-            in >> box.low >> box.high >> scene.box_materials.emplace_back();
-            scene.boxes.push_back(box);
-        } else fail("unknown word " + word);
-        if (!in) fail("cannot read a " + word);
-    }
-    if (scene.width < 1 || scene.height < 1) fail(std::string("no scene in ") + path);
-    return scene;
-}
 
 // The shape that a ray leaves goes along with it to the filter below.
 struct Context { RTCIntersectContext base; Shape left; };
