@@ -3,12 +3,13 @@
 //! # How a text is divided
 //!
 //! The list `entities` is cut after the closing brackets of some entities: where a line that ends with `),` is followed by one as far
-//! indented as the first entity. Each part is parsed as a list of its own, beginning with the comma after an entity `()`. What is
-//! before the first part and after the last one is parsed with the last, with a mark in the place of the others.
+//! indented as the first entity. Each part is parsed as a list of its own, with a mark at its end, and beginning with the comma after
+//! an entity `()`. What is before the first part and after the last one is parsed with the last, with a mark in the place of the
+//! others.
 //!
 //! ```text
 //! text      Scene(.. entities: [ a, b, c, d, e, f ], ..)
-//! parsed    (entities: [ a, b])    (entities: [(), c, d])    Scene(.. entities: [ mark, e, f ], ..)
+//! parsed    (entities: [ a, b, mark])    (entities: [(), c, d, mark])    Scene(.. entities: [ mark, e, f ], ..)
 //! ```
 //!
 //! # Why the result is that of a parse of the whole
@@ -17,8 +18,8 @@
 //!
 //! 1. The mark is the first entity of the scene, so that the parser, having read what is before it, begins a list of entities there.
 //!    It reads the first part as it would in the whole text.
-//! 2. A part ends with a bracket, and what closes its list follows at once. Inside a text or a comment that would be swallowed, and
-//!    inside an entity it would not fit; and whatever else the list is followed by is refused. So the parser has read whole entities.
+//! 2. A part ends with a bracket, and the mark follows at once. It is the last entity of the part: so what is before it is neither
+//!    inside a text, a comment or an entity, nor beyond the end of the list, and the parser has read whole entities.
 //! 3. Within the whole text it comes to the next part in the same state as after the entity `()`.
 //! 4. What an entity means depends on its own text alone: RON has no references, and of a scene with extensions no list is found.
 //!
@@ -35,7 +36,7 @@ use crate::scene::document::{EntityDocument, SceneDocument};
 use crate::scene::spans::list_of;
 
 /// The name of an entity that stands for those of other parts.
-const MARK: &str = "those of the parts before";
+const MARK: &str = "those of other parts";
 
 /// A list of entities, and nothing else.
 #[derive(Deserialize)]
@@ -50,7 +51,8 @@ pub(super) fn read_in_parts(text: &str, parts: usize) -> Option<SceneDocument> {
     let ends = cuts(text, start, parts);
     let last = *ends.last()?;
     let (above, below) = (text.get(..start)?, text.get(last..)?);
-    if [above, below].iter().any(|text| text.contains(MARK) || text.contains('\\')) {
+    // A name might be the mark's, as written or by an escape.
+    if text.contains(MARK) || text.contains('\\') {
         return None;
     }
     let starts = std::iter::once(start).chain(ends.iter().copied());
@@ -61,17 +63,22 @@ pub(super) fn read_in_parts(text: &str, parts: usize) -> Option<SceneDocument> {
     let (parsed, rest) = rayon::join(parse, rest);
     let mut document = rest?;
     let mut others = std::mem::take(&mut document.entities).into_iter();
-    others.next().filter(|mark| mark.name.as_deref() == Some(MARK))?;
+    others.next().filter(is_mark)?;
     document.entities = parsed?.into_iter().flatten().chain(others).collect();
     Some(document)
+}
+
+fn is_mark(entity: &Arc<EntityDocument>) -> bool {
+    entity.name.as_deref() == Some(MARK)
 }
 
 /// Parses a part of a list that begins at `start`.
 fn part(text: &str, range: Range<usize>, start: usize) -> Option<Vec<Arc<EntityDocument>>> {
     let is_first = range.start == start;
     let before = if is_first { "" } else { "()" };
-    let part = format!("(entities: [{before}{}])", text.get(range)?);
+    let part = format!("(entities: [{before}{},(name: {MARK:?})])", text.get(range)?);
     let Part { mut entities } = options().from_str(&part).ok()?;
+    entities.pop().filter(is_mark)?;
     if !is_first {
         entities.drain(..1);
     }
@@ -133,7 +140,7 @@ Scene(
 "#;
 
     /// What may be written anywhere, meant to confuse.
-    const PIECES: [&str; 26] = [
+    const PIECES: [&str; 29] = [
         "",
         " ",
         "\n",
@@ -160,6 +167,9 @@ Scene(
         "Some(",
         "], animate: [",
         "], ambient: (1, 1, 1), animate: [",
+        "]) // ",
+        "\r",
+        "//\r",
     ];
 
     #[test]
@@ -170,6 +180,12 @@ Scene(
         }
         assert_eq!(read_in_parts(SCENE, 1), None);
         assert_eq!(read_in_parts("(entities: [])", 4), None);
+        // A list, and the scene, that end early, before a comment.
+        let long = "long ".repeat(20);
+        let ends = format!(
+            "(\n    entities: [\n        (name: \"a\")]) // {long} b),\n        (name: \"c\"),\n        (name: \"d\"),\n    ],\n)"
+        );
+        assert_eq!((read_in_parts(&ends, 2), read_whole(&ends).is_ok()), (None, false));
     }
 
     proptest! {

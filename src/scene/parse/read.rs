@@ -32,8 +32,9 @@ pub(in crate::scene) fn read(text: &str) -> Result<SceneDocument, SpannedError> 
     const LONG: usize = 1 << 16;
     /// Parts for each thread, as some take longer than others.
     const PARTS: usize = 4;
-    let parts = if text.len() < LONG { 1 } else { rayon::current_num_threads() * PARTS };
-    let in_parts = if parts > PARTS { read_in_parts(text, parts) } else { None };
+    let threads = rayon::current_num_threads();
+    let alone = text.len() < LONG || threads == 1;
+    let in_parts = if alone { None } else { read_in_parts(text, threads * PARTS) };
     in_parts.map_or_else(|| read_whole(text), Ok)
 }
 
