@@ -1,7 +1,7 @@
 //! The fast path: tiles over all threads.
 
 use std::fmt;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use fearless_simd::dispatch;
 use rayon::prelude::*;
@@ -9,13 +9,13 @@ use rayon::prelude::*;
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
 use crate::trace::effort::Effort;
-use crate::trace::exposed::{NO_SUMS, TileLight, TileSums, means};
 use crate::trace::film::Film;
 use crate::trace::light::RenderContext;
 use crate::trace::math::{Colors, Sampling, SimdLevel, Vectors};
 use crate::trace::query::{Intersector, Textbook};
 use crate::trace::scene::{Camera, Precision, PreparedScene};
 use crate::trace::stages::{PACKETS, TILE, Tile, TileBuffers, render_sample};
+use crate::trace::tile_light::{NO_SUMS, TileLight, TileSums, means};
 
 /// What may end tracing before all is traced.
 #[derive(Clone, Copy)]
@@ -49,7 +49,7 @@ pub struct Exposure {
     /// In a pixel.
     samples: u32,
     tiles: Vec<ExposedTile>,
-    light: Light,
+    pixels: Pixels,
     effort: Effort,
 }
 
@@ -62,7 +62,7 @@ struct ExposedTile {
 
 /// What has come to the pixels so far.
 #[derive(Clone, Debug)]
-enum Light {
+enum Pixels {
     /// Their only sample.
     Picture(Film),
     /// What all samples add up to, tile by tile, and in a tile packet by packet of its camera rays; every tile has room for a whole
@@ -81,12 +81,12 @@ impl Exposure {
             .map(|(i, j)| Tile { i, j, width: TILE.min(columns - i), height: TILE.min(rows - j) })
             .map(|tile| ExposedTile { tile, samples: 0 })
             .collect();
-        let light = if samples == 1 {
-            Light::Picture(Film::new(columns, rows))
+        let pixels = if samples == 1 {
+            Pixels::Picture(Film::new(columns, rows))
         } else {
-            Light::Sums(vec![NO_SUMS; tiles.len() * PACKETS])
+            Pixels::Sums(vec![NO_SUMS; tiles.len() * PACKETS])
         };
-        Self { width: columns, height: rows, samples, tiles, light, effort: Effort::default() }
+        Self { width: columns, height: rows, samples, tiles, pixels, effort: Effort::default() }
     }
 
     /// Returns the same without any light, to be exposed again, where it has as many pixels and is to have as many samples; else
@@ -96,11 +96,13 @@ impl Exposure {
         if (self.width, self.height, self.samples) != (resolution.0, resolution.1, samples) {
             return Self::new(resolution, samples);
         }
+        let used = self.tiles.iter().any(|exposed| exposed.samples > 0);
         let mut again = Self { effort: Effort::default(), ..self };
         again.tiles.iter_mut().for_each(|exposed| exposed.samples = 0);
-        match &mut again.light {
-            Light::Picture(film) => *film = Film::new(again.width, again.height),
-            Light::Sums(sums) => sums.fill(NO_SUMS),
+        match &mut again.pixels {
+            Pixels::Picture(film) if used => *film = Film::new(again.width, again.height),
+            Pixels::Picture(_) => {}
+            Pixels::Sums(sums) => sums.fill(NO_SUMS),
         }
         again
     }
@@ -144,11 +146,11 @@ impl Exposure {
         signals: Signals<'_>,
     ) -> bool {
         let tiles = self.tiles.par_iter_mut();
-        self.effort += match &mut self.light {
-            Light::Picture(film) => {
+        self.effort += match &mut self.pixels {
+            Pixels::Picture(film) => {
                 add_samples(context, shapes, tiles.zip(film.tiles_mut()), samples, signals)
             }
-            Light::Sums(sums) => {
+            Pixels::Sums(sums) => {
                 let sums = sums.par_chunks_mut(PACKETS).map(TileSums);
                 add_samples(context, shapes, tiles.zip(sums), samples, signals)
             }
@@ -169,9 +171,9 @@ impl Exposure {
     /// is seen, of any size.
     #[must_use]
     pub fn develop_over(&self, beneath: &Film) -> Film {
-        let mut film = match &self.light {
-            Light::Picture(film) => film.clone(),
-            Light::Sums(sums) => develop_sums(&self.tiles, sums, (self.width, self.height)).0,
+        let mut film = match &self.pixels {
+            Pixels::Picture(film) => film.clone(),
+            Pixels::Sums(sums) => develop_sums(&self.tiles, sums, (self.width, self.height)).0,
         };
         let nearest = |place: u32, count: u32, of: u32| {
             let nearest = u64::from(place) * u64::from(of) / u64::from(count);
@@ -188,14 +190,18 @@ impl Exposure {
         film
     }
 
-    /// Takes the picture out, and says what it took.
+    /// Returns the picture, and what it took. Of a single sample it is taken out, and nothing is left.
     #[doc(hidden)]
     #[must_use]
     pub fn develop(&mut self) -> (Film, Effort) {
         let mut effort = self.effort;
-        let film = match &mut self.light {
-            Light::Picture(film) => std::mem::replace(film, Film::new(0, 0)),
-            Light::Sums(sums) => {
+        let film = match &mut self.pixels {
+            Pixels::Picture(film) => {
+                self.tiles.iter_mut().for_each(|exposed| exposed.samples = 0);
+                self.effort = Effort::default();
+                std::mem::replace(film, Film::new(self.width, self.height))
+            }
+            Pixels::Sums(sums) => {
                 let (film, overflowed) = develop_sums(&self.tiles, sums, (self.width, self.height));
                 effort.escalations.overflowed += overflowed;
                 film
@@ -236,7 +242,7 @@ fn add_samples<'t, L: TileLight>(
             |buffers, (exposed, mut light)| {
                 let mut effort = Effort::default();
                 for sample in from.max(exposed.samples)..to {
-                    if (signals.pause)() {
+                    if signals.cancelled.load(Ordering::Relaxed) || (signals.pause)() {
                         break;
                     }
                     let whole = render_sample(context, shapes, (exposed.tile, sample), buffers);

@@ -1,7 +1,6 @@
 //! Linear pixels of one frame.
 
 use fearless_simd::{f32x16, prelude::*};
-use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::color::Rgb;
@@ -143,24 +142,6 @@ impl FilmTile<'_> {
             count += (overflowed >> first & ((1 << columns) - 1)).count_ones();
         }
         count.into()
-    }
-}
-
-/// What the samples of a pixel add up to. In `f64`, so that the mean of equal samples is exactly their value, and that of
-/// 2^16 samples is as good as that of two.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct PixelSum(DVec3);
-
-impl PixelSum {
-    #[inline]
-    pub(crate) fn add(&mut self, sample: Rgb) {
-        self.0 += sample.as_dvec3();
-    }
-
-    /// Divided by the number of samples, and rounded to `f32` once.
-    #[inline]
-    pub(crate) fn mean(self, samples: u32) -> Rgb {
-        (self.0 / f64::from(samples)).as_vec3()
     }
 }
 

@@ -26,7 +26,7 @@
 //! 7. `stages/next_rays` makes mirrored rays, by `light/secondary_packet`, and refracted ones, by `light/secondary`, and keeps those
 //!    that can still show, by `light/contribution`. They are the next generation, in `stages/generation`, and go on at 3, as many at a
 //!    time as a wave has room for.
-//! 8. `exposure` adds samples up in the order of their indices (`exposed`), in `f64`, in which the mean of equal samples is exactly
+//! 8. `exposure` adds samples up in the order of their indices (`tile_light`), in `f64`, in which the mean of equal samples is exactly
 //!    their value, and `film` holds the result; a single sample goes there at once.
 //!
 //! Folders import one way: `math` <- `rays` <- `shapes` <- `bvh` <- `scene` <- `query` <- `light`, `packet` <- `stages`. What a scene
@@ -55,7 +55,6 @@
 mod bvh;
 mod effects;
 mod effort;
-mod exposed;
 mod exposure;
 mod film;
 mod light;
@@ -70,6 +69,7 @@ mod scene;
 #[doc(hidden)]
 pub mod shapes;
 mod stages;
+mod tile_light;
 
 pub use effort::{RayCounts, TreeEnds};
 pub use exposure::{Exposure, Signals};

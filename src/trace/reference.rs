@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
-use crate::trace::film::{Film, PixelSum};
+use crate::trace::film::Film;
 use crate::trace::light::{
     Budget, LARGEST_TREE, LightScratch, LitPoint, MediumStack, PathState, Proposal, RenderContext, SampleId,
     SecondaryRays, ShadowRay, TreeRay, ambient, filtered_and_absorbed, held, propose, secondary_rays,
@@ -359,5 +359,23 @@ fn visibility(
     match scene.order().ids().iter().copied().find(hides) {
         Some(id) => Err(id),
         None => Ok(filtered_and_absorbed(scene, geometry, shadow_ray, own_shape, seen, scratch)),
+    }
+}
+
+/// What the samples of a pixel add up to. In `f64`, so that the mean of equal samples is exactly their value, and that of
+/// 2^16 samples is as good as that of two.
+#[derive(Clone, Copy, Debug, Default)]
+struct PixelSum(DVec3);
+
+impl PixelSum {
+    #[inline]
+    fn add(&mut self, sample: Rgb) {
+        self.0 += sample.as_dvec3();
+    }
+
+    /// Divided by the number of samples, and rounded to `f32` once.
+    #[inline]
+    fn mean(self, samples: u32) -> Rgb {
+        (self.0 / f64::from(samples)).as_vec3()
     }
 }

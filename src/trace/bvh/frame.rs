@@ -59,6 +59,9 @@ impl Frame {
     /// that is let into the tree, a quarter of what is left.
     pub(super) const SLACK: f64 = 1.0 / 4_194_304.0;
 
+    /// 2^126: what begins farther away may have overflowed `f32`, so that limits beyond are infinite.
+    pub(super) const ENDLESS: f64 = f64::from_bits((1023 + 126) << 52);
+
     /// The frame of these shapes.
     pub(crate) fn of(extents: &[Extent]) -> Self {
         let median = |axis: usize| {
@@ -98,7 +101,8 @@ impl Frame {
 
     /// A distance along a ray, rounded up.
     pub(crate) fn limit(&self, t: f64) -> f32 {
-        above(t * self.scale)
+        let limit = t * self.scale;
+        if limit > Self::ENDLESS { f32::INFINITY } else { above(limit) }
     }
 
     /// A ray.

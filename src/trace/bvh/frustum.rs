@@ -1,6 +1,6 @@
 //! Frusta, within which rays with a common origin stay, against boxes.
 //!
-//! Let w be the axis along which the rays go farthest. At depth s along it, s >= 0, a ray of direction d is at u = s d_u /
+//! Let w be the axis along which one of the rays goes farthest. At depth s along it, s >= 0, a ray of direction d is at u = s d_u /
 //! |d_w| and v = s d_v / |d_w| across it, from the origin. So all rays stay between the smallest and the largest of these
 //! slopes, and a box can be met only if it has a point with low s <= u <= high s, and likewise along v, at some depth s that is
 //! its own.
@@ -18,6 +18,9 @@
 //! That is less than 6 e (1 + E)(1 + S) in all. Boxes are accepted that are missed by 16 e (1 + E)(1 + S): what is left is for
 //! shapes that by their own rounding accept rays which pass them (see [`Frame::ray`](frame::Frame::ray)), and for the rounding
 //! of directions.
+//!
+//! Rays that end at the origin instead, and start at a depth D, are directed to it by a rounded difference: they pass it by up to
+//! 2^-52 D (1 + S). For those D must be at most [`FARTHEST`], where that is e (1 + S).
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -27,10 +30,13 @@ use glam::DVec3;
 use super::node::{LeafId, Link, Node, WIDTH};
 use super::traverse::{Pending, Stack};
 use super::{Tree, frame};
-use crate::trace::math::{F64s, Vectors, mask, splat};
+use crate::trace::math::{F64s, Vectors, bits8, mask, splat};
 
 /// 2^-20, or 16 times the unit roundoff of `f32`.
 const SLACK: f64 = 1.0 / 1_048_576.0;
+
+/// 2^28, in the tree's frame: from farther away no frustum is made of rays that end at its origin.
+pub(crate) const FARTHEST: f64 = 268_435_456.0;
 
 /// The axis that depth is measured along, and to which side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -145,7 +151,7 @@ impl Depth {
         [self.axis, (self.axis + 1) % 3, (self.axis + 2) % 3]
     }
 
-    /// Returns where the box's nearer and its farther plane are in [`Planes`].
+    /// Returns where the box's nearer and its farther plane are in [`LeafBox`].
     #[inline(always)]
     pub(super) fn near_and_far(self) -> [usize; 2] {
         if self.upwards { [self.axis, self.axis + 3] } else { [self.axis + 3, self.axis] }
@@ -250,13 +256,6 @@ impl Frustum {
             met &= lower.simd_le((high * near).max(high * far) + slack)
                 & upper.simd_ge((low * near).min(low * far) - slack);
         }
-        (node.used() & mask_bits(met.to_bitmask()), near)
+        (node.used() & bits8(met), near)
     }
-}
-
-/// Lanes as bits of a `u32`.
-#[inline(always)]
-#[expect(clippy::cast_possible_truncation, reason = "eight lanes")]
-fn mask_bits(mask: u64) -> u32 {
-    mask as u32
 }

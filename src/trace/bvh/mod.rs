@@ -1,6 +1,6 @@
 //! A tree of bounding boxes that says which shapes a ray may meet, and nothing else.
 //!
-//! The tree knows boxes and numbers of leaves, never shapes. It is only ever asked to leave out what a ray cannot meet: every
+//! The tree knows boxes, which of them hold spheres, and numbers of leaves, never shapes. It is only ever asked to leave out what a ray cannot meet: every
 //! rounding in it goes the cautious way, so that the picture does not depend on it.
 //!
 //! - [`frame`]: the coordinates in which boxes are kept in `f32`, and rays in those coordinates.
@@ -19,10 +19,10 @@ mod packet;
 mod shaft;
 mod traverse;
 
-pub(crate) use frustum::{Depth, Frustum, FrustumVisitor, LeafBox, SlopeRange};
+pub(crate) use frustum::{Depth, FARTHEST, Frustum, FrustumVisitor, LeafBox, SlopeRange};
 pub(crate) use node::LeafId;
 pub(crate) use packet::{FramePacket, PacketStack, PacketVisitor};
-pub(crate) use shaft::{Limits, PARTS, Shaft, Slopes};
+pub(crate) use shaft::{Limits, PACKETS, PARTS, Shaft, Slopes};
 pub(crate) use traverse::Stack;
 
 use frame::Frame;

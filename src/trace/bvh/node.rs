@@ -43,7 +43,7 @@ impl LeafId {
 }
 
 impl Child {
-    /// More than any leaf has: there are at most 2^28.
+    /// Set in leaves, whose numbers are below 2^28.
     const LEAF: u32 = 1 << 31;
 
     pub(crate) fn node(index: u32) -> Self {

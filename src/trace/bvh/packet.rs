@@ -22,7 +22,7 @@ use super::frame::Frame;
 use super::frustum::Frustum;
 use super::node::{Child, LeafId, Link, Node, WIDTH};
 use crate::trace::math::{
-    F64s, F64s3, LANES, Numbers, Vectors, bits16, lanes, mask16, splat, splat3, subtract, times,
+    F64s, F64s3, LANES, Numbers, Vectors, bits8, bits16, lanes, mask16, splat, splat3, subtract, times,
 };
 use crate::trace::rays::RayPacket;
 
@@ -107,6 +107,8 @@ impl FramePacket {
         let early = (ts.load(simd, 0) + errors.load(simd, 0)) * scale;
         let late = (ts.load(simd, 1) + errors.load(simd, 1)) * scale;
         let limits = early.narrow(late) * LONGER + LEAST;
+        let endless = limits.simd_gt(f32x16::splat(simd, super::frame::nearest(Frame::ENDLESS)));
+        let limits = endless.select(f32x16::splat(simd, f32::INFINITY), limits);
         limits.store_array(&mut self.limits);
         let none = f32x16::splat(simd, f32::NEG_INFINITY);
         self.farthest = mask16(simd, self.active).select(limits, none).reduce_max();
@@ -171,7 +173,7 @@ impl Shared {
             entry = entry.max((near * slow).min(near * fast));
             exit = exit.min((far * slow).max(far * fast));
         }
-        (node.used() & mask_bits(entry.simd_le(exit * Node::LENGTHEN).to_bitmask()), entry)
+        (node.used() & bits8(entry.simd_le(exit * Node::LENGTHEN)), entry)
     }
 }
 
@@ -332,11 +334,4 @@ fn push_children<S: Simd, V: PacketVisitor<S>>(
             place -= 1;
         }
     }
-}
-
-/// Lanes as bits of a `u32`.
-#[inline(always)]
-#[expect(clippy::cast_possible_truncation, reason = "eight lanes")]
-fn mask_bits(mask: u64) -> u32 {
-    mask as u32
 }

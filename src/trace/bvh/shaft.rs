@@ -1,6 +1,6 @@
 //! Bundles of rays with a common origin, and the bundles that they consist of, against shapes.
 //!
-//! A part is bounded as a [frustum](super::frustum) is, and as cautiously.
+//! A part is half a packet. It is bounded as a [frustum](super::frustum) is, and as cautiously.
 //!
 //! A sphere of radius r is beyond the slope h if for its centre u - h w > r sqrt(1 + h^2). It touches the sides of its box, which are
 //! rounded outwards, by less than 3 e: their middle is off from its centre by less than 4 e, and half their distance is at most e
@@ -12,10 +12,13 @@ use glam::DVec3;
 
 use super::Tree;
 use super::frustum::{Depth, Frustum, LeafBox, SlopeRange};
-use crate::trace::math::{LANES, Numbers};
+use crate::trace::math::{LANES, Numbers, bits16};
 
-/// How many bundles there are within a bundle.
-pub(crate) const PARTS: usize = 32;
+/// How many packets a bundle has.
+pub(crate) const PACKETS: usize = 16;
+
+/// How many bundles there are within a bundle: one of each half of a packet.
+pub(crate) const PARTS: usize = PACKETS * 2;
 
 /// A number of every part, as many at a time as a vector has lanes.
 type PartNumbers = [[f32; LANES]; PARTS / LANES];
@@ -56,6 +59,7 @@ impl Slopes {
     /// Sets those of a part.
     #[inline(always)]
     pub(crate) fn set(&mut self, part: usize, range: &SlopeRange) {
+        // Remainders spare checks of bounds.
         let (group, lane) = (part / LANES % (PARTS / LANES), part % LANES);
         for side in 0..2 {
             self.low[side][group].set(lane, range.low[side]);
@@ -104,7 +108,7 @@ impl Shaft {
             } else {
                 self.box_parts(simd, &bounds.planes, limits, group)
             };
-            parts |= mask_bits(met.to_bitmask()) << (group * LANES);
+            parts |= bits16(met) << (group * LANES);
         }
         parts
     }
@@ -196,10 +200,3 @@ fn widened<S: Simd>(slope: f32x16<S>) -> f32x16<S> {
 
 /// Of no part.
 const NO_NUMBERS: PartNumbers = [[0.0; LANES]; PARTS / LANES];
-
-/// Lanes as bits of a `u32`.
-#[inline(always)]
-#[expect(clippy::cast_possible_truncation, reason = "no more than 16 lanes")]
-fn mask_bits(mask: u64) -> u32 {
-    mask as u32
-}

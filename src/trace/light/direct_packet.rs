@@ -43,7 +43,8 @@ pub(crate) struct ProposalPacket {
     pub(crate) from_behind: u32,
     /// What is added where nothing is in the way.
     pub(crate) colors: Colors,
-    /// From the points to the light, where it has to be asked; their directions are known wherever something is added.
+    /// From the points to the light, where it has to be asked what stands in the way; also their directions wherever the operations of
+    /// lanes found what is added.
     pub(crate) rays: RayPacket,
     /// How many times as far it is.
     pub(crate) limits: Numbers,
@@ -244,7 +245,7 @@ fn lit_point<'a>(
 ) -> LitPoint<'a> {
     LitPoint {
         arriving: lit.rays.directions.get(lane),
-        path: lit.paths.paths[lane],
+        path: lit.paths.places[lane],
         point: lit.surfaces.points.get(lane),
         normal: facing_normal(lit.surfaces, lane),
         material,
@@ -283,7 +284,7 @@ fn target(
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } if !effects.extras => None,
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
             for lane in lanes(lit.surfaces.lanes) {
-                let (point, path) = (lit.surfaces.points.get(lane), lit.paths.paths[lane]);
+                let (point, path) = (lit.surfaces.points.get(lane), lit.paths.places[lane]);
                 proposals.places.set(lane, light_place(light, point, (asker(lane), path), sample));
             }
             Some(Target::Places)

@@ -10,19 +10,24 @@ use crate::trace::math::{Colors, LANES};
 pub(crate) struct PathPacket {
     pub(crate) throughputs: Colors,
     pub(crate) media: [MediumStack; LANES],
-    pub(crate) paths: [u64; LANES],
+    /// The places in the tree of rays.
+    pub(crate) places: [u64; LANES],
 }
 
 impl PathPacket {
     /// At the root of trees, outside of all solids.
     pub(crate) const AT_CAMERA: Self =
-        Self { throughputs: Colors::splat(Rgb::ONE), media: [MediumStack::NONE; LANES], paths: [1; LANES] };
+        Self { throughputs: Colors::splat(Rgb::ONE), media: [MediumStack::NONE; LANES], places: [1; LANES] };
 
     /// Returns what the ray in a lane carries.
     #[inline(always)]
     pub(crate) fn get(&self, lane: usize) -> PathState {
         let lane = lane % LANES;
-        PathState { throughput: self.throughputs.get(lane), medium: self.media[lane], path: self.paths[lane] }
+        PathState {
+            throughput: self.throughputs.get(lane),
+            medium: self.media[lane],
+            path: self.places[lane],
+        }
     }
 
     /// Sets what the ray in a lane carries.
@@ -31,6 +36,6 @@ impl PathPacket {
         let lane = lane % LANES;
         self.throughputs.set(lane, state.throughput);
         self.media[lane] = state.medium;
-        self.paths[lane] = state.path;
+        self.places[lane] = state.path;
     }
 }

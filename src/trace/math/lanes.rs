@@ -5,7 +5,7 @@
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 use fearless_simd::Level;
-use fearless_simd::{f32x16, f64x8, mask32x16, mask64x8, prelude::*, u64x8};
+use fearless_simd::{f32x16, f64x8, mask32x8, mask32x16, mask64x8, prelude::*, u64x8};
 use glam::DVec3;
 
 use crate::color::Rgb;
@@ -208,6 +208,13 @@ pub(crate) fn mask16<S: Simd>(simd: S, bits: u32) -> mask32x16<S> {
 #[inline(always)]
 #[expect(clippy::cast_possible_truncation, reason = "sixteen lanes")]
 pub(crate) fn bits16<S: Simd>(mask: mask32x16<S>) -> u32 {
+    mask.to_bitmask() as u32
+}
+
+/// Eight lanes as bits.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "eight lanes")]
+pub(crate) fn bits8<S: Simd>(mask: mask32x8<S>) -> u32 {
     mask.to_bitmask() as u32
 }
 

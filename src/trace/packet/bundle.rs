@@ -9,7 +9,7 @@ use super::closest_hit::{Search, latest};
 use super::reciprocals::Reciprocals;
 use super::scratch::PacketScratch;
 use super::verdicts::{Asked, Asking};
-use crate::trace::bvh::{Depth, FrustumVisitor, LeafBox, LeafId, Limits, PARTS, Shaft, SlopeRange, Slopes};
+use crate::trace::bvh::{Depth, FrustumVisitor, LeafBox, LeafId, Limits, PACKETS, Shaft, SlopeRange, Slopes};
 use crate::trace::math::{half_of, set_bits};
 use crate::trace::query::{Escalations, HitPacket, Scratch};
 use crate::trace::rays::RayPacket;
@@ -94,7 +94,7 @@ struct Visitor<'a> {
     depth: Depth,
     rays: &'a [RayPacket],
     hits: &'a mut [HitPacket],
-    reciprocals: &'a mut [Reciprocals; PARTS / 2],
+    reciprocals: &'a mut [Reciprocals; PACKETS],
     limits: Limits,
     /// The depth up to which shapes are of interest to any part.
     farthest: f32,
@@ -107,7 +107,7 @@ impl<S: Simd> FrustumVisitor<S> for Visitor<'_> {
     fn visit(&mut self, simd: S, leaf: LeafId, bounds: &LeafBox) -> f32 {
         let parts = self.shaft.parts(simd, bounds, &self.limits);
         self.tests += 1 + parts.count_ones() as usize;
-        if self.tests > MOST_TESTS * PARTS {
+        if self.tests > MOST_TESTS * PACKETS {
             self.hits.iter_mut().zip(self.rays).for_each(|(hits, rays)| hits.open = rays.lanes);
             return f32::NEG_INFINITY;
         }

@@ -3,7 +3,7 @@
 //!
 //! Seen from a light, shadow rays have their origin in common, too. A shadow ray itself starts at a surface point and goes in a
 //! rounded direction, which passes the light by 2^-52 of the distance, and it is followed at most 2^-36 of the distance beyond:
-//! both are far less than what a [shaft](crate::trace::bvh::Shaft) accepts beside it.
+//! both are far less than what a [shaft](crate::trace::bvh::Shaft) accepts beside it, up to a distance.
 
 use std::sync::atomic::AtomicBool;
 
@@ -11,7 +11,7 @@ use fearless_simd::{dispatch, prelude::*};
 use glam::DVec3;
 
 use crate::trace::bvh::{
-    Depth, FrustumVisitor, LeafBox, LeafId, Limits, PARTS, Shaft, SlopeRange, Slopes, Stack,
+    Depth, FARTHEST, FrustumVisitor, LeafBox, LeafId, Limits, PARTS, Shaft, SlopeRange, Slopes, Stack,
 };
 use crate::trace::math::{Numbers, Vectors, half_of, set_bits};
 use crate::trace::query::Scratch;
@@ -103,6 +103,9 @@ fn gather<'a, S: Simd>(
         }
     }
     let Some(shaft) = scene.tree.shaft(simd, light, depth, &slopes) else { return false };
+    if farthest.iter().any(|depth| depth * scene.tree.scale() > FARTHEST) {
+        return false;
+    }
     let mut limits = Limits::NONE;
     for (part, depth) in farthest.iter().enumerate() {
         limits.set(part, shaft.frustum.depth_limit(depth * scene.tree.scale()));

@@ -10,7 +10,9 @@ use glam::DVec3;
 
 use super::scratch::PacketScratch;
 use super::verdicts::{Asked, Asking};
-use crate::trace::bvh::{Depth, FramePacket, Frustum, LeafId, PacketStack, PacketVisitor, SlopeRange};
+use crate::trace::bvh::{
+    Depth, FARTHEST, FramePacket, Frustum, LeafId, PacketStack, PacketVisitor, SlopeRange,
+};
 use crate::trace::math::{HALF, Numbers, bits, half_of, splat};
 use crate::trace::query::{Escalations, NEAR};
 use crate::trace::rays::{RayPacket, ShapeId};
@@ -119,6 +121,7 @@ impl Search<'_> {
     #[inline(always)]
     fn frustum<S: Simd>(&self, simd: S, lanes: u32) -> Option<(Frustum, f32)> {
         let ShadowPacket { rays, limits, light, .. } = self.shadow;
+        let light = (*light)?;
         let depth = Depth::along(-rays.directions.get(lanes.trailing_zeros() as usize));
         let (mut slopes, mut farthest) = (SlopeRange::NONE, f64::NEG_INFINITY);
         for half in 0..2 {
@@ -130,8 +133,12 @@ impl Search<'_> {
             farthest = farthest.max(depth.farthest(simd, back, (limits.load(simd, half), -1.0)));
         }
         let tree = &self.scene.tree;
-        let frustum = tree.frustum((*light)?, depth, &slopes)?;
-        Some((frustum, frustum.depth_limit(farthest * tree.scale())))
+        let farthest = farthest * tree.scale();
+        if farthest > FARTHEST {
+            return None;
+        }
+        let frustum = tree.frustum(light, depth, &slopes)?;
+        Some((frustum, frustum.depth_limit(farthest)))
     }
 
     /// Returns the lanes without lists of candidates.

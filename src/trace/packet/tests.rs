@@ -471,3 +471,22 @@ fn nearly_all_rays_are_decided_at_once() {
     }
     assert!(hidden > 10 && lit > 100 && hidden + lit > 150, "{hidden} hidden, {lit} lit");
 }
+
+/// Where places have overflowed `f32`, and ways to them have not.
+#[test]
+fn from_however_far_the_nearest_is_found() {
+    for places in [[0.0, 8.0], [8.0, 0.0]] {
+        let sphere = |z| PreparedShape::Sphere(Sphere { center: DVec3::Z * z, radius: 1.0 });
+        let mut scene = scene(&places.map(sphere));
+        let nearest = ShapeId(u32::from(places[0] > places[1]));
+        for far in [1e38, 3e38, 4e38, 6e38, 1e39, 1e45] {
+            let origin = DVec3::Z * (-far / scene.tree.scale());
+            let ray = Ray::new(origin, DVec3::Z * 1.9).unwrap();
+            let found = scene.closest(scene.geometry(), &ray, &mut Scratch::default());
+            assert_eq!(found.map(|closest| closest.hit.id), Some(nearest), "{far:e} {places:?}");
+            let mut rays = RayPacket::EMPTY;
+            (0..16).for_each(|lane| rays.set(lane, &ray));
+            decided_by_packets(&mut scene, &[rays], &TieLists::default()).unwrap();
+        }
+    }
+}

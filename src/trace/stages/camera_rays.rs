@@ -22,6 +22,8 @@ pub(super) fn camera_rays(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
     }
     for packet in 0..PACKETS {
         if buffers.is_cancelled() {
+            // What is left of another wave is not to be followed.
+            buffers.wave.count = packet;
             return;
         }
         let Some(square) = tile.square(packet) else {

@@ -67,10 +67,11 @@ fn shade_wave(sample: &Sample<'_>, shapes: &impl Intersector, buffers: &mut Tile
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::AtomicBool;
+    use std::sync::atomic::{AtomicBool, Ordering};
 
     use glam::DVec3;
 
+    use super::*;
     use crate::color::Rgb;
     use crate::trace::effort::StageCounts;
     use crate::trace::shapes::Sphere;
@@ -79,8 +80,8 @@ mod tests {
         PreparedShape, Sampling, Signals, SurfaceMaterial,
     };
 
-    /// The stages of a film of one tile: a sphere before the camera, with a light, that mirrors nothing but the background.
-    fn stages(lighting: Lighting, paths: Paths) -> StageCounts {
+    /// A sphere before the camera, with a light, that mirrors nothing but the background, on a film of one tile.
+    fn example() -> (PreparedScene, Camera) {
         let mut geometry = Geometry::default();
         geometry.push(PreparedShape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 }));
         let material = SurfaceMaterial { diffuse: Rgb::ONE, reflected: 0.5, ..SurfaceMaterial::default() };
@@ -95,11 +96,32 @@ mod tests {
             own_shape: None,
         });
         let camera = Camera::new(DVec3::new(0.0, 0.0, -5.0), DVec3::Z, DVec3::Y, 1.0, (0.2, 0.2), (8, 8));
+        (scene, camera)
+    }
+
+    /// The stages of its film.
+    fn stages(lighting: Lighting, paths: Paths) -> StageCounts {
+        let (scene, camera) = example();
         let mut exposure = Exposure::new((8, 8), 1);
         let effects = Effects { lighting, paths, extras: false };
         let never = AtomicBool::new(false);
         assert!(exposure.add(&scene, &camera, Sampling::default(), (0, 1), effects, Signals::unless(&never)));
         exposure.develop().1.stages
+    }
+
+    #[test]
+    fn a_cancelled_sample_follows_no_rays_of_the_one_before() {
+        let (scene, camera) = example();
+        let effects = Effects { lighting: Lighting::Shadows, paths: Paths::Mirrors, extras: false };
+        let context = RenderContext::new(&scene, &camera, Sampling::default(), effects);
+        let cancelled = AtomicBool::new(false);
+        let mut buffers = TileBuffers::new(&cancelled);
+        let tile = Tile { i: 0, j: 0, width: 8, height: 8 };
+        assert!(render_sample(&context, scene.geometry(), (tile, 0), &mut buffers));
+        assert!(buffers.wave.count > 0);
+        cancelled.store(true, Ordering::Relaxed);
+        assert!(!render_sample(&context, scene.geometry(), (tile, 0), &mut buffers));
+        assert_eq!(buffers.wave.count, 0);
     }
 
     #[test]

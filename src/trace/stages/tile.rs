@@ -1,6 +1,5 @@
 //! Tiles of a picture, and samples of their pixels.
 
-use crate::trace::bvh::PARTS;
 use crate::trace::light::RenderContext;
 use crate::trace::math::LANES;
 use crate::trace::scene::SIDE;
@@ -8,8 +7,8 @@ use crate::trace::scene::SIDE;
 /// Pixels along a tile's side.
 pub(crate) const TILE: u32 = 16;
 
-/// How many packets a tile's rays are. A shaft has a part for each half.
-pub(crate) const PACKETS: usize = PARTS / 2;
+/// How many packets a tile's rays are.
+pub(crate) use crate::trace::bvh::PACKETS;
 
 const _: () = assert!(
     SIDE.pow(2) as usize == LANES && (TILE / SIDE).pow(2) as usize == PACKETS && TILE.is_multiple_of(SIDE)
