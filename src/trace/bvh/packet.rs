@@ -178,49 +178,6 @@ impl Shared {
 }
 
 impl Frame {
-    /// Rays in some lanes.
-    #[inline(always)]
-    fn packet<S: Simd>(
-        &self,
-        simd: S,
-        rays: &RayPacket,
-        active: u32,
-        frustum: Option<(Frustum, f32)>,
-    ) -> FramePacket {
-        let [mut low, mut high, mut inverses] = [[[0.0; LANES]; 3]; 3];
-        let [mut low_products, mut high_products] = [[[0.0; LANES]; 3]; 2];
-        let places = [self.places(simd, &rays.origins, 0), self.places(simd, &rays.origins, 1)];
-        let slacks = [slack(places[0]), slack(places[1])];
-        for axis in 0..3 {
-            let below = (places[0][axis] - slacks[0]).narrow(places[1][axis] - slacks[1]);
-            let above = (places[0][axis] + slacks[0]).narrow(places[1][axis] + slacks[1]);
-            let direction = rays.directions.axis(axis);
-            let inverse = inverse(simd, direction, 0).narrow(inverse(simd, direction, 1));
-            below.store_array(&mut low[axis]);
-            above.store_array(&mut high[axis]);
-            inverse.store_array(&mut inverses[axis]);
-            (below * inverse).store_array(&mut low_products[axis]);
-            (above * inverse).store_array(&mut high_products[axis]);
-        }
-        FramePacket {
-            inverse: inverses,
-            low: low_products,
-            high: high_products,
-            limits: [f32::INFINITY; LANES],
-            farthest: f32::INFINITY,
-            active,
-            hull: match frustum {
-                Some((frustum, depth)) => Hull::Frustum(frustum, depth),
-                None => {
-                    Shared::of(simd, active, (&low, &high, &inverses)).map_or(Hull::Unknown, Hull::Shared)
-                }
-            },
-            scale: self.scale(),
-        }
-    }
-}
-
-impl Frame {
     /// Half of the origins.
     #[inline(always)]
     fn places<S: Simd>(&self, simd: S, origins: &Vectors, half: usize) -> F64s3<S> {
@@ -258,7 +215,36 @@ impl Tree {
         active: u32,
         frustum: Option<(Frustum, f32)>,
     ) -> FramePacket {
-        self.frame.packet(simd, rays, active, frustum)
+        let [mut low, mut high, mut inverses] = [[[0.0; LANES]; 3]; 3];
+        let [mut low_products, mut high_products] = [[[0.0; LANES]; 3]; 2];
+        let places = [self.frame.places(simd, &rays.origins, 0), self.frame.places(simd, &rays.origins, 1)];
+        let slacks = [slack(places[0]), slack(places[1])];
+        for axis in 0..3 {
+            let below = (places[0][axis] - slacks[0]).narrow(places[1][axis] - slacks[1]);
+            let above = (places[0][axis] + slacks[0]).narrow(places[1][axis] + slacks[1]);
+            let direction = rays.directions.axis(axis);
+            let inverse = inverse(simd, direction, 0).narrow(inverse(simd, direction, 1));
+            below.store_array(&mut low[axis]);
+            above.store_array(&mut high[axis]);
+            inverse.store_array(&mut inverses[axis]);
+            (below * inverse).store_array(&mut low_products[axis]);
+            (above * inverse).store_array(&mut high_products[axis]);
+        }
+        FramePacket {
+            inverse: inverses,
+            low: low_products,
+            high: high_products,
+            limits: [f32::INFINITY; LANES],
+            farthest: f32::INFINITY,
+            active,
+            hull: match frustum {
+                Some((frustum, depth)) => Hull::Frustum(frustum, depth),
+                None => {
+                    Shared::of(simd, active, (&low, &high, &inverses)).map_or(Hull::Unknown, Hull::Shared)
+                }
+            },
+            scale: self.frame.scale(),
+        }
     }
 
     /// Visits every shape that rays of a packet may meet before their limits, nearer ones first. Once `cancelled` is true the rest is

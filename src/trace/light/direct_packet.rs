@@ -9,8 +9,8 @@ use super::shading::{intensity, specular};
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
 use crate::trace::math::{
-    Colors, F64s, F64s3, Mask, Numbers, Scaled, Vectors, bits, bits16, dot_lanes as dot, half_of, lanes,
-    mask, scaled, scaled_lanes, select3, splat, splat3, subtract,
+    Colors, F64s, F64s3, Mask, Numbers, Scaled, Vectors, bits, bits16, dot_lanes as dot, finite3, half_of,
+    lanes, mask, scaled, scaled_lanes, select3, splat, splat3, subtract,
 };
 use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::{Limit, RayPacket};
@@ -304,10 +304,7 @@ fn way<S: Simd>(
         Target::Place(place) => splat3(simd, place),
         Target::Places => proposals.places.load(simd, half),
         Target::Direction(direction) => {
-            let infinity = splat(simd, f64::INFINITY);
-            let finite = |coordinate: F64s<S>| coordinate.abs().simd_lt(infinity);
-            let usual = finite(point[0]) & finite(point[1]) & finite(point[2]);
-            return (splat3(simd, direction), infinity, usual);
+            return (splat3(simd, direction), splat(simd, f64::INFINITY), finite3(simd, point));
         }
     };
     let Scaled { direction, length, usual } = scaled_lanes(simd, subtract(place, point));

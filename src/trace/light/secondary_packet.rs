@@ -5,7 +5,7 @@ use fearless_simd::prelude::*;
 use super::path_packet::PathPacket;
 use super::secondary::{TreeRay, reaching};
 use crate::trace::math::{
-    Mask, Scaled, bits, dot_lanes as dot, half_of, lanes, scaled_lanes, splat, subtract, times,
+    Mask, Scaled, bits, dot_lanes as dot, finite3, half_of, lanes, scaled_lanes, subtract, times,
 };
 use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::RayPacket;
@@ -60,11 +60,9 @@ pub(crate) fn mirrored_lanes<S: Simd>(
         let twice = dot(direction, normal) * 2.0;
         let Scaled { direction, usual, .. } = scaled_lanes(simd, subtract(direction, times(normal, twice)));
         let point = surfaces.points.load(simd, half);
-        let infinity = splat(simd, f64::INFINITY);
-        let finite: Mask<S> = point[0].abs().simd_lt(infinity)
-            & point[1].abs().simd_lt(infinity)
-            & point[2].abs().simd_lt(infinity);
-        unusual |= sent & bits(Mask::<S>::from_bitmask(simd, 0xff), half) & !bits(usual & finite, half);
+        unusual |= sent
+            & bits(Mask::<S>::from_bitmask(simd, 0xff), half)
+            & !bits(usual & finite3(simd, point), half);
         branches.rays.origins.store(half, point);
         branches.rays.directions.store(half, direction);
     }

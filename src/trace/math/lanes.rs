@@ -346,6 +346,13 @@ pub(crate) fn moderate3<S: Simd>(simd: S, [x, y, z]: F64s3<S>) -> Mask<S> {
 const LEAST: f64 = f64::from_bits((1023 - 400) << 52);
 const MOST: f64 = f64::from_bits((1023 + 400) << 52);
 
+/// Says where all coordinates are finite.
+#[inline(always)]
+pub(crate) fn finite3<S: Simd>(simd: S, [x, y, z]: F64s3<S>) -> Mask<S> {
+    let infinity = splat(simd, f64::INFINITY);
+    x.abs().simd_lt(infinity) & y.abs().simd_lt(infinity) & z.abs().simd_lt(infinity)
+}
+
 /// Says where three sizes are zero or at least so large.
 #[inline(always)]
 fn none_below<S: Simd>(simd: S, [x, y, z]: F64s3<S>, least: f64) -> Mask<S> {

@@ -22,8 +22,8 @@ pub use compensated::Compensated3;
 pub use double::Double;
 pub(crate) use lanes::{
     Colors, CompensatedLanes, F64s, F64s3, HALF, LANES, Mask, Numbers, Scaled, Vectors, add, bits, bits8,
-    bits16, dot as dot_lanes, half_of, lanes, mask, mask16, moderate, moderate3, quick_two_sum, scaled_lanes,
-    select3, set_bits, splat, splat3, subtract, times, two_product, two_sum,
+    bits16, dot as dot_lanes, finite3, half_of, lanes, mask, mask16, moderate, moderate3, quick_two_sum,
+    scaled_lanes, select3, set_bits, splat, splat3, subtract, times, two_product, two_sum,
 };
 pub use root::Root;
 pub use sampling::{Dimension, PixelSamples, Sampling, disc};
