@@ -61,10 +61,24 @@ impl Transfer {
     /// Encodes many pixels as [`encode`](Self::encode) does, in half the time for each.
     pub(crate) fn encode_all(self, pixels: &[Rgb]) -> Vec<[u8; 3]> {
         match self {
-            Self::Classic => pixels.iter().map(|pixel| pixel.to_array().map(classic_byte)).collect(),
-            Self::Srgb => pixels.iter().map(|pixel| pixel.to_array().map(srgb_byte)).collect(),
+            Self::Classic => all_bytes(pixels, classic_byte),
+            Self::Srgb => {
+                let levels = &*LEVELS;
+                all_bytes(pixels, |channel| levels.byte(channel))
+            }
         }
     }
+}
+
+fn all_bytes(pixels: &[Rgb], byte: impl Fn(f32) -> u8) -> Vec<[u8; 3]> {
+    pixels.iter().map(|pixel| [byte(pixel.x), byte(pixel.y), byte(pixel.z)]).collect()
+}
+
+/// Clamps to 0..=1. What is no number is 0.
+#[inline]
+fn clamped(linear: f32) -> f32 {
+    let positive = if linear > 0.0 { linear } else { 0.0 };
+    if positive < 1.0 { positive } else { 1.0 }
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "rounding to f32 is the point")]
@@ -80,7 +94,7 @@ fn rounded(linear: [f64; 3]) -> Rgb {
 #[expect(clippy::cast_possible_truncation, reason = "the last byte is asked for")]
 fn classic_byte(linear: f32) -> u8 {
     const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
-    (255.0 * f64::from(linear.clamp(0.0, 1.0)) + TWO_TO_52).to_bits() as u8
+    (255.0 * f64::from(clamped(linear)) + TWO_TO_52).to_bits() as u8
 }
 
 /// Decodes sRGB, 0..=1 to 0..=1.
@@ -96,25 +110,29 @@ fn linear_to_srgb(linear: f64) -> f64 {
 /// Encodes as sRGB by comparison with the 255 decision levels half-way between neighbouring codes, so that it is the exact
 /// inverse of decoding and needs no power function per pixel.
 fn srgb_byte(linear: f32) -> u8 {
-    static LEVELS: LazyLock<SrgbLevels> = LazyLock::new(SrgbLevels::new);
-    LEVELS.byte(linear.clamp(0.0, 1.0))
+    LEVELS.byte(linear)
 }
+
+static LEVELS: LazyLock<SrgbLevels> = LazyLock::new(SrgbLevels::new);
 
 /// The lower bounds of the codes.
 struct SrgbLevels {
     /// The least `f32` of every code but 0, followed by a value that none reaches.
     least: [f32; 256],
-    /// The code of the least number in every bucket: numbers from 2^-13 to 1 with the same exponent and first six bits.
-    first: [u8; Self::BUCKETS],
+    /// The code of the least number in every bucket: numbers from 2^-13 to 1 with the same exponent and first seven bits. There are at
+    /// most two codes in one.
+    first: [u8; Self::ROOM],
 }
 
 impl SrgbLevels {
     /// The number of low bits in which numbers of a bucket differ.
-    const SHIFT: u32 = f32::MANTISSA_DIGITS - 1 - 6;
+    const SHIFT: u32 = f32::MANTISSA_DIGITS - 1 - 7;
     /// The bucket of 2^-13; everything below has code 0.
-    const START: u32 = (127 - 13) << 6;
+    const START: u32 = (127 - 13) << 7;
     /// The number of buckets: 13 powers of two, and 1.
-    const BUCKETS: usize = 13 * 64 + 1;
+    const BUCKETS: usize = 13 * 128 + 1;
+    /// A power of two, so that no index is beyond it.
+    const ROOM: usize = Self::BUCKETS.next_power_of_two();
 
     fn new() -> Self {
         let mut least = [f32::INFINITY; 256];
@@ -127,8 +145,8 @@ impl SrgbLevels {
             let near = level as f32;
             *least = if f64::from(near) < level { near.next_up() } else { near };
         }
-        let mut first = [0; Self::BUCKETS];
-        for (bucket, first) in (Self::START..).zip(&mut first) {
+        let mut first = [0; Self::ROOM];
+        for (bucket, first) in (Self::START..).zip(&mut first[..Self::BUCKETS]) {
             let number = f32::from_bits(bucket << Self::SHIFT);
             #[expect(clippy::cast_possible_truncation, reason = "there are 255 levels")]
             let code = least.partition_point(|least| *least <= number) as u8;
@@ -137,14 +155,13 @@ impl SrgbLevels {
         Self { least, first }
     }
 
-    /// Returns the code of a number in 0..=1.
+    /// Returns the code of a number, clamped to 0..=1.
+    #[inline]
     fn byte(&self, linear: f32) -> u8 {
+        let linear = clamped(linear);
         let bucket = (linear.to_bits() >> Self::SHIFT).saturating_sub(Self::START) as usize;
-        let mut code = self.first.get(bucket).copied().unwrap_or(0);
-        while self.least[usize::from(code)] <= linear {
-            code += 1;
-        }
-        code
+        let code = self.first[bucket % Self::ROOM];
+        code + u8::from(self.least[usize::from(code)] <= linear)
     }
 }
 
