@@ -10,7 +10,8 @@
 //!    samples. Rays go in packets of sixteen (`rays/packet`), and so does all that is known of them; the arithmetic on lanes is in
 //!    `math/lanes`. What packets leave open, by a contested verdict, a tie or a number out of range, single rays decide, whose code
 //!    defines what is right.
-//! 2. `stages/camera_rays` makes the first wave of rays, by `scene/camera`; where samples lie is in `math/sampling`.
+//! 2. `stages/camera_rays` makes the first wave of rays, by `scene/camera`; where samples lie is in `math/sampling`, in lanes in
+//!    `math/sample_keys`.
 //! 3. `stages/closest_hits` finds what each ray meets first. Packets from one point, as a camera's are, go through the tree
 //!    together, by `packet/bundle`, `bvh/frustum` and `bvh/shaft`; others one after the other, by `packet/closest_hit` and `bvh/packet`. Single rays
 //!    are followed by `query/closest_hit`, which walks the tree (`bvh/traverse`) and asks the shapes (`query/guaranteed`), which are
@@ -18,13 +19,15 @@
 //! 4. `stages/surfaces` refines hits to surface points, where light, a medium or a mirror asks for them, by `packet/refine`, and adds
 //!    ambient light.
 //! 5. `stages/direct_light` goes through the lights: what one could add at each point is proposed, by `light/direct_packet`, and in
-//!    a single lane by `light/direct`. `stages/shadows` follows the proposals' shadow rays, by `packet/occlusion`, and singly by
-//!    `light/transmission`, `query/occlusion` and `query/crossings`; what comes through is added. Which shapes may hide a light with a
-//!    place from the tile is found once, by `packet/candidates`.
-//! 6. `stages/sums` adds what each ray brings to its pixel, in the order of the wave. A tile's pixels are kept packet by packet of its
+//!    a single lane by `light/direct`; its places, if it has a size, are chosen by `light/light_places`. `stages/shadows` follows the
+//!    proposals' shadow rays, by `packet/occlusion` and, through clear shapes, `packet/crossings`, and singly by `query/occlusion` and
+//!    `query/crossings`. What clear shapes leave is in `light/transmission`, and what comes through is added. Which shapes may hide a
+//!    light with a place from the tile is found once, by `packet/candidates`.
+//! 6. `stages/sums` adds what each ray brings to its pixel, in the order of the wave, after fog and media on the way have taken theirs
+//!    (`light/passage_packet`). A tile's pixels are kept packet by packet of its
 //!    camera rays, whose light is added in their lanes.
-//! 7. `stages/next_rays` makes mirrored rays, by `light/secondary_packet`, and refracted ones, by `light/secondary`, and keeps those
-//!    that can still show, by `light/contribution`. They are the next generation, in `stages/generation`, and go on at 3, as many at a
+//! 7. `stages/next_rays` makes mirrored and refracted rays, by `light/secondary_packet` and `light/refraction_packet`, and singly by
+//!    `light/secondary`, and keeps those that can still show, by `light/contribution`. They are the next generation, in `stages/generation`, and go on at 3, as many at a
 //!    time as a wave has room for.
 //! 8. `exposure` adds samples up in the order of their indices (`tile_light`), in `f64`, in which the mean of equal samples is exactly
 //!    their value, and `film` holds the result; a single sample goes there at once.

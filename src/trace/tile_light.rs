@@ -6,7 +6,8 @@ use glam::DVec3;
 use crate::color::Rgb;
 use crate::trace::film::FilmTile;
 use crate::trace::math::{Colors, Vectors, splat};
-use crate::trace::stages::{PACKETS, Square, Tile};
+use crate::trace::scene::Square;
+use crate::trace::stages::{PACKETS, Tile};
 
 /// The light of a tile's pixels so far.
 pub(crate) trait TileLight: Send {

@@ -39,7 +39,7 @@ impl<'a> RenderContext<'a> {
         let lights = scene.lights.iter().enumerate();
         let lights = lights.filter(|(_, light)| light.intensity != Rgb::ZERO).collect();
         let (brightest, start) = (Brightest::of(scene), Start::new(scene, camera));
-        let pixel_centers = camera.pixel_centers();
+        let pixel_centers = PixelCenters::of(camera);
         Self { scene, camera, sampling, effects, brightest, pixel_centers, lights, start }
     }
 

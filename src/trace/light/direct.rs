@@ -101,17 +101,28 @@ pub(crate) fn propose(
 
 /// Returns the place of a light with a size from which its sample `sample` comes to a point. The ray that found the point has this
 /// place in the tree of rays of the sample that asks.
-pub(super) fn light_place(
+fn light_place(
     (index, light): (usize, &Light),
     point: DVec3,
     (asker, path): (SampleId, u64),
     sample: u32,
 ) -> DVec3 {
-    let dimension = Dimension::Light { light: to_u32(index), path };
     let SampleId { seed, pixel: (i, j), sample: of_pixel } = asker;
-    let first = of_pixel.wrapping_mul(light.places());
-    let square = PixelSamples::new(seed, i, j).pair(dimension, first.wrapping_add(sample));
+    let index_in_sequence = light_point(light, of_pixel, sample);
+    let square = PixelSamples::new(seed, i, j).pair(light_dimension(index, path), index_in_sequence);
     light.source.place(point, square)
+}
+
+/// Returns for what the places on light number `index` are asked, by a ray with this place in its tree of rays.
+#[inline(always)]
+pub(super) fn light_dimension(index: usize, path: u64) -> Dimension {
+    Dimension::Light { light: to_u32(index), path }
+}
+
+/// Returns the index, in the sequence of a pixel, of sample `sample` of a light for sample `of_pixel` of the pixel.
+#[inline(always)]
+pub(super) fn light_point(light: &Light, of_pixel: u32, sample: u32) -> u32 {
+    of_pixel.wrapping_mul(light.places()).wrapping_add(sample)
 }
 
 /// Returns what a light adds from one of its places. It adds nothing at the very point.

@@ -3,110 +3,15 @@
 use fearless_simd::{f32x16, prelude::*};
 use glam::DVec3;
 
-use super::direct::{LitPoint, Proposal, SampleId, WayToLight, light_place, propose};
-use super::path_packet::PathPacket;
-use super::shading::{intensity, specular};
-use crate::color::Rgb;
+use super::direct::{LitPoint, SampleId, propose};
+use super::proposal_packet::{LitPacket, ProposalPacket, facing_normal, facing_normals};
+use super::shading_packet::{add_highlights, intensities};
 use crate::trace::effects::Effects;
 use crate::trace::math::{
-    Colors, F64s, F64s3, Mask, Numbers, Scaled, Vectors, bits, bits16, dot_lanes as dot, finite3, half_of,
-    lanes, mask, scaled, scaled_lanes, select3, splat, splat3, subtract,
+    F64s, F64s3, Mask, Numbers, Scaled, bits, bits16, dot_lanes as dot, finite3, half_of, lanes, scaled,
+    scaled_lanes, splat, splat3, subtract,
 };
-use crate::trace::query::{HitPacket, SurfacePacket};
-use crate::trace::rays::{Limit, RayPacket};
 use crate::trace::scene::{Light, LightSource, PreparedScene, SurfaceMaterial};
-
-/// Surface points to be lit, lane by lane.
-pub(crate) struct LitPacket<'a> {
-    /// The rays that found them.
-    pub(crate) rays: &'a RayPacket,
-    /// What those carry.
-    pub(crate) paths: &'a PathPacket,
-    pub(crate) hits: &'a HitPacket,
-    pub(crate) surfaces: &'a SurfacePacket,
-    /// The diffuse colours there.
-    pub(crate) diffuse: &'a Colors,
-    /// Lanes whose materials have highlights.
-    pub(crate) shiny: u32,
-    /// Lanes whose materials are clear.
-    pub(crate) clear: u32,
-}
-
-/// What a light adds, lane by lane, if it comes through.
-#[derive(Clone, Debug)]
-pub(crate) struct ProposalPacket {
-    /// Lanes to which something is added.
-    pub(crate) lanes: u32,
-    /// Of these, lanes of which it has to be asked first what stands in the way.
-    pub(crate) asking: u32,
-    /// Lanes to which light comes from the other side, through the clear medium behind the surface.
-    pub(crate) from_behind: u32,
-    /// What is added where nothing is in the way.
-    pub(crate) colors: Colors,
-    /// From the points to the light, where it has to be asked what stands in the way; also their directions wherever the operations of
-    /// lanes found what is added.
-    pub(crate) rays: RayPacket,
-    /// How many times as far it is.
-    pub(crate) limits: Numbers,
-    /// Where it is, if it has a size.
-    places: Vectors,
-}
-
-impl ProposalPacket {
-    /// Of nothing.
-    pub(crate) const EMPTY: Self = Self {
-        lanes: 0,
-        asking: 0,
-        from_behind: 0,
-        colors: Colors::splat(Rgb::ZERO),
-        rays: RayPacket::EMPTY,
-        limits: Numbers::splat(0.0),
-        places: Vectors::splat(DVec3::ZERO),
-    };
-
-    /// Returns the way to the light in a lane that has one.
-    #[inline]
-    pub(crate) fn way(&self, light: &Light, lane: usize) -> WayToLight {
-        let limit = match light.source {
-            LightSource::Point(place) | LightSource::Spot(place, _) => {
-                Limit::new(self.limits.get(lane), place)
-            }
-            LightSource::Directional(_) => Limit::NONE,
-            LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
-                Limit::new(self.limits.get(lane), self.places.get(lane))
-            }
-        };
-        let from_behind = self.from_behind & (1 << lane) != 0;
-        WayToLight { direction: self.rays.directions.get(lane), limit, from_behind }
-    }
-
-    /// Lets the rays of lanes that ask leave the surfaces.
-    #[inline(always)]
-    fn leave(&mut self, surfaces: &SurfacePacket) {
-        self.rays.lanes = self.asking;
-        self.rays.left = surfaces.first_equals;
-        self.rays.departing = self.asking;
-        self.rays.outward = surfaces.from_outside ^ self.from_behind;
-        // Which others they leave besides is left to who follows them one by one.
-        self.rays.tied = surfaces.tied & self.asking;
-    }
-
-    /// Puts a proposal into a lane that has none.
-    fn set(&mut self, lane: usize, proposal: &Proposal) {
-        let bit = 1 << lane;
-        self.lanes |= bit;
-        self.colors.set(lane, proposal.color);
-        if let Some(WayToLight { direction, limit, from_behind }) = proposal.shadow {
-            self.asking |= bit;
-            self.rays.directions.set(lane, direction);
-            self.limits.set(lane, limit.t());
-            self.places.set(lane, limit.place());
-            if from_behind {
-                self.from_behind |= bit;
-            }
-        }
-    }
-}
 
 /// Finds what sample `sample` of light number `index` adds to each point, as far as nothing stands in its way. `asker` says for
 /// which sample of which pixel the light is asked in a lane.
@@ -124,21 +29,21 @@ pub(crate) fn propose_lanes<S: Simd>(
     if lit.surfaces.lanes == 0 {
         return;
     }
-    let Some(target) = target((index, light), effects, lit, sample, &asker, proposals) else { return };
+    let Some(target) = target(simd, light, effects, lit, sample, proposals) else { return };
     let Aim { cosines, lengths, facing, behind, unusual } = aim(simd, &target, lit, proposals);
     if effects.clear_shadows() {
         proposals.from_behind = behind & lit.clear;
     }
     proposals.lanes = facing | proposals.from_behind;
-    let intensities = intensities(effects, light, &lengths, proposals);
-    let (diffuse, arriving, cosine) = (lit.diffuse.load(simd), intensities.load(simd), cosines.rounded(simd));
+    let arriving = intensities(simd, effects, light, &lengths, proposals);
+    let (diffuse, cosine) = (lit.diffuse.load(simd), cosines.rounded(simd));
     proposals.colors.store([
         diffuse[0] * arriving[0] * cosine,
         diffuse[1] * arriving[1] * cosine,
         diffuse[2] * arriving[2] * cosine,
     ]);
     if effects.extras {
-        add_highlights(scene, lit, &intensities, proposals);
+        add_highlights(simd, scene, lit, arriving, proposals);
     }
     let black = f32x16::splat(simd, 0.0);
     let [red, green, blue] = proposals.colors.load(simd);
@@ -184,10 +89,7 @@ fn aim<S: Simd>(simd: S, target: &Target, lit: &LitPacket<'_>, proposals: &mut P
         let point = lit.surfaces.points.load(simd, half);
         let (to_light, limit, found) = way(simd, target, point, (proposals, half));
         let length = dot(to_light, to_light).sqrt();
-        let normal = lit.surfaces.normals.load(simd, half);
-        let outside = mask(simd, lit.surfaces.from_outside, half);
-        let normal = select3(outside, normal, [-normal[0], -normal[1], -normal[2]]);
-        let cosine = dot(normal, to_light) / length;
+        let cosine = dot(facing_normals(simd, lit.surfaces, half), to_light) / length;
         let zero = splat(simd, 0.0);
         usual |= bits(found, half);
         aim.facing |= bits(cosine.simd_gt(zero), half);
@@ -202,39 +104,6 @@ fn aim<S: Simd>(simd: S, target: &Target, lit: &LitPacket<'_>, proposals: &mut P
     aim.behind &= asked & usual;
     aim.unusual = asked & !usual;
     aim
-}
-
-/// Returns how much of a light arrives in the lanes of proposals.
-#[inline(always)]
-fn intensities(effects: Effects, light: &Light, lengths: &Numbers, proposals: &ProposalPacket) -> Colors {
-    let mut intensities = Colors::splat(light.intensity);
-    if effects.extras && (light.falloff.is_some() || matches!(light.source, LightSource::Spot(..))) {
-        for lane in lanes(proposals.lanes) {
-            let (length, limit) = (lengths.get(lane), proposals.limits.get(lane));
-            let direction = proposals.rays.directions.get(lane);
-            intensities.set(lane, intensity(effects, light, direction, length, limit));
-        }
-    }
-    intensities
-}
-
-/// Adds highlights to the colours of proposals.
-#[inline(always)]
-fn add_highlights(
-    scene: &PreparedScene,
-    lit: &LitPacket<'_>,
-    intensities: &Colors,
-    proposals: &mut ProposalPacket,
-) {
-    for lane in lanes(lit.shiny & proposals.lanes & !proposals.from_behind) {
-        let intensity = intensities.get(lane);
-        let Some(id) = lit.hits.ids.get(lane).filter(|_| intensity != Rgb::ZERO) else { continue };
-        let normal = facing_normal(lit.surfaces, lane);
-        let back = -lit.rays.directions.get(lane);
-        let way = proposals.rays.directions.get(lane);
-        let highlight = specular(scene.material(id), intensity, normal, way, back);
-        proposals.colors.set(lane, proposals.colors.get(lane) + highlight);
-    }
 }
 
 fn lit_point<'a>(
@@ -254,11 +123,6 @@ fn lit_point<'a>(
     }
 }
 
-fn facing_normal(surfaces: &SurfacePacket, lane: usize) -> DVec3 {
-    let normal = surfaces.normals.get(lane);
-    if surfaces.from_outside & (1 << lane) != 0 { normal } else { -normal }
-}
-
 /// Where light comes from.
 enum Target {
     /// From here.
@@ -270,23 +134,22 @@ enum Target {
 }
 
 /// `None` where nothing comes.
-fn target(
-    light: (usize, &Light),
+#[inline(always)]
+fn target<S: Simd>(
+    simd: S,
+    light: &Light,
     effects: Effects,
     lit: &LitPacket<'_>,
     sample: u32,
-    asker: impl Fn(usize) -> SampleId,
     proposals: &mut ProposalPacket,
 ) -> Option<Target> {
-    match light.1.source {
+    match light.source {
         LightSource::Point(place) | LightSource::Spot(place, _) => Some(Target::Place(place)),
         LightSource::Directional(direction) => Some(Target::Direction(scaled(direction)?.0)),
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } if !effects.extras => None,
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
-            for lane in lanes(lit.surfaces.lanes) {
-                let (point, path) = (lit.surfaces.points.get(lane), lit.paths.places[lane]);
-                proposals.places.set(lane, light_place(light, point, (asker(lane), path), sample));
-            }
+            let asked = (lit.surfaces.lanes, sample);
+            lit.places.find(simd, &light.source, &lit.surfaces.points, asked, &mut proposals.places);
             Some(Target::Places)
         }
     }

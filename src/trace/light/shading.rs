@@ -5,6 +5,7 @@ use glam::DVec3;
 
 use crate::color::{Rgb, to_f32};
 use crate::trace::effects::Effects;
+use crate::trace::math::pow;
 use crate::trace::scene::{Light, LightSource, PreparedScene, SurfaceMaterial};
 
 /// C_a = k_a c I_a.
@@ -53,7 +54,7 @@ pub(crate) fn specular(
     to_light: DVec3,
     back: DVec3,
 ) -> Rgb {
-    let highlight = libm::pow(half_cosine(normal, to_light, back), f64::from(material.shininess));
+    let highlight = pow(half_cosine(normal, to_light, back), f64::from(material.shininess));
     intensity * (material.specular * to_f32(highlight))
 }
 

@@ -3,7 +3,7 @@
 //! Opaque shapes let nothing through. Clear ones let k_t through at each crossing of their surface, and exp(-absorption length)
 //! inside, without bending the ray: shadows of glass are tinted, and no light is gathered in them.
 
-use super::direct::ShadowRay;
+use super::direct::{ShadowRay, WayToLight};
 use super::filter::Filter;
 use super::medium_stack::{MediumStack, MediumStacks};
 use super::scratch::LightScratch;
@@ -119,24 +119,60 @@ pub(crate) fn filtered_and_absorbed(
     (surface, medium): (&SurfacePoint, MediumStack),
     scratch: &mut LightScratch<'_>,
 ) -> Rgb {
-    let LightScratch { search, media, filters } = scratch;
-    let Scratch { crossed, crossings, escalations, ties, .. } = search;
+    let Scratch { crossed, crossings, escalations, ties, .. } = &mut scratch.search;
     let ShadowRay { ray, limit, .. } = shadow_ray;
     let ray = &RayView::new(ray, ties);
     crossings.clear();
     for crossed in crossed.iter() {
         crossed.cross(scene, shapes, (ray, limit), crossings, escalations);
     }
+    let way = WayToLight { direction: ray.direction(), limit: *limit, from_behind: shadow_ray.from_behind };
+    absorbed_along(scene, &way, own_shape, (surface, medium), scratch)
+}
+
+/// What clear shapes leave of the light, given in `scratch.search.crossings` where the ray crosses them, in any order.
+pub(crate) fn filtered_along(
+    scene: &PreparedScene,
+    way: &WayToLight,
+    own_shape: Option<ShapeId>,
+    (surface, medium): (&SurfacePoint, MediumStack),
+    scratch: &mut LightScratch<'_>,
+) -> Rgb {
+    if !way.from_behind && medium == MediumStack::NONE {
+        match scratch.search.crossings[..] {
+            [] => return Rgb::ONE,
+            // Mostly there is one solid in the way, from one side to the other.
+            [into, out] if into.id == out.id && into.entering && scene.may_be_medium(into.id) => {
+                let length = (out.t - into.t) * way.direction.length();
+                let filter = Filter { id: into.id, crossings: 2, length: length.max(0.0) };
+                return product(scene, &mut [filter]);
+            }
+            _ => {}
+        }
+    }
+    absorbed_along(scene, way, own_shape, (surface, medium), scratch)
+}
+
+/// As [`filtered_along`], however many solids there are.
+fn absorbed_along(
+    scene: &PreparedScene,
+    WayToLight { direction, limit, from_behind }: &WayToLight,
+    own_shape: Option<ShapeId>,
+    (surface, medium): (&SurfacePoint, MediumStack),
+    scratch: &mut LightScratch<'_>,
+) -> Rgb {
+    let LightScratch { search, media, filters } = scratch;
+    let Scratch { crossings, ties, .. } = search;
     filters.clear();
     // Stacks that are made here are of no use to anybody else.
     let mark = media.mark();
     let mut medium = medium;
-    if shadow_ray.from_behind {
-        medium = media.through(scene, medium, surface, ties, ray.direction());
+    if *from_behind {
+        medium = media.through(scene, medium, surface, ties, *direction);
         filters.push(Filter { id: surface.hit.id, crossings: 1, length: 0.0 });
     }
     sort_along_ray(scene, crossings);
-    let per_t = ray.direction().length();
+    let per_t = direction.length();
     let mut from = 0.0;
     let mut passed = |media: &MediumStacks, medium: MediumStack, to: f64| {
         if let Some(id) = media.solids(medium).find(|id| Some(*id) != own_shape) {

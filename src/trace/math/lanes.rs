@@ -36,6 +36,17 @@ impl Numbers {
         Self([[number; HALF]; 2])
     }
 
+    /// A number for each lane.
+    pub(crate) const fn new(numbers: &[f64; LANES]) -> Self {
+        let mut halves = [[0.0; HALF]; 2];
+        let mut lane = 0;
+        while lane < LANES {
+            halves[lane / HALF][lane % HALF] = numbers[lane];
+            lane += 1;
+        }
+        Self(halves)
+    }
+
     /// Returns the number in a lane.
     #[inline(always)]
     pub(crate) fn get(&self, lane: usize) -> f64 {
@@ -177,6 +188,12 @@ pub(crate) fn set_bits(mut mask: u32) -> impl Iterator<Item = usize> {
         mask &= mask.wrapping_sub(1);
         bit
     })
+}
+
+/// Half of the lanes, as a bit mask.
+#[inline(always)]
+pub(crate) const fn half_lanes(half: usize) -> u32 {
+    0xff << (half * HALF)
 }
 
 /// The bits of a mask that are half of the lanes, as the lowest bits.
@@ -373,78 +390,56 @@ fn halves<S: Simd>(a: F64s<S>) -> (F64s<S>, F64s<S>) {
     (high, a - high)
 }
 
-/// Vectors whose rounding errors are kept beside them: [`Compensated3`](super::Compensated3) in every lane.
-#[derive(Clone, Copy)]
-pub(crate) struct CompensatedLanes<S: Simd> {
-    value: F64s3<S>,
-    rest: F64s3<S>,
-}
+#[cfg(test)]
+mod tests {
+    use fearless_simd::dispatch;
+    use proptest::prelude::*;
 
-impl<S: Simd> CompensatedLanes<S> {
-    /// origin + t direction.
-    #[inline(always)]
-    pub(crate) fn along(origin: F64s3<S>, direction: F64s3<S>, t: F64s<S>) -> Self {
-        let (mut value, mut rest) = (origin, origin);
-        for axis in 0..3 {
-            let (way, way_error) = two_product(direction[axis], t);
-            let (sum, error) = two_sum(origin[axis], way);
-            (value[axis], rest[axis]) = (sum, error + way_error);
+    use super::*;
+    use crate::trace::math::{Double, DoubleLanes, SimdLevel, scaled};
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+        /// Whatever the exponents of its coordinates.
+        #[test]
+        fn directions_are_scaled_as_one_by_one(
+            exponents in prop::array::uniform3(-1074..1024_i32),
+            mantissas in prop::array::uniform3(-2.0..2.0_f64),
+            near in any::<bool>(),
+        ) {
+            let exponents = if near { exponents.map(|exponent| exponent / 64) } else { exponents };
+            let coordinate = |axis: usize| libm::ldexp(mantissas[axis], exponents[axis]);
+            let direction = DVec3::new(coordinate(0), coordinate(1), coordinate(2));
+            for (name, level) in SimdLevel::all() {
+                let (mut found, mut lengths) = (Vectors::splat(direction), Numbers::splat(0.0));
+                let usual = dispatch!(level.level(), simd => {
+                    let Scaled { direction, length, usual } = scaled_lanes(simd, found.load(simd, 0));
+                    found.store(0, direction);
+                    lengths.store(0, length);
+                    usual.any_true()
+                });
+                if usual {
+                    prop_assert_eq!(scaled(direction), Some((found.get(0), lengths.get(0).recip())), "{}", name);
+                }
+            }
         }
-        Self { value, rest }
-    }
 
-    /// Less a point.
-    #[inline(always)]
-    pub(crate) fn minus(self, point: F64s3<S>) -> Self {
-        let Self { mut value, mut rest } = self;
-        for axis in 0..3 {
-            let (difference, error) = two_sum(value[axis], -point[axis]);
-            (value[axis], rest[axis]) = two_sum(difference, error + rest[axis]);
+        /// Fused or not, over all that is moderate.
+        #[test]
+        fn products_have_the_scalar_errors(exponents in prop::array::uniform2(-400..400_i32), mantissas in prop::array::uniform2(1.0..2.0_f64)) {
+            let [a, b] = [0, 1].map(|index: usize| libm::ldexp(mantissas[index], exponents[index].min(399)));
+            for (name, level) in SimdLevel::all() {
+                let (mut product, mut error) = (Numbers::splat(0.0), Numbers::splat(0.0));
+                dispatch!(level.level(), simd => {
+                    assert!(moderate(simd, splat(simd, a)).all_true() && moderate(simd, splat(simd, b)).all_true());
+                    let DoubleLanes { high, low } = DoubleLanes::product(splat(simd, a), splat(simd, -b));
+                    product.store(0, high);
+                    error.store(0, low);
+                });
+                let scalar = Double::product(a, -b);
+                prop_assert_eq!((product.get(3), error.get(3)), (scalar.rounded(), scalar.rest()), "{}", name);
+            }
         }
-        Self { value, rest }
-    }
-
-    /// Rounded to `f64`.
-    #[inline(always)]
-    pub(crate) fn rounded(self) -> F64s3<S> {
-        self.value
-    }
-
-    /// Plus a short way, rounded once.
-    #[inline(always)]
-    pub(crate) fn moved(self, way: F64s3<S>) -> F64s3<S> {
-        add(self.value, add(self.rest, way))
-    }
-
-    /// The sum of the products with plain numbers, rounded to `f64`.
-    #[inline(always)]
-    pub(crate) fn dot(self, other: F64s3<S>) -> F64s<S> {
-        let (mut products, mut errors) = (other, other);
-        for axis in 0..3 {
-            let (product, error) = two_product(self.value[axis], other[axis]);
-            (products[axis], errors[axis]) = (product, error + self.rest[axis] * other[axis]);
-        }
-        let (sum, sum_error) = two_sum(products[0], products[1]);
-        let (sum, other_error) = two_sum(sum, products[2]);
-        sum + ((errors[0] + errors[1] + errors[2]) + (sum_error + other_error))
-    }
-
-    /// The square of its length less that of a radius, rounded to `f64`.
-    #[inline(always)]
-    pub(crate) fn beyond(self, radius: F64s<S>) -> F64s<S> {
-        let (mut squares, mut errors) = (self.value, self.rest);
-        for axis in 0..3 {
-            let value = self.value[axis];
-            let (square, error) = two_product(value, value);
-            let twice = value * 2.0;
-            (squares[axis], errors[axis]) = (square, error + self.rest[axis] * twice);
-        }
-        let (square, square_error) = two_product(radius, radius);
-        let (sum, sum_error) = two_sum(squares[0], squares[1]);
-        let (sum, other_error) = two_sum(sum, squares[2]);
-        let (sum, last_error) = two_sum(sum, -square);
-        let error =
-            (errors[0] + errors[1] + errors[2] - square_error) + (sum_error + other_error + last_error);
-        sum + error
     }
 }

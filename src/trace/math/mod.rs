@@ -7,10 +7,14 @@
 
 mod algebraic;
 mod compensated;
+mod compensated_lanes;
 mod double;
+mod double_lanes;
+mod elementary;
 mod error_free;
 mod lanes;
 mod root;
+mod sample_keys;
 mod sampling;
 mod scaling;
 mod simd_level;
@@ -19,13 +23,18 @@ mod vector;
 
 pub(crate) use algebraic::{Exact, Exact3, ExactRoot};
 pub use compensated::Compensated3;
+pub(crate) use compensated_lanes::CompensatedLanes;
 pub use double::Double;
+pub(crate) use double_lanes::DoubleLanes;
+pub(crate) use elementary::{exp, pow};
 pub(crate) use lanes::{
-    Colors, CompensatedLanes, F64s, F64s3, HALF, LANES, Mask, Numbers, Scaled, Vectors, add, bits, bits8,
-    bits16, dot as dot_lanes, finite3, half_of, lanes, mask, mask16, moderate, moderate3, quick_two_sum,
-    scaled_lanes, select3, set_bits, splat, splat3, subtract, times, two_product, two_sum,
+    Colors, F64s, F64s3, HALF, LANES, Mask, Numbers, Scaled, Vectors, add, bits, bits8, bits16,
+    dot as dot_lanes, finite3, half_lanes, half_of, lanes, mask, mask16, moderate, moderate3, quick_two_sum,
+    scaled_lanes, select3, set_bits, splat, splat3, subtract, times, two_sum,
 };
 pub use root::Root;
+pub(crate) use sample_keys::SampleKeys;
+pub(crate) use sampling::on_disc;
 pub use sampling::{Dimension, PixelSamples, Sampling, disc};
 pub(crate) use scaling::scaled;
 pub use simd_level::SimdLevel;

@@ -11,7 +11,9 @@
 //!
 //! All is integer arithmetic, and one exact conversion at the end: the bits are the same everywhere.
 
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::f64::consts::FRAC_PI_4;
+
+use super::elementary::{Real, sine_and_cosine};
 
 /// How many samples every pixel has, and which.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,10 +83,17 @@ impl PixelSamples {
     /// Two numbers in 0..1, multiples of 2^-32: point `index` of a dimension's sequence.
     #[must_use]
     pub fn pair(&self, dimension: Dimension, index: u32) -> [f64; 2] {
-        let key = dimension.hashed_into(self.key);
-        let index = scrambled(index.reverse_bits(), key).reverse_bits();
+        let ScramblingKeys { order, first, second } = self.keys(dimension);
+        let index = order.scrambled(index.reverse_bits()).reverse_bits();
         // Digits in reverse, the most significant one lowest: scrambling wants them so.
-        [unit(scrambled(index, mixed(key, 1))), unit(scrambled(pascal(index), mixed(key, 2)))]
+        [unit(first.scrambled(index)), unit(second.scrambled(pascal(index)))]
+    }
+
+    /// What a dimension's points are shuffled and scrambled with.
+    #[inline(always)]
+    pub(super) fn keys(&self, dimension: Dimension) -> ScramblingKeys {
+        let key = dimension.hashed_into(self.key);
+        ScramblingKeys { order: Key(key), first: Key(mixed(key, 1)), second: Key(mixed(key, 2)) }
     }
 
     /// One number in 0..1: the first of the [pair](Self::pair). Any 2^m that start at a multiple of 2^m have one in each
@@ -95,18 +104,62 @@ impl PixelSamples {
     }
 }
 
+/// The keys of a dimension's points: of their order, and of both coordinates.
+pub(super) struct ScramblingKeys {
+    pub(super) order: Key,
+    pub(super) first: Key,
+    pub(super) second: Key,
+}
+
+/// The key of a scrambling.
+#[derive(Clone, Copy)]
+pub(super) struct Key(u64);
+
+impl Key {
+    /// What is added to the digits.
+    #[inline(always)]
+    pub(super) fn summand(self) -> u32 {
+        low(self.0)
+    }
+
+    /// By what they are multiplied, an odd number.
+    #[inline(always)]
+    pub(super) fn factor(self) -> u32 {
+        high(self.0) | 1
+    }
+
+    /// Owen's nested scrambling of digits that are given in reverse, the most significant one lowest: every bit is flipped or
+    /// not by a hash of the key and the bits below it.
+    fn scrambled(self, digits: u32) -> u32 {
+        let folded = |digits: u32, even: u32| digits ^ digits.wrapping_mul(even);
+        let digits = digits.wrapping_add(self.summand());
+        let digits = folded(folded(digits, 0x6c50_b47c), 0xb82f_1e52);
+        // With the sum alone, the second digit's flips would depend on the first one's.
+        let digits = digits.wrapping_mul(self.factor());
+        folded(folded(digits, 0xc7af_e638), 0x8d22_f6e6)
+    }
+}
+
 /// From the unit square to the unit disc around 0, keeping areas in proportion and neighbours together: the concentric map
 /// of Shirley and Chiu, "A Low Distortion Map Between Disk and Square", Journal of Graphics Tools 2(3), 1997.
 #[must_use]
 pub fn disc(square: [f64; 2]) -> [f64; 2] {
-    let [x, y] = square.map(|place| 2.0 * place - 1.0);
-    if x == 0.0 && y == 0.0 {
-        return [0.0; 2];
-    }
-    let (radius, angle) =
-        if x.abs() > y.abs() { (x, FRAC_PI_4 * (y / x)) } else { (y, FRAC_PI_2 - FRAC_PI_4 * (x / y)) };
-    let (sine, cosine) = libm::sincos(angle);
-    [radius * cosine, radius * sine]
+    on_disc(square)
+}
+
+/// The same of numbers or of lanes.
+#[inline(always)]
+pub(crate) fn on_disc<R: Real>([x, y]: [R; 2]) -> [R; 2] {
+    let (x, y) = (x * 2.0 - 1.0, y * 2.0 - 1.0);
+    // The place is on a square around the middle, on the half-side along the nearer axis.
+    let (x_size, y_size) = (x.abs(), y.abs());
+    let (half_side, off_axis) = (y_size.if_less(x_size, x, y), y_size.if_less(x_size, y, x));
+    let (sine, cosine) = sine_and_cosine(off_axis / half_side * FRAC_PI_4);
+    // There is no angle in the middle.
+    let (zero, size) = (x.of(0.0), half_side.abs());
+    let along = zero.if_less(size, half_side * cosine, zero);
+    let across = zero.if_less(size, half_side * sine, zero);
+    [y_size.if_less(x_size, along, across), y_size.if_less(x_size, across, along)]
 }
 
 /// The digits of the second dimension of Sobol's sequence: those of the index times Pascal's triangle modulo 2. The
@@ -117,17 +170,6 @@ fn pascal(index: u32) -> u32 {
     let digits = digits ^ (digits >> 4 & 0x0f0f_0f0f);
     let digits = digits ^ (digits >> 8 & 0x00ff_00ff);
     digits ^ (digits >> 16 & 0x0000_ffff)
-}
-
-/// Owen's nested scrambling of digits that are given in reverse, the most significant one lowest: every bit is flipped or
-/// not by a hash of the key and the bits below it.
-fn scrambled(digits: u32, key: u64) -> u32 {
-    let folded = |digits: u32, even: u32| digits ^ digits.wrapping_mul(even);
-    let digits = digits.wrapping_add(low(key));
-    let digits = folded(folded(digits, 0x6c50_b47c), 0xb82f_1e52);
-    // With the sum alone, the second digit's flips would depend on the first one's.
-    let digits = digits.wrapping_mul(high(key) | 1);
-    folded(folded(digits, 0xc7af_e638), 0x8d22_f6e6)
 }
 
 /// As a fraction. Exact.
@@ -161,6 +203,8 @@ fn high(key: u64) -> u32 {
     reason = "numbers in 0..1 times small ones"
 )]
 mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
     use super::*;
 
     const DIMENSIONS: [Dimension; 4] = [

@@ -10,8 +10,8 @@ use super::reciprocals::Reciprocals;
 use super::scratch::PacketScratch;
 use super::verdicts::{Asked, Asking};
 use crate::trace::bvh::{Depth, FrustumVisitor, LeafBox, LeafId, Limits, PACKETS, Shaft, SlopeRange, Slopes};
-use crate::trace::math::{half_of, set_bits};
-use crate::trace::query::{Escalations, HitPacket, Scratch};
+use crate::trace::math::{half_lanes, half_of, set_bits};
+use crate::trace::query::{HitPacket, Scratch};
 use crate::trace::rays::RayPacket;
 use crate::trace::scene::PreparedScene;
 
@@ -58,7 +58,7 @@ fn find<S: Simd>(
     }
     let Some(shaft) = scene.tree.shaft(simd, origin, depth, &slopes) else { return false };
     hits.iter_mut().for_each(HitPacket::clear);
-    let Scratch { stack, cancelled, escalations, .. } = scratch;
+    let Scratch { stack, cancelled, .. } = scratch;
     reciprocals.iter_mut().for_each(Reciprocals::forget);
     let mut visitor = Visitor {
         scene,
@@ -70,7 +70,6 @@ fn find<S: Simd>(
         limits: Limits::NONE,
         farthest: f32::NEG_INFINITY,
         tests: 0,
-        escalations,
     };
     for (packet, rays) in rays.iter().enumerate() {
         for id in &scene.beside {
@@ -99,7 +98,6 @@ struct Visitor<'a> {
     /// The depth up to which shapes are of interest to any part.
     farthest: f32,
     tests: usize,
-    escalations: &'a mut Escalations,
 }
 
 impl<S: Simd> FrustumVisitor<S> for Visitor<'_> {
@@ -115,7 +113,7 @@ impl<S: Simd> FrustumVisitor<S> for Visitor<'_> {
         let mut nearer = false;
         for first in set_bits((parts | parts >> 1) & EVERY_FIRST) {
             let (packet, halves) = (first / 2, parts >> first & 3);
-            let asked = ((halves & 1) * 0x00ff) | ((halves >> 1) * 0xff00);
+            let asked = ((halves & 1) * half_lanes(0)) | ((halves >> 1) * half_lanes(1));
             if self.meet(simd, (packet, asked), shape) {
                 self.update_limits(simd, packet);
                 nearer = true;
@@ -133,12 +131,7 @@ impl Visitor<'_> {
     #[inline(always)]
     fn meet<S: Simd>(&mut self, simd: S, (packet, lanes): (usize, u32), shape: Asked<'_>) -> bool {
         let rays = &self.rays[packet];
-        let asking = Asking {
-            geometry: self.scene.geometry(),
-            rays,
-            reciprocals: &mut self.reciprocals[packet],
-            escalations: self.escalations,
-        };
+        let asking = Asking { rays, reciprocals: &mut self.reciprocals[packet] };
         let mut search = Search { scene: self.scene, asking, hits: &mut self.hits[packet] };
         search.meet(simd, shape, lanes & rays.lanes)
     }

@@ -8,7 +8,7 @@ use super::scratch::PacketScratch;
 use super::verdicts::{Answer, Asked, Asking};
 use crate::trace::bvh::{FramePacket, LeafId, PacketStack, PacketVisitor};
 use crate::trace::math::{F64s, bits, half_of, mask, splat};
-use crate::trace::query::{Escalations, HitPacket};
+use crate::trace::query::HitPacket;
 use crate::trace::rays::{RayPacket, ShapeId};
 use crate::trace::scene::PreparedScene;
 
@@ -20,8 +20,8 @@ pub(crate) fn closest_hits(
     scene: &PreparedScene,
     rays: &RayPacket,
     hits: &mut HitPacket,
-    PacketScratch { stack, reciprocals }: &mut PacketScratch,
-    (escalations, cancelled): (&mut Escalations, &AtomicBool),
+    PacketScratch { stack, reciprocals, .. }: &mut PacketScratch,
+    cancelled: &AtomicBool,
 ) {
     hits.clear();
     // What is tied with others is left in as many senses as there are.
@@ -33,7 +33,7 @@ pub(crate) fn closest_hits(
     }
     let reciprocals = &mut reciprocals[0];
     reciprocals.forget();
-    let asking = Asking { geometry: scene.geometry(), rays, reciprocals, escalations };
+    let asking = Asking { rays, reciprocals };
     let mut search = Search { scene, asking, hits };
     dispatch!(scene.simd.level(), simd => search.run(simd, active, stack, cancelled));
 }
@@ -68,8 +68,7 @@ impl Search<'_> {
             if half_of(lanes, half) == 0 {
                 continue;
             }
-            let latest = latest(simd, self.hits, half);
-            if let Some(answer) = self.asking.ask(simd, shape, (half, lanes), latest) {
+            if let Some(answer) = self.asking.ask(simd, shape, (half, lanes)) {
                 nearer |= consider(simd, self.hits, (half, shape.id), &answer);
             }
         }

@@ -1,12 +1,12 @@
 //! One shape against half of a packet's rays: the scalar code's operations in their order, so that every `t` and every bound has
-//! the scalar code's bits.
+//! the scalar code's bits. What is long and seldom asked is compiled once for each level, and called.
 
 use fearless_simd::prelude::*;
-use glam::DVec3;
+use glam::DMat3;
 
-use crate::trace::math::{F64s, F64s3, Mask, dot_lanes as dot, splat, splat3, subtract, times};
+use crate::trace::math::{F64s, F64s3, Mask, add, dot_lanes as dot, splat, splat3, subtract, times};
 use crate::trace::rays::RayPacket;
-use crate::trace::shapes::{AlignedBox, Bounds, Plane, Sphere, U};
+use crate::trace::shapes::{AlignedBox, Plane, Sphere, SphereImage, U};
 
 /// Half of a packet's rays.
 #[derive(Clone, Copy)]
@@ -33,7 +33,7 @@ impl<S: Simd> Rays<S> {
     }
 }
 
-/// Where rays meet a sphere: `first_root` of [`Sphere::intersect`]. `None` where all of them certainly miss it. `inverse_square` is
+/// Where rays meet a sphere: [`Sphere::intersect`]. `None` where all of them certainly miss it. `inverse_square` is
 /// 1 / direction.direction.
 #[inline(always)]
 pub(super) fn sphere<S: Simd>(
@@ -43,13 +43,53 @@ pub(super) fn sphere<S: Simd>(
     sphere: &Sphere,
 ) -> Option<Verdicts<S>> {
     let to_center = subtract(splat3(simd, sphere.center), rays.origin);
-    let squared_radius = splat(simd, sphere.radius * sphere.radius);
-    let direction = rays.direction;
+    first_root(simd, to_center, (rays.direction, inverse_square), sphere.radius, U)
+}
+
+/// Where rays meet an ellipsoid: [`SphereImage::intersect`]. `None` where all of them certainly miss it.
+#[inline(always)]
+pub(super) fn sphere_image<S: Simd>(simd: S, rays: &Rays<S>, image: &SphereImage) -> Option<Verdicts<S>> {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let (to_center, direction) = taken_back(simd, rays, image);
+            let inverse_square = splat(simd, 1.0) / dot(direction, direction);
+            first_root(simd, to_center, (direction, inverse_square), image.radius(), U * image.roughness())
+        },
+    )
+}
+
+/// The ways from rays' origins to the center of an ellipsoid, and their directions, in the sphere's own space.
+#[inline(always)]
+fn taken_back<S: Simd>(simd: S, rays: &Rays<S>, image: &SphereImage) -> (F64s3<S>, F64s3<S>) {
+    let (translation, inverse) = image.back();
+    let [x, y, z] = image_of(simd, inverse, subtract(rays.origin, splat3(simd, translation)));
+    ([-x, -y, -z], image_of(simd, inverse, rays.direction))
+}
+
+/// A matrix times vectors.
+#[inline(always)]
+pub(super) fn image_of<S: Simd>(simd: S, matrix: &DMat3, [x, y, z]: F64s3<S>) -> F64s3<S> {
+    let DMat3 { x_axis, y_axis, z_axis } = *matrix;
+    let sum = add(times(splat3(simd, x_axis), x), times(splat3(simd, y_axis), y));
+    add(sum, times(splat3(simd, z_axis), z))
+}
+
+/// `first_root` of spheres, for arguments that are rounded by `u` of themselves.
+#[inline(always)]
+fn first_root<S: Simd>(
+    simd: S,
+    to_center: F64s3<S>,
+    (direction, inverse_square): (F64s3<S>, F64s<S>),
+    radius: f64,
+    u: f64,
+) -> Option<Verdicts<S>> {
+    let squared_radius = splat(simd, radius * radius);
     let b = dot(to_center, direction);
     let projection = b * inverse_square;
     let nearest = subtract(to_center, times(direction, projection));
     let q = squared_radius - dot(nearest, nearest);
-    let q_error = (b * projection + squared_radius) * (32.0 * U);
+    let q_error = (b * projection + squared_radius) * (32.0 * u);
     let maybe = !q.simd_lt(-q_error);
     if !maybe.any_true() {
         return None;
@@ -58,7 +98,7 @@ pub(super) fn sphere<S: Simd>(
     let squared_distance = dot(to_center, to_center);
     let root = (dot(direction, direction) * q).sqrt();
     let s = b + root.copysign(b);
-    let error = (squared_distance + squared_radius) * (64.0 * U) / root;
+    let error = (squared_distance + squared_radius) * (64.0 * u) / root;
     let clear = q.simd_gt(q_error * 1024.0);
     let one = (squared_distance - squared_radius) / s;
     let ahead = clear & s.simd_gt(zero) & one.simd_gt(error);
@@ -74,20 +114,37 @@ pub(super) fn sphere<S: Simd>(
     Some(Verdicts { t, error, hit, open: maybe & !hit & !far_behind })
 }
 
-/// Where rays come out of a sphere that they leave inwards: `far_root` of [`Sphere::exit`].
+/// Where rays come out of a sphere that they leave inwards: [`Sphere::exit`].
 #[inline(always)]
 pub(super) fn sphere_exit<S: Simd>(simd: S, rays: &Rays<S>, sphere: &Sphere) -> Verdicts<S> {
     let to_center = subtract(splat3(simd, sphere.center), rays.origin);
-    let squared_radius = splat(simd, sphere.radius * sphere.radius);
-    let direction = rays.direction;
+    far_root(simd, to_center, rays.direction, sphere.radius, U)
+}
+
+/// The same of an ellipsoid: [`SphereImage::exit`].
+#[inline(always)]
+pub(super) fn sphere_image_exit<S: Simd>(simd: S, rays: &Rays<S>, image: &SphereImage) -> Verdicts<S> {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let (to_center, direction) = taken_back(simd, rays, image);
+            far_root(simd, to_center, direction, image.radius(), U * image.roughness())
+        },
+    )
+}
+
+/// `far_root` of spheres.
+#[inline(always)]
+fn far_root<S: Simd>(simd: S, to_center: F64s3<S>, direction: F64s3<S>, radius: f64, u: f64) -> Verdicts<S> {
+    let squared_radius = splat(simd, radius * radius);
     let (a, b) = (dot(direction, direction), dot(to_center, direction));
     let projection = b / a;
     let nearest = subtract(to_center, times(direction, projection));
     let q = squared_radius - dot(nearest, nearest);
-    let q_error = (b * projection + squared_radius) * (32.0 * U);
+    let q_error = (b * projection + squared_radius) * (32.0 * u);
     let root = (a * q).sqrt();
     let t = (b + root) / a;
-    let error = (dot(to_center, to_center) + squared_radius) * (64.0 * U) / root;
+    let error = (dot(to_center, to_center) + squared_radius) * (64.0 * u) / root;
     let hit = q.simd_gt(q_error * 1024.0) & b.simd_gt(splat(simd, 0.0)) & t.simd_gt(error);
     Verdicts { t, error, hit, open: !hit }
 }
@@ -101,7 +158,19 @@ pub(super) fn aligned_box<S: Simd>(
     shape: &AlignedBox,
 ) -> Verdicts<S> {
     let zero = splat(simd, 0.0);
-    let Slabs { entry, exit, close } = slabs(simd, origin, inverse, (shape.min, shape.max));
+    let mut entry = splat(simd, f64::NEG_INFINITY);
+    let mut exit = splat(simd, f64::INFINITY);
+    for axis in 0..3 {
+        let at_min = (splat(simd, shape.min[axis]) - origin[axis]) * inverse[axis];
+        let at_max = (splat(simd, shape.max[axis]) - origin[axis]) * inverse[axis];
+        let ordered = at_min.simd_lt(at_max);
+        let (near, far) = (ordered.select(at_min, at_max), ordered.select(at_max, at_min));
+        entry = near.simd_gt(entry).select(near, entry);
+        exit = far.simd_lt(exit).select(far, exit);
+    }
+    let (entry_size, exit_size) = (entry.abs(), exit.abs());
+    let size = entry_size.simd_gt(exit_size).select(entry_size, exit_size);
+    let close = size * (8.0 * U);
     let maybe = !(exit.simd_lt(zero) | entry.simd_gt(exit + close));
     let open = maybe & entry.simd_gt(exit - close);
     let t = entry.simd_ge(zero).select(entry, exit) + zero;
@@ -124,45 +193,6 @@ pub(super) fn box_exit<S: Simd>(simd: S, rays: &Rays<S>, shape: &AlignedBox) -> 
     let open = nearest.simd_eq(zero);
     let t = nearest.simd_gt(zero).select(nearest, zero);
     Verdicts { t, error: t * (4.0 * U), hit: !open, open }
-}
-
-/// Which rays, that are not slow, may meet what is within bounds before they have gone so far.
-#[inline(always)]
-pub(super) fn may_meet<S: Simd>(
-    simd: S,
-    origin: F64s3<S>,
-    inverse: F64s3<S>,
-    bounds: &Bounds,
-    latest: F64s<S>,
-) -> Mask<S> {
-    let Slabs { entry, exit, close } = slabs(simd, origin, inverse, (bounds.min, bounds.max));
-    let missed = exit.simd_lt(splat(simd, 0.0)) | entry.simd_gt(exit + close);
-    !missed & !(entry - close).simd_gt(latest)
-}
-
-/// Where rays enter and leave what a box's three slabs have in common.
-struct Slabs<S: Simd> {
-    entry: F64s<S>,
-    exit: F64s<S>,
-    /// More than both may be off by.
-    close: F64s<S>,
-}
-
-#[inline(always)]
-fn slabs<S: Simd>(simd: S, origin: F64s3<S>, inverse: F64s3<S>, (min, max): (DVec3, DVec3)) -> Slabs<S> {
-    let mut entry = splat(simd, f64::NEG_INFINITY);
-    let mut exit = splat(simd, f64::INFINITY);
-    for axis in 0..3 {
-        let at_min = (splat(simd, min[axis]) - origin[axis]) * inverse[axis];
-        let at_max = (splat(simd, max[axis]) - origin[axis]) * inverse[axis];
-        let ordered = at_min.simd_lt(at_max);
-        let (near, far) = (ordered.select(at_min, at_max), ordered.select(at_max, at_min));
-        entry = near.simd_gt(entry).select(near, entry);
-        exit = far.simd_lt(exit).select(far, exit);
-    }
-    let (entry_size, exit_size) = (entry.abs(), exit.abs());
-    let size = entry_size.simd_gt(exit_size).select(entry_size, exit_size);
-    Slabs { entry, exit, close: size * (8.0 * U) }
 }
 
 /// Where rays meet a plane: [`Plane::intersect`].

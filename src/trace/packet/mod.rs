@@ -4,20 +4,22 @@
 //! for sixteen rays at once, so that every `t` and every bound of its error has the same bits, whatever the width. Where a
 //! verdict is not certain, or two hits may be at the same place, nothing is decided here: the ray is left to the scalar code.
 //!
-//! - [`leaves`]: one shape of a kind against half of a packet's rays; [`verdicts`]: a shape of any kind.
+//! - [`leaves`] and [`slabs`]: one shape of a kind against half of a packet's rays; [`verdicts`]: a shape of any kind.
 //! - [`closest_hit`]: the nearest of what a packet's rays meet; [`bundle`]: the same of packets of rays from one point.
-//! - [`occlusion`]: what stands between surface points and a light; [`candidates`]: what may, for all packets of a tile.
+//! - [`occlusion`]: what stands between surface points and a light, and [`crossings`]: where it is clear; [`candidates`]: what may, for all packets of a tile.
 //! - [`refine`]: the surface points that hits stand for.
 //! - [`reciprocals`]: quotients that shapes ask of rays; [`scratch`]: what is kept for its memory.
 
 mod bundle;
 mod candidates;
 mod closest_hit;
+mod crossings;
 mod leaves;
 mod occlusion;
 mod reciprocals;
 mod refine;
 mod scratch;
+mod slabs;
 #[cfg(test)]
 mod tests;
 mod verdicts;

@@ -8,13 +8,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use fearless_simd::{dispatch, prelude::*};
 use glam::DVec3;
 
+use super::crossings::{CrossedPacket, CrossingScratch, cross};
 use super::scratch::PacketScratch;
 use super::verdicts::{Asked, Asking};
 use crate::trace::bvh::{
     Depth, FARTHEST, FramePacket, Frustum, LeafId, PacketStack, PacketVisitor, SlopeRange,
 };
-use crate::trace::math::{HALF, Numbers, bits, half_of, splat};
-use crate::trace::query::{Escalations, NEAR};
+use crate::trace::math::{Numbers, bits, half_lanes, half_of, splat};
+use crate::trace::query::NEAR;
 use crate::trace::rays::{RayPacket, ShapeId};
 use crate::trace::scene::PreparedScene;
 
@@ -32,11 +33,11 @@ pub(crate) struct ShadowPacket<'a> {
     pub(crate) except: Option<ShapeId>,
     /// By half of the lanes: shapes of the tree that may stand in the way of any of them; `None` where they have to be found there.
     pub(crate) candidates: [Option<&'a [LeafId]>; 2],
-    /// Whether clear shapes hide nothing.
+    /// Whether clear shapes hide nothing, but are crossed.
     pub(crate) clear: bool,
 }
 
-/// What became of them, as bit masks. The other rays reach the light, and cross nothing on the way.
+/// What became of them, as bit masks. The other rays reach the light, through the clear shapes of which the scratch says where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Occlusion {
     /// Rays that something certainly stands in the way of.
@@ -50,15 +51,16 @@ pub(crate) fn occluded(
     scene: &PreparedScene,
     shadow: &ShadowPacket<'_>,
     last_occluder: &mut Option<ShapeId>,
-    PacketScratch { stack, reciprocals }: &mut PacketScratch,
-    (escalations, cancelled): (&mut Escalations, &AtomicBool),
+    PacketScratch { stack, reciprocals, crossing, crossed }: &mut PacketScratch,
+    cancelled: &AtomicBool,
 ) -> Occlusion {
     let (rays, reciprocals) = (shadow.rays, &mut reciprocals[0]);
     reciprocals.forget();
-    let asking = Asking { geometry: scene.geometry(), rays, reciprocals, escalations };
+    let asking = Asking { rays, reciprocals };
     // What is tied with others is left in as many senses as there are.
     let found = Occlusion { hidden: 0, open: rays.tied };
-    let mut search = Search { scene, shadow, asking, found, last_occluder };
+    crossed.clear();
+    let mut search = Search { scene, shadow, asking, found, last_occluder, crossing, crossed };
     dispatch!(scene.simd.level(), simd => search.run(simd, stack, cancelled));
     search.found
 }
@@ -69,14 +71,18 @@ struct Search<'a> {
     asking: Asking<'a>,
     found: Occlusion,
     last_occluder: &'a mut Option<ShapeId>,
+    crossing: &'a mut CrossingScratch,
+    crossed: &'a mut Vec<CrossedPacket>,
 }
 
 /// What a shape does to a light.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Role {
     Hides,
-    /// It weakens it, for which rays are followed one by one.
+    /// It weakens it.
     Weakens,
+    /// It and others that equal it do, for which rays are followed one by one.
+    Together,
     Ignored,
 }
 
@@ -98,7 +104,7 @@ impl Search<'_> {
         }
         for (half, candidates) in self.shadow.candidates.iter().enumerate() {
             let Some(candidates) = candidates else { continue };
-            let lanes = 0xff << (half * HALF);
+            let lanes = half_lanes(half);
             for leaf in *candidates {
                 if self.undecided() & lanes == 0 {
                     break;
@@ -145,7 +151,7 @@ impl Search<'_> {
     #[inline(always)]
     fn unlisted(&self) -> u32 {
         let [first, second] = self.shadow.candidates.map(|candidates| candidates.is_none());
-        (u32::from(first) * 0x00ff) | (u32::from(second) * 0xff00)
+        (u32::from(first) * half_lanes(0)) | (u32::from(second) * half_lanes(1))
     }
 
     #[inline(always)]
@@ -160,12 +166,14 @@ impl Search<'_> {
         if self.shadow.except == Some(id) && group.is_none() {
             return Role::Ignored;
         }
-        let hides = !self.shadow.clear
-            || match group {
-                Some(group) => group.opaque(self.shadow.except).is_some(),
-                None => self.scene.material(id).refraction.is_none(),
-            };
-        if hides { Role::Hides } else { Role::Weakens }
+        if !self.shadow.clear {
+            return Role::Hides;
+        }
+        match group {
+            Some(group) if group.opaque(self.shadow.except).is_none() => Role::Together,
+            None if self.scene.material(id).refraction.is_some() => Role::Weakens,
+            Some(_) | None => Role::Hides,
+        }
     }
 
     /// Takes a shape into account in some lanes.
@@ -175,13 +183,14 @@ impl Search<'_> {
         if role == Role::Ignored {
             return;
         }
+        let mut crossed = 0;
         for half in 0..2 {
             if half_of(lanes, half) == 0 {
                 continue;
             }
             let limit = self.shadow.limits.load(simd, half);
             let (nearer, farther) = (limit * (1.0 - NEAR), limit * (1.0 + NEAR));
-            let Some(answer) = self.asking.ask(simd, shape, (half, lanes), farther) else { continue };
+            let Some(answer) = self.asking.ask(simd, shape, (half, lanes)) else { continue };
             let verdicts = answer.verdicts;
             let (t, error) = (verdicts.t, verdicts.error);
             // What is infinitely far away is not met.
@@ -189,15 +198,28 @@ impl Search<'_> {
             let beyond = bits(hit & (t - error).simd_gt(farther), half);
             let before = bits(hit & (t + error).simd_lt(nearer), half);
             let (hit, open) = (bits(hit, half), bits(verdicts.open, half));
-            if role == Role::Weakens {
+            if role == Role::Together {
                 self.found.open |= hit & !beyond | open;
                 continue;
             }
             self.found.open |= hit & !before & !beyond | open;
+            if role == Role::Weakens {
+                let CrossingScratch { hits, .. } = &mut *self.crossing;
+                hits.ts.store(half, t);
+                hits.errors.store(half, error);
+                hits.far = hits.far & !half_lanes(half) | answer.far & half_lanes(half);
+                crossed |= before;
+                continue;
+            }
             self.found.hidden |= before;
             if before != 0 {
                 *self.last_occluder = Some(shape.id);
             }
+        }
+        if crossed != 0 {
+            let Self { scene, shadow, crossing, .. } = self;
+            let rays = (shadow.rays, shadow.limits);
+            self.found.open |= cross(simd, &scene.geometry, rays, (shape, crossed), crossing, self.crossed);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! What searches with packets keep for its memory.
 
+use super::crossings::{CrossedPacket, CrossingScratch};
 use super::reciprocals::Reciprocals;
 use crate::trace::bvh::{PACKETS, PacketStack};
 
@@ -8,11 +9,15 @@ use crate::trace::bvh::{PACKETS, PacketStack};
 pub(crate) struct PacketScratch {
     pub(super) stack: PacketStack,
     pub(super) reciprocals: Box<[Reciprocals; PACKETS]>,
+    pub(super) crossing: Box<CrossingScratch>,
+    /// The clear shapes in the ways of the shadow rays that were followed last.
+    pub(crate) crossed: Vec<CrossedPacket>,
 }
 
 impl Default for PacketScratch {
     fn default() -> Self {
         let reciprocals = Box::new([const { Reciprocals::UNKNOWN }; PACKETS]);
-        Self { stack: PacketStack::default(), reciprocals }
+        let crossing = Box::new(CrossingScratch::EMPTY);
+        Self { stack: PacketStack::default(), reciprocals, crossing, crossed: Vec::new() }
     }
 }

@@ -4,18 +4,16 @@ use fearless_simd::prelude::*;
 
 use super::leaves::{self, Rays, Verdicts};
 use super::reciprocals::Reciprocals;
+use super::slabs;
 use crate::trace::bvh::LeafId;
-use crate::trace::math::{F64s, Mask, Numbers, bits, half_of, lanes, mask, splat};
-use crate::trace::query::{Escalations, Intersector};
-use crate::trace::rays::{RayPacket, RayView, ShapeId};
-use crate::trace::scene::{Geometry, PreparedScene, ShapeRef};
+use crate::trace::math::{half_of, mask};
+use crate::trace::rays::{RayPacket, ShapeId};
+use crate::trace::scene::{PreparedScene, ShapeRef};
 
 /// A packet's rays that ask, in some lanes.
 pub(super) struct Asking<'a> {
-    pub(super) geometry: &'a Geometry,
     pub(super) rays: &'a RayPacket,
     pub(super) reciprocals: &'a mut Reciprocals,
-    pub(super) escalations: &'a mut Escalations,
 }
 
 /// A shape, and what it is called.
@@ -48,21 +46,20 @@ impl<'a> Asked<'a> {
 
 impl Asking<'_> {
     /// Asks what rays in some lanes of a half have to do with a shape, as `Geometry::intersect` is asked by one that leaves no
-    /// more than one shape. What is farther than `latest` may be left out. `None` where none of them meets it.
+    /// more than one shape. `None` where none of them meets it.
     #[inline(always)]
     pub(super) fn ask<S: Simd>(
         &mut self,
         simd: S,
         shape: Asked<'_>,
         (half, asked): (usize, u32),
-        latest: F64s<S>,
     ) -> Option<Answer<S>> {
         let departing = self.rays.departing & asked;
         let leaving = if departing == 0 { 0 } else { self.rays.left.lanes_of(simd, shape.id) & departing };
         let near = asked & !leaving;
         let mut verdicts = None;
         if half_of(near, half) != 0
-            && let Some(mut found) = self.near(simd, shape, (half, near), latest)
+            && let Some(mut found) = self.near(simd, shape.shape, half)
         {
             let near = mask(simd, near, half);
             found.hit &= near;
@@ -70,7 +67,11 @@ impl Asking<'_> {
             verdicts = Some(found);
         }
         let inward = leaving & !self.rays.outward;
-        let exit = if half_of(inward, half) == 0 { None } else { self.exit(simd, shape.shape, half) };
+        let exit = if half_of(inward, half) == 0 {
+            None
+        } else {
+            exit(simd, &Rays::load(simd, self.rays, half), shape.shape)
+        };
         let Some(exit) = exit else {
             let verdicts = verdicts?;
             return Some(Answer { verdicts, far: 0 });
@@ -90,13 +91,7 @@ impl Asking<'_> {
     }
 
     #[inline(always)]
-    fn near<S: Simd>(
-        &mut self,
-        simd: S,
-        Asked { id, shape }: Asked<'_>,
-        (half, asked): (usize, u32),
-        latest: F64s<S>,
-    ) -> Option<Verdicts<S>> {
+    fn near<S: Simd>(&mut self, simd: S, shape: ShapeRef<'_>, half: usize) -> Option<Verdicts<S>> {
         let rays = Rays::load(simd, self.rays, half);
         match shape {
             ShapeRef::Sphere(sphere) => {
@@ -112,58 +107,20 @@ impl Asking<'_> {
                 verdicts.open |= slow;
                 Some(verdicts)
             }
-            ShapeRef::SphereImage(_) | ShapeRef::BoxImage(_) => {
-                self.one_by_one(simd, id, (half, asked), latest)
-            }
+            ShapeRef::SphereImage(image) => leaves::sphere_image(simd, &rays, image),
+            ShapeRef::BoxImage(image) => Some(slabs::box_image(simd, &rays, image)),
         }
     }
+}
 
-    /// The same ray by ray, for those that meet the shape's bounds.
-    #[inline(always)]
-    fn one_by_one<S: Simd>(
-        &mut self,
-        simd: S,
-        id: ShapeId,
-        (half, asked): (usize, u32),
-        latest: F64s<S>,
-    ) -> Option<Verdicts<S>> {
-        let mut met = mask(simd, asked, half);
-        if let Some(bounds) = self.geometry.bounds(id) {
-            let origin = self.rays.origins.load(simd, half);
-            let (inverse, slow) = self.reciprocals.of_directions(simd, self.rays, half);
-            let slow = mask(simd, slow, half);
-            met &= slow | leaves::may_meet(simd, origin, inverse, &bounds, latest);
-        }
-        let met = bits(met, half);
-        if met == 0 {
-            return None;
-        }
-        let (mut ts, mut errors, mut hit) = (Numbers::splat(0.0), Numbers::splat(0.0), 0);
-        for lane in lanes(met) {
-            let ray = self.rays.get(lane);
-            if let Some(found) = self.geometry.intersect(id, &RayView::alone(&ray), self.escalations) {
-                ts.set(lane, found.root.t());
-                errors.set(lane, found.root.error());
-                hit |= 1 << lane;
-            }
-        }
-        let (t, error) = (ts.load(simd, half), errors.load(simd, half));
-        Some(Verdicts { t, error, hit: mask(simd, hit, half), open: Mask::<S>::from_bitmask(simd, 0) })
-    }
-
-    /// Where rays come out of a shape that they leave inwards. `None` where they never do.
-    #[inline(always)]
-    fn exit<S: Simd>(&self, simd: S, shape: ShapeRef<'_>, half: usize) -> Option<Verdicts<S>> {
-        let rays = Rays::load(simd, self.rays, half);
-        match shape {
-            ShapeRef::Sphere(sphere) => Some(leaves::sphere_exit(simd, &rays, sphere)),
-            ShapeRef::Plane(_) => None,
-            ShapeRef::AlignedBox(shape) => Some(leaves::box_exit(simd, &rays, shape)),
-            ShapeRef::SphereImage(_) | ShapeRef::BoxImage(_) => {
-                let (none, all) = (Mask::<S>::from_bitmask(simd, 0), Mask::<S>::from_bitmask(simd, 0xff));
-                let zero = splat(simd, 0.0);
-                Some(Verdicts { t: zero, error: zero, hit: none, open: all })
-            }
-        }
+/// Where half of a packet's rays come out of a shape that they leave inwards. `None` where they never do.
+#[inline(always)]
+pub(super) fn exit<S: Simd>(simd: S, rays: &Rays<S>, shape: ShapeRef<'_>) -> Option<Verdicts<S>> {
+    match shape {
+        ShapeRef::Sphere(sphere) => Some(leaves::sphere_exit(simd, rays, sphere)),
+        ShapeRef::Plane(_) => None,
+        ShapeRef::AlignedBox(shape) => Some(leaves::box_exit(simd, rays, shape)),
+        ShapeRef::SphereImage(image) => Some(leaves::sphere_image_exit(simd, rays, image)),
+        ShapeRef::BoxImage(image) => Some(slabs::box_image_exit(simd, rays, image)),
     }
 }

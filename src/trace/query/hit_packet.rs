@@ -1,10 +1,13 @@
 //! What sixteen rays meet.
 
+use fearless_simd::Simd;
 use glam::DVec3;
 
 use super::hit::{ClosestHit, Hit, SurfacePoint, TiedHits};
-use crate::trace::math::{Double, LANES, Numbers, Root, Vectors};
-use crate::trace::rays::{ShapeIds, Ties};
+use crate::trace::math::{
+    Double, DoubleLanes, F64s, LANES, Mask, Numbers, Root, Vectors, moderate, moderate3,
+};
+use crate::trace::rays::{RayPacket, ShapeIds, Ties};
 
 /// What rays meet first, lane by lane.
 #[derive(Clone, Debug)]
@@ -130,6 +133,18 @@ impl SurfacePacket {
             normal: self.normals.get(lane),
             from_outside: self.from_outside & bit != 0,
         })
+    }
+
+    /// Returns how far points are from the origins of the rays that found them, in half of the lanes, and in which of these that is
+    /// what [`SurfacePoint::distance`] says.
+    #[inline(always)]
+    pub(crate) fn distances<S: Simd>(&self, simd: S, rays: &RayPacket, half: usize) -> (F64s<S>, Mask<S>) {
+        let t = DoubleLanes { high: self.ts.load(simd, half), low: self.rests.load(simd, half) };
+        let direction = rays.directions.load(simd, half);
+        let [x, y, z] = direction;
+        let squares = [DoubleLanes::product(x, x), DoubleLanes::product(y, y), DoubleLanes::product(z, z)];
+        let length = (squares[0] + squares[1] + squares[2]).sqrt();
+        ((t * length).high, moderate(simd, t.high) & moderate3(simd, direction))
     }
 
     /// Puts a point into a lane that has none. What is seen there may be another shape than the one that was met first.

@@ -29,6 +29,12 @@ impl ShapeIds {
     /// Of no lane.
     pub(crate) const NONE: Self = Self([Self::MISSING; LANES]);
 
+    /// The same in every lane.
+    #[inline(always)]
+    pub(crate) fn splat(id: ShapeId) -> Self {
+        Self([id.0; LANES])
+    }
+
     /// Returns the shape of a lane.
     #[inline(always)]
     pub(crate) fn get(&self, lane: usize) -> Option<ShapeId> {

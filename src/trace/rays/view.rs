@@ -26,6 +26,7 @@ impl<'a> RayView<'a> {
 
     /// Returns a ray that leaves no more than one shape.
     #[inline]
+    #[cfg(test)]
     pub(crate) fn alone(ray: &'a Ray) -> Self {
         Self { ray, ties: &[] }
     }

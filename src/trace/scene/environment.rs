@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::color::{Rgb, to_f32};
+use crate::trace::math::exp;
 
 /// What a ray sees that meets nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,7 +91,7 @@ pub(crate) fn transmittance(absorption: Rgb, length: f64) -> Rgb {
 
 /// exp(-coefficient length); 1 where the coefficient is 0, however long the way is.
 fn share(coefficient: f64, length: f64) -> f32 {
-    if coefficient == 0.0 { 1.0 } else { to_f32(libm::exp(-coefficient * length)) }
+    if coefficient == 0.0 { 1.0 } else { to_f32(exp(-coefficient * length)) }
 }
 
 #[cfg(test)]

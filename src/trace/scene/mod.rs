@@ -18,7 +18,7 @@ mod precision;
 mod prepared_scene;
 
 pub use camera::Camera;
-pub(crate) use camera::{PixelCenters, SIDE};
+pub(crate) use camera::{PixelCenters, SIDE, Square};
 pub use changes::{SceneChanges, ShapeChange};
 pub use checker::CheckerPattern;
 pub(crate) use document_order::DocumentOrder;

@@ -94,6 +94,26 @@ impl BoxImage {
         std::array::from_fn(|axis| (self.rows[axis], [self.low[axis], self.high[axis]]))
     }
 
+    /// From where on rays are taken into account, near the middle.
+    pub(crate) fn center(&self) -> DVec3 {
+        self.center
+    }
+
+    /// The slabs as seen from there.
+    pub(crate) fn near(&self) -> &AlignedBox {
+        &self.near
+    }
+
+    /// How far those are off.
+    pub(crate) fn near_error(&self) -> DVec3 {
+        self.near_error
+    }
+
+    /// The slabs' rows, of length 1.
+    pub(crate) fn normals(&self) -> &[DVec3; 3] {
+        &self.normals
+    }
+
     /// The ray by its heights above the planes through the center that are parallel to the slabs. A difference, three products and
     /// their sum are rounded by less than 5 u, the slabs as seen from the center by u.
     #[inline]

@@ -129,6 +129,21 @@ impl SphereImage {
         &self.map.forward
     }
 
+    /// How it is mapped back: what is subtracted first, and the inverse of the linear part.
+    pub(crate) fn back(&self) -> (DVec3, &DMat3) {
+        (self.map.forward.translation, &self.map.inverse)
+    }
+
+    /// The rows of that inverse in double-double.
+    pub(crate) fn exact_inverse(&self) -> &[Double3; 3] {
+        &self.map.exact_inverse
+    }
+
+    /// How many times worse than rounded once rays are in the sphere's own space.
+    pub(crate) fn roughness(&self) -> f64 {
+        self.map.roughness()
+    }
+
     /// The sphere's radius before it is mapped.
     #[must_use]
     pub fn radius(&self) -> f64 {

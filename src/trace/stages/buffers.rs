@@ -10,8 +10,8 @@ use super::tile::PACKETS;
 use super::wave::Wave;
 use crate::color::Rgb;
 use crate::trace::effort::{Effort, RayCounts, StageCounts, TreeEnds};
-use crate::trace::light::{Budget, LightScratch, ProposalPacket, RenderContext};
-use crate::trace::math::{Colors, LANES, Numbers};
+use crate::trace::light::{Budget, LightPlaces, LightScratch, ProposalPacket, RenderContext};
+use crate::trace::math::{Colors, LANES, Vectors};
 use crate::trace::packet::{Candidates, PacketScratch};
 use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::ShapeId;
@@ -29,12 +29,12 @@ pub(crate) struct TileBuffers<'a> {
     pub(super) answers: Box<[AnswerPacket; PACKETS]>,
     /// The light at the far end of each ray, towards its origin.
     pub(super) radiance: Box<[Colors; PACKETS]>,
-    /// The length of each ray, scene units: infinite where it meets nothing, 0 where no length is asked for.
-    pub(super) lengths: Box<[Numbers; PACKETS]>,
     /// What a sample of one light adds at surface points.
     pub(super) proposals: Box<[ProposalPacket; PACKETS]>,
+    /// From where on an extended light each surface point is lit.
+    pub(super) light_places: Box<[LightPlaces; PACKETS]>,
     /// What an extended light adds at each surface point, summed over its samples.
-    pub(super) light_sums: Box<[[DVec3; LANES]; PACKETS]>,
+    pub(super) light_sums: Box<[Vectors; PACKETS]>,
     /// What may stand between a light and the surface points.
     pub(super) candidates: Candidates,
     /// For every light that is on: what hid it from the last point of this tile that asked, if anything did.
@@ -71,9 +71,9 @@ impl<'a> TileBuffers<'a> {
             surfaces: Box::new([const { SurfacePacket::EMPTY }; PACKETS]),
             answers: Box::new([const { AnswerPacket::EMPTY }; PACKETS]),
             radiance: Box::new([Colors::splat(Rgb::ZERO); PACKETS]),
-            lengths: Box::new([Numbers::splat(0.0); PACKETS]),
             proposals: Box::new([const { ProposalPacket::EMPTY }; PACKETS]),
-            light_sums: Box::new([[DVec3::ZERO; LANES]; PACKETS]),
+            light_places: Box::new([const { LightPlaces::NONE }; PACKETS]),
+            light_sums: Box::new([Vectors::splat(DVec3::ZERO); PACKETS]),
             candidates: Candidates::default(),
             last_occluders: Vec::new(),
             crowded_lights: Vec::new(),

@@ -3,54 +3,45 @@
 use fearless_simd::{dispatch, prelude::*};
 
 use super::buffers::TileBuffers;
-use super::tile::{PACKETS, Sample, Square};
+use super::tile::{PACKETS, Sample};
 use super::wave::Wave;
 use crate::trace::light::PathPacket;
 use crate::trace::math::{LANES, lanes};
+use crate::trace::scene::Square;
 
 /// Makes the wave of camera rays, in packets of four by four pixels. A camera that is not in a finite place has none: its pixels see
 /// the background.
 pub(super) fn camera_rays(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.entered.camera_rays += 1;
-    let Sample { context, tile, index } = *sample;
-    let centers = context.sampling.samples <= 1;
+    let Sample { context, tile, .. } = *sample;
     (buffers.wave.count, buffers.wave.in_place) = (PACKETS, true);
     // A single sample passes through the middle of a lens.
-    buffers.wave.origin = (centers || !context.camera.has_lens()).then(|| context.camera.position());
-    if centers {
-        dispatch!(context.scene.simd.level(), simd => center_rays(simd, sample, &mut buffers.wave));
-    }
+    let pinhole = context.sampling.samples <= 1 || !context.camera.has_lens();
+    buffers.wave.origin = pinhole.then(|| context.camera.position());
+    dispatch!(context.scene.simd.level(), simd => make_rays(simd, sample, &mut buffers.wave));
     for packet in 0..PACKETS {
         if buffers.is_cancelled() {
             // What is left of another wave is not to be followed.
             buffers.wave.count = packet;
             return;
         }
-        let Some(square) = tile.square(packet) else {
-            buffers.wave.rays[packet].clear();
-            continue;
-        };
-        if !centers {
-            let rays = &mut buffers.wave.rays[packet];
-            rays.clear();
-            for lane in 0..LANES {
-                let Some((i, j)) = square.pixel(lane) else { continue };
-                if let Some(ray) = context.camera.spread_ray(context.sampling, i, j, index) {
-                    rays.set(lane, &ray);
-                }
-            }
+        if let Some(square) = tile.square(packet) {
+            start(sample, packet, &square, buffers);
         }
-        start(sample, packet, &square, buffers);
     }
     buffers.rays_traced.camera += u64::from(buffers.wave.len());
 }
 
-/// Makes the rays through the centres of pixels.
+/// Makes the rays through the centres of pixels, or those of one of several samples.
 #[inline(always)]
-fn center_rays<S: Simd>(simd: S, sample: &Sample<'_>, wave: &mut Wave) {
+fn make_rays<S: Simd>(simd: S, sample: &Sample<'_>, wave: &mut Wave) {
+    let Sample { context, tile, index } = *sample;
     for packet in 0..PACKETS {
-        if let Some(Square { first, size }) = sample.tile.square(packet) {
-            sample.context.pixel_centers.rays(simd, first, size, &mut wave.rays[packet]);
+        let rays = &mut wave.rays[packet];
+        match tile.square(packet) {
+            None => rays.clear(),
+            Some(square) if context.sampling.samples <= 1 => context.pixel_centers.rays(simd, &square, rays),
+            Some(square) => context.camera.spread_rays(simd, context.sampling, &square, index, rays),
         }
     }
 }

@@ -4,7 +4,7 @@ use super::buffers::TileBuffers;
 use crate::trace::light::RenderContext;
 use crate::trace::math::lanes;
 use crate::trace::packet::{bundle_hits, closest_hits as packet_hits};
-use crate::trace::query::{Intersector, Scratch};
+use crate::trace::query::Intersector;
 use crate::trace::scene::Precision;
 
 /// Finds the closest hits of the wave: as many at once as start at one point, else packet by packet. What cannot be decided
@@ -28,9 +28,8 @@ pub(super) fn closest_hits(
         .origin
         .is_some_and(|origin| bundle_hits(scene, origin, rays, hits, (search, packet_scratch)))
     {
-        let Scratch { escalations, cancelled, .. } = search;
         for (rays, hits) in rays.iter().zip(&mut *hits) {
-            packet_hits(scene, rays, hits, packet_scratch, (escalations, cancelled));
+            packet_hits(scene, rays, hits, packet_scratch, search.cancelled);
         }
     }
     for (rays, hits) in rays.iter().zip(hits) {

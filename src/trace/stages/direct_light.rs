@@ -1,14 +1,14 @@
 //! Light from sources, one after the other: what a light could add is proposed at all surface points of the wave, and what of
 //! it comes through is added.
 
-use fearless_simd::{dispatch, prelude::*};
+use fearless_simd::{dispatch, f32x16, prelude::*};
 use glam::DVec3;
 
 use super::buffers::TileBuffers;
 use super::shadows::shadows;
 use super::tile::Sample;
-use crate::trace::light::{LitPacket, SampleId, propose_lanes};
-use crate::trace::math::{LANES, lanes, mask16};
+use crate::trace::light::{LitPacket, ProposalPacket, SampleId, propose_lanes};
+use crate::trace::math::{Colors, PixelSamples, Vectors, mask, mask16};
 use crate::trace::query::Intersector;
 use crate::trace::scene::Light;
 
@@ -18,7 +18,10 @@ pub(super) fn direct_light(sample: &Sample<'_>, shapes: &impl Intersector, buffe
     let lights = &sample.context.lights;
     for (place, (index, light)) in lights.iter().enumerate() {
         if light.places() > 1 {
-            buffers.light_sums.fill([DVec3::ZERO; LANES]);
+            buffers.light_sums.fill(Vectors::splat(DVec3::ZERO));
+        }
+        if light.source.is_extended() {
+            choose_places(sample, (*index, light), buffers);
         }
         for light_sample in 0..light.places() {
             // A light may have thousands of samples.
@@ -32,8 +35,21 @@ pub(super) fn direct_light(sample: &Sample<'_>, shapes: &impl Intersector, buffe
             add(sample, light, buffers);
         }
         if light.places() > 1 {
-            add_means(light, buffers);
+            add_means(sample, light, buffers);
         }
+    }
+}
+
+/// Chooses from where on a light with a size each surface point is lit, for all samples of the light.
+fn choose_places(sample: &Sample<'_>, light: (usize, &Light), buffers: &mut TileBuffers<'_>) {
+    let TileBuffers { wave, surfaces, light_places, .. } = buffers;
+    for packet in 0..wave.count {
+        let asker = |lane: usize| {
+            let (i, j) = sample.tile.pixel(wave.pixels[packet][lane]);
+            let samples = PixelSamples::new(sample.context.sampling.seed, i, j);
+            (samples, wave.paths[packet].places[lane])
+        };
+        light_places[packet].choose(light, sample.index, surfaces[packet].lanes, asker);
     }
 }
 
@@ -45,7 +61,7 @@ fn propose_all(
     buffers: &mut TileBuffers<'_>,
 ) {
     let context = sample.context;
-    let TileBuffers { wave, hits, surfaces, answers, proposals, .. } = buffers;
+    let TileBuffers { wave, hits, surfaces, answers, light_places, proposals, .. } = buffers;
     let (seed, of_pixel) = (context.sampling.seed, sample.index);
     dispatch!(context.scene.simd.level(), simd => {
         for packet in 0..wave.count {
@@ -57,6 +73,7 @@ fn propose_all(
                 hits: &hits[packet],
                 surfaces: &surfaces[packet],
                 diffuse: &answers[packet].diffuse,
+                places: &light_places[packet],
                 shiny: answers[packet].shiny,
                 clear: answers[packet].clear,
             };
@@ -69,34 +86,54 @@ fn propose_all(
 /// Adds what the shadows left of the proposals.
 fn add(sample: &Sample<'_>, light: &Light, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { wave, proposals, light_sums, radiance, .. } = buffers;
-    if light.places() > 1 {
-        for (proposals, sums) in proposals[..wave.count].iter().zip(light_sums.iter_mut()) {
-            for lane in lanes(proposals.lanes) {
-                sums[lane] += proposals.colors.get(lane).as_dvec3();
-            }
-        }
-        return;
-    }
+    let proposals = &proposals[..wave.count];
     dispatch!(sample.context.scene.simd.level(), simd => {
-        for (proposals, radiance) in proposals[..wave.count].iter().zip(radiance.iter_mut()) {
-            let (mut light, added) = (radiance.load(simd), proposals.colors.load(simd));
-            let lit = mask16(simd, proposals.lanes);
-            for (light, added) in light.iter_mut().zip(added) {
-                *light = lit.select(*light + added, *light);
+        if light.places() > 1 {
+            for (proposals, sums) in proposals.iter().zip(light_sums.iter_mut()) {
+                add_to_sums(simd, proposals, sums);
             }
-            radiance.store(light);
+        } else {
+            for (proposals, radiance) in proposals.iter().zip(radiance.iter_mut()) {
+                add_light(simd, proposals.lanes, proposals.colors.load(simd), radiance);
+            }
         }
     });
 }
 
-/// Adds the means over an extended light's samples.
-fn add_means(light: &Light, buffers: &mut TileBuffers<'_>) {
-    let TileBuffers { wave, surfaces, light_sums, radiance, .. } = buffers;
-    for packet in 0..wave.count {
-        for lane in lanes(surfaces[packet].lanes) {
-            let mean = (light_sums[packet][lane] / f64::from(light.places())).as_vec3();
-            let before = radiance[packet].get(lane);
-            radiance[packet].set(lane, before + mean);
+/// Adds light in some lanes.
+#[inline(always)]
+fn add_light<S: Simd>(simd: S, lit: u32, added: [f32x16<S>; 3], radiance: &mut Colors) {
+    let (lit, mut light) = (mask16(simd, lit), radiance.load(simd));
+    for (light, added) in light.iter_mut().zip(added) {
+        *light = lit.select(*light + added, *light);
+    }
+    radiance.store(light);
+}
+
+/// Adds the light of one sample of a light.
+#[inline(always)]
+fn add_to_sums<S: Simd>(simd: S, proposals: &ProposalPacket, sums: &mut Vectors) {
+    for (axis, channel) in proposals.colors.load(simd).into_iter().enumerate() {
+        let (first, second) = channel.widen();
+        for (half, added) in [first, second].into_iter().enumerate() {
+            let (sum, lit) = (sums.axis(axis).load(simd, half), mask(simd, proposals.lanes, half));
+            sums.axis_mut(axis).store(half, lit.select(sum + added, sum));
         }
     }
+}
+
+/// Adds the means over an extended light's samples.
+fn add_means(sample: &Sample<'_>, light: &Light, buffers: &mut TileBuffers<'_>) {
+    let TileBuffers { wave, surfaces, light_sums, radiance, .. } = buffers;
+    let places = f64::from(light.places());
+    dispatch!(sample.context.scene.simd.level(), simd => {
+        for packet in 0..wave.count {
+            let mut means = [f32x16::splat(simd, 0.0); 3];
+            for (axis, mean) in means.iter_mut().enumerate() {
+                let sum = light_sums[packet].axis(axis);
+                *mean = (sum.load(simd, 0) / places).narrow(sum.load(simd, 1) / places);
+            }
+            add_light(simd, surfaces[packet].lanes, means, &mut radiance[packet]);
+        }
+    });
 }

@@ -59,8 +59,14 @@ impl Generation {
         &self.packets[packet]
     }
 
-    pub(super) fn packet_mut(&mut self, packet: usize) -> &mut BranchPacket {
-        &mut self.packets[packet]
+    /// Returns the packets of a surface's mirrored and refracted rays, if there is one of those.
+    pub(super) fn branches_mut(
+        &mut self,
+        mirrored: usize,
+        refracted: Option<usize>,
+    ) -> (&mut BranchPacket, Option<&mut BranchPacket>) {
+        let (before, rest) = self.packets.split_at_mut(mirrored + 1);
+        (&mut before[mirrored], refracted.map(|refracted| &mut rest[refracted - mirrored - 1]))
     }
 
     /// Queues the ray in a lane of a packet, if there is one.

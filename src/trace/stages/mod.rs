@@ -24,4 +24,4 @@ mod wave;
 
 pub(crate) use buffers::TileBuffers;
 pub(crate) use sample::render_sample;
-pub(crate) use tile::{PACKETS, Square, TILE, Tile};
+pub(crate) use tile::{PACKETS, TILE, Tile};

@@ -4,9 +4,7 @@ use fearless_simd::dispatch;
 
 use super::buffers::TileBuffers;
 use super::generation::UntracedRay;
-use crate::trace::light::{
-    BranchPacket, LARGEST_TREE, RenderContext, SecondaryRays, mirrored_lanes, secondary_rays,
-};
+use crate::trace::light::{BranchPacket, LARGEST_TREE, RenderContext, branch_lanes, secondary_rays};
 use crate::trace::math::{LANES, lanes};
 
 /// Queues the rays that the wave's surfaces send on.
@@ -21,33 +19,34 @@ pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'
             continue;
         }
         let clear = if context.effects.media() { continues & answers[packet].clear } else { 0 };
-        let reflected = next.add();
-        let arrived = (&wave.rays[packet], &wave.paths[packet]);
-        let branches = next.packet_mut(reflected);
-        let alone = dispatch!(scene.simd.level(), simd => {
-            mirrored_lanes(simd, scene, arrived, (hits, surfaces), continues & !clear, branches)
+        let mirrored = next.add();
+        let refracted = (clear != 0).then(|| next.add());
+        let (rays, paths) = (&wave.rays[packet], &wave.paths[packet]);
+        let media = (scene, &mut scratch.media);
+        let branches = next.branches_mut(mirrored, refracted);
+        let unusual = dispatch!(scene.simd.level(), simd => {
+            branch_lanes(simd, media, (rays, paths), (hits, surfaces), (continues, clear), branches)
         });
-        let refracted = if clear == 0 { reflected } else { next.add() };
-        for lane in lanes(clear | alone) {
+        for lane in lanes(unusual) {
             // Many solids may be entered at one point.
             if scratch.search.is_cancelled() {
                 return;
             }
             let Some(point) = surfaces.get(lane, hits) else { continue };
-            let arrived = (arrived.0.directions.get(lane), &arrived.1.get(lane));
-            let SecondaryRays { reflected: mirrored, refracted: bent } =
-                secondary_rays(context, scratch, arrived, &point);
-            if let Some(ray) = mirrored {
-                next.packet_mut(reflected).set(lane, &ray);
+            let arrived = (rays.directions.get(lane), &paths.get(lane));
+            let sent = secondary_rays(context, scratch, arrived, &point);
+            let (mirrored, refracted) = next.branches_mut(mirrored, refracted);
+            if let Some(ray) = sent.reflected {
+                mirrored.set(lane, &ray);
             }
-            if let Some(ray) = bent {
-                next.packet_mut(refracted).set(lane, &ray);
+            if let (Some(ray), Some(refracted)) = (sent.refracted, refracted) {
+                refracted.set(lane, &ray);
             }
         }
         for lane in lanes(continues) {
             let pixel = wave.pixels[packet][lane];
-            next.queue(reflected, lane, pixel, true);
-            if clear & (1 << lane) != 0 {
+            next.queue(mirrored, lane, pixel, true);
+            if let Some(refracted) = refracted {
                 next.queue(refracted, lane, pixel, false);
             }
         }

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::buffers::TileBuffers;
 use super::tile::Sample;
-use crate::trace::light::{MediumStack, PathPacket, visibility};
+use crate::trace::light::{MediumStack, PathPacket, filtered_along, visibility};
 use crate::trace::math::{HALF, lanes};
 use crate::trace::packet::{Occlusion, ShadowPacket, WaysToLight, occluded};
 use crate::trace::query::Intersector;
@@ -30,6 +30,9 @@ pub(super) fn shadows(
         buffers.rays_traced.shadow += u64::from(asking.count_ones());
         let Occlusion { hidden, open } = occlusion(sample, (place, light), (packet, listed), buffers);
         buffers.proposals[packet].lanes &= !hidden;
+        if sample.context.effects.clear_shadows() {
+            weaken(sample, light, packet, asking & !hidden & !open, buffers);
+        }
         follow(sample, shapes, (place, light), (packet, listed), open & !hidden, buffers);
     }
 }
@@ -42,7 +45,7 @@ fn occlusion(
     buffers: &mut TileBuffers<'_>,
 ) -> Occlusion {
     let (scene, clear) = (sample.context.scene, sample.context.effects.clear_shadows());
-    let TileBuffers { wave, proposals, candidates, last_occluders, scratch, packet_scratch, .. } = buffers;
+    let TileBuffers { proposals, candidates, last_occluders, scratch, packet_scratch, .. } = buffers;
     let proposals = &proposals[packet];
     if scene.precision != Precision::Guaranteed {
         return Occlusion { hidden: 0, open: proposals.asking };
@@ -55,14 +58,24 @@ fn occlusion(
         candidates: [0, 1].map(|half| if listed { candidates.of(packet, half) } else { None }),
         clear,
     };
-    let search = &mut scratch.search;
-    let effort = (&mut search.escalations, search.cancelled);
-    let mut found = occluded(scene, &shadow, &mut last_occluders[place], packet_scratch, effort);
-    if clear {
-        let through = proposals.from_behind | inside(&wave.paths[packet], proposals.asking);
-        found.open |= proposals.asking & through;
+    let cancelled = scratch.search.cancelled;
+    occluded(scene, &shadow, &mut last_occluders[place], packet_scratch, cancelled)
+}
+
+/// Weakens what comes through clear shapes along some shadow rays of a packet, whose crossings are known.
+fn weaken(sample: &Sample<'_>, light: &Light, packet: usize, lit: u32, buffers: &mut TileBuffers<'_>) {
+    let TileBuffers { wave, hits, surfaces, proposals, scratch, packet_scratch, .. } = buffers;
+    let (proposals, paths) = (&mut proposals[packet], &wave.paths[packet]);
+    let crossing = packet_scratch.crossed.iter().fold(0, |mask, crossed| mask | crossed.lanes);
+    for lane in lanes(lit & (crossing | proposals.from_behind | inside(paths, lit))) {
+        let Some(point) = surfaces[packet].get(lane, &hits[packet]) else { continue };
+        let crossings = &mut scratch.search.crossings;
+        crossings.clear();
+        crossings.extend(packet_scratch.crossed.iter().flat_map(|crossed| crossed.of(lane)).flatten());
+        let (way, seen) = (proposals.way(light, lane), (&point, paths.media[lane]));
+        let share = filtered_along(sample.context.scene, &way, light.own_shape, seen, scratch);
+        proposals.colors.set(lane, proposals.colors.get(lane) * share);
     }
-    found
 }
 
 /// Follows some shadow rays of a packet one by one.

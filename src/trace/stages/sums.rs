@@ -6,8 +6,12 @@ use super::buffers::TileBuffers;
 use super::tile::PACKETS;
 use super::wave::Wave;
 use crate::color::Rgb;
-use crate::trace::light::{RenderContext, held};
-use crate::trace::math::{Colors, LANES, bits16, lanes, mask16};
+use crate::trace::light::{Absorbers, PassageLanes, RenderContext, held};
+use crate::trace::math::{
+    Colors, LANES, Numbers, bits, bits16, half_lanes, half_of, lanes, mask, mask16, splat,
+};
+use crate::trace::query::{HitPacket, SurfacePacket};
+use crate::trace::rays::RayPacket;
 
 /// Adds the light at the end of each ray to its pixel, ray by ray in the order of the wave, and what happens to light on the
 /// way to the ray's throughput.
@@ -16,13 +20,11 @@ pub(super) fn add_to_pixels(context: &RenderContext<'_>, buffers: &mut TileBuffe
     dispatch!(context.scene.simd.level(), simd => {
         for packet in 0..buffers.wave.count {
             hold(simd, buffers.wave.rays[packet].lanes & buffers.hits[packet].ids.lanes(simd), &mut buffers.radiance[packet]);
-            if context.effects.in_media() || context.effects.extras {
-                let transmitted = pass(context, packet, buffers);
-                add(simd, packet, &buffers.wave, &buffers.radiance, &mut buffers.pixels);
+            let passage = pass(simd, context, packet, buffers);
+            add(simd, packet, &buffers.wave, &buffers.radiance, &mut buffers.pixels);
+            if let Some(PassageLanes { transmitted, .. }) = passage {
                 let throughputs = &mut buffers.wave.paths[packet].throughputs;
-                throughputs.store(product(throughputs.load(simd), transmitted.load(simd)));
-            } else {
-                add(simd, packet, &buffers.wave, &buffers.radiance, &mut buffers.pixels);
+                throughputs.store(product(throughputs.load(simd), transmitted));
             }
         }
     });
@@ -38,18 +40,59 @@ fn hold<S: Simd>(simd: S, met: u32, radiance: &mut Colors) {
     }
 }
 
-/// Lets the light of a packet pass what is on the way. Returns what share of the light beyond comes through.
-fn pass(context: &RenderContext<'_>, packet: usize, buffers: &mut TileBuffers<'_>) -> Colors {
-    let TileBuffers { wave, radiance, lengths, scratch, .. } = buffers;
-    let mut transmitted = Colors::splat(Rgb::ONE);
-    for lane in lanes(wave.rays[packet].lanes) {
-        let length = lengths[packet].get(lane);
-        let state = wave.paths[packet].get(lane);
-        let passage = state.passage(context.effects, context.scene, &scratch.media, length);
-        radiance[packet].set(lane, passage.of(radiance[packet].get(lane)));
-        transmitted.set(lane, passage.transmitted);
+/// Lets the light of a packet pass what is on the way, and says what that did; `None` where there is nothing.
+#[inline(always)]
+fn pass<S: Simd>(
+    simd: S,
+    context: &RenderContext<'_>,
+    packet: usize,
+    buffers: &mut TileBuffers<'_>,
+) -> Option<PassageLanes<S>> {
+    let TileBuffers { wave, hits, surfaces, radiance, scratch, .. } = buffers;
+    let (scene, rays) = (context.scene, &wave.rays[packet]);
+    let absorbers = Absorbers::of(scene, context.effects, (&wave.paths[packet], &scratch.media), rays.lanes);
+    if absorbers.lanes == 0 {
+        return None;
     }
-    transmitted
+    let lengths = lengths(simd, rays, (&hits[packet], &surfaces[packet]), absorbers.lanes);
+    let PassageLanes { transmitted, added } = absorbers.over(simd, &scene.fog, &lengths);
+    let (asked, one) = (mask16(simd, absorbers.lanes), f32x16::splat(simd, 1.0));
+    let (mut light, mut share) = (radiance[packet].load(simd), [one; 3]);
+    for channel in 0..3 {
+        let passed = transmitted[channel] * light[channel] + added[channel];
+        light[channel] = asked.select(passed, light[channel]);
+        share[channel] = asked.select(transmitted[channel], one);
+    }
+    radiance[packet].store(light);
+    Some(PassageLanes { transmitted: share, added })
+}
+
+/// Returns the lengths of rays in some lanes: infinite where they meet nothing.
+#[inline(always)]
+fn lengths<S: Simd>(
+    simd: S,
+    rays: &RayPacket,
+    (hits, surfaces): (&HitPacket, &SurfacePacket),
+    asked: u32,
+) -> Numbers {
+    let mut lengths = Numbers::splat(f64::INFINITY);
+    let mut unusual = 0;
+    for half in 0..2 {
+        let met = asked & surfaces.lanes;
+        if half_of(met, half) == 0 {
+            continue;
+        }
+        let (distance, usual) = surfaces.distances(simd, rays, half);
+        unusual |= met & half_lanes(half) & !bits(usual, half);
+        let met = mask(simd, met, half);
+        lengths.store(half, met.select(distance, splat(simd, f64::INFINITY)));
+    }
+    for lane in lanes(unusual) {
+        if let Some(point) = surfaces.get(lane, hits) {
+            lengths.set(lane, point.distance(&rays.get(lane)));
+        }
+    }
+    lengths
 }
 
 /// Adds the light of a packet to its pixels.

@@ -7,7 +7,7 @@ use super::buffers::TileBuffers;
 use super::tile::PACKETS;
 use super::wave::Wave;
 use crate::trace::light::{MediumStack, RenderContext, ambient};
-use crate::trace::math::{Colors, Numbers, lanes};
+use crate::trace::math::{Colors, lanes};
 use crate::trace::packet::refine;
 use crate::trace::query::{HitPacket, Intersector, SurfacePacket, SurfacePoint};
 use crate::trace::rays::RayPacket;
@@ -21,7 +21,7 @@ pub(super) fn surfaces(
     buffers: &mut TileBuffers<'_>,
 ) {
     buffers.entered.surfaces += 1;
-    let TileBuffers { wave, hits, surfaces, answers, radiance, lengths, scratch, .. } = buffers;
+    let TileBuffers { wave, hits, surfaces, answers, radiance, scratch, .. } = buffers;
     let mut special = [0; PACKETS];
     dispatch!(context.scene.simd.level(), simd => {
         for packet in 0..wave.count {
@@ -55,9 +55,6 @@ pub(super) fn surfaces(
                 radiance[packet].set(lane, ambient(context.scene, color));
                 answers[packet].diffuse.set(lane, diffuse);
             }
-        }
-        if context.effects.in_media() || context.effects.extras {
-            measure(rays, hits, surfaces, &mut lengths[packet]);
         }
     }
 }
@@ -120,20 +117,6 @@ fn background(context: &RenderContext<'_>, rays: &RayPacket, radiance: &mut Colo
                 radiance.set(lane, context.scene.background.towards(rays.directions.get(lane)));
             }
         }
-    }
-}
-
-/// Finds the lengths of rays: infinite where they meet nothing, 0 where no length is asked for.
-fn measure(rays: &RayPacket, hits: &HitPacket, surfaces: &SurfacePacket, lengths: &mut Numbers) {
-    for lane in lanes(rays.lanes) {
-        let length = if surfaces.lanes & (1 << lane) != 0 {
-            surfaces.get(lane, hits).map_or(0.0, |point| point.distance(&rays.get(lane)))
-        } else if hits.ids.get(lane).is_some() {
-            0.0
-        } else {
-            f64::INFINITY
-        };
-        lengths.set(lane, length);
     }
 }
 

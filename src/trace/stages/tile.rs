@@ -2,7 +2,7 @@
 
 use crate::trace::light::RenderContext;
 use crate::trace::math::LANES;
-use crate::trace::scene::SIDE;
+use crate::trace::scene::{SIDE, Square};
 
 /// Pixels along a tile's side.
 pub(crate) const TILE: u32 = 16;
@@ -25,15 +25,6 @@ pub(crate) struct Tile {
     pub(crate) width: u32,
     /// Rows, 1..=TILE.
     pub(crate) height: u32,
-}
-
-/// The pixels of a packet's camera rays, four by four, or as many as the tile has there.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Square {
-    /// Column and row of the first, in the picture.
-    pub(crate) first: (u32, u32),
-    /// Columns and rows.
-    pub(crate) size: (u32, u32),
 }
 
 impl Tile {
@@ -61,24 +52,6 @@ const PACKET: u32 = SIDE * SIDE;
 #[inline]
 fn place(packet: u32) -> (u32, u32) {
     (packet % (TILE / SIDE) * SIDE, packet / (TILE / SIDE) * SIDE)
-}
-
-impl Square {
-    /// Returns the lanes that have a pixel, as a bit mask.
-    pub(super) fn lanes(&self) -> u32 {
-        const ALL: (u32, u32) = (SIDE, SIDE);
-        if self.size == ALL {
-            return (1 << LANES) - 1;
-        }
-        (0..LANES).filter(|lane| self.pixel(*lane).is_some()).fold(0, |mask, lane| mask | 1 << lane)
-    }
-
-    /// Returns column and row of the pixel in a lane, if there is one.
-    pub(super) fn pixel(&self, lane: usize) -> Option<(u32, u32)> {
-        let lane = u32::try_from(lane).ok()?;
-        let (column, row) = (lane % SIDE, lane / SIDE);
-        (column < self.size.0 && row < self.size.1).then_some((self.first.0 + column, self.first.1 + row))
-    }
 }
 
 /// What is the same for all rays of a tile's sample.

@@ -1,13 +1,13 @@
 //! Camera rays.
 
-use fearless_simd::prelude::*;
+mod packet;
+
 use glam::DVec3;
 
-use crate::trace::math::{
-    Dimension, Double, LANES, PixelSamples, Sampling, Scaled, Vectors, add, bits, disc, lanes, scaled,
-    scaled_lanes, splat3,
-};
-use crate::trace::rays::{Ray, RayPacket};
+pub(crate) use packet::{PixelCenters, SIDE, Square};
+
+use crate::trace::math::{Dimension, Double, PixelSamples, Sampling, disc, scaled};
+use crate::trace::rays::Ray;
 use crate::trace::shapes::Bounds;
 
 /// The camera, ready to make rays: an eye and a grid of pixels on a screen before it.
@@ -144,21 +144,6 @@ impl Camera {
         Ray::new(self.eye, self.towards(i, j))
     }
 
-    /// The centres of all pixels.
-    pub(crate) fn pixel_centers(&self) -> PixelCenters {
-        let column = |i: u32| self.right * self.across(f64::from(i.min(self.columns - 1)));
-        let row = |j: u32| self.up * self.upwards(f64::from(j.min(self.rows - 1)));
-        let groups = |count: u32| (0..count).step_by(SIDE as usize);
-        let spread = |of_lane: &dyn Fn(usize) -> DVec3| {
-            let mut lanes = Vectors::splat(DVec3::ZERO);
-            (0..LANES).for_each(|lane| lanes.set(lane, of_lane(lane)));
-            lanes
-        };
-        let columns = groups(self.columns).map(|i| spread(&|lane| column(i + COLUMN[lane]))).collect();
-        let rows = groups(self.rows).map(|j| spread(&|lane| row(j + ROW[lane]))).collect();
-        PixelCenters { eye: self.eye, forward: self.forward, columns, rows }
-    }
-
     /// The ray of sample `index` of pixel (i, j). A single sample is in the pixel's centre; several are spread evenly over
     /// the square of half a pitch around it. The pitch is W/(columns-1), or W where there is one column: pixels border on
     /// each other, and the outermost reach beyond the screen's edges by half a pitch. With a lens, several samples start all
@@ -251,63 +236,6 @@ impl Camera {
         (self.columns, self.rows)
     }
 }
-
-/// The centres of all pixels: what those of a column, and those of a row, have in common. Beyond the last ones are those again.
-pub(crate) struct PixelCenters {
-    eye: DVec3,
-    forward: DVec3,
-    /// Four by four, for the lanes of a packet.
-    columns: Vec<Vectors>,
-    rows: Vec<Vectors>,
-}
-
-impl PixelCenters {
-    /// Puts the rays through the centres of four by four pixels into the lanes, row by row: [`Camera::ray`] of each. The first is
-    /// pixel (i, j), both multiples of four, and there are `columns` by `rows` of them, up to four.
-    #[inline(always)]
-    pub(crate) fn rays<S: Simd>(
-        &self,
-        simd: S,
-        (i, j): (u32, u32),
-        (columns, rows): (u32, u32),
-        rays: &mut RayPacket,
-    ) {
-        rays.clear();
-        if !self.eye.is_finite() {
-            return;
-        }
-        let (across, upwards) = (&self.columns[(i / SIDE) as usize], &self.rows[(j / SIDE) as usize]);
-        rays.origins = Vectors::splat(self.eye);
-        let forward = splat3(simd, self.forward);
-        let asked = if (columns, rows) == (SIDE, SIDE) {
-            (1 << LANES) - 1
-        } else {
-            let there = |lane: &usize| COLUMN[*lane] < columns && ROW[*lane] < rows;
-            (0..LANES).filter(there).fold(0, |mask, lane| mask | 1 << lane)
-        };
-        let mut unusual = 0;
-        for half in 0..2 {
-            let towards = add(add(across.load(simd, half), upwards.load(simd, half)), forward);
-            let Scaled { direction, usual, .. } = scaled_lanes(simd, towards);
-            unusual |= asked & bits(!usual, half);
-            rays.directions.store(half, direction);
-        }
-        rays.lanes = asked & !unusual;
-        for lane in lanes(unusual) {
-            let towards = across.get(lane) + upwards.get(lane) + self.forward;
-            if let Some(ray) = Ray::new(self.eye, towards) {
-                rays.set(lane, &ray);
-            }
-        }
-    }
-}
-
-/// Pixels along the sides of the square that a packet's rays go through.
-pub(crate) const SIDE: u32 = 4;
-
-/// The columns and rows of the lanes in it.
-const COLUMN: [u32; LANES] = [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3];
-const ROW: [u32; LANES] = [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3];
 
 /// a x b, each component rounded once: of nearly parallel vectors, rounding on the way would leave little else.
 fn cross(a: DVec3, b: DVec3) -> DVec3 {

@@ -1,0 +1,101 @@
+//! What happens to light along sixteen rays: the operations of [`PathState::passage`](super::PathState::passage), in their order.
+
+use fearless_simd::{f32x16, prelude::*};
+
+use super::medium_stack::{MediumStack, MediumStacks};
+use super::path_packet::PathPacket;
+use crate::color::Rgb;
+use crate::trace::effects::Effects;
+use crate::trace::math::{Colors, F64s, Numbers, exp, lanes, splat};
+use crate::trace::scene::{Fog, PreparedScene};
+
+/// What the ways along rays do to light, if anything: `transmitted` times what comes in at their ends, plus `added`.
+#[derive(Clone, Copy)]
+pub(crate) struct PassageLanes<S: Simd> {
+    pub(crate) transmitted: [f32x16<S>; 3],
+    pub(crate) added: [f32x16<S>; 3],
+}
+
+/// Rays along which light is lost, and to what.
+pub(crate) struct Absorbers {
+    /// The lanes of the rays.
+    pub(crate) lanes: u32,
+    /// What the solids absorb that they are inside of, per unit of length.
+    absorption: Colors,
+    /// Whether those absorb anything.
+    in_solids: bool,
+}
+
+impl Absorbers {
+    /// On the ways of rays in some lanes.
+    #[inline(always)]
+    pub(crate) fn of(
+        scene: &PreparedScene,
+        effects: Effects,
+        (paths, media): (&PathPacket, &MediumStacks),
+        asked: u32,
+    ) -> Self {
+        let in_fog = effects.extras && scene.fog.density != 0.0;
+        let mut all = Self {
+            lanes: if in_fog { asked } else { 0 },
+            absorption: Colors::splat(Rgb::ZERO),
+            in_solids: false,
+        };
+        if effects.in_media() {
+            for lane in lanes(asked).filter(|lane| paths.media[*lane] != MediumStack::NONE) {
+                let absorption = media.absorption(scene, paths.media[lane]);
+                if absorption != Rgb::ZERO {
+                    all.lanes |= 1 << lane;
+                    all.absorption.set(lane, absorption);
+                    all.in_solids = true;
+                }
+            }
+        }
+        all
+    }
+
+    /// What they do over lengths, which may be infinite.
+    #[inline(always)]
+    pub(crate) fn over<S: Simd>(&self, simd: S, fog: &Fog, lengths: &Numbers) -> PassageLanes<S> {
+        let one = f32x16::splat(simd, 1.0);
+        let mut absorbed = [one; 3];
+        if self.in_solids {
+            let coefficients = self.absorption.load(simd);
+            for channel in 0..3 {
+                let (first, second) = coefficients[channel].widen();
+                let share = shares(simd, (first, second), lengths);
+                let none = coefficients[channel].simd_eq(f32x16::splat(simd, 0.0));
+                absorbed[channel] = none.select(one, share);
+            }
+        }
+        let mut seen = one;
+        if fog.density != 0.0 {
+            let density = splat(simd, fog.density);
+            seen = shares(simd, (density, density), lengths);
+        }
+        let hidden = one - seen;
+        PassageLanes {
+            transmitted: [absorbed[0] * seen, absorbed[1] * seen, absorbed[2] * seen],
+            added: [
+                absorbed[0] * (hidden * fog.color.x),
+                absorbed[1] * (hidden * fog.color.y),
+                absorbed[2] * (hidden * fog.color.z),
+            ],
+        }
+    }
+}
+
+/// exp(-coefficient length), for both halves of the lanes.
+#[inline(always)]
+fn shares<S: Simd>(simd: S, (first, second): (F64s<S>, F64s<S>), lengths: &Numbers) -> f32x16<S> {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let mut shares = Numbers::splat(0.0);
+            for (half, coefficients) in [first, second].into_iter().enumerate() {
+                shares.store(half, exp(-coefficients * lengths.load(simd, half)));
+            }
+            shares.rounded(simd)
+        },
+    )
+}

@@ -1,0 +1,178 @@
+//! What sixteen clear surfaces do with light: the operations of [`secondary_rays`](super::secondary_rays), in their order.
+
+use fearless_simd::{f32x16, prelude::*};
+use glam::DVec3;
+
+use super::medium_stack::{MediumStack, MediumStacks};
+use super::path_packet::PathPacket;
+use super::proposal_packet::facing_normals;
+use crate::trace::math::{
+    DoubleLanes, F64s, LANES, Mask, Numbers, Vectors, add, bits, dot_lanes as dot, half_lanes, half_of,
+    lanes, mask, moderate, splat, times,
+};
+use crate::trace::query::{HitPacket, SurfacePacket};
+use crate::trace::rays::RayPacket;
+use crate::trace::scene::PreparedScene;
+
+/// The shares of light that surfaces mirror and refract, lane by lane, and where the refracted light goes.
+#[derive(Clone, Debug)]
+pub(super) struct Shares {
+    pub(super) reflected: [f32; LANES],
+    pub(super) transmitted: [f32; LANES],
+    /// The directions of refracted rays, of any length but zero.
+    pub(super) directions: Vectors,
+    /// The solids that those are inside of.
+    pub(super) beyond: [MediumStack; LANES],
+    /// Lanes of refracted rays.
+    pub(super) refracted: u32,
+    /// Lanes that have to be asked one by one.
+    pub(super) unusual: u32,
+}
+
+/// The media at surfaces, lane by lane.
+struct Media {
+    /// The indices of refraction on this side and on the other one.
+    from: Numbers,
+    into: Numbers,
+    /// k_t.
+    transmitted: [f32; LANES],
+    /// Lanes in which Fresnel's equations say what is mirrored.
+    fresnel: u32,
+}
+
+impl Shares {
+    /// Of surfaces in some lanes, of which some are clear.
+    #[inline(always)]
+    pub(super) fn of<S: Simd>(
+        simd: S,
+        (scene, media): (&PreparedScene, &mut MediumStacks),
+        (rays, paths): (&RayPacket, &PathPacket),
+        (hits, surfaces): (&HitPacket, &SurfacePacket),
+        (asked, clear): (u32, u32),
+    ) -> Self {
+        let mut shares = Self {
+            reflected: [0.0; LANES],
+            transmitted: [0.0; LANES],
+            directions: Vectors::splat(DVec3::ONE),
+            beyond: [MediumStack::NONE; LANES],
+            refracted: 0,
+            unusual: asked & surfaces.tied,
+        };
+        for lane in lanes(asked) {
+            let Some(id) = hits.ids.get(lane) else { continue };
+            shares.reflected[lane] = scene.material(id).reflected;
+        }
+        let clear = asked & clear & !shares.unusual;
+        if clear != 0 {
+            let boundaries = shares.gather((scene, media), paths, (hits, surfaces), clear);
+            shares.refract(simd, rays, surfaces, &boundaries, clear & !shares.unusual);
+        }
+        shares
+    }
+
+    /// Finds the media on both sides of clear surfaces.
+    fn gather(
+        &mut self,
+        (scene, media): (&PreparedScene, &mut MediumStacks),
+        paths: &PathPacket,
+        (hits, surfaces): (&HitPacket, &SurfacePacket),
+        clear: u32,
+    ) -> Media {
+        let one = Numbers::splat(1.0);
+        let mut found = Media { from: one, into: one, transmitted: [0.0; LANES], fresnel: 0 };
+        for lane in lanes(clear) {
+            let bit = 1 << lane;
+            let id = hits.ids.get(lane).filter(|id| scene.equal_shapes.group(*id).is_none());
+            let Some((id, refraction)) = id.and_then(|id| Some((id, scene.material(id).refraction?))) else {
+                self.unusual |= bit;
+                continue;
+            };
+            let arrived = paths.media[lane];
+            let entering = surfaces.from_outside & bit != 0;
+            let beyond = if entering { media.entered(arrived, id) } else { media.left(arrived, id) };
+            self.beyond[lane] = beyond;
+            found.from.set(lane, media.ior(scene, arrived));
+            found.into.set(lane, media.ior(scene, beyond));
+            found.transmitted[lane] = refraction.transmitted;
+            found.fresnel |= if refraction.fresnel { bit } else { 0 };
+        }
+        found
+    }
+
+    /// Finds what goes through clear surfaces, and where: Snell's law and Fresnel's equations, as
+    /// [`Boundary`](super::dielectric::Boundary) has them.
+    #[inline(always)]
+    fn refract<S: Simd>(
+        &mut self,
+        simd: S,
+        rays: &RayPacket,
+        surfaces: &SurfacePacket,
+        Media { from, into, transmitted, fresnel }: &Media,
+        clear: u32,
+    ) {
+        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+        let mut mirrored = Numbers::splat(0.0);
+        for half in 0..2 {
+            if half_of(clear, half) == 0 {
+                continue;
+            }
+            let (from, into) = (from.load(simd, half), into.load(simd, half));
+            let direction = rays.directions.load(simd, half);
+            let length = dot(direction, direction).sqrt();
+            let unit = [direction[0] / length, direction[1] / length, direction[2] / length];
+            let normal = facing_normals(simd, surfaces, half);
+            let cosine = -dot(unit, normal);
+            let cosine = cosine.simd_lt(zero).select(zero, cosine);
+            let cosine = cosine.simd_gt(one).select(one, cosine);
+            let (bent, passes) = transmitted_cosine(simd, (from, into), cosine);
+            let share = reflectance((from, into), cosine, bent);
+            let by_fresnel = mask(simd, *fresnel, half).select(share, zero);
+            let same = from.simd_eq(into);
+            mirrored.store(half, same.select(zero, passes.select(by_fresnel, one)));
+            let ratio = from / into;
+            let refracted = add(times(unit, ratio), times(normal, ratio * cosine - bent));
+            for axis in 0..3 {
+                let along = same.select(direction[axis], refracted[axis]);
+                self.directions.axis_mut(axis).store(half, along);
+            }
+            let usual =
+                same | (moderate(simd, cosine) & moderate(simd, from * from) & moderate(simd, into * into));
+            let here = clear & half_lanes(half);
+            self.unusual |= here & !bits(usual, half);
+            self.refracted |= here & bits(usual & (same | passes), half);
+        }
+        let transmitted = f32x16::load_array_ref(simd, transmitted);
+        let rest = [one - mirrored.load(simd, 0), one - mirrored.load(simd, 1)];
+        let reflected = f32x16::load_array_ref(simd, &self.reflected);
+        (reflected + transmitted * mirrored.rounded(simd)).store_array(&mut self.reflected);
+        (transmitted * rest[0].narrow(rest[1])).store_array(&mut self.transmitted);
+    }
+}
+
+/// `Boundary::transmitted_cosine`, and where light passes.
+#[inline(always)]
+fn transmitted_cosine<S: Simd>(
+    simd: S,
+    (from, into): (F64s<S>, F64s<S>),
+    cosine: F64s<S>,
+) -> (F64s<S>, Mask<S>) {
+    let one = DoubleLanes { high: splat(simd, 1.0), low: splat(simd, 0.0) };
+    let squared_sine = one - DoubleLanes::product(cosine, cosine);
+    let bent = DoubleLanes::product(from, from) * squared_sine;
+    let rest = (DoubleLanes::product(into, into) - bent).high;
+    (rest.sqrt() / into, rest.simd_ge(splat(simd, 0.0)))
+}
+
+/// `Boundary::reflectance`, where light passes at an angle with the second cosine.
+#[inline(always)]
+fn reflectance<S: Simd>((from, into): (F64s<S>, F64s<S>), cosine: F64s<S>, bent: F64s<S>) -> F64s<S> {
+    let across = squared_ratio(from * cosine, into * bent);
+    let along = squared_ratio(from * bent, into * cosine);
+    (across + along) * 0.5
+}
+
+#[inline(always)]
+fn squared_ratio<S: Simd>(one: F64s<S>, other: F64s<S>) -> F64s<S> {
+    let share = (one - other) / (one + other);
+    share * share
+}

@@ -1,0 +1,133 @@
+//! How much of a light arrives at sixteen points, and the highlights there: the operations of [`intensity`](super::shading::intensity)
+//! and [`specular`](super::shading::specular), in their order.
+
+use fearless_simd::{f32x16, prelude::*};
+
+use super::proposal_packet::{LitPacket, ProposalPacket, facing_normals};
+use crate::color::Rgb;
+use crate::trace::effects::Effects;
+use crate::trace::math::{F64s, F64s3, LANES, Numbers, dot_lanes as dot, half_of, lanes, pow, splat, splat3};
+use crate::trace::scene::{Cone, Falloff, Light, LightSource, PreparedScene};
+
+/// Returns how much of a light arrives in the lanes of proposals, whose directions have these lengths.
+#[inline(always)]
+pub(super) fn intensities<S: Simd>(
+    simd: S,
+    effects: Effects,
+    light: &Light,
+    lengths: &Numbers,
+    proposals: &ProposalPacket,
+) -> [f32x16<S>; 3] {
+    let Rgb { x, y, z } = light.intensity;
+    let mut intensity = [f32x16::splat(simd, x), f32x16::splat(simd, y), f32x16::splat(simd, z)];
+    if !effects.extras {
+        return intensity;
+    }
+    let mut shares = Numbers::splat(1.0);
+    if let LightSource::Spot(_, cone) = &light.source {
+        let axis = splat3(simd, cone.axis);
+        for half in 0..2 {
+            let along = dot(axis, proposals.rays.directions.load(simd, half));
+            shares.store(half, in_cone(simd, cone, -along / lengths.load(simd, half)));
+        }
+        intensity = dimmed(simd, intensity, &shares);
+    }
+    if let Some(falloff) = &light.falloff {
+        for half in 0..2 {
+            let distance = lengths.load(simd, half) * proposals.limits.load(simd, half);
+            shares.store(half, after(simd, falloff, distance));
+        }
+        intensity = dimmed(simd, intensity, &shares);
+    }
+    intensity
+}
+
+/// Some times the intensity, never more than a number can hold.
+#[inline(always)]
+fn dimmed<S: Simd>(simd: S, mut intensity: [f32x16<S>; 3], shares: &Numbers) -> [f32x16<S>; 3] {
+    let share = held(simd, shares.load(simd, 0)).narrow(held(simd, shares.load(simd, 1)));
+    let most = f32x16::splat(simd, f32::MAX);
+    for channel in &mut intensity {
+        let dimmed = *channel * share;
+        *channel = dimmed.simd_lt(most).select(dimmed, most);
+    }
+    intensity
+}
+
+/// At most what an `f32` can hold.
+#[inline(always)]
+fn held<S: Simd>(simd: S, number: F64s<S>) -> F64s<S> {
+    let most = splat(simd, f64::from(f32::MAX));
+    number.simd_lt(most).select(number, most)
+}
+
+/// [`Cone::at`].
+#[inline(always)]
+fn in_cone<S: Simd>(simd: S, cone: &Cone, cosine: F64s<S>) -> F64s<S> {
+    let x = (cosine - cone.outer) / (cone.inner - cone.outer);
+    let between = x * x * (splat(simd, 3.0) - x * 2.0);
+    let outside = cosine.simd_gt(splat(simd, cone.outer)).select(between, splat(simd, 0.0));
+    cosine.simd_ge(splat(simd, cone.inner)).select(splat(simd, 1.0), outside)
+}
+
+/// [`Falloff::at`].
+#[inline(always)]
+fn after<S: Simd>(simd: S, falloff: &Falloff, distance: F64s<S>) -> F64s<S> {
+    let farthest = splat(simd, f64::MAX);
+    let distance = distance.simd_lt(farthest).select(distance, farthest);
+    let weakened = distance * (distance * falloff.quadratic + falloff.linear) + falloff.constant;
+    splat(simd, 1.0) / weakened
+}
+
+/// Adds highlights to the colours of proposals.
+#[inline(always)]
+pub(super) fn add_highlights<S: Simd>(
+    simd: S,
+    scene: &PreparedScene,
+    lit: &LitPacket<'_>,
+    intensity: [f32x16<S>; 3],
+    proposals: &mut ProposalPacket,
+) {
+    let asked = lit.shiny & proposals.lanes & !proposals.from_behind;
+    if asked == 0 {
+        return;
+    }
+    let (mut coefficients, mut exponents) = ([0.0; LANES], [0.0; LANES]);
+    for lane in lanes(asked) {
+        let Some(id) = lit.hits.ids.get(lane) else { continue };
+        let material = scene.material(id);
+        (coefficients[lane], exponents[lane]) = (material.specular, f64::from(material.shininess));
+    }
+    let exponents = Numbers::new(&exponents);
+    let mut shares = Numbers::splat(0.0);
+    for half in 0..2 {
+        if half_of(asked, half) == 0 {
+            continue;
+        }
+        let [x, y, z] = lit.rays.directions.load(simd, half);
+        let to_light = proposals.rays.directions.load(simd, half);
+        let cosine = half_cosine(simd, facing_normals(simd, lit.surfaces, half), to_light, [-x, -y, -z]);
+        shares.store(half, pow(cosine, exponents.load(simd, half)));
+    }
+    let share = f32x16::load_array_ref(simd, &coefficients) * shares.rounded(simd);
+    let mut colors = proposals.colors.load(simd);
+    for (color, intensity) in colors.iter_mut().zip(intensity) {
+        *color += intensity * share;
+    }
+    proposals.colors.store(colors);
+}
+
+/// max(0, N.H), at most 1, for the half vector H between two directions of any length but zero.
+#[inline(always)]
+fn half_cosine<S: Simd>(simd: S, normal: F64s3<S>, to_light: F64s3<S>, back: F64s3<S>) -> F64s<S> {
+    let (light_length, back_length) = (dot(to_light, to_light).sqrt(), dot(back, back).sqrt());
+    let mut between = to_light;
+    for axis in 0..3 {
+        between[axis] = to_light[axis] / light_length + back[axis] / back_length;
+    }
+    let cosine = dot(normal, between) / dot(between, between).sqrt();
+    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+    // Opposite directions have nothing between them.
+    let held = cosine.simd_lt(one).select(cosine, one);
+    cosine.simd_gt(zero).select(held, zero)
+}

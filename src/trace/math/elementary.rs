@@ -1,0 +1,270 @@
+//! Exponentials, powers, sines and cosines as one sequence of basic operations: the same for a number as for lanes of them, and with
+//! the same bits on every machine.
+//!
+//! They are right to 2^-44 of themselves, as far as that is a normal `f32`: what they say is rounded to one, or places a sample.
+//! Taylor's series do, of what is left after powers of two are taken out.
+
+use std::f64::consts::{FRAC_1_SQRT_2, LN_2, LOG2_E};
+use std::ops::{Add, Div, Mul, Sub};
+
+use fearless_simd::{prelude::*, u64x8};
+
+use super::lanes::{F64s, splat};
+
+/// A number, or one in each of half of the lanes.
+pub(crate) trait Real:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+{
+    /// The same number, or in each lane.
+    fn of(self, number: f64) -> Self;
+
+    /// One number where this is less than a bound, else the other.
+    fn if_less(self, bound: Self, one: Self, other: Self) -> Self;
+
+    /// Without its sign.
+    fn abs(self) -> Self;
+
+    /// 2^self, of a whole number in -1022..=1023.
+    fn power_of_two(self) -> Self;
+
+    /// m and e of m 2^e, with m from the root of 1/2 up to that of 2, of a normal number greater than zero.
+    fn mantissa_and_exponent(self) -> (Self, Self);
+}
+
+/// 2^52, from which on numbers are whole, and one and a half times that, near which all are equally far apart.
+const WHOLE: f64 = 4_503_599_627_370_496.0;
+const ROUNDER: f64 = 1.5 * WHOLE;
+
+/// The bits of the root of 1/2, from which on exponents are counted, and what is added to them so that they are not negative.
+const ROOT: u64 = FRAC_1_SQRT_2.to_bits();
+const BIAS: u64 = 1024;
+const UNBIAS: f64 = WHOLE + 1024.0;
+
+/// How many bits a mantissa has, and which.
+const MANTISSA: u32 = f64::MANTISSA_DIGITS - 1;
+const MANTISSA_BITS: u64 = (1 << MANTISSA) - 1;
+
+impl Real for f64 {
+    #[inline(always)]
+    fn of(self, number: f64) -> Self {
+        number
+    }
+
+    #[inline(always)]
+    fn if_less(self, bound: Self, one: Self, other: Self) -> Self {
+        if self < bound { one } else { other }
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self::abs(self)
+    }
+
+    #[inline(always)]
+    fn power_of_two(self) -> Self {
+        Self::from_bits((self + (ROUNDER + 1023.0)).to_bits() << MANTISSA)
+    }
+
+    #[inline(always)]
+    fn mantissa_and_exponent(self) -> (Self, Self) {
+        let above = self.to_bits().wrapping_add((BIAS << MANTISSA).wrapping_sub(ROOT));
+        let mantissa = Self::from_bits((above & MANTISSA_BITS) + ROOT);
+        (mantissa, Self::from_bits(above >> MANTISSA | WHOLE.to_bits()) - UNBIAS)
+    }
+}
+
+impl<S: Simd> Real for F64s<S> {
+    #[inline(always)]
+    fn of(self, number: f64) -> Self {
+        splat(self.simd, number)
+    }
+
+    #[inline(always)]
+    fn if_less(self, bound: Self, one: Self, other: Self) -> Self {
+        self.simd_lt(bound).select(one, other)
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.simd.abs_f64x8(self)
+    }
+
+    #[inline(always)]
+    fn power_of_two(self) -> Self {
+        let bits: u64x8<S> = (self + (ROUNDER + 1023.0)).bitcast();
+        (bits << MANTISSA).bitcast()
+    }
+
+    #[inline(always)]
+    fn mantissa_and_exponent(self) -> (Self, Self) {
+        let (simd, bits): (S, u64x8<S>) = (self.simd, self.bitcast());
+        let above = bits + u64x8::splat(simd, (BIAS << MANTISSA).wrapping_sub(ROOT));
+        let mantissa = (above & u64x8::splat(simd, MANTISSA_BITS)) + u64x8::splat(simd, ROOT);
+        let exponent: Self = ((above >> MANTISSA) | u64x8::splat(simd, WHOLE.to_bits())).bitcast();
+        let mantissa: Self = mantissa.bitcast();
+        (mantissa, exponent - UNBIAS)
+    }
+}
+
+/// e^x, for x up to 700; 0 for what is less than -700.
+#[inline(always)]
+pub(crate) fn exp<R: Real>(x: R) -> R {
+    let power = (x * LOG2_E + ROUNDER) - ROUNDER;
+    let rest = (x - power * LN_2_HIGH) - power * LN_2_LOW;
+    x.if_less(x.of(-700.0), x.of(0.0), series(rest, &EXP) * power.power_of_two())
+}
+
+/// ln x, of a normal number greater than zero.
+#[inline(always)]
+fn ln<R: Real>(x: R) -> R {
+    let (mantissa, exponent) = x.mantissa_and_exponent();
+    // ln m = 2 artanh f.
+    let f = (mantissa - 1.0) / (mantissa + 1.0);
+    let of_mantissa = f * series(f * f, &ARTANH) * 2.0;
+    (of_mantissa + exponent * LN_2_LOW) + exponent * LN_2_HIGH
+}
+
+/// x^y, for x in 0..=1 and y from 0 up. What is smaller than normal numbers counts as zero.
+#[inline(always)]
+pub(crate) fn pow<R: Real>(x: R, y: R) -> R {
+    let of_zero = y.if_less(y.of(f64::MIN_POSITIVE), y.of(1.0), y.of(0.0));
+    x.if_less(x.of(f64::MIN_POSITIVE), of_zero, exp(y * ln(x)))
+}
+
+/// The sine and the cosine of an angle within an eighth of a turn to either side, radians.
+#[inline(always)]
+pub(crate) fn sine_and_cosine<R: Real>(angle: R) -> (R, R) {
+    let square = angle * angle;
+    (angle * series(square, &SINE), series(square, &COSINE))
+}
+
+/// The sum of coefficients times powers of a number: those of even and of odd powers for themselves, as they do not wait for each
+/// other.
+#[inline(always)]
+fn series<R: Real, const N: usize>(x: R, coefficients: &[f64; N]) -> R {
+    let square = x * x;
+    let (mut even, mut odd) = (x.of(0.0), x.of(0.0));
+    for index in (0..N).rev() {
+        let sum = if index % 2 == 0 { &mut even } else { &mut odd };
+        *sum = *sum * square + coefficients[index];
+    }
+    even + x * odd
+}
+
+/// The first 32 bits of the logarithm of 2, and the others: products of the first with whole numbers up to 2^20 are exact.
+const LN_2_HIGH: f64 = f64::from_bits(LN_2.to_bits() & !0x1f_ffff);
+const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
+
+/// 1 / k!
+const EXP: [f64; 14] = inverse_factorials(0, 1, 1.0);
+/// The sine's over the angle, and the cosine's, of the angle's square: (-1)^k / (2k + 1)! and (-1)^k / (2k)!.
+const SINE: [f64; 9] = inverse_factorials(1, 2, -1.0);
+const COSINE: [f64; 9] = inverse_factorials(0, 2, -1.0);
+/// The area hyperbolic tangent's over the number, of the number's square: 1 / (2k + 1).
+const ARTANH: [f64; 11] = {
+    let mut coefficients = [1.0; 11];
+    let (mut index, mut divisor) = (0, 1.0);
+    while index < coefficients.len() {
+        coefficients[index] = 1.0 / divisor;
+        divisor += 2.0;
+        index += 1;
+    }
+    coefficients
+};
+
+/// sign^k / (first + step k)!
+const fn inverse_factorials<const N: usize>(first: u32, step: u32, sign: f64) -> [f64; N] {
+    let mut coefficients = [1.0; N];
+    // Of a number that is 0 or 1.
+    let (mut index, mut number, mut factorial) = (1, first as f64, 1.0);
+    while index < N {
+        let mut steps = 0;
+        while steps < step {
+            number += 1.0;
+            factorial *= number;
+            steps += 1;
+        }
+        factorial *= sign;
+        coefficients[index] = 1.0 / factorial;
+        index += 1;
+    }
+    coefficients
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_4;
+
+    use fearless_simd::dispatch;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::trace::math::{Numbers, SimdLevel};
+
+    /// 2^-44
+    const CLOSE: f64 = 5.7e-14;
+
+    /// Whether two numbers differ by no more of themselves than is said above, or by less than an `f32` can be.
+    fn close(found: f64, expected: f64) -> bool {
+        (found - expected).abs() <= CLOSE * expected.abs() + 1e-46
+    }
+
+    /// What a function says of eight numbers at once, at every level.
+    macro_rules! in_lanes {
+        ($function:expr, $($number:expr),+) => {{
+            SimdLevel::all().into_iter().map(|(_, level)| dispatch!(level.level(), simd => {
+                let found = $function($(splat(simd, $number)),+);
+                let mut numbers = Numbers::splat(0.0);
+                numbers.store(0, found);
+                (0..8).map(|lane| numbers.get(lane)).collect::<Vec<f64>>()
+            })).collect::<Vec<_>>()
+        }};
+    }
+
+    fn all_are(found: &[Vec<f64>], expected: f64) -> bool {
+        found.iter().flatten().all(|number| number.to_bits() == expected.to_bits())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+        #[test]
+        fn they_are_what_they_are_called(
+            x in prop_oneof![0.0..=1.0_f64, (0.0..1e-6_f64).prop_map(|below| 1.0 - below), (-300.0..0.0_f64).prop_map(libm::exp10)],
+            y in prop_oneof![0.0..4.0_f64, 0.0..1000.0_f64, 0.0..1e9_f64],
+            way in prop_oneof![-3.0..0.0_f64, -800.0..700.0_f64],
+            angle in -FRAC_PI_4..FRAC_PI_4,
+        ) {
+            let power = pow(x, y);
+            prop_assert!(close(power, libm::pow(x, y)), "{power:e} {:e}", libm::pow(x, y));
+            prop_assert!(close(exp(way), libm::exp(way)), "{:e} {:e}", exp(way), libm::exp(way));
+            let (sine, cosine) = sine_and_cosine(angle);
+            prop_assert!((sine - libm::sin(angle)).abs() < 4e-16 && (cosine - libm::cos(angle)).abs() < 4e-16);
+            prop_assert!(all_are(&in_lanes!(pow, x, y), power));
+            prop_assert!(all_are(&in_lanes!(exp, way), exp(way)));
+            let both = sine + cosine;
+            let found = in_lanes!(|angle| { let (sine, cosine) = sine_and_cosine(angle); sine + cosine }, angle);
+            prop_assert!(all_are(&found, both));
+        }
+    }
+
+    #[test]
+    fn ends_are_exact() {
+        for (x, y, expected) in
+            [(0.0, 0.0, 1.0), (0.0, 1e-30, 0.0), (1.0, 1e30, 1.0), (0.5, 0.0, 1.0), (0.5, f64::MAX, 0.0)]
+        {
+            assert_eq!(pow(x, y), expected, "{x}^{y}");
+        }
+        for (x, expected) in [(0.0, 1.0), (-0.0, 1.0), (f64::NEG_INFINITY, 0.0), (-701.0, 0.0)] {
+            assert_eq!(exp(x), expected, "e^{x}");
+        }
+        assert_eq!(sine_and_cosine(0.0), (0.0, 1.0));
+    }
+}

@@ -1,0 +1,133 @@
+//! The samples of sixteen pixels: [`PixelSamples::pair`] in every lane.
+
+use fearless_simd::{prelude::*, u32x16, u64x8};
+
+use super::lanes::{F64s, LANES, Numbers};
+use super::sampling::{Dimension, PixelSamples, ScramblingKeys};
+
+/// With what a dimension's points are shuffled and scrambled, lane by lane. They are the same for all samples of a pixel.
+#[derive(Clone, Debug)]
+pub(crate) struct SampleKeys {
+    order: KeyPacket,
+    first: KeyPacket,
+    second: KeyPacket,
+}
+
+/// A key of every lane.
+#[derive(Clone, Debug)]
+struct KeyPacket {
+    /// What is added to the digits.
+    summands: [u32; LANES],
+    /// By what they are multiplied, an odd number.
+    factors: [u32; LANES],
+}
+
+impl SampleKeys {
+    /// Of pixels without samples.
+    pub(crate) const NONE: Self = {
+        let none = KeyPacket { summands: [0; LANES], factors: [1; LANES] };
+        Self { order: KeyPacket { ..none }, first: KeyPacket { ..none }, second: KeyPacket { ..none } }
+    };
+
+    /// Sets what the points of a dimension are shuffled and scrambled with in a lane.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, lane: usize, samples: &PixelSamples, dimension: Dimension) {
+        let ScramblingKeys { order, first, second } = samples.keys(dimension);
+        for (packet, key) in [(&mut self.order, order), (&mut self.first, first), (&mut self.second, second)]
+        {
+            (packet.summands[lane % LANES], packet.factors[lane % LANES]) = (key.summand(), key.factor());
+        }
+    }
+
+    /// Returns two numbers in 0..1 in every lane: point `index` of each sequence.
+    #[inline(always)]
+    pub(crate) fn pairs<S: Simd>(&self, simd: S, index: u32) -> [Numbers; 2] {
+        let digits = u32x16::splat(simd, index.reverse_bits());
+        let index = reversed(simd, self.order.scrambled(simd, digits));
+        let second = pascal(simd, index);
+        [units(simd, self.first.scrambled(simd, index)), units(simd, self.second.scrambled(simd, second))]
+    }
+}
+
+impl KeyPacket {
+    /// Owen's scrambling of digits that are given in reverse.
+    #[inline(always)]
+    fn scrambled<S: Simd>(&self, simd: S, digits: u32x16<S>) -> u32x16<S> {
+        let digits = digits + u32x16::load_array_ref(simd, &self.summands);
+        let digits = folded(folded(digits, 0x6c50_b47c), 0xb82f_1e52);
+        let digits = digits * u32x16::load_array_ref(simd, &self.factors);
+        folded(folded(digits, 0xc7af_e638), 0x8d22_f6e6)
+    }
+}
+
+#[inline(always)]
+fn folded<S: Simd>(digits: u32x16<S>, even: u32) -> u32x16<S> {
+    digits ^ (digits * even)
+}
+
+#[inline(always)]
+fn pascal<S: Simd>(simd: S, mut digits: u32x16<S>) -> u32x16<S> {
+    for (by, kept) in
+        [(1, 0x5555_5555), (2, 0x3333_3333), (4, 0x0f0f_0f0f), (8, 0x00ff_00ff), (16, 0x0000_ffff)]
+    {
+        digits = digits ^ ((digits >> by) & u32x16::splat(simd, kept));
+    }
+    digits
+}
+
+#[inline(always)]
+fn reversed<S: Simd>(simd: S, mut digits: u32x16<S>) -> u32x16<S> {
+    for (by, kept) in [(1, 0x5555_5555), (2, 0x3333_3333), (4, 0x0f0f_0f0f), (8, 0x00ff_00ff)] {
+        let kept = u32x16::splat(simd, kept);
+        digits = ((digits >> by) & kept) | ((digits & kept) << by);
+    }
+    (digits >> 16) | (digits << 16)
+}
+
+/// Digits in reverse as fractions. Exact: 2^52 and a whole number is its bits and that number's.
+#[inline(always)]
+fn units<S: Simd>(simd: S, digits: u32x16<S>) -> Numbers {
+    const WHOLE: f64 = 4_503_599_627_370_496.0;
+    let (first, second) = reversed(simd, digits).widen();
+    let mut numbers = Numbers::splat(0.0);
+    for (half, digits) in [first, second].into_iter().enumerate() {
+        let number: F64s<S> = (digits | u64x8::splat(simd, WHOLE.to_bits())).bitcast();
+        numbers.store(half, (number - WHOLE) * (1.0 / 4_294_967_296.0));
+    }
+    numbers
+}
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::dispatch;
+
+    use super::*;
+    use crate::trace::math::SimdLevel;
+
+    #[test]
+    fn lanes_have_the_numbers_of_their_pixels() {
+        for (name, level) in SimdLevel::all() {
+            for index in (0..40).chain([1 << 20, 0x8000_0001, u32::MAX]) {
+                let mut keys = SampleKeys::NONE;
+                let dimension = |lane: u32| match lane % 3 {
+                    0 => Dimension::Pixel,
+                    1 => Dimension::Lens,
+                    _ => Dimension::Light { light: lane, path: u64::from(lane) * 7 },
+                };
+                let samples = |lane: u32| PixelSamples::new(u64::from(index) * 3, lane * 5, index % 77);
+                for (lane, number) in (0..LANES).zip(0..) {
+                    keys.set(lane, &samples(number), dimension(number));
+                }
+                let [first, second] = dispatch!(level.level(), simd => keys.pairs(simd, index));
+                for (lane, number) in (0..LANES).zip(0..) {
+                    let found = [first.get(lane), second.get(lane)];
+                    assert_eq!(
+                        found,
+                        samples(number).pair(dimension(number), index),
+                        "{name}, {index}, {lane}"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! Images of spheres and of boxes under affine maps.
+
+use fearless_simd::prelude::*;
+use glam::DVec3;
+
+use super::points::{Inexact, Points, newton_step};
+use crate::trace::math::{
+    CompensatedLanes, DoubleLanes, F64s3, Mask, dot_lanes as dot, moderate, moderate3, select3, splat,
+    splat3, times, two_sum,
+};
+use crate::trace::packet::leaves::{Rays, image_of};
+use crate::trace::packet::slabs::{Crossings, FaceLanes};
+use crate::trace::scene::ShapeRef;
+use crate::trace::shapes::{BoxImage, SphereImage};
+
+/// Refines hits of an image, where the mask is true for rays that come from inside; `None` of other shapes.
+#[inline(always)]
+pub(super) fn refine<S: Simd>(
+    simd: S,
+    inexact: &Inexact<S>,
+    shape: ShapeRef<'_>,
+    far: Mask<S>,
+) -> Option<Points<S>> {
+    match shape {
+        ShapeRef::SphereImage(image) => Some(sphere_image(simd, inexact, image)),
+        ShapeRef::BoxImage(image) => Some(box_image(simd, inexact, image, far)),
+        ShapeRef::Sphere(_) | ShapeRef::Plane(_) | ShapeRef::AlignedBox(_) => None,
+    }
+}
+
+/// `SphereImage::refine`.
+#[inline(always)]
+fn sphere_image<S: Simd>(simd: S, inexact: &Inexact<S>, image: &SphereImage) -> Points<S> {
+    let Inexact { origin, direction, t } = *inexact;
+    let (translation, inverse) = image.back();
+    let place = CompensatedLanes::along(origin, direction, t);
+    let from_translation = place.minus(splat3(simd, translation));
+    let mut found = moderate3(simd, from_translation.rounded());
+    let zero = splat(simd, 0.0);
+    let mut own = [DoubleLanes { high: zero, low: zero }; 3];
+    for (own, row) in own.iter_mut().zip(image.exact_inverse()) {
+        let (high, low) = (splat3(simd, row.rounded()), splat3(simd, row.rest()));
+        found &= moderate3(simd, high);
+        *own = from_translation.dot_exact(high, low);
+    }
+    let own = CompensatedLanes::from(own);
+    found &= moderate3(simd, own.rounded()) & moderate(simd, splat(simd, image.radius()));
+    let way = image_of(simd, inverse, direction);
+    let slope = dot(own.rounded(), way) * 2.0;
+    let step = newton_step(simd, own.beyond(splat(simd, image.radius())), slope);
+    let normal = image_of(simd, &inverse.transpose(), own.moved(times(way, step)));
+    let reciprocal = splat(simd, 1.0) / dot(normal, normal).sqrt();
+    found &= reciprocal.simd_lt(splat(simd, f64::INFINITY)) & reciprocal.simd_gt(zero);
+    let (t, rest) = two_sum(t, step);
+    Points { t, rest, point: place.moved(times(direction, step)), normal: times(normal, reciprocal), found }
+}
+
+/// `BoxImage::refine`, where the mask is true for rays that come from inside.
+#[inline(always)]
+fn box_image<S: Simd>(simd: S, inexact: &Inexact<S>, image: &BoxImage, far: Mask<S>) -> Points<S> {
+    let Inexact { origin, direction, t } = *inexact;
+    let FaceLanes { at, upper, certain } =
+        Crossings::new(simd, &Rays { origin, direction }, image).faces(t, far);
+    let [x, y, z] = image.slabs();
+    let row = of_axis(simd, at, [x.0, y.0, z.0]);
+    let [low, high, _] = of_axis(simd, at, [x.1, y.1, z.1].map(|[low, high]| DVec3::new(low, high, 0.0)));
+    let normal = of_axis(simd, at, *image.normals());
+    let offset = upper.select(high, low);
+    let place = CompensatedLanes::along(origin, direction, t);
+    let found = certain & moderate3(simd, place.rounded()) & moderate3(simd, row);
+    let height = place.dot_double(row) - DoubleLanes { high: offset, low: splat(simd, 0.0) };
+    let step = newton_step(simd, height.high, dot(row, direction));
+    let (t, rest) = two_sum(t, step);
+    let [x, y, z] = normal;
+    let normal: F64s3<S> = select3(upper, normal, [-x, -y, -z]);
+    Points { t, rest, point: place.moved(times(direction, step)), normal, found }
+}
+
+/// What belongs to the axis at which each ray is.
+#[inline(always)]
+fn of_axis<S: Simd>(simd: S, at: [Mask<S>; 3], [x, y, z]: [DVec3; 3]) -> F64s3<S> {
+    select3(at[0], splat3(simd, x), select3(at[1], splat3(simd, y), splat3(simd, z)))
+}

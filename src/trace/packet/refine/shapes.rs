@@ -1,0 +1,201 @@
+//! What the shapes are that rays have met, lane by lane.
+
+use fearless_simd::prelude::*;
+use glam::DVec3;
+
+use crate::trace::math::{F64s, F64s3, Mask, Numbers, Vectors, lanes, moderate, moderate3, splat, splat3};
+use crate::trace::rays::{ShapeId, ShapeIds};
+use crate::trace::scene::{Geometry, Kind, Location};
+use crate::trace::shapes::{AlignedBox, Sphere};
+
+/// What a shape is made of.
+#[derive(Clone, Copy)]
+pub(super) struct Shape {
+    pub(super) kind: Kind,
+    /// A sphere's centre, a plane's point, or the lower corner of a box.
+    place: DVec3,
+    /// A plane's normal, or the upper corner of a box.
+    other: DVec3,
+    /// A plane's unit normal.
+    unit: DVec3,
+    radius: f64,
+}
+
+/// Shapes in lanes.
+pub(super) trait Shapes {
+    /// Lanes that have a shape of a kind; those of images of either kind.
+    fn lanes_of(&self, kind: Kind) -> u32;
+    fn places<S: Simd>(&self, simd: S, half: usize) -> F64s3<S>;
+    fn others<S: Simd>(&self, simd: S, half: usize) -> F64s3<S>;
+    fn units<S: Simd>(&self, simd: S, half: usize) -> F64s3<S>;
+    fn radii<S: Simd>(&self, simd: S, half: usize) -> F64s<S>;
+    /// Says where radii and normals are [`moderate`].
+    fn moderate<S: Simd>(&self, simd: S, half: usize) -> Mask<S>;
+}
+
+/// The same shape in some lanes.
+pub(super) struct OneShape {
+    shape: Shape,
+    lanes: u32,
+    moderate: bool,
+}
+
+/// A shape of its own in each lane.
+pub(super) struct ManyShapes {
+    places: Vectors,
+    others: Vectors,
+    units: Vectors,
+    radii: Numbers,
+    spheres: u32,
+    planes: u32,
+    boxes: u32,
+    images: u32,
+}
+
+impl Shape {
+    /// Of an image nothing but that it is one.
+    #[inline(always)]
+    pub(super) fn of(geometry: &Geometry, id: ShapeId) -> Self {
+        let Location { kind, index } = geometry.locations[id.index()];
+        let index = index as usize;
+        let none = Self { kind, place: DVec3::ZERO, other: DVec3::ONE, unit: DVec3::Y, radius: 1.0 };
+        match kind {
+            Kind::Sphere => {
+                let Sphere { center, radius } = geometry.spheres[index];
+                Self { place: center, radius, ..none }
+            }
+            Kind::Plane => {
+                let plane = &geometry.planes[index];
+                let (place, other, unit) = (plane.point(), plane.normal(), plane.unit_normal());
+                Self { place, other, unit, ..none }
+            }
+            Kind::AlignedBox => {
+                let AlignedBox { min, max } = geometry.boxes[index];
+                Self { place: min, other: max, ..none }
+            }
+            Kind::SphereImage | Kind::BoxImage => none,
+        }
+    }
+}
+
+impl OneShape {
+    #[inline(always)]
+    pub(super) fn new<S: Simd>(simd: S, shape: Shape, lanes: u32) -> Self {
+        let numbers = moderate3(simd, splat3(simd, shape.other)) & moderate(simd, splat(simd, shape.radius));
+        Self { shape, lanes, moderate: numbers.all_true() }
+    }
+}
+
+impl Shapes for OneShape {
+    #[inline(always)]
+    fn moderate<S: Simd>(&self, simd: S, _half: usize) -> Mask<S> {
+        Mask::<S>::from_bitmask(simd, if self.moderate { 0xff } else { 0 })
+    }
+
+    #[inline(always)]
+    fn lanes_of(&self, kind: Kind) -> u32 {
+        let same = match kind {
+            Kind::SphereImage | Kind::BoxImage => {
+                matches!(self.shape.kind, Kind::SphereImage | Kind::BoxImage)
+            }
+            _ => self.shape.kind == kind,
+        };
+        if same { self.lanes } else { 0 }
+    }
+
+    #[inline(always)]
+    fn places<S: Simd>(&self, simd: S, _half: usize) -> F64s3<S> {
+        splat3(simd, self.shape.place)
+    }
+
+    #[inline(always)]
+    fn others<S: Simd>(&self, simd: S, _half: usize) -> F64s3<S> {
+        splat3(simd, self.shape.other)
+    }
+
+    #[inline(always)]
+    fn units<S: Simd>(&self, simd: S, _half: usize) -> F64s3<S> {
+        splat3(simd, self.shape.unit)
+    }
+
+    #[inline(always)]
+    fn radii<S: Simd>(&self, simd: S, _half: usize) -> F64s<S> {
+        splat(simd, self.shape.radius)
+    }
+}
+
+impl ManyShapes {
+    #[inline(always)]
+    pub(super) fn gather(geometry: &Geometry, ids: &ShapeIds, asked: u32) -> Self {
+        let mut all = Self {
+            places: Vectors::splat(DVec3::ZERO),
+            others: Vectors::splat(DVec3::ONE),
+            units: Vectors::splat(DVec3::Y),
+            radii: Numbers::splat(1.0),
+            spheres: 0,
+            planes: 0,
+            boxes: 0,
+            images: 0,
+        };
+        for lane in lanes(asked) {
+            let Some(id) = ids.get(lane) else { continue };
+            let Shape { kind, place, other, unit, radius } = Shape::of(geometry, id);
+            all.places.set(lane, place);
+            let bit = 1 << lane;
+            match kind {
+                Kind::Sphere => {
+                    all.radii.set(lane, radius);
+                    all.spheres |= bit;
+                }
+                Kind::Plane => {
+                    all.others.set(lane, other);
+                    all.units.set(lane, unit);
+                    all.planes |= bit;
+                }
+                Kind::AlignedBox => {
+                    all.others.set(lane, other);
+                    all.boxes |= bit;
+                }
+                Kind::SphereImage | Kind::BoxImage => all.images |= bit,
+            }
+        }
+        all
+    }
+}
+
+impl Shapes for ManyShapes {
+    #[inline(always)]
+    fn moderate<S: Simd>(&self, simd: S, half: usize) -> Mask<S> {
+        moderate(simd, self.radii.load(simd, half)) & moderate3(simd, self.others.load(simd, half))
+    }
+
+    #[inline(always)]
+    fn lanes_of(&self, kind: Kind) -> u32 {
+        match kind {
+            Kind::Sphere => self.spheres,
+            Kind::Plane => self.planes,
+            Kind::AlignedBox => self.boxes,
+            Kind::SphereImage | Kind::BoxImage => self.images,
+        }
+    }
+
+    #[inline(always)]
+    fn places<S: Simd>(&self, simd: S, half: usize) -> F64s3<S> {
+        self.places.load(simd, half)
+    }
+
+    #[inline(always)]
+    fn others<S: Simd>(&self, simd: S, half: usize) -> F64s3<S> {
+        self.others.load(simd, half)
+    }
+
+    #[inline(always)]
+    fn units<S: Simd>(&self, simd: S, half: usize) -> F64s3<S> {
+        self.units.load(simd, half)
+    }
+
+    #[inline(always)]
+    fn radii<S: Simd>(&self, simd: S, half: usize) -> F64s<S> {
+        self.radii.load(simd, half)
+    }
+}

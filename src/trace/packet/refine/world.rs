@@ -1,0 +1,99 @@
+//! Spheres, planes and boxes as they are in the world.
+
+use fearless_simd::prelude::*;
+
+use super::points::{Inexact, Points, newton_step};
+use super::shapes::Shapes;
+use crate::trace::math::{
+    CompensatedLanes, DoubleLanes, F64s3, dot_lanes as dot, moderate, moderate3, quick_two_sum, splat, times,
+    two_sum,
+};
+use crate::trace::shapes::U;
+
+/// `Sphere::refine`.
+#[inline(always)]
+pub(super) fn spheres<S: Simd>(
+    simd: S,
+    inexact: &Inexact<S>,
+    shapes: &impl Shapes,
+    half: usize,
+) -> Points<S> {
+    let Inexact { origin, direction, t } = *inexact;
+    let place = CompensatedLanes::along(origin, direction, t);
+    let from_center = place.minus(shapes.places(simd, half));
+    let radius = shapes.radii(simd, half);
+    let moderate = shapes.moderate(simd, half) & moderate3(simd, from_center.rounded());
+    let slope = dot(from_center.rounded(), direction) * 2.0;
+    let step = newton_step(simd, from_center.beyond(radius), slope);
+    let way = times(direction, step);
+    let outwards = from_center.moved(way);
+    let reciprocal = splat(simd, 1.0) / dot(outwards, outwards).sqrt();
+    let zero = splat(simd, 0.0);
+    let found = moderate & reciprocal.simd_lt(splat(simd, f64::INFINITY)) & reciprocal.simd_gt(zero);
+    let (t, rest) = two_sum(t, step);
+    Points { t, rest, point: place.moved(way), normal: times(outwards, reciprocal), found }
+}
+
+/// `Plane::refine`.
+#[inline(always)]
+pub(super) fn planes<S: Simd>(simd: S, inexact: &Inexact<S>, shapes: &impl Shapes, half: usize) -> Points<S> {
+    let Inexact { origin, direction, t } = *inexact;
+    let normal = shapes.others(simd, half);
+    let place = CompensatedLanes::along(origin, direction, t);
+    let from_point = place.minus(shapes.places(simd, half));
+    let found = shapes.moderate(simd, half) & moderate3(simd, from_point.rounded());
+    let height = from_point.dot(normal);
+    let step = newton_step(simd, height, dot(direction, normal));
+    let (t, rest) = two_sum(t, step);
+    let point = place.moved(times(direction, step));
+    Points { t, rest, point, normal: shapes.units(simd, half), found }
+}
+
+/// `AlignedBox::refine`.
+#[inline(always)]
+pub(super) fn boxes<S: Simd>(simd: S, inexact: &Inexact<S>, shapes: &impl Shapes, half: usize) -> Points<S> {
+    /// Quotients of smaller numbers might lose digits.
+    const TINY: f64 = 1e-140;
+    let Inexact { origin, direction, t } = *inexact;
+    let (min, max) = (shapes.places(simd, half), shapes.others(simd, half));
+    // The only face whose plane the ray is on at `t`.
+    let none = t.simd_lt(t);
+    let (mut lower, mut upper) = ([none; 3], [none; 3]);
+    let (mut once, mut twice) = (none, none);
+    for axis in 0..3 {
+        let way = direction[axis] * t;
+        for (near, planes) in [(&mut lower, min), (&mut upper, max)] {
+            let to_plane = planes[axis] - origin[axis];
+            let size = to_plane.abs() + way.abs();
+            near[axis] = (to_plane - way).abs().simd_le(size * (16.0 * U));
+            twice |= once & near[axis];
+            once |= near[axis];
+        }
+    }
+    let at = [lower[0] | upper[0], lower[1] | upper[1], lower[2] | upper[2]];
+    let is_upper = upper[0] | upper[1] | upper[2];
+    let pick = |[x, y, z]: F64s3<S>| at[0].select(x, at[1].select(y, z));
+    let face = is_upper.select(pick(max), pick(min));
+    let (from, speed) = (pick(origin), pick(direction));
+    let found = once & !twice & speed.abs().simd_gt(splat(simd, TINY));
+    // The difference over the speed, in double-double.
+    let ahead = DoubleLanes::difference(face, from);
+    let first = ahead.high / speed;
+    let found = found & moderate(simd, first);
+    let zero = splat(simd, 0.0);
+    let left = ahead - DoubleLanes { high: speed, low: zero } * first;
+    let (t, rest) = quick_two_sum(first, left.high / speed);
+    let place = CompensatedLanes::along(origin, direction, t).moved(times(direction, rest));
+    // The step is along the parameter that the division found.
+    let found = found & moderate(simd, t);
+    let one = splat(simd, 1.0);
+    let sign = is_upper.select(one, -one);
+    let (mut point, mut normal) = (place, place);
+    for axis in 0..3 {
+        let clamped = place[axis].simd_gt(min[axis]).select(place[axis], min[axis]);
+        let clamped = clamped.simd_lt(max[axis]).select(clamped, max[axis]);
+        point[axis] = at[axis].select(face, clamped);
+        normal[axis] = at[axis].select(sign, zero);
+    }
+    Points { t, rest, point, normal, found }
+}

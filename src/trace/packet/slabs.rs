@@ -1,0 +1,215 @@
+//! Turned and sheared boxes against half of a packet's rays: three slabs, of which rays are known within bounds.
+
+use fearless_simd::prelude::*;
+
+use super::leaves::{Rays, Verdicts};
+use crate::trace::math::{F64s, F64s3, Mask, dot_lanes as dot, splat, splat3, subtract};
+use crate::trace::shapes::{AlignedBox, BoxImage, U};
+
+/// A `t` in each lane, and a bound of its error: [`Root`](crate::trace::math::Root).
+#[derive(Clone, Copy)]
+struct RootLanes<S: Simd> {
+    t: F64s<S>,
+    error: F64s<S>,
+}
+
+impl<S: Simd> RootLanes<S> {
+    #[inline(always)]
+    fn latest(&self) -> F64s<S> {
+        self.t + self.error
+    }
+
+    #[inline(always)]
+    fn earliest(&self) -> F64s<S> {
+        self.t - self.error
+    }
+
+    #[inline(always)]
+    fn select(mask: Mask<S>, one: Self, other: Self) -> Self {
+        Self { t: mask.select(one.t, other.t), error: mask.select(one.error, other.error) }
+    }
+
+    #[inline(always)]
+    fn later(self, other: Self) -> Self {
+        let (first, second) = self.ordered(other);
+        let apart = second.earliest().simd_gt(first.latest());
+        let larger = second.error.simd_gt(first.error) | apart;
+        Self { t: second.t, error: larger.select(second.error, first.error) }
+    }
+
+    #[inline(always)]
+    fn earlier(self, other: Self) -> Self {
+        let (first, second) = self.ordered(other);
+        let apart = second.earliest().simd_gt(first.latest());
+        let larger = first.error.simd_gt(second.error) | apart;
+        Self { t: first.t, error: larger.select(first.error, second.error) }
+    }
+
+    /// Both, the one with the smaller `t` first.
+    #[inline(always)]
+    fn ordered(self, other: Self) -> (Self, Self) {
+        let ordered = self.t.simd_lt(other.t);
+        (Self::select(ordered, self, other), Self::select(ordered, other, self))
+    }
+
+    /// This one or another one if that is later, with its own error.
+    #[inline(always)]
+    fn or_later(self, other: Self) -> Self {
+        Self::select(self.t.simd_lt(other.t), other, self)
+    }
+
+    #[inline(always)]
+    fn or_earlier(self, other: Self) -> Self {
+        Self::select(other.t.simd_lt(self.t), other, self)
+    }
+
+    #[inline(always)]
+    fn may_equal(&self, other: &Self) -> Mask<S> {
+        self.earliest().simd_le(other.latest()) & other.earliest().simd_le(self.latest())
+    }
+}
+
+/// Rays by their heights above the planes through a box's center that are parallel to its slabs, and where they enter and leave each
+/// slab.
+pub(super) struct Crossings<S: Simd> {
+    nears: [RootLanes<S>; 3],
+    fars: [RootLanes<S>; 3],
+    /// Where rays go towards larger coordinates.
+    upwards: [Mask<S>; 3],
+    /// Where a ray goes along a slab, or nearly so.
+    open: Mask<S>,
+}
+
+/// The face that a ray meets, where that is certain.
+pub(super) struct FaceLanes<S: Simd> {
+    /// Across which axis it is.
+    pub(super) at: [Mask<S>; 3],
+    pub(super) upper: Mask<S>,
+    pub(super) certain: Mask<S>,
+}
+
+/// Rays' heights above a plane, how fast those grow, and bounds of their errors.
+struct Height<S: Simd> {
+    o: F64s<S>,
+    d: F64s<S>,
+    o_error: F64s<S>,
+    d_error: F64s<S>,
+}
+
+impl<S: Simd> Height<S> {
+    /// Where they are as high as two planes.
+    #[inline(always)]
+    fn reach(&self, simd: S, [low, high]: [f64; 2]) -> (RootLanes<S>, RootLanes<S>) {
+        let inverse = splat(simd, 1.0) / self.d;
+        (self.meet(inverse, splat(simd, low)), self.meet(inverse, splat(simd, high)))
+    }
+
+    #[inline(always)]
+    fn meet(&self, inverse: F64s<S>, plane: F64s<S>) -> RootLanes<S> {
+        let t = (plane - self.o) * inverse;
+        let error = (self.o_error + t.abs() * self.d_error) * inverse.abs() * 1.01 + t.abs() * (8.0 * U);
+        RootLanes { t, error }
+    }
+}
+
+#[inline(always)]
+fn absolute<S: Simd>([x, y, z]: F64s3<S>) -> F64s3<S> {
+    [x.abs(), y.abs(), z.abs()]
+}
+
+impl<S: Simd> Crossings<S> {
+    /// Of rays with a box.
+    #[inline(always)]
+    pub(super) fn new(simd: S, rays: &Rays<S>, image: &BoxImage) -> Self {
+        let from_center = subtract(rays.origin, splat3(simd, image.center()));
+        let zero = splat(simd, 0.0);
+        let nothing = RootLanes { t: zero, error: zero };
+        let none = zero.simd_lt(zero);
+        let mut all = Self { nears: [nothing; 3], fars: [nothing; 3], upwards: [none; 3], open: none };
+        let AlignedBox { min, max } = image.near();
+        let (sizes, speeds) = (absolute(from_center), absolute(rays.direction));
+        for (axis, (row, _)) in image.slabs().into_iter().enumerate() {
+            let (exact, size) = (splat3(simd, row), splat3(simd, row.abs()));
+            let (o, d) = (dot(exact, from_center), dot(exact, rays.direction));
+            let o_error = dot(size, sizes) * (8.0 * U) + image.near_error()[axis];
+            let d_error = dot(size, speeds) * (8.0 * U);
+            let height = Height { o, d, o_error, d_error };
+            let (at_min, at_max) = height.reach(simd, [min[axis], max[axis]]);
+            let upwards = d.simd_gt(zero);
+            all.nears[axis] = RootLanes::select(upwards, at_min, at_max);
+            all.fars[axis] = RootLanes::select(upwards, at_max, at_min);
+            all.upwards[axis] = upwards;
+            all.open |= !d.abs().simd_gt(d_error * 1024.0);
+        }
+        all
+    }
+
+    #[inline(always)]
+    fn entry(&self) -> RootLanes<S> {
+        let [x, y, z] = self.nears;
+        x.later(y).later(z)
+    }
+
+    #[inline(always)]
+    fn exit(&self) -> RootLanes<S> {
+        let [x, y, z] = self.fars;
+        x.earlier(y).earlier(z)
+    }
+
+    /// Where rays meet the box: [`AlignedBox::first_crossing`].
+    #[inline(always)]
+    fn first(&self, simd: S) -> Verdicts<S> {
+        let (entry, exit) = (self.entry(), self.exit());
+        let zero = splat(simd, 0.0);
+        let missed = entry.earliest().simd_gt(exit.latest()) | exit.latest().simd_lt(zero);
+        let through = entry.latest().simd_lt(exit.earliest()) & !missed;
+        let enters = through & entry.earliest().simd_gt(zero);
+        let leaves = through & entry.latest().simd_lt(zero) & exit.earliest().simd_gt(zero);
+        let RootLanes { t, error } = RootLanes::select(enters, entry, exit);
+        let hit = (enters | leaves) & !self.open;
+        Verdicts { t, error, hit, open: self.open | !(missed | hit) }
+    }
+
+    /// Where rays come out of the box that they leave inwards: `AlignedBox::rough_exit`.
+    #[inline(always)]
+    fn last(&self, simd: S) -> Verdicts<S> {
+        let exit = self.exit();
+        let hit = exit.earliest().simd_gt(splat(simd, 0.0)) & !self.open;
+        Verdicts { t: exit.t, error: exit.error, hit, open: !hit }
+    }
+
+    /// The faces that rays meet at `t`, or at which they come out where they are `inside`: `AlignedBox::clear_face`.
+    #[inline(always)]
+    pub(super) fn faces(&self, t: F64s<S>, inside: Mask<S>) -> FaceLanes<S> {
+        let ([x, y, z], [far_x, far_y, far_z]) = (self.nears, self.fars);
+        let (entry, exit) = (x.or_later(y).or_later(z), far_x.or_earlier(far_y).or_earlier(far_z));
+        let enters = !inside & t.simd_le(entry.latest());
+        let chosen = RootLanes::select(enters, entry, exit);
+        let mut at = self.upwards;
+        for ((at, near), far) in at.iter_mut().zip(self.nears).zip(self.fars) {
+            *at = RootLanes::select(enters, near, far).may_equal(&chosen);
+        }
+        let rivals = (at[0] & at[1]) | (at[1] & at[2]) | (at[2] & at[0]);
+        let upwards = (at[0] & self.upwards[0]) | (at[1] & self.upwards[1]) | (at[2] & self.upwards[2]);
+        let upper = (enters & !upwards) | (!enters & upwards);
+        FaceLanes { at, upper, certain: (at[0] | at[1] | at[2]) & !rivals & !self.open }
+    }
+}
+
+/// Where rays meet a box: [`BoxImage::intersect`].
+#[inline(always)]
+pub(super) fn box_image<S: Simd>(simd: S, rays: &Rays<S>, image: &BoxImage) -> Verdicts<S> {
+    simd.vectorize(
+        #[inline(always)]
+        || Crossings::new(simd, rays, image).first(simd),
+    )
+}
+
+/// Where rays come out of a box that they leave inwards: [`BoxImage::exit`].
+#[inline(always)]
+pub(super) fn box_image_exit<S: Simd>(simd: S, rays: &Rays<S>, image: &BoxImage) -> Verdicts<S> {
+    simd.vectorize(
+        #[inline(always)]
+        || Crossings::new(simd, rays, image).last(simd),
+    )
+}

@@ -1,0 +1,226 @@
+//! Camera rays in packets: those of four by four pixels.
+
+use fearless_simd::prelude::*;
+use glam::DVec3;
+
+use super::{Camera, Lens};
+use crate::trace::math::{
+    Dimension, F64s, F64s3, LANES, Numbers, PixelSamples, SampleKeys, Sampling, Scaled, Vectors, add, bits,
+    finite3, half_lanes, lanes, on_disc, scaled_lanes, splat, splat3, subtract, times,
+};
+use crate::trace::rays::{Ray, RayPacket};
+
+/// Pixels along the sides of the square that a packet's rays go through.
+pub(crate) const SIDE: u32 = 4;
+
+/// The columns and rows of the lanes in it.
+const COLUMN: [u32; LANES] = [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3];
+const ROW: [u32; LANES] = [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3];
+const COLUMNS: Numbers = numbers(&COLUMN);
+const ROWS: Numbers = numbers(&ROW);
+
+/// Pixels of a packet's rays.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Square {
+    /// Column and row of the first, in the picture: multiples of four.
+    pub(crate) first: (u32, u32),
+    /// Columns and rows, up to four.
+    pub(crate) size: (u32, u32),
+}
+
+impl Square {
+    /// Returns the lanes that have a pixel, as a bit mask.
+    #[inline(always)]
+    pub(crate) fn lanes(&self) -> u32 {
+        if self.size == (SIDE, SIDE) {
+            return (1 << LANES) - 1;
+        }
+        (0..LANES).filter(|lane| self.has(*lane)).fold(0, |mask, lane| mask | 1 << lane)
+    }
+
+    fn has(&self, lane: usize) -> bool {
+        COLUMN[lane] < self.size.0 && ROW[lane] < self.size.1
+    }
+
+    /// Returns column and row of the pixel in a lane.
+    fn pixel(&self, lane: usize) -> (u32, u32) {
+        (self.first.0 + COLUMN[lane], self.first.1 + ROW[lane])
+    }
+}
+
+/// The centres of all pixels: what those of a column, and those of a row, have in common. Beyond the last ones are those again.
+pub(crate) struct PixelCenters {
+    eye: DVec3,
+    forward: DVec3,
+    /// Four by four, for the lanes of a packet.
+    columns: Vec<Vectors>,
+    rows: Vec<Vectors>,
+}
+
+impl PixelCenters {
+    /// Of a camera's pixels.
+    pub(crate) fn of(camera: &Camera) -> Self {
+        let column = |i: u32| camera.right * camera.across(f64::from(i.min(camera.columns - 1)));
+        let row = |j: u32| camera.up * camera.upwards(f64::from(j.min(camera.rows - 1)));
+        let groups = |count: u32| (0..count).step_by(SIDE as usize);
+        let spread = |of_lane: &dyn Fn(usize) -> DVec3| {
+            let mut lanes = Vectors::splat(DVec3::ZERO);
+            (0..LANES).for_each(|lane| lanes.set(lane, of_lane(lane)));
+            lanes
+        };
+        let columns = groups(camera.columns).map(|i| spread(&|lane| column(i + COLUMN[lane]))).collect();
+        let rows = groups(camera.rows).map(|j| spread(&|lane| row(j + ROW[lane]))).collect();
+        Self { eye: camera.eye, forward: camera.forward, columns, rows }
+    }
+
+    /// Puts the rays through the centres of pixels into the lanes, row by row: [`Camera::ray`] of each.
+    #[inline(always)]
+    pub(crate) fn rays<S: Simd>(&self, simd: S, square: &Square, rays: &mut RayPacket) {
+        rays.clear();
+        if !self.eye.is_finite() {
+            return;
+        }
+        let (i, j) = square.first;
+        let (across, upwards) = (&self.columns[(i / SIDE) as usize], &self.rows[(j / SIDE) as usize]);
+        rays.origins = Vectors::splat(self.eye);
+        let forward = splat3(simd, self.forward);
+        let asked = square.lanes();
+        let mut unusual = 0;
+        for half in 0..2 {
+            let towards = add(add(across.load(simd, half), upwards.load(simd, half)), forward);
+            let Scaled { direction, usual, .. } = scaled_lanes(simd, towards);
+            unusual |= asked & bits(!usual, half);
+            rays.directions.store(half, direction);
+        }
+        rays.lanes = asked & !unusual;
+        for lane in lanes(unusual) {
+            let towards = across.get(lane) + upwards.get(lane) + self.forward;
+            if let Some(ray) = Ray::new(self.eye, towards) {
+                rays.set(lane, &ray);
+            }
+        }
+    }
+}
+
+impl Camera {
+    /// Puts the rays of sample `index` of several into the lanes, row by row: [`Camera::spread_ray`] of each pixel.
+    #[inline(always)]
+    pub(crate) fn spread_rays<S: Simd>(
+        &self,
+        simd: S,
+        sampling: Sampling,
+        square: &Square,
+        index: u32,
+        rays: &mut RayPacket,
+    ) {
+        rays.clear();
+        let asked = square.lanes();
+        let on_screen = samples(simd, sampling.seed, square, Dimension::Pixel, index);
+        let on_lens =
+            self.lens.map(|lens| (lens, samples(simd, sampling.seed, square, Dimension::Lens, index)));
+        let (i, j) = (f64::from(square.first.0), f64::from(square.first.1));
+        let mut unusual = 0;
+        for half in 0..2 {
+            let column = (COLUMNS.load(simd, half) + i) + (on_screen[0].load(simd, half) - 0.5);
+            let row = (ROWS.load(simd, half) + j) + (on_screen[1].load(simd, half) - 0.5);
+            let (mut origin, mut towards) = (splat3(simd, self.eye), self.through_lanes(simd, column, row));
+            if let Some((Lens { radius, focus }, places)) = &on_lens {
+                let [right, up] = on_disc([places[0].load(simd, half), places[1].load(simd, half)]);
+                let right = times(splat3(simd, self.right), right * *radius);
+                let place = add(right, times(splat3(simd, self.up), up * *radius));
+                origin = add(origin, place);
+                towards = subtract(times(towards, splat(simd, *focus)), place);
+            }
+            let Scaled { direction, usual, .. } = scaled_lanes(simd, towards);
+            unusual |= asked & half_lanes(half) & !bits(usual & finite3(simd, origin), half);
+            rays.origins.store(half, origin);
+            rays.directions.store(half, direction);
+        }
+        rays.lanes = asked & !unusual;
+        for lane in lanes(unusual) {
+            let (i, j) = square.pixel(lane);
+            if let Some(ray) = self.spread_ray(sampling, i, j, index) {
+                rays.set(lane, &ray);
+            }
+        }
+    }
+
+    /// [`Camera::through`].
+    #[inline(always)]
+    fn through_lanes<S: Simd>(&self, simd: S, column: F64s<S>, row: F64s<S>) -> F64s3<S> {
+        let across = if self.columns > 1 {
+            column * self.width / f64::from(self.columns - 1) + -0.5 * self.width
+        } else {
+            column * self.width
+        };
+        let upwards = if self.rows > 1 {
+            splat(simd, 0.5 * self.height) - row * self.height / f64::from(self.rows - 1)
+        } else {
+            splat(simd, 0.0) - row * self.height
+        };
+        let on_screen = add(times(splat3(simd, self.right), across), times(splat3(simd, self.up), upwards));
+        add(on_screen, splat3(simd, self.forward))
+    }
+}
+
+/// Point `index` of a dimension's sequence in every lane.
+#[inline(always)]
+fn samples<S: Simd>(simd: S, seed: u64, square: &Square, dimension: Dimension, index: u32) -> [Numbers; 2] {
+    let mut keys = SampleKeys::NONE;
+    for lane in 0..LANES {
+        let (i, j) = square.pixel(lane);
+        keys.set(lane, &PixelSamples::new(seed, i, j), dimension);
+    }
+    keys.pairs(simd, index)
+}
+
+/// As numbers of the lanes.
+const fn numbers(whole: &[u32; LANES]) -> Numbers {
+    let mut numbers = [0.0; LANES];
+    let mut lane = 0;
+    while lane < LANES {
+        numbers[lane] = whole[lane] as f64;
+        lane += 1;
+    }
+    Numbers::new(&numbers)
+}
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::dispatch;
+
+    use super::*;
+    use crate::trace::math::SimdLevel;
+
+    #[test]
+    fn packets_have_the_rays_of_their_pixels() {
+        let eye = DVec3::new(-2.0, 0.3, 1.0);
+        let camera = Camera::new(eye, DVec3::new(1.0, 1.0, 0.2), DVec3::Z, 1.5, (2.0, 1.2), (23, 9));
+        let cameras = [
+            camera,
+            camera.with_lens(0.3, 7.0),
+            Camera::new(eye, DVec3::X, DVec3::Y, 1.0, (2.0, 2.0), (1, 1)),
+        ];
+        for (camera, index) in
+            cameras.into_iter().flat_map(|camera| (0..40).map(move |index| (camera, index)))
+        {
+            let sampling = Sampling { samples: 64, seed: 5 };
+            let (columns, rows) = camera.resolution();
+            for (name, level) in SimdLevel::all() {
+                for (i, j) in [(0, 0), (4, 4), (20, 8)] {
+                    let size = (columns.saturating_sub(i).min(SIDE), rows.saturating_sub(j).min(SIDE));
+                    let square = Square { first: (i, j), size };
+                    let mut rays = RayPacket::EMPTY;
+                    dispatch!(level.level(), simd => camera.spread_rays(simd, sampling, &square, index, &mut rays));
+                    for lane in 0..LANES {
+                        let (i, j) = square.pixel(lane);
+                        let ray =
+                            if square.has(lane) { camera.spread_ray(sampling, i, j, index) } else { None };
+                        let found = (rays.lanes & (1 << lane) != 0).then(|| rays.get(lane));
+                        assert_eq!(found, ray, "{name}, pixel {i}, {j}, sample {index}");
+                    }
+                }
+            }
+        }
+    }
+}
