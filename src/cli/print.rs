@@ -66,12 +66,17 @@ fn escaped(text: &str, escape: impl Fn(char) -> String) -> Cow<'_, str> {
 
 /// Prints a line for the person at the terminal, or the log.
 pub(super) fn error_line(text: &str) {
-    let _ = writeln!(stderr().lock(), "{}", Printable(text));
+    write_at_once(&format!("{}\n", Printable(text)));
+}
+
+/// Writes a text to standard error, which is not buffered, in one piece.
+fn write_at_once(text: &str) {
+    let _ = stderr().lock().write_all(text.as_bytes());
 }
 
 /// Prints an error.
 pub(super) fn error(text: &str) {
-    let _ = writeln!(stderr().lock(), "{} {}", error_word(), Printable(text));
+    write_at_once(&format!("{} {}\n", error_word(), Printable(text)));
 }
 
 /// Prints a warning, and lines about it.
@@ -80,13 +85,13 @@ pub(super) fn warning(text: &str, about: &[String]) {
     for line in about {
         told += &format!("{}\n", Printable(line));
     }
-    let _ = stderr().lock().write_all(told.as_bytes());
+    write_at_once(&told);
 }
 
 /// Prints mistakes in scenes, shown as a compiler would by `render`, which is told whether colours are welcome and escapes what
 /// it shows of files: its colours are the only commands.
 pub(super) fn mistakes(render: impl FnOnce(bool) -> String) {
-    let _ = writeln!(stderr().lock(), "{}", render(is_colorful()));
+    write_at_once(&format!("{}\n", render(is_colorful())));
 }
 
 /// Returns whether standard error may be coloured. See <https://no-color.org>.

@@ -90,7 +90,9 @@ pub(super) fn encode_pixels(
     match format {
         FrameFormat::Png => png(rgb, width, height, FilterType::Adaptive),
         FrameFormat::Ppm => {
-            let mut bytes = Vec::new();
+            /// More than the header takes.
+            const HEADER: usize = 64;
+            let mut bytes = Vec::with_capacity(HEADER + rgb.len());
             PnmEncoder::new(&mut bytes)
                 .with_subtype(PnmSubtype::Pixmap(SampleEncoding::Binary))
                 .write_image(rgb, width, height, ExtendedColorType::Rgb8)?;
