@@ -63,8 +63,8 @@ struct ExposedTile {
 /// What has come to the pixels so far.
 #[derive(Clone, Debug)]
 enum Pixels {
-    /// Their only sample.
-    Picture(Film),
+    /// Their only sample; `None` before the first comes.
+    Picture(Option<Film>),
     /// What all samples add up to, tile by tile, and in a tile packet by packet of its camera rays; every tile has room for a whole
     /// one.
     Sums(Vec<Vectors>),
@@ -82,7 +82,7 @@ impl Exposure {
             .map(|tile| ExposedTile { tile, samples: 0 })
             .collect();
         let pixels = if samples == 1 {
-            Pixels::Picture(Film::new(columns, rows))
+            Pixels::Picture(None)
         } else {
             Pixels::Sums(vec![NO_SUMS; tiles.len() * PACKETS])
         };
@@ -96,12 +96,10 @@ impl Exposure {
         if (self.width, self.height, self.samples) != (resolution.0, resolution.1, samples) {
             return Self::new(resolution, samples);
         }
-        let used = self.tiles.iter().any(|exposed| exposed.samples > 0);
         let mut again = Self { effort: Effort::default(), ..self };
         again.tiles.iter_mut().for_each(|exposed| exposed.samples = 0);
         match &mut again.pixels {
-            Pixels::Picture(film) if used => *film = Film::new(again.width, again.height),
-            Pixels::Picture(_) => {}
+            Pixels::Picture(film) => *film = None,
             Pixels::Sums(sums) => sums.fill(NO_SUMS),
         }
         again
@@ -146,8 +144,10 @@ impl Exposure {
         signals: Signals<'_>,
     ) -> bool {
         let tiles = self.tiles.par_iter_mut();
+        let (width, height) = (self.width, self.height);
         self.effort += match &mut self.pixels {
             Pixels::Picture(film) => {
+                let film = film.get_or_insert_with(|| Film::new_in_pool(width, height));
                 add_samples(context, shapes, tiles.zip(film.tiles_mut()), samples, signals)
             }
             Pixels::Sums(sums) => {
@@ -172,7 +172,7 @@ impl Exposure {
     #[must_use]
     pub fn develop_over(&self, beneath: &Film) -> Film {
         let mut film = match &self.pixels {
-            Pixels::Picture(film) => film.clone(),
+            Pixels::Picture(film) => film.clone().unwrap_or_else(|| Film::new(self.width, self.height)),
             Pixels::Sums(sums) => develop_sums(&self.tiles, sums, (self.width, self.height)).0,
         };
         let nearest = |place: u32, count: u32, of: u32| {
@@ -199,7 +199,7 @@ impl Exposure {
             Pixels::Picture(film) => {
                 self.tiles.iter_mut().for_each(|exposed| exposed.samples = 0);
                 self.effort = Effort::default();
-                std::mem::replace(film, Film::new(self.width, self.height))
+                film.take().unwrap_or_else(|| Film::new(self.width, self.height))
             }
             Pixels::Sums(sums) => {
                 let (film, overflowed) = develop_sums(&self.tiles, sums, (self.width, self.height));
@@ -213,7 +213,7 @@ impl Exposure {
 
 /// Returns the means of what samples add up to, and how many had overflowed.
 fn develop_sums(tiles: &[ExposedTile], sums: &[Vectors], (width, height): (u32, u32)) -> (Film, u64) {
-    let mut film = Film::new(width, height);
+    let mut film = Film::new_in_pool(width, height);
     let stored = film.tiles_mut().into_par_iter().zip(sums.par_chunks(PACKETS)).zip(tiles);
     let overflowed = stored.map(|((mut stored, sums), ExposedTile { tile, samples })| {
         dispatch!(SimdLevel::best().level(), simd => {

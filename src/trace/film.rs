@@ -23,6 +23,14 @@ impl Film {
         Self { width, height, pixels: vec![Rgb::ZERO; width as usize * height as usize] }
     }
 
+    /// The same, made by the current rayon pool's threads: the system hands out memory page by page, to who touches it first, and that
+    /// takes as long as to trace a little.
+    pub(crate) fn new_in_pool(width: u32, height: u32) -> Self {
+        const TOGETHER: usize = 1 << 14;
+        let pixels = rayon::iter::repeat_n(Rgb::ZERO, width as usize * height as usize);
+        Self { width, height, pixels: pixels.with_min_len(TOGETHER).collect() }
+    }
+
     /// A film of these pixels, row by row from the top; they must not be more than fit, and where they are fewer the rest is black. Values that are not
     /// finite or are negative are made so.
     ///

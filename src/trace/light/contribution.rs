@@ -76,6 +76,17 @@ impl Budget {
         Self { rest, least: rest * Self::FOR_LEAST }
     }
 
+    /// Decides whether the only ray of a sample's next generation is cut, and pays for it: what [`Budget::cut`] says of one.
+    #[inline]
+    pub(crate) fn cut_one(&mut self, most: f32) -> bool {
+        let most = f64::from(most);
+        let fits = self.rest > 0.0 && most <= self.rest;
+        if fits {
+            self.rest -= most;
+        }
+        fits
+    }
+
     /// Decides which rays of a sample's next generation are cut, and pays for them. Each is given with the most that it can bring, in
     /// the order in which they would be followed. Those that are cut are the first so many after they are sorted.
     pub(crate) fn cut(&mut self, rays: &mut [(f32, usize)]) -> usize {
@@ -175,6 +186,19 @@ mod tests {
     }
 
     proptest! {
+        /// In turns, until nothing is left.
+        #[test]
+        fn one_ray_is_cut_as_among_others(mosts in prop::collection::vec(prop_oneof![0.0..1e-3_f32, Just(f32::INFINITY), Just(0.0)], 1..40)) {
+            let mut scene = scene(vec![lit(0.5)]);
+            scene.cutoff = 4e-3;
+            let (mut alone, mut among) = (Budget::new(&scene), Budget::new(&scene));
+            for most in mosts {
+                let cut = among.cut(&mut [(most, 0)]) == 1;
+                prop_assert_eq!(alone.cut_one(most), cut, "{}", most);
+                prop_assert_eq!((alone.rest, alone.least), (among.rest, among.least));
+            }
+        }
+
         /// Generation after generation: those that are cut are the least, they add up to no more than the cutoff, and the order in
         /// which rays are given does not matter.
         #[test]

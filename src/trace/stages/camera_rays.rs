@@ -3,10 +3,10 @@
 use fearless_simd::{dispatch, prelude::*};
 
 use super::buffers::TileBuffers;
-use super::tile::{PACKETS, Sample};
+use super::tile::{PACKETS, PIXELS, Sample};
 use super::wave::Wave;
 use crate::trace::light::PathPacket;
-use crate::trace::math::{LANES, lanes};
+use crate::trace::math::lanes;
 use crate::trace::scene::Square;
 
 /// Makes the wave of camera rays, in packets of four by four pixels. A camera that is not in a finite place has none: its pixels see
@@ -14,7 +14,7 @@ use crate::trace::scene::Square;
 pub(super) fn camera_rays(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.entered.camera_rays += 1;
     let Sample { context, tile, .. } = *sample;
-    (buffers.wave.count, buffers.wave.in_place) = (PACKETS, true);
+    buffers.wave.count = PACKETS;
     // A single sample passes through the middle of a lens.
     let pinhole = context.sampling.samples <= 1 || !context.camera.has_lens();
     buffers.wave.origin = pinhole.then(|| context.camera.position());
@@ -62,15 +62,3 @@ fn start(sample: &Sample<'_>, packet: usize, square: &Square, buffers: &mut Tile
         }
     }
 }
-
-/// The pixels of camera rays, packet by packet.
-#[expect(clippy::cast_possible_truncation, reason = "a tile's pixels")]
-const PIXELS: [[u32; LANES]; PACKETS] = {
-    let mut pixels = [[0; LANES]; PACKETS];
-    let mut index = 0;
-    while index < PACKETS * LANES {
-        pixels[index / LANES][index % LANES] = index as u32;
-        index += 1;
-    }
-    pixels
-};

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use crate::color::Rgb;
 use crate::trace::light::BranchPacket;
+use crate::trace::math::LANES;
 use crate::trace::rays::Ties;
 
 /// Rays that surfaces send on, in packets with gaps, and in which order they go on.
@@ -14,6 +15,8 @@ pub(super) struct Generation {
     used: usize,
     /// Pixel by pixel, mirrored rays before refracted ones that continue the same ray.
     pub(super) queue: Vec<QueuedRay>,
+    /// Kept for its memory.
+    sorted: Vec<QueuedRay>,
 }
 
 /// A ray in one of a generation's packets.
@@ -75,6 +78,17 @@ impl Generation {
         if self.packets[packet].rays.lanes & (1 << lane) != 0 {
             self.queue.push(QueuedRay { packet, lane, pixel, mirrored, cut: false });
         }
+    }
+
+    /// Puts rays of whole packets before the others, so that they go on as they are. Pixels may change their order, and so each of them
+    /// must have a single ray.
+    pub(super) fn whole_packets_first(&mut self) {
+        self.sorted.clear();
+        for whole in [true, false] {
+            let packets = self.queue.chunk_by(|one, other| one.packet == other.packet);
+            packets.filter(|rays| (rays.len() == LANES) == whole).for_each(|rays| self.sorted.extend(rays));
+        }
+        std::mem::swap(&mut self.queue, &mut self.sorted);
     }
 
     /// The lists of what else rays leave, where anything is.

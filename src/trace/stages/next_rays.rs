@@ -3,7 +3,7 @@
 use fearless_simd::dispatch;
 
 use super::buffers::TileBuffers;
-use super::generation::UntracedRay;
+use super::generation::{QueuedRay, UntracedRay};
 use crate::trace::light::{BranchPacket, LARGEST_TREE, RenderContext, branch_lanes, secondary_rays};
 use crate::trace::math::{LANES, lanes};
 
@@ -82,6 +82,9 @@ pub(super) fn select(context: &RenderContext<'_>, generations: u32, buffers: &mu
         false
     });
     current.queue = queue;
+    if !context.effects.media() {
+        current.whole_packets_first();
+    }
     scratch.search.ties.keep(current.ties_mut());
 }
 
@@ -89,13 +92,19 @@ pub(super) fn select(context: &RenderContext<'_>, generations: u32, buffers: &mu
 fn mark_negligible(context: &RenderContext<'_>, generations: u32, buffers: &mut TileBuffers) {
     let TileBuffers { current, budgets, weighed, .. } = buffers;
     let mut queue = std::mem::take(&mut current.queue);
+    let most = |queued: &QueuedRay| {
+        let throughput = current.packet(queued.packet).paths.throughputs.get(queued.lane);
+        context.brightest.most(throughput, generations)
+    };
     for rays in queue.chunk_by_mut(|one, other| one.pixel == other.pixel) {
+        let budget = &mut budgets[rays[0].pixel as usize];
+        if let [ray] = rays {
+            ray.cut = budget.cut_one(most(ray));
+            continue;
+        }
         weighed.clear();
-        weighed.extend(rays.iter().enumerate().map(|(index, queued)| {
-            let throughput = current.packet(queued.packet).paths.throughputs.get(queued.lane);
-            (context.brightest.most(throughput, generations), index)
-        }));
-        let count = budgets[rays[0].pixel as usize].cut(weighed);
+        weighed.extend(rays.iter().enumerate().map(|(index, queued)| (most(queued), index)));
+        let count = budget.cut(weighed);
         for (_, index) in &weighed[..count] {
             rays[*index].cut = true;
         }

@@ -107,10 +107,10 @@ fn add<S: Simd>(
     let throughputs = wave.paths[packet].throughputs.load(simd);
     let light = product(throughputs, radiance[packet].load(simd));
     let rays = wave.rays[packet].lanes;
-    if wave.in_place {
+    if let Some(home) = wave.home(packet) {
         let asked = mask16(simd, rays);
-        let [red, green, blue] = pixels[packet].load(simd);
-        pixels[packet].store([
+        let [red, green, blue] = pixels[home].load(simd);
+        pixels[home].store([
             asked.select(red + light[0], red),
             asked.select(green + light[1], green),
             asked.select(blue + light[2], blue),

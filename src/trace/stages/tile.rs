@@ -48,6 +48,18 @@ impl Tile {
 /// How many pixels a packet has.
 const PACKET: u32 = SIDE * SIDE;
 
+/// The pixels of camera rays, packet by packet.
+#[expect(clippy::cast_possible_truncation, reason = "a tile's pixels")]
+pub(super) const PIXELS: [[u32; LANES]; PACKETS] = {
+    let mut pixels = [[0; LANES]; PACKETS];
+    let mut index = 0;
+    while index < PACKETS * LANES {
+        pixels[index / LANES][index % LANES] = index as u32;
+        index += 1;
+    }
+    pixels
+};
+
 /// Returns column and row of a packet's first pixel in its tile.
 #[inline]
 fn place(packet: u32) -> (u32, u32) {

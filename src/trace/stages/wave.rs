@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::generation::{Generation, QueuedRay};
-use super::tile::PACKETS;
+use super::tile::{PACKETS, PIXELS};
 use crate::trace::light::PathPacket;
 use crate::trace::math::LANES;
 use crate::trace::rays::RayPacket;
@@ -21,8 +21,6 @@ pub(super) struct Wave {
     pub(super) paths: Box<[PathPacket; PACKETS]>,
     /// The indices of their pixels in the tile.
     pub(super) pixels: Box<[[u32; LANES]; PACKETS]>,
-    /// Whether each ray is in the lane of its pixel.
-    pub(super) in_place: bool,
     /// Where all of them start, if that is one point.
     pub(super) origin: Option<DVec3>,
 }
@@ -35,29 +33,50 @@ impl Wave {
             rays: Box::new([const { RayPacket::EMPTY }; PACKETS]),
             paths: Box::new([const { PathPacket::AT_CAMERA }; PACKETS]),
             pixels: Box::new([[0; LANES]; PACKETS]),
-            in_place: false,
             origin: None,
         }
     }
 
     /// Takes rays of a generation, no more than there is room for, in their order.
     pub(super) fn fill(&mut self, generation: &Generation, queued: &[QueuedRay]) {
-        (self.in_place, self.origin) = (false, None);
+        self.origin = None;
         self.count = queued.len().div_ceil(LANES);
         for (packet, queued) in queued.chunks(LANES).enumerate() {
             let (rays, paths) = (&mut self.rays[packet], &mut self.paths[packet]);
+            for (pixel, queued) in self.pixels[packet].iter_mut().zip(queued) {
+                *pixel = queued.pixel;
+            }
+            if is_whole(queued) {
+                let from = generation.packet(queued[0].packet);
+                rays.clone_from(&from.rays);
+                paths.clone_from(&from.paths);
+                continue;
+            }
             rays.clear();
             for (lane, queued) in queued.iter().enumerate() {
                 let from = generation.packet(queued.packet);
                 rays.copy(lane, &from.rays, queued.lane);
                 paths.set(lane, &from.paths.get(queued.lane));
-                self.pixels[packet][lane] = queued.pixel;
             }
         }
+    }
+
+    /// Returns the packet of camera rays in whose pixels, lane by lane, the rays of a packet are.
+    #[inline(always)]
+    pub(super) fn home(&self, packet: usize) -> Option<usize> {
+        let pixels = &self.pixels[packet];
+        let home = pixels[0] as usize / LANES % PACKETS;
+        (*pixels == PIXELS[home]).then_some(home)
     }
 
     /// Returns how many rays there are.
     pub(super) fn len(&self) -> u32 {
         self.rays[..self.count].iter().map(|packet| packet.lanes.count_ones()).sum()
     }
+}
+
+/// Returns whether rays are all of one packet, in its order.
+fn is_whole(queued: &[QueuedRay]) -> bool {
+    let first = queued[0].packet;
+    queued.len() == LANES && queued.iter().zip(0..).all(|(ray, lane)| ray.packet == first && ray.lane == lane)
 }
