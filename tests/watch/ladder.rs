@@ -116,7 +116,7 @@ fn work_is_left_at_once_for_what_is_asked() {
 fn slow() -> String {
     scene(1.0, "").replace("width: 64, height: 36", "width: 1280, height: 720").replacen(
         "Scene(",
-        "Scene(sampling: (samples: 8),",
+        "Scene(sampling: (samples: 32),",
         1,
     )
 }

@@ -26,6 +26,7 @@ pub(crate) fn propose_lanes<S: Simd>(
     proposals: &mut ProposalPacket,
 ) {
     (proposals.lanes, proposals.asking, proposals.from_behind) = (0, 0, 0);
+    proposals.rays.clear();
     if lit.surfaces.lanes == 0 {
         return;
     }

@@ -38,7 +38,8 @@ impl LightPlaces {
         }
     }
 
-    /// Finds place `sample` of a light for each of the points in some lanes: [`light_place`](super::direct::light_place).
+    /// Finds place `sample` of a light for each of the points in some lanes: [`LightSource::place`], which has one for lights without a
+    /// size too.
     #[inline(always)]
     pub(super) fn find<S: Simd>(
         &self,

@@ -46,10 +46,10 @@ pub(crate) fn branch_lanes<S: Simd>(
     (asked, clear): (u32, u32),
     (mirrored, refracted): (&mut BranchPacket, Option<&mut BranchPacket>),
 ) -> u32 {
-    let Shares { reflected, transmitted, directions, beyond, refracted: bent, mut unusual } =
+    let Shares { reflected, transmitted, directions, beyond, refracted: passing, mut unusual } =
         Shares::of(simd, (scene, media), (rays, paths), (hits, surfaces), (asked, clear));
     if let Some(branches) = refracted {
-        let sent = carry(paths, (&transmitted, &beyond, 1), bent & !unusual, branches);
+        let sent = carry(paths, (&transmitted, &beyond, 1), passing & !unusual, branches);
         unusual |= leave(simd, surfaces, &directions, (sent, !surfaces.from_outside), branches);
     }
     let sent = carry(paths, (&reflected, &paths.media, 0), asked & !unusual, mirrored);

@@ -45,7 +45,7 @@ pub(super) fn intensities<S: Simd>(
 /// Some times the intensity, never more than a number can hold.
 #[inline(always)]
 fn dimmed<S: Simd>(simd: S, mut intensity: [f32x16<S>; 3], shares: &Numbers) -> [f32x16<S>; 3] {
-    let share = held(simd, shares.load(simd, 0)).narrow(held(simd, shares.load(simd, 1)));
+    let share = at_most(simd, shares.load(simd, 0)).narrow(at_most(simd, shares.load(simd, 1)));
     let most = f32x16::splat(simd, f32::MAX);
     for channel in &mut intensity {
         let dimmed = *channel * share;
@@ -56,7 +56,7 @@ fn dimmed<S: Simd>(simd: S, mut intensity: [f32x16<S>; 3], shares: &Numbers) -> 
 
 /// At most what an `f32` can hold.
 #[inline(always)]
-fn held<S: Simd>(simd: S, number: F64s<S>) -> F64s<S> {
+fn at_most<S: Simd>(simd: S, number: F64s<S>) -> F64s<S> {
     let most = splat(simd, f64::from(f32::MAX));
     number.simd_lt(most).select(number, most)
 }

@@ -9,7 +9,8 @@
 //! Techniques 9(4), 2020, whose hash, Laine and Karras's of "Stratified Sampling for Stochastic Transparency", 2011, gets one
 //! more keyed step.
 //!
-//! All is integer arithmetic, and one exact conversion at the end: the bits are the same everywhere.
+//! Points are made by integer arithmetic, and one exact conversion at the end; discs by the kernel's own sine and cosine. So the bits
+//! are the same everywhere.
 
 use std::f64::consts::FRAC_PI_4;
 

@@ -1,5 +1,5 @@
 //! One shape against half of a packet's rays: the scalar code's operations in their order, so that every `t` and every bound has
-//! the scalar code's bits. What is long and seldom asked is compiled once for each level, and called.
+//! the scalar code's bits. What is long and seldom asked is a function of its own for each level, as far as the compiler goes along.
 
 use fearless_simd::prelude::*;
 use glam::DMat3;

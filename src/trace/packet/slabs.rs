@@ -69,9 +69,8 @@ impl<S: Simd> RootLanes<S> {
     }
 }
 
-/// Rays by their heights above the planes through a box's center that are parallel to its slabs, and where they enter and leave each
-/// slab.
-pub(super) struct Crossings<S: Simd> {
+/// Where rays enter and leave each of a box's slabs.
+pub(super) struct SlabRoots<S: Simd> {
     nears: [RootLanes<S>; 3],
     fars: [RootLanes<S>; 3],
     /// Where rays go towards larger coordinates.
@@ -117,7 +116,7 @@ fn absolute<S: Simd>([x, y, z]: F64s3<S>) -> F64s3<S> {
     [x.abs(), y.abs(), z.abs()]
 }
 
-impl<S: Simd> Crossings<S> {
+impl<S: Simd> SlabRoots<S> {
     /// Of rays with a box.
     #[inline(always)]
     pub(super) fn new(simd: S, rays: &Rays<S>, image: &BoxImage) -> Self {
@@ -201,7 +200,7 @@ impl<S: Simd> Crossings<S> {
 pub(super) fn box_image<S: Simd>(simd: S, rays: &Rays<S>, image: &BoxImage) -> Verdicts<S> {
     simd.vectorize(
         #[inline(always)]
-        || Crossings::new(simd, rays, image).first(simd),
+        || SlabRoots::new(simd, rays, image).first(simd),
     )
 }
 
@@ -210,6 +209,6 @@ pub(super) fn box_image<S: Simd>(simd: S, rays: &Rays<S>, image: &BoxImage) -> V
 pub(super) fn box_image_exit<S: Simd>(simd: S, rays: &Rays<S>, image: &BoxImage) -> Verdicts<S> {
     simd.vectorize(
         #[inline(always)]
-        || Crossings::new(simd, rays, image).last(simd),
+        || SlabRoots::new(simd, rays, image).last(simd),
     )
 }

@@ -33,7 +33,7 @@ enum Along {
     /// It enters here and leaves there.
     Through(Root, Root),
     /// It goes along it, inside.
-    MediumStack,
+    Inside,
     /// It goes along it, outside.
     Outside,
     /// Too close to call.
@@ -58,7 +58,7 @@ impl Inexact {
         if d_error > 0.0 {
             Along::Open
         } else if o - o_error > min && o + o_error < max {
-            Along::MediumStack
+            Along::Inside
         } else if o + o_error < min || o - o_error > max {
             Along::Outside
         } else {
@@ -165,7 +165,7 @@ impl AlignedBox {
                     entry = entry.later(near);
                     exit = exit.earlier(far);
                 }
-                Along::MediumStack => {}
+                Along::Inside => {}
                 Along::Outside => return Intersection::Miss,
                 Along::Open => return Intersection::Ambiguous,
             }
@@ -244,7 +244,7 @@ impl AlignedBox {
                     nears[axis] = (near, Face { axis, upper: !upwards });
                     fars[axis] = (far, Face { axis, upper: upwards });
                 }
-                Along::MediumStack | Along::Outside => {}
+                Along::Inside | Along::Outside => {}
                 Along::Open => return None,
             }
         }
@@ -298,7 +298,7 @@ impl AlignedBox {
         for axis in 0..3 {
             match ray.slab(axis, self.min[axis], self.max[axis]) {
                 Along::Through(_, far) => exit = exit.earlier(far),
-                Along::MediumStack | Along::Outside => {}
+                Along::Inside | Along::Outside => {}
                 Along::Open => return Intersection::Ambiguous,
             }
         }

@@ -20,7 +20,7 @@ pub(super) fn direct_light(sample: &Sample<'_>, shapes: &impl Intersector, buffe
         if light.places() > 1 {
             buffers.light_sums.fill(Vectors::splat(DVec3::ZERO));
         }
-        if light.source.is_extended() {
+        if sample.context.effects.extras && light.source.is_extended() {
             choose_places(sample, (*index, light), buffers);
         }
         for light_sample in 0..light.places() {

@@ -19,6 +19,8 @@ mod sample;
 mod shadows;
 mod sums;
 mod surfaces;
+#[cfg(test)]
+mod tests;
 mod tile;
 mod wave;
 

@@ -22,7 +22,7 @@ pub(super) fn add_to_pixels(context: &RenderContext<'_>, buffers: &mut TileBuffe
             hold(simd, buffers.wave.rays[packet].lanes & buffers.hits[packet].ids.lanes(simd), &mut buffers.radiance[packet]);
             let passage = pass(simd, context, packet, buffers);
             add(simd, packet, &buffers.wave, &buffers.radiance, &mut buffers.pixels);
-            if let Some(PassageLanes { transmitted, .. }) = passage {
+            if let Some(transmitted) = passage {
                 let throughputs = &mut buffers.wave.paths[packet].throughputs;
                 throughputs.store(product(throughputs.load(simd), transmitted));
             }
@@ -40,14 +40,15 @@ fn hold<S: Simd>(simd: S, met: u32, radiance: &mut Colors) {
     }
 }
 
-/// Lets the light of a packet pass what is on the way, and says what that did; `None` where there is nothing.
+/// Lets the light of a packet pass what is on the way. Returns what share of the light beyond comes through; `None` where nothing is
+/// on the way.
 #[inline(always)]
 fn pass<S: Simd>(
     simd: S,
     context: &RenderContext<'_>,
     packet: usize,
     buffers: &mut TileBuffers<'_>,
-) -> Option<PassageLanes<S>> {
+) -> Option<[f32x16<S>; 3]> {
     let TileBuffers { wave, hits, surfaces, radiance, scratch, .. } = buffers;
     let (scene, rays) = (context.scene, &wave.rays[packet]);
     let absorbers = Absorbers::of(scene, context.effects, (&wave.paths[packet], &scratch.media), rays.lanes);
@@ -64,7 +65,7 @@ fn pass<S: Simd>(
         share[channel] = asked.select(transmitted[channel], one);
     }
     radiance[packet].store(light);
-    Some(PassageLanes { transmitted: share, added })
+    Some(share)
 }
 
 /// Returns the lengths of rays in some lanes: infinite where they meet nothing.

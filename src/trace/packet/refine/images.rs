@@ -9,7 +9,7 @@ use crate::trace::math::{
     splat3, times, two_sum,
 };
 use crate::trace::packet::leaves::{Rays, image_of};
-use crate::trace::packet::slabs::{Crossings, FaceLanes};
+use crate::trace::packet::slabs::{FaceLanes, SlabRoots};
 use crate::trace::scene::ShapeRef;
 use crate::trace::shapes::{BoxImage, SphereImage};
 
@@ -60,7 +60,7 @@ fn sphere_image<S: Simd>(simd: S, inexact: &Inexact<S>, image: &SphereImage) -> 
 fn box_image<S: Simd>(simd: S, inexact: &Inexact<S>, image: &BoxImage, far: Mask<S>) -> Points<S> {
     let Inexact { origin, direction, t } = *inexact;
     let FaceLanes { at, upper, certain } =
-        Crossings::new(simd, &Rays { origin, direction }, image).faces(t, far);
+        SlabRoots::new(simd, &Rays { origin, direction }, image).faces(t, far);
     let [x, y, z] = image.slabs();
     let row = of_axis(simd, at, [x.0, y.0, z.0]);
     let [low, high, _] = of_axis(simd, at, [x.1, y.1, z.1].map(|[low, high]| DVec3::new(low, high, 0.0)));

@@ -109,7 +109,8 @@ fn refine_half<S: Simd>(
         let these = mask(simd, shapes.lanes_of(Kind::AlignedBox), half);
         points = Some(Points::select(these, boxes(simd, &inexact, shapes, half), points));
     }
-    let mut images = shapes.lanes_of(Kind::SphereImage) & asked & half_lanes(half);
+    let mut unknown = 0;
+    let mut images = shapes.images() & asked & half_lanes(half);
     while let Some(id) = hits.ids.get(images.trailing_zeros() as usize).filter(|_| images != 0) {
         let these = hits.ids.lanes_of(simd, id) & images;
         images &= !these;
@@ -117,12 +118,13 @@ fn refine_half<S: Simd>(
             #[inline(always)]
             || images::refine(simd, &inexact, geometry.shape(id), mask(simd, hits.far, half)),
         ) else {
+            unknown |= these;
             continue;
         };
         points = Some(Points::select(mask(simd, these, half), image, points));
     }
     let Some(points) = points else { return asked & half_lanes(half) };
-    let special = bits(rounded | rough | !(moderate & points.found), half) & asked;
+    let special = (bits(rounded | rough | !(moderate & points.found), half) | unknown) & asked;
     let outside = dot(direction, points.normal).simd_le(splat(simd, 0.0));
     surfaces.from_outside |= bits(outside, half) & asked & !special & !hits.far;
     surfaces.points.store(half, points.point);

@@ -23,8 +23,10 @@ pub(super) struct Shape {
 
 /// Shapes in lanes.
 pub(super) trait Shapes {
-    /// Lanes that have a shape of a kind; those of images of either kind.
+    /// Lanes that have a shape of a kind that is no image.
     fn lanes_of(&self, kind: Kind) -> u32;
+    /// Lanes that have an image of either kind.
+    fn images(&self) -> u32;
     fn places<S: Simd>(&self, simd: S, half: usize) -> F64s3<S>;
     fn others<S: Simd>(&self, simd: S, half: usize) -> F64s3<S>;
     fn units<S: Simd>(&self, simd: S, half: usize) -> F64s3<S>;
@@ -94,13 +96,12 @@ impl Shapes for OneShape {
 
     #[inline(always)]
     fn lanes_of(&self, kind: Kind) -> u32 {
-        let same = match kind {
-            Kind::SphereImage | Kind::BoxImage => {
-                matches!(self.shape.kind, Kind::SphereImage | Kind::BoxImage)
-            }
-            _ => self.shape.kind == kind,
-        };
-        if same { self.lanes } else { 0 }
+        if self.shape.kind == kind { self.lanes } else { 0 }
+    }
+
+    #[inline(always)]
+    fn images(&self) -> u32 {
+        self.lanes_of(Kind::SphereImage) | self.lanes_of(Kind::BoxImage)
     }
 
     #[inline(always)]
@@ -175,8 +176,13 @@ impl Shapes for ManyShapes {
             Kind::Sphere => self.spheres,
             Kind::Plane => self.planes,
             Kind::AlignedBox => self.boxes,
-            Kind::SphereImage | Kind::BoxImage => self.images,
+            Kind::SphereImage | Kind::BoxImage => 0,
         }
+    }
+
+    #[inline(always)]
+    fn images(&self) -> u32 {
+        self.images
     }
 
     #[inline(always)]
