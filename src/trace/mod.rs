@@ -72,6 +72,8 @@ mod scene;
 #[doc(hidden)]
 pub mod shapes;
 mod stages;
+#[cfg(test)]
+mod tests;
 mod tile_light;
 
 pub use effort::{RayCounts, TreeEnds};

@@ -19,8 +19,6 @@ mod sample;
 mod shadows;
 mod sums;
 mod surfaces;
-#[cfg(test)]
-mod tests;
 mod tile;
 mod wave;
 
