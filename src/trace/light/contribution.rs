@@ -12,14 +12,21 @@
 //! Shared out from ray to ray instead, most of it goes with rays that leave for the sky, and ten times as many are followed. Both
 //! paths know a generation whole before they follow any ray of it, so that no cut depends on an order.
 
+use fearless_simd::{f32x16, prelude::*};
 use glam::DVec3;
 
-use crate::color::Rgb;
+use crate::color::{Rgb, to_f32};
+use crate::trace::math::{Colors, WHOLE, bits16};
 use crate::trace::scene::{LightSource, PreparedScene};
 
-/// B(n) for n = 0, 1, 2 .., each rounded up to a power of two, so that small changes of a scene do not move it.
+/// How much light rays can bring, and how little is left out.
 #[derive(Clone, Debug)]
-pub(crate) struct Brightest(Vec<Rgb>);
+pub(crate) struct Brightest {
+    /// B(n) for n = 0, 1, 2 .., each rounded up to a power of two, so that small changes of a scene do not move it.
+    bounds: Vec<Rgb>,
+    /// The most that a sample's first ray to be cut can bring; minus infinity where none is cut.
+    negligible: f32,
+}
 
 impl Brightest {
     pub(crate) fn of(scene: &PreparedScene) -> Self {
@@ -44,13 +51,29 @@ impl Brightest {
             beyond = shown.fold(around, DVec3::max).min(DVec3::MAX);
             bounds.push(rounded_up(beyond));
         }
-        Self(bounds)
+        Self { bounds, negligible: Budget::new(scene).largest() }
     }
 
     /// The most that a ray can bring in any channel.
     pub(crate) fn most(&self, throughput: Rgb, generations: u32) -> f32 {
-        let bound = self.0.get(generations as usize).copied().unwrap_or(Rgb::INFINITY);
-        (throughput * bound).max_element()
+        (throughput * self.bound(generations)).max_element()
+    }
+
+    fn bound(&self, generations: u32) -> Rgb {
+        self.bounds.get(generations as usize).copied().unwrap_or(Rgb::INFINITY)
+    }
+
+    /// Returns which rays are cut that bring some light, each the only one of its sample's generation, as were those before it: what
+    /// [`Budget::cut_one`] says of a budget of which nothing is spent, since the ray that is charged to it is a sample's last.
+    #[inline(always)]
+    pub(crate) fn negligible<S: Simd>(&self, simd: S, throughputs: &Colors, generations: u32) -> u32 {
+        let mut shows = 0;
+        for (throughput, bound) in throughputs.load(simd).into_iter().zip(self.bound(generations).to_array())
+        {
+            // Of what is no number, an infinite bound of no light, nothing shows.
+            shows |= bits16((throughput * bound).simd_gt(f32x16::splat(simd, self.negligible)));
+        }
+        !shows & WHOLE
     }
 }
 
@@ -74,6 +97,16 @@ impl Budget {
     pub(crate) fn new(scene: &PreparedScene) -> Self {
         let rest = f64::from(scene.cutoff) * Self::OF_CUTOFF;
         Self { rest, least: rest * Self::FOR_LEAST }
+    }
+
+    /// Returns the most that a ray can bring to be cut, rounded down; minus infinity where none is cut.
+    fn largest(&self) -> f32 {
+        let rounded = to_f32(self.rest);
+        match self.rest {
+            rest if rest <= 0.0 => f32::NEG_INFINITY,
+            rest if f64::from(rounded) > rest => rounded.next_down(),
+            _ => rounded,
+        }
     }
 
     /// Decides whether the only ray of a sample's next generation is cut, and pays for it: what [`Budget::cut`] says of one.
@@ -143,9 +176,11 @@ fn rounded_up(bound: DVec3) -> Rgb {
 
 #[cfg(test)]
 mod tests {
+    use fearless_simd::dispatch;
     use proptest::prelude::*;
 
     use super::*;
+    use crate::trace::math::{LANES, SimdLevel};
     use crate::trace::scene::{Geometry, PreparedShape, Refraction, SurfaceMaterial};
     use crate::trace::shapes::Sphere;
 
@@ -172,7 +207,7 @@ mod tests {
     fn glass_adds_no_light_of_its_own_however_deep() {
         let mut scene = scene(vec![lit(0.75), glass(0.1, 0.9)]);
         (scene.depth, scene.ambient) = (1000, Rgb::ONE);
-        let bounds = |scene: &PreparedScene| Brightest::of(scene).0;
+        let bounds = |scene: &PreparedScene| Brightest::of(scene).bounds;
         assert_eq!(bounds(&scene)[0], Rgb::ZERO, "the background");
         assert!(bounds(&scene)[1..].iter().all(|bound| *bound == Rgb::new(1.0, 0.5, 0.0)));
         // A mirror that shines: 0.75 (1 + 1/2 + 1/4 ..) is 1.5, and rounded up once.
@@ -196,6 +231,32 @@ mod tests {
                 let cut = among.cut(&mut [(most, 0)]) == 1;
                 prop_assert_eq!(alone.cut_one(most), cut, "{}", most);
                 prop_assert_eq!((alone.rest, alone.least), (among.rest, among.least));
+            }
+        }
+
+        /// Around the limit, with bounds that are infinite, and where nothing is cut.
+        #[test]
+        fn lanes_of_chains_are_cut_as_one_by_one(
+            cutoff in prop_oneof![Just(0.0_f32), 1e-3..1e-1_f32],
+            ambient in prop_oneof![Just(1.0_f32), Just(f32::MAX)],
+            shares in prop::collection::vec(prop::array::uniform3(prop_oneof![Just(0.0_f32), 0.99..1.01_f32, 0.0..2.0_f32]), LANES),
+            generations in 0..4_u32,
+        ) {
+            let mut scene = scene(vec![lit(0.5), glass(1.0, 1.0)]);
+            (scene.cutoff, scene.ambient, scene.depth) = (cutoff, Rgb::splat(ambient), 3);
+            let brightest = Brightest::of(&scene);
+            let limit = brightest.negligible.max(f32::MIN_POSITIVE);
+            let mut throughputs = Colors::splat(Rgb::ONE);
+            for (lane, share) in shares.iter().enumerate() {
+                throughputs.set(lane, Rgb::from_array(*share) * limit);
+            }
+            for (name, level) in SimdLevel::all() {
+                let cut = dispatch!(level.level(), simd => brightest.negligible(simd, &throughputs, generations));
+                for lane in (0..LANES).filter(|lane| throughputs.get(*lane) != Rgb::ZERO) {
+                    let most = brightest.most(throughputs.get(lane), generations);
+                    let alone = Budget::new(&scene).cut_one(most);
+                    prop_assert_eq!(cut & (1 << lane) != 0, alone, "{} {}", name, most);
+                }
             }
         }
 

@@ -14,17 +14,16 @@ use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::RayPacket;
 use crate::trace::scene::PreparedScene;
 
-/// The shares of light that surfaces mirror and refract, lane by lane, and where the refracted light goes.
+/// The shares of light that clear surfaces refract, lane by lane, and where that goes.
 #[derive(Clone, Debug)]
-pub(super) struct Shares {
-    pub(super) reflected: [f32; LANES],
+pub(super) struct Refraction {
     pub(super) transmitted: [f32; LANES],
     /// The directions of refracted rays, of any length but zero.
     pub(super) directions: Vectors,
     /// The solids that those are inside of.
     pub(super) beyond: [MediumStack; LANES],
     /// Lanes of refracted rays.
-    pub(super) refracted: u32,
+    pub(super) lanes: u32,
     /// Lanes that have to be asked one by one.
     pub(super) unusual: u32,
 }
@@ -40,34 +39,30 @@ struct Media {
     fresnel: u32,
 }
 
-impl Shares {
-    /// Of surfaces in some lanes, of which some are clear.
+impl Refraction {
+    /// At surfaces in some lanes, all of them clear. What they mirror besides is added to the shares that they reflect.
     #[inline(always)]
-    pub(super) fn of<S: Simd>(
+    pub(super) fn at<S: Simd>(
         simd: S,
         (scene, media): (&PreparedScene, &mut MediumStacks),
         (rays, paths): (&RayPacket, &PathPacket),
         (hits, surfaces): (&HitPacket, &SurfacePacket),
-        (asked, clear): (u32, u32),
+        clear: u32,
+        reflected: &mut [f32; LANES],
     ) -> Self {
-        let mut shares = Self {
-            reflected: [0.0; LANES],
+        let mut refraction = Self {
             transmitted: [0.0; LANES],
             directions: Vectors::splat(DVec3::ONE),
             beyond: [MediumStack::NONE; LANES],
-            refracted: 0,
-            unusual: asked & surfaces.tied,
+            lanes: 0,
+            unusual: 0,
         };
-        for lane in lanes(asked) {
-            let Some(id) = hits.ids.get(lane) else { continue };
-            shares.reflected[lane] = scene.material(id).reflected;
-        }
-        let clear = asked & clear & !shares.unusual;
         if clear != 0 {
-            let boundaries = shares.gather((scene, media), paths, (hits, surfaces), clear);
-            shares.refract(simd, rays, surfaces, &boundaries, clear & !shares.unusual);
+            let boundaries = refraction.gather((scene, media), paths, (hits, surfaces), clear);
+            let usual = clear & !refraction.unusual;
+            refraction.refract(simd, rays, surfaces, &boundaries, usual, reflected);
         }
-        shares
+        refraction
     }
 
     /// Finds the media on both sides of clear surfaces.
@@ -109,6 +104,7 @@ impl Shares {
         surfaces: &SurfacePacket,
         Media { from, into, transmitted, fresnel }: &Media,
         clear: u32,
+        reflected: &mut [f32; LANES],
     ) {
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
         let mut mirrored = Numbers::splat(0.0);
@@ -139,12 +135,12 @@ impl Shares {
                 same | (moderate(simd, cosine) & moderate(simd, from * from) & moderate(simd, into * into));
             let here = clear & half_lanes(half);
             self.unusual |= here & !bits(usual, half);
-            self.refracted |= here & bits(usual & (same | passes), half);
+            self.lanes |= here & bits(usual & (same | passes), half);
         }
         let transmitted = f32x16::load_array_ref(simd, transmitted);
         let rest = [one - mirrored.load(simd, 0), one - mirrored.load(simd, 1)];
-        let reflected = f32x16::load_array_ref(simd, &self.reflected);
-        (reflected + transmitted * mirrored.rounded(simd)).store_array(&mut self.reflected);
+        let mirrored = transmitted * mirrored.rounded(simd);
+        (f32x16::load_array_ref(simd, reflected) + mirrored).store_array(reflected);
         (transmitted * rest[0].narrow(rest[1])).store_array(&mut self.transmitted);
     }
 }

@@ -16,6 +16,9 @@ pub(crate) const LANES: usize = 16;
 /// Lanes of half a packet: as many `f64` as the widest vectors hold.
 pub(crate) const HALF: usize = LANES / 2;
 
+/// All lanes, as a bit mask.
+pub(crate) const WHOLE: u32 = (1 << LANES) - 1;
+
 /// An `f64` of half of the lanes.
 pub(crate) type F64s<S> = f64x8<S>;
 

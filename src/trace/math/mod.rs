@@ -28,7 +28,7 @@ pub use double::Double;
 pub(crate) use double_lanes::DoubleLanes;
 pub(crate) use elementary::{exp, pow};
 pub(crate) use lanes::{
-    Colors, F64s, F64s3, HALF, LANES, Mask, Numbers, Scaled, Vectors, add, bits, bits8, bits16,
+    Colors, F64s, F64s3, HALF, LANES, Mask, Numbers, Scaled, Vectors, WHOLE, add, bits, bits8, bits16,
     dot as dot_lanes, finite3, half_lanes, half_of, lanes, mask, mask16, moderate, moderate3, quick_two_sum,
     scaled_lanes, select3, set_bits, splat, splat3, subtract, times, two_sum,
 };

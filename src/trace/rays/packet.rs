@@ -45,6 +45,15 @@ impl RayPacket {
         self.left = ShapeIds::NONE;
     }
 
+    /// Takes out all rays but those in some lanes.
+    #[inline]
+    pub(crate) fn keep(&mut self, lanes: u32) {
+        self.lanes &= lanes;
+        self.departing &= lanes;
+        self.outward &= lanes;
+        self.tied &= lanes;
+    }
+
     /// Puts a ray into a lane that has none.
     #[inline]
     pub(crate) fn set(&mut self, lane: usize, ray: &Ray) {

@@ -2,7 +2,7 @@
 
 use fearless_simd::{prelude::*, u32x16};
 
-use crate::trace::math::{LANES, bits16, mask16};
+use crate::trace::math::{LANES, WHOLE, bits16, mask16};
 
 /// Identifies a shape in the kernel's arrays. It stays the same shape's while the scene is
 /// updated, and says nothing of the order of shapes in the document.
@@ -65,7 +65,7 @@ impl ShapeIds {
     /// Returns the lanes that have a shape, as a bit mask.
     #[inline(always)]
     pub(crate) fn lanes<S: Simd>(&self, simd: S) -> u32 {
-        !self.lanes_of(simd, ShapeId(Self::MISSING)) & 0xffff
+        !self.lanes_of(simd, ShapeId(Self::MISSING)) & WHOLE
     }
 
     /// Returns the shape of the first of some lanes, if all of them have it.

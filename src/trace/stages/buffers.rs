@@ -47,7 +47,7 @@ pub(crate) struct TileBuffers<'a> {
     pub(super) current: Generation,
     /// Rays that are not traced any more.
     pub(super) beyond: Vec<UntracedRay>,
-    /// How many rays of each pixel are traced.
+    /// How many rays of each pixel are traced. This and the next two are of [trees](super::trees) alone.
     pub(super) tree_sizes: Vec<u32>,
     /// What may be left out of each pixel.
     pub(super) budgets: Vec<Budget>,
@@ -99,6 +99,8 @@ impl<'a> TileBuffers<'a> {
         if context.effects.mirrors() {
             self.next.clear();
             self.beyond.clear();
+        }
+        if context.effects.media() {
             self.tree_sizes.clear();
             self.tree_sizes.resize(PACKETS * LANES, 1);
             self.budgets.clear();

@@ -11,6 +11,7 @@
 mod answers;
 mod buffers;
 mod camera_rays;
+mod chains;
 mod closest_hits;
 mod direct_light;
 mod generation;
@@ -20,6 +21,7 @@ mod shadows;
 mod sums;
 mod surfaces;
 mod tile;
+mod trees;
 mod wave;
 
 pub(crate) use buffers::TileBuffers;

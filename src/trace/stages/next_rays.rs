@@ -3,8 +3,10 @@
 use fearless_simd::dispatch;
 
 use super::buffers::TileBuffers;
-use super::generation::{QueuedRay, UntracedRay};
-use crate::trace::light::{BranchPacket, LARGEST_TREE, RenderContext, branch_lanes, secondary_rays};
+use super::chains::{fill_with_chains, select_chains};
+use super::generation::UntracedRay;
+use super::trees::{fill_with_trees, select_trees};
+use crate::trace::light::{RenderContext, branch_lanes, secondary_rays};
 use crate::trace::math::{LANES, lanes};
 
 /// Queues the rays that the wave's surfaces send on.
@@ -19,8 +21,8 @@ pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'
             continue;
         }
         let clear = if context.effects.media() { continues & answers[packet].clear } else { 0 };
-        let mirrored = next.add();
-        let refracted = (clear != 0).then(|| next.add());
+        let mirrored = next.add(&wave.pixels[packet]);
+        let refracted = (clear != 0).then(|| next.add(&wave.pixels[packet]));
         let (rays, paths) = (&wave.rays[packet], &wave.paths[packet]);
         let media = (scene, &mut scratch.media);
         let branches = next.branches_mut(mirrored, refracted);
@@ -43,73 +45,35 @@ pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'
                 refracted.set(lane, &ray);
             }
         }
+        if !context.effects.media() {
+            continue;
+        }
         for lane in lanes(continues) {
-            let pixel = wave.pixels[packet][lane];
-            next.queue(mirrored, lane, pixel, true);
+            next.queue(mirrored, lane, true);
             if let Some(refracted) = refracted {
-                next.queue(refracted, lane, pixel, false);
+                next.queue(refracted, lane, false);
             }
         }
     }
 }
 
-/// Makes the rays that were sent on the current generation, without what could not show, and what is beyond the last generation or
-/// the most rays of a sample. `generations` are left for them, 0 if they see the background untraced.
+/// Makes the rays that were sent on the current generation, as far as they are traced: `generations` are left for them, 0 if they see
+/// the background untraced.
 pub(super) fn select(context: &RenderContext<'_>, generations: u32, buffers: &mut TileBuffers<'_>) {
     std::mem::swap(&mut buffers.current, &mut buffers.next);
     buffers.next.clear();
-    mark_negligible(context, generations, buffers);
-    let TileBuffers { current, beyond, tree_sizes, rays_traced, trees_ended, scratch, .. } = buffers;
-    let mut queue = std::mem::take(&mut current.queue);
-    queue.retain(|queued| {
-        let size = &mut tree_sizes[queued.pixel as usize];
-        if queued.cut {
-            trees_ended.cutoff += 1;
-            return false;
-        }
-        if generations > 0 && *size < LARGEST_TREE {
-            *size += 1;
-            *(if queued.mirrored { &mut rays_traced.reflection } else { &mut rays_traced.refraction }) += 1;
-            return true;
-        }
-        let BranchPacket { rays, paths } = current.packet(queued.packet);
-        let direction = rays.directions.get(queued.lane);
-        beyond.push(UntracedRay {
-            direction,
-            throughput: paths.throughputs.get(queued.lane),
-            pixel: queued.pixel,
-        });
-        false
-    });
-    current.queue = queue;
-    if !context.effects.media() {
-        current.whole_packets_first();
+    if context.effects.media() {
+        select_trees(context, generations, buffers);
+    } else {
+        select_chains(context, generations, buffers);
     }
-    scratch.search.ties.keep(current.ties_mut());
+    buffers.scratch.search.ties.keep(buffers.current.ties_mut());
 }
 
-/// Marks what is cut, pixel by pixel: the queue is in their order.
-fn mark_negligible(context: &RenderContext<'_>, generations: u32, buffers: &mut TileBuffers) {
-    let TileBuffers { current, budgets, weighed, .. } = buffers;
-    let mut queue = std::mem::take(&mut current.queue);
-    let most = |queued: &QueuedRay| {
-        let throughput = current.packet(queued.packet).paths.throughputs.get(queued.lane);
-        context.brightest.most(throughput, generations)
-    };
-    for rays in queue.chunk_by_mut(|one, other| one.pixel == other.pixel) {
-        let budget = &mut budgets[rays[0].pixel as usize];
-        if let [ray] = rays {
-            ray.cut = budget.cut_one(most(ray));
-            continue;
-        }
-        weighed.clear();
-        weighed.extend(rays.iter().enumerate().map(|(index, queued)| (most(queued), index)));
-        let count = budget.cut(weighed);
-        for (_, index) in &weighed[..count] {
-            rays[*index].cut = true;
-        }
-    }
-    current.queue = queue;
+/// Fills the wave with rays of the current generation. `false` where none are left.
+pub(super) fn fill_wave(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) -> bool {
+    let TileBuffers { wave, current, .. } = buffers;
+    if context.effects.media() { fill_with_trees(wave, current) } else { fill_with_chains(wave, current) }
 }
 
 /// Lets rays that are not traced see the background.

@@ -4,11 +4,10 @@ use super::buffers::TileBuffers;
 use super::camera_rays::camera_rays;
 use super::closest_hits::closest_hits;
 use super::direct_light::direct_light;
-use super::next_rays::{give_up, next_rays, select};
+use super::next_rays::{fill_wave, give_up, next_rays, select};
 use super::sums::add_to_pixels;
 use super::surfaces::surfaces;
 use super::tile::{Sample, Tile};
-use super::wave::LONGEST_WAVE;
 use crate::trace::light::RenderContext;
 use crate::trace::query::Intersector;
 
@@ -29,19 +28,13 @@ pub(crate) fn render_sample(
     closest_hits(context, shapes, buffers);
     shade_wave(&sample, shapes, buffers);
     let mut generations = context.generations() - 1;
-    while context.effects.mirrors() && !buffers.next.queue.is_empty() && !buffers.is_cancelled() {
+    while context.effects.mirrors() && !buffers.next.is_empty() && !buffers.is_cancelled() {
         select(context, generations, buffers);
         generations = generations.saturating_sub(1);
-        let queue = std::mem::take(&mut buffers.current.queue);
-        for queued in queue.chunks(LONGEST_WAVE) {
-            if buffers.is_cancelled() {
-                break;
-            }
-            buffers.wave.fill(&buffers.current, queued);
+        while !buffers.is_cancelled() && fill_wave(context, buffers) {
             closest_hits(context, shapes, buffers);
             shade_wave(&sample, shapes, buffers);
         }
-        buffers.current.queue = queue;
     }
     if context.effects.mirrors() {
         give_up(context, buffers);

@@ -2,9 +2,8 @@
 
 use glam::DVec3;
 
-use super::generation::{Generation, QueuedRay};
 use super::tile::{PACKETS, PIXELS};
-use crate::trace::light::PathPacket;
+use crate::trace::light::{BranchPacket, PathPacket};
 use crate::trace::math::LANES;
 use crate::trace::rays::RayPacket;
 
@@ -37,28 +36,37 @@ impl Wave {
         }
     }
 
-    /// Takes rays of a generation, no more than there is room for, in their order.
-    pub(super) fn fill(&mut self, generation: &Generation, queued: &[QueuedRay]) {
-        self.origin = None;
-        self.count = queued.len().div_ceil(LANES);
-        for (packet, queued) in queued.chunks(LANES).enumerate() {
-            let (rays, paths) = (&mut self.rays[packet], &mut self.paths[packet]);
-            for (pixel, queued) in self.pixels[packet].iter_mut().zip(queued) {
-                *pixel = queued.pixel;
-            }
-            if is_whole(queued) {
-                let from = generation.packet(queued[0].packet);
-                rays.clone_from(&from.rays);
-                paths.clone_from(&from.paths);
-                continue;
-            }
-            rays.clear();
-            for (lane, queued) in queued.iter().enumerate() {
-                let from = generation.packet(queued.packet);
-                rays.copy(lane, &from.rays, queued.lane);
-                paths.set(lane, &from.paths.get(queued.lane));
-            }
-        }
+    /// Takes all rays out.
+    pub(super) fn clear(&mut self) {
+        (self.count, self.origin) = (0, None);
+    }
+
+    /// Adds a packet of rays for these pixels.
+    pub(super) fn add(&mut self, branches: &BranchPacket, pixels: &[u32; LANES]) {
+        self.rays[self.count].clone_from(&branches.rays);
+        self.paths[self.count].clone_from(&branches.paths);
+        self.pixels[self.count] = *pixels;
+        self.count += 1;
+    }
+
+    /// Adds a packet without rays, and returns its number.
+    pub(super) fn add_empty(&mut self) -> usize {
+        self.rays[self.count].clear();
+        self.count += 1;
+        self.count - 1
+    }
+
+    /// Copies a ray for a pixel into a lane of a packet that has none there.
+    #[inline(always)]
+    pub(super) fn copy(
+        &mut self,
+        (packet, lane): (usize, usize),
+        (from, from_lane): (&BranchPacket, usize),
+        pixel: u32,
+    ) {
+        self.rays[packet].copy(lane, &from.rays, from_lane);
+        self.paths[packet].set(lane, &from.paths.get(from_lane));
+        self.pixels[packet][lane] = pixel;
     }
 
     /// Returns the packet of camera rays in whose pixels, lane by lane, the rays of a packet are.
@@ -73,10 +81,4 @@ impl Wave {
     pub(super) fn len(&self) -> u32 {
         self.rays[..self.count].iter().map(|packet| packet.lanes.count_ones()).sum()
     }
-}
-
-/// Returns whether rays are all of one packet, in its order.
-fn is_whole(queued: &[QueuedRay]) -> bool {
-    let first = queued[0].packet;
-    queued.len() == LANES && queued.iter().zip(0..).all(|(ray, lane)| ray.packet == first && ray.lane == lane)
 }
