@@ -27,7 +27,8 @@
 //!    (`light/passage_packet`). A tile's pixels are kept packet by packet of its
 //!    camera rays, whose light is added in their lanes.
 //! 7. `stages/next_rays` makes mirrored and refracted rays, by `light/secondary_packet` and `light/refraction_packet`, and singly by
-//!    `light/secondary`, and keeps those that can still show, by `light/contribution`. They are the next generation, in `stages/generation`, and go on at 3, as many at a
+//!    `light/secondary`, and keeps those that can still show, by `light/contribution`. They are the next generation, in `stages/generation`, of which `stages/chains` keeps
+//!    what is traced where samples have one ray in each, and `stages/trees` where they may have several; and go on at 3, as many at a
 //!    time as a wave has room for.
 //! 8. `exposure` adds samples up in the order of their indices (`tile_light`), in `f64`, in which the mean of equal samples is exactly
 //!    their value, and `film` holds the result; a single sample goes there at once.

@@ -27,10 +27,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use fearless_simd::{f32x8, prelude::*};
 use glam::DVec3;
 
+use super::depth::Depth;
 use super::node::{LeafId, Link, Node, WIDTH};
+use super::slopes::SlopeRange;
 use super::traverse::{Pending, Stack};
 use super::{Tree, frame};
-use crate::trace::math::{F64s, Vectors, bits8, mask, splat};
+use crate::trace::math::bits8;
 
 /// 2^-20, or 16 times the unit roundoff of `f32`.
 const SLACK: f64 = 1.0 / 1_048_576.0;
@@ -38,27 +40,13 @@ const SLACK: f64 = 1.0 / 1_048_576.0;
 /// 2^28, in the tree's frame: from farther away no frustum is made of rays that end at its origin.
 pub(crate) const FARTHEST: f64 = 268_435_456.0;
 
-/// The axis that depth is measured along, and to which side.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Depth {
-    axis: usize,
-    pub(super) upwards: bool,
-}
-
-/// The smallest and the largest slope of rays along the two axes across the depth.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct SlopeRange {
-    pub(super) low: [f64; 2],
-    pub(super) high: [f64; 2],
-}
-
 /// What rays with a common origin and slopes in a range stay within, in the tree's frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frustum {
     pub(super) depth: Depth,
     pub(super) origin: [f32; 3],
-    low: [f32; 2],
-    high: [f32; 2],
+    pub(super) low: [f32; 2],
+    pub(super) high: [f32; 2],
     pub(super) slack: f32,
 }
 
@@ -77,87 +65,6 @@ pub(crate) trait FrustumVisitor<S: Simd> {
     fn visit(&mut self, simd: S, leaf: LeafId, bounds: &LeafBox) -> f32;
 }
 
-impl SlopeRange {
-    /// Of no ray.
-    pub(crate) const NONE: Self = Self { low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] };
-
-    /// Returns that of half of a packet's rays in some lanes, at least one, along their directions times `sense`, 1 or -1, with depth
-    /// along an axis. `None` where one goes the other way, or so steeply that it would make the frustum too wide.
-    #[inline(always)]
-    pub(crate) fn of<S: Simd>(
-        simd: S,
-        (directions, lanes, half): (&Vectors, u32, usize),
-        (depth, sense): (Depth, f64),
-    ) -> Option<Self> {
-        const STEEPEST: f64 = 16.0;
-        let [w, u, v] = depth.axes();
-        let asked = mask(simd, lanes, half);
-        // Turned round, a direction has the same slopes.
-        let inverse = splat(simd, depth.sign()) / directions.axis(w).load(simd, half);
-        let forwards = inverse * sense;
-        let ahead = forwards.simd_gt(splat(simd, 0.0)) & forwards.simd_lt(splat(simd, f64::INFINITY));
-        let (mut range, mut good) = (Self::NONE, true);
-        for (side, across) in [u, v].into_iter().enumerate() {
-            let slope = directions.axis(across).load(simd, half) * inverse;
-            let low = asked.select(slope, splat(simd, f64::INFINITY)).reduce_min();
-            let high = asked.select(slope, splat(simd, f64::NEG_INFINITY)).reduce_max();
-            (range.low[side], range.high[side]) = (low, high);
-            good &= low >= -STEEPEST && high <= STEEPEST;
-        }
-        (good && !(asked & !ahead).any_true()).then_some(range)
-    }
-
-    /// Makes room for another one.
-    #[inline(always)]
-    pub(crate) fn include(&mut self, other: &Self) {
-        for side in 0..2 {
-            self.low[side] = self.low[side].min(other.low[side]);
-            self.high[side] = self.high[side].max(other.high[side]);
-        }
-    }
-
-    fn steepest(&self) -> f64 {
-        self.low.iter().chain(&self.high).fold(0.0, |steepest, slope| slope.abs().max(steepest))
-    }
-}
-
-impl Depth {
-    /// Measures depth along the axis in which a direction goes farthest.
-    pub(crate) fn along(direction: DVec3) -> Self {
-        let axis = direction.abs().max_position();
-        Self { axis, upwards: direction[axis] > 0.0 }
-    }
-
-    /// Returns the greatest depth that half of a packet's rays in some lanes reach by their `t`, along their directions times `sense`,
-    /// 1 or -1; minus infinity of no lane.
-    #[inline(always)]
-    pub(crate) fn farthest<S: Simd>(
-        self,
-        simd: S,
-        (directions, lanes, half): (&Vectors, u32, usize),
-        (t, sense): (F64s<S>, f64),
-    ) -> f64 {
-        let speed = directions.axis(self.axis).load(simd, half) * (self.sign() * sense);
-        mask(simd, lanes, half).select(t * speed, splat(simd, f64::NEG_INFINITY)).reduce_max()
-    }
-
-    pub(super) fn sign(self) -> f64 {
-        if self.upwards { 1.0 } else { -1.0 }
-    }
-
-    /// The axis itself, and those across.
-    #[inline(always)]
-    pub(super) fn axes(self) -> [usize; 3] {
-        [self.axis, (self.axis + 1) % 3, (self.axis + 2) % 3]
-    }
-
-    /// Returns where the box's nearer and its farther plane are in [`LeafBox`].
-    #[inline(always)]
-    pub(super) fn near_and_far(self) -> [usize; 2] {
-        if self.upwards { [self.axis, self.axis + 3] } else { [self.axis + 3, self.axis] }
-    }
-}
-
 impl Tree {
     /// Makes the frustum of the rays from a point that have these slopes. `None` where the point is so far from the shapes that `f32`
     /// would tell too few of them apart.
@@ -166,15 +73,15 @@ impl Tree {
         /// Of the size of all shapes together.
         const COARSEST: f64 = 1.0 / 4096.0;
         let origin = (origin - self.frame.origin()) * self.frame.scale();
-        let slack = SLACK * (1.0 + origin.abs().max_element()) * (1.0 + slopes.steepest());
+        let slack = SLACK * (1.0 + origin.abs().max_element()) * (1.0 + f64::from(slopes.steepest()));
         if slack.is_nan() || slack > COARSEST {
             return None;
         }
         Some(Frustum {
             depth,
             origin: origin.to_array().map(frame::nearest),
-            low: slopes.low.map(frame::below),
-            high: slopes.high.map(frame::above),
+            low: slopes.low,
+            high: slopes.high,
             slack: frame::above(slack),
         })
     }

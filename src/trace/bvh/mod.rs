@@ -1,7 +1,8 @@
 //! A tree of bounding boxes that says which shapes a ray may meet, and nothing else.
 //!
-//! The tree knows boxes, which of them hold spheres, and numbers of leaves, never shapes. It is only ever asked to leave out what a ray cannot meet: every
-//! rounding in it goes the cautious way, so that the picture does not depend on it.
+//! The tree knows boxes, which of them hold spheres, and numbers of leaves, never shapes. It is only ever asked to leave out what a ray cannot
+//! meet, and which boxes and spheres rays go through for certain: every rounding in it goes the cautious way, so that the picture does
+//! not depend on it.
 //!
 //! - [`frame`]: the coordinates in which boxes are kept in `f32`, and rays in those coordinates.
 //! - [`build`]: from boxes to a tree of nodes with eight children, through a binary tree by obvhs.
@@ -9,20 +10,25 @@
 //! - [`traverse`]: from the root to the leaves, nearest first, with one ray.
 //! - [`packet`]: the same with sixteen rays.
 //! - [`frustum`]: the same with all rays from one point within some slopes, eight boxes at once; [`shaft`]: which of many bundles in
-//!   it may meet a shape.
+//!   it may meet a shape, and [`cover`] which of them all do; [`slopes`] and [`depth`]: what they are made of.
 
 mod build;
+mod cover;
+mod depth;
 mod frame;
 mod frustum;
 mod node;
 mod packet;
 mod shaft;
+mod slopes;
 mod traverse;
 
-pub(crate) use frustum::{Depth, FARTHEST, Frustum, FrustumVisitor, LeafBox, SlopeRange};
+pub(crate) use depth::Depth;
+pub(crate) use frustum::{FARTHEST, Frustum, FrustumVisitor, LeafBox};
 pub(crate) use node::LeafId;
 pub(crate) use packet::{FramePacket, PacketStack, PacketVisitor};
-pub(crate) use shaft::{Limits, PACKETS, PARTS, Shaft, Slopes};
+pub(crate) use shaft::{Limits, Shaft};
+pub(crate) use slopes::{Ends, PACKETS, PARTS, SlopeRange, Slopes};
 pub(crate) use traverse::Stack;
 
 use frame::Frame;

@@ -11,34 +11,16 @@ use fearless_simd::{f32x16, mask32x16, prelude::*};
 use glam::DVec3;
 
 use super::Tree;
-use super::frustum::{Depth, Frustum, LeafBox, SlopeRange};
-use crate::trace::math::{LANES, Numbers, bits16};
+use super::depth::Depth;
+use super::frustum::{Frustum, LeafBox};
+use super::slopes::{Ends, GROUPS, PartNumbers, Slopes};
+use crate::trace::math::{LANES, bits16};
 
-/// How many packets a bundle has.
-pub(crate) const PACKETS: usize = 16;
-
-/// How many bundles there are within a bundle: one of each half of a packet.
-pub(crate) const PARTS: usize = PACKETS * 2;
-
-/// A number of every part, as many at a time as a vector has lanes.
-type PartNumbers = [[f32; LANES]; PARTS / LANES];
-
-/// The slopes of each part's rays.
-#[derive(Clone, Debug)]
-pub(crate) struct Slopes {
-    low: [[Numbers; PARTS / LANES]; 2],
-    high: [[Numbers; PARTS / LANES]; 2],
-    /// Of all parts.
-    all: SlopeRange,
-}
-
-/// A bundle of rays with a common origin, and [`PARTS`] bundles that it consists of.
+/// A bundle of rays with a common origin, and [`PARTS`](super::PARTS) bundles that it consists of.
 #[derive(Clone, Debug)]
 pub(crate) struct Shaft {
     pub(crate) frustum: Frustum,
-    /// The slopes of the parts.
-    low: [PartNumbers; 2],
-    high: [PartNumbers; 2],
+    pub(super) slopes: Slopes,
     /// sqrt(1 + h^2) of each of those slopes.
     low_root: [PartNumbers; 2],
     high_root: [PartNumbers; 2],
@@ -48,27 +30,6 @@ pub(crate) struct Shaft {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits(PartNumbers);
 
-impl Slopes {
-    /// Of no ray.
-    pub(crate) const NONE: Self = Self {
-        low: [[Numbers::splat(0.0); PARTS / LANES]; 2],
-        high: [[Numbers::splat(0.0); PARTS / LANES]; 2],
-        all: SlopeRange::NONE,
-    };
-
-    /// Sets those of a part.
-    #[inline(always)]
-    pub(crate) fn set(&mut self, part: usize, range: &SlopeRange) {
-        // Remainders spare checks of bounds.
-        let (group, lane) = (part / LANES % (PARTS / LANES), part % LANES);
-        for side in 0..2 {
-            self.low[side][group].set(lane, range.low[side]);
-            self.high[side][group].set(lane, range.high[side]);
-        }
-        self.all.include(range);
-    }
-}
-
 impl Tree {
     /// Makes a shaft of the rays from a point that have these slopes. `None` where there is no [frustum](Tree::frustum).
     #[inline(always)]
@@ -77,23 +38,20 @@ impl Tree {
         simd: S,
         origin: DVec3,
         depth: Depth,
-        slopes: &Slopes,
+        slopes: Slopes,
     ) -> Option<Shaft> {
-        let frustum = self.frustum(origin, depth, &slopes.all)?;
-        let none = [NO_NUMBERS; 2];
-        let mut shaft = Shaft { frustum, low: none, high: none, low_root: none, high_root: none };
+        let frustum = self.frustum(origin, depth, &slopes.range(simd))?;
+        let none = [[[0.0; LANES]; GROUPS]; 2];
+        let (mut low_root, mut high_root) = (none, none);
         for side in 0..2 {
-            for group in 0..PARTS / LANES {
-                let low = slopes.low[side][group].rounded(simd);
-                let high = slopes.high[side][group].rounded(simd);
-                let (low, high) = (low - widened(low), high + widened(high));
-                low.store_array(&mut shaft.low[side][group]);
-                high.store_array(&mut shaft.high[side][group]);
-                (low * low + 1.0).sqrt().store_array(&mut shaft.low_root[side][group]);
-                (high * high + 1.0).sqrt().store_array(&mut shaft.high_root[side][group]);
+            for group in 0..GROUPS {
+                let low = f32x16::load_array_ref(simd, &slopes.low[side][group]);
+                let high = f32x16::load_array_ref(simd, &slopes.high[side][group]);
+                (low * low + 1.0).sqrt().store_array(&mut low_root[side][group]);
+                (high * high + 1.0).sqrt().store_array(&mut high_root[side][group]);
             }
         }
-        Some(shaft)
+        Some(Shaft { frustum, slopes, low_root, high_root })
     }
 }
 
@@ -102,7 +60,7 @@ impl Shaft {
     #[inline(always)]
     pub(crate) fn parts<S: Simd>(&self, simd: S, bounds: &LeafBox, limits: &Limits) -> u32 {
         let mut parts = 0;
-        for group in 0..PARTS / LANES {
+        for group in 0..GROUPS {
             let met = if bounds.round {
                 self.sphere_parts(simd, &bounds.planes, limits, group)
             } else {
@@ -127,8 +85,8 @@ impl Shaft {
                 planes[across] - self.frustum.origin[across],
                 planes[across + 3] - self.frustum.origin[across],
             );
-            let low = f32x16::load_array_ref(simd, &self.low[side][group]);
-            let high = f32x16::load_array_ref(simd, &self.high[side][group]);
+            let low = f32x16::load_array_ref(simd, &self.slopes.low[side][group]);
+            let high = f32x16::load_array_ref(simd, &self.slopes.high[side][group]);
             let (near, far) = (splat(simd, near), splat(simd, far));
             met &= splat(simd, lower - self.frustum.slack).simd_le((high * near).max(high * far))
                 & splat(simd, upper + self.frustum.slack).simd_ge((low * near).min(low * far));
@@ -156,8 +114,8 @@ impl Shaft {
             let beside = center[across] - self.frustum.origin[across];
             let (lower, upper) =
                 (splat(simd, beside - self.frustum.slack), splat(simd, beside + self.frustum.slack));
-            let high = load(&self.high[side]) * depth + load(&self.high_root[side]) * radius;
-            let low = load(&self.low[side]) * depth - load(&self.low_root[side]) * radius;
+            let high = load(&self.slopes.high[side]) * depth + load(&self.high_root[side]) * radius;
+            let low = load(&self.slopes.low[side]) * depth - load(&self.low_root[side]) * radius;
             met &= lower.simd_le(high) & upper.simd_ge(low);
         }
         met
@@ -166,12 +124,24 @@ impl Shaft {
 
 impl Limits {
     /// Of parts where nothing is of interest.
-    pub(crate) const NONE: Self = Self([[f32::NEG_INFINITY; LANES]; PARTS / LANES]);
+    pub(crate) const NONE: Self = Self([[f32::NEG_INFINITY; LANES]; GROUPS]);
+
+    /// Lets shapes be of interest to each part as far as its rays go.
+    #[inline(always)]
+    pub(crate) fn up_to<S: Simd>(simd: S, ends: &Ends, frustum: &Frustum) -> Self {
+        let mut limits = Self::NONE;
+        for (limit, farthest) in limits.0.iter_mut().zip(&ends.farthest) {
+            let depth = f32x16::load_array_ref(simd, farthest) + frustum.slack;
+            // Of the sum's rounding.
+            (depth + depth.abs() * f32::EPSILON).store_array(limit);
+        }
+        limits
+    }
 
     /// Lets shapes be of interest to a part up to this depth.
     #[inline(always)]
     pub(crate) fn set(&mut self, part: usize, depth: f32) {
-        self.0[part / LANES % (PARTS / LANES)][part % LANES] = depth;
+        self.0[part / LANES % (GROUPS)][part % LANES] = depth;
     }
 
     /// Returns the depth up to which shapes are of interest to any part.
@@ -184,19 +154,8 @@ impl Limits {
 
 /// The centre and the radius of the sphere that touches the sides of a box.
 #[inline(always)]
-fn ball([x, y, z, upper_x, upper_y, upper_z]: &[f32; 6]) -> ([f32; 3], f32) {
+pub(super) fn ball([x, y, z, upper_x, upper_y, upper_z]: &[f32; 6]) -> ([f32; 3], f32) {
     let middle = |lower: f32, upper: f32| (lower + upper) * 0.5;
     let center = [middle(*x, *upper_x), middle(*y, *upper_y), middle(*z, *upper_z)];
     (center, (upper_x - x).max(upper_y - y).max(upper_z - z) * 0.5)
 }
-
-/// More than rounding a slope to `f32` takes away.
-#[inline(always)]
-fn widened<S: Simd>(slope: f32x16<S>) -> f32x16<S> {
-    /// Two units in the last place.
-    const WIDER: f32 = f32::EPSILON;
-    slope.abs() * WIDER + f32::MIN_POSITIVE
-}
-
-/// Of no part.
-const NO_NUMBERS: PartNumbers = [[0.0; LANES]; PARTS / LANES];

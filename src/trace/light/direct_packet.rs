@@ -4,7 +4,7 @@ use fearless_simd::{f32x16, prelude::*};
 use glam::DVec3;
 
 use super::direct::{LitPoint, SampleId, propose};
-use super::proposal_packet::{LitPacket, ProposalPacket, facing_normal, facing_normals};
+use super::proposal_packet::{LitPacket, ProposalPacket, facing_normal};
 use super::shading_packet::{add_highlights, intensities};
 use crate::trace::effects::Effects;
 use crate::trace::math::{
@@ -82,7 +82,7 @@ fn aim<S: Simd>(simd: S, target: &Target, lit: &LitPacket<'_>, proposals: &mut P
     let asked = lit.surfaces.lanes;
     let (cosines, lengths) = (Numbers::splat(0.0), Numbers::splat(1.0));
     let mut aim = Aim { cosines, lengths, facing: 0, behind: 0, unusual: 0 };
-    let mut usual = 0;
+    let (mut usual, mut above, mut below) = (0, 0, 0);
     for half in 0..2 {
         if half_of(asked, half) == 0 {
             continue;
@@ -90,19 +90,21 @@ fn aim<S: Simd>(simd: S, target: &Target, lit: &LitPacket<'_>, proposals: &mut P
         let point = lit.surfaces.points.load(simd, half);
         let (to_light, limit, found) = way(simd, target, point, (proposals, half));
         let length = dot(to_light, to_light).sqrt();
-        let cosine = dot(facing_normals(simd, lit.surfaces, half), to_light) / length;
+        // Of the outward normal: the one that faces the ray differs in its sign at most, and so does the cosine.
+        let cosine = dot(lit.surfaces.normals.load(simd, half), to_light) / length;
         let zero = splat(simd, 0.0);
         usual |= bits(found, half);
-        aim.facing |= bits(cosine.simd_gt(zero), half);
-        aim.behind |= bits(cosine.simd_lt(zero), half);
+        above |= bits(cosine.simd_gt(zero), half);
+        below |= bits(cosine.simd_lt(zero), half);
         aim.cosines.store(half, cosine.abs());
         aim.lengths.store(half, length);
         proposals.rays.origins.store(half, point);
         proposals.rays.directions.store(half, to_light);
         proposals.limits.store(half, limit);
     }
-    aim.facing &= asked & usual;
-    aim.behind &= asked & usual;
+    let outside = lit.surfaces.from_outside;
+    aim.facing = (above & outside | below & !outside) & asked & usual;
+    aim.behind = (below & outside | above & !outside) & asked & usual;
     aim.unusual = asked & !usual;
     aim
 }

@@ -78,6 +78,13 @@ impl ProposalPacket {
         WayToLight { direction: self.rays.directions.get(lane), limit, from_behind }
     }
 
+    /// Drops what is hidden.
+    #[inline]
+    pub(crate) fn drop_hidden(&mut self, hidden: u32) {
+        self.lanes &= !hidden;
+        self.rays.keep(!hidden);
+    }
+
     /// Lets the rays of lanes that ask leave the surfaces.
     #[inline(always)]
     pub(super) fn leave(&mut self, surfaces: &SurfacePacket) {

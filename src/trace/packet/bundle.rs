@@ -9,8 +9,8 @@ use super::closest_hit::{Search, latest};
 use super::reciprocals::Reciprocals;
 use super::scratch::PacketScratch;
 use super::verdicts::{Asked, Asking};
-use crate::trace::bvh::{Depth, FrustumVisitor, LeafBox, LeafId, Limits, PACKETS, Shaft, SlopeRange, Slopes};
-use crate::trace::math::{half_lanes, half_of, set_bits};
+use crate::trace::bvh::{Depth, FrustumVisitor, LeafBox, LeafId, Limits, PACKETS, Shaft, Slopes};
+use crate::trace::math::{half_lanes, set_bits};
 use crate::trace::query::{HitPacket, Scratch};
 use crate::trace::rays::RayPacket;
 use crate::trace::scene::PreparedScene;
@@ -45,18 +45,9 @@ fn find<S: Simd>(
 ) -> bool {
     let Some(first) = rays.iter().find(|packet| packet.lanes != 0) else { return false };
     let depth = Depth::along(first.directions.get(first.lanes.trailing_zeros() as usize));
-    let mut slopes = Slopes::NONE;
-    for (packet, rays) in rays.iter().enumerate() {
-        for half in 0..2 {
-            if half_of(rays.lanes, half) == 0 {
-                continue;
-            }
-            let along = (&rays.directions, rays.lanes, half);
-            let Some(range) = SlopeRange::of(simd, along, (depth, 1.0)) else { return false };
-            slopes.set(packet * 2 + half, &range);
-        }
-    }
-    let Some(shaft) = scene.tree.shaft(simd, origin, depth, &slopes) else { return false };
+    let directions = rays.iter().map(|packet| (&packet.directions, packet.lanes));
+    let Some(slopes) = Slopes::of(simd, (depth, 1.0), directions) else { return false };
+    let Some(shaft) = scene.tree.shaft(simd, origin, depth, slopes) else { return false };
     hits.iter_mut().for_each(HitPacket::clear);
     let Scratch { stack, cancelled, .. } = scratch;
     reciprocals.iter_mut().for_each(Reciprocals::forget);

@@ -10,12 +10,17 @@ use std::sync::atomic::AtomicBool;
 use fearless_simd::{dispatch, prelude::*};
 use glam::DVec3;
 
+use super::roles::{Occluders, Role};
 use crate::trace::bvh::{
-    Depth, FARTHEST, FrustumVisitor, LeafBox, LeafId, Limits, PARTS, Shaft, SlopeRange, Slopes, Stack,
+    Depth, Ends, FARTHEST, FrustumVisitor, LeafBox, LeafId, Limits, PARTS, Shaft, Slopes, Stack,
 };
-use crate::trace::math::{Numbers, Vectors, half_of, set_bits};
+use crate::trace::math::{
+    Numbers, dot_lanes as dot, half_lanes, half_of, mask, set_bits, splat, splat3, subtract,
+};
 use crate::trace::query::Scratch;
-use crate::trace::scene::PreparedScene;
+use crate::trace::rays::{RayPacket, ShapeId};
+use crate::trace::scene::{PreparedScene, ShapeRef};
+use crate::trace::shapes::Plane;
 
 /// More candidates than so are better found in the tree.
 const MOST: usize = 12;
@@ -26,18 +31,22 @@ const MOST_VISITS: usize = 128;
 /// Fewer rays are not worth it.
 const FEWEST: u32 = 32;
 
-/// The shapes of the tree that may hide a light, half packet by half packet; kept for its memory.
+/// The shapes that may hide a light: those of the tree half packet by half packet; kept for its memory.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Candidates {
     parts: [Vec<LeafId>; PARTS],
     /// Halves whose rays are to find them in the tree, as a bit mask.
     crowded: u32,
+    /// Halves from which one of them hides the light altogether.
+    hidden: u32,
+    /// The shapes beside the tree that may hide it.
+    beside: Vec<ShapeId>,
 }
 
 /// Where a light lies from the points of a packet.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WaysToLight<'a> {
-    pub(crate) directions: &'a Vectors,
+    pub(crate) rays: &'a RayPacket,
     /// How many times as far the light is.
     pub(crate) limits: &'a Numbers,
     /// The lanes that ask.
@@ -50,23 +59,45 @@ impl Candidates {
     pub(crate) fn find<'a>(
         &mut self,
         scene: &PreparedScene,
-        light: DVec3,
-        packets: impl Iterator<Item = WaysToLight<'a>> + Clone,
+        (light, occluders): (DVec3, Occluders),
+        packets: &(impl Iterator<Item = WaysToLight<'a>> + Clone),
         scratch: &mut Scratch<'_>,
     ) -> bool {
         if packets.clone().map(|ways| ways.lanes.count_ones()).sum::<u32>() < FEWEST {
             return false;
         }
         self.parts.iter_mut().for_each(Vec::clear);
-        self.crowded = 0;
+        (self.crowded, self.hidden) = (0, 0);
         let Scratch { stack, cancelled, .. } = scratch;
         let search = (stack, *cancelled);
-        dispatch!(scene.simd.level(), simd => gather(simd, scene, light, packets, self, search))
+        dispatch!(scene.simd.level(), simd => gather(simd, scene, (light, occluders), packets, self, search))
     }
 
     /// Returns whether there were too many shapes for all halves.
     pub(crate) fn all_crowded(&self) -> bool {
         self.crowded == u32::MAX
+    }
+
+    /// Returns the lanes of a packet from whose points the light is hidden for certain: of those for which it was asked.
+    #[inline]
+    pub(crate) fn hidden(&self, packet: usize) -> u32 {
+        let halves = self.hidden >> (packet * 2);
+        ((halves & 1) * half_lanes(0)) | ((halves >> 1 & 1) * half_lanes(1))
+    }
+
+    /// Returns whether nothing may stand in the way of those rays of a packet that are not hidden.
+    #[inline]
+    pub(crate) fn is_clear(&self, packet: usize) -> bool {
+        let open = |part: usize| self.hidden & (1 << part) == 0;
+        let clear = |part: usize| self.crowded & (1 << part) == 0 && self.parts[part].is_empty();
+        self.beside.is_empty()
+            && [packet * 2, packet * 2 + 1].into_iter().all(|part| !open(part) || clear(part))
+    }
+
+    /// Returns the shapes beside the tree that may hide the light, in document order.
+    #[inline]
+    pub(crate) fn beside(&self) -> &[ShapeId] {
+        &self.beside
     }
 
     /// Returns the shapes of the tree that the rays of half of a packet have to be asked of; `None` where they have to find them
@@ -82,42 +113,73 @@ impl Candidates {
 fn gather<'a, S: Simd>(
     simd: S,
     scene: &PreparedScene,
-    light: DVec3,
-    packets: impl Iterator<Item = WaysToLight<'a>> + Clone,
+    (light, occluders): (DVec3, Occluders),
+    packets: &(impl Iterator<Item = WaysToLight<'a>> + Clone),
     candidates: &mut Candidates,
     (stack, cancelled): (&mut Stack, &AtomicBool),
 ) -> bool {
     let Some(first) = packets.clone().find(|ways| ways.lanes != 0) else { return false };
     // From the light to the points.
-    let depth = Depth::along(-first.directions.get(first.lanes.trailing_zeros() as usize));
-    let (mut slopes, mut farthest) = (Slopes::NONE, [f64::NEG_INFINITY; PARTS]);
-    for (packet, ways) in packets.enumerate() {
-        for half in 0..2 {
-            if half_of(ways.lanes, half) == 0 {
-                continue;
-            }
-            let back = (ways.directions, ways.lanes, half);
-            let Some(range) = SlopeRange::of(simd, back, (depth, -1.0)) else { return false };
-            slopes.set(packet * 2 + half, &range);
-            farthest[packet * 2 + half] = depth.farthest(simd, back, (ways.limits.load(simd, half), -1.0));
-        }
-    }
-    let Some(shaft) = scene.tree.shaft(simd, light, depth, &slopes) else { return false };
-    if farthest.iter().any(|depth| depth * scene.tree.scale() > FARTHEST) {
+    let depth = Depth::along(-first.rays.directions.get(first.lanes.trailing_zeros() as usize));
+    let directions = packets.clone().map(|ways| (&ways.rays.directions, ways.lanes));
+    let Some(slopes) = Slopes::of(simd, (depth, -1.0), directions) else { return false };
+    let Some(shaft) = scene.tree.shaft(simd, light, depth, slopes) else { return false };
+    let ways = packets.clone().map(|ways| (&ways.rays.directions, ways.limits, ways.lanes));
+    let ends = Ends::of(simd, (depth, -1.0), scene.tree.scale(), ways);
+    if f64::from(ends.deepest()) > FARTHEST {
         return false;
     }
-    let mut limits = Limits::NONE;
-    for (part, depth) in farthest.iter().enumerate() {
-        limits.set(part, shaft.frustum.depth_limit(depth * scene.tree.scale()));
+    candidates.beside.clear();
+    for id in &scene.beside {
+        if !matches!(scene.geometry.shape(*id), ShapeRef::Plane(plane) if !may_part(simd, (*id, plane), light, packets))
+        {
+            candidates.beside.push(*id);
+        }
     }
+    let limits = Limits::up_to(simd, &ends, &shaft.frustum);
     let farthest = limits.farthest(simd);
-    let mut visitor = Visitor { shaft: &shaft, candidates, limits, farthest, visits: 0 };
+    let mut visitor =
+        Visitor { scene, occluders, shaft: &shaft, ends, candidates, limits, farthest, visits: 0 };
     scene.tree.visit_frustum(simd, &shaft.frustum, farthest, stack, cancelled, &mut visitor);
     true
 }
 
+/// Returns whether a plane may stand between a light and any of the points: not where those are on the light's side of it for certain,
+/// or leave it.
+#[inline(always)]
+fn may_part<'a, S: Simd>(
+    simd: S,
+    (id, plane): (ShapeId, &Plane),
+    light: DVec3,
+    packets: &(impl Iterator<Item = WaysToLight<'a>> + Clone),
+) -> bool {
+    /// 2^-40, of the numbers that heights are made of: more than rounding shifts those by, and rays beside their light.
+    const ROUNDING: f64 = f64::from_bits((1023 - 40) << 52);
+    /// More than is lost where products underflow.
+    const LEAST: f64 = 1e-290;
+    let (from_point, normal, size) = (light - plane.point(), plane.normal(), plane.normal().abs());
+    let (height, reach) = (from_point.dot(normal), from_point.abs().dot(size));
+    let (up, height) = (splat3(simd, normal * height.signum()), splat(simd, height.abs()));
+    for WaysToLight { rays, lanes, .. } in packets.clone() {
+        let asked = lanes & !(rays.left.lanes_of(simd, id) & rays.departing);
+        for half in (0..2).filter(|half| half_of(asked, *half) != 0) {
+            let [x, y, z] = subtract(rays.origins.load(simd, half), splat3(simd, plane.point()));
+            let sizes = dot([x.abs(), y.abs(), z.abs()], splat3(simd, size));
+            let above = dot([x, y, z], up).simd_gt(sizes * ROUNDING + LEAST);
+            let lit_from_above = height.simd_gt((sizes + reach) * ROUNDING + LEAST);
+            if (mask(simd, asked, half) & !(above & lit_from_above)).any_true() {
+                return true;
+            }
+        }
+    }
+    false
+}
+
 struct Visitor<'a> {
+    scene: &'a PreparedScene,
+    occluders: Occluders,
     shaft: &'a Shaft,
+    ends: Ends,
     candidates: &'a mut Candidates,
     limits: Limits,
     farthest: f32,
@@ -132,15 +194,130 @@ impl<S: Simd> FrustumVisitor<S> for Visitor<'_> {
             self.candidates.crowded = u32::MAX;
             return f32::NEG_INFINITY;
         }
-        for part in set_bits(self.shaft.parts(simd, bounds, &self.limits)) {
+        let parts = self.shaft.parts(simd, bounds, &self.limits);
+        if parts == 0 {
+            return self.farthest;
+        }
+        let hidden = self.hidden(simd, leaf, bounds) & parts;
+        for part in set_bits(hidden) {
+            self.candidates.parts[part].clear();
+            self.candidates.parts[part].push(leaf);
+        }
+        self.candidates.hidden |= hidden;
+        let mut crowded = 0;
+        for part in set_bits(parts & !hidden) {
             if self.candidates.parts[part].len() < MOST {
                 self.candidates.parts[part].push(leaf);
             } else {
-                self.candidates.crowded |= 1 << part;
-                self.limits.set(part, f32::NEG_INFINITY);
-                self.farthest = self.limits.farthest(simd);
+                crowded |= 1 << part;
             }
         }
+        self.candidates.crowded |= crowded;
+        if hidden | crowded != 0 {
+            set_bits(hidden | crowded).for_each(|part| self.limits.set(part, f32::NEG_INFINITY));
+            self.farthest = self.limits.farthest(simd);
+        }
         self.farthest
+    }
+}
+
+impl Visitor<'_> {
+    /// Returns the parts that a shape hides the light from altogether.
+    #[inline(always)]
+    fn hidden<S: Simd>(&self, simd: S, leaf: LeafId, bounds: &LeafBox) -> u32 {
+        let covered = self.shaft.covered(simd, bounds, &self.ends);
+        if covered == 0 {
+            return 0;
+        }
+        let (id, shape) = self.scene.leaves.get(leaf, &self.scene.geometry);
+        // Images do not fill their boxes.
+        let fills = matches!(shape, ShapeRef::Sphere(_) | ShapeRef::AlignedBox(_));
+        if fills && self.occluders.role(self.scene, id) == Role::Hides { covered } else { 0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::math::scaled;
+    use crate::trace::packet::tests::{OPAQUE, scene, scene_of};
+    use crate::trace::rays::Ray;
+    use crate::trace::scene::PreparedShape;
+    use crate::trace::shapes::{AlignedBox, Sphere};
+
+    /// From the points of a square of 1.5 by 1.5 of the plane y = 0 to a light, with how far that is.
+    fn ways_from_floor(light: DVec3) -> Vec<(RayPacket, Numbers)> {
+        let mut ways = vec![(RayPacket::EMPTY, Numbers::splat(0.0)); 16];
+        for index in 0..256_u32 {
+            let (packet, lane) = (index / 64 * 4 + index % 16 / 4, index / 16 % 4 * 4 + index % 4);
+            let point = DVec3::new(f64::from(index % 16) * 0.1, 0.0, f64::from(index / 16) * 0.1);
+            let (direction, scale) = scaled(light - point).unwrap();
+            ways[packet as usize].0.set(lane as usize, &Ray::new(point, direction).unwrap());
+            ways[packet as usize].1.set(lane as usize, scale.recip());
+        }
+        ways
+    }
+
+    /// What covers all points hides the light from all, unless it is clear, the light's own, behind the light or the points, or leaves a gap.
+    #[test]
+    fn wide_shadows_are_found_at_once() {
+        let light = DVec3::new(0.0, 20.0, 0.0);
+        let sphere = |y, radius| PreparedShape::Sphere(Sphere { center: DVec3::new(0.7, y, 0.7), radius });
+        let slab = |y: f64, half: f64| {
+            let (middle, reach) = (DVec3::new(0.75, y, 0.75), DVec3::new(half, 0.1, half));
+            PreparedShape::AlignedBox(AlignedBox { min: middle - reach, max: middle + reach })
+        };
+        let hidden = |shape: PreparedShape, clear: bool, except: Option<ShapeId>| {
+            let scene = scene_of(&[shape, sphere(-40.0, 1.0)], |_| clear);
+            let ways = ways_from_floor(light);
+            let ways = ways.iter().map(|(rays, limits)| WaysToLight { rays, limits, lanes: 0xffff });
+            let mut candidates = Candidates::default();
+            assert!(candidates.find(
+                &scene,
+                (light, Occluders { except, clear }),
+                &ways,
+                &mut Scratch::default()
+            ));
+            (0..16).map(|packet| candidates.hidden(packet).count_ones()).sum::<u32>()
+        };
+        for wide in [sphere(4.0, 3.0), slab(4.0, 2.0)] {
+            assert_eq!(hidden(wide, false, None), 256, "{wide:?}");
+            assert_eq!(hidden(wide, true, None), 0, "clear: {wide:?}");
+            assert_eq!(hidden(wide, false, Some(ShapeId(0))), 0, "its own: {wide:?}");
+        }
+        for beside in [
+            sphere(24.0, 3.0),
+            slab(24.0, 2.0),
+            sphere(-4.0, 3.0),
+            slab(-4.0, 2.0),
+            sphere(1.0, 3.0),
+            slab(0.0, 2.0),
+        ] {
+            assert_eq!(hidden(beside, false, None), 0, "{beside:?}");
+        }
+        for narrow in [sphere(4.0, 0.5), slab(4.0, 0.5)] {
+            assert!((8..200).contains(&hidden(narrow, false, None)), "{narrow:?}");
+        }
+    }
+
+    /// Few shapes are asked, and those that matter: a test of the test above, which could not fail otherwise.
+    #[test]
+    fn candidates_are_few() {
+        let mut shapes: Vec<PreparedShape> = (0..400)
+            .map(|index| DVec3::new(f64::from(index % 20) - 9.7, 5.0, f64::from(index / 20) - 9.6))
+            .map(|center| PreparedShape::Sphere(Sphere { center, radius: 0.4 }))
+            .collect();
+        shapes.push(PreparedShape::Plane(Plane::new(DVec3::ZERO, DVec3::Y).unwrap()));
+        let (scene, light) = (scene(&shapes), DVec3::new(0.0, 20.0, 0.0));
+        let ways = ways_from_floor(light);
+        let ways = ways.iter().map(|(rays, limits)| WaysToLight { rays, limits, lanes: 0xffff });
+        let mut candidates = Candidates::default();
+        assert!(candidates.find(&scene, (light, OPAQUE), &ways, &mut Scratch::default()));
+        let counts: Vec<usize> =
+            (0..32).map(|part| candidates.of(part / 2, part % 2).unwrap().len()).collect();
+        assert!(
+            counts.iter().any(|count| *count > 0) && counts.iter().all(|count| *count <= 4),
+            "{counts:?}"
+        );
     }
 }

@@ -6,7 +6,8 @@
 //!
 //! - [`leaves`] and [`slabs`]: one shape of a kind against half of a packet's rays; [`verdicts`]: a shape of any kind.
 //! - [`closest_hit`]: the nearest of what a packet's rays meet; [`bundle`]: the same of packets of rays from one point.
-//! - [`occlusion`]: what stands between surface points and a light, and [`crossings`]: where it is clear; [`candidates`]: what may, for all packets of a tile.
+//! - [`occlusion`]: what stands between surface points and a light, and [`crossings`]: where it is clear; [`candidates`]: what may, for all packets of a tile;
+//!   [`roles`]: which shapes do.
 //! - [`refine`]: the surface points that hits stand for.
 //! - [`reciprocals`]: quotients that shapes ask of rays; [`scratch`]: what is kept for its memory.
 
@@ -18,6 +19,7 @@ mod leaves;
 mod occlusion;
 mod reciprocals;
 mod refine;
+mod roles;
 mod scratch;
 mod slabs;
 #[cfg(test)]
@@ -29,4 +31,5 @@ pub(crate) use candidates::{Candidates, WaysToLight};
 pub(crate) use closest_hit::closest_hits;
 pub(crate) use occlusion::{Occlusion, ShadowPacket, occluded};
 pub(crate) use refine::refine;
+pub(crate) use roles::Occluders;
 pub(crate) use scratch::PacketScratch;

@@ -9,6 +9,7 @@ use fearless_simd::{dispatch, prelude::*};
 use glam::DVec3;
 
 use super::crossings::{CrossedPacket, CrossingScratch, cross};
+use super::roles::{Occluders, Role};
 use super::scratch::PacketScratch;
 use super::verdicts::{Asked, Asking};
 use crate::trace::bvh::{
@@ -29,12 +30,12 @@ pub(crate) struct ShadowPacket<'a> {
     pub(crate) limits: &'a Numbers,
     /// Where all of them end, if that is one point.
     pub(crate) light: Option<DVec3>,
-    /// A shape that does not count: the light's own.
-    pub(crate) except: Option<ShapeId>,
+    /// What may hide it.
+    pub(crate) occluders: Occluders,
+    /// The shapes beside the tree that may stand in the way.
+    pub(crate) beside: &'a [ShapeId],
     /// By half of the lanes: shapes of the tree that may stand in the way of any of them; `None` where they have to be found there.
     pub(crate) candidates: [Option<&'a [LeafId]>; 2],
-    /// Whether clear shapes hide nothing, but are crossed.
-    pub(crate) clear: bool,
 }
 
 /// What became of them, as bit masks. The other rays reach the light, through the clear shapes of which the scratch says where.
@@ -75,17 +76,6 @@ struct Search<'a> {
     crossed: &'a mut Vec<CrossedPacket>,
 }
 
-/// What a shape does to a light.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Role {
-    Hides,
-    /// It weakens it.
-    Weakens,
-    /// It and others that equal it do, for which rays are followed one by one.
-    Together,
-    Ignored,
-}
-
 impl Search<'_> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S, stack: &mut PacketStack, cancelled: &AtomicBool) {
@@ -96,7 +86,7 @@ impl Search<'_> {
         {
             self.meet(simd, Asked::beside(self.scene, id), self.undecided() & unlisted);
         }
-        for id in &self.scene.beside {
+        for id in self.shadow.beside {
             if self.undecided() == 0 || cancelled.load(Ordering::Relaxed) {
                 return;
             }
@@ -129,13 +119,10 @@ impl Search<'_> {
         let ShadowPacket { rays, limits, light, .. } = self.shadow;
         let light = (*light)?;
         let depth = Depth::along(-rays.directions.get(lanes.trailing_zeros() as usize));
-        let (mut slopes, mut farthest) = (SlopeRange::NONE, f64::NEG_INFINITY);
+        let slopes = SlopeRange::of(simd, (&rays.directions, lanes), (depth, -1.0))?;
+        let mut farthest = f64::NEG_INFINITY;
         for half in 0..2 {
-            if half_of(lanes, half) == 0 {
-                continue;
-            }
             let back = (&rays.directions, lanes, half);
-            slopes.include(&SlopeRange::of(simd, back, (depth, -1.0))?);
             farthest = farthest.max(depth.farthest(simd, back, (limits.load(simd, half), -1.0)));
         }
         let tree = &self.scene.tree;
@@ -159,27 +146,10 @@ impl Search<'_> {
         self.shadow.rays.lanes & !self.found.hidden & !self.found.open
     }
 
-    /// As `PreparedScene::occluder` and `PreparedScene::occluder_or_crossed` see it.
-    #[inline(always)]
-    fn role(&self, id: ShapeId) -> Role {
-        let group = self.scene.equal_shapes.group(id);
-        if self.shadow.except == Some(id) && group.is_none() {
-            return Role::Ignored;
-        }
-        if !self.shadow.clear {
-            return Role::Hides;
-        }
-        match group {
-            Some(group) if group.opaque(self.shadow.except).is_none() => Role::Together,
-            None if self.scene.material(id).refraction.is_some() => Role::Weakens,
-            Some(_) | None => Role::Hides,
-        }
-    }
-
     /// Takes a shape into account in some lanes.
     #[inline(always)]
     fn meet<S: Simd>(&mut self, simd: S, shape: Asked<'_>, lanes: u32) {
-        let role = self.role(shape.id);
+        let role = self.shadow.occluders.role(self.scene, shape.id);
         if role == Role::Ignored {
             return;
         }

@@ -6,7 +6,7 @@ use super::buffers::TileBuffers;
 use super::tile::Sample;
 use crate::trace::light::{MediumStack, PathPacket, filtered_along, visibility};
 use crate::trace::math::{HALF, lanes};
-use crate::trace::packet::{Occlusion, ShadowPacket, WaysToLight, occluded};
+use crate::trace::packet::{Occluders, Occlusion, ShadowPacket, WaysToLight, occluded};
 use crate::trace::query::Intersector;
 use crate::trace::scene::{Light, LightSource, Precision};
 
@@ -28,13 +28,27 @@ pub(super) fn shadows(
             continue;
         }
         buffers.rays_traced.shadow += u64::from(asking.count_ones());
+        let hidden = if listed { asking & buffers.candidates.hidden(packet) } else { 0 };
+        buffers.proposals[packet].drop_hidden(hidden);
+        if asking == hidden || listed && are_clear(sample, packet, buffers) {
+            continue;
+        }
+        let asking = asking & !hidden;
         let Occlusion { hidden, open } = occlusion(sample, (place, light), (packet, listed), buffers);
-        buffers.proposals[packet].lanes &= !hidden;
+        buffers.proposals[packet].drop_hidden(hidden);
         if sample.context.effects.clear_shadows() {
             weaken(sample, light, packet, asking & !hidden & !open, buffers);
         }
         follow(sample, shapes, (place, light), (packet, listed), open & !hidden, buffers);
     }
+}
+
+/// Returns whether nothing may stand in the way of what is left of a packet's shadow rays, and nobody wants to know what they cross.
+fn are_clear(sample: &Sample<'_>, packet: usize, buffers: &TileBuffers<'_>) -> bool {
+    let TileBuffers { proposals, candidates, .. } = buffers;
+    // What is tied with others is left in as many senses as there are.
+    let plain = !sample.context.effects.clear_shadows() && proposals[packet].rays.tied == 0;
+    plain && candidates.is_clear(packet)
 }
 
 /// Finds which shadow rays of a packet are hidden for certain, and which have to be followed one by one.
@@ -44,7 +58,7 @@ fn occlusion(
     (packet, listed): (usize, bool),
     buffers: &mut TileBuffers<'_>,
 ) -> Occlusion {
-    let (scene, clear) = (sample.context.scene, sample.context.effects.clear_shadows());
+    let scene = sample.context.scene;
     let TileBuffers { proposals, candidates, last_occluders, scratch, packet_scratch, .. } = buffers;
     let proposals = &proposals[packet];
     if scene.precision != Precision::Guaranteed {
@@ -54,9 +68,9 @@ fn occlusion(
         rays: &proposals.rays,
         limits: &proposals.limits,
         light: place_of(light),
-        except: light.own_shape,
+        occluders: occluders(sample, light),
+        beside: if listed { candidates.beside() } else { &scene.beside },
         candidates: [0, 1].map(|half| if listed { candidates.of(packet, half) } else { None }),
-        clear,
     };
     let cancelled = scratch.search.cancelled;
     occluded(scene, &shadow, &mut last_occluders[place], packet_scratch, cancelled)
@@ -112,6 +126,11 @@ fn inside(paths: &PathPacket, asking: u32) -> u32 {
     lanes(asking).filter(inside).fold(0, |mask, lane| mask | 1 << lane)
 }
 
+/// Returns what may hide a light.
+fn occluders(sample: &Sample<'_>, light: &Light) -> Occluders {
+    Occluders { except: light.own_shape, clear: sample.context.effects.clear_shadows() }
+}
+
 /// Returns where all rays to a light end, if that is one point.
 fn place_of(light: &Light) -> Option<DVec3> {
     match light.source {
@@ -130,9 +149,9 @@ fn find_candidates(sample: &Sample<'_>, light: &Light, buffers: &mut TileBuffers
     }
     let TileBuffers { wave, proposals, candidates, scratch, .. } = buffers;
     let ways = proposals[..wave.count].iter().map(|proposals| WaysToLight {
-        directions: &proposals.rays.directions,
+        rays: &proposals.rays,
         limits: &proposals.limits,
         lanes: proposals.asking,
     });
-    candidates.find(sample.context.scene, place, ways, &mut scratch.search)
+    candidates.find(sample.context.scene, (place, occluders(sample, light)), &ways, &mut scratch.search)
 }

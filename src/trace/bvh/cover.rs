@@ -1,0 +1,123 @@
+//! Which bundles of a shaft's rays all go through one shape.
+//!
+//! The directions in which a point sees a convex shape are convex, so that all rays between four go through it where those four do:
+//! the corners of a part's slopes. Where the shape lies between the shaft's origin and the points at which a part's rays end, none of
+//! them gets past it.
+//!
+//! As in a [frustum](super::frustum), rounding shifts points across the depth by less than the slack, and makes a
+//! sphere's radius or a box's side greater by less than that. So shapes are taken to be smaller by three times as much, and to
+//! reach as much farther. The distance of a sphere's centre from a line is a sum of squares, of which one is that of a difference: with
+//! slopes up to S that is off by less than 8 e S^2 and a few e more of the sum, which is 2^-12 for the steepest.
+
+use fearless_simd::{f32x16, mask32x16, prelude::*};
+
+use super::frustum::LeafBox;
+use super::shaft::{Shaft, ball};
+use super::slopes::{Ends, GROUPS};
+use crate::trace::math::{LANES, bits16};
+
+/// More than rounding makes a square distance smaller by.
+const FARTHER: f32 = 1.0 + 1.0 / 1024.0;
+
+/// A shape's box as seen from the shaft's origin, in the tree's frame, narrower than it is.
+struct Seen {
+    /// From and up to which depths.
+    near: f32,
+    far: f32,
+    /// Beyond which depth nothing of it is.
+    end: f32,
+    /// From where to where along each of the axes across.
+    low: [f32; 2],
+    high: [f32; 2],
+}
+
+impl Shaft {
+    /// Returns the parts whose rays all go through a shape before they end, as a bit mask: a sphere that touches all sides of its box, or
+    /// else the box itself. Parts without rays may be among them.
+    #[inline(always)]
+    pub(crate) fn covered<S: Simd>(&self, simd: S, bounds: &LeafBox, ends: &Ends) -> u32 {
+        let Some(seen) = self.seen(bounds) else { return 0 };
+        simd.vectorize(
+            #[inline(always)]
+            || self.covered_by(simd, bounds, &seen, ends),
+        )
+    }
+
+    #[inline(always)]
+    fn covered_by<S: Simd>(&self, simd: S, bounds: &LeafBox, seen: &Seen, ends: &Ends) -> u32 {
+        let mut covered = 0;
+        for group in 0..GROUPS {
+            let nearest = f32x16::load_array_ref(simd, &ends.nearest[group]);
+            let before = f32x16::splat(simd, seen.end).simd_lt(nearest);
+            let within = if bounds.round {
+                self.in_sphere(simd, &bounds.planes, group)
+            } else {
+                self.in_box(simd, seen, group)
+            };
+            covered |= bits16(before & within) << (group * LANES);
+        }
+        covered
+    }
+
+    /// `None` of a shape that is not ahead, or too small to be worth it: a part is about an eighth of the frustum wide.
+    #[inline(always)]
+    fn seen(&self, bounds: &LeafBox) -> Option<Seen> {
+        const NARROWEST: f32 = 1.0 / 8.0;
+        let (frustum, planes) = (&self.frustum, &bounds.planes);
+        let shrunk = 3.0 * frustum.slack;
+        let [w, u, v] = frustum.depth.axes();
+        let [near, far] = frustum.depth.near_and_far();
+        let (near, far) = (planes[near] - frustum.origin[w], planes[far] - frustum.origin[w]);
+        let (near, far) = if frustum.depth.upwards { (near, far) } else { (-near, -far) };
+        let mut seen = Seen { near, far, end: far + shrunk, low: [0.0; 2], high: [0.0; 2] };
+        let mut worth = near > shrunk;
+        for (side, across) in [u, v].into_iter().enumerate() {
+            seen.low[side] = planes[across] - frustum.origin[across] + shrunk;
+            seen.high[side] = planes[across + 3] - frustum.origin[across] - shrunk;
+            let width = (frustum.high[side] - frustum.low[side]) * near;
+            worth &= seen.high[side] - seen.low[side] > width * NARROWEST;
+        }
+        worth.then_some(seen)
+    }
+
+    /// Where all slopes are those of points on the nearer or on the farther side of a box.
+    #[inline(always)]
+    fn in_box<S: Simd>(&self, simd: S, seen: &Seen, group: usize) -> mask32x16<S> {
+        let splat = |number: f32| f32x16::splat(simd, number);
+        let (mut on_near, mut on_far) = (splat(0.0).simd_le(splat(0.0)), splat(0.0).simd_le(splat(0.0)));
+        for side in 0..2 {
+            let low = f32x16::load_array_ref(simd, &self.slopes.low[side][group]);
+            let high = f32x16::load_array_ref(simd, &self.slopes.high[side][group]);
+            let (lower, upper) = (splat(seen.low[side]), splat(seen.high[side]));
+            on_near &= (low * seen.near).simd_ge(lower) & (high * seen.near).simd_le(upper);
+            on_far &= (low * seen.far).simd_ge(lower) & (high * seen.far).simd_le(upper);
+        }
+        on_near | on_far
+    }
+
+    /// Where the lines of all slopes come nearer to the centre of a sphere than its radius is.
+    #[inline(always)]
+    fn in_sphere<S: Simd>(&self, simd: S, planes: &[f32; 6], group: usize) -> mask32x16<S> {
+        let frustum = &self.frustum;
+        let [w, u, v] = frustum.depth.axes();
+        let (center, radius) = ball(planes);
+        let depth = center[w] - frustum.origin[w];
+        let depth = if frustum.depth.upwards { depth } else { -depth };
+        let (u, v) = (center[u] - frustum.origin[u], center[v] - frustum.origin[v]);
+        let radius = radius - 3.0 * frustum.slack;
+        let square = f32x16::splat(simd, radius * radius);
+        let load = |numbers: &[[f32; LANES]; GROUPS]| f32x16::load_array_ref(simd, &numbers[group]);
+        let mut within = square.simd_gt(f32x16::splat(simd, 0.0));
+        for across in [load(&self.slopes.low[0]), load(&self.slopes.high[0])] {
+            let beside_u = u - across * depth;
+            for along in [load(&self.slopes.low[1]), load(&self.slopes.high[1])] {
+                let beside_v = v - along * depth;
+                let turned = along * beside_u - across * beside_v;
+                let distance = beside_u * beside_u + beside_v * beside_v + turned * turned;
+                let length = across * across + along * along + 1.0;
+                within &= (distance * FARTHER).simd_le(square * length);
+            }
+        }
+        within
+    }
+}
