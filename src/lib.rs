@@ -58,7 +58,7 @@
 //!
 //! | module | holds | may import | outside crates |
 //! |---|---|---|---|
-//! | `color` | linear colour, sRGB | | glam |
+//! | `color` | linear colour, sRGB | | bytemuck, glam |
 //! | `time` | seconds, frame rates, frame lists | | |
 //! | `animation` | values over time, pure | color, time | glam |
 //! | `script` | scripts in scenes, sandboxed | color, time, animation | glam, rhai |

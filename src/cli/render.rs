@@ -110,7 +110,6 @@ fn render_all(
     report: &mut RenderReport,
 ) -> Result<(), Failure> {
     let format = settings.sequence.format();
-    let transfer = engine.film_settings().transfer;
     let writer = FrameWriter::start();
     let progress = Progress::start(settings.count());
     let mut pending = Vec::new();
@@ -125,7 +124,7 @@ fn render_all(
             Err(error) => refused = refused.take().or(Some(error)),
         };
     for (ticket, shot) in settings.shots().enumerate() {
-        let film = match engine.render_unless(shot.time, cancelled) {
+        let film = match engine.render_encoded_unless(shot.time, cancelled) {
             Ok(Some(film)) => film,
             stopped => {
                 rendered = stopped.map(drop).map_err(Failure::from);
@@ -135,7 +134,7 @@ fn render_all(
         report.warnings.look(engine, &shot.moment());
         let path = settings.file_of(&shot);
         pending.push(ShotReport::new(&shot, Some(path.clone()), engine));
-        writer.submit(ticket, path, film, transfer, format);
+        writer.submit(ticket, path, film, format);
         let mut all_good = true;
         for written in writer.written() {
             all_good &= written.result.is_ok();

@@ -14,7 +14,7 @@ use super::settings::RenderSettings;
 
 /// Creates a sheet of columns and rows of films.
 pub(super) fn empty((columns, rows): (u32, u32), film: FilmSettings) -> anyhow::Result<Sheet> {
-    Ok(Sheet::new(columns, rows, (film.width, film.height), film.transfer)?)
+    Ok(Sheet::new(columns, rows, (film.width, film.height))?)
 }
 
 /// Renders every shot onto the sheet, and writes it at the end, unless cancelled before.
@@ -27,7 +27,7 @@ pub(super) fn render(
 ) -> Result<(), Failure> {
     let progress = Progress::start(settings.count());
     for shot in settings.shots() {
-        let Some(film) = engine.render_unless(shot.time, cancelled)? else {
+        let Some(film) = engine.render_encoded_unless(shot.time, cancelled)? else {
             return Ok(());
         };
         report.warnings.look(engine, &shot.moment());

@@ -4,8 +4,10 @@
 //! A [`Transfer`] says how file colours become linear and how linear pixels become bytes; nothing else in the
 //! crate knows about 255 or about sRGB.
 
+mod encoding;
 mod transfer;
 
+pub use encoding::{Encoding, Linear};
 pub use transfer::Transfer;
 
 /// Linear RGB light: a radiance, an intensity or a reflectance per channel. 1.0 is full, more is brighter;

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::Rgb;
+use super::{Encoding, Rgb};
 
 /// How file colours (0..=255 a channel) become linear light, and linear light becomes output bytes.
 ///
@@ -52,26 +52,37 @@ impl Transfer {
     /// Returns the output bytes of a linear pixel. Values outside 0..=1 are clamped.
     #[must_use]
     pub fn encode(self, pixel: Rgb) -> [u8; 3] {
-        pixel.to_array().map(|channel| match self {
-            Self::Classic => classic_byte(channel),
-            Self::Srgb => srgb_byte(channel),
-        })
-    }
-
-    /// Encodes many pixels as [`encode`](Self::encode) does, in half the time for each.
-    pub(crate) fn encode_all(self, pixels: &[Rgb]) -> Vec<[u8; 3]> {
-        match self {
-            Self::Classic => all_bytes(pixels, classic_byte),
-            Self::Srgb => {
-                let levels = &*LEVELS;
-                all_bytes(pixels, |channel| levels.byte(channel))
-            }
-        }
+        let [encoded] = self.encode_all([pixel]);
+        encoded
     }
 }
 
-fn all_bytes(pixels: &[Rgb], byte: impl Fn(f32) -> u8) -> Vec<[u8; 3]> {
-    pixels.iter().map(|pixel| [byte(pixel.x), byte(pixel.y), byte(pixel.z)]).collect()
+/// Encodes pixels as [`Transfer::encode`] does, in less time for each.
+impl Encoding for Transfer {
+    type Pixel = [u8; 3];
+
+    fn black(self, count: usize) -> Vec<[u8; 3]> {
+        vec![[0; 3]; count]
+    }
+
+    #[inline(always)]
+    fn encode_all<const COUNT: usize>(self, linear: [Rgb; COUNT]) -> [[u8; 3]; COUNT] {
+        let mut encoded = [[0; 3]; COUNT];
+        match self {
+            Self::Classic => {
+                for (encoded, pixel) in encoded.iter_mut().zip(linear) {
+                    *encoded = [classic_byte(pixel.x), classic_byte(pixel.y), classic_byte(pixel.z)];
+                }
+            }
+            Self::Srgb => {
+                let levels = &*LEVELS;
+                for (encoded, pixel) in encoded.iter_mut().zip(linear) {
+                    *encoded = [levels.byte(pixel.x), levels.byte(pixel.y), levels.byte(pixel.z)];
+                }
+            }
+        }
+        encoded
+    }
 }
 
 /// Clamps to 0..=1. What is no number is 0.
@@ -92,6 +103,7 @@ fn rounded(linear: [f64; 3]) -> Rgb {
 /// taken, and there are two only for v = 1/2, where 128 is both even and the right one: 255 m / 2^n = k + 1/2 requires a k for
 /// which 255 divides 2 k + 1.
 #[expect(clippy::cast_possible_truncation, reason = "the last byte is asked for")]
+#[inline]
 fn classic_byte(linear: f32) -> u8 {
     const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
     (255.0 * f64::from(clamped(linear)) + TWO_TO_52).to_bits() as u8
@@ -107,15 +119,10 @@ fn linear_to_srgb(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * libm::pow(linear, 1.0 / 2.4) - 0.055 }
 }
 
-/// Encodes as sRGB by comparison with the 255 decision levels half-way between neighbouring codes, so that it is the exact
-/// inverse of decoding and needs no power function per pixel.
-fn srgb_byte(linear: f32) -> u8 {
-    LEVELS.byte(linear)
-}
-
 static LEVELS: LazyLock<SrgbLevels> = LazyLock::new(SrgbLevels::new);
 
-/// The lower bounds of the codes.
+/// Encodes as sRGB by comparison with the 255 decision levels half-way between neighbouring codes, so that it is the exact
+/// inverse of decoding and needs no power function per pixel.
 struct SrgbLevels {
     /// The least `f32` of every code but 0, followed by a value that none reaches.
     least: [f32; 256],
@@ -210,9 +217,9 @@ mod tests {
         let everywhere = (0..=f32::to_bits(1.5)).step_by(997).map(f32::from_bits);
         for linear in near_levels.chain(everywhere) {
             let plain = levels.partition_point(|level| *level <= f64::from(linear));
-            assert_eq!(usize::from(srgb_byte(linear)), plain, "{linear}");
+            assert_eq!(usize::from(LEVELS.byte(linear)), plain, "{linear}");
         }
-        assert_eq!([-1.0, -0.0, f32::NAN, f32::INFINITY].map(srgb_byte), [0, 0, 0, 255]);
+        assert_eq!([-1.0, -0.0, f32::NAN, f32::INFINITY].map(|linear| LEVELS.byte(linear)), [0, 0, 0, 255]);
     }
 
     #[test]

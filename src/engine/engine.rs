@@ -15,7 +15,7 @@ use crate::systems::{
 };
 use crate::time::Timeline;
 use crate::trace::reference::Reference;
-use crate::trace::{self, Exposure, Precision};
+use crate::trace::{self, Precision, Sums};
 
 /// A world of entities that is rendered moment by moment.
 ///
@@ -93,8 +93,8 @@ pub struct Engine {
     pub(super) shutters: Option<Shutters>,
     pub(super) plan: Option<Plan>,
     pub(super) report: FrameReport,
-    /// The last picture's, kept for its memory.
-    pub(super) spare_exposure: Option<Exposure>,
+    /// The last picture's, kept for their memory.
+    pub(super) spare_sums: Sums,
     pub(super) script_sources: ScriptSources,
 }
 
@@ -172,7 +172,7 @@ impl Engine {
             shutters: None,
             plan: None,
             report: FrameReport::default(),
-            spare_exposure: None,
+            spare_sums: Sums::default(),
             script_sources: ScriptSources::default(),
         }
     }

@@ -1,12 +1,11 @@
 //! Writes one film to one file.
 
+use std::borrow::Cow;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::codecs::pnm::{PnmEncoder, PnmSubtype, SampleEncoding};
 use image::{ExtendedColorType, ImageEncoder};
-use rayon::prelude::*;
 
 use super::whole_file;
 use crate::color::Transfer;
@@ -60,7 +59,8 @@ pub enum WriteError {
 ///
 /// If the encoder refuses the film's size.
 pub fn encode(film: &Film, transfer: Transfer, format: FrameFormat) -> Result<Vec<u8>, image::ImageError> {
-    encode_pixels(&transfer.encode_all(film.pixels()), film.width(), film.height(), format)
+    let film = film.encoded(transfer);
+    encode_pixels(film.bytes(), (film.width(), film.height()), format).map(|parts| parts.concat())
 }
 
 /// Returns a PNG file that takes less time to write and to read, and some more space: for an interactive reader. Runs on the
@@ -70,38 +70,22 @@ pub fn encode(film: &Film, transfer: Transfer, format: FrameFormat) -> Result<Ve
 ///
 /// If the encoder refuses the film's size.
 pub fn encode_quickly(film: &Film, transfer: Transfer) -> Result<Vec<u8>, image::ImageError> {
-    const TOGETHER: usize = 1 << 14;
-    let mut pixels = vec![[0; 3]; film.pixels().len()];
-    let linear = film.pixels().par_chunks(TOGETHER);
-    pixels.par_chunks_mut(TOGETHER).zip(linear).for_each(|(bytes, linear)| {
-        bytes.copy_from_slice(&transfer.encode_all(linear));
-    });
-    png(pixels.as_flattened(), film.width(), film.height(), FilterType::Sub)
+    png(film.encoded(transfer).bytes(), (film.width(), film.height()), FilterType::Sub)
 }
 
-/// Returns the bytes of a file of these pixels, row by row from the top.
+/// Returns the bytes of a file of these pixels, red, green and blue of one after the other, row by row from the top: in two parts.
 pub(super) fn encode_pixels(
-    pixels: &[[u8; 3]],
-    width: u32,
-    height: u32,
+    rgb: &[u8],
+    (width, height): (u32, u32),
     format: FrameFormat,
-) -> Result<Vec<u8>, image::ImageError> {
-    let rgb = pixels.as_flattened();
-    match format {
-        FrameFormat::Png => png(rgb, width, height, FilterType::Adaptive),
-        FrameFormat::Ppm => {
-            /// More than the header takes.
-            const HEADER: usize = 64;
-            let mut bytes = Vec::with_capacity(HEADER + rgb.len());
-            PnmEncoder::new(&mut bytes)
-                .with_subtype(PnmSubtype::Pixmap(SampleEncoding::Binary))
-                .write_image(rgb, width, height, ExtendedColorType::Rgb8)?;
-            Ok(bytes)
-        }
-    }
+) -> Result<[Cow<'_, [u8]>; 2], image::ImageError> {
+    Ok(match format {
+        FrameFormat::Png => [png(rgb, (width, height), FilterType::Adaptive)?.into(), Cow::default()],
+        FrameFormat::Ppm => [format!("P6\n{width} {height} 255\n").into_bytes().into(), rgb.into()],
+    })
 }
 
-fn png(rgb: &[u8], width: u32, height: u32, filter: FilterType) -> Result<Vec<u8>, image::ImageError> {
+fn png(rgb: &[u8], (width, height): (u32, u32), filter: FilterType) -> Result<Vec<u8>, image::ImageError> {
     let mut bytes = Vec::new();
     PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, filter).write_image(
         rgb,
@@ -118,33 +102,33 @@ fn png(rgb: &[u8], width: u32, height: u32, filter: FilterType) -> Result<Vec<u8
 ///
 /// If the file system or the encoder refuses; nothing is left behind.
 pub fn write(path: &Path, film: &Film, transfer: Transfer, format: FrameFormat) -> Result<(), WriteError> {
-    write_encoded(path, encode(film, transfer, format))
+    let film = film.encoded(transfer);
+    write_pixels(path, film.bytes(), (film.width(), film.height()), format)
 }
 
-/// Writes as [`write`] does, but if the machine fails, the file may be absent as long as it is not [settled](settle).
-pub(super) fn put(
+/// Writes a frame file of pixels as [`write`] does.
+pub(super) fn write_pixels(
     path: &Path,
-    film: &Film,
-    transfer: Transfer,
+    rgb: &[u8],
+    size: (u32, u32),
     format: FrameFormat,
 ) -> Result<(), WriteError> {
-    let encoded = encode(film, transfer, format);
-    let bytes = encoded.map_err(|source| WriteError::Encoding { path: path.to_owned(), source })?;
-    whole_file::put(path, &bytes).map_err(|source| WriteError::File { path: path.to_owned(), source })
+    put(path, rgb, size, format)?;
+    settle(path)
+}
+
+/// Writes as [`write_pixels`] does, but if the machine fails, the file may be absent as long as it is not [settled](settle).
+pub(super) fn put(path: &Path, rgb: &[u8], size: (u32, u32), format: FrameFormat) -> Result<(), WriteError> {
+    let encoded = encode_pixels(rgb, size, format);
+    let parts = encoded.map_err(|source| WriteError::Encoding { path: path.to_owned(), source })?;
+    let [first, second] = &parts;
+    whole_file::put(path, &[first, second])
+        .map_err(|source| WriteError::File { path: path.to_owned(), source })
 }
 
 /// Makes a file that was [put](put), and all before it in its folder, durable even if the machine fails.
 pub(super) fn settle(path: &Path) -> Result<(), WriteError> {
     whole_file::settle(path).map_err(|source| WriteError::File { path: path.to_owned(), source })
-}
-
-/// Writes the encoder's output: whole, or not at all.
-pub(super) fn write_encoded(
-    path: &Path,
-    encoded: Result<Vec<u8>, image::ImageError>,
-) -> Result<(), WriteError> {
-    let bytes = encoded.map_err(|source| WriteError::Encoding { path: path.to_owned(), source })?;
-    write_bytes(path, &bytes)
 }
 
 /// Writes a file of these bytes: whole, or not at all.

@@ -2,12 +2,11 @@
 
 use std::path::Path;
 
-use super::frame_file::{encode_pixels, write_encoded};
+use super::frame_file::write_pixels;
 use super::label;
 use super::{FrameFormat, WriteError};
-use crate::color::Transfer;
 use crate::time::Time;
-use crate::trace::Film;
+use crate::trace::EncodedFilm;
 
 /// Pixels around tiles.
 const GAP: u32 = 8;
@@ -26,7 +25,6 @@ const INK: [u8; 3] = [200; 3];
 pub struct Sheet {
     columns: u32,
     tile: (u32, u32),
-    transfer: Transfer,
     width: u32,
     /// The pixels, row by row from the top.
     pixels: Vec<[u8; 3]>,
@@ -66,7 +64,7 @@ impl Sheet {
     /// # Errors
     ///
     /// If it would be too large.
-    pub fn new(columns: u32, rows: u32, tile: (u32, u32), transfer: Transfer) -> Result<Self, SheetTooLarge> {
+    pub fn new(columns: u32, rows: u32, tile: (u32, u32)) -> Result<Self, SheetTooLarge> {
         let pixels =
             |count: u32, side: u32| u64::from(count) * (u64::from(side) + u64::from(GAP)) + u64::from(GAP);
         let (width, height) =
@@ -76,7 +74,7 @@ impl Sheet {
         match (side(width), side(height)) {
             (Some(width), Some(height)) if u64::from(width) * u64::from(height) <= Self::LARGEST_AREA => {
                 let pixels = vec![BACKGROUND; width as usize * height as usize];
-                Ok(Self { columns: columns.max(1), tile, transfer, width, pixels, count: 0 })
+                Ok(Self { columns: columns.max(1), tile, width, pixels, count: 0 })
             }
             _ => Err(too_large),
         }
@@ -99,15 +97,14 @@ impl Sheet {
     }
 
     /// Adds a frame as the next tile. What is outside the tile, and outside the sheet, is cropped.
-    pub fn add(&mut self, film: &Film, frame: u32, time: Time) {
+    pub fn add(&mut self, film: &EncodedFilm, frame: u32, time: Time) {
         let (left, top) = self.next_corner();
         let columns = film.width().min(self.tile.0) as usize;
         let rows = film.pixels().chunks_exact(film.width().max(1) as usize).take(self.tile.1 as usize);
-        let transfer = self.transfer;
         for (y, row) in (top..).zip(rows) {
-            for (pixel, linear) in self.row_from(left, y).iter_mut().zip(&row[..columns]) {
-                *pixel = transfer.encode(*linear);
-            }
+            let tile = self.row_from(left, y);
+            let columns = columns.min(tile.len());
+            tile[..columns].copy_from_slice(&row[..columns]);
         }
         let label = format!("#{frame}  {:.3} s", time.seconds());
         self.label(&label, left, top.saturating_add(self.tile.1 + LABEL_GAP));
@@ -132,7 +129,7 @@ impl Sheet {
     ///
     /// If the file system or the encoder refuses; nothing is left behind.
     pub fn write(&self, path: &Path, format: FrameFormat) -> Result<(), WriteError> {
-        write_encoded(path, encode_pixels(&self.pixels, self.width, self.height(), format))
+        write_pixels(path, self.pixels.as_flattened(), (self.width, self.height()), format)
     }
 
     /// Returns the left and top of the next tile.
@@ -184,10 +181,12 @@ fn greatest_common_divisor(mut one: u32, mut other: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::Rgb;
+    use crate::color::{Rgb, Transfer};
+    use crate::trace::Film;
 
-    fn film(size: (u32, u32), color: Rgb) -> Film {
-        Film::from_pixels(size.0, size.1, std::iter::repeat_n(color, size.0 as usize * size.1 as usize))
+    fn film(size: (u32, u32), color: Rgb) -> EncodedFilm {
+        let pixels = std::iter::repeat_n(color, size.0 as usize * size.1 as usize);
+        Film::from_pixels(size.0, size.1, pixels).encoded(Transfer::Classic)
     }
 
     #[test]
@@ -208,7 +207,7 @@ mod tests {
         for columns in 1..=Sheet::LARGEST_COUNT {
             for film in [(960, 540), (641, 359), (333, 333), (2000, 13)] {
                 let (width, height) = Sheet::fitting_tile(columns, film);
-                let sheet = Sheet::new(columns, 1, (width, height), Transfer::Classic).unwrap();
+                let sheet = Sheet::new(columns, 1, (width, height)).unwrap();
                 assert!(sheet.width() <= Sheet::FITTING_WIDTH && width <= film.0 && height <= film.1);
             }
         }
@@ -216,7 +215,7 @@ mod tests {
 
     #[test]
     fn sheets_have_limits() {
-        let new = |columns, rows, tile| Sheet::new(columns, rows, tile, Transfer::Classic);
+        let new = Sheet::new;
         assert_eq!(
             new(1, 1, (32_752, 100)).map(|sheet| (sheet.width(), sheet.height())).ok(),
             Some((32_768, 850))
@@ -233,7 +232,7 @@ mod tests {
     #[test]
     fn tiles_lie_side_by_side_and_nothing_is_written_beyond() {
         let tile = (90, 3);
-        let mut sheet = Sheet::new(2, 2, tile, Transfer::Classic).unwrap();
+        let mut sheet = Sheet::new(2, 2, tile).unwrap();
         let colors = [Rgb::X, Rgb::Y, Rgb::Z];
         for (index, color) in (0..).zip(colors) {
             // Larger than the tile, the second time.
@@ -269,7 +268,7 @@ mod tests {
 
     /// Returns how many pixels of a tile's label have ink.
     fn inked(columns: u32) -> usize {
-        let mut sheet = Sheet::new(1, 1, (columns, 1), Transfer::Classic).unwrap();
+        let mut sheet = Sheet::new(1, 1, (columns, 1)).unwrap();
         sheet.add(&film((columns, 1), Rgb::ONE), 17, Time::ZERO);
         let width = sheet.width as usize;
         let (above, below) = sheet.pixels.split_at(width * (GAP + 1 + LABEL_GAP) as usize);

@@ -18,13 +18,14 @@ const SUFFIX: &str = ".partial";
 
 /// Writes a file, replacing one that is there.
 pub(super) fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    put(path, bytes)?;
+    put(path, &[bytes])?;
     settle(path)
 }
 
-/// Writes as [`write`] does, but if the machine fails, the name may be lost as long as it is not [settled](settle).
-pub(super) fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    Partial::filled(folder_of(path), bytes)?.replace(path)
+/// Writes parts of a file, one after the other, as [`write`] does, but if the machine fails, the name may be lost as long as it is
+/// not [settled](settle).
+pub(super) fn put(path: &Path, parts: &[&[u8]]) -> io::Result<()> {
+    Partial::filled(folder_of(path), parts)?.replace(path)
 }
 
 /// Ensures that the name of a file is on the disk, with all others in its folder, where folders can be synced.
@@ -41,7 +42,7 @@ pub(super) fn settle(path: &Path) -> io::Result<()> {
 
 /// Writes a file where there is none.
 pub(super) fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    Partial::filled(folder_of(path), bytes)?.link(path)?;
+    Partial::filled(folder_of(path), &[bytes])?.link(path)?;
     settle(path)
 }
 
@@ -86,9 +87,11 @@ struct Partial {
 
 impl Partial {
     /// Creates one with these bytes, all of them on the disk.
-    fn filled(folder: &Path, bytes: &[u8]) -> io::Result<Self> {
+    fn filled(folder: &Path, parts: &[&[u8]]) -> io::Result<Self> {
         let mut partial = Self::create(folder)?;
-        partial.file.write_all(bytes)?;
+        for part in parts {
+            partial.file.write_all(part)?;
+        }
         partial.file.sync_all()?;
         Ok(partial)
     }
@@ -184,7 +187,7 @@ mod tests {
         }
         fs::create_dir(folder.join(".rayreel-00000000000000aa.partial")).unwrap();
         let before = names(folder);
-        let lives = Partial::filled(folder, b"half").unwrap();
+        let lives = Partial::filled(folder, &[b"half"]).unwrap();
         let killed = Partial::create(folder).unwrap();
         // As the system does, and nothing else.
         killed.file.unlock().unwrap();
@@ -239,7 +242,7 @@ mod tests {
         let path = folder.path().join("scene.ron");
         write_new(&path, b"first").unwrap();
         assert_eq!(write_new(&path, b"second").unwrap_err().kind(), ErrorKind::AlreadyExists);
-        let claim = |path: &Path| Partial::filled(folder_of(path), b"third").unwrap().claim(path);
+        let claim = |path: &Path| Partial::filled(folder_of(path), &[b"third"]).unwrap().claim(path);
         assert_eq!(claim(&path).unwrap_err().kind(), ErrorKind::AlreadyExists);
         assert_eq!(fs::read(&path).unwrap(), b"first");
         claim(&folder.path().join("other.ron")).unwrap();

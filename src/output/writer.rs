@@ -7,8 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::frame_file;
 use super::{FrameFormat, WriteError};
-use crate::color::Transfer;
-use crate::trace::Film;
+use crate::trace::EncodedFilm;
 
 /// A thread that writes one frame while the next is rendered. At most two films wait.
 #[derive(Debug)]
@@ -34,8 +33,7 @@ pub struct WrittenFrame {
 struct Job {
     ticket: usize,
     path: PathBuf,
-    film: Film,
-    transfer: Transfer,
+    film: EncodedFilm,
     format: FrameFormat,
 }
 
@@ -50,10 +48,10 @@ impl FrameWriter {
     }
 
     /// Submits a film; waits while too many are queued.
-    pub fn submit(&self, ticket: usize, path: PathBuf, film: Film, transfer: Transfer, format: FrameFormat) {
+    pub fn submit(&self, ticket: usize, path: PathBuf, film: EncodedFilm, format: FrameFormat) {
         if let Some(jobs) = &self.jobs {
             // The thread ends only after the sender is dropped.
-            let _ = jobs.send(Job { ticket, path, film, transfer, format });
+            let _ = jobs.send(Job { ticket, path, film, format });
         }
     }
 
@@ -84,9 +82,9 @@ impl Drop for FrameWriter {
 /// one's.
 fn run(jobs: &Receiver<Job>, done: &Sender<WrittenFrame>) {
     let mut next = jobs.recv().ok();
-    while let Some(Job { ticket, path, film, transfer, format }) = next {
+    while let Some(Job { ticket, path, film, format }) = next {
         let start = Instant::now();
-        let put = frame_file::put(&path, &film, transfer, format);
+        let put = frame_file::put(&path, film.bytes(), (film.width(), film.height()), format);
         next = jobs.try_recv().ok();
         let goes_on = next.as_ref().is_some_and(|job| job.path.parent() == path.parent());
         let result = if goes_on { put } else { put.and(frame_file::settle(&path)) };

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use fearless_simd::dispatch;
 use rayon::prelude::*;
 
-use crate::color::Rgb;
+use crate::color::{Encoding, Linear, Rgb};
 use crate::trace::effects::Effects;
 use crate::trace::effort::Effort;
 use crate::trace::film::Film;
@@ -43,13 +43,15 @@ impl fmt::Debug for Signals<'_> {
 /// A picture in the making: samples are added to it, moment after moment, and in the end it is developed. What ends before all
 /// are added can go on later, to the same bits.
 #[derive(Clone, Debug)]
-pub struct Exposure {
+pub struct Exposure<E: Encoding = Linear> {
     width: u32,
     height: u32,
     /// In a pixel.
     samples: u32,
     tiles: Vec<ExposedTile>,
-    pixels: Pixels,
+    /// How the film keeps pixels in the end.
+    encoding: E,
+    pixels: Pixels<E::Pixel>,
     effort: Effort,
 }
 
@@ -62,19 +64,59 @@ struct ExposedTile {
 
 /// What has come to the pixels so far.
 #[derive(Clone, Debug)]
-enum Pixels {
+enum Pixels<Pixel> {
     /// Their only sample; `None` before the first comes.
-    Picture(Option<Film>),
-    /// What all samples add up to, tile by tile, and in a tile packet by packet of its camera rays; every tile has room for a whole
-    /// one.
-    Sums(Vec<Vectors>),
+    Picture(Option<Film<Pixel>>),
+    /// What all samples add up to.
+    Sums(Sums),
 }
 
+/// What the samples of pixels add up to, tile by tile, and in a tile packet by packet of its camera rays; every tile has room for a
+/// whole one.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Sums(Vec<Vectors>);
+
 impl Exposure {
-    /// Of no light so far, to have this many samples in a pixel.
+    /// Of no light so far, to have this many samples in a pixel, and linear light in the end.
     #[doc(hidden)]
     #[must_use]
-    pub fn new((columns, rows): (u32, u32), samples: u32) -> Self {
+    pub fn new(resolution: (u32, u32), samples: u32) -> Self {
+        Self::encoded(Linear, resolution, samples, Sums::default())
+    }
+
+    /// What there is so far: pixels are means of the samples that they have. Where they have none, another picture of the same
+    /// is seen, of any size.
+    #[must_use]
+    pub fn develop_over(&self, beneath: &Film) -> Film {
+        let mut film = match &self.pixels {
+            Pixels::Picture(film) => film.clone().unwrap_or_else(|| Film::new(self.width, self.height)),
+            Pixels::Sums(sums) => self.develop_sums(sums).0,
+        };
+        let nearest = |place: u32, count: u32, of: u32| {
+            let nearest = u64::from(place) * u64::from(of) / u64::from(count);
+            u32::try_from(nearest).unwrap_or(0)
+        };
+        for ExposedTile { tile, .. } in self.tiles.iter().filter(|exposed| exposed.samples == 0) {
+            for j in tile.j..tile.j + tile.height {
+                let row = nearest(j, self.height, beneath.height());
+                let pixels = (tile.i..tile.i + tile.width)
+                    .map(|i| beneath.pixel(nearest(i, self.width, beneath.width()), row));
+                film.store(tile.i, j, pixels);
+            }
+        }
+        film
+    }
+}
+
+impl<E: Encoding> Exposure<E> {
+    /// Of no light so far, to have this many samples in a pixel, which are encoded in the end. It uses the memory of another's
+    /// sums.
+    pub(crate) fn encoded(
+        encoding: E,
+        (columns, rows): (u32, u32),
+        samples: u32,
+        Sums(mut sums): Sums,
+    ) -> Self {
         let tiles: Vec<ExposedTile> = (0..rows)
             .step_by(TILE as usize)
             .flat_map(|j| (0..columns).step_by(TILE as usize).map(move |i| (i, j)))
@@ -84,25 +126,11 @@ impl Exposure {
         let pixels = if samples == 1 {
             Pixels::Picture(None)
         } else {
-            Pixels::Sums(vec![NO_SUMS; tiles.len() * PACKETS])
+            sums.clear();
+            sums.resize(tiles.len() * PACKETS, NO_SUMS);
+            Pixels::Sums(Sums(sums))
         };
-        Self { width: columns, height: rows, samples, tiles, pixels, effort: Effort::default() }
-    }
-
-    /// Returns the same without any light, to be exposed again, where it has as many pixels and is to have as many samples; else
-    /// a new one.
-    #[must_use]
-    pub(crate) fn again(self, resolution: (u32, u32), samples: u32) -> Self {
-        if (self.width, self.height, self.samples) != (resolution.0, resolution.1, samples) {
-            return Self::new(resolution, samples);
-        }
-        let mut again = Self { effort: Effort::default(), ..self };
-        again.tiles.iter_mut().for_each(|exposed| exposed.samples = 0);
-        match &mut again.pixels {
-            Pixels::Picture(film) => *film = None,
-            Pixels::Sums(sums) => sums.fill(NO_SUMS),
-        }
-        again
+        Self { width: columns, height: rows, samples, tiles, encoding, pixels, effort: Effort::default() }
     }
 
     /// Adds samples `from..to` of every pixel, those that are not there yet, on the current rayon pool's threads. The bits do not
@@ -147,10 +175,10 @@ impl Exposure {
         let (width, height) = (self.width, self.height);
         self.effort += match &mut self.pixels {
             Pixels::Picture(film) => {
-                let film = film.get_or_insert_with(|| Film::new_in_pool(width, height));
-                add_samples(context, shapes, tiles.zip(film.tiles_mut()), samples, signals)
+                let film = film.get_or_insert_with(|| Film::black(self.encoding, width, height));
+                add_samples(context, shapes, tiles.zip(film.tiles_mut(self.encoding)), samples, signals)
             }
-            Pixels::Sums(sums) => {
+            Pixels::Sums(Sums(sums)) => {
                 let sums = sums.par_chunks_mut(PACKETS).map(TileSums);
                 add_samples(context, shapes, tiles.zip(sums), samples, signals)
             }
@@ -167,65 +195,47 @@ impl Exposure {
         there / (f64::from(self.width) * f64::from(self.height) * f64::from(self.samples))
     }
 
-    /// What there is so far: pixels are means of the samples that they have. Where they have none, another picture of the same
-    /// is seen, of any size.
-    #[must_use]
-    pub fn develop_over(&self, beneath: &Film) -> Film {
-        let mut film = match &self.pixels {
-            Pixels::Picture(film) => film.clone().unwrap_or_else(|| Film::new(self.width, self.height)),
-            Pixels::Sums(sums) => develop_sums(&self.tiles, sums, (self.width, self.height)).0,
-        };
-        let nearest = |place: u32, count: u32, of: u32| {
-            let nearest = u64::from(place) * u64::from(of) / u64::from(count);
-            u32::try_from(nearest).unwrap_or(0)
-        };
-        for ExposedTile { tile, .. } in self.tiles.iter().filter(|exposed| exposed.samples == 0) {
-            for j in tile.j..tile.j + tile.height {
-                let row = nearest(j, self.height, beneath.height());
-                let pixels = (tile.i..tile.i + tile.width)
-                    .map(|i| beneath.pixel(nearest(i, self.width, beneath.width()), row));
-                film.store(tile.i, j, pixels);
-            }
-        }
-        film
-    }
-
-    /// Returns the picture, and what it took. Of a single sample it is taken out, and nothing is left.
+    /// Returns the picture, and what it took.
     #[doc(hidden)]
     #[must_use]
-    pub fn develop(&mut self) -> (Film, Effort) {
-        let mut effort = self.effort;
-        let film = match &mut self.pixels {
-            Pixels::Picture(film) => {
-                self.tiles.iter_mut().for_each(|exposed| exposed.samples = 0);
-                self.effort = Effort::default();
-                film.take().unwrap_or_else(|| Film::new(self.width, self.height))
-            }
-            Pixels::Sums(sums) => {
-                let (film, overflowed) = develop_sums(&self.tiles, sums, (self.width, self.height));
-                effort.escalations.overflowed += overflowed;
-                film
-            }
-        };
+    pub fn develop(self) -> (Film<E::Pixel>, Effort) {
+        let (film, effort, _) = self.finish();
         (film, effort)
     }
-}
 
-/// Returns the means of what samples add up to, and how many had overflowed.
-fn develop_sums(tiles: &[ExposedTile], sums: &[Vectors], (width, height): (u32, u32)) -> (Film, u64) {
-    let mut film = Film::new_in_pool(width, height);
-    let stored = film.tiles_mut().into_par_iter().zip(sums.par_chunks(PACKETS)).zip(tiles);
-    let overflowed = stored.map(|((mut stored, sums), ExposedTile { tile, samples })| {
-        dispatch!(SimdLevel::best().level(), simd => {
-            let mut pixels = [Colors::splat(Rgb::ZERO); PACKETS];
-            for (pixels, sums) in pixels.iter_mut().zip(sums) {
-                *pixels = means(simd, sums, (*samples).max(1));
+    /// Returns the picture, what it took, and the sums, for their memory.
+    pub(crate) fn finish(mut self) -> (Film<E::Pixel>, Effort, Sums) {
+        let mut effort = self.effort;
+        match std::mem::replace(&mut self.pixels, Pixels::Picture(None)) {
+            Pixels::Picture(film) => {
+                let film = film.unwrap_or_else(|| Film::black(self.encoding, self.width, self.height));
+                (film, effort, Sums::default())
             }
-            stored.add(simd, tile, &pixels)
-        })
-    });
-    let overflowed = overflowed.sum();
-    (film, overflowed)
+            Pixels::Sums(sums) => {
+                let (film, overflowed) = self.develop_sums(&sums);
+                effort.escalations.overflowed += overflowed;
+                (film, effort, sums)
+            }
+        }
+    }
+
+    /// Returns the means of what samples add up to, and how many had overflowed.
+    fn develop_sums(&self, Sums(sums): &Sums) -> (Film<E::Pixel>, u64) {
+        let mut film = Film::black(self.encoding, self.width, self.height);
+        let stored = film.tiles_mut(self.encoding).into_par_iter();
+        let tiles = stored.zip(sums.par_chunks(PACKETS)).zip(&self.tiles);
+        let overflowed = tiles.map(|((mut stored, sums), ExposedTile { tile, samples })| {
+            dispatch!(SimdLevel::best().level(), simd => {
+                let mut pixels = [Colors::splat(Rgb::ZERO); PACKETS];
+                for (pixels, sums) in pixels.iter_mut().zip(sums) {
+                    *pixels = means(simd, sums, (*samples).max(1));
+                }
+                stored.add(simd, tile, &pixels)
+            })
+        });
+        let overflowed = overflowed.sum();
+        (film, overflowed)
+    }
 }
 
 /// Adds samples of all tiles, over all threads. Returns what they took.

@@ -1,38 +1,34 @@
-//! Linear pixels of one frame.
+//! Pixels of one frame.
 
 use fearless_simd::{f32x16, prelude::*};
 use rayon::prelude::*;
 
-use crate::color::Rgb;
-use crate::trace::math::{Colors, bits16};
+use crate::color::{Encoding, Linear, Rgb, Transfer};
+use crate::trace::math::{Colors, LANES, bits16};
 use crate::trace::scene::SIDE;
 use crate::trace::stages::TILE;
 
-/// One frame's pixels in linear light, row by row from the top. Every value is finite and 0 or more.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Film {
+/// One frame's pixels, row by row from the top: in linear light, unless they are [encoded](EncodedFilm). Every value of linear
+/// light is finite and 0 or more.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Film<Pixel = Rgb> {
     width: u32,
     height: u32,
-    pixels: Vec<Rgb>,
+    pixels: Vec<Pixel>,
 }
 
+/// One frame's pixels as output bytes, encoded by a [`Transfer`].
+pub type EncodedFilm = Film<[u8; 3]>;
+
 impl Film {
-    /// A black film.
+    /// Creates a black film.
     #[must_use]
     pub fn new(width: u32, height: u32) -> Self {
-        Self { width, height, pixels: vec![Rgb::ZERO; width as usize * height as usize] }
+        Self::black(Linear, width, height)
     }
 
-    /// The same, made by the current rayon pool's threads: the system hands out memory page by page, to who touches it first, and that
-    /// takes as long as to trace a little.
-    pub(crate) fn new_in_pool(width: u32, height: u32) -> Self {
-        const TOGETHER: usize = 1 << 14;
-        let pixels = rayon::iter::repeat_n(Rgb::ZERO, width as usize * height as usize);
-        Self { width, height, pixels: pixels.with_min_len(TOGETHER).collect() }
-    }
-
-    /// A film of these pixels, row by row from the top; they must not be more than fit, and where they are fewer the rest is black. Values that are not
-    /// finite or are negative are made so.
+    /// Creates a film of these pixels, row by row from the top; they must not be more than fit, and where they are fewer the rest is
+    /// black. Values that are not finite or are negative are made so.
     ///
     /// # Panics
     ///
@@ -44,38 +40,22 @@ impl Film {
         film
     }
 
-    /// Columns.
+    /// Returns the output bytes of all pixels, encoded on the current rayon pool's threads.
     #[must_use]
-    pub fn width(&self) -> u32 {
-        self.width
-    }
-
-    /// Rows.
-    #[must_use]
-    pub fn height(&self) -> u32 {
-        self.height
-    }
-
-    /// All pixels, row by row from the top.
-    #[must_use]
-    pub fn pixels(&self) -> &[Rgb] {
-        &self.pixels
-    }
-
-    /// The pixel in column `i` and row `j`.
-    ///
-    /// # Panics
-    ///
-    /// Outside the film.
-    #[must_use]
-    pub fn pixel(&self, i: u32, j: u32) -> Rgb {
-        assert!(
-            i < self.width && j < self.height,
-            "pixel ({i}, {j}) of a {} x {} film",
-            self.width,
-            self.height
-        );
-        self.pixels[j as usize * self.width as usize + i as usize]
+    pub fn encoded(&self, transfer: Transfer) -> EncodedFilm {
+        let mut encoded = EncodedFilm::black(transfer, self.width, self.height);
+        let linear = self.pixels.par_chunks(TOGETHER);
+        let chunks = encoded.pixels.par_chunks_mut(TOGETHER).zip(linear);
+        chunks.for_each(|(encoded, linear)| {
+            let (encoded, last) = encoded.as_chunks_mut::<LANES>();
+            let (linear, last_linear) = linear.as_chunks::<LANES>();
+            encoded
+                .iter_mut()
+                .zip(linear)
+                .for_each(|(encoded, linear)| *encoded = transfer.encode_all(*linear));
+            last.iter_mut().zip(last_linear).for_each(|(last, linear)| *last = transfer.encode(*linear));
+        });
+        encoded
     }
 
     /// Stores pixels of row `j` from column `i` on, and says how many had overflowed: those are saturated, so that a film is
@@ -90,14 +70,65 @@ impl Film {
         }
         overflowed
     }
+}
 
-    /// Divides the film into tiles, row by row of tiles; those at the edges may be smaller.
-    pub(crate) fn tiles_mut(&mut self) -> Vec<FilmTile<'_>> {
+impl EncodedFilm {
+    /// Returns all bytes: red, green and blue of pixel after pixel.
+    #[must_use]
+    pub fn bytes(&self) -> &[u8] {
+        self.pixels.as_flattened()
+    }
+}
+
+impl<Pixel> Film<Pixel> {
+    /// Returns the number of columns.
+    #[must_use]
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Returns the number of rows.
+    #[must_use]
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Returns all pixels, row by row from the top.
+    #[must_use]
+    pub fn pixels(&self) -> &[Pixel] {
+        &self.pixels
+    }
+}
+
+impl<Pixel: Copy + Send + Sync> Film<Pixel> {
+    /// Creates a black film.
+    pub(crate) fn black<E: Encoding<Pixel = Pixel>>(encoding: E, width: u32, height: u32) -> Self {
+        Self { width, height, pixels: encoding.black(width as usize * height as usize) }
+    }
+
+    /// Returns the pixel in column `i` and row `j`.
+    ///
+    /// # Panics
+    ///
+    /// Outside the film.
+    #[must_use]
+    pub fn pixel(&self, i: u32, j: u32) -> Pixel {
+        assert!(
+            i < self.width && j < self.height,
+            "pixel ({i}, {j}) of a {} x {} film",
+            self.width,
+            self.height
+        );
+        self.pixels[j as usize * self.width as usize + i as usize]
+    }
+
+    /// Divides the film into tiles, row by row of tiles; those at the edges may be smaller. Light is encoded when it is stored.
+    pub(crate) fn tiles_mut<E: Encoding<Pixel = Pixel>>(&mut self, encoding: E) -> Vec<FilmTile<'_, E>> {
         let (width, side) = ((self.width as usize).max(1), TILE as usize);
         let bands = self.pixels.par_chunks_mut(width * side);
         let tiles = bands.flat_map_iter(|band| {
-            let mut tiles: Vec<FilmTile<'_>> =
-                (0..width).step_by(side).map(|_| FilmTile::default()).collect();
+            let mut tiles: Vec<FilmTile<'_, E>> =
+                (0..width).step_by(side).map(|_| FilmTile { encoding, rows: Default::default() }).collect();
             for (j, row) in band.chunks_mut(width).enumerate() {
                 for (tile, part) in tiles.iter_mut().zip(row.chunks_mut(side)) {
                     tile.rows[j] = part;
@@ -109,13 +140,16 @@ impl Film {
     }
 }
 
+/// How many pixels a thread takes at a time.
+const TOGETHER: usize = 1 << 14;
+
 /// A tile of a film: the part of each of its rows.
-#[derive(Debug, Default)]
-pub(crate) struct FilmTile<'a> {
-    rows: [&'a mut [Rgb]; TILE as usize],
+pub(crate) struct FilmTile<'a, E: Encoding> {
+    encoding: E,
+    rows: [&'a mut [E::Pixel]; TILE as usize],
 }
 
-impl FilmTile<'_> {
+impl<E: Encoding> FilmTile<'_, E> {
     /// Stores the pixels of a packet, so many columns and rows, from column `i` and row `j` of the tile on. Says how many had
     /// overflowed, as [`Film::store`] does.
     #[inline(always)]
@@ -128,28 +162,44 @@ impl FilmTile<'_> {
     ) -> u64 {
         let (black, most) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, f32::MAX));
         let mut saturated = pixels.load(simd);
-        let mut whole = black.simd_eq(black);
+        let (mut whole, mut same) = (black.simd_eq(black), black.simd_eq(black));
         for channel in &mut saturated {
             let positive = channel.simd_gt(black).select(*channel, black);
             let finite = positive.simd_lt(most).select(positive, most);
             whole &= finite.simd_eq(*channel);
+            same &= finite.simd_eq(f32x16::splat(simd, finite.as_array()[0]));
             *channel = finite;
         }
         let mut colors = Colors::splat(Rgb::ZERO);
         colors.store(saturated);
+        let encoded = self.encode(&colors, bits16(same) == u32::from(u16::MAX));
         let overflowed = !bits16(whole);
         let mut count = 0;
-        for (row, stored) in self.rows[j as usize..].iter_mut().enumerate().take(rows as usize) {
-            let first = row * SIDE as usize;
+        let (encoded, _) = encoded.as_chunks::<{ SIDE as usize }>();
+        let stored = self.rows[j as usize..].iter_mut().zip(encoded);
+        for (row, (stored, encoded)) in stored.enumerate().take(rows as usize) {
             let stored = &mut stored[i as usize..(i + columns) as usize];
-            if let Ok(stored) = <&mut [Rgb; SIDE as usize]>::try_from(&mut *stored) {
-                *stored = [0, 1, 2, 3].map(|column| colors.get(first + column));
-            } else {
-                (first..).zip(stored).for_each(|(lane, stored)| *stored = colors.get(lane));
+            match <&mut [E::Pixel; SIDE as usize]>::try_from(&mut *stored) {
+                Ok(stored) => *stored = *encoded,
+                Err(_) => stored.copy_from_slice(&encoded[..columns as usize]),
             }
-            count += (overflowed >> first & ((1 << columns) - 1)).count_ones();
+            count += (overflowed >> (row * SIDE as usize) & ((1 << columns) - 1)).count_ones();
         }
         count.into()
+    }
+
+    /// Returns what is kept of a packet's pixels, row by row. Where all are the same, one of them tells.
+    #[inline(always)]
+    fn encode(&self, colors: &Colors, same: bool) -> [E::Pixel; LANES] {
+        if same {
+            let [pixel] = self.encoding.encode_all([colors.get(0)]);
+            return [pixel; LANES];
+        }
+        let mut linear = [Rgb::ZERO; LANES];
+        for (lane, linear) in linear.iter_mut().enumerate() {
+            *linear = colors.get(lane);
+        }
+        self.encoding.encode_all(linear)
     }
 }
 

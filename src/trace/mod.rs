@@ -78,8 +78,9 @@ mod tests;
 mod tile_light;
 
 pub use effort::{RayCounts, TreeEnds};
+pub(crate) use exposure::Sums;
 pub use exposure::{Exposure, Signals};
-pub use film::Film;
+pub use film::{EncodedFilm, Film};
 pub use math::Sampling;
 pub use query::Escalations;
 pub use scene::{Camera, Precision};

@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use glam::DVec3;
 
-use crate::color::Rgb;
+use crate::color::{Encoding, Rgb};
 use crate::trace::film::FilmTile;
 use crate::trace::math::{Colors, Vectors, splat};
 use crate::trace::scene::Square;
@@ -16,7 +16,7 @@ pub(crate) trait TileLight: Send {
 }
 
 /// The only sample of each pixel is what is seen.
-impl TileLight for FilmTile<'_> {
+impl<E: Encoding> TileLight for FilmTile<'_, E> {
     #[inline(always)]
     fn add<S: Simd>(&mut self, simd: S, tile: &Tile, samples: &[Colors; PACKETS]) -> u64 {
         let mut overflowed = 0;

@@ -4,6 +4,7 @@
 
 mod camera_paths;
 mod cameras;
+mod encoded_films;
 mod every_channel;
 mod faults;
 mod own_systems;

@@ -4,6 +4,7 @@ use std::ops::ControlFlow::{self, Continue};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use crate::color::Encoding;
 use crate::components::{FilmSettings, Sampling};
 use crate::engine::engine::{Engine, EngineError};
 use crate::engine::report::FrameReport;
@@ -92,9 +93,9 @@ impl Engine {
     }
 
     /// Finishes a picture; the report describes it.
-    pub(in crate::engine) fn develop(&mut self, mut exposure: Exposure) -> Film {
+    pub(in crate::engine) fn develop<E: Encoding>(&mut self, exposure: Exposure<E>) -> Film<E::Pixel> {
         let start = Instant::now();
-        let (film, effort) = exposure.develop();
+        let (film, effort, sums) = exposure.finish();
         self.report = FrameReport {
             trace: self.report.trace + start.elapsed(),
             rays: effort.rays,
@@ -102,17 +103,17 @@ impl Engine {
             escalations: effort.escalations,
             ..self.report
         };
-        self.spare_exposure = Some(exposure);
+        self.spare_sums = sums;
         film
     }
 }
 
 /// Adds to a picture until it is complete, and visits it at every pause; `false` if it ends before.
-pub(in crate::engine) fn add_all(
+pub(in crate::engine) fn add_all<E: Encoding>(
     signals: Signals<'_>,
-    visit: &mut dyn FnMut(&Exposure) -> ControlFlow<()>,
-    exposure: &mut Exposure,
-    mut add: impl FnMut(&mut Exposure) -> bool,
+    visit: &mut dyn FnMut(&Exposure<E>) -> ControlFlow<()>,
+    exposure: &mut Exposure<E>,
+    mut add: impl FnMut(&mut Exposure<E>) -> bool,
 ) -> bool {
     while !add(exposure) {
         if signals.cancelled.load(Ordering::Relaxed) || visit(exposure).is_break() {

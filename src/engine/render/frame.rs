@@ -6,13 +6,14 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use super::draft::add_all;
+use crate::color::{Encoding, Linear};
 use crate::components::{Animated, FilmSettings};
 use crate::engine::engine::{Engine, EngineError};
 use crate::engine::report::FrameReport;
 use crate::systems::{Effect, Need, Plan, Preparation, Shutter, Shutters, propagate};
 use crate::time::Time;
 use crate::trace::reference::{Reference, ReferenceSums};
-use crate::trace::{Effects, Exposure, Film, Lighting, SceneChanges, Signals};
+use crate::trace::{Effects, EncodedFilm, Exposure, Film, Lighting, SceneChanges, Signals, Sums};
 
 /// A signal that is never set.
 static NEVER: AtomicBool = AtomicBool::new(false);
@@ -76,18 +77,43 @@ impl Engine {
         signals: Signals<'_>,
         visit: &mut dyn FnMut(&Exposure) -> ControlFlow<()>,
     ) -> Result<Option<Film>, EngineError> {
+        self.expose(Linear, time, begun, signals, visit)
+    }
+
+    /// Renders a moment as output bytes, by the film settings' transfer, unless `cancelled` becomes true meanwhile; then there is no
+    /// film. They are those of [`render_unless`](Engine::render_unless)'s film, [encoded](Film::encoded), and take less time and
+    /// memory.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn render_encoded_unless(
+        &mut self,
+        time: Time,
+        cancelled: &AtomicBool,
+    ) -> Result<Option<EncodedFilm>, EngineError> {
+        let transfer = self.film_settings().transfer;
+        self.expose(transfer, time, &mut None, Signals::unless(cancelled), &mut |_| Continue(()))
+    }
+
+    /// Renders a moment in portions, as [`render_on`](Engine::render_on) does.
+    fn expose<E: Encoding>(
+        &mut self,
+        encoding: E,
+        time: Time,
+        begun: &mut Option<Exposure<E>>,
+        signals: Signals<'_>,
+        visit: &mut dyn FnMut(&Exposure<E>) -> ControlFlow<()>,
+    ) -> Result<Option<Film<E::Pixel>>, EngineError> {
         let instants = self.instants(time);
         let (mut traced, mut whole) = (Duration::ZERO, true);
-        let mut spare = self.spare_exposure.take();
+        let mut spare = std::mem::take(&mut self.spare_sums);
         let sought = self.seek_all(time, &instants, signals.cancelled, |preparation, effects, range| {
             let (scene, camera) = (preparation.scene(), preparation.camera());
             let sampling = preparation.sampling(time);
             let exposure = begun.get_or_insert_with(|| {
-                let (resolution, samples) = (camera.resolution(), sampling.samples);
-                match spare.take() {
-                    Some(spare) => spare.again(resolution, samples),
-                    None => Exposure::new(resolution, samples),
-                }
+                let sums = std::mem::take(&mut spare);
+                Exposure::encoded(encoding, camera.resolution(), sampling.samples, sums)
             });
             whole = add_all(signals, visit, exposure, |exposure| {
                 let start = Instant::now();
@@ -102,7 +128,9 @@ impl Engine {
             return Ok(None);
         }
         let FilmSettings { width, height, .. } = self.film_settings();
-        let exposure = begun.take().unwrap_or_else(|| Exposure::new((width, height), 1));
+        let exposure = begun.take();
+        let exposure =
+            exposure.unwrap_or_else(|| Exposure::encoded(encoding, (width, height), 1, Sums::default()));
         Ok(Some(self.develop(exposure)))
     }
 
