@@ -15,7 +15,7 @@ use crate::systems::{
 };
 use crate::time::Timeline;
 use crate::trace::reference::Reference;
-use crate::trace::{self, Precision, Sums};
+use crate::trace::{self, Precision, SimdLevel, Sums};
 
 /// A world of entities that is rendered moment by moment.
 ///
@@ -85,6 +85,7 @@ pub struct Engine {
     pub(super) changes: Changes,
     pub(super) preparation: Option<Preparation>,
     pub(super) precision: Precision,
+    pub(super) simd: SimdLevel,
     /// Whether to render with everything compiled in.
     pub(super) full: bool,
     /// The effect left out for a comparison.
@@ -167,6 +168,7 @@ impl Engine {
             changes: Changes::all(),
             preparation: None,
             precision: Precision::default(),
+            simd: SimdLevel::best(),
             full: false,
             left_out: None,
             shutters: None,
@@ -230,6 +232,13 @@ impl Engine {
     /// Sets the precision of intersections from the next frame on: guaranteed, unless a comparison with textbooks is wanted.
     pub fn set_precision(&mut self, precision: Precision) {
         self.precision = precision;
+    }
+
+    /// Sets the vector instructions from the next frame on: the best that the processor has, unless they are compared. Pictures are
+    /// the same with all.
+    #[doc(hidden)]
+    pub fn set_simd_level(&mut self, simd: SimdLevel) {
+        self.simd = simd;
     }
 
     /// Returns the film's size and transfer.

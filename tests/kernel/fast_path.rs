@@ -1,8 +1,12 @@
-//! Random scenes with random effects: the planned effects, all effects and the reference path make the same pictures, bit for bit, and never a number that is not finite.
+//! Random scenes with random effects: the planned effects, all effects and the reference path make the same pictures, bit for bit,
+//! with all vector instructions of the processor and any number of threads, and never a number that is not finite.
+
+use std::sync::LazyLock;
 
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use rayreel::animation::{Easing, Key, Track};
 use rayreel::components::{
@@ -10,6 +14,7 @@ use rayreel::components::{
     Light, LightKind, Material, Projection, Property, Quality, Reflective, Refractive, Sampling, Shape,
     Specular, Transform, View,
 };
+use rayreel::trace::SimdLevel;
 use rayreel::{Engine, Film, Rgb, Time, World};
 
 /// Which effects a scene may have, beside what every scene has.
@@ -224,6 +229,9 @@ fn seed() -> RngSeed {
     if std::env::var_os("RAYREEL_CASES").is_some() { RngSeed::Random } else { RngSeed::Fixed(2026) }
 }
 
+static POOLS: LazyLock<[ThreadPool; 3]> =
+    LazyLock::new(|| [1, 2, 8].map(|threads| ThreadPoolBuilder::new().num_threads(threads).build().unwrap()));
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: cases(), failure_persistence: None, rng_seed: seed(), ..ProptestConfig::default() })]
 
@@ -240,6 +248,15 @@ proptest! {
         let reference = engine.render_reference(Time::ZERO).unwrap();
         let planned = engine.render_at(Time::ZERO).unwrap();
         assert_same(&planned, &reference)?;
+        let rays = engine.report().rays;
+        for (name, level) in SimdLevel::all() {
+            engine.set_simd_level(level);
+            for pool in POOLS.iter() {
+                let film = pool.install(|| engine.render_at(Time::ZERO)).unwrap();
+                prop_assert!(film == planned, "{} threads, {name}", pool.current_num_threads());
+                prop_assert_eq!(engine.report().rays, rays);
+            }
+        }
         engine.set_full(true);
         let full = engine.render_at(Time::ZERO).unwrap();
         assert_same(&full, &reference)?;

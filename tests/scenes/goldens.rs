@@ -1,5 +1,5 @@
-//! Every shipped scene against its golden pictures, to the last bit, for several numbers of threads and by the reference
-//! path. So are the scenes under `tests/flush_faces/`: shapes that rest on each other, share faces or coincide, where rays
+//! Every shipped scene against its golden pictures, to the last bit, for several numbers of threads, with all vector instructions
+//! of the processor, and by the reference path. So are the scenes under `tests/flush_faces/`: shapes that rest on each other, share faces or coincide, where rays
 //! start on several surfaces at once. Wrong answers there show as speckles, light leaks and dark seams.
 //!
 //! On a mismatch the actual, the expected and a difference picture are written to `target/golden_mismatches/`.
@@ -9,9 +9,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use image::{Rgb, RgbImage};
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use rayreel::components::FilmSettings;
 use rayreel::output::{FrameFormat, encode};
+use rayreel::trace::SimdLevel;
 use rayreel::{Engine, Film};
 
 use crate::{root, scenes_in};
@@ -131,16 +133,23 @@ fn flush_faces_show_neither_speckles_nor_leaks_nor_seams() {
 }
 
 #[test]
-fn threads_do_not_matter() {
+fn neither_threads_nor_instructions_matter() {
+    let pools = [1, 2, 8].map(|threads| ThreadPoolBuilder::new().num_threads(threads).build().unwrap());
     for path in scenes() {
-        let mut films = Vec::new();
-        for threads in [1, 2, 8] {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let mut engine = load(&path, (150, 85));
-            let last = frames(&engine)[2];
-            films.push(pool.install(|| engine.render_frame(last).unwrap()));
+        let mut engine = load(&path, (150, 85));
+        let last = frames(&engine)[2];
+        let mut render = |pool: &ThreadPool, level| {
+            engine.set_simd_level(level);
+            let film = pool.install(|| engine.render_frame(last).unwrap());
+            (film, engine.report().rays)
+        };
+        let expected = render(&pools[0], SimdLevel::best());
+        for (name, level) in SimdLevel::all() {
+            for pool in &pools {
+                let threads = pool.current_num_threads();
+                assert!(render(pool, level) == expected, "{}, {threads} threads, {name}", path.display());
+            }
         }
-        assert!(films.windows(2).all(|pair| pair[0] == pair[1]), "{}", path.display());
     }
 }
 

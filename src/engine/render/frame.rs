@@ -305,6 +305,7 @@ impl Engine {
         };
         if let Some(preparation) = &mut self.preparation {
             preparation.set_precision(self.precision);
+            preparation.set_simd_level(self.simd);
         }
         self.report.bvh_builds += u32::from(changed.built_bvh());
         self.report.animate += animated - start;

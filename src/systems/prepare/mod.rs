@@ -18,7 +18,7 @@ use crate::components::{
 };
 use crate::time::Time;
 use crate::trace::{
-    self, Geometry, MaterialTable, Precision, PreparedScene, SceneChanges, ShapeChange, ShapeId,
+    self, Geometry, MaterialTable, Precision, PreparedScene, SceneChanges, ShapeChange, ShapeId, SimdLevel,
 };
 use camera::prepared_camera;
 use faults::surface_fault;
@@ -175,6 +175,11 @@ impl Preparation {
     /// Sets the precision of the kernel's intersections.
     pub fn set_precision(&mut self, precision: Precision) {
         self.scene.precision = precision;
+    }
+
+    /// Sets the vector instructions with which rays are followed.
+    pub(crate) fn set_simd_level(&mut self, simd: SimdLevel) {
+        self.scene.simd = simd;
     }
 
     /// Returns the kernel's camera.
