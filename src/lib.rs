@@ -62,7 +62,7 @@
 //! | `time` | seconds, frame rates, frame lists | | |
 //! | `animation` | values over time, pure | color, time | glam |
 //! | `script` | scripts in scenes, sandboxed | color, time, animation | glam, rhai |
-//! | `trace` | the kernel: prepared arrays in, film out; no entities, no clock, no files | color | glam, rayon, fearless_simd, obvhs, dashu_int |
+//! | `trace` | the kernel: prepared arrays in, film out; no entities, no clock, no files | color | glam, rayon, fearless_simd, dashu_int |
 //! | `components` | what things are: plain data | color, time, animation | glam, hecs |
 //! | `scene` | RON to world, diagnostics | components, animation, script, color, time | hecs, glam, hashbrown, rayon, ron, serde, annotate_snippets, strsim |
 //! | `systems` | what happens each frame; `prepare` is the only bridge from world to kernel | components, animation, script, trace, color, time | hecs, glam, rayon |

@@ -1,207 +1,156 @@
 //! From boxes to a tree of wide nodes.
+//!
+//! The [Morton curve](super::morton) divides shapes into treelets of neighbours, after Pantaleoni and Luebke, "HLBVH: Hierarchical
+//! LBVH Construction for Real-Time Ray Tracing of Dynamic Geometry" (2010). Each becomes a tree, on a thread of its own and in that
+//! core's cache: a [binary](super::ploc) one, then a [wide](super::collapse) one. A tree over the treelets is built in the same way,
+//! and all are put together in one array.
 
-use glam::Vec3A;
-use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
-use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use rayon::prelude::*;
 
+use super::collapse::collapse;
 use super::frame::{Frame, FrameBox};
-use super::node::{Child, Node, WIDTH};
+use super::index::to_u32;
+use super::morton;
+use super::node::{Child, Link, Node};
+use super::ploc::Clusters;
 use super::{Extent, Tree};
 
-impl Tree {
-    /// Builds a tree over these shapes. Returns with it the index of each leaf's shape.
-    pub(crate) fn build(extents: &[Extent]) -> (Self, Vec<u32>) {
-        let frame = Frame::of(extents);
-        let boxes: Vec<FrameBox> = extents.par_iter().map(|extent| frame.bounds(&extent.bounds)).collect();
-        let uneven: Vec<Aabb> =
-            boxes.par_iter().enumerate().map(|(index, bounds)| uneven(bounds, index)).collect();
-        let indices = (0..u32::try_from(boxes.len()).unwrap_or(u32::MAX)).collect();
-        // Agglomerative clustering along a Morton curve (Meister and Bittner, "Parallel Locally-Ordered Clustering",
-        // 2018) with the smallest search distance: the cheapest tree to build traces as fast as the dearest once its
-        // lower levels are collapsed into leaves.
-        let binary = PlocBuilder::with_capacity(boxes.len()).build(
-            PlocSearchDistance::Minimum,
-            &uneven,
-            indices,
-            SortPrecision::U64,
-            0,
-        );
-        Collapse::new(&binary, extents, &boxes).run(frame)
-    }
-}
+/// How many shapes a treelet has at most: enough for trees that are as good as a single one, few enough for many threads.
+const TREELET_SIZE: usize = 16_384;
 
-/// A box a little larger, for the clustering alone, by an amount that differs from box to box. Where all neighbours are
-/// equally near, as in a regular row or a crowd of coincident shapes, the clustering would merge a single pair in each pass.
-#[expect(clippy::cast_precision_loss, reason = "24 bits of a hash")]
-fn uneven(bounds: &FrameBox, index: usize) -> Aabb {
-    const OF_EXTENT: f32 = 1e-3;
-    const AT_LEAST: f32 = 1e-12;
-    // The multiplier of Knuth's multiplicative hashing, The Art of Computer Programming 3, section 6.4, for 64 bits.
-    let hash = (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40;
-    let share = hash as f32 / (1 << 24) as f32;
-    let (min, max) = (Vec3A::from(bounds.min), Vec3A::from(bounds.max));
-    let growth = ((max - min) * OF_EXTENT + AT_LEAST) * share;
-    Aabb::new(min - growth, max + growth)
-}
-
-/// Pulls grandchildren up into wide nodes. A subtree of no more shapes than a node has children becomes a node of shapes: their
-/// boxes are asked all at once before any of them is.
-struct Collapse<'a> {
-    binary: &'a Bvh2,
-    extents: &'a [Extent],
-    boxes: &'a [FrameBox],
-    /// How many shapes lie under each binary node.
-    counts: Vec<u32>,
-    /// The box around them.
-    bounds: Vec<FrameBox>,
-    nodes: Vec<Node>,
+/// Builds trees. It keeps the memory that this takes for the next time.
+#[derive(Debug, Default)]
+pub(crate) struct Builder {
+    boxes: Vec<FrameBox>,
+    /// Which shapes are spheres: apart, so that all of it is in a cache while trees are built.
+    round: Vec<bool>,
     /// By leaf: the index of its shape.
+    order: Vec<u32>,
+    treelets: Vec<Treelet>,
+}
+
+/// Some neighbouring shapes.
+#[derive(Debug, Default)]
+struct Treelet {
+    /// A tree over them.
+    nodes: Vec<Node>,
+    /// Around them.
+    bounds: FrameBox,
+    /// Its place among all shapes.
+    first_leaf: usize,
+    /// Its root's place among all nodes.
+    first_node: usize,
+}
+
+/// What a thread needs to build a tree.
+#[derive(Debug, Default)]
+struct Scratch {
+    boxes: Vec<FrameBox>,
+    order: Vec<u32>,
+    keys: Vec<u64>,
+    clusters: Clusters,
     leaves: Vec<u32>,
 }
 
-impl<'a> Collapse<'a> {
-    fn new(binary: &'a Bvh2, extents: &'a [Extent], boxes: &'a [FrameBox]) -> Self {
-        let mut collapse = Self {
-            binary,
-            extents,
-            boxes,
-            counts: vec![0; binary.nodes.len()],
-            bounds: vec![FrameBox::EMPTY; binary.nodes.len()],
-            nodes: Vec::new(),
-            leaves: Vec::with_capacity(boxes.len()),
-        };
-        collapse.measure();
-        collapse
-    }
-
-    /// Counts and bounds shapes from the leaves up, without recursion: a tree over coincident shapes may be deep.
-    fn measure(&mut self) {
-        let mut order = Vec::with_capacity(self.binary.nodes.len());
-        order.extend((!self.binary.nodes.is_empty()).then_some(0));
-        let mut next = 0;
-        while let Some(&index) = order.get(next) {
-            next += 1;
-            let node = &self.binary.nodes[index];
-            if !node.is_leaf() {
-                let first = node.first_index as usize;
-                order.extend([first, first + 1]);
-            }
-        }
-        for &index in order.iter().rev() {
-            let node = &self.binary.nodes[index];
-            let first = node.first_index as usize;
-            if node.is_leaf() {
-                let members = &self.binary.primitive_indices[first..first + node.prim_count as usize];
-                self.counts[index] = node.prim_count;
-                let boxes = members.iter().map(|member| self.boxes[*member as usize]);
-                self.bounds[index] = boxes.fold(FrameBox::EMPTY, |all, bounds| all.union(&bounds));
-            } else {
-                self.counts[index] = self.counts[first] + self.counts[first + 1];
-                self.bounds[index] = self.bounds[first].union(&self.bounds[first + 1]);
-            }
-        }
-    }
-
-    fn run(mut self, frame: Frame) -> (Tree, Vec<u32>) {
-        if !self.binary.nodes.is_empty() {
-            self.nodes.push(Node::empty());
-            let mut pending = vec![(0, 0)];
-            while let Some((binary_index, wide_index)) = pending.pop() {
-                self.fill(binary_index, wide_index, &mut pending);
-            }
-        }
-        (Tree { frame, nodes: self.nodes }, self.leaves)
-    }
-
-    fn is_small(&self, index: usize) -> bool {
-        self.counts[index] as usize <= WIDTH
-    }
-
-    /// Fills one wide node with the descendants of a binary one, opening the largest boxes first; all of them if they are few.
-    fn fill(&mut self, binary_index: usize, wide_index: usize, pending: &mut Vec<(usize, usize)>) {
-        let mut members = [0; WIDTH];
-        members[0] = binary_index;
-        let mut length = 1;
-        let few = self.is_small(binary_index);
-        let opens = |index: usize| if few { self.counts[index] > 1 } else { !self.is_small(index) };
-        let half_area = |index: usize| self.bounds[index].half_area();
-        while length < WIDTH {
-            let open = (0..length)
-                .filter(|member| opens(members[*member]))
-                .max_by(|left, right| half_area(members[*left]).total_cmp(&half_area(members[*right])));
-            let Some(open) = open else { break };
-            let first = self.binary.nodes[members[open]].first_index as usize;
-            members[open] = first;
-            members[length] = first + 1;
-            length += 1;
-        }
-        for (place, &member) in members[..length].iter().enumerate() {
-            let (child, round) = if self.counts[member] == 1 {
-                let first = self.binary.nodes[member].first_index as usize;
-                let shape = self.binary.primitive_indices[first];
-                self.leaves.push(shape);
-                (Child::leaf(to_u32(self.leaves.len() - 1)), self.extents[shape as usize].round)
-            } else {
-                let next = self.nodes.len();
-                self.nodes.push(Node::empty());
-                pending.push((member, next));
-                (Child::node(to_u32(next)), false)
-            };
-            self.nodes[wide_index].set(place, &self.bounds[member], child, round);
-        }
+impl Clone for Builder {
+    /// Another one, which has no memory yet.
+    fn clone(&self) -> Self {
+        Self::default()
     }
 }
 
-fn to_u32(index: usize) -> u32 {
-    u32::try_from(index).unwrap_or(u32::MAX)
+impl Builder {
+    /// Makes a tree over these shapes. Returns the index of each leaf's shape.
+    pub(crate) fn build(&mut self, extents: &[Extent], tree: &mut Tree) -> &[u32] {
+        let frame = Frame::of(extents);
+        let Self { boxes, round, order, treelets } = self;
+        let placed = extents.par_iter().map(|extent| (frame.bounds(&extent.bounds), extent.round));
+        placed.unzip_into_vecs(boxes, round);
+        order.clear();
+        order.extend(0..to_u32(extents.len()));
+        let ends = morton::divide(boxes, order, TREELET_SIZE);
+        treelets.resize_with(ends.len(), Treelet::default);
+        runs(order, &ends).into_par_iter().zip(&mut *treelets).for_each_init(
+            Scratch::default,
+            |scratch, ((first_leaf, members), treelet)| {
+                treelet.first_leaf = first_leaf;
+                treelet.build(scratch, boxes, round, members);
+            },
+        );
+        tree.frame = frame;
+        assemble(treelets, &mut tree.nodes);
+        order
+    }
 }
 
-#[cfg(test)]
-mod tests {
-    use glam::DVec3;
-
-    use super::super::node::Link;
-    use super::*;
-    use crate::trace::shapes::Bounds;
-
-    /// The indices of a tree's shapes in order, and how many nodes lie above its deepest leaf.
-    fn walk((tree, leaves): &(Tree, Vec<u32>)) -> (Vec<u32>, usize) {
-        let mut found = Vec::new();
-        let mut deepest = 0;
-        let mut open = vec![(0, 1)];
-        while let Some((index, depth)) = open.pop() {
-            deepest = deepest.max(depth);
-            for link in tree.nodes[index].links() {
-                match link {
-                    Link::Node(index) => open.push((index, depth + 1)),
-                    Link::Leaf(leaf) => found.push(leaves[leaf.index()]),
-                }
-            }
+impl Treelet {
+    /// Makes a tree over some shapes, and puts them into the order of its leaves.
+    fn build(&mut self, scratch: &mut Scratch, all: &[FrameBox], round: &[bool], members: &mut [u32]) {
+        let Scratch { boxes, order, keys, clusters, leaves } = scratch;
+        boxes.clear();
+        boxes.extend(members.iter().map(|member| all[*member as usize]));
+        order.clear();
+        order.extend(0..to_u32(members.len()));
+        morton::sort(boxes, order, keys);
+        clusters.build(order.iter().map(|place| &boxes[*place as usize]));
+        for place in &mut *order {
+            *place = members[*place as usize];
         }
-        found.sort_unstable();
-        (found, deepest)
-    }
-
-    #[test]
-    fn heaps_rows_and_grids_make_shallow_trees_that_hold_every_shape_once() {
-        let count = 5000;
-        let places: [fn(u32) -> DVec3; 4] = [
-            |_| DVec3::ZERO,
-            |index| DVec3::X * f64::from(index),
-            |index| DVec3::new(f64::from(index % 17), f64::from(index / 17 % 17), f64::from(index / 289)),
-            |index| DVec3::Y * f64::from(index) * 1e-12,
-        ];
-        for place in places {
-            for half in [0.0, 1e-60, 0.4] {
-                let around = |index: u32| Bounds::around(place(index), DVec3::splat(half));
-                let extents: Vec<Extent> =
-                    (0..count).map(|index| Extent { bounds: around(index), round: false }).collect();
-                let (found, depth) = walk(&Tree::build(&extents));
-                assert_eq!(found, (0..count).collect::<Vec<u32>>());
-                assert!(depth <= 14, "{depth} nodes deep");
-            }
+        let round = |place: usize| round[order[place] as usize];
+        collapse(clusters, round, &mut self.nodes, leaves);
+        self.bounds = clusters.get(clusters.root()).bounds();
+        for (member, leaf) in members.iter_mut().zip(leaves) {
+            *member = order[*leaf as usize];
         }
     }
+
+    /// Returns a node of its tree as a node of the whole.
+    fn node(&self, index: usize) -> Node {
+        self.nodes[index].relinked(|child| match child.read() {
+            Link::Node(node) => Child::node(to_u32(self.first_node + node)),
+            Link::Leaf(leaf) => Child::leaf(to_u32(self.first_leaf + leaf.index())),
+        })
+    }
+}
+
+/// Divides a list into runs that end there. Returns with each run where it starts.
+fn runs<'a>(mut list: &'a mut [u32], ends: &[usize]) -> Vec<(usize, &'a mut [u32])> {
+    let mut start = 0;
+    let next = |end: &usize| {
+        let (run, rest) = std::mem::take(&mut list).split_at_mut(end - start);
+        list = rest;
+        (std::mem::replace(&mut start, *end), run)
+    };
+    ends.iter().map(next).collect()
+}
+
+/// Puts the trees of all treelets under one root: above them come those nodes that have treelets below them.
+fn assemble(treelets: &mut [Treelet], nodes: &mut Vec<Node>) {
+    let (mut above, mut order) = (Vec::new(), Vec::new());
+    if treelets.len() > 1 {
+        let mut clusters = Clusters::default();
+        clusters.build(treelets.iter().map(|treelet| &treelet.bounds));
+        collapse(&clusters, |_| false, &mut above, &mut order);
+    }
+    let mut count = above.len();
+    for treelet in &mut *treelets {
+        treelet.first_node = count;
+        count += treelet.nodes.len();
+    }
+    let treelet = |place: usize| &treelets[order[place] as usize];
+    let upper = |node: &Node| {
+        node.relinked(|child| match child.read() {
+            Link::Node(_) => child,
+            Link::Leaf(leaf) => Child::node(to_u32(treelet(leaf.index()).first_node)),
+        })
+    };
+    let lower = |index: usize| {
+        let next = treelets.partition_point(|treelet| treelet.first_node <= index);
+        let treelet = &treelets[next - 1];
+        treelet.node(index - treelet.first_node)
+    };
+    (0..count)
+        .into_par_iter()
+        .map(|index| above.get(index).map_or_else(|| lower(index), upper))
+        .collect_into_vec(nodes);
 }

@@ -1,21 +1,22 @@
 //! The coordinates in which boxes are kept in single precision.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::Extent;
 use crate::trace::rays::Ray;
 use crate::trace::shapes::Bounds;
 
-/// Moves the median shape to the origin and scales by a power of two so that all boxes lie within -1..=1, where `f32` has
+/// Moves a median shape to the origin and scales by a power of two so that all boxes lie within -1..=1, where `f32` has
 /// its digits. It is a function of the shapes alone.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame {
     origin: DVec3,
     scale: f64,
 }
 
 /// A box in the frame, rounded outwards.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FrameBox {
     pub(crate) min: [f32; 3],
     pub(crate) max: [f32; 3],
@@ -26,17 +27,26 @@ impl FrameBox {
     pub(crate) const EMPTY: Self = Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
 
     /// The box around both.
+    #[inline]
     pub(crate) fn union(&self, other: &Self) -> Self {
+        let smaller = |one: f32, other: f32| if one < other { one } else { other };
+        let larger = |one: f32, other: f32| if one > other { one } else { other };
         Self {
-            min: std::array::from_fn(|axis| self.min[axis].min(other.min[axis])),
-            max: std::array::from_fn(|axis| self.max[axis].max(other.max[axis])),
+            min: std::array::from_fn(|axis| smaller(self.min[axis], other.min[axis])),
+            max: std::array::from_fn(|axis| larger(self.max[axis], other.max[axis])),
         }
     }
 
-    /// Half the surface, by which the chance that a ray meets it goes.
-    pub(crate) fn half_area(&self) -> f32 {
-        let [x, y, z] = std::array::from_fn(|axis| self.max[axis] - self.min[axis]);
-        x * y + y * z + z * x
+    /// The middle.
+    #[inline]
+    pub(crate) fn center(&self) -> [f32; 3] {
+        std::array::from_fn(|axis| (self.min[axis] + self.max[axis]) * 0.5)
+    }
+}
+
+impl Default for FrameBox {
+    fn default() -> Self {
+        Self::EMPTY
     }
 }
 
@@ -53,6 +63,13 @@ pub(crate) struct FrameRay {
     pub(crate) downward: [bool; 3],
 }
 
+impl Default for Frame {
+    /// The frame of no shapes.
+    fn default() -> Self {
+        Self { origin: DVec3::ZERO, scale: 1.0 }
+    }
+}
+
 impl Frame {
     /// Four times what rounding to `f32` can shift the origin by. The shapes' own rounding shifts what they accept by a
     /// few units in the last place of their distance, and by as many times more as their maps stretch: for the worst map
@@ -64,21 +81,22 @@ impl Frame {
 
     /// The frame of these shapes.
     pub(crate) fn of(extents: &[Extent]) -> Self {
+        /// Of how many shapes, evenly spread among all, the median is taken.
+        const SAMPLE: usize = 4096;
         let median = |axis: usize| {
-            let mut centers: Vec<f64> = extents.iter().map(|extent| extent.bounds.center()[axis]).collect();
+            let sample = extents.iter().step_by(extents.len().div_ceil(SAMPLE));
+            let mut centers: Vec<f64> = sample.map(|extent| extent.bounds.center()[axis]).collect();
             let middle = centers.len() / 2;
             *centers.select_nth_unstable_by(middle, f64::total_cmp).1
         };
         if extents.is_empty() {
-            return Self { origin: DVec3::ZERO, scale: 1.0 };
+            return Self::default();
         }
         let origin = DVec3::new(median(0), median(1), median(2));
-        let reach = extents
-            .iter()
-            .map(|Extent { bounds, .. }| {
-                (bounds.max - origin).abs().max((bounds.min - origin).abs()).max_element()
-            })
-            .fold(0.0, f64::max);
+        let reach = |Extent { bounds, .. }: &Extent| {
+            (bounds.max - origin).abs().max((bounds.min - origin).abs()).max_element()
+        };
+        let reach = extents.par_iter().with_min_len(SAMPLE).map(reach).reduce(|| 0.0, f64::max);
         let exponent = if reach > 0.0 { libm::ilogb(reach) + 1 } else { 0 };
         Self { origin, scale: libm::ldexp(1.0, -exponent.clamp(-1020, 1020)) }
     }

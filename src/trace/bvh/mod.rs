@@ -5,7 +5,8 @@
 //! not depend on it.
 //!
 //! - [`frame`]: the coordinates in which boxes are kept in `f32`, and rays in those coordinates.
-//! - [`build`]: from boxes to a tree of nodes with eight children, through a binary tree by obvhs.
+//! - [`build`]: from boxes to a tree of nodes with eight children. [`morton`] finds neighbours, [`ploc`] makes a binary tree of
+//!   them, and [`collapse`] pulls its levels together.
 //! - [`node`]: one node, eight boxes against one ray.
 //! - [`traverse`]: from the root to the leaves, nearest first, with one ray.
 //! - [`packet`]: the same with sixteen rays.
@@ -13,16 +14,23 @@
 //!   it may meet a shape, and [`cover`] which of them all do; [`slopes`] and [`depth`]: what they are made of.
 
 mod build;
+mod collapse;
 mod cover;
 mod depth;
 mod frame;
 mod frustum;
+mod index;
+mod morton;
 mod node;
 mod packet;
+mod ploc;
 mod shaft;
 mod slopes;
+#[cfg(test)]
+mod tests;
 mod traverse;
 
+pub(crate) use build::Builder;
 pub(crate) use depth::Depth;
 pub(crate) use frustum::{FARTHEST, Frustum, FrustumVisitor, LeafBox};
 pub(crate) use node::LeafId;
@@ -45,7 +53,7 @@ pub(crate) struct Extent {
 }
 
 /// The tree over the shapes that have bounds.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Tree {
     frame: Frame,
     nodes: Vec<Node>,

@@ -100,6 +100,34 @@ impl Node {
         self.round |= u32::from(round) << index;
     }
 
+    /// Returns the box around a child.
+    #[cfg(test)]
+    pub(super) fn child_box(&self, index: usize) -> FrameBox {
+        let [x, y, z, upper_x, upper_y, upper_z] = self.bounds(index);
+        FrameBox { min: [x, y, z], max: [upper_x, upper_y, upper_z] }
+    }
+
+    /// Returns the box around all children.
+    #[cfg(test)]
+    pub(super) fn around(&self) -> FrameBox {
+        self.places().fold(FrameBox::EMPTY, |all, place| all.union(&self.child_box(place)))
+    }
+
+    /// Returns the same boxes with other children in them.
+    pub(super) fn relinked(&self, relink: impl Fn(Child) -> Child) -> Self {
+        let mut children = self.children;
+        for place in self.places() {
+            children[place] = relink(children[place]);
+        }
+        Self { children, ..*self }
+    }
+
+    /// Returns the places of the children that there are.
+    pub(super) fn places(&self) -> impl Iterator<Item = usize> + use<> {
+        let used = self.used;
+        (0..WIDTH).filter(move |place| used & (1 << place) != 0)
+    }
+
     /// Plane `index` of all children's boxes: lower x, y, z, then upper x, y, z.
     #[inline(always)]
     pub(super) fn plane<S: Simd>(&self, simd: S, index: usize) -> f32x8<S> {
@@ -124,12 +152,6 @@ impl Node {
     #[inline(always)]
     pub(super) fn is_round(&self, child: usize) -> bool {
         self.round & (1 << child) != 0
-    }
-
-    /// The children that there are.
-    #[cfg(test)]
-    pub(crate) fn links(&self) -> impl Iterator<Item = Link> {
-        (0..WIDTH).filter(|index| self.used & (1 << index) != 0).map(|index| self.children[index].read())
     }
 
     /// Which children the ray may meet before `limit`, as a bit mask, and where it may enter each.

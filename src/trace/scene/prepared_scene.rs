@@ -14,7 +14,7 @@ use super::material_summary::MaterialSummary;
 use super::material_table::MaterialTable;
 use super::precision::Precision;
 use crate::color::Rgb;
-use crate::trace::bvh::{Extent, Tree};
+use crate::trace::bvh::{Builder, Extent, Tree};
 use crate::trace::math::SimdLevel;
 use crate::trace::rays::ShapeId;
 
@@ -60,7 +60,7 @@ impl PreparedScene {
             surfaces: MaterialSummary::of(&materials),
             materials,
             equal_shapes: EqualShapes::default(),
-            tree: Tree::build(&[]).0,
+            tree: Tree::default(),
             leaves: LeafShapes::default(),
             beside: Vec::new(),
             lights: Vec::new(),
@@ -169,8 +169,8 @@ impl PreparedScene {
             extents.remove(index);
         }
         self.beside.sort_unstable_by_key(|id| self.geometry.order().rank(*id));
-        let (tree, leaves) = Tree::build(&extents);
-        self.tree = tree;
+        let mut builder = Builder::default();
+        let leaves = builder.build(&extents, &mut self.tree);
         self.leaves = LeafShapes::new(&self.geometry, leaves.par_iter().map(|index| ids[*index as usize]));
     }
 
