@@ -14,8 +14,10 @@ pub struct FrameReport {
     pub animate: Duration,
     /// The time spent on world transforms and the kernel's arrays.
     pub prepare: Duration,
-    /// How often the BVH, the tree over the shapes, was built. It is kept where no shape has changed.
+    /// How often the BVH, the tree over the shapes, was built. It is kept where no shape has changed, and mostly where few have.
     pub bvh_builds: u32,
+    /// How often the BVH was kept, and made to fit around the few shapes that had moved.
+    pub bvh_refits: u32,
     /// The time spent on rays.
     pub trace: Duration,
     /// The number of rays.
@@ -34,6 +36,7 @@ impl Default for FrameReport {
             animate: none,
             prepare: none,
             bvh_builds: 0,
+            bvh_refits: 0,
             trace: none,
             rays: RayCounts::default(),
             ends: TreeEnds::default(),

@@ -95,7 +95,7 @@ pub use {
     query::{CastHit, CastRay, Hit, SurfacePoint},
     rays::{Ray, ShapeId},
     scene::{
-        Background, Checker, CheckerPattern, Cone, Falloff, Fog, Geometry, Light, LightSource,
+        Background, BvhUpdate, Checker, CheckerPattern, Cone, Falloff, Fog, Geometry, Light, LightSource,
         MaterialSummary, MaterialTable, Passage, PreparedScene, PreparedShape, Refraction, SceneChanges,
         ShapeChange, SurfaceMaterial,
     },

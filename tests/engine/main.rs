@@ -4,6 +4,7 @@
 
 mod camera_paths;
 mod cameras;
+mod crowds;
 mod encoded_films;
 mod every_channel;
 mod faults;

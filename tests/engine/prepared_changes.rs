@@ -7,7 +7,7 @@ use rayreel::Scene;
 use rayreel::Time;
 use rayreel::components::{Light, Material, Name, Shape, Transform};
 use rayreel::systems::{Changes, Preparation, propagate};
-use rayreel::trace::{Bounds, SceneChanges};
+use rayreel::trace::{Bounds, BvhUpdate, SceneChanges};
 
 const SCENE: &str = r#"Scene(
     timeline: (fps: 10, duration: 1), film: (width: 8, height: 4), camera: (position: (0, 0, -8), target: (0, 0, 0)),
@@ -72,7 +72,9 @@ fn what_is_different_is_told_apart() {
         near(min, center - DVec3::ONE) && near(max, center + DVec3::ONE)
     };
     assert!(around(shape.before, DVec3::ZERO) && around(shape.after, DVec3::new(3.0, 0.0, 0.0)), "{shape:?}");
-    assert_eq!(SceneChanges { shapes: Vec::new(), ..moved }, SceneChanges::default());
+    assert_eq!(moved.bvh, BvhUpdate::Built, "one of two is not few");
+    let rest = SceneChanges { shapes: Vec::new(), bvh: BvhUpdate::Kept, ..moved };
+    assert_eq!(rest, SceneChanges::default());
 
     let mut changes = Changes::default();
     *prepared.world.get::<&mut Shape>(floor).unwrap() = Shape::Plane { normal: DVec3::new(0.0, 1.0, 0.5) };
@@ -80,7 +82,8 @@ fn what_is_different_is_told_apart() {
     changes.mark_shape(floor);
     changes.mark_material(ball);
     let both = prepared.update(&changes);
-    assert!(both.built_bvh() && both.shapes.len() == 1 && both.shapes[0].before.is_none());
+    assert!(both.shapes.len() == 1 && both.shapes[0].before.is_none());
+    assert_eq!(both.bvh, BvhUpdate::Built);
     assert_eq!(both.materials, [shape.id]);
 
     let mut changes = Changes::default();
@@ -88,7 +91,6 @@ fn what_is_different_is_told_apart() {
     changes.mark_settings();
     let lit = prepared.update(&changes);
     assert_eq!(lit, SceneChanges { lights: true, ..SceneChanges::default() });
-    assert!(!lit.built_bvh());
 }
 
 #[test]
@@ -104,5 +106,5 @@ fn what_comes_or_changes_its_kind_makes_the_scene_anew() {
     let mut changes = Changes::default();
     changes.mark_all();
     let again = prepared.update(&changes);
-    assert!(again.remade && again.built_bvh());
+    assert!(again.remade && again.bvh == BvhUpdate::Built);
 }

@@ -13,7 +13,7 @@ use crate::engine::report::FrameReport;
 use crate::systems::{Effect, Need, Plan, Preparation, Shutter, Shutters, propagate};
 use crate::time::Time;
 use crate::trace::reference::{Reference, ReferenceSums};
-use crate::trace::{Effects, EncodedFilm, Exposure, Film, Lighting, SceneChanges, Signals, Sums};
+use crate::trace::{BvhUpdate, Effects, EncodedFilm, Exposure, Film, Lighting, SceneChanges, Signals, Sums};
 
 /// A signal that is never set.
 static NEVER: AtomicBool = AtomicBool::new(false);
@@ -307,7 +307,8 @@ impl Engine {
             preparation.set_precision(self.precision);
             preparation.set_simd_level(self.simd);
         }
-        self.report.bvh_builds += u32::from(changed.built_bvh());
+        self.report.bvh_builds += u32::from(changed.bvh == BvhUpdate::Built);
+        self.report.bvh_refits += u32::from(changed.bvh == BvhUpdate::Refitted);
         self.report.animate += animated - start;
         self.report.prepare += animated.elapsed();
         Ok(Some(changed))

@@ -4,6 +4,7 @@ mod camera;
 mod faults;
 mod light;
 mod material;
+mod read;
 mod settings;
 mod shape;
 
@@ -14,7 +15,7 @@ use hecs::{Entity, World};
 use super::order::order_newcomers;
 use super::{Changes, Plan};
 use crate::components::{
-    Ambient, Checker, FilmSettings, Light, Material, Noise, Order, Quality, Sampling, Shape, WorldTransform,
+    Ambient, Checker, FilmSettings, Light, Noise, Order, Quality, Sampling, WorldTransform,
 };
 use crate::time::Time;
 use crate::trace::{
@@ -24,8 +25,8 @@ use camera::prepared_camera;
 use faults::surface_fault;
 use light::prepared_light;
 use material::{Surfaced, surface_material};
+use read::{Drawn, read_all, read_shapes};
 use settings::{first, linear_cutoff, prepared_background, prepared_fog, sane, sane_sampling};
-use shape::prepared_shape;
 
 pub use camera::{ActiveCamera, active_camera};
 pub(crate) use camera::{Shutter, Shutters};
@@ -33,8 +34,9 @@ pub use settings::film_settings;
 
 /// The kernel's arrays, and the entity of each of their slots.
 ///
-/// Entities with a [`Shape`] and a [`Material`] are drawn. Values that cannot be drawn, such as a scale of zero halfway through
-/// an animation or a NaN from a system, leave the entity out of the picture; nothing non-finite reaches the kernel.
+/// Entities with a [`Shape`](crate::components::Shape) and a [`Material`](crate::components::Material) are drawn. Values that
+/// cannot be drawn, such as a scale of zero halfway through an animation or a NaN from a system, leave the entity out of the
+/// picture; nothing non-finite reaches the kernel.
 /// [`faults`](Preparation::faults) reports which are left out, and why.
 #[derive(Clone, Debug)]
 pub struct Preparation {
@@ -65,12 +67,14 @@ pub(crate) struct RayLimits {
 struct SlotTable(Vec<Option<(Entity, ShapeId)>>);
 
 impl SlotTable {
-    fn insert(&mut self, entity: Entity, slot: ShapeId) {
-        let index = entity.id() as usize;
-        if self.0.len() <= index {
-            self.0.resize(index + 1, None);
+    /// Gives slots to these entities, in turn, and to no others.
+    fn fill(&mut self, entities: &[Entity]) {
+        self.0.clear();
+        let largest = entities.iter().map(|entity| entity.id()).max();
+        self.0.resize(largest.map_or(0, |id| id as usize + 1), None);
+        for (slot, entity) in (0..).map(ShapeId).zip(entities) {
+            self.0[entity.id() as usize] = Some((*entity, slot));
         }
-        self.0[index] = Some((entity, slot));
     }
 
     fn get(&self, entity: Entity) -> Option<ShapeId> {
@@ -83,46 +87,31 @@ impl Preparation {
     /// Reads the whole world, for an instant of the frame at `moment`.
     #[must_use]
     pub fn of(world: &mut World, moment: Time) -> Self {
-        order_newcomers(world, &[]);
-        let mut drawn: Vec<(Order, Entity)> = world
-            .query_mut::<hecs::With<(Entity, &Order), (&Shape, &WorldTransform, &Material)>>()
-            .into_iter()
-            .map(|(entity, order)| (*order, entity))
-            .collect();
-        drawn.sort_unstable_by_key(|(order, entity)| (*order, entity.id()));
-
-        let mut geometry = Geometry::default();
-        let mut materials = MaterialTable::default();
-        let mut entities = Vec::with_capacity(drawn.len());
-        let mut slots = SlotTable::default();
-        let mut unsound = BTreeSet::new();
-        let view = world.view_mut::<Surfaced<'_>>();
-        for (_, entity) in drawn {
-            if let Some(surface) = view.get(entity)
-                && let Ok(shape) = prepared_shape(surface.0, surface.1)
-            {
-                slots.insert(entity, geometry.push(shape));
-                entities.push(entity);
-                materials.push(surface_material(surface));
-                if surface_fault(entity, surface).is_some() {
-                    unsound.insert(entity);
-                }
-            }
-        }
         let film = film_settings(world);
         let mut preparation = Self {
-            scene: PreparedScene::new(geometry, materials),
+            scene: PreparedScene::new(Geometry::default(), MaterialTable::default()),
             camera: prepared_camera(world, film, moment),
             moment,
             film,
             sampling: Sampling::default(),
-            entities,
+            entities: Vec::new(),
             lights: Vec::new(),
-            slots,
-            unsound,
+            slots: SlotTable::default(),
+            unsound: BTreeSet::new(),
         };
-        preparation.read_settings(world);
+        preparation.read_all(world);
         preparation
+    }
+
+    /// Reads the whole world, in the memory of what was there before.
+    fn read_all(&mut self, world: &mut World) {
+        order_newcomers(world, &[]);
+        let mut drawn = Drawn::default();
+        self.scene.remake(|geometry, materials| drawn = read_all(world, geometry, materials));
+        self.slots.fill(&drawn.entities);
+        self.entities = drawn.entities;
+        self.unsound = drawn.unsound.into_iter().collect();
+        self.read_settings(world);
     }
 
     /// Reads what has changed, for an instant of the frame at `moment`. `moved` are the entities whose world transform changed.
@@ -138,13 +127,20 @@ impl Preparation {
         if changes.is_all() {
             return self.start_over(world);
         }
-        let reshaped = || moved.iter().chain(changes.shapes()).copied();
-        let Some(shapes) = self.update_shapes(world, reshaped()) else {
+        let reshaped = || [moved, changes.shapes()].into_iter().filter(|entities| !entities.is_empty());
+        let mut shapes = Vec::new();
+        if !reshaped().all(|entities| self.replace_shapes(world, entities, &mut shapes).is_some()) {
             return self.start_over(world);
-        };
+        }
+        let bvh = self.scene.update_tree(&shapes);
+        let order = self.scene.order();
+        shapes.sort_unstable_by_key(|change| order.rank(change.id));
         // Squares go with what they are on.
-        let checkered: Vec<Entity> =
-            reshaped().filter(|entity| world.satisfies::<&Checker>(*entity)).collect();
+        let is_checkered = |entity: &&Entity| world.satisfies::<&Checker>(**entity);
+        let checkered: Vec<Entity> = match self.scene.surfaces().checkered {
+            true => reshaped().flatten().filter(is_checkered).copied().collect(),
+            false => Vec::new(),
+        };
         let repainted = changes.materials().iter().chain(&checkered);
         let materials = repainted.filter_map(|entity| {
             let slot = self.slots.get(*entity)?;
@@ -157,12 +153,12 @@ impl Preparation {
             Some((slot, surface_material(surface)))
         });
         let materials = self.scene.replace_materials(materials);
-        SceneChanges { shapes, materials, ..self.read_settings(world) }
+        SceneChanges { shapes, bvh, materials, ..self.read_settings(world) }
     }
 
     /// Reads the whole world again: anything may be different.
     fn start_over(&mut self, world: &mut World) -> SceneChanges {
-        *self = Self::of(world, self.moment);
+        self.read_all(world);
         SceneChanges::remade()
     }
 
@@ -261,27 +257,19 @@ impl Preparation {
         self.sampling.samples
     }
 
-    /// Puts shapes that were moved or changed into their slots, and returns those that are different; `None` if slots no longer
-    /// fit and all must be read again.
-    fn update_shapes(
+    /// Puts the shapes of entities that were moved or changed into their slots, and notes those that differ. Returns `None` if slots
+    /// no longer fit and all must be read again.
+    fn replace_shapes(
         &mut self,
         world: &mut World,
-        reshaped: impl Iterator<Item = Entity>,
-    ) -> Option<Vec<ShapeChange>> {
-        let mut replacements = Vec::new();
-        for entity in reshaped {
-            let Ok((shape, transform)) =
-                world.query_one_mut::<hecs::With<(&Shape, &WorldTransform), &Material>>(entity)
-            else {
-                continue;
-            };
-            match (self.slots.get(entity), prepared_shape(shape, transform)) {
-                (Some(slot), Ok(shape)) => replacements.push((slot, shape)),
-                (None, Err(_)) => {}
-                _ => return None,
-            }
-        }
-        self.scene.replace_shapes(&replacements)
+        entities: &[Entity],
+        changes: &mut Vec<ShapeChange>,
+    ) -> Option<()> {
+        read_shapes(world, entities, |entity, shape| match (self.slots.get(entity), shape) {
+            (Some(slot), Some(shape)) => self.scene.replace_shape(slot, shape, changes),
+            (None, None) => Some(()),
+            _ => None,
+        })
     }
 
     /// Reads the camera, lights and the settings of the whole scene, which are few, for every frame. Returns what of them is

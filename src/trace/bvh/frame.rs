@@ -37,10 +37,22 @@ impl FrameBox {
         }
     }
 
+    /// Half the surface, by which the chance that a ray meets it goes.
+    #[inline]
+    pub(crate) fn half_area(&self) -> f32 {
+        let [x, y, z] = std::array::from_fn(|axis| self.max[axis] - self.min[axis]);
+        x * y + y * z + z * x
+    }
+
     /// The middle.
     #[inline]
     pub(crate) fn center(&self) -> [f32; 3] {
         std::array::from_fn(|axis| (self.min[axis] + self.max[axis]) * 0.5)
+    }
+
+    /// Returns whether it lies within -1..=1, as a frame's boxes do.
+    pub(super) fn is_inside(&self) -> bool {
+        self.min.iter().all(|low| *low >= -1.0) && self.max.iter().all(|high| *high <= 1.0)
     }
 }
 

@@ -7,6 +7,7 @@
 //! - [`frame`]: the coordinates in which boxes are kept in `f32`, and rays in those coordinates.
 //! - [`build`]: from boxes to a tree of nodes with eight children. [`morton`] finds neighbours, [`ploc`] makes a binary tree of
 //!   them, and [`collapse`] pulls its levels together.
+//! - [`refit`]: what is done instead where few shapes have moved.
 //! - [`node`]: one node, eight boxes against one ray.
 //! - [`traverse`]: from the root to the leaves, nearest first, with one ray.
 //! - [`packet`]: the same with sixteen rays.
@@ -24,6 +25,7 @@ mod morton;
 mod node;
 mod packet;
 mod ploc;
+mod refit;
 mod shaft;
 mod slopes;
 #[cfg(test)]
@@ -35,6 +37,7 @@ pub(crate) use depth::Depth;
 pub(crate) use frustum::{FARTHEST, Frustum, FrustumVisitor, LeafBox};
 pub(crate) use node::LeafId;
 pub(crate) use packet::{FramePacket, PacketStack, PacketVisitor};
+pub(crate) use refit::Refitter;
 pub(crate) use shaft::{Limits, Shaft};
 pub(crate) use slopes::{Ends, PACKETS, PARTS, SlopeRange, Slopes};
 pub(crate) use traverse::Stack;

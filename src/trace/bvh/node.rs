@@ -3,6 +3,7 @@
 use fearless_simd::{f32x8, prelude::*};
 
 use super::frame::{FrameBox, FrameRay};
+use super::index::to_u32;
 
 /// How many children a node has.
 pub(crate) const WIDTH: usize = 8;
@@ -35,6 +36,11 @@ pub(crate) struct Node {
 }
 
 impl LeafId {
+    /// Identifies the leaf with this index.
+    pub(crate) fn new(index: usize) -> Self {
+        Self(to_u32(index))
+    }
+
     /// Returns it as an index into arrays of one entry a leaf.
     #[inline(always)]
     pub(crate) fn index(self) -> usize {
@@ -91,24 +97,27 @@ impl Node {
     }
 
     pub(crate) fn set(&mut self, index: usize, bounds: &FrameBox, child: Child, round: bool) {
-        for axis in 0..3 {
-            self.planes[axis][index] = bounds.min[axis];
-            self.planes[axis + 3][index] = bounds.max[axis];
-        }
+        self.set_box(index, bounds);
         self.children[index] = child;
         self.used |= 1 << index;
         self.round |= u32::from(round) << index;
     }
 
+    /// Puts another box around a child.
+    pub(super) fn set_box(&mut self, index: usize, bounds: &FrameBox) {
+        for axis in 0..3 {
+            self.planes[axis][index] = bounds.min[axis];
+            self.planes[axis + 3][index] = bounds.max[axis];
+        }
+    }
+
     /// Returns the box around a child.
-    #[cfg(test)]
     pub(super) fn child_box(&self, index: usize) -> FrameBox {
         let [x, y, z, upper_x, upper_y, upper_z] = self.bounds(index);
         FrameBox { min: [x, y, z], max: [upper_x, upper_y, upper_z] }
     }
 
     /// Returns the box around all children.
-    #[cfg(test)]
     pub(super) fn around(&self) -> FrameBox {
         self.places().fold(FrameBox::EMPTY, |all, place| all.union(&self.child_box(place)))
     }

@@ -1,11 +1,11 @@
-//! Trees of all kinds of heaps.
+//! Trees of all kinds of heaps, built and kept.
 
 use glam::DVec3;
 use proptest::prelude::*;
 
 use super::frame::FrameBox;
-use super::node::Link;
-use super::{Builder, Extent, Tree};
+use super::node::{LeafId, Link};
+use super::{Builder, Extent, Refitter, Tree};
 use crate::trace::shapes::Bounds;
 
 /// A tree, and the index of each leaf's shape.
@@ -148,5 +148,41 @@ proptest! {
     #[test]
     fn every_box_encloses_what_it_is_around(bounds in boxes()) {
         Built::over(&bounds, &mut Builder::default()).check(&bounds);
+    }
+
+    #[test]
+    fn every_box_still_does_after_shapes_have_moved(
+        first in boxes(),
+        moves in prop::collection::vec((0..300_usize, prop::array::uniform3(-1.0..1.0_f64), 0.0..2.0_f64), 1..60),
+    ) {
+        let mut bounds = first;
+        let mut built = Built::over(&bounds, &mut Builder::default());
+        let mut refitter = Refitter::new(&built.tree, bounds.len());
+        let leaf_of = |built: &Built, shape: usize| {
+            LeafId::new(built.shapes.iter().position(|found| *found == shape).unwrap())
+        };
+        for few in moves.chunks(3) {
+            let mut moved = Vec::new();
+            for (shape, way, half) in few {
+                let shape = shape % bounds.len();
+                let way = DVec3::from_array(*way);
+                bounds[shape] = Bounds::around(bounds[shape].center() + way, DVec3::splat(*half));
+                moved.push((leaf_of(&built, shape), bounds[shape]));
+            }
+            // The last of those of one shape counts.
+            let inside = moved.iter().all(|(_, bounds)| built.tree.frame.bounds(bounds).is_inside());
+            let before = refitter.cost();
+            let kept = refitter.refit(&mut built.tree, moved);
+            if inside {
+                built.check(&bounds);
+                let fresh = Refitter::new(&built.tree, bounds.len()).cost();
+                let off = (refitter.cost() - fresh).abs();
+                prop_assert!(off <= 1e-5 * (fresh + before), "{} and {fresh}", refitter.cost());
+            } else {
+                prop_assert!(!kept, "a shape has left the frame");
+                built = Built::over(&bounds, &mut Builder::default());
+                refitter = Refitter::new(&built.tree, bounds.len());
+            }
+        }
     }
 }

@@ -8,6 +8,8 @@ use crate::trace::shapes::Bounds;
 pub struct SceneChanges {
     /// Whether the scene was made anew: ids mean other shapes now, and anything may differ.
     pub remade: bool,
+    /// What was done to the BVH. The picture does not depend on it.
+    pub bvh: BvhUpdate,
     /// The shapes that moved or changed, in document order.
     pub shapes: Vec<ShapeChange>,
     /// The shapes whose materials differ.
@@ -18,6 +20,18 @@ pub struct SceneChanges {
     pub camera: bool,
     /// Whether something of the whole scene differs: ambient light, background, fog, the film, or how many rays there are.
     pub settings: bool,
+}
+
+/// What an update did to the BVH, the tree over the shapes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BvhUpdate {
+    /// Nothing: no shape in it has changed.
+    #[default]
+    Kept,
+    /// Where few shapes have moved, the boxes around them were made to fit.
+    Refitted,
+    /// It was built anew.
+    Built,
 }
 
 /// A shape that moved or changed.
@@ -35,13 +49,7 @@ impl SceneChanges {
     /// Returns the changes of a scene that was made anew.
     #[must_use]
     pub fn remade() -> Self {
-        Self { remade: true, ..Self::default() }
-    }
-
-    /// Returns whether the BVH was built.
-    #[must_use]
-    pub fn built_bvh(&self) -> bool {
-        self.remade || !self.shapes.is_empty()
+        Self { remade: true, bvh: BvhUpdate::Built, ..Self::default() }
     }
 
     /// Returns whether the scene is as before.

@@ -18,9 +18,25 @@ pub(crate) struct Rank(u32);
 impl DocumentOrder {
     /// Adds the next shape, after all others.
     pub(super) fn push(&mut self, id: ShapeId) {
-        debug_assert_eq!(id.index(), self.ranks.len(), "ids are given in turn");
-        self.ranks.push(Rank(id.0));
-        self.ids.push(id);
+        self.extend([id]);
+    }
+
+    /// Adds the next shapes, after all others.
+    pub(super) fn extend(&mut self, ids: impl IntoIterator<Item = ShapeId, IntoIter: Clone>) {
+        let ids = ids.into_iter();
+        self.ranks.extend(ids.clone().map(|id| Rank(id.0)));
+        self.ids.extend(ids);
+        debug_assert_eq!(
+            self.ids.last().map_or(0, |id| id.index() + 1),
+            self.ids.len(),
+            "ids are given in turn"
+        );
+    }
+
+    /// Removes all.
+    pub(super) fn clear(&mut self) {
+        self.ranks.clear();
+        self.ids.clear();
     }
 
     /// Puts the shapes into another order.

@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use super::fingerprint::Fingerprint;
+use super::fingerprint::{BloomFilter, Fingerprint};
 use super::geometry::Geometry;
 use crate::trace::rays::ShapeId;
 
@@ -16,6 +16,8 @@ pub(crate) struct EqualShapes {
     groups: Vec<EqualGroup>,
     /// By id: in which group it is. Empty in a scene without groups.
     group_of: Vec<Option<u32>>,
+    /// By id.
+    fingerprints: Vec<u64>,
 }
 
 /// Two or more equal shapes.
@@ -33,13 +35,13 @@ pub(crate) struct EqualGroup {
 
 impl EqualShapes {
     /// Finds the groups among shapes. Which of them are clear is still to be said.
-    pub(crate) fn of(geometry: &Geometry) -> Self {
-        let ids: Vec<ShapeId> = geometry.ids().collect();
-        let fingerprints: Vec<u64> = ids.par_iter().map(|id| fingerprint(geometry, *id)).collect();
+    pub(crate) fn find(&mut self, geometry: &Geometry) {
+        let Self { groups, group_of, fingerprints } = self;
+        geometry.par_ids().map(|id| fingerprint(geometry, id)).collect_into_vec(fingerprints);
         let mut suspects: Vec<(u64, ShapeId)> =
-            repeated(&fingerprints).into_iter().map(|index| (fingerprints[index], ids[index])).collect();
+            repeated(fingerprints).into_iter().map(|id| (fingerprints[id.index()], id)).collect();
         suspects.par_sort_unstable_by_key(|(fingerprint, id)| (*fingerprint, geometry.order().rank(*id)));
-        let mut groups = Vec::new();
+        groups.clear();
         for alike in suspects.chunk_by(|one, other| one.0 == other.0) {
             let mut rest: Vec<ShapeId> = alike.iter().map(|(_, id)| *id).collect();
             // All of them are equal, unless different shapes happen to have one fingerprint.
@@ -50,13 +52,36 @@ impl EqualShapes {
                 rest = others;
             }
         }
-        let mut group_of = vec![None; if groups.is_empty() { 0 } else { ids.len() }];
-        for (index, group) in (0..).zip(&groups) {
+        group_of.clear();
+        group_of.resize(if groups.is_empty() { 0 } else { fingerprints.len() }, None);
+        for (index, group) in (0..).zip(&*groups) {
             for id in &group.ids {
                 group_of[id.index()] = Some(index);
             }
         }
-        Self { groups, group_of }
+    }
+
+    /// Takes note of shapes that have changed. Returns whether the groups are still the same; if not, they must be found again.
+    #[must_use]
+    pub(super) fn remain_after(&mut self, geometry: &Geometry, changed: &[ShapeId]) -> bool {
+        const BITS_A_CHANGE: usize = 64;
+        if changed.iter().any(|id| self.group(*id).is_some()) {
+            return false;
+        }
+        let mut filter = BloomFilter::new(changed.len() * BITS_A_CHANGE);
+        for id in changed {
+            let fingerprint = fingerprint(geometry, *id);
+            self.fingerprints[id.index()] = fingerprint;
+            filter.insert(fingerprint);
+        }
+        let mut suspects: Vec<u64> = self
+            .fingerprints
+            .par_iter()
+            .copied()
+            .filter(|fingerprint| filter.may_contain(*fingerprint))
+            .collect();
+        suspects.sort_unstable();
+        suspects.windows(2).all(|pair| pair[0] != pair[1])
     }
 
     /// Says which shapes are clear.
@@ -130,25 +155,19 @@ fn fingerprint(geometry: &Geometry, id: ShapeId) -> u64 {
     fingerprint.finish()
 }
 
-/// The indices of all values that may be there twice: a sieve first, as mostly there are none.
-fn repeated(values: &[u64]) -> Vec<usize> {
-    const BITS_A_VALUE: usize = 16;
-    let bits = (values.len() * BITS_A_VALUE).next_power_of_two().max(64);
-    let (mut once, mut twice) = (vec![0_u64; bits / 64], vec![0_u64; bits / 64]);
-    let place = |value: u64| {
-        let bit = value & (bits as u64 - 1);
-        ((bit / 64) as usize, 1_u64 << (bit % 64))
-    };
+/// The ids of all fingerprints that may be there twice: mostly there are none.
+fn repeated(fingerprints: &[u64]) -> Vec<ShapeId> {
+    const BITS_A_FINGERPRINT: usize = 16;
+    let room = fingerprints.len() * BITS_A_FINGERPRINT;
+    let (mut once, mut twice) = (BloomFilter::new(room), BloomFilter::new(room));
     let mut any = false;
-    for value in values {
-        let (word, bit) = place(*value);
-        any |= once[word] & bit != 0;
-        twice[word] |= once[word] & bit;
-        once[word] |= bit;
+    for fingerprint in fingerprints {
+        if once.insert(*fingerprint) {
+            twice.insert(*fingerprint);
+            any = true;
+        }
     }
-    let may_repeat = |index: &usize| {
-        let (word, bit) = place(values[*index]);
-        twice[word] & bit != 0
-    };
-    if any { (0..values.len()).filter(may_repeat).collect() } else { Vec::new() }
+    let suspects =
+        (0..).map(ShapeId).zip(fingerprints).filter(|(_, fingerprint)| twice.may_contain(**fingerprint));
+    if any { suspects.map(|(id, _)| id).collect() } else { Vec::new() }
 }

@@ -19,3 +19,33 @@ impl Fingerprint {
         self.0 ^ self.0 >> 32
     }
 }
+
+/// Which fingerprints are in a set: certainly not, or perhaps.
+pub(super) struct BloomFilter(Vec<u64>);
+
+impl BloomFilter {
+    /// An empty set, with at least so many bits.
+    pub(super) fn new(bits: usize) -> Self {
+        Self(vec![0; bits.div_ceil(64).next_power_of_two()])
+    }
+
+    /// Adds a fingerprint, and returns whether it may have been there before.
+    #[inline]
+    pub(super) fn insert(&mut self, fingerprint: u64) -> bool {
+        let (word, bit) = self.place(fingerprint);
+        let before = self.0[word];
+        self.0[word] |= bit;
+        before & bit != 0
+    }
+
+    /// Returns whether a fingerprint may have been added.
+    #[inline]
+    pub(super) fn may_contain(&self, fingerprint: u64) -> bool {
+        let (word, bit) = self.place(fingerprint);
+        self.0[word] & bit != 0
+    }
+
+    fn place(&self, fingerprint: u64) -> (usize, u64) {
+        ((fingerprint / 64) as usize & (self.0.len() - 1), 1 << (fingerprint % 64))
+    }
+}

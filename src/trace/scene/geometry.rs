@@ -1,6 +1,7 @@
 //! The shapes of a scene, in one array a kind.
 
 use glam::{DAffine3, DVec3};
+use rayon::prelude::*;
 
 use super::document_order::DocumentOrder;
 use crate::trace::rays::ShapeId;
@@ -205,6 +206,64 @@ impl Geometry {
     /// Returns all ids, in the order in which shapes were added.
     pub fn ids(&self) -> impl ExactSizeIterator<Item = ShapeId> + use<> {
         (0..to_index(self.locations.len())).map(ShapeId)
+    }
+
+    /// Returns all ids, in the order in which shapes were added, for many threads.
+    pub(super) fn par_ids(&self) -> impl IndexedParallelIterator<Item = ShapeId> + use<> {
+        (0..to_index(self.locations.len())).into_par_iter().map(ShapeId)
+    }
+
+    /// Removes all shapes, and keeps the memory.
+    pub(crate) fn clear(&mut self) {
+        let Self { locations, order, spheres, planes, boxes, sphere_images, box_images } = self;
+        locations.clear();
+        order.clear();
+        spheres.clear();
+        planes.clear();
+        boxes.clear();
+        sphere_images.clear();
+        box_images.clear();
+    }
+
+    /// Moves the shapes of another scene behind these.
+    ///
+    /// # Panics
+    ///
+    /// With more than [`Self::LARGEST_COUNT`] shapes in all.
+    pub(crate) fn append(&mut self, other: &mut Self) {
+        let first = to_index(self.len());
+        to_index(self.len() + other.len());
+        let starts = [Kind::Sphere, Kind::Plane, Kind::AlignedBox, Kind::SphereImage, Kind::BoxImage]
+            .map(|kind| to_index(self.count(kind)));
+        let moved =
+            |Location { kind, index }: Location| Location { kind, index: starts[kind as usize] + index };
+        self.locations.extend(other.locations.drain(..).map(moved));
+        self.order.extend((first..to_index(self.locations.len())).map(ShapeId));
+        other.order.clear();
+        self.spheres.append(&mut other.spheres);
+        self.planes.append(&mut other.planes);
+        self.boxes.append(&mut other.boxes);
+        self.sphere_images.append(&mut other.sphere_images);
+        self.box_images.append(&mut other.box_images);
+    }
+
+    fn count(&self, kind: Kind) -> usize {
+        match kind {
+            Kind::Sphere => self.spheres.len(),
+            Kind::Plane => self.planes.len(),
+            Kind::AlignedBox => self.boxes.len(),
+            Kind::SphereImage => self.sphere_images.len(),
+            Kind::BoxImage => self.box_images.len(),
+        }
+    }
+
+    /// Returns whether a shape has [bounds](Self::bounds).
+    pub(super) fn is_bounded(&self, id: ShapeId) -> bool {
+        match self.locations[id.index()].kind {
+            Kind::Sphere | Kind::AlignedBox => true,
+            Kind::Plane => false,
+            Kind::SphereImage | Kind::BoxImage => self.bounds(id).is_some(),
+        }
     }
 
     /// A box around the shape; `None` for planes and for shapes that no box can be trusted with.

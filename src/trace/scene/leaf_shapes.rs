@@ -29,18 +29,32 @@ enum ShapeCopy {
 
 const _: () = assert!(size_of::<LeafShape>() == 64);
 
+impl LeafShape {
+    fn new(geometry: &Geometry, id: ShapeId) -> Self {
+        let copy = match geometry.shape(id) {
+            ShapeRef::Sphere(sphere) => ShapeCopy::Sphere(*sphere),
+            ShapeRef::AlignedBox(shape) => ShapeCopy::AlignedBox(*shape),
+            ShapeRef::Plane(_) | ShapeRef::SphereImage(_) | ShapeRef::BoxImage(_) => ShapeCopy::Elsewhere,
+        };
+        Self { id, copy }
+    }
+}
+
 impl LeafShapes {
-    /// Copies shapes, given in the order of the leaves.
-    pub(super) fn new(geometry: &Geometry, ids: impl IndexedParallelIterator<Item = ShapeId>) -> Self {
-        let copied = ids.map(|id| {
-            let copy = match geometry.shape(id) {
-                ShapeRef::Sphere(sphere) => ShapeCopy::Sphere(*sphere),
-                ShapeRef::AlignedBox(shape) => ShapeCopy::AlignedBox(*shape),
-                ShapeRef::Plane(_) | ShapeRef::SphereImage(_) | ShapeRef::BoxImage(_) => ShapeCopy::Elsewhere,
-            };
-            LeafShape { id, copy }
-        });
-        Self(copied.collect())
+    /// Copies shapes, given in the order of the leaves, in the place of those before.
+    pub(super) fn fill(&mut self, geometry: &Geometry, ids: impl IndexedParallelIterator<Item = ShapeId>) {
+        ids.map(|id| LeafShape::new(geometry, id)).collect_into_vec(&mut self.0);
+    }
+
+    /// Copies the shape of a leaf again, which has changed.
+    pub(super) fn refresh(&mut self, leaf: LeafId, geometry: &Geometry) {
+        let shape = &mut self.0[leaf.index()];
+        *shape = LeafShape::new(geometry, shape.id);
+    }
+
+    /// Returns the shapes of all leaves, in their order.
+    pub(super) fn ids(&self) -> impl ExactSizeIterator<Item = ShapeId> {
+        self.0.iter().map(|shape| shape.id)
     }
 
     /// Returns what the shape of a leaf is called.

@@ -31,11 +31,26 @@ impl MaterialId {
 impl MaterialTable {
     /// Adds the material of the next shape.
     pub fn push(&mut self, material: SurfaceMaterial) {
+        self.push_all(material, 1);
+    }
+
+    /// Adds the material of so many next shapes, at least one.
+    pub fn push_all(&mut self, material: SurfaceMaterial, shapes: u32) {
         // Neighbours in the document are often alike.
         let last = self.of_shapes.last().copied().filter(|id| self.materials[id.index()] == material);
         let id = last.unwrap_or_else(|| self.find_or_add(material));
-        self.users[id.index()] += 1;
-        self.of_shapes.push(id);
+        self.users[id.index()] += shapes;
+        self.of_shapes.extend((0..shapes).map(|_| id));
+    }
+
+    /// Removes all materials, and keeps the memory.
+    pub(super) fn clear(&mut self) {
+        let Self { materials, users, unused, ids, of_shapes } = self;
+        materials.clear();
+        users.clear();
+        unused.clear();
+        ids.clear();
+        of_shapes.clear();
     }
 
     /// Replaces a shape's material, and returns whether the new one differs.

@@ -16,10 +16,11 @@ mod material_summary;
 mod material_table;
 mod precision;
 mod prepared_scene;
+mod tree_maintenance;
 
 pub use camera::Camera;
 pub(crate) use camera::{PixelCenters, SIDE, Square};
-pub use changes::{SceneChanges, ShapeChange};
+pub use changes::{BvhUpdate, SceneChanges, ShapeChange};
 pub use checker::CheckerPattern;
 pub(crate) use document_order::DocumentOrder;
 pub(crate) use environment::transmittance;

@@ -1,20 +1,19 @@
 //! A scene as arrays, ready for rays.
 
-use rayon::prelude::*;
-
-use super::changes::ShapeChange;
+use super::changes::{BvhUpdate, ShapeChange};
 use super::document_order::DocumentOrder;
 use super::environment::{Background, Fog};
 use super::equal_shapes::EqualShapes;
-use super::geometry::{Geometry, PreparedShape, ShapeRef};
+use super::geometry::{Geometry, PreparedShape};
 use super::leaf_shapes::LeafShapes;
 use super::light::Light;
 use super::material::SurfaceMaterial;
 use super::material_summary::MaterialSummary;
 use super::material_table::MaterialTable;
 use super::precision::Precision;
+use super::tree_maintenance::{SceneTree, TreeMaintenance};
 use crate::color::Rgb;
-use crate::trace::bvh::{Builder, Extent, Tree};
+use crate::trace::bvh::Tree;
 use crate::trace::math::SimdLevel;
 use crate::trace::rays::ShapeId;
 
@@ -30,6 +29,7 @@ pub struct PreparedScene {
     pub(crate) leaves: LeafShapes,
     /// Shapes without bounds, as planes, and shapes so much larger than the rest that they would spoil the tree.
     pub(crate) beside: Vec<ShapeId>,
+    maintenance: TreeMaintenance,
     surfaces: MaterialSummary,
     /// In document order.
     pub lights: Vec<Light>,
@@ -63,6 +63,7 @@ impl PreparedScene {
             tree: Tree::default(),
             leaves: LeafShapes::default(),
             beside: Vec::new(),
+            maintenance: TreeMaintenance::default(),
             lights: Vec::new(),
             ambient: Rgb::ZERO,
             background: Background::default(),
@@ -74,6 +75,16 @@ impl PreparedScene {
         };
         scene.rebuild_tree();
         scene
+    }
+
+    /// Makes the scene anew of other shapes, with one material each, in the memory of these. The rest stays as it is. `fill` gets
+    /// both empty.
+    pub fn remake(&mut self, fill: impl FnOnce(&mut Geometry, &mut MaterialTable)) {
+        self.geometry.clear();
+        self.materials.clear();
+        fill(&mut self.geometry, &mut self.materials);
+        self.surfaces = MaterialSummary::of(&self.materials);
+        self.rebuild_tree();
     }
 
     /// The shapes.
@@ -98,26 +109,22 @@ impl PreparedScene {
         self.rebuild_tree();
     }
 
-    /// Puts other shapes of the same kinds in the place of some, and returns those that differ. `None` if a kind differs: the
-    /// scene must then be made anew.
+    /// Puts another shape of the same kind in the place of one, and notes it if they differ. `None` if their kinds do: the scene must
+    /// then be made anew. Otherwise the tree must be [updated](PreparedScene::update_tree) before the next ray.
     #[must_use]
-    pub fn replace_shapes(&mut self, replacements: &[(ShapeId, PreparedShape)]) -> Option<Vec<ShapeChange>> {
-        let mut changes = Vec::new();
-        for (id, shape) in replacements {
-            if self.geometry.holds(*id, shape) {
-                continue;
-            }
-            let before = self.geometry.bounds(*id);
-            if !self.geometry.replace(*id, *shape) {
-                return None;
-            }
-            changes.push(ShapeChange { id: *id, before, after: self.geometry.bounds(*id) });
+    pub(crate) fn replace_shape(
+        &mut self,
+        id: ShapeId,
+        shape: PreparedShape,
+        changes: &mut Vec<ShapeChange>,
+    ) -> Option<()> {
+        if self.geometry.holds(id, &shape) {
+            return Some(());
         }
-        if !changes.is_empty() {
-            self.rebuild_tree();
-        }
-        changes.sort_unstable_by_key(|change| self.order().rank(change.id));
-        Some(changes)
+        let before = self.geometry.bounds(id);
+        self.geometry.replace(id, shape).then(|| {
+            changes.push(ShapeChange { id, before, after: self.geometry.bounds(id) });
+        })
     }
 
     /// Returns the material of a shape.
@@ -154,24 +161,24 @@ impl PreparedScene {
         self.equal_shapes.sort(|id| self.materials.of(id).refraction.is_some());
     }
 
-    fn rebuild_tree(&mut self) {
-        self.equal_shapes = EqualShapes::of(&self.geometry);
-        self.sort_equal_shapes();
-        let asked = || self.geometry.ids().filter(|id| self.first_equal(*id) == *id);
-        let round = |id: ShapeId| matches!(self.geometry.shape(id), ShapeRef::Sphere(_));
-        let bounded = asked()
-            .filter_map(|id| Some((id, Extent { bounds: self.geometry.bounds(id)?, round: round(id) })));
-        let (mut ids, mut extents): (Vec<ShapeId>, Vec<Extent>) = bounded.unzip();
-        self.beside = asked().filter(|id| self.geometry.bounds(*id).is_none()).collect();
-        let huge = huge_shapes(&extents);
-        for index in huge.into_iter().rev() {
-            self.beside.push(ids.remove(index));
-            extents.remove(index);
+    /// Brings the tree up to date after these shapes have changed, each of which is there once.
+    pub(crate) fn update_tree(&mut self, changes: &[ShapeChange]) -> BvhUpdate {
+        if changes.is_empty() {
+            return BvhUpdate::Kept;
         }
-        self.beside.sort_unstable_by_key(|id| self.geometry.order().rank(*id));
-        let mut builder = Builder::default();
-        let leaves = builder.build(&extents, &mut self.tree);
-        self.leaves = LeafShapes::new(&self.geometry, leaves.par_iter().map(|index| ids[*index as usize]));
+        let Self { geometry, equal_shapes, tree, leaves, beside, maintenance, .. } = self;
+        if maintenance.refit(geometry, equal_shapes, SceneTree { tree, leaves, beside }, changes) {
+            return BvhUpdate::Refitted;
+        }
+        self.rebuild_tree();
+        BvhUpdate::Built
+    }
+
+    fn rebuild_tree(&mut self) {
+        self.equal_shapes.find(&self.geometry);
+        self.sort_equal_shapes();
+        let Self { geometry, equal_shapes, tree, leaves, beside, maintenance, .. } = self;
+        maintenance.build(geometry, equal_shapes, SceneTree { tree, leaves, beside });
     }
 
     /// The first in document order of all shapes that equal one: the one that is asked what a ray meets.
@@ -194,23 +201,4 @@ impl PreparedScene {
     pub(crate) fn may_be_medium(&self, clear: ShapeId) -> bool {
         self.equal_shapes.group(clear).is_none_or(|group| group.media().contains(&clear))
     }
-}
-
-/// Indices of at most 64 boxes whose longest edge is over 2^16 times the median of all that have one, ascending.
-fn huge_shapes(extents: &[Extent]) -> Vec<usize> {
-    const TIMES_MEDIAN: f64 = 65_536.0;
-    const MOST: usize = 64;
-    let edge = |extent: &Extent| extent.bounds.extent();
-    let mut edges: Vec<f64> = extents.iter().map(edge).filter(|edge| *edge > 0.0).collect();
-    if edges.is_empty() {
-        return Vec::new();
-    }
-    let middle = edges.len() / 2;
-    let median = *edges.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let mut huge: Vec<usize> =
-        (0..extents.len()).filter(|index| edge(&extents[*index]) > median * TIMES_MEDIAN).collect();
-    huge.sort_by(|left, right| edge(&extents[*right]).total_cmp(&edge(&extents[*left])));
-    huge.truncate(MOST);
-    huge.sort_unstable();
-    huge
 }

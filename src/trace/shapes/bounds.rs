@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-/// An axis-aligned box that contains a shape.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// An axis-aligned box that contains a shape. By default it contains the origin.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bounds {
     /// Smallest coordinates.
     pub min: DVec3,

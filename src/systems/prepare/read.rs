@@ -1,0 +1,104 @@
+//! Many entities are read at once, by as many threads as there are.
+
+use hecs::{Entity, View, World};
+use rayon::prelude::*;
+
+use super::faults::surface_fault;
+use super::material::{Surfaced, surface_material};
+use super::shape::prepared_shape;
+use crate::components::{Material, Order, Shape, WorldTransform};
+use crate::trace::{Geometry, MaterialTable, PreparedShape, SurfaceMaterial};
+
+/// How many entities a thread reads at a time.
+const BATCH: usize = 4096;
+
+/// How many batches are read before what they gave is put together, so that it is still in a cache by then.
+const BATCHES: usize = 32;
+
+/// What some entities become in the kernel's arrays. It is empty but for its memory when they are put together.
+#[derive(Debug, Default)]
+struct Batch {
+    geometry: Geometry,
+    /// Materials, and how many shapes in a row have each.
+    materials: Vec<(SurfaceMaterial, u32)>,
+    drawn: Vec<Entity>,
+    unsound: Vec<Entity>,
+}
+
+/// Entities that are drawn.
+#[derive(Debug, Default)]
+pub(super) struct Drawn {
+    /// All of them, in document order.
+    pub(super) entities: Vec<Entity>,
+    /// Those whose surfaces have numbers that are out of range.
+    pub(super) unsound: Vec<Entity>,
+}
+
+/// Reads the shapes and materials of all entities that are drawn, in document order.
+pub(super) fn read_all(world: &mut World, geometry: &mut Geometry, materials: &mut MaterialTable) -> Drawn {
+    let mut ordered: Vec<(Order, Entity)> = world
+        .query_mut::<hecs::With<(Entity, &Order), (&Shape, &WorldTransform, &Material)>>()
+        .into_iter()
+        .map(|(entity, order)| (*order, entity))
+        .collect();
+    ordered.sort_unstable_by_key(|(order, entity)| (*order, entity.id()));
+    let view = world.view_mut::<Surfaced<'_>>();
+    let mut all = Drawn::default();
+    let mut batches: Vec<Batch> = Vec::new();
+    for entities in ordered.chunks(BATCH * BATCHES) {
+        batches.resize_with(entities.len().div_ceil(BATCH), Batch::default);
+        let shares = entities.par_chunks(BATCH).zip(&mut batches);
+        shares.for_each(|(entities, batch)| batch.read(&view, entities));
+        for batch in &mut batches {
+            geometry.append(&mut batch.geometry);
+            for (material, shapes) in batch.materials.drain(..) {
+                materials.push_all(material, shapes);
+            }
+            all.entities.append(&mut batch.drawn);
+            all.unsound.append(&mut batch.unsound);
+        }
+    }
+    all
+}
+
+impl Batch {
+    fn read(&mut self, view: &View<'_, Surfaced<'_>>, entities: &[(Order, Entity)]) {
+        for (_, entity) in entities {
+            let Some(surface) = view.get(*entity) else { continue };
+            let Ok(shape) = prepared_shape(surface.0, surface.1) else { continue };
+            self.geometry.push(shape);
+            self.drawn.push(*entity);
+            let material = surface_material(surface);
+            match self.materials.last_mut() {
+                Some((last, shapes)) if *last == material => *shapes += 1,
+                _ => self.materials.push((material, 1)),
+            }
+            if surface_fault(*entity, surface).is_some() {
+                self.unsound.push(*entity);
+            }
+        }
+    }
+}
+
+/// Reads the shapes of some of these entities, those that are drawn as far as their components go, and passes them on batch by
+/// batch: with `None` where it cannot be drawn as it is. Stops, and returns `None`, when `put` does.
+pub(super) fn read_shapes(
+    world: &mut World,
+    entities: &[Entity],
+    mut put: impl FnMut(Entity, Option<PreparedShape>) -> Option<()>,
+) -> Option<()> {
+    type Shaped<'a> = hecs::With<(&'a Shape, &'a WorldTransform), &'a Material>;
+    let view = world.view_mut::<Shaped<'_>>();
+    let read = |entity: &Entity| {
+        let (shape, transform) = view.get(*entity)?;
+        Some((*entity, prepared_shape(shape, transform).ok()))
+    };
+    let mut shapes = Vec::new();
+    for entities in entities.chunks(BATCH) {
+        entities.par_iter().with_min_len(BATCH / BATCHES).map(read).collect_into_vec(&mut shapes);
+        for (entity, shape) in shapes.drain(..).flatten() {
+            put(entity, shape)?;
+        }
+    }
+    Some(())
+}

@@ -1,0 +1,120 @@
+//! Refitting: boxes are made to fit again from the leaves that moved up to the root, and the rest of the tree is left alone.
+//!
+//! A tree that was built for other places traces ever more slowly. By the surface area heuristic the cost of a tree goes by the
+//! surfaces of its boxes (Goldsmith and Salmon, "Automatic Creation of Object Hierarchies for Ray Tracing", 1987): once they have
+//! grown too much, the tree is to be built anew.
+
+use super::Tree;
+use super::frame::FrameBox;
+use super::index::to_u32;
+use super::node::{LeafId, Link, Node, WIDTH};
+use crate::trace::shapes::Bounds;
+
+/// Refits one tree: the links from its leaves up to its root, and its cost.
+#[derive(Clone, Debug)]
+pub(crate) struct Refitter {
+    /// By node. The root's is not used.
+    node_parents: Vec<Parent>,
+    /// By leaf.
+    leaf_parents: Vec<Parent>,
+    /// Nodes with children that have moved, as a bit set.
+    dirty: Vec<u64>,
+    /// The cost of the tree as it was built.
+    built_cost: f64,
+    cost: f64,
+}
+
+/// Whose child a node or a leaf is, and which of its children.
+#[derive(Clone, Copy, Debug, Default)]
+struct Parent(u32);
+
+impl Parent {
+    fn new(node: usize, child: usize) -> Self {
+        Self(to_u32(node * WIDTH + child))
+    }
+
+    fn node(self) -> usize {
+        self.0 as usize / WIDTH
+    }
+
+    fn child(self) -> usize {
+        self.0 as usize % WIDTH
+    }
+}
+
+impl Refitter {
+    /// Links up a tree that was just built over so many shapes.
+    pub(crate) fn new(tree: &Tree, leaves: usize) -> Self {
+        let mut refitter = Self {
+            node_parents: vec![Parent::default(); tree.nodes.len()],
+            leaf_parents: vec![Parent::default(); leaves],
+            dirty: vec![0; tree.nodes.len().div_ceil(64)],
+            built_cost: 0.0,
+            cost: 0.0,
+        };
+        for (index, node) in tree.nodes.iter().enumerate() {
+            for child in node.places() {
+                refitter.built_cost += f64::from(node.child_box(child).half_area());
+                let parent = Parent::new(index, child);
+                match node.children[child].read() {
+                    Link::Node(child) => refitter.node_parents[child] = parent,
+                    Link::Leaf(leaf) => refitter.leaf_parents[leaf.index()] = parent,
+                }
+            }
+        }
+        refitter.cost = refitter.built_cost;
+        refitter
+    }
+
+    /// Moves leaves to where their shapes are now. Returns whether the tree may be kept: if not, because a shape has left the frame
+    /// or because the tree's cost has grown too much, it must be built anew.
+    #[must_use]
+    pub(crate) fn refit(
+        &mut self,
+        tree: &mut Tree,
+        moved: impl IntoIterator<Item = (LeafId, Bounds)>,
+    ) -> bool {
+        const MOST_GROWTH: f64 = 1.25;
+        for (leaf, bounds) in moved {
+            let bounds = tree.frame.bounds(&bounds);
+            if !bounds.is_inside() {
+                return false;
+            }
+            self.refit_child(tree, self.leaf_parents[leaf.index()], &bounds);
+        }
+        self.refit_nodes(tree);
+        self.cost <= self.built_cost * MOST_GROWTH
+    }
+
+    /// Makes the boxes around nodes fit, children before their parents, which have lower numbers.
+    fn refit_nodes(&mut self, tree: &mut Tree) {
+        for word in (0..self.dirty.len()).rev() {
+            while self.dirty[word] != 0 {
+                let bit = self.dirty[word].ilog2();
+                self.dirty[word] ^= 1 << bit;
+                let node = word * 64 + bit as usize;
+                if node == 0 {
+                    return;
+                }
+                let (bounds, parent) = (tree.nodes[node].around(), self.node_parents[node]);
+                if tree.nodes[parent.node()].child_box(parent.child()) != bounds {
+                    self.refit_child(tree, parent, &bounds);
+                }
+            }
+        }
+    }
+
+    fn refit_child(&mut self, tree: &mut Tree, parent: Parent, bounds: &FrameBox) {
+        let node: &mut Node = &mut tree.nodes[parent.node()];
+        let before = node.child_box(parent.child()).half_area();
+        node.set_box(parent.child(), bounds);
+        self.cost += f64::from(bounds.half_area()) - f64::from(before);
+        self.dirty[parent.node() / 64] |= 1 << (parent.node() % 64);
+    }
+
+    /// The cost of the tree as it is: half the surface of all boxes, in units of its frame.
+    #[cfg(test)]
+    pub(super) fn cost(&self) -> f64 {
+        self.cost
+    }
+}

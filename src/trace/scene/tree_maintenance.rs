@@ -1,0 +1,127 @@
+//! A scene's tree is refitted while few of its shapes move, and built anew when many do or when it has become too costly.
+
+use rayon::prelude::*;
+
+use super::changes::ShapeChange;
+use super::equal_shapes::EqualShapes;
+use super::geometry::{Geometry, ShapeRef};
+use super::leaf_shapes::LeafShapes;
+use crate::trace::bvh::{Builder, Extent, LeafId, Refitter, Tree};
+use crate::trace::rays::ShapeId;
+
+/// Where more than one in so many shapes has moved, building the tree anew takes about as long as refitting it.
+const REFIT_ONE_IN: usize = 8;
+
+/// What building and refitting the tree takes, apart from the tree. It is kept from frame to frame.
+#[derive(Clone, Debug, Default)]
+pub(super) struct TreeMaintenance {
+    builder: Builder,
+    /// The shapes of the tree, in the order of their ids.
+    ids: Vec<ShapeId>,
+    /// Where they were when it was built.
+    extents: Vec<Extent>,
+    /// Made when a shape moves for the first time after the tree was built.
+    links: Option<TreeLinks>,
+}
+
+/// From shapes to leaves, and from leaves up to the root.
+#[derive(Clone, Debug)]
+struct TreeLinks {
+    /// By id: the shape's leaf, if it has one.
+    leaf_of: Vec<Option<LeafId>>,
+    refitter: Refitter,
+}
+
+/// A scene's tree, what its leaves stand for, and the shapes that are not in it.
+pub(super) struct SceneTree<'a> {
+    pub(super) tree: &'a mut Tree,
+    pub(super) leaves: &'a mut LeafShapes,
+    pub(super) beside: &'a mut Vec<ShapeId>,
+}
+
+impl TreeMaintenance {
+    /// Refits the tree after these shapes have changed, each of which is listed once. Returns whether the tree may be kept; if not,
+    /// it must be built.
+    #[must_use]
+    pub(super) fn refit(
+        &mut self,
+        geometry: &Geometry,
+        equal_shapes: &mut EqualShapes,
+        SceneTree { tree, leaves, .. }: SceneTree<'_>,
+        changes: &[ShapeChange],
+    ) -> bool {
+        // A shape with bounds may be in the tree, one without may not.
+        let stays = |change: &ShapeChange| change.before.is_some() == change.after.is_some();
+        if changes.len() * REFIT_ONE_IN > geometry.len() || !changes.iter().all(stays) {
+            return false;
+        }
+        let changed: Vec<ShapeId> = changes.iter().map(|change| change.id).collect();
+        if !equal_shapes.remain_after(geometry, &changed) {
+            return false;
+        }
+        let links = self.links.get_or_insert_with(|| TreeLinks::new(tree, leaves, geometry));
+        let moved = changes.iter().filter_map(|change| {
+            let leaf = links.leaf_of[change.id.index()]?;
+            leaves.refresh(leaf, geometry);
+            Some((leaf, change.after?))
+        });
+        links.refitter.refit(tree, moved)
+    }
+
+    /// Builds the tree. Of shapes that equal each other, it has the first in document order.
+    pub(super) fn build(
+        &mut self,
+        geometry: &Geometry,
+        equal_shapes: &EqualShapes,
+        SceneTree { tree, leaves, beside }: SceneTree<'_>,
+    ) {
+        let Self { builder, ids, extents, links } = self;
+        *links = None;
+        let representatives = geometry.par_ids().filter(|id| equal_shapes.first(*id) == *id);
+        (*ids, *beside) = representatives.partition(|id| geometry.is_bounded(*id));
+        let extent = |id: &ShapeId| {
+            let round = matches!(geometry.shape(*id), ShapeRef::Sphere(_));
+            Extent { bounds: geometry.bounds(*id).unwrap_or_default(), round }
+        };
+        ids.par_iter().map(extent).collect_into_vec(extents);
+        for index in huge_shapes(extents).into_iter().rev() {
+            beside.push(ids.remove(index));
+            extents.remove(index);
+        }
+        beside.sort_unstable_by_key(|id| geometry.order().rank(*id));
+        let order = builder.build(extents, tree);
+        leaves.fill(geometry, order.par_iter().map(|index| ids[*index as usize]));
+    }
+}
+
+impl TreeLinks {
+    fn new(tree: &Tree, leaves: &LeafShapes, geometry: &Geometry) -> Self {
+        let mut leaf_of = vec![None; geometry.len()];
+        for (leaf, id) in leaves.ids().enumerate() {
+            leaf_of[id.index()] = Some(LeafId::new(leaf));
+        }
+        Self { leaf_of, refitter: Refitter::new(tree, leaves.ids().len()) }
+    }
+}
+
+/// Indices of at most 64 boxes whose longest edge is over 2^16 times the median of those that have one, ascending. The median is
+/// that of at most some thousands, evenly spread among all.
+fn huge_shapes(extents: &[Extent]) -> Vec<usize> {
+    const TIMES_MEDIAN: f64 = 65_536.0;
+    const MOST: usize = 64;
+    const SAMPLE: usize = 4096;
+    let edge = |extent: &Extent| extent.bounds.extent();
+    let sample = extents.iter().step_by(extents.len().div_ceil(SAMPLE).max(1));
+    let mut edges: Vec<f64> = sample.map(edge).filter(|edge| *edge > 0.0).collect();
+    if edges.is_empty() {
+        return Vec::new();
+    }
+    let middle = edges.len() / 2;
+    let median = *edges.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let large = |(_, extent): &(usize, &Extent)| edge(extent) > median * TIMES_MEDIAN;
+    let mut huge: Vec<usize> = extents.par_iter().enumerate().filter(large).map(|(index, _)| index).collect();
+    huge.sort_by(|left, right| edge(&extents[*right]).total_cmp(&edge(&extents[*left])));
+    huge.truncate(MOST);
+    huge.sort_unstable();
+    huge
+}

@@ -1,0 +1,182 @@
+//! Crowds of which a few change from frame to frame: the tree over the shapes is mostly refitted, and the picture does not tell.
+
+use glam::{DQuat, DVec3};
+
+use rayreel::components::{
+    Camera, FilmSettings, Light, LightKind, Material, Name, Quality, Reflective, Refractive, Sampling, Shape,
+    Transform,
+};
+use rayreel::{Context, Engine, Entity, Ray, Rgb, Step, World};
+
+use crate::splitmix::Random;
+
+const COUNT: usize = 600;
+
+fn number(random: &mut Random) -> f64 {
+    f64::from(u32::try_from(random.bits() >> 32).unwrap()) / f64::from(u32::MAX)
+}
+
+fn place(random: &mut Random) -> DVec3 {
+    (DVec3::from_array([(); 3].map(|()| number(random))) - 0.5) * 12.0
+}
+
+fn clay(random: &mut Random) -> Material {
+    let color = Rgb::from_array([(); 3].map(|()| if random.once_in(2) { 1.0 } else { 0.3 }));
+    Material { k_a: 0.3, k_d: 0.7, color, ambient_color: None }
+}
+
+/// Spheres, ellipsoids, boxes along the axes and turned ones, some of them mirrors and some of glass, on a plane and in front of a
+/// huge sphere.
+fn crowd(seed: u64) -> (World, Vec<Entity>) {
+    let mut random = Random(seed);
+    let mut world = World::new();
+    world.spawn((Light::new(LightKind::Point, Rgb::ONE), Transform::from_translation(DVec3::splat(9.0))));
+    world.spawn((Camera { position: DVec3::new(0.0, 1.0, -12.0), ..Camera::default() },));
+    let film = FilmSettings { width: 28, height: 18, ..FilmSettings::default() };
+    world.spawn((
+        film,
+        Quality { depth: 4, ..Quality::default() },
+        Sampling { samples: 2, ..Sampling::default() },
+    ));
+    let floor = Transform::from_translation(DVec3::NEG_Y * 8.0);
+    world.spawn((Shape::Plane { normal: DVec3::Y }, clay(&mut random), floor));
+    let far = Transform::from_translation(DVec3::Z * 3.0e6);
+    world.spawn((Shape::Sphere { radius: 2.9e6 }, clay(&mut random), far));
+    let crowd: Vec<Entity> = (0..COUNT)
+        .map(|index| {
+            let size = 0.1 + 0.5 * number(&mut random);
+            let shape = match index % 2 {
+                0 => Shape::Sphere { radius: 0.5 * size },
+                _ => Shape::Box { size: DVec3::new(size, 0.5, size) },
+            };
+            let mut transform = Transform::from_translation(place(&mut random));
+            if random.once_in(3) {
+                transform.rotation = DQuat::from_axis_angle(DVec3::Y, number(&mut random));
+                transform.scale = DVec3::new(1.0, 0.7, 1.0);
+            }
+            let entity = world.spawn((shape, clay(&mut random), transform));
+            if random.once_in(9) {
+                world.insert_one(entity, Reflective { k_r: 0.6 }).unwrap();
+            } else if random.once_in(9) {
+                let glass = Refractive { k_t: 0.8, ior: 1.5, absorption: Rgb::splat(0.2), fresnel: true };
+                world.insert_one(entity, glass).unwrap();
+            }
+            entity
+        })
+        .collect();
+    (world, crowd)
+}
+
+/// Moves some, mostly a little: now and then one far away, onto another one, or out of sight for having no size or no place. Now and
+/// then one comes, goes, is hidden or is shown again.
+fn disturb(context: &mut Context<'_>, crowd: &[Entity]) {
+    let mut random = Random(context.time.seconds().to_bits());
+    for _ in 0..random.index(COUNT / 20) {
+        let (one, other) = (crowd[random.index(COUNT)], crowd[random.index(COUNT)]);
+        let copied = *context.world.get::<&Transform>(other).unwrap();
+        let shape = *context.world.get::<&Shape>(other).unwrap();
+        let mut transform = context.world.get::<&mut Transform>(one).unwrap();
+        if random.once_in(400) {
+            transform.translation *= 1e3;
+        } else if random.once_in(400) {
+            transform.translation.y = f64::NAN;
+        } else if random.once_in(200) {
+            transform.scale = if random.once_in(2) { DVec3::ZERO } else { DVec3::ONE };
+        } else if random.once_in(100) {
+            *transform = copied;
+            *context.world.get::<&mut Shape>(one).unwrap() = shape;
+            context.changes.mark_shape(one);
+        } else if random.once_in(10) {
+            transform.translation = place(&mut random);
+        } else {
+            transform.translation += place(&mut random) * 0.02;
+        }
+        context.changes.mark_transform(one);
+    }
+    match random.index(60) {
+        0 => {
+            context.spawn((Shape::Sphere { radius: 0.7 }, clay(&mut random), Name("guest".to_owned())));
+        }
+        1 => {
+            let mut guests = context.world.query_mut::<(Entity, &Name)>().into_iter();
+            if let Some((guest, _)) = guests.find(|(_, name)| name.0 == "guest") {
+                context.world.despawn(guest).unwrap();
+                context.changes.mark_all();
+            }
+        }
+        2 => {
+            let one = crowd[random.index(COUNT)];
+            if context.world.remove_one::<Material>(one).is_err() {
+                context.world.insert_one(one, clay(&mut random)).unwrap();
+            }
+            context.changes.mark_all();
+        }
+        _ => context.changes.mark_settings(),
+    }
+}
+
+fn engine(seed: u64) -> Engine {
+    let (world, crowd) = crowd(seed);
+    let mut engine = Engine::new(world);
+    engine.add_stepped_system(Step::per_second(24), move |context| disturb(context, &crowd));
+    engine
+}
+
+/// What rays from in front of the crowd hit.
+fn hits(engine: &Engine) -> Vec<Option<(Entity, f64)>> {
+    let mut random = Random(5);
+    let origin = DVec3::new(0.0, 1.0, -12.0);
+    let rays: Vec<Ray> = (0..300).map(|_| Ray { origin, direction: place(&mut random) - origin }).collect();
+    engine.cast_all(&rays).into_iter().map(|hit| hit.map(|hit| (hit.entity, hit.distance))).collect()
+}
+
+#[test]
+fn films_and_hits_do_not_tell_how_often_the_tree_was_refitted() {
+    let (mut builds, mut refits) = (0, 0);
+    for seed in 0..3 {
+        let mut along = engine(seed);
+        let mut last = None;
+        for frame in 0..90 {
+            let film = along.render_frame(frame).unwrap();
+            builds += along.report().bvh_builds;
+            refits += along.report().bvh_refits;
+            if frame % 9 == 8 {
+                // On its own, all steps are made before anything is prepared.
+                let mut alone = engine(seed);
+                assert!(alone.render_frame(frame).unwrap() == film, "frame {frame} of {seed} alone");
+                assert_eq!(alone.report().bvh_refits, 0);
+                assert_eq!(hits(&along), hits(&alone), "frame {frame} of {seed}");
+                let moment = alone.timeline().time_of(frame);
+                assert!(
+                    alone.render_reference(moment).unwrap() == film,
+                    "frame {frame} of {seed} by reference"
+                );
+                assert!(last.replace(film.clone()) != Some(film), "nothing moves: the test shows nothing");
+            }
+        }
+    }
+    assert!(builds >= 9 && refits >= 90, "both are to be tested: {builds} and {refits}");
+}
+
+#[test]
+fn the_tree_is_refitted_while_few_move_and_built_when_many_do() {
+    let (world, crowd) = crowd(1);
+    let mut engine = Engine::new(world);
+    engine.add_stepped_system(Step::per_second(24), move |context| {
+        // Half of them in every fifth step, and otherwise one.
+        let many = (context.time.seconds() * 24.0).round() % 5.0 == 0.0;
+        for entity in crowd.iter().take(if many { COUNT / 2 } else { 1 }) {
+            context.world.get::<&mut Transform>(*entity).unwrap().translation.x += 0.01;
+            context.changes.mark_transform(*entity);
+        }
+    });
+    let work: Vec<(u32, u32)> = (0..12)
+        .map(|frame| {
+            engine.render_frame(frame).unwrap();
+            (engine.report().bvh_builds, engine.report().bvh_refits)
+        })
+        .collect();
+    for (frame, work) in work.into_iter().enumerate() {
+        assert_eq!(work, if frame == 0 || frame % 5 == 1 { (1, 0) } else { (0, 1) }, "frame {frame}");
+    }
+}
