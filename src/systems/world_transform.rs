@@ -23,8 +23,12 @@ impl ExactAffine {
     fn new(local: &Transform) -> Self {
         let Transform { translation, rotation, scale } = *local;
         let turned = if rotation == DQuat::IDENTITY { Self::IDENTITY } else { columns(rotation) };
-        let factors = scale.to_array().map(Double::decimal);
-        let columns = std::array::from_fn(|axis| turned[axis].scaled(factors[axis]));
+        let columns = if scale == DVec3::ONE {
+            turned
+        } else {
+            let factors = scale.to_array().map(Double::decimal);
+            std::array::from_fn(|axis| turned[axis].scaled(factors[axis]))
+        };
         Self { columns, translation: Double3::decimal(translation) }
     }
 

@@ -58,14 +58,18 @@ impl Double {
     pub fn decimal(number: f64) -> Self {
         /// Whole numbers have at most 15 digits here, and powers of ten are exact.
         const LARGEST: f64 = 1e15;
+        /// 1.5 2^52: a sum with a number up to 2^51 has no digits behind the point.
+        const WHOLE: f64 = 6_755_399_441_055_744.0;
         if number == number.trunc() {
             return number.into();
         }
         for power in [1e3, 1e8, 1e15, 1e22] {
-            let digits = (number * power).round();
-            if digits.abs() > LARGEST {
+            let places = number * power;
+            if places.abs() > LARGEST {
                 break;
             }
+            // Rounds to a whole number, without a call.
+            let digits = (places + WHOLE) - WHOLE;
             if digits / power == number {
                 // The residual of a rounded quotient is an f64.
                 let rest = Self::from(digits) - Self::product(number, power);
