@@ -57,6 +57,11 @@ impl RayCounts {
     pub fn total(&self) -> u64 {
         self.camera + self.shadow + self.reflection + self.refraction
     }
+
+    /// Counts rays that surfaces send on, all of them mirrored or all refracted.
+    pub(crate) fn add_secondary(&mut self, mirrored: bool, count: u32) {
+        *(if mirrored { &mut self.reflection } else { &mut self.refraction }) += u64::from(count);
+    }
 }
 
 impl AddAssign for RayCounts {

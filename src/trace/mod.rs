@@ -21,15 +21,15 @@
 //! 5. `stages/direct_light` goes through the lights: what one could add at each point is proposed, by `light/direct_packet`, and in
 //!    a single lane by `light/direct`; its places, if it has a size, are chosen by `light/light_places`. `stages/shadows` follows the
 //!    proposals' shadow rays, by `packet/occlusion` and, through clear shapes, `packet/crossings`, and singly by `query/occlusion` and
-//!    `query/crossings`. What clear shapes leave is in `light/transmission`, and what comes through is added. Which shapes may hide a
-//!    light with a place from the tile is found once, by `packet/candidates`.
+//!    `query/crossings`. What clear shapes leave is in `stages/clear_shadows`, singly in `light/transmission`, and what comes through is
+//!    added. Which shapes may hide a light with a place from the tile is found once, by `packet/candidates`.
 //! 6. `stages/sums` adds what each ray brings to its pixel, in the order of the wave, after fog and media on the way have taken theirs
 //!    (`light/passage_packet`). A tile's pixels are kept packet by packet of its
 //!    camera rays, whose light is added in their lanes.
 //! 7. `stages/next_rays` makes mirrored and refracted rays, by `light/secondary_packet` and `light/refraction_packet`, and singly by
 //!    `light/secondary`, and keeps those that can still show, by `light/contribution`. They are the next generation, in `stages/generation`, of which `stages/chains` keeps
-//!    what is traced where samples have one ray in each, and `stages/trees` where they may have several; and go on at 3, as many at a
-//!    time as a wave has room for.
+//!    what is traced where samples have one ray in each, and `stages/trees` where they may have several; and go on at 3, whole packets as
+//!    they are and others put together, by `stages/packing`, as many at a time as a wave has room for.
 //! 8. `exposure` adds samples up in the order of their indices (`tile_light`), in `f64`, in which the mean of equal samples is exactly
 //!    their value, and `film` holds the result; a single sample goes there at once.
 //!

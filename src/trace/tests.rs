@@ -3,6 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use glam::{DAffine3, DMat3, DVec3};
+use proptest::prelude::*;
 
 use crate::color::Rgb;
 use crate::trace::math::SimdLevel;
@@ -107,6 +108,82 @@ fn all_effects_have_the_reference_s_bits_at_every_level() {
             let signals = Signals::unless(&never);
             assert!(exposure.add(&scene, &camera, sampling, (0, samples), Effects::ALL, signals));
             assert!(exposure.develop().0 == expected, "{name}, {samples} samples");
+        }
+    }
+}
+
+/// What is clear, in turns: it may absorb, bend light, and share it out between two rays.
+#[derive(Clone, Copy, Debug)]
+struct Clear {
+    absorbs: bool,
+    bends: bool,
+    branches: bool,
+}
+
+/// Shapes of all kinds over a floor and before a wall, most of them clear, apart from each other, in each other and around the lights.
+fn clear_scene(places: &[(u8, [f64; 3], f64)], clear: Clear) -> PreparedScene {
+    let floor = PreparedShape::Plane(Plane::new(DVec3::ZERO, DVec3::Y).unwrap());
+    let wall = PreparedShape::Plane(Plane::new(DVec3::Z * 4.0, DVec3::NEG_Z).unwrap());
+    let mut geometry = Geometry::default();
+    let mut materials = vec![clay(Rgb::new(0.7, 0.6, 0.5)); 2];
+    let _ = (geometry.push(floor), geometry.push(wall));
+    for (index, (kind, place, size)) in places.iter().enumerate() {
+        let (center, half) = (DVec3::from_array(*place), DVec3::new(*size, 0.7 * size, *size));
+        let map = DAffine3 {
+            matrix3: DMat3::from_rotation_y(0.7) * DMat3::from_diagonal(half),
+            translation: center,
+        };
+        let _ = geometry.push(match kind % 4 {
+            0 => PreparedShape::Sphere(Sphere { center, radius: *size }),
+            1 => PreparedShape::AlignedBox(AlignedBox { min: center - half, max: center + half }),
+            2 => PreparedShape::SphereImage(SphereImage::new(map, 1.0)),
+            _ => PreparedShape::BoxImage(BoxImage::new(map, DVec3::ONE).unwrap()),
+        });
+        let absorption = if clear.absorbs && kind % 3 != 0 { Rgb::new(0.2, 0.0, 0.9) } else { Rgb::ZERO };
+        let ior = if clear.bends { 1.4 } else { 1.0 };
+        let refraction = Refraction { transmitted: 0.7, ior, absorption, fresnel: clear.branches };
+        let reflected = if clear.branches { 0.1 } else { 0.0 };
+        materials.push(SurfaceMaterial {
+            refraction: (index % 5 != 4).then_some(refraction),
+            reflected,
+            specular: 0.2,
+            shininess: 30.0,
+            ..clay(Rgb::new(0.3, 0.2, 0.4))
+        });
+    }
+    let mut scene = PreparedScene::new(geometry, materials);
+    scene.lights = lights(ShapeId(2));
+    (scene.ambient, scene.depth) = (Rgb::splat(0.8), 5);
+    scene
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    #[test]
+    fn what_is_clear_has_the_reference_s_bits_at_every_level(
+        places in prop::collection::vec(
+            (0..12_u8, [-2.0..2.0, 0.2..3.0, -2.0..2.0], prop_oneof![0.1..0.4, 0.4..1.2]),
+            1..12,
+        ),
+        (absorbs, bends, branches) in any::<(bool, bool, bool)>(),
+        cutoff in prop_oneof![Just(0.0_f32), Just(4e-3), Just(0.1)],
+        samples in 1..3_u32,
+    ) {
+        let mut scene = clear_scene(&places, Clear { absorbs, bends, branches });
+        scene.cutoff = cutoff;
+        let resolution = (19, 17);
+        let eye = DVec3::new(0.3, 1.6, -6.0);
+        let camera = Camera::new(eye, DVec3::new(0.0, -0.1, 1.0), DVec3::Y, 1.0, (0.9, 0.8), resolution);
+        let sampling = Sampling { samples, seed: 3 };
+        let expected = reference::render(&scene, &camera, sampling);
+        for (name, level) in SimdLevel::all() {
+            scene.simd = level;
+            let mut exposure = Exposure::new(resolution, samples);
+            let never = AtomicBool::new(false);
+            let signals = Signals::unless(&never);
+            prop_assert!(exposure.add(&scene, &camera, sampling, (0, samples), Effects::ALL, signals));
+            prop_assert!(exposure.develop().0 == expected, "{}", name);
         }
     }
 }

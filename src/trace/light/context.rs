@@ -48,6 +48,16 @@ impl<'a> RenderContext<'a> {
         self.scene.depth.max(1)
     }
 
+    /// Whether a surface may send on two rays.
+    pub(crate) fn branches(&self) -> bool {
+        self.effects.media() && self.scene.surfaces().branches
+    }
+
+    /// Whether camera rays may start inside of clear solids.
+    pub(crate) fn may_start_inside(&self) -> bool {
+        self.effects.in_media() && !self.start.0.is_empty()
+    }
+
     /// What is seen where the camera is not in a finite place.
     pub(crate) fn nowhere(&self) -> Rgb {
         self.scene.background.towards(DVec3::Z)

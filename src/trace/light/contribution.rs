@@ -16,7 +16,7 @@ use fearless_simd::{f32x16, prelude::*};
 use glam::DVec3;
 
 use crate::color::{Rgb, to_f32};
-use crate::trace::math::{Colors, WHOLE, bits16};
+use crate::trace::math::{Colors, LANES, WHOLE, bits16};
 use crate::trace::scene::{LightSource, PreparedScene};
 
 /// How much light rays can bring, and how little is left out.
@@ -63,8 +63,21 @@ impl Brightest {
         self.bounds.get(generations as usize).copied().unwrap_or(Rgb::INFINITY)
     }
 
+    /// The same of a packet's rays that bring some light.
+    #[inline(always)]
+    pub(crate) fn mosts<S: Simd>(&self, simd: S, throughputs: &Colors, generations: u32) -> [f32; LANES] {
+        let mut mosts = f32x16::splat(simd, 0.0);
+        for (throughput, bound) in throughputs.load(simd).into_iter().zip(self.bound(generations).to_array())
+        {
+            // What is no number, an infinite bound of no light, is not greater.
+            let most = throughput * bound;
+            mosts = most.simd_gt(mosts).select(most, mosts);
+        }
+        *mosts.as_array()
+    }
+
     /// Returns which rays are cut that bring some light, each the only one of its sample's generation, as were those before it: what
-    /// [`Budget::cut_one`] says of a budget of which nothing is spent, since the ray that is charged to it is a sample's last.
+    /// [`Budget::cut`] says of a budget of which nothing is spent, since the ray that is charged to it is a sample's last.
     #[inline(always)]
     pub(crate) fn negligible<S: Simd>(&self, simd: S, throughputs: &Colors, generations: u32) -> u32 {
         let mut shows = 0;
@@ -107,17 +120,6 @@ impl Budget {
             rest if f64::from(rounded) > rest => rounded.next_down(),
             _ => rounded,
         }
-    }
-
-    /// Decides whether the only ray of a sample's next generation is cut, and pays for it: what [`Budget::cut`] says of one.
-    #[inline]
-    pub(crate) fn cut_one(&mut self, most: f32) -> bool {
-        let most = f64::from(most);
-        let fits = self.rest > 0.0 && most <= self.rest;
-        if fits {
-            self.rest -= most;
-        }
-        fits
     }
 
     /// Decides which rays of a sample's next generation are cut, and pays for them. Each is given with the most that it can bring, in
@@ -180,7 +182,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::trace::math::{LANES, SimdLevel};
+    use crate::trace::math::SimdLevel;
     use crate::trace::scene::{Geometry, PreparedShape, Refraction, SurfaceMaterial};
     use crate::trace::shapes::Sphere;
 
@@ -221,19 +223,6 @@ mod tests {
     }
 
     proptest! {
-        /// In turns, until nothing is left.
-        #[test]
-        fn one_ray_is_cut_as_among_others(mosts in prop::collection::vec(prop_oneof![0.0..1e-3_f32, Just(f32::INFINITY), Just(0.0)], 1..40)) {
-            let mut scene = scene(vec![lit(0.5)]);
-            scene.cutoff = 4e-3;
-            let (mut alone, mut among) = (Budget::new(&scene), Budget::new(&scene));
-            for most in mosts {
-                let cut = among.cut(&mut [(most, 0)]) == 1;
-                prop_assert_eq!(alone.cut_one(most), cut, "{}", most);
-                prop_assert_eq!((alone.rest, alone.least), (among.rest, among.least));
-            }
-        }
-
         /// Around the limit, with bounds that are infinite, and where nothing is cut.
         #[test]
         fn lanes_of_chains_are_cut_as_one_by_one(
@@ -252,9 +241,11 @@ mod tests {
             }
             for (name, level) in SimdLevel::all() {
                 let cut = dispatch!(level.level(), simd => brightest.negligible(simd, &throughputs, generations));
+                let mosts = dispatch!(level.level(), simd => brightest.mosts(simd, &throughputs, generations));
                 for lane in (0..LANES).filter(|lane| throughputs.get(*lane) != Rgb::ZERO) {
                     let most = brightest.most(throughputs.get(lane), generations);
-                    let alone = Budget::new(&scene).cut_one(most);
+                    prop_assert_eq!(mosts[lane], most, "{}", name);
+                    let alone = Budget::new(&scene).cut(&mut [(most, 0)]) == 1;
                     prop_assert_eq!(cut & (1 << lane) != 0, alone, "{} {}", name, most);
                 }
             }

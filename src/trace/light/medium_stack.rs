@@ -66,6 +66,10 @@ impl MediumStacks {
 
     /// Without a solid.
     pub(crate) fn left(&mut self, medium: MediumStack, id: ShapeId) -> MediumStack {
+        // Mostly it is the last entered.
+        if let Some((_, outer)) = self.node(medium).filter(|(last, _)| *last == id) {
+            return outer;
+        }
         let Some(depth) = self.solids(medium).position(|other| other == id) else {
             return medium;
         };

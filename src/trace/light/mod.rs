@@ -20,13 +20,13 @@ mod shading_packet;
 mod transmission;
 
 pub(crate) use context::RenderContext;
-pub(crate) use contribution::Budget;
+pub(crate) use contribution::{Brightest, Budget};
 pub use dielectric::Boundary;
 pub(crate) use direct::{LitPoint, Proposal, SampleId, ShadowRay, propose};
 pub(crate) use direct_packet::propose_lanes;
 pub(crate) use light_places::LightPlaces;
 pub(crate) use medium_stack::MediumStack;
-pub(crate) use passage_packet::{Absorbers, PassageLanes};
+pub(crate) use passage_packet::{Absorbers, PassageLanes, transmittances};
 pub(crate) use path_packet::PathPacket;
 pub(crate) use proposal_packet::{LitPacket, ProposalPacket};
 pub(crate) use scratch::LightScratch;

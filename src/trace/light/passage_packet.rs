@@ -85,6 +85,18 @@ impl Absorbers {
     }
 }
 
+/// What a solid that absorbs lets through over the lengths of the lanes, which are finite, channel by channel:
+/// [`transmittance`](crate::trace::scene::transmittance).
+#[inline(always)]
+pub(crate) fn transmittances<S: Simd>(simd: S, absorption: Rgb, lengths: &Numbers) -> [f32x16<S>; 3] {
+    let mut transmitted = [f32x16::splat(simd, 1.0); 3];
+    for (channel, coefficient) in transmitted.iter_mut().zip(absorption.to_array()) {
+        let coefficient = splat(simd, f64::from(coefficient));
+        *channel = shares(simd, (coefficient, coefficient), lengths);
+    }
+    transmitted
+}
+
 /// exp(-coefficient length), for both halves of the lanes.
 #[inline(always)]
 fn shares<S: Simd>(simd: S, (first, second): (F64s<S>, F64s<S>), lengths: &Numbers) -> f32x16<S> {

@@ -11,8 +11,8 @@ use crate::trace::math::{
     lanes, mask, moderate, splat, times,
 };
 use crate::trace::query::{HitPacket, SurfacePacket};
-use crate::trace::rays::RayPacket;
-use crate::trace::scene::PreparedScene;
+use crate::trace::rays::{RayPacket, ShapeId};
+use crate::trace::scene::{self, PreparedScene};
 
 /// The shares of light that clear surfaces refract, lane by lane, and where that goes.
 #[derive(Clone, Debug)]
@@ -37,6 +37,31 @@ struct Media {
     transmitted: [f32; LANES],
     /// Lanes in which Fresnel's equations say what is mirrored.
     fresnel: u32,
+}
+
+/// What is on both sides of a clear surface.
+#[derive(Clone, Copy)]
+struct MediumBoundary {
+    /// The solids that a ray is inside of behind it.
+    beyond: MediumStack,
+    /// The indices of refraction on this side and on the other one.
+    from: f64,
+    into: f64,
+    refraction: scene::Refraction,
+}
+
+impl MediumBoundary {
+    /// Where a ray that is inside of some solids enters or leaves a shape. `None` where that is not clear, or there are others that equal it.
+    fn of(
+        (scene, media): (&PreparedScene, &mut MediumStacks),
+        (id, arrived, entering): (Option<ShapeId>, MediumStack, bool),
+    ) -> Option<Self> {
+        let id = id.filter(|id| scene.equal_shapes.group(*id).is_none())?;
+        let refraction = scene.material(id).refraction?;
+        let beyond = if entering { media.entered(arrived, id) } else { media.left(arrived, id) };
+        let (from, into) = (media.ior(scene, arrived), media.ior(scene, beyond));
+        Some(Self { beyond, from, into, refraction })
+    }
 }
 
 impl Refraction {
@@ -75,19 +100,23 @@ impl Refraction {
     ) -> Media {
         let one = Numbers::splat(1.0);
         let mut found = Media { from: one, into: one, transmitted: [0.0; LANES], fresnel: 0 };
+        let mut last = None;
         for lane in lanes(clear) {
             let bit = 1 << lane;
-            let id = hits.ids.get(lane).filter(|id| scene.equal_shapes.group(*id).is_none());
-            let Some((id, refraction)) = id.and_then(|id| Some((id, scene.material(id).refraction?))) else {
+            let crossing = (hits.ids.get(lane), paths.media[lane], surfaces.from_outside & bit != 0);
+            // Neighbours mostly cross the same surface the same way.
+            let boundary = match last {
+                Some((before, boundary)) if before == crossing => boundary,
+                _ => MediumBoundary::of((scene, media), crossing),
+            };
+            last = Some((crossing, boundary));
+            let Some(MediumBoundary { beyond, from, into, refraction }) = boundary else {
                 self.unusual |= bit;
                 continue;
             };
-            let arrived = paths.media[lane];
-            let entering = surfaces.from_outside & bit != 0;
-            let beyond = if entering { media.entered(arrived, id) } else { media.left(arrived, id) };
             self.beyond[lane] = beyond;
-            found.from.set(lane, media.ior(scene, arrived));
-            found.into.set(lane, media.ior(scene, beyond));
+            found.from.set(lane, from);
+            found.into.set(lane, into);
             found.transmitted[lane] = refraction.transmitted;
             found.fresnel |= if refraction.fresnel { bit } else { 0 };
         }

@@ -29,6 +29,7 @@ mod verdicts;
 pub(crate) use bundle::bundle_hits;
 pub(crate) use candidates::{Candidates, WaysToLight};
 pub(crate) use closest_hit::closest_hits;
+pub(crate) use crossings::CrossedPacket;
 pub(crate) use occlusion::{Occlusion, ShadowPacket, occluded};
 pub(crate) use refine::refine;
 pub(crate) use roles::Occluders;

@@ -24,6 +24,8 @@ pub struct MaterialSummary {
     pub absorbs: bool,
     /// Whether one of the clear ones shares light out as Fresnel's equations say.
     pub fresnel: bool,
+    /// Whether one of the clear ones may send on both a mirrored and a refracted ray.
+    pub branches: bool,
     /// Whether there are squares.
     pub checkered: bool,
     /// Materials that send on about as much are one.
@@ -80,6 +82,7 @@ impl MaterialSummary {
             if let Some(refraction) = &material.refraction {
                 all.absorbs |= refraction.absorption.max_element() > 0.0;
                 all.fresnel |= refraction.fresnel;
+                all.branches |= refraction.fresnel || material.reflected > 0.0;
             }
             all.checkered |= material.checker.is_some();
         }

@@ -7,11 +7,12 @@ use glam::DVec3;
 use super::answers::AnswerPacket;
 use super::generation::{Generation, UntracedRay};
 use super::tile::PACKETS;
+use super::trees::Trees;
 use super::wave::Wave;
 use crate::color::Rgb;
 use crate::trace::effort::{Effort, RayCounts, StageCounts, TreeEnds};
 use crate::trace::light::{Budget, LightPlaces, LightScratch, ProposalPacket, RenderContext};
-use crate::trace::math::{Colors, LANES, Vectors};
+use crate::trace::math::{Colors, Vectors};
 use crate::trace::packet::{Candidates, PacketScratch};
 use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::ShapeId;
@@ -47,12 +48,8 @@ pub(crate) struct TileBuffers<'a> {
     pub(super) current: Generation,
     /// Rays that are not traced any more.
     pub(super) beyond: Vec<UntracedRay>,
-    /// How many rays of each pixel are traced. This and the next two are of [trees](super::trees) alone.
-    pub(super) tree_sizes: Vec<u32>,
-    /// What may be left out of each pixel.
-    pub(super) budgets: Vec<Budget>,
-    /// What each of a pixel's next rays can bring, and its index in the queue.
-    pub(super) weighed: Vec<(f32, usize)>,
+    /// What is known of samples whose rays may branch.
+    pub(super) trees: Trees,
     pub(super) scratch: LightScratch<'a>,
     pub(super) packet_scratch: PacketScratch,
     /// By packet of the camera rays: what has come to their pixels.
@@ -80,9 +77,7 @@ impl<'a> TileBuffers<'a> {
             next: Generation::default(),
             current: Generation::default(),
             beyond: Vec::new(),
-            tree_sizes: Vec::new(),
-            budgets: Vec::new(),
-            weighed: Vec::new(),
+            trees: Trees::default(),
             scratch: LightScratch::new(cancelled),
             packet_scratch: PacketScratch::default(),
             pixels: Box::new([Colors::splat(Rgb::ZERO); PACKETS]),
@@ -100,11 +95,8 @@ impl<'a> TileBuffers<'a> {
             self.next.clear();
             self.beyond.clear();
         }
-        if context.effects.media() {
-            self.tree_sizes.clear();
-            self.tree_sizes.resize(PACKETS * LANES, 1);
-            self.budgets.clear();
-            self.budgets.resize(PACKETS * LANES, Budget::new(context.scene));
+        if context.branches() {
+            self.trees.begin(Budget::new(context.scene));
         }
         self.scratch.media.clear();
         self.scratch.search.ties.clear();

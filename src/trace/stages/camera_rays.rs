@@ -56,7 +56,7 @@ fn start(sample: &Sample<'_>, packet: usize, square: &Square, buffers: &mut Tile
     }
     let paths = &mut wave.paths[packet];
     *paths = PathPacket::AT_CAMERA;
-    if sample.context.effects.in_media() {
+    if sample.context.may_start_inside() {
         for lane in lanes(rays.lanes) {
             paths.media[lane] = sample.context.medium(rays.origins.get(lane), &mut scratch.media);
         }

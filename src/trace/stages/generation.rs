@@ -4,18 +4,17 @@ use glam::DVec3;
 
 use crate::color::Rgb;
 use crate::trace::light::BranchPacket;
-use crate::trace::math::LANES;
+use crate::trace::math::{LANES, lanes};
 use crate::trace::rays::Ties;
 
-/// Rays that surfaces send on, in packets with gaps, and, where pixels may have several, in which order they go on.
+/// Rays that surfaces send on, in packets with gaps. A packet has no more than one ray of a pixel, and packets are in the order in which
+/// light is added up: mirrored rays before refracted ones that continue the same rays.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Generation {
     /// More than are in use; kept for their memory.
     packets: Vec<SentPacket>,
     used: usize,
-    /// Pixel by pixel, mirrored rays before refracted ones that continue the same ray. Of [chains](super::chains) it is empty.
-    pub(super) queue: Vec<QueuedRay>,
-    /// How many of the queue have gone on.
+    /// How many of the packets have gone on.
     pub(super) taken: usize,
 }
 
@@ -25,19 +24,8 @@ pub(super) struct SentPacket {
     pub(super) branches: BranchPacket,
     /// The indices of their pixels in the tile.
     pub(super) pixels: [u32; LANES],
-}
-
-/// A ray in one of a generation's packets.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct QueuedRay {
-    pub(super) packet: usize,
-    pub(super) lane: usize,
-    /// Index of the pixel in the tile.
-    pub(super) pixel: u32,
-    /// Whether it is mirrored; else it is refracted.
+    /// Whether they are mirrored; else they are refracted.
     pub(super) mirrored: bool,
-    /// Whether it is left out, as it could not show.
-    pub(super) cut: bool,
 }
 
 /// A ray that is not traced any more.
@@ -53,7 +41,6 @@ impl Generation {
     /// Forgets all rays.
     pub(super) fn clear(&mut self) {
         (self.used, self.taken) = (0, 0);
-        self.queue.clear();
     }
 
     /// Returns whether no packet was added.
@@ -62,19 +49,16 @@ impl Generation {
     }
 
     /// Adds a packet without rays, for these pixels, and returns its number.
-    pub(super) fn add(&mut self, pixels: &[u32; LANES]) -> usize {
+    pub(super) fn add(&mut self, pixels: &[u32; LANES], mirrored: bool) -> usize {
         if self.used == self.packets.len() {
-            self.packets.push(SentPacket { branches: BranchPacket::EMPTY, pixels: *pixels });
+            let branches = BranchPacket::EMPTY;
+            self.packets.push(SentPacket { branches, pixels: *pixels, mirrored });
         }
         let added = &mut self.packets[self.used];
         added.branches.rays.clear();
-        added.pixels = *pixels;
+        (added.pixels, added.mirrored) = (*pixels, mirrored);
         self.used += 1;
         self.used - 1
-    }
-
-    pub(super) fn packet(&self, packet: usize) -> &BranchPacket {
-        &self.packets[packet].branches
     }
 
     /// The packets that were added.
@@ -98,17 +82,21 @@ impl Generation {
         (&mut before[mirrored].branches, refracted)
     }
 
-    /// Queues the ray in a lane of a packet, if there is one.
-    #[inline]
-    pub(super) fn queue(&mut self, packet: usize, lane: usize, mirrored: bool) {
-        let SentPacket { branches, pixels } = &self.packets[packet];
-        if branches.rays.lanes & (1 << lane) != 0 {
-            self.queue.push(QueuedRay { packet, lane, pixel: pixels[lane], mirrored, cut: false });
-        }
-    }
-
     /// The lists of what else rays leave, where anything is.
     pub(super) fn ties_mut(&mut self) -> impl Iterator<Item = &mut Ties> {
         self.packets[..self.used].iter_mut().flat_map(|packet| packet.branches.rays.ties_mut())
+    }
+}
+
+impl SentPacket {
+    /// Notes that the rays in some lanes are not traced any more, and takes them out.
+    pub(super) fn give_up(&mut self, lanes_beyond: u32, beyond: &mut Vec<UntracedRay>) {
+        let Self { branches: BranchPacket { rays, paths }, pixels, .. } = self;
+        beyond.extend(lanes(rays.lanes & lanes_beyond).map(|lane| UntracedRay {
+            direction: rays.directions.get(lane),
+            throughput: paths.throughputs.get(lane),
+            pixel: pixels[lane],
+        }));
+        rays.keep(!lanes_beyond);
     }
 }

@@ -3,13 +3,14 @@
 use fearless_simd::dispatch;
 
 use super::buffers::TileBuffers;
-use super::chains::{fill_with_chains, select_chains};
+use super::chains::select_chains;
 use super::generation::UntracedRay;
-use super::trees::{fill_with_trees, select_trees};
+use super::packing::fill;
+use super::trees::select_trees;
 use crate::trace::light::{RenderContext, branch_lanes, secondary_rays};
 use crate::trace::math::{LANES, lanes};
 
-/// Queues the rays that the wave's surfaces send on.
+/// Makes the rays that the wave's surfaces send on.
 pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.entered.next_rays += 1;
     let TileBuffers { wave, hits, surfaces, answers, next, scratch, .. } = buffers;
@@ -21,8 +22,8 @@ pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'
             continue;
         }
         let clear = if context.effects.media() { continues & answers[packet].clear } else { 0 };
-        let mirrored = next.add(&wave.pixels[packet]);
-        let refracted = (clear != 0).then(|| next.add(&wave.pixels[packet]));
+        let mirrored = next.add(&wave.pixels[packet], true);
+        let refracted = (clear != 0).then(|| next.add(&wave.pixels[packet], false));
         let (rays, paths) = (&wave.rays[packet], &wave.paths[packet]);
         let media = (scene, &mut scratch.media);
         let branches = next.branches_mut(mirrored, refracted);
@@ -45,15 +46,6 @@ pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'
                 refracted.set(lane, &ray);
             }
         }
-        if !context.effects.media() {
-            continue;
-        }
-        for lane in lanes(continues) {
-            next.queue(mirrored, lane, true);
-            if let Some(refracted) = refracted {
-                next.queue(refracted, lane, false);
-            }
-        }
     }
 }
 
@@ -62,7 +54,7 @@ pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'
 pub(super) fn select(context: &RenderContext<'_>, generations: u32, buffers: &mut TileBuffers<'_>) {
     std::mem::swap(&mut buffers.current, &mut buffers.next);
     buffers.next.clear();
-    if context.effects.media() {
+    if context.branches() {
         select_trees(context, generations, buffers);
     } else {
         select_chains(context, generations, buffers);
@@ -71,9 +63,8 @@ pub(super) fn select(context: &RenderContext<'_>, generations: u32, buffers: &mu
 }
 
 /// Fills the wave with rays of the current generation. `false` where none are left.
-pub(super) fn fill_wave(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) -> bool {
-    let TileBuffers { wave, current, .. } = buffers;
-    if context.effects.media() { fill_with_trees(wave, current) } else { fill_with_chains(wave, current) }
+pub(super) fn fill_wave(buffers: &mut TileBuffers<'_>) -> bool {
+    fill(&mut buffers.wave, &mut buffers.current)
 }
 
 /// Lets rays that are not traced see the background.

@@ -31,7 +31,7 @@ pub(crate) fn render_sample(
     while context.effects.mirrors() && !buffers.next.is_empty() && !buffers.is_cancelled() {
         select(context, generations, buffers);
         generations = generations.saturating_sub(1);
-        while !buffers.is_cancelled() && fill_wave(context, buffers) {
+        while !buffers.is_cancelled() && fill_wave(buffers) {
             closest_hits(context, shapes, buffers);
             shade_wave(&sample, shapes, buffers);
         }
@@ -105,7 +105,7 @@ mod tests {
     #[test]
     fn a_cancelled_sample_follows_no_rays_of_the_one_before() {
         let (scene, camera) = example();
-        let effects = Effects { lighting: Lighting::Shadows, paths: Paths::Mirrors, extras: false };
+        let effects = Effects { lighting: Lighting::Shadows, paths: Paths::Straight, extras: false };
         let context = RenderContext::new(&scene, &camera, Sampling::default(), effects);
         let cancelled = AtomicBool::new(false);
         let mut buffers = TileBuffers::new(&cancelled);

@@ -3,8 +3,9 @@
 use glam::DVec3;
 
 use super::buffers::TileBuffers;
+use super::clear_shadows::weaken;
 use super::tile::Sample;
-use crate::trace::light::{MediumStack, PathPacket, filtered_along, visibility};
+use crate::trace::light::visibility;
 use crate::trace::math::{HALF, lanes};
 use crate::trace::packet::{Occluders, Occlusion, ShadowPacket, WaysToLight, occluded};
 use crate::trace::query::Intersector;
@@ -30,10 +31,17 @@ pub(super) fn shadows(
         buffers.rays_traced.shadow += u64::from(asking.count_ones());
         let hidden = if listed { asking & buffers.candidates.hidden(packet) } else { 0 };
         buffers.proposals[packet].drop_hidden(hidden);
-        if asking == hidden || listed && are_clear(sample, packet, buffers) {
+        let asking = asking & !hidden;
+        if asking == 0 {
             continue;
         }
-        let asking = asking & !hidden;
+        if listed && are_clear(packet, buffers) {
+            if sample.context.effects.clear_shadows() {
+                buffers.packet_scratch.crossed.clear();
+                weaken(sample, light, packet, asking, buffers);
+            }
+            continue;
+        }
         let Occlusion { hidden, open } = occlusion(sample, (place, light), (packet, listed), buffers);
         buffers.proposals[packet].drop_hidden(hidden);
         if sample.context.effects.clear_shadows() {
@@ -43,12 +51,11 @@ pub(super) fn shadows(
     }
 }
 
-/// Returns whether nothing may stand in the way of what is left of a packet's shadow rays, and nobody wants to know what they cross.
-fn are_clear(sample: &Sample<'_>, packet: usize, buffers: &TileBuffers<'_>) -> bool {
+/// Returns whether nothing may stand in the way of what is left of a packet's shadow rays.
+fn are_clear(packet: usize, buffers: &TileBuffers<'_>) -> bool {
     let TileBuffers { proposals, candidates, .. } = buffers;
     // What is tied with others is left in as many senses as there are.
-    let plain = !sample.context.effects.clear_shadows() && proposals[packet].rays.tied == 0;
-    plain && candidates.is_clear(packet)
+    proposals[packet].rays.tied == 0 && candidates.is_clear(packet)
 }
 
 /// Finds which shadow rays of a packet are hidden for certain, and which have to be followed one by one.
@@ -74,22 +81,6 @@ fn occlusion(
     };
     let cancelled = scratch.search.cancelled;
     occluded(scene, &shadow, &mut last_occluders[place], packet_scratch, cancelled)
-}
-
-/// Weakens what comes through clear shapes along some shadow rays of a packet, whose crossings are known.
-fn weaken(sample: &Sample<'_>, light: &Light, packet: usize, lit: u32, buffers: &mut TileBuffers<'_>) {
-    let TileBuffers { wave, hits, surfaces, proposals, scratch, packet_scratch, .. } = buffers;
-    let (proposals, paths) = (&mut proposals[packet], &wave.paths[packet]);
-    let crossing = packet_scratch.crossed.iter().fold(0, |mask, crossed| mask | crossed.lanes);
-    for lane in lanes(lit & (crossing | proposals.from_behind | inside(paths, lit))) {
-        let Some(point) = surfaces[packet].get(lane, &hits[packet]) else { continue };
-        let crossings = &mut scratch.search.crossings;
-        crossings.clear();
-        crossings.extend(packet_scratch.crossed.iter().flat_map(|crossed| crossed.of(lane)).flatten());
-        let (way, seen) = (proposals.way(light, lane), (&point, paths.media[lane]));
-        let share = filtered_along(sample.context.scene, &way, light.own_shape, seen, scratch);
-        proposals.colors.set(lane, proposals.colors.get(lane) * share);
-    }
 }
 
 /// Follows some shadow rays of a packet one by one.
@@ -118,12 +109,6 @@ fn follow(
             None => proposals.lanes &= !(1 << lane),
         }
     }
-}
-
-/// Returns the lanes of points that are seen from inside of clear solids.
-fn inside(paths: &PathPacket, asking: u32) -> u32 {
-    let inside = |lane: &usize| paths.media[*lane] != MediumStack::NONE;
-    lanes(asking).filter(inside).fold(0, |mask, lane| mask | 1 << lane)
 }
 
 /// Returns what may hide a light.

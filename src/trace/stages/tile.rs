@@ -14,8 +14,11 @@ const _: () = assert!(
     SIDE.pow(2) as usize == LANES && (TILE / SIDE).pow(2) as usize == PACKETS && TILE.is_multiple_of(SIDE)
 );
 
+/// How many pixels a tile has at most.
+pub(super) const TILE_PIXELS: usize = PACKETS * LANES;
+
 /// A rectangle of pixels.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Tile {
     /// Leftmost column.
     pub(crate) i: u32,

@@ -1,77 +1,168 @@
-//! Trees: the rays of samples of which one may send on two, a mirrored and a refracted one. The light of a sample's rays is added up in
-//! the order of the queue, and what is cut of a generation depends on all its rays.
+//! Trees: the rays of samples of which one may send on two, a mirrored and a refracted one. What is cut of a sample's generation depends
+//! on all its rays.
+
+use fearless_simd::dispatch;
 
 use super::buffers::TileBuffers;
-use super::generation::{Generation, QueuedRay, UntracedRay};
-use super::wave::{LONGEST_WAVE, Wave};
-use crate::trace::light::{BranchPacket, LARGEST_TREE, RenderContext};
-use crate::trace::math::LANES;
+use super::generation::SentPacket;
+use super::tile::TILE_PIXELS;
+use crate::trace::light::{Brightest, Budget, LARGEST_TREE, RenderContext};
+use crate::trace::math::{LANES, SimdLevel, lanes};
+
+/// What is known of the trees of a tile's samples, pixel by pixel of its packets.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Trees {
+    /// How many rays are traced.
+    sizes: Vec<u32>,
+    /// What may be left out.
+    budgets: Vec<Budget>,
+    /// What each ray of a generation can bring at most, and its number, pixel by pixel, in the order of the generation.
+    weighed: Vec<(f32, usize)>,
+    /// Up to where in that list a pixel's rays are.
+    ends: Vec<usize>,
+    /// By packet of a generation: what its rays can bring.
+    mosts: Vec<[f32; LANES]>,
+    /// By packet of a generation: lanes that are cut.
+    cut: Vec<u32>,
+}
+
+impl Trees {
+    /// Makes ready for a sample.
+    pub(super) fn begin(&mut self, budget: Budget) {
+        self.sizes.clear();
+        self.sizes.resize(TILE_PIXELS, 1);
+        self.budgets.clear();
+        self.budgets.resize(TILE_PIXELS, budget);
+    }
+
+    /// Finds what the rays of a generation's packets can bring, with `generations` left for them.
+    fn weigh(&mut self, level: SimdLevel, brightest: &Brightest, packets: &[SentPacket], generations: u32) {
+        self.mosts.clear();
+        dispatch!(level.level(), simd => {
+            for sent in packets {
+                self.mosts.push(brightest.mosts(simd, &sent.branches.paths.throughputs, generations));
+            }
+        });
+    }
+
+    /// Finds what is cut of a generation's packets, of whose rays it is known what they can bring.
+    fn find_cut(&mut self, packets: &[SentPacket]) {
+        self.cut.clear();
+        self.cut.resize(packets.len(), 0);
+        self.sort(packets);
+        let mut start = 0;
+        for (end, budget) in self.ends.iter().zip(&mut self.budgets) {
+            let rays = &mut self.weighed[start..*end];
+            start = *end;
+            if rays.is_empty() {
+                continue;
+            }
+            let count = budget.cut(rays);
+            for (_, ray) in &rays[..count] {
+                self.cut[ray / LANES] |= 1 << (ray % LANES);
+            }
+        }
+    }
+
+    /// Sorts a generation's rays by pixels, and leaves them in their order otherwise.
+    fn sort(&mut self, packets: &[SentPacket]) {
+        let Self { weighed, ends, mosts, .. } = self;
+        let rays = |sent: &SentPacket| lanes(sent.branches.rays.lanes);
+        ends.clear();
+        ends.resize(TILE_PIXELS, 0);
+        for sent in packets {
+            rays(sent).for_each(|lane| ends[sent.pixels[lane] as usize % TILE_PIXELS] += 1);
+        }
+        // Where they start, at first.
+        let mut count = 0;
+        for end in &mut *ends {
+            (count, *end) = (count + *end, count);
+        }
+        weighed.clear();
+        weighed.resize(count, (0.0, 0));
+        for (packet, (sent, mosts)) in packets.iter().zip(&*mosts).enumerate() {
+            for lane in rays(sent) {
+                let end = &mut ends[sent.pixels[lane] as usize % TILE_PIXELS];
+                weighed[*end] = (mosts[lane], packet * LANES + lane);
+                *end += 1;
+            }
+        }
+    }
+}
 
 /// Keeps those rays of the current generation that are traced: not what could not show, and what is beyond the last generation or the
 /// most rays of a sample. `generations` are left for them, 0 if they see the background untraced.
 pub(super) fn select_trees(context: &RenderContext<'_>, generations: u32, buffers: &mut TileBuffers<'_>) {
-    mark_negligible(context, generations, buffers);
-    let TileBuffers { current, beyond, tree_sizes, rays_traced, trees_ended, .. } = buffers;
-    let mut queue = std::mem::take(&mut current.queue);
-    queue.retain(|queued| {
-        let size = &mut tree_sizes[queued.pixel as usize];
-        if queued.cut {
-            trees_ended.cutoff += 1;
-            return false;
+    let TileBuffers { current, beyond, trees, rays_traced, trees_ended, .. } = buffers;
+    trees.weigh(context.scene.simd, &context.brightest, current.packets(), generations);
+    trees.find_cut(current.packets());
+    for (sent, cut) in current.packets_mut().iter_mut().zip(&trees.cut) {
+        trees_ended.cutoff += u64::from(cut.count_ones());
+        sent.branches.rays.keep(!cut);
+        let mut traced = 0_u32;
+        if generations > 0 {
+            for lane in lanes(sent.branches.rays.lanes) {
+                let size = &mut trees.sizes[sent.pixels[lane] as usize % TILE_PIXELS];
+                if *size < LARGEST_TREE {
+                    *size += 1;
+                    traced |= 1 << lane;
+                }
+            }
         }
-        if generations > 0 && *size < LARGEST_TREE {
-            *size += 1;
-            *(if queued.mirrored { &mut rays_traced.reflection } else { &mut rays_traced.refraction }) += 1;
-            return true;
-        }
-        let BranchPacket { rays, paths } = current.packet(queued.packet);
-        beyond.push(UntracedRay {
-            direction: rays.directions.get(queued.lane),
-            throughput: paths.throughputs.get(queued.lane),
-            pixel: queued.pixel,
-        });
-        false
-    });
-    current.queue = queue;
+        rays_traced.add_secondary(sent.mirrored, traced.count_ones());
+        sent.give_up(!traced, beyond);
+    }
 }
 
-/// Marks what is cut, pixel by pixel: the queue is in their order.
-fn mark_negligible(context: &RenderContext<'_>, generations: u32, buffers: &mut TileBuffers) {
-    let TileBuffers { current, budgets, weighed, .. } = buffers;
-    let mut queue = std::mem::take(&mut current.queue);
-    let most = |queued: &QueuedRay| {
-        let throughput = current.packet(queued.packet).paths.throughputs.get(queued.lane);
-        context.brightest.most(throughput, generations)
-    };
-    for rays in queue.chunk_by_mut(|one, other| one.pixel == other.pixel) {
-        let budget = &mut budgets[rays[0].pixel as usize];
-        if let [ray] = rays {
-            ray.cut = budget.cut_one(most(ray));
-            continue;
-        }
-        weighed.clear();
-        weighed.extend(rays.iter().enumerate().map(|(index, queued)| (most(queued), index)));
-        let count = budget.cut(weighed);
-        for (_, index) in &weighed[..count] {
-            rays[*index].cut = true;
-        }
-    }
-    current.queue = queue;
-}
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use proptest::prelude::*;
 
-/// Fills the wave with the next rays of a generation's queue, as many as there is room for, in their order, if there are any left.
-pub(super) fn fill_with_trees(wave: &mut Wave, generation: &mut Generation) -> bool {
-    let (start, end) = (generation.taken, generation.queue.len().min(generation.taken + LONGEST_WAVE));
-    if start == end {
-        return false;
-    }
-    wave.clear();
-    for queued in generation.queue[start..end].chunks(LANES) {
-        let packet = wave.add_empty();
-        for (lane, ray) in queued.iter().enumerate() {
-            wave.copy((packet, lane), (generation.packet(ray.packet), ray.lane), ray.pixel);
+    use super::super::generation::Generation;
+    use super::*;
+    use crate::color::Rgb;
+    use crate::trace::light::{MediumStack, PathState, TreeRay};
+    use crate::trace::scene::{Geometry, PreparedScene};
+    use crate::trace::{Background, Ray};
+
+    proptest! {
+        /// In two generations, of packets in which pixels have several rays or none, what is cut is what each pixel's budget says.
+        #[test]
+        fn each_pixel_has_a_budget_of_its_own(
+            cutoff in prop_oneof![Just(0.0_f32), 1e-3..1.0_f32],
+            generations in prop::collection::vec(prop::collection::vec((0..0x10000_u32, 0..8_u32, prop::array::uniform16(-9.0..1.0_f32)), 0..12), 2),
+        ) {
+            let mut scene = PreparedScene::new(Geometry::default(), Vec::new());
+            (scene.cutoff, scene.background) = (cutoff, Background::Flat(Rgb::ONE));
+            let brightest = Brightest::of(&scene);
+            let mut trees = Trees::default();
+            trees.begin(Budget::new(&scene));
+            let mut budgets = vec![Budget::new(&scene); TILE_PIXELS];
+            for packets in generations {
+                let mut generation = Generation::default();
+                let mut by_pixel: Vec<Vec<(f32, usize)>> = vec![Vec::new(); TILE_PIXELS];
+                for (number, (filled, first, digits)) in packets.into_iter().enumerate() {
+                    let mut pixels = [0; LANES];
+                    pixels.iter_mut().zip(first * 8..).for_each(|(pixel, place)| *pixel = place % 64);
+                    generation.add(&pixels, false);
+                    let sent = generation.packets_mut().last_mut().unwrap();
+                    for lane in lanes(filled) {
+                        let throughput = Rgb::splat(libm::exp10f(digits[lane]));
+                        let state = PathState { throughput, ..PathState::at_camera(MediumStack::NONE) };
+                        sent.branches.set(lane, &TreeRay { ray: Ray::new(DVec3::ZERO, DVec3::X).unwrap(), state });
+                        by_pixel[sent.pixels[lane] as usize].push((brightest.most(throughput, 0), number * LANES + lane));
+                    }
+                }
+                trees.weigh(SimdLevel::best(), &brightest, generation.packets(), 0);
+                trees.find_cut(generation.packets());
+                let mut expected = vec![0; generation.packets().len()];
+                for (rays, budget) in by_pixel.iter_mut().zip(&mut budgets) {
+                    let count = budget.cut(rays);
+                    rays[..count].iter().for_each(|(_, ray)| expected[ray / LANES] |= 1 << (ray % LANES));
+                }
+                prop_assert_eq!(&trees.cut, &expected);
+            }
         }
     }
-    generation.taken = end;
-    true
 }

@@ -1,0 +1,140 @@
+//! What clear shapes leave of a light's proposals, packet by packet: what [`filtered_along`] says of each shadow ray.
+//!
+//! Where nothing absorbs, that is a product over all crossings, wherever they are. Where something does, lengths count: those of
+//! the ways through solids that a ray goes through one after the other, from one side to the other, are known from their crossings, and
+//! so are they where there is one other solid inside, as a bubble is. Rays that start or end within a solid, or go through several inside of
+//! another, are asked one by one.
+
+use fearless_simd::{dispatch, f32x16, prelude::*};
+
+use super::buffers::TileBuffers;
+use super::tile::Sample;
+use crate::color::Rgb;
+use crate::trace::light::{MediumStack, PathPacket, ProposalPacket, filtered_along, transmittances};
+use crate::trace::math::{lanes, mask16};
+use crate::trace::packet::CrossedPacket;
+use crate::trace::query::HitPacket;
+use crate::trace::scene::{Light, PreparedScene};
+
+/// Weakens what comes through clear shapes along some shadow rays of a packet, whose crossings are known.
+pub(super) fn weaken(
+    sample: &Sample<'_>,
+    light: &Light,
+    packet: usize,
+    lit: u32,
+    buffers: &mut TileBuffers<'_>,
+) {
+    let TileBuffers { wave, hits, surfaces, proposals, scratch, packet_scratch, .. } = buffers;
+    let scene = sample.context.scene;
+    let (hits, proposals, paths) = (&hits[packet], &mut proposals[packet], &wave.paths[packet]);
+    let crossed = &mut packet_scratch.crossed;
+    let (behind, absorbs) = (proposals.from_behind & lit, scene.surfaces().absorbs);
+    let inside = if absorbs { inside(paths, lit) } else { 0 };
+    if crossed.is_empty() && behind | inside == 0 {
+        return;
+    }
+    let singly = dispatch!(scene.simd.level(), simd => {
+        let singly = if absorbs {
+            beyond_a_series(simd, scene, crossed, behind | inside, lit)
+        } else {
+            cross_surfaces(simd, hits, (light, behind), crossed);
+            0
+        };
+        // In this order light is multiplied.
+        crossed.sort_unstable_by_key(|crossed| scene.order().rank(crossed.id));
+        multiply(simd, scene, crossed, lit & !singly, proposals);
+        singly
+    });
+    for lane in lanes(singly) {
+        let Some(point) = surfaces[packet].get(lane, hits) else { continue };
+        let crossings = &mut scratch.search.crossings;
+        crossings.clear();
+        crossings.extend(crossed.iter().flat_map(|crossed| crossed.of(lane)).flatten());
+        let (way, seen) = (proposals.way(light, lane), (&point, paths.media[lane]));
+        let share = filtered_along(scene, &way, light.own_shape, seen, scratch);
+        proposals.colors.set(lane, proposals.colors.get(lane) * share);
+    }
+}
+
+/// Returns the lanes of points that are seen from inside of clear solids.
+fn inside(paths: &PathPacket, asking: u32) -> u32 {
+    let inside = |lane: &usize| paths.media[*lane] != MediumStack::NONE;
+    lanes(asking).filter(inside).fold(0, |mask, lane| mask | 1 << lane)
+}
+
+/// Adds the crossings of the surfaces whose other side light comes from, in some lanes.
+#[inline(always)]
+fn cross_surfaces<S: Simd>(
+    simd: S,
+    hits: &HitPacket,
+    (light, mut behind): (&Light, u32),
+    crossed: &mut Vec<CrossedPacket>,
+) {
+    while let Some(id) = hits.ids.get(behind.trailing_zeros() as usize).filter(|_| behind != 0) {
+        let surface = hits.ids.lanes_of(simd, id) & behind;
+        behind &= !surface;
+        if Some(id) != light.own_shape {
+            crossed.push(CrossedPacket::once(id, surface));
+        }
+    }
+}
+
+/// Finds what gaps others leave in the ways through solids. Returns, of rays in some lanes, those of which it matters how they go through
+/// solids, and which do more than go through some of them one after the other, each with one gap at most: these, and those that start
+/// or end inside.
+#[inline(always)]
+fn beyond_a_series<S: Simd>(
+    simd: S,
+    scene: &PreparedScene,
+    crossed: &mut [CrossedPacket],
+    inside: u32,
+    lit: u32,
+) -> u32 {
+    let absorbs = |crossed: &&CrossedPacket| {
+        scene.material(crossed.id).refraction.is_some_and(|refraction| refraction.absorption != Rgb::ZERO)
+    };
+    let absorbed = crossed.iter().filter(absorbs).fold(0, |mask, crossed| mask | crossed.lanes);
+    let mut beyond = crossed.iter().fold(0, |mask, crossed| mask | crossed.lanes & !crossed.leaving);
+    for first in 1..crossed.len() {
+        let (before, rest) = crossed.split_at_mut(first);
+        let (one, others) = (&mut before[first - 1], rest);
+        for other in others {
+            let mut both = one.lanes & other.lanes & absorbed & !beyond;
+            if both != 0 {
+                both &= !one.apart(simd, other);
+                both &= !one.leave_gaps(simd, other, both);
+                beyond |= both & !other.leave_gaps(simd, one, both);
+            }
+        }
+    }
+    (absorbed & beyond | inside) & lit
+}
+
+/// Multiplies what is proposed in some lanes by what shapes let through, which are given in document order.
+#[inline(always)]
+fn multiply<S: Simd>(
+    simd: S,
+    scene: &PreparedScene,
+    crossed: &[CrossedPacket],
+    lit: u32,
+    proposals: &mut ProposalPacket,
+) {
+    let mut share = [f32x16::splat(simd, 1.0); 3];
+    for crossed in crossed.iter().filter(|crossed| crossed.lanes & lit != 0) {
+        let Some(refraction) = scene.material(crossed.id).refraction else { continue };
+        let (once, twice) = (mask16(simd, crossed.lanes & lit), mask16(simd, crossed.leaving & lit));
+        for channel in &mut share {
+            *channel = once.select(*channel * refraction.transmitted, *channel);
+            *channel = twice.select(*channel * refraction.transmitted, *channel);
+        }
+        if refraction.absorption != Rgb::ZERO {
+            let lengths = crossed.lengths(simd, &proposals.rays.directions);
+            let absorbed = transmittances(simd, refraction.absorption, &lengths);
+            for (channel, absorbed) in share.iter_mut().zip(absorbed) {
+                *channel = once.select(*channel * absorbed, *channel);
+            }
+        }
+    }
+    let [red, green, blue] = proposals.colors.load(simd);
+    proposals.colors.store([red * share[0], green * share[1], blue * share[2]]);
+}
