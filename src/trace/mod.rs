@@ -22,7 +22,8 @@
 //!    a single lane by `light/direct`; its places, if it has a size, are chosen by `light/light_places`. `stages/shadows` follows the
 //!    proposals' shadow rays, by `packet/occlusion` and, through clear shapes, `packet/crossings`, and singly by `query/occlusion` and
 //!    `query/crossings`. What clear shapes leave is in `stages/clear_shadows`, singly in `light/transmission`, and what comes through is
-//!    added. Which shapes may hide a light with a place from the tile is found once, by `packet/candidates`.
+//!    added. Which shapes may hide a light from the tile that is not infinitely far away is found once, for all of its samples, by
+//!    `packet/candidates`, `bvh/shaft` and, if it has a size, `bvh/beam`.
 //! 6. `stages/sums` adds what each ray brings to its pixel, in the order of the wave, after fog and media on the way have taken theirs
 //!    (`light/passage_packet`). A tile's pixels are kept packet by packet of its
 //!    camera rays, whose light is added in their lanes.

@@ -35,7 +35,7 @@ use super::{Tree, frame};
 use crate::trace::math::bits8;
 
 /// 2^-20, or 16 times the unit roundoff of `f32`.
-const SLACK: f64 = 1.0 / 1_048_576.0;
+pub(super) const SLACK: f64 = 1.0 / 1_048_576.0;
 
 /// 2^28, in the tree's frame: from farther away no frustum is made of rays that end at its origin.
 pub(crate) const FARTHEST: f64 = 268_435_456.0;

@@ -129,13 +129,25 @@ impl Limits {
     /// Lets shapes be of interest to each part as far as its rays go.
     #[inline(always)]
     pub(crate) fn up_to<S: Simd>(simd: S, ends: &Ends, frustum: &Frustum) -> Self {
+        Self::around(simd, &ends.farthest, frustum.slack)
+    }
+
+    /// The same up to these depths, but for a slack.
+    #[inline(always)]
+    pub(super) fn around<S: Simd>(simd: S, depths: &PartNumbers, slack: f32) -> Self {
         let mut limits = Self::NONE;
-        for (limit, farthest) in limits.0.iter_mut().zip(&ends.farthest) {
-            let depth = f32x16::load_array_ref(simd, farthest) + frustum.slack;
+        for (limit, depths) in limits.0.iter_mut().zip(depths) {
+            let depth = f32x16::load_array_ref(simd, depths) + slack;
             // Of the sum's rounding.
             (depth + depth.abs() * f32::EPSILON).store_array(limit);
         }
         limits
+    }
+
+    /// Returns those of some of the parts.
+    #[inline(always)]
+    pub(super) fn load<S: Simd>(&self, simd: S, group: usize) -> f32x16<S> {
+        f32x16::load_array_ref(simd, &self.0[group])
     }
 
     /// Lets shapes be of interest to a part up to this depth.

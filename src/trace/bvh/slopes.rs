@@ -4,9 +4,10 @@
 //! pairs of lanes to one, until each part has one lane.
 
 use fearless_simd::{f32x16, prelude::*};
+use glam::DVec3;
 
 use super::depth::Depth;
-use crate::trace::math::{F64s, LANES, Numbers, Vectors, bits, mask16, splat};
+use crate::trace::math::{F64s, LANES, Numbers, Vectors, bits, bits16, mask16, splat};
 
 /// How many packets a bundle has.
 pub(crate) const PACKETS: usize = 16;
@@ -48,8 +49,16 @@ pub(crate) struct Ends {
     pub(super) farthest: PartNumbers,
 }
 
+/// Within which boxes the points of each part are, as seen from a place: how deep, and where along the two axes across. Of a part without
+/// points the lower ends are above the upper ones.
+#[derive(Clone, Debug)]
+pub(super) struct Places {
+    pub(super) low: [PartNumbers; 3],
+    pub(super) high: [PartNumbers; 3],
+}
+
 /// Steeper rays would make a frustum too wide.
-const STEEPEST: f32 = 16.0;
+pub(super) const STEEPEST: f32 = 16.0;
 
 impl SlopeRange {
     /// Returns that of a packet's rays in some lanes, at least one, along their directions times `sense`, 1 or -1, with depth along
@@ -166,6 +175,79 @@ impl Ends {
     }
 }
 
+impl Places {
+    /// Finds those of packets' points in some lanes, in the tree's frame, in which a unit of the scene is so long. `None` where one is
+    /// nowhere.
+    #[inline(always)]
+    pub(super) fn of<'a, S: Simd>(
+        simd: S,
+        (from, scale): (DVec3, f64),
+        depth: Depth,
+        packets: impl Iterator<Item = (&'a Vectors, u32)>,
+    ) -> Option<Self> {
+        let mut nowhere = 0;
+        let none = f32x16::splat(simd, NONE);
+        let [mut least, mut greatest] = [[[[NONE; LANES]; PACKETS]; 3]; 2];
+        for (packet, (points, lanes)) in packets.take(PACKETS).enumerate() {
+            let asked = mask16(simd, lanes);
+            for (side, axis) in depth.axes().into_iter().enumerate() {
+                let unit = if side == 0 { depth.sign() * scale } else { scale };
+                let (points, from) = (points.axis(axis), from[axis]);
+                let first = (points.load(simd, 0) - from) * unit;
+                let second = (points.load(simd, 1) - from) * unit;
+                let places = first.narrow(second);
+                nowhere |= lanes & !bits16(places.abs().simd_lt(none));
+                asked.select(places, none).store_array(&mut least[side][packet]);
+                asked.select(-places, none).store_array(&mut greatest[side][packet]);
+            }
+        }
+        let mut places = Self { low: [[[0.0; LANES]; GROUPS]; 3], high: [[[0.0; LANES]; GROUPS]; 3] };
+        for side in 0..3 {
+            for group in 0..GROUPS {
+                let low = least_of_parts(simd, &least[side], group);
+                let high = -least_of_parts(simd, &greatest[side], group);
+                (low - wider(low)).store_array(&mut places.low[side][group]);
+                (high + wider(high)).store_array(&mut places.high[side][group]);
+            }
+        }
+        (nowhere == 0).then_some(places)
+    }
+
+    /// Returns how deep the deepest of them is.
+    #[inline(always)]
+    pub(super) fn deepest<S: Simd>(&self, simd: S) -> f32 {
+        greatest(simd, &self.high[0])
+    }
+
+    /// Returns the slopes of rays to all of them. `None` where one is not farther away than twice so far, or rays would be too steep.
+    #[inline(always)]
+    pub(super) fn slopes<S: Simd>(&self, simd: S, near: f32) -> Option<SlopeRange> {
+        let (nearest, farthest) = (least(simd, &self.low[0]), self.deepest(simd));
+        let mut range = SlopeRange { low: [0.0; 2], high: [0.0; 2] };
+        let steeper = |rise: f32| {
+            let slope = rise / if rise > 0.0 { nearest } else { farthest };
+            slope + 2.0 * slope.abs() * f32::EPSILON
+        };
+        for side in 0..2 {
+            range.low[side] = -steeper(-least(simd, &self.low[side + 1]));
+            range.high[side] = steeper(greatest(simd, &self.high[side + 1]));
+        }
+        (nearest > 2.0 * near && range.steepest() <= STEEPEST).then_some(range)
+    }
+}
+
+/// Returns the least number of any part.
+#[inline(always)]
+fn least<S: Simd>(simd: S, [first, second]: &PartNumbers) -> f32 {
+    f32x16::load_array_ref(simd, first).min(f32x16::load_array_ref(simd, second)).reduce_min()
+}
+
+/// Returns the greatest number of any part.
+#[inline(always)]
+fn greatest<S: Simd>(simd: S, [first, second]: &PartNumbers) -> f32 {
+    f32x16::load_array_ref(simd, first).max(f32x16::load_array_ref(simd, second)).reduce_max()
+}
+
 /// Returns the slopes of a packet's rays along the two axes across the depth, rounded, and the lanes of those that go ahead.
 #[inline(always)]
 fn slopes_of<S: Simd>(simd: S, directions: &Vectors, (depth, sense): (Depth, f64)) -> ([f32x16<S>; 2], u32) {
@@ -210,7 +292,7 @@ fn least_of_pairs<S: Simd>(first: f32x16<S>, second: f32x16<S>) -> f32x16<S> {
 
 /// More than rounding to `f32` takes away.
 #[inline(always)]
-fn wider<S: Simd>(number: f32x16<S>) -> f32x16<S> {
+pub(super) fn wider<S: Simd>(number: f32x16<S>) -> f32x16<S> {
     /// Two units in the last place.
     const WIDER: f32 = f32::EPSILON;
     number.abs() * WIDER + f32::MIN_POSITIVE

@@ -3,7 +3,8 @@
 //!
 //! Seen from a light, shadow rays have their origin in common, too. A shadow ray itself starts at a surface point and goes in a
 //! rounded direction, which passes the light by 2^-52 of the distance, and it is followed at most 2^-36 of the distance beyond:
-//! both are far less than what a [shaft](crate::trace::bvh::Shaft) accepts beside it, up to a distance.
+//! both are far less than what a [shaft](crate::trace::bvh::Shaft) accepts beside it, up to a distance. Rays to all places on a light
+//! with a size are in a [beam](crate::trace::bvh::Beam), so that one list does for all of its samples.
 
 use std::sync::atomic::AtomicBool;
 
@@ -12,13 +13,14 @@ use glam::DVec3;
 
 use super::roles::{Occluders, Role};
 use crate::trace::bvh::{
-    Depth, Ends, FARTHEST, FrustumVisitor, LeafBox, LeafId, Limits, PARTS, Shaft, Slopes, Stack,
+    Beam, Depth, Ends, FARTHEST, Frustum, FrustumVisitor, LeafBox, LeafId, Limits, PARTS, Shaft, Slopes,
+    Stack,
 };
 use crate::trace::math::{
-    Numbers, dot_lanes as dot, half_lanes, half_of, mask, set_bits, splat, splat3, subtract,
+    Numbers, Vectors, dot_lanes as dot, half_lanes, half_of, mask, set_bits, splat, splat3, subtract,
 };
 use crate::trace::query::Scratch;
-use crate::trace::rays::{RayPacket, ShapeId};
+use crate::trace::rays::{RayPacket, ShapeId, ShapeIds};
 use crate::trace::scene::{PreparedScene, ShapeRef};
 use crate::trace::shapes::Plane;
 
@@ -53,6 +55,23 @@ pub(crate) struct WaysToLight<'a> {
     pub(crate) lanes: u32,
 }
 
+/// Points of a packet, from which a light with a size may be seen.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LitPoints<'a> {
+    pub(crate) points: &'a Vectors,
+    /// The shapes that rays to the light leave.
+    pub(crate) left: &'a ShapeIds,
+    /// The lanes that may ask.
+    pub(crate) lanes: u32,
+}
+
+/// Where a light is: around a point, so far to both sides of each axis.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LightBox {
+    pub(crate) middle: DVec3,
+    pub(crate) reach: DVec3,
+}
+
 impl Candidates {
     /// Finds all shapes of the tree that may stand between a light and the points of packets. `false`, and nothing found, where
     /// they lie too far apart, or are too few to be worth it.
@@ -66,11 +85,33 @@ impl Candidates {
         if packets.clone().map(|ways| ways.lanes.count_ones()).sum::<u32>() < FEWEST {
             return false;
         }
-        self.parts.iter_mut().for_each(Vec::clear);
-        (self.crowded, self.hidden) = (0, 0);
+        self.clear();
         let Scratch { stack, cancelled, .. } = scratch;
         let search = (stack, *cancelled);
         dispatch!(scene.simd.level(), simd => gather(simd, scene, (light, occluders), packets, self, search))
+    }
+
+    /// The same of a light with a size, wherever on it rays end.
+    pub(crate) fn find_all<'a>(
+        &mut self,
+        scene: &PreparedScene,
+        (light, occluders): (LightBox, Occluders),
+        packets: &(impl Iterator<Item = LitPoints<'a>> + Clone),
+        scratch: &mut Scratch<'_>,
+    ) -> bool {
+        if packets.clone().map(|lit| lit.lanes.count_ones()).sum::<u32>() < FEWEST {
+            return false;
+        }
+        self.clear();
+        let Scratch { stack, cancelled, .. } = scratch;
+        let search = (stack, *cancelled);
+        dispatch!(scene.simd.level(), simd => gather_all(simd, scene, (light, occluders), packets, self, search))
+    }
+
+    fn clear(&mut self) {
+        self.parts.iter_mut().for_each(Vec::clear);
+        (self.crowded, self.hidden) = (0, 0);
+        self.beside.clear();
     }
 
     /// Returns whether there were too many shapes for all halves.
@@ -129,19 +170,100 @@ fn gather<'a, S: Simd>(
     if f64::from(ends.deepest()) > FARTHEST {
         return false;
     }
-    candidates.beside.clear();
+    let points = packets.clone().map(|WaysToLight { rays, lanes, .. }| LitPoints {
+        points: &rays.origins,
+        left: &rays.left,
+        lanes,
+    });
+    find_beside(simd, scene, LightBox { middle: light, reach: DVec3::ZERO }, &points, candidates);
+    let limits = Limits::up_to(simd, &ends, &shaft.frustum);
+    search(simd, scene, occluders, (Bundles::ToPlace(&shaft, &ends), limits), candidates, (stack, cancelled));
+    true
+}
+
+#[inline(always)]
+fn gather_all<'a, S: Simd>(
+    simd: S,
+    scene: &PreparedScene,
+    (light, occluders): (LightBox, Occluders),
+    packets: &(impl Iterator<Item = LitPoints<'a>> + Clone),
+    candidates: &mut Candidates,
+    scratch: (&mut Stack, &AtomicBool),
+) -> bool {
+    let points = packets.clone().map(|lit| (lit.points, lit.lanes));
+    let Some((beam, limits)) = scene.tree.beam(simd, (light.middle, light.reach), points) else {
+        return false;
+    };
+    find_beside(simd, scene, light, packets, candidates);
+    search(simd, scene, occluders, (Bundles::ToBox(&beam), limits), candidates, scratch);
+    true
+}
+
+/// Finds the shapes beside the tree that may stand in the way.
+#[inline(always)]
+fn find_beside<'a, S: Simd>(
+    simd: S,
+    scene: &PreparedScene,
+    light: LightBox,
+    packets: &(impl Iterator<Item = LitPoints<'a>> + Clone),
+    candidates: &mut Candidates,
+) {
     for id in &scene.beside {
         if !matches!(scene.geometry.shape(*id), ShapeRef::Plane(plane) if !may_part(simd, (*id, plane), light, packets))
         {
             candidates.beside.push(*id);
         }
     }
-    let limits = Limits::up_to(simd, &ends, &shaft.frustum);
-    let farthest = limits.farthest(simd);
-    let mut visitor =
-        Visitor { scene, occluders, shaft: &shaft, ends, candidates, limits, farthest, visits: 0 };
-    scene.tree.visit_frustum(simd, &shaft.frustum, farthest, stack, cancelled, &mut visitor);
-    true
+}
+
+/// Finds the shapes of the tree that may stand in the way.
+#[inline(always)]
+fn search<S: Simd>(
+    simd: S,
+    scene: &PreparedScene,
+    occluders: Occluders,
+    (bundles, limits): (Bundles<'_>, Limits),
+    candidates: &mut Candidates,
+    (stack, cancelled): (&mut Stack, &AtomicBool),
+) {
+    let (farthest, frustum) = (limits.farthest(simd), *bundles.frustum());
+    let mut visitor = Visitor { scene, occluders, bundles, candidates, limits, farthest, visits: 0 };
+    scene.tree.visit_frustum(simd, &frustum, farthest, stack, cancelled, &mut visitor);
+}
+
+/// Bundles of rays that end at one place, or on a light with a size.
+#[derive(Clone, Copy)]
+enum Bundles<'a> {
+    ToPlace(&'a Shaft, &'a Ends),
+    ToBox(&'a Beam),
+}
+
+impl Bundles<'_> {
+    #[inline(always)]
+    fn frustum(&self) -> &Frustum {
+        match self {
+            Self::ToPlace(shaft, _) => &shaft.frustum,
+            Self::ToBox(beam) => &beam.frustum,
+        }
+    }
+
+    /// Returns which of them may meet a shape.
+    #[inline(always)]
+    fn parts<S: Simd>(&self, simd: S, bounds: &LeafBox, limits: &Limits) -> u32 {
+        match self {
+            Self::ToPlace(shaft, _) => shaft.parts(simd, bounds, limits),
+            Self::ToBox(beam) => beam.parts(simd, bounds, limits),
+        }
+    }
+
+    /// Returns which of them all go through a shape, as far as that is known.
+    #[inline(always)]
+    fn covered<S: Simd>(&self, simd: S, bounds: &LeafBox) -> u32 {
+        match self {
+            Self::ToPlace(shaft, ends) => shaft.covered(simd, bounds, ends),
+            Self::ToBox(_) => 0,
+        }
+    }
 }
 
 /// Returns whether a plane may stand between a light and any of the points: not where those are on the light's side of it for certain,
@@ -150,20 +272,21 @@ fn gather<'a, S: Simd>(
 fn may_part<'a, S: Simd>(
     simd: S,
     (id, plane): (ShapeId, &Plane),
-    light: DVec3,
-    packets: &(impl Iterator<Item = WaysToLight<'a>> + Clone),
+    light: LightBox,
+    packets: &(impl Iterator<Item = LitPoints<'a>> + Clone),
 ) -> bool {
     /// 2^-40, of the numbers that heights are made of: more than rounding shifts those by, and rays beside their light.
     const ROUNDING: f64 = f64::from_bits((1023 - 40) << 52);
     /// More than is lost where products underflow.
     const LEAST: f64 = 1e-290;
-    let (from_point, normal, size) = (light - plane.point(), plane.normal(), plane.normal().abs());
-    let (height, reach) = (from_point.dot(normal), from_point.abs().dot(size));
-    let (up, height) = (splat3(simd, normal * height.signum()), splat(simd, height.abs()));
-    for WaysToLight { rays, lanes, .. } in packets.clone() {
-        let asked = lanes & !(rays.left.lanes_of(simd, id) & rays.departing);
+    let (from_point, normal, size) = (light.middle - plane.point(), plane.normal(), plane.normal().abs());
+    let (height, reach) = (from_point.dot(normal), (from_point.abs() + light.reach).dot(size));
+    let up = splat3(simd, normal * height.signum());
+    let height = splat(simd, height.abs() - light.reach.dot(size));
+    for LitPoints { points, left, lanes } in packets.clone() {
+        let asked = lanes & !left.lanes_of(simd, id);
         for half in (0..2).filter(|half| half_of(asked, *half) != 0) {
-            let [x, y, z] = subtract(rays.origins.load(simd, half), splat3(simd, plane.point()));
+            let [x, y, z] = subtract(points.load(simd, half), splat3(simd, plane.point()));
             let sizes = dot([x.abs(), y.abs(), z.abs()], splat3(simd, size));
             let above = dot([x, y, z], up).simd_gt(sizes * ROUNDING + LEAST);
             let lit_from_above = height.simd_gt((sizes + reach) * ROUNDING + LEAST);
@@ -178,8 +301,7 @@ fn may_part<'a, S: Simd>(
 struct Visitor<'a> {
     scene: &'a PreparedScene,
     occluders: Occluders,
-    shaft: &'a Shaft,
-    ends: Ends,
+    bundles: Bundles<'a>,
     candidates: &'a mut Candidates,
     limits: Limits,
     farthest: f32,
@@ -194,7 +316,7 @@ impl<S: Simd> FrustumVisitor<S> for Visitor<'_> {
             self.candidates.crowded = u32::MAX;
             return f32::NEG_INFINITY;
         }
-        let parts = self.shaft.parts(simd, bounds, &self.limits);
+        let parts = self.bundles.parts(simd, bounds, &self.limits);
         if parts == 0 {
             return self.farthest;
         }
@@ -225,7 +347,7 @@ impl Visitor<'_> {
     /// Returns the parts that a shape hides the light from altogether.
     #[inline(always)]
     fn hidden<S: Simd>(&self, simd: S, leaf: LeafId, bounds: &LeafBox) -> u32 {
-        let covered = self.shaft.covered(simd, bounds, &self.ends);
+        let covered = self.bundles.covered(simd, bounds);
         if covered == 0 {
             return 0;
         }

@@ -27,7 +27,7 @@ mod tests;
 mod verdicts;
 
 pub(crate) use bundle::bundle_hits;
-pub(crate) use candidates::{Candidates, WaysToLight};
+pub(crate) use candidates::{Candidates, LightBox, LitPoints, WaysToLight};
 pub(crate) use closest_hit::closest_hits;
 pub(crate) use crossings::CrossedPacket;
 pub(crate) use occlusion::{Occlusion, ShadowPacket, occluded};

@@ -5,8 +5,8 @@ use glam::{DAffine3, DMat3, DVec3};
 use proptest::prelude::*;
 
 use super::{
-    Candidates, Occluders, PacketScratch, ShadowPacket, WaysToLight, bundle_hits, closest_hits, occluded,
-    refine,
+    Candidates, LightBox, LitPoints, Occluders, PacketScratch, ShadowPacket, WaysToLight, bundle_hits,
+    closest_hits, occluded, refine,
 };
 use crate::color::Rgb;
 use crate::trace::bvh::LeafId;
@@ -259,6 +259,7 @@ proptest! {
         far in prop_oneof![4 => Just(1.0), 1 => Just(50.0)],
         clear in any::<bool>(),
         own in 0..20_u32,
+        (reach, off) in (prop::array::uniform3(prop_oneof![Just(0.0), 0.0..0.6]), prop::array::uniform3(-1.0..1.0)),
     ) {
         let (kinds, clears): (Vec<PreparedShape>, Vec<bool>) = shapes.into_iter().unzip();
         let (mut scene, light) = (scene_of(&kinds, |index| clear && clears[index]), light * far);
@@ -275,12 +276,29 @@ proptest! {
             let mut scratch = Scratch { ties: ties.clone(), ..Scratch::default() };
             let mut candidates = Candidates::default();
             let listed = candidates.find(&scene, (light, occluders), &ways, &mut scratch);
+            // The light is one place of a larger one.
+            let reach = DVec3::from_array(reach);
+            let large = LightBox { middle: light + reach * DVec3::from_array(off), reach: reach * (1.0 + 1e-9) };
+            let points = shadows.iter().map(|(rays, _)| LitPoints {
+                points: &rays.origins,
+                left: &rays.left,
+                lanes: rays.lanes,
+            });
+            let mut all_candidates = Candidates::default();
+            let all_listed = all_candidates.find_all(&scene, (large, occluders), &points, &mut scratch);
             for (packet, (rays, limits)) in shadows.iter().enumerate() {
                 let lists = [0, 1].map(|half| if listed { candidates.of(packet, half) } else { None });
+                let all_lists = [0, 1].map(|half| if all_listed { all_candidates.of(packet, half) } else { None });
+                let all_beside = if all_listed { all_candidates.beside() } else { &scene.beside };
                 let covered = if listed { candidates.hidden(packet) } else { 0 };
                 let listed_beside = if listed { candidates.beside() } else { &scene.beside };
                 let clear_ways = if listed && candidates.is_clear(packet) { rays.lanes & !rays.tied & !covered } else { 0 };
-                let searches = [([None; 2], None, &*scene.beside), ([None; 2], Some(light), &scene.beside), (lists, Some(light), listed_beside)];
+                let searches = [
+                    ([None; 2], None, &*scene.beside),
+                    ([None; 2], Some(light), &scene.beside),
+                    (lists, Some(light), listed_beside),
+                    (all_lists, None, all_beside),
+                ];
                 for (candidates, lit_from, beside) in searches {
                     let shadow = ShadowPacket { rays, limits, light: lit_from, occluders, beside, candidates };
                     let mut packet_scratch = PacketScratch::default();
@@ -354,6 +372,29 @@ fn hidden(
     let ray = &RayView::new(ray, ties);
     crossed.iter().for_each(|crossed| crossed.cross(scene, shapes, (ray, limit), crossings, escalations));
     (false, sorted(crossings.drain(..)))
+}
+
+/// Few shapes stand in the way of a light with a size, and most lists of them are short: a test of the test above, which could not
+/// fail otherwise.
+#[test]
+fn a_light_with_a_size_has_lists() {
+    let scene = crowd();
+    let camera = camera(DVec3::new(0.3, 2.0, -6.1), DVec3::new(0.01, -0.2, 1.0), 0.2);
+    let middle = DVec3::new(3.0, 30.0, -2.0);
+    let (shadows, _) = shadow_rays(&scene, &camera, middle);
+    let points = shadows.iter().map(|(rays, _)| LitPoints {
+        points: &rays.origins,
+        left: &rays.left,
+        lanes: rays.lanes,
+    });
+    let light = (LightBox { middle, reach: DVec3::new(1.0, 0.0, 1.0) }, OPAQUE);
+    let mut candidates = Candidates::default();
+    assert!(candidates.find_all(&scene, light, &points, &mut Scratch::default()));
+    let counts: Vec<Option<usize>> =
+        (0..32).map(|part| candidates.of(part / 2, part % 2).map(<[LeafId]>::len)).collect();
+    let listed: Vec<usize> = counts.iter().copied().flatten().collect();
+    assert!(listed.len() >= 16 && listed.iter().any(|count| *count > 0), "{counts:?}");
+    assert!(candidates.beside().is_empty(), "the floor is below all points");
 }
 
 /// Rays from what the camera sees to a light, with how far that is, and the lists of what they are tied with.

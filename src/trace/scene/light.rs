@@ -82,6 +82,18 @@ impl LightSource {
         matches!(self, Self::Sphere { .. } | Self::Rectangle { .. })
     }
 
+    /// Returns around which point an extended light is, and how far from there its places are along each axis at most.
+    pub(crate) fn extent(&self) -> Option<(DVec3, DVec3)> {
+        /// 2^-40, more than rounding shifts places by.
+        const ROUNDING: f64 = f64::from_bits((1023 - 40) << 52);
+        let (center, reach) = match *self {
+            Self::Point(_) | Self::Spot(..) | Self::Directional(_) => return None,
+            Self::Sphere { center, radius } => (center, DVec3::splat(radius)),
+            Self::Rectangle { center, halves: [right, up] } => (center, right.abs() + up.abs()),
+        };
+        Some((center, reach + (center.abs() + reach) * ROUNDING))
+    }
+
     /// The place of an extended light that a point of the unit square stands for, as it is seen from `lit`.
     pub(crate) fn place(&self, lit: DVec3, square: [f64; 2]) -> DVec3 {
         match *self {

@@ -38,6 +38,8 @@ pub(crate) struct TileBuffers<'a> {
     pub(super) light_sums: Box<[Vectors; PACKETS]>,
     /// What may stand between a light and the surface points.
     pub(super) candidates: Candidates,
+    /// Whether that is known, of the light at hand.
+    pub(super) listed: bool,
     /// For every light that is on: what hid it from the last point of this tile that asked, if anything did.
     pub(super) last_occluders: Vec<Option<ShapeId>>,
     /// For every light that is on: whether too many shapes of this tile may hide it for lists of them.
@@ -72,6 +74,7 @@ impl<'a> TileBuffers<'a> {
             light_places: Box::new([const { LightPlaces::NONE }; PACKETS]),
             light_sums: Box::new([Vectors::splat(DVec3::ZERO); PACKETS]),
             candidates: Candidates::default(),
+            listed: false,
             last_occluders: Vec::new(),
             crowded_lights: Vec::new(),
             next: Generation::default(),

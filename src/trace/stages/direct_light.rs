@@ -30,7 +30,7 @@ pub(super) fn direct_light(sample: &Sample<'_>, shapes: &impl Intersector, buffe
             }
             propose_all(sample, (*index, light), light_sample, buffers);
             if sample.context.effects.shadows() {
-                shadows(sample, shapes, (place, light), buffers);
+                shadows(sample, shapes, (place, light, light_sample), buffers);
             }
             add(sample, light, buffers);
         }

@@ -7,22 +7,25 @@ use super::clear_shadows::weaken;
 use super::tile::Sample;
 use crate::trace::light::visibility;
 use crate::trace::math::{HALF, lanes};
-use crate::trace::packet::{Occluders, Occlusion, ShadowPacket, WaysToLight, occluded};
+use crate::trace::packet::{LightBox, LitPoints, Occluders, Occlusion, ShadowPacket, WaysToLight, occluded};
 use crate::trace::query::Intersector;
 use crate::trace::scene::{Light, LightSource, Precision};
 
-/// Follows the shadow rays of what was proposed for a light, number `place` of those that are on: drops what is hidden, and
+/// Follows the shadow rays of what was proposed for a sample of a light, number `place` of those that are on: drops what is hidden, and
 /// weakens what comes through clear shapes.
 pub(super) fn shadows(
     sample: &Sample<'_>,
     shapes: &impl Intersector,
-    (place, light): (usize, &Light),
+    (place, light, light_sample): (usize, &Light, u32),
     buffers: &mut TileBuffers<'_>,
 ) {
     buffers.entered.shadows += 1;
-    // Where there were too many shapes for one wave, there are for the next.
-    let listed = !buffers.crowded_lights[place] && find_candidates(sample, light, buffers);
-    buffers.crowded_lights[place] |= listed && buffers.candidates.all_crowded();
+    if light_sample == 0 {
+        // Where there were too many shapes for one wave, there are for the next.
+        buffers.listed = !buffers.crowded_lights[place] && find_candidates(sample, light, buffers);
+        buffers.crowded_lights[place] |= buffers.listed && buffers.candidates.all_crowded();
+    }
+    let listed = buffers.listed;
     for packet in 0..buffers.wave.count {
         let asking = buffers.proposals[packet].asking;
         if asking == 0 {
@@ -124,19 +127,29 @@ fn place_of(light: &Light) -> Option<DVec3> {
     }
 }
 
-/// Finds what may stand between a light and all points that it was proposed for. Says whether it did: rays to a light with a
-/// size, or to one that is infinitely far away, have no point in common.
+/// Finds what may stand between a light and all points that it was proposed for, or that any place on it may be. Says whether it did: rays
+/// to a light that is infinitely far away are in no bundle.
 fn find_candidates(sample: &Sample<'_>, light: &Light, buffers: &mut TileBuffers<'_>) -> bool {
-    let Some(place) = place_of(light) else { return false };
     // The textbook's shapes accept rays that pass them by more than bundles allow for.
     if sample.context.scene.precision != Precision::Guaranteed {
         return false;
     }
-    let TileBuffers { wave, proposals, candidates, scratch, .. } = buffers;
+    let TileBuffers { wave, surfaces, proposals, candidates, scratch, .. } = buffers;
+    let (scene, search) = (sample.context.scene, &mut scratch.search);
+    let Some(place) = place_of(light) else {
+        let Some((middle, reach)) = light.source.extent() else { return false };
+        let points = surfaces[..wave.count].iter().map(|surfaces| LitPoints {
+            points: &surfaces.points,
+            left: &surfaces.first_equals,
+            lanes: surfaces.lanes,
+        });
+        let light = (LightBox { middle, reach }, occluders(sample, light));
+        return candidates.find_all(scene, light, &points, search);
+    };
     let ways = proposals[..wave.count].iter().map(|proposals| WaysToLight {
         rays: &proposals.rays,
         limits: &proposals.limits,
         lanes: proposals.asking,
     });
-    candidates.find(sample.context.scene, (place, occluders(sample, light)), &ways, &mut scratch.search)
+    candidates.find(scene, (place, occluders(sample, light)), &ways, search)
 }
