@@ -13,7 +13,8 @@
 //! 2. `stages/camera_rays` makes the first wave of rays, by `scene/camera`; where samples lie is in `math/sampling`, in lanes in
 //!    `math/sample_keys`.
 //! 3. `stages/closest_hits` finds what each ray meets first. Packets from one point, as a camera's are, go through the tree
-//!    together, by `packet/bundle`, `bvh/frustum` and `bvh/shaft`; others one after the other, by `packet/closest_hit` and `bvh/packet`. Single rays
+//!    together, by `packet/bundle`, `bvh/frustum` and `bvh/shaft`; what all samples of a tile through a lens may meet is found once, by
+//!    `packet/lens` and `bvh/beam`; other packets go one after the other, by `packet/closest_hit` and `bvh/packet`. Single rays
 //!    are followed by `query/closest_hit`, which walks the tree (`bvh/traverse`) and asks the shapes (`query/guaranteed`), which are
 //!    defined in `shapes`.
 //! 4. `stages/surfaces` refines hits to surface points, where light, a medium or a mirror asks for them, by `packet/refine`, and adds

@@ -87,6 +87,17 @@ impl Tree {
     }
 }
 
+impl Tree {
+    /// Returns along which axis a direction goes farthest, and how far along it from a place there are no shapes any more.
+    pub(crate) fn beyond(&self, place: DVec3, direction: DVec3) -> (usize, f64) {
+        let axis = direction.abs().max_position();
+        let from = (place - self.frame.origin())[axis] * self.scale();
+        // All of them are within -1..=1, but for rounding.
+        let far = (from.abs() + 1.0) * (1.0 + SLACK) / self.scale();
+        (axis, far.copysign(direction[axis]))
+    }
+}
+
 impl Lines {
     const NONE: Self = Self {
         starts: [[0.0; LANES]; GROUPS],
@@ -123,6 +134,23 @@ impl Lines {
 }
 
 impl Beam {
+    pub(crate) fn depth(&self) -> Depth {
+        self.frustum.depth
+    }
+
+    /// Returns the depth up to which boxes are of interest to rays that go no farther than so from where they start, on the box.
+    pub(crate) fn depth_limit(&self, farthest: f64) -> f32 {
+        frame::above(farthest + f64::from(self.ahead) + f64::from(self.slack))
+    }
+
+    /// Returns how deep a shape begins at least.
+    pub(crate) fn nearest(&self, bounds: &LeafBox) -> f32 {
+        let Frustum { depth, origin, .. } = &self.frustum;
+        let [near, _] = depth.near_and_far();
+        let near = bounds.planes[near] - origin[depth.axes()[0]];
+        if depth.upwards { near - self.slack } else { -near - self.slack }
+    }
+
     /// Returns which parts' rays may meet a shape before their own depths, as a bit mask.
     #[inline(always)]
     pub(crate) fn parts<S: Simd>(&self, simd: S, bounds: &LeafBox, limits: &Limits) -> u32 {

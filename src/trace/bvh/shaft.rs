@@ -144,6 +144,17 @@ impl Limits {
         limits
     }
 
+    /// Returns the parts to which something this deep is of interest, as a bit mask.
+    #[inline(always)]
+    pub(crate) fn reaching<S: Simd>(&self, simd: S, depth: f32) -> u32 {
+        let mut parts = 0;
+        for group in 0..GROUPS {
+            let reached = self.load(simd, group).simd_ge(f32x16::splat(simd, depth));
+            parts |= bits16(reached) << (group * LANES);
+        }
+        parts
+    }
+
     /// Returns those of some of the parts.
     #[inline(always)]
     pub(super) fn load<S: Simd>(&self, simd: S, group: usize) -> f32x16<S> {

@@ -5,7 +5,8 @@
 //! verdict is not certain, or two hits may be at the same place, nothing is decided here: the ray is left to the scalar code.
 //!
 //! - [`leaves`] and [`slabs`]: one shape of a kind against half of a packet's rays; [`verdicts`]: a shape of any kind.
-//! - [`closest_hit`]: the nearest of what a packet's rays meet; [`bundle`]: the same of packets of rays from one point.
+//! - [`closest_hit`]: the nearest of what a packet's rays meet; [`bundle`]: the same of packets of rays from one point, and
+//!   [`lens`] of those from a lens.
 //! - [`occlusion`]: what stands between surface points and a light, and [`crossings`]: where it is clear; [`candidates`]: what may, for all packets of a tile;
 //!   [`roles`]: which shapes do.
 //! - [`refine`]: the surface points that hits stand for.
@@ -16,6 +17,7 @@ mod candidates;
 mod closest_hit;
 mod crossings;
 mod leaves;
+mod lens;
 mod occlusion;
 mod reciprocals;
 mod refine;
@@ -30,6 +32,7 @@ pub(crate) use bundle::bundle_hits;
 pub(crate) use candidates::{Candidates, LightBox, LitPoints, WaysToLight};
 pub(crate) use closest_hit::closest_hits;
 pub(crate) use crossings::CrossedPacket;
+pub(crate) use lens::{LensCandidates, lens_hits};
 pub(crate) use occlusion::{Occlusion, ShadowPacket, occluded};
 pub(crate) use refine::refine;
 pub(crate) use roles::Occluders;

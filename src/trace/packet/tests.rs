@@ -33,7 +33,7 @@ fn coordinate() -> impl Strategy<Value = f64> {
     ]
 }
 
-fn point() -> impl Strategy<Value = DVec3> {
+pub(super) fn point() -> impl Strategy<Value = DVec3> {
     (coordinate(), coordinate(), coordinate()).prop_map(DVec3::from)
 }
 
@@ -41,7 +41,7 @@ fn size() -> impl Strategy<Value = f64> {
     prop_oneof![4 => Just(1.0), 2 => 0.1..2.0, 1 => 1e-6..1e-3, 1 => Just(1e6)]
 }
 
-fn shape() -> impl Strategy<Value = PreparedShape> {
+pub(super) fn shape() -> impl Strategy<Value = PreparedShape> {
     let sphere =
         (point(), size()).prop_map(|(center, radius)| PreparedShape::Sphere(Sphere { center, radius }));
     let aligned = (point(), size(), size()).prop_map(|(min, width, height)| {
@@ -98,7 +98,7 @@ fn packets(scene: &PreparedScene, camera: &Camera) -> Vec<RayPacket> {
 }
 
 /// Compares what a packet was found to meet with what single rays meet, and where. Returns how many rays were decided.
-fn compare(
+pub(super) fn compare(
     name: &str,
     scene: &PreparedScene,
     rays: &RayPacket,
@@ -202,12 +202,12 @@ fn packets_of(camera: &Camera) -> Vec<Vec<Ray>> {
     (0..16).map(square).collect()
 }
 
-fn camera(eye: DVec3, view: DVec3, wide: f64) -> Camera {
+pub(super) fn camera(eye: DVec3, view: DVec3, wide: f64) -> Camera {
     Camera::new(eye, view, DVec3::Y, 1.0, (wide, wide), (SIDE, SIDE))
 }
 
 /// Some direction, whatever is given.
-fn looking(view: DVec3) -> DVec3 {
+pub(super) fn looking(view: DVec3) -> DVec3 {
     if view == DVec3::ZERO { DVec3::Z } else { view }
 }
 
@@ -424,7 +424,7 @@ fn shadow_rays(
 }
 
 /// Two hundred spheres and boxes over a floor.
-fn crowd() -> PreparedScene {
+pub(super) fn crowd() -> PreparedScene {
     let floor = PreparedShape::Plane(Plane::new(DVec3::NEG_Y, DVec3::Y).unwrap());
     let mut shapes = vec![floor];
     for index in 0..200 {

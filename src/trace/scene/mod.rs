@@ -19,7 +19,7 @@ mod prepared_scene;
 mod tree_maintenance;
 
 pub use camera::Camera;
-pub(crate) use camera::{PixelCenters, SIDE, Square};
+pub(crate) use camera::{PixelCenters, SIDE, SpreadKeys, Square};
 pub use changes::{BvhUpdate, SceneChanges, ShapeChange};
 pub use checker::CheckerPattern;
 pub(crate) use document_order::DocumentOrder;

@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 use glam::DVec3;
 
 use super::answers::AnswerPacket;
+use super::camera_rays::SpreadTile;
 use super::generation::{Generation, UntracedRay};
 use super::tile::PACKETS;
 use super::trees::Trees;
@@ -52,6 +53,8 @@ pub(crate) struct TileBuffers<'a> {
     pub(super) beyond: Vec<UntracedRay>,
     /// What is known of samples whose rays may branch.
     pub(super) trees: Trees,
+    /// What is the same for all samples of the tile of camera rays that was traced last.
+    pub(super) spread: SpreadTile,
     pub(super) scratch: LightScratch<'a>,
     pub(super) packet_scratch: PacketScratch,
     /// By packet of the camera rays: what has come to their pixels.
@@ -81,6 +84,7 @@ impl<'a> TileBuffers<'a> {
             current: Generation::default(),
             beyond: Vec::new(),
             trees: Trees::default(),
+            spread: SpreadTile::default(),
             scratch: LightScratch::new(cancelled),
             packet_scratch: PacketScratch::default(),
             pixels: Box::new([Colors::splat(Rgb::ZERO); PACKETS]),

@@ -3,11 +3,50 @@
 use fearless_simd::{dispatch, prelude::*};
 
 use super::buffers::TileBuffers;
-use super::tile::{PACKETS, PIXELS, Sample};
-use super::wave::Wave;
-use crate::trace::light::PathPacket;
+use super::tile::{PACKETS, PIXELS, Sample, Tile};
+use super::wave::{Start, Wave};
+use crate::trace::light::{PathPacket, RenderContext};
 use crate::trace::math::lanes;
-use crate::trace::scene::Square;
+use crate::trace::packet::LensCandidates;
+use crate::trace::query::Scratch;
+use crate::trace::scene::{Precision, SpreadKeys, Square};
+
+/// What is the same for all samples of a tile's pixels, where those have several.
+#[derive(Debug)]
+pub(super) struct SpreadTile {
+    /// For which tile that is known.
+    known: Option<Tile>,
+    /// By packet: where samples lie.
+    keys: Box<[SpreadKeys; PACKETS]>,
+    /// What they may meet, if there is a lens.
+    pub(super) candidates: LensCandidates,
+}
+
+impl Default for SpreadTile {
+    fn default() -> Self {
+        let keys = Box::new([const { SpreadKeys::NONE }; PACKETS]);
+        Self { known: None, keys, candidates: LensCandidates::default() }
+    }
+}
+
+impl SpreadTile {
+    /// Finds that of a tile, unless it is known.
+    fn find(&mut self, context: &RenderContext<'_>, tile: Tile, search: &mut Scratch<'_>) {
+        if self.known.replace(tile) == Some(tile) {
+            return;
+        }
+        let (seed, has_lens) = (context.sampling.seed, context.camera.has_lens());
+        let squares = std::array::from_fn(|packet| tile.square(packet));
+        for (keys, square) in self.keys.iter_mut().zip(&squares) {
+            if let Some(square) = square {
+                keys.find(seed, square, has_lens);
+            }
+        }
+        if has_lens && context.scene.precision == Precision::Guaranteed {
+            self.candidates.find(context.scene, context.camera, &squares, search);
+        }
+    }
+}
 
 /// Makes the wave of camera rays, in packets of four by four pixels. A camera that is not in a finite place has none: its pixels see
 /// the background.
@@ -17,8 +56,11 @@ pub(super) fn camera_rays(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.wave.count = PACKETS;
     // A single sample passes through the middle of a lens.
     let pinhole = context.sampling.samples <= 1 || !context.camera.has_lens();
-    buffers.wave.origin = pinhole.then(|| context.camera.position());
-    dispatch!(context.scene.simd.level(), simd => make_rays(simd, sample, &mut buffers.wave));
+    buffers.wave.start = if pinhole { Start::Eye(context.camera.position()) } else { Start::Lens };
+    if context.sampling.samples > 1 {
+        buffers.spread.find(context, tile, &mut buffers.scratch.search);
+    }
+    dispatch!(context.scene.simd.level(), simd => make_rays(simd, sample, &buffers.spread, &mut buffers.wave));
     for packet in 0..PACKETS {
         if buffers.is_cancelled() {
             // What is left of another wave is not to be followed.
@@ -34,14 +76,17 @@ pub(super) fn camera_rays(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
 
 /// Makes the rays through the centres of pixels, or those of one of several samples.
 #[inline(always)]
-fn make_rays<S: Simd>(simd: S, sample: &Sample<'_>, wave: &mut Wave) {
+fn make_rays<S: Simd>(simd: S, sample: &Sample<'_>, spread: &SpreadTile, wave: &mut Wave) {
     let Sample { context, tile, index } = *sample;
     for packet in 0..PACKETS {
         let rays = &mut wave.rays[packet];
         match tile.square(packet) {
             None => rays.clear(),
             Some(square) if context.sampling.samples <= 1 => context.pixel_centers.rays(simd, &square, rays),
-            Some(square) => context.camera.spread_rays(simd, context.sampling, &square, index, rays),
+            Some(square) => {
+                let pixels = (&square, &spread.keys[packet]);
+                context.camera.spread_rays(simd, context.sampling, pixels, index, rays);
+            }
         }
     }
 }

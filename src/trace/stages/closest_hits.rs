@@ -1,13 +1,14 @@
 //! What each ray of the wave meets first.
 
 use super::buffers::TileBuffers;
+use super::wave::Start;
 use crate::trace::light::RenderContext;
 use crate::trace::math::lanes;
-use crate::trace::packet::{bundle_hits, closest_hits as packet_hits};
+use crate::trace::packet::{bundle_hits, closest_hits as packet_hits, lens_hits};
 use crate::trace::query::Intersector;
 use crate::trace::scene::Precision;
 
-/// Finds the closest hits of the wave: as many at once as start at one point, else packet by packet. What cannot be decided
+/// Finds the closest hits of the wave: as many at once as start at one point or on a lens, else packet by packet. What cannot be decided
 /// at once is decided ray by ray, and has the same answer.
 pub(super) fn closest_hits(
     context: &RenderContext<'_>,
@@ -15,7 +16,7 @@ pub(super) fn closest_hits(
     buffers: &mut TileBuffers<'_>,
 ) {
     buffers.entered.closest_hits += 1;
-    let TileBuffers { wave, hits, scratch, packet_scratch, .. } = buffers;
+    let TileBuffers { wave, hits, spread, scratch, packet_scratch, .. } = buffers;
     let (scene, search) = (context.scene, &mut scratch.search);
     search.tied_hits.clear();
     let (rays, hits) = (&wave.rays[..wave.count], &mut hits[..wave.count]);
@@ -24,10 +25,11 @@ pub(super) fn closest_hits(
             hits.clear();
             hits.open = rays.lanes;
         }
-    } else if !wave
-        .origin
-        .is_some_and(|origin| bundle_hits(scene, origin, rays, hits, (search, packet_scratch)))
-    {
+    } else if !match wave.start {
+        Start::Eye(eye) => bundle_hits(scene, eye, rays, hits, (search, packet_scratch)),
+        Start::Lens => lens_hits(scene, &spread.candidates, rays, hits, packet_scratch, search.cancelled),
+        Start::Anywhere => false,
+    } {
         for (rays, hits) in rays.iter().zip(&mut *hits) {
             packet_hits(scene, rays, hits, packet_scratch, search.cancelled);
         }

@@ -18,8 +18,17 @@ pub(super) struct Wave {
     pub(super) paths: Box<[PathPacket; PACKETS]>,
     /// The indices of their pixels in the tile.
     pub(super) pixels: Box<[[u32; LANES]; PACKETS]>,
-    /// Where all of them start, if that is one point.
-    pub(super) origin: Option<DVec3>,
+    pub(super) start: Start,
+}
+
+/// Where the rays of a wave start.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Start {
+    /// At one point.
+    Eye(DVec3),
+    /// On the camera's lens.
+    Lens,
+    Anywhere,
 }
 
 impl Wave {
@@ -30,13 +39,13 @@ impl Wave {
             rays: Box::new([const { RayPacket::EMPTY }; PACKETS]),
             paths: Box::new([const { PathPacket::AT_CAMERA }; PACKETS]),
             pixels: Box::new([[0; LANES]; PACKETS]),
-            origin: None,
+            start: Start::Anywhere,
         }
     }
 
     /// Takes all rays out.
     pub(super) fn clear(&mut self) {
-        (self.count, self.origin) = (0, None);
+        (self.count, self.start) = (0, Start::Anywhere);
     }
 
     /// Adds a packet of rays for these pixels.

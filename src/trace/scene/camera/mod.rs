@@ -4,7 +4,7 @@ mod packet;
 
 use glam::DVec3;
 
-pub(crate) use packet::{PixelCenters, SIDE, Square};
+pub(crate) use packet::{PixelCenters, SIDE, SpreadKeys, Square};
 
 use crate::trace::math::{Dimension, Double, PixelSamples, Sampling, disc, scaled};
 use crate::trace::rays::Ray;
@@ -176,6 +176,15 @@ impl Camera {
     /// Where rays come together, and how far from there they may start.
     pub(crate) fn eye(&self) -> (DVec3, f64) {
         (self.eye, self.lens.map_or(0.0, |lens| lens.radius))
+    }
+
+    /// Returns how far the places on the lens are from the eye along each axis at most.
+    pub(crate) fn lens_reach(&self) -> DVec3 {
+        /// 2^-40, more than rounding shifts places by.
+        const ROUNDING: f64 = f64::from_bits((1023 - 40) << 52);
+        let radius = self.lens.map_or(0.0, |lens| lens.radius);
+        let reach = (self.right.abs() + self.up.abs()) * radius;
+        reach + (reach + self.eye.abs()) * ROUNDING
     }
 
     /// Returns whether it has a lens, so that what is out of focus may be blurred.

@@ -102,6 +102,30 @@ impl PixelCenters {
     }
 }
 
+/// Where the samples of a packet's pixels lie: the same for all of them.
+#[derive(Clone, Debug)]
+pub(crate) struct SpreadKeys {
+    on_screen: SampleKeys,
+    on_lens: SampleKeys,
+}
+
+impl SpreadKeys {
+    /// Of no pixels.
+    pub(crate) const NONE: Self = Self { on_screen: SampleKeys::NONE, on_lens: SampleKeys::NONE };
+
+    /// Finds those of the pixels of a square, and on a lens if there is one.
+    pub(crate) fn find(&mut self, seed: u64, square: &Square, has_lens: bool) {
+        for lane in 0..LANES {
+            let (i, j) = square.pixel(lane);
+            let samples = PixelSamples::new(seed, i, j);
+            self.on_screen.set(lane, &samples, Dimension::Pixel);
+            if has_lens {
+                self.on_lens.set(lane, &samples, Dimension::Lens);
+            }
+        }
+    }
+}
+
 impl Camera {
     /// Puts the rays of sample `index` of several into the lanes, row by row: [`Camera::spread_ray`] of each pixel.
     #[inline(always)]
@@ -109,15 +133,14 @@ impl Camera {
         &self,
         simd: S,
         sampling: Sampling,
-        square: &Square,
+        (square, keys): (&Square, &SpreadKeys),
         index: u32,
         rays: &mut RayPacket,
     ) {
         rays.clear();
         let asked = square.lanes();
-        let on_screen = samples(simd, sampling.seed, square, Dimension::Pixel, index);
-        let on_lens =
-            self.lens.map(|lens| (lens, samples(simd, sampling.seed, square, Dimension::Lens, index)));
+        let on_screen = keys.on_screen.pairs(simd, index);
+        let on_lens = self.lens.map(|lens| (lens, keys.on_lens.pairs(simd, index)));
         let (i, j) = (f64::from(square.first.0), f64::from(square.first.1));
         let mut unusual = 0;
         for half in 0..2 {
@@ -145,6 +168,35 @@ impl Camera {
         }
     }
 
+    /// Returns the corners of a box around where samples of half of a packet's pixels are when they have gone so far from the eye along an
+    /// axis. `None` where some do not go there. The places of one sample for all of the lens, and of all samples for one place on it, are
+    /// seen in perspective, so that corners are outermost.
+    pub(crate) fn places_at(
+        &self,
+        (axis, far): (usize, f64),
+        square: &Square,
+        half: usize,
+    ) -> Option<[DVec3; 2]> {
+        let Lens { radius, focus } = self.lens?;
+        let (column, row) = (f64::from(square.first.0), f64::from(square.first.1));
+        let first = if half == 0 { -0.5 } else { 1.5 };
+        let [mut low, mut high] = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        for (i, j) in [(-0.5, first), (3.5, first), (-0.5, first + 2.0), (3.5, first + 2.0)] {
+            let in_focus = self.through(column + i, row + j) * focus;
+            for (right, up) in [(-radius, -radius), (radius, -radius), (-radius, radius), (radius, radius)] {
+                let on_lens = self.right * right + self.up * up;
+                let towards = in_focus - on_lens;
+                let t = (far - on_lens[axis]) / towards[axis];
+                let place = self.eye + on_lens + towards * t;
+                if !(t > 0.0 && towards[axis] * far > 0.0 && place.is_finite()) {
+                    return None;
+                }
+                (low, high) = (low.min(place), high.max(place));
+            }
+        }
+        Some([low, high])
+    }
+
     /// [`Camera::through`].
     #[inline(always)]
     fn through_lanes<S: Simd>(&self, simd: S, column: F64s<S>, row: F64s<S>) -> F64s3<S> {
@@ -161,17 +213,6 @@ impl Camera {
         let on_screen = add(times(splat3(simd, self.right), across), times(splat3(simd, self.up), upwards));
         add(on_screen, splat3(simd, self.forward))
     }
-}
-
-/// Point `index` of a dimension's sequence in every lane.
-#[inline(always)]
-fn samples<S: Simd>(simd: S, seed: u64, square: &Square, dimension: Dimension, index: u32) -> [Numbers; 2] {
-    let mut keys = SampleKeys::NONE;
-    for lane in 0..LANES {
-        let (i, j) = square.pixel(lane);
-        keys.set(lane, &PixelSamples::new(seed, i, j), dimension);
-    }
-    keys.pairs(simd, index)
 }
 
 /// As numbers of the lanes.
@@ -210,8 +251,9 @@ mod tests {
                 for (i, j) in [(0, 0), (4, 4), (20, 8)] {
                     let size = (columns.saturating_sub(i).min(SIDE), rows.saturating_sub(j).min(SIDE));
                     let square = Square { first: (i, j), size };
-                    let mut rays = RayPacket::EMPTY;
-                    dispatch!(level.level(), simd => camera.spread_rays(simd, sampling, &square, index, &mut rays));
+                    let (mut rays, mut keys) = (RayPacket::EMPTY, SpreadKeys::NONE);
+                    keys.find(sampling.seed, &square, camera.has_lens());
+                    dispatch!(level.level(), simd => camera.spread_rays(simd, sampling, (&square, &keys), index, &mut rays));
                     for lane in 0..LANES {
                         let (i, j) = square.pixel(lane);
                         let ray =

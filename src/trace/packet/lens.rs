@@ -1,0 +1,280 @@
+//! Packets of camera rays through a lens, and what they meet. Rays of a tile's samples start all over the lens, and go to about the same
+//! places: what any of them may meet is found once, bundle by bundle, for all samples.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use fearless_simd::{dispatch, prelude::*};
+use glam::DVec3;
+
+use super::closest_hit::{Search, latest};
+use super::reciprocals::Reciprocals;
+use super::scratch::PacketScratch;
+use super::verdicts::{Asked, Asking};
+use crate::trace::bvh::{Beam, FrustumVisitor, LeafBox, LeafId, Limits, PACKETS, Stack};
+use crate::trace::math::{LANES, Vectors, half_lanes, set_bits};
+use crate::trace::query::{HitPacket, Scratch};
+use crate::trace::rays::RayPacket;
+use crate::trace::scene::{Camera, PreparedScene, Square};
+
+/// The first halves of packets, as parts.
+const EVERY_FIRST: u32 = 0x5555_5555;
+
+/// More shapes than a tile has rays are better found in the tree: to pass over one costs all rays together a few operations.
+const MOST: usize = PACKETS * LANES;
+
+/// The shapes of the tree that rays of a tile's samples may meet; kept for its memory.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LensCandidates {
+    beam: Option<Beam>,
+    /// Nearest first.
+    shapes: Vec<Candidate>,
+}
+
+/// A shape that rays may meet.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    leaf: LeafId,
+    /// Bundles that may meet it, as a bit mask.
+    parts: u32,
+    /// It is not nearer than so.
+    near: f32,
+}
+
+impl LensCandidates {
+    /// Finds those of the samples of a tile's pixels, packet by packet.
+    pub(crate) fn find(
+        &mut self,
+        scene: &PreparedScene,
+        camera: &Camera,
+        squares: &[Option<Square>; PACKETS],
+        scratch: &mut Scratch<'_>,
+    ) {
+        self.shapes.clear();
+        self.beam = None;
+        let Some(places) = places_beyond(scene, camera, squares) else { return };
+        let points = places.iter().map(|(points, lanes)| (points, *lanes));
+        let Scratch { stack, cancelled, .. } = scratch;
+        let lens = (camera.position(), camera.lens_reach());
+        dispatch!(scene.simd.level(), simd => {
+            let Some((beam, limits)) = scene.tree.beam(simd, lens, points) else { return };
+            self.gather(simd, scene, (beam, limits), (stack, cancelled));
+        });
+    }
+
+    #[inline(always)]
+    fn gather<S: Simd>(
+        &mut self,
+        simd: S,
+        scene: &PreparedScene,
+        (beam, limits): (Beam, Limits),
+        (stack, cancelled): (&mut Stack, &AtomicBool),
+    ) {
+        let farthest = limits.farthest(simd);
+        let mut visitor = Gathering { beam: &beam, limits, farthest, shapes: &mut self.shapes };
+        scene.tree.visit_frustum(simd, &beam.frustum, farthest, stack, cancelled, &mut visitor);
+        if self.shapes.len() <= MOST {
+            self.shapes.sort_unstable_by(|one, other| {
+                one.near.total_cmp(&other.near).then(one.leaf.cmp(&other.leaf))
+            });
+            self.beam = Some(beam);
+        }
+    }
+}
+
+/// Returns around which places, behind all shapes of the tree, the samples of pixels end up: two corners for each half of a packet, and in
+/// which lanes they are. `None` where some do not go there.
+fn places_beyond(
+    scene: &PreparedScene,
+    camera: &Camera,
+    squares: &[Option<Square>; PACKETS],
+) -> Option<[(Vectors, u32); PACKETS]> {
+    let [.., view] = camera.axes();
+    let beyond = scene.tree.beyond(camera.position(), view);
+    let mut places = [const { (Vectors::splat(DVec3::ZERO), 0) }; PACKETS];
+    for ((corners, lanes), square) in places.iter_mut().zip(squares) {
+        let Some(square) = square else { continue };
+        for half in 0..2 {
+            let [low, high] = camera.places_at(beyond, square, half)?;
+            let first = half * LANES / 2;
+            corners.set(first, low);
+            corners.set(first + 1, high);
+            *lanes |= 3 << first;
+        }
+    }
+    Some(places)
+}
+
+/// Shapes on their way into a list.
+struct Gathering<'a> {
+    beam: &'a Beam,
+    limits: Limits,
+    farthest: f32,
+    shapes: &'a mut Vec<Candidate>,
+}
+
+impl<S: Simd> FrustumVisitor<S> for Gathering<'_> {
+    #[inline(always)]
+    fn visit(&mut self, simd: S, leaf: LeafId, bounds: &LeafBox) -> f32 {
+        let parts = self.beam.parts(simd, bounds, &self.limits);
+        if parts != 0 {
+            self.shapes.push(Candidate { leaf, parts, near: self.beam.nearest(bounds) });
+        }
+        if self.shapes.len() > MOST { f32::NEG_INFINITY } else { self.farthest }
+    }
+}
+
+/// Finds what one sample's rays meet first, of those that candidates were found for. Those that single rays have to decide are left open in
+/// `hits`. `false`, and nothing found, where there are no candidates.
+pub(crate) fn lens_hits(
+    scene: &PreparedScene,
+    candidates: &LensCandidates,
+    rays: &[RayPacket],
+    hits: &mut [HitPacket],
+    PacketScratch { reciprocals, .. }: &mut PacketScratch,
+    cancelled: &AtomicBool,
+) -> bool {
+    let Some(beam) = &candidates.beam else { return false };
+    hits.iter_mut().for_each(HitPacket::clear);
+    reciprocals.iter_mut().for_each(Reciprocals::forget);
+    let mut sample = LensSample { scene, beam, rays, hits, reciprocals, limits: Limits::NONE };
+    dispatch!(scene.simd.level(), simd => sample.meet_all(simd, &candidates.shapes, cancelled));
+    true
+}
+
+/// Rays of a sample.
+struct LensSample<'a> {
+    scene: &'a PreparedScene,
+    beam: &'a Beam,
+    rays: &'a [RayPacket],
+    hits: &'a mut [HitPacket],
+    reciprocals: &'a mut [Reciprocals; PACKETS],
+    /// The depths up to which shapes are of interest.
+    limits: Limits,
+}
+
+impl LensSample<'_> {
+    #[inline(always)]
+    fn meet_all<S: Simd>(&mut self, simd: S, shapes: &[Candidate], cancelled: &AtomicBool) {
+        for packet in 0..self.rays.len() {
+            for id in &self.scene.beside {
+                if cancelled.load(Ordering::Relaxed) {
+                    return;
+                }
+                self.meet(simd, (packet, self.rays[packet].lanes), Asked::beside(self.scene, *id));
+            }
+            self.update_limits(simd, packet);
+        }
+        for Candidate { leaf, parts, near } in shapes {
+            let parts = parts & self.limits.reaching(simd, *near);
+            if parts == 0 {
+                continue;
+            }
+            if cancelled.load(Ordering::Relaxed) {
+                return;
+            }
+            let shape = Asked::leaf(self.scene, *leaf);
+            for first in set_bits((parts | parts >> 1) & EVERY_FIRST) {
+                let (packet, halves) = (first / 2, parts >> first & 3);
+                let asked = ((halves & 1) * half_lanes(0)) | ((halves >> 1) * half_lanes(1));
+                if self.meet(simd, (packet, asked), shape) {
+                    self.update_limits(simd, packet);
+                }
+            }
+        }
+    }
+
+    /// Intersects a packet's rays, in some lanes, with a shape. Says whether any of them meets that nearer than all before.
+    #[inline(always)]
+    fn meet<S: Simd>(&mut self, simd: S, (packet, lanes): (usize, u32), shape: Asked<'_>) -> bool {
+        let rays = &self.rays[packet];
+        let asking = Asking { rays, reciprocals: &mut self.reciprocals[packet] };
+        let mut search = Search { scene: self.scene, asking, hits: &mut self.hits[packet] };
+        search.meet(simd, shape, lanes & rays.lanes)
+    }
+
+    /// Limits both halves of a packet to the greatest depth at which any of its rays may have its nearest hit.
+    #[inline(always)]
+    fn update_limits<S: Simd>(&mut self, simd: S, packet: usize) {
+        let (rays, hits) = (&self.rays[packet], &self.hits[packet]);
+        for half in 0..2 {
+            let along = (&rays.directions, rays.lanes, half);
+            let farthest = self.beam.depth().farthest(simd, along, (latest(simd, hits, half), 1.0));
+            let limit = self.beam.depth_limit(farthest * self.scene.tree.scale());
+            self.limits.set(packet * 2 + half, limit);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::trace::math::{Sampling, SimdLevel};
+    use crate::trace::packet::tests::{camera, compare, crowd, looking, point, scene, shape};
+    use crate::trace::rays::TieLists;
+    use crate::trace::scene::SpreadKeys;
+
+    /// Compares what samples through a lens find at every level with what single rays find. Returns how many were decided at once, of how many.
+    fn decided_through_lens(
+        scene: &mut PreparedScene,
+        camera: &Camera,
+    ) -> Result<(usize, usize), TestCaseError> {
+        let sampling = Sampling { samples: 16, seed: 5 };
+        let mut squares = [None; 16];
+        for (square, index) in squares.iter_mut().zip(0..) {
+            *square = Some(Square { first: (index % 4 * 4, index / 4 * 4), size: (4, 4) });
+        }
+        let mut candidates = LensCandidates::default();
+        let (mut least, mut all) = (usize::MAX, 0);
+        for (name, level) in SimdLevel::all() {
+            scene.simd = level;
+            let mut scratch = Scratch::default();
+            candidates.find(scene, camera, &squares, &mut scratch);
+            let mut count = 0;
+            all = 0;
+            for index in [0, 5, 11] {
+                let (mut packets, mut hits) = (vec![RayPacket::EMPTY; 16], vec![HitPacket::EMPTY; 16]);
+                for (rays, square) in packets.iter_mut().zip(squares.iter().flatten()) {
+                    let mut keys = SpreadKeys::NONE;
+                    keys.find(sampling.seed, square, true);
+                    dispatch!(level.level(), simd => camera.spread_rays(simd, sampling, (square, &keys), index, rays));
+                    all += rays.lanes.count_ones() as usize;
+                }
+                let packet_scratch = &mut PacketScratch::default();
+                if lens_hits(scene, &candidates, &packets, &mut hits, packet_scratch, scratch.cancelled) {
+                    for (rays, hits) in packets.iter().zip(&mut hits) {
+                        count += compare(name, scene, rays, hits, &TieLists::default())?;
+                    }
+                }
+            }
+            least = least.min(count);
+        }
+        Ok((least, all))
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        #[test]
+        fn samples_through_a_lens_find_what_single_rays_find(
+            shapes in prop::collection::vec(shape(), 1..14),
+            eye in point(),
+            view in point(),
+            (aperture, focus) in (prop_oneof![Just(0.01), 0.1..2.0], prop_oneof![0.2..20.0, Just(1e3)]),
+            wide in prop_oneof![Just(1.0), Just(0.01), Just(3.0)],
+            far in prop_oneof![4 => Just(1.0), 1 => Just(50.0)],
+        ) {
+            let camera = camera(eye * far, looking(view), wide).with_lens(aperture, focus);
+            decided_through_lens(&mut scene(&shapes), &camera)?;
+        }
+    }
+
+    /// A test of the test of samples through a lens, which could not fail otherwise.
+    #[test]
+    fn nearly_all_samples_through_a_lens_are_decided_at_once() {
+        let camera = camera(DVec3::new(0.3, 2.0, -6.1), DVec3::new(0.01, -0.2, 1.0), 0.5).with_lens(0.3, 8.0);
+        let (decided, all) = decided_through_lens(&mut crowd(), &camera).unwrap();
+        assert!(all == 3 * 256 && decided + 8 >= all, "{decided} of {all}");
+    }
+}
