@@ -1,6 +1,6 @@
 //! Every shipped scene against its golden pictures, to the last bit, for several numbers of threads, with all vector instructions
-//! of the processor, and by the reference path. So are the scenes under `tests/flush_faces/`: shapes that rest on each other, share faces or coincide, where rays
-//! start on several surfaces at once. Wrong answers there show as speckles, light leaks and dark seams.
+//! of the processor, and by the reference path. So are the scenes under `tests/flush_faces/`: shapes that rest on each other, share
+//! faces or coincide, where rays start on several surfaces at once. Wrong answers there show as speckles, light leaks and dark seams.
 //!
 //! On a mismatch the actual, the expected and a difference picture are written to `target/golden_mismatches/`.
 //! `RAYREEL_BLESS=1 cargo test --test scenes goldens` writes the goldens anew; look at them before you keep them.

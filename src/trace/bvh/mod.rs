@@ -12,7 +12,8 @@
 //! - [`traverse`]: from the root to the leaves, nearest first, with one ray.
 //! - [`packet`]: the same with sixteen rays.
 //! - [`frustum`]: the same with all rays from one point within some slopes, eight boxes at once; [`shaft`]: which of many bundles in
-//!   it may meet a shape, and [`cover`] which of them all do; [`beam`]: the same of rays from a box; [`slopes`] and [`depth`]: what they are made of.
+//!   it may meet a shape, and [`cover`] which of them all do; [`beam`]: the same of rays from a box; [`slopes`] and [`depth`]: what
+//!   they are made of.
 
 mod beam;
 mod build;

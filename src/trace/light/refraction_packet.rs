@@ -51,7 +51,8 @@ struct MediumBoundary {
 }
 
 impl MediumBoundary {
-    /// Where a ray that is inside of some solids enters or leaves a shape. `None` where that is not clear, or there are others that equal it.
+    /// Returns where a ray that is inside of some solids enters or leaves a shape. `None` where that is not clear, or there are others that
+    /// equal it.
     fn of(
         (scene, media): (&PreparedScene, &mut MediumStacks),
         (id, arrived, entering): (Option<ShapeId>, MediumStack, bool),

@@ -215,7 +215,8 @@ mod tests {
     use crate::trace::rays::TieLists;
     use crate::trace::scene::SpreadKeys;
 
-    /// Compares what samples through a lens find at every level with what single rays find. Returns how many were decided at once, of how many.
+    /// Compares what samples through a lens find at every level with what single rays find. Returns how many were decided at once, of
+    /// how many.
     fn decided_through_lens(
         scene: &mut PreparedScene,
         camera: &Camera,

@@ -7,8 +7,8 @@ use crate::trace::light::{BranchPacket, PathPacket};
 use crate::trace::math::LANES;
 use crate::trace::rays::RayPacket;
 
-/// Rays in packets, which have one ray of a pixel at most, and are in the order in which their light is added up. A generation of more rays is
-/// taken in parts, so that memory does not grow with it.
+/// Rays in packets, which have one ray of a pixel at most, and are in the order in which their light is added up. A generation of more
+/// rays is taken in parts, so that memory does not grow with it.
 #[derive(Clone, Debug)]
 pub(super) struct Wave {
     /// How many packets there are.
