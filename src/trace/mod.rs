@@ -26,12 +26,11 @@
 //!    added. Which shapes may hide a light from the tile that is not infinitely far away is found once, for all of its samples, by
 //!    `packet/candidates`, `bvh/shaft` and, if it has a size, `bvh/beam`.
 //! 6. `stages/sums` adds what each ray brings to its pixel, in the order of the wave, after fog and media on the way have taken theirs
-//!    (`light/passage_packet`). A tile's pixels are kept packet by packet of its
-//!    camera rays, whose light is added in their lanes.
+//!    (`light/passage_packet`). A tile's pixels are kept packet by packet of its camera rays, whose light is added in their lanes.
 //! 7. `stages/next_rays` makes mirrored and refracted rays, by `light/secondary_packet` and `light/refraction_packet`, and singly by
-//!    `light/secondary`, and keeps those that can still show, by `light/contribution`. They are the next generation, in `stages/generation`, of which `stages/chains` keeps
-//!    what is traced where samples have one ray in each, and `stages/trees` where they may have several; and go on at 3, whole packets as
-//!    they are and others put together, by `stages/packing`, as many at a time as a wave has room for.
+//!    `light/secondary`: the next generation (`stages/generation`). `stages/select` keeps those that can still show, by
+//!    `light/contribution`, and where samples may have several of them, by what `stages/trees` knows of them all. They go on at 3, whole
+//!    packets as they are and others put together, by `stages/packing`, as many at a time as a wave has room for.
 //! 8. `exposure` adds samples up in the order of their indices (`tile_light`), in `f64`, in which the mean of equal samples is exactly
 //!    their value, and `film` holds the result; a single sample goes there at once.
 //!

@@ -5,8 +5,8 @@ use std::sync::atomic::AtomicBool;
 use glam::DVec3;
 
 use super::answers::AnswerPacket;
-use super::camera_rays::SpreadTile;
 use super::generation::{Generation, UntracedRay};
+use super::spread_tile::SpreadTile;
 use super::tile::PACKETS;
 use super::trees::Trees;
 use super::wave::Wave;

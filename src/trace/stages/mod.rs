@@ -11,7 +11,6 @@
 mod answers;
 mod buffers;
 mod camera_rays;
-mod chains;
 mod clear_shadows;
 mod closest_hits;
 mod direct_light;
@@ -19,7 +18,9 @@ mod generation;
 mod next_rays;
 mod packing;
 mod sample;
+mod select;
 mod shadows;
+mod spread_tile;
 mod sums;
 mod surfaces;
 mod tile;

@@ -3,10 +3,8 @@
 use fearless_simd::dispatch;
 
 use super::buffers::TileBuffers;
-use super::chains::select_chains;
 use super::generation::UntracedRay;
 use super::packing::fill;
-use super::trees::select_trees;
 use crate::trace::light::{RenderContext, branch_lanes, secondary_rays};
 use crate::trace::math::{LANES, lanes};
 
@@ -47,19 +45,6 @@ pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'
             }
         }
     }
-}
-
-/// Makes the rays that were sent on the current generation, as far as they are traced: `generations` are left for them, 0 if they see
-/// the background untraced.
-pub(super) fn select(context: &RenderContext<'_>, generations: u32, buffers: &mut TileBuffers<'_>) {
-    std::mem::swap(&mut buffers.current, &mut buffers.next);
-    buffers.next.clear();
-    if context.branches() {
-        select_trees(context, generations, buffers);
-    } else {
-        select_chains(context, generations, buffers);
-    }
-    buffers.scratch.search.ties.keep(buffers.current.ties_mut());
 }
 
 /// Fills the wave with rays of the current generation. `false` where none are left.

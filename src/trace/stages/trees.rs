@@ -3,17 +3,16 @@
 
 use fearless_simd::dispatch;
 
-use super::buffers::TileBuffers;
 use super::generation::SentPacket;
 use super::tile::TILE_PIXELS;
-use crate::trace::light::{Brightest, Budget, LARGEST_TREE, RenderContext};
+use crate::trace::light::{Brightest, Budget};
 use crate::trace::math::{LANES, SimdLevel, lanes};
 
 /// What is known of the trees of a tile's samples, pixel by pixel of its packets.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Trees {
     /// How many rays are traced.
-    sizes: Vec<u32>,
+    pub(super) sizes: Vec<u32>,
     /// What may be left out.
     budgets: Vec<Budget>,
     /// What each ray of a generation can bring at most, and its number, pixel by pixel, in the order of the generation.
@@ -23,7 +22,7 @@ pub(super) struct Trees {
     /// By packet of a generation: what its rays can bring.
     mosts: Vec<[f32; LANES]>,
     /// By packet of a generation: lanes that are cut.
-    cut: Vec<u32>,
+    pub(super) cut: Vec<u32>,
 }
 
 impl Trees {
@@ -36,7 +35,13 @@ impl Trees {
     }
 
     /// Finds what the rays of a generation's packets can bring, with `generations` left for them.
-    fn weigh(&mut self, level: SimdLevel, brightest: &Brightest, packets: &[SentPacket], generations: u32) {
+    pub(super) fn weigh(
+        &mut self,
+        level: SimdLevel,
+        brightest: &Brightest,
+        packets: &[SentPacket],
+        generations: u32,
+    ) {
         self.mosts.clear();
         dispatch!(level.level(), simd => {
             for sent in packets {
@@ -46,7 +51,7 @@ impl Trees {
     }
 
     /// Finds what is cut of a generation's packets, of whose rays it is known what they can bring.
-    fn find_cut(&mut self, packets: &[SentPacket]) {
+    pub(super) fn find_cut(&mut self, packets: &[SentPacket]) {
         self.cut.clear();
         self.cut.resize(packets.len(), 0);
         self.sort(packets);
@@ -87,30 +92,6 @@ impl Trees {
                 *end += 1;
             }
         }
-    }
-}
-
-/// Keeps those rays of the current generation that are traced: not what could not show, and what is beyond the last generation or the
-/// most rays of a sample. `generations` are left for them, 0 if they see the background untraced.
-pub(super) fn select_trees(context: &RenderContext<'_>, generations: u32, buffers: &mut TileBuffers<'_>) {
-    let TileBuffers { current, beyond, trees, rays_traced, trees_ended, .. } = buffers;
-    trees.weigh(context.scene.simd, &context.brightest, current.packets(), generations);
-    trees.find_cut(current.packets());
-    for (sent, cut) in current.packets_mut().iter_mut().zip(&trees.cut) {
-        trees_ended.cutoff += u64::from(cut.count_ones());
-        sent.branches.rays.keep(!cut);
-        let mut traced = 0_u32;
-        if generations > 0 {
-            for lane in lanes(sent.branches.rays.lanes) {
-                let size = &mut trees.sizes[sent.pixels[lane] as usize % TILE_PIXELS];
-                if *size < LARGEST_TREE {
-                    *size += 1;
-                    traced |= 1 << lane;
-                }
-            }
-        }
-        rays_traced.add_secondary(sent.mirrored, traced.count_ones());
-        sent.give_up(!traced, beyond);
     }
 }
 
