@@ -1,7 +1,7 @@
 //! Quick pictures, and pictures that are made piece by piece.
 
 use std::ops::ControlFlow::{Break, Continue};
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, Ordering};
 
 use rayreel::engine::Draft;
 use rayreel::trace::Signals;
@@ -111,11 +111,15 @@ fn what_there_is_of_a_picture_lies_over_another_one() {
     let whole = engine.render_at(time).unwrap();
     let beneath = Film::from_pixels(2, 1, [Rgb::new(1.0, 0.0, 0.0), Rgb::new(0.0, 0.0, 1.0)].into_iter());
     let (never, mut seen) = (AtomicBool::new(false), Vec::new());
-    let asked = AtomicU32::new(0);
-    let pause = || asked.fetch_add(1, Ordering::Relaxed) % 3 == 2;
+    // Five samples of tiles at a time, of twice as many as there are tiles: whichever threads take them, of most tiles of the
+    // first portion there is nothing.
+    let portion = 5_u16;
+    let left = AtomicI32::new(portion.into());
+    let pause = || left.fetch_sub(1, Ordering::Relaxed) <= 0;
     let signals = Signals { cancelled: &never, pause: &pause };
     let mut visit = |exposure: &rayreel::trace::Exposure| {
         seen.push(exposure.develop_over(&beneath));
+        left.store(portion.into(), Ordering::Relaxed);
         Continue(())
     };
     assert!(engine.render_on(time, &mut None, signals, &mut visit).unwrap() == Some(whole.clone()));
@@ -128,7 +132,9 @@ fn what_there_is_of_a_picture_lies_over_another_one() {
     let counts: Vec<usize> = seen.iter().map(finished).collect();
     assert!(counts.len() > 2 && counts[0] < 64 * 36 && counts.last() > counts.first(), "{counts:?}");
     // Where nothing has come yet the other one is seen, as large as this one.
-    let first = &seen[0];
-    let others = (0..64).filter(|i| first.pixel(*i, 35) == beneath.pixel(i / 32, 0)).count();
-    assert!(others > 0, "{first:?}");
+    let others = (0..36)
+        .flat_map(|j| (0..64).map(move |i| (i, j)))
+        .filter(|(i, j)| seen[0].pixel(*i, *j) == beneath.pixel(i / 32, 0))
+        .count();
+    assert!(others >= 64 * 36 - usize::from(portion) * 16 * 16, "{others}");
 }
