@@ -14,7 +14,8 @@
 //!
 //! # Why the result is that of a parse of the whole
 //!
-//! Whether the cuts are where they seem to be is not assumed, but follows if all parts are accepted:
+//! A part that is [plain](super::plain) is read as such, with the parser's result. Whether the cuts are where they seem to be is not
+//! assumed, but follows if all parts are accepted:
 //!
 //! 1. The mark is the first entity of the scene, so that the parser, having read what is before it, begins a list of entities there.
 //!    It reads the first part as it would in the whole text.
@@ -31,6 +32,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use serde::Deserialize;
 
+use super::plain::read_plain;
 use super::whole::options;
 use crate::scene::document::{EntityDocument, SceneDocument};
 use crate::scene::spans::list_of;
@@ -77,7 +79,7 @@ fn part(text: &str, range: Range<usize>, start: usize) -> Option<Vec<Arc<EntityD
     let is_first = range.start == start;
     let before = if is_first { "" } else { "()" };
     let part = format!("(entities: [{before}{},(name: {MARK:?})])", text.get(range)?);
-    let Part { mut entities } = options().from_str(&part).ok()?;
+    let Part { mut entities } = read_plain(&part).or_else(|_| options().from_str(&part)).ok()?;
     entities.pop().filter(is_mark)?;
     if !is_first {
         entities.drain(..1);

@@ -26,15 +26,14 @@ fn nothing(text: &str) -> Diagnostic {
     Diagnostic::new(message, "", Some(help), None)
 }
 
-/// Reads a scene's text, on all threads if it is long.
+/// Reads a scene's text, on all threads and, where it is plain, in a quick way if it is long.
 pub(in crate::scene) fn read(text: &str) -> Result<SceneDocument, SpannedError> {
-    /// Shorter texts are read before others could help.
+    /// Shorter texts are read before it would help.
     const LONG: usize = 1 << 16;
     /// Parts for each thread, as some take longer than others.
     const PARTS: usize = 4;
-    let threads = rayon::current_num_threads();
-    let alone = text.len() < LONG || threads == 1;
-    let in_parts = if alone { None } else { read_in_parts(text, threads * PARTS) };
+    let parts = rayon::current_num_threads() * PARTS;
+    let in_parts = if text.len() < LONG { None } else { read_in_parts(text, parts) };
     in_parts.map_or_else(|| read_whole(text), Ok)
 }
 
