@@ -1,6 +1,6 @@
 //! From a world of moving spheres to the kernel's arrays, by how many there are and how many of them move.
 //!
-//! `cargo bench --bench preparation` measures on the threads that rayon takes; `RAYON_NUM_THREADS=1` makes it one. `-- first`,
+//! `cargo bench --bench preparation` measures on the threads that rayon takes; `RAYON_NUM_THREADS=1` makes it one. `-- first`, `-- again`,
 //! `-- camera`, `-- few` and `-- all` measure parts of it, `-- 1000000` one number of spheres.
 
 use divan::Bencher;
@@ -30,10 +30,21 @@ fn first(bencher: Bencher<'_, '_>, count: u32) {
 
 /// A world that was prepared before, anew.
 #[divan::bench(args = COUNTS, sample_count = 9, sample_size = 1)]
-fn again(bencher: Bencher<'_, '_>, count: u32) {
+fn in_new_memory(bencher: Bencher<'_, '_>, count: u32) {
     let mut gas = Gas::new(count);
     gas.prepare();
     bencher.counter(ItemsCount::new(count)).bench_local(|| gas.prepare());
+}
+
+/// The same, in the arrays of the frame before.
+#[divan::bench(args = COUNTS, sample_count = 9, sample_size = 1)]
+fn again(bencher: Bencher<'_, '_>, count: u32) {
+    let mut gas = Gas::new(count);
+    let mut preparation = gas.prepare();
+    bencher.counter(ItemsCount::new(count)).bench_local(|| {
+        let moved = propagate(&mut gas.world, &Changes::all());
+        preparation.update(&mut gas.world, Time::ZERO, &Changes::all(), &moved)
+    });
 }
 
 /// Only the camera moves.

@@ -356,7 +356,7 @@ fn visibility(
         Some(*id) != own_shape
             && scene.hides_or_is_crossed(geometry, *id, (ray, limit), look, crossed, escalations)
     };
-    match scene.order().ids().iter().copied().find(hides) {
+    match scene.geometry().ids_in_order().find(hides) {
         Some(id) => Err(id),
         None => Ok(filtered_and_absorbed(scene, geometry, shadow_ray, own_shape, seen, scratch)),
     }

@@ -30,8 +30,8 @@ fn nothing(text: &str) -> Diagnostic {
 pub(in crate::scene) fn read(text: &str) -> Result<SceneDocument, SpannedError> {
     /// Shorter texts are read before it would help.
     const LONG: usize = 1 << 16;
-    /// Parts for each thread, as some take longer than others.
-    const PARTS: usize = 4;
+    /// Parts for each thread: many, as some take longer than others, and as the last one is read along with the rest of the scene.
+    const PARTS: usize = 16;
     let parts = rayon::current_num_threads() * PARTS;
     let in_parts = if text.len() < LONG { None } else { read_in_parts(text, parts) };
     in_parts.map_or_else(|| read_whole(text), Ok)

@@ -44,21 +44,30 @@ pub(super) fn read_all(world: &mut World, geometry: &mut Geometry, materials: &m
     ordered.sort_unstable_by_key(|(order, entity)| (*order, entity.id()));
     let view = world.view_mut::<Surfaced<'_>>();
     let mut all = Drawn::default();
-    let mut batches: Vec<Batch> = Vec::new();
-    for entities in ordered.chunks(BATCH * BATCHES) {
-        batches.resize_with(entities.len().div_ceil(BATCH), Batch::default);
-        let shares = entities.par_chunks(BATCH).zip(&mut batches);
-        shares.for_each(|(entities, batch)| batch.read(&view, entities));
-        for batch in &mut batches {
-            geometry.append(&mut batch.geometry);
-            for (material, shapes) in batch.materials.drain(..) {
-                materials.push_all(material, shapes);
-            }
-            all.entities.append(&mut batch.drawn);
-            all.unsound.append(&mut batch.unsound);
-        }
+    // While some are read, those before are put together.
+    let (mut before, mut batches) = (Vec::new(), Vec::new());
+    for entities in ordered.chunks(BATCH * BATCHES).chain([&ordered[..0]]) {
+        let read = || {
+            batches.resize_with(entities.len().div_ceil(BATCH), Batch::default);
+            let shares = entities.par_chunks(BATCH).zip(&mut batches);
+            shares.for_each(|(entities, batch)| batch.read(&view, entities));
+        };
+        rayon::join(read, || before.iter_mut().for_each(|batch| all.append(batch, geometry, materials)));
+        std::mem::swap(&mut before, &mut batches);
     }
     all
+}
+
+impl Drawn {
+    /// Adds what a batch gave, and empties it.
+    fn append(&mut self, batch: &mut Batch, geometry: &mut Geometry, materials: &mut MaterialTable) {
+        geometry.append(&mut batch.geometry);
+        for (material, shapes) in batch.materials.drain(..) {
+            materials.push_all(material, shapes);
+        }
+        self.entities.append(&mut batch.drawn);
+        self.unsound.append(&mut batch.unsound);
+    }
 }
 
 impl Batch {

@@ -60,14 +60,22 @@ impl Clone for Builder {
 }
 
 impl Builder {
-    /// Makes a tree over these shapes. Returns the index of each leaf's shape.
-    pub(crate) fn build(&mut self, extents: &[Extent], tree: &mut Tree) -> &[u32] {
-        let frame = Frame::of(extents);
+    /// Makes a tree over so many shapes, given by their indices. Returns the index of each leaf's shape.
+    pub(crate) fn build(
+        &mut self,
+        count: usize,
+        extent: impl Fn(usize) -> Extent + Sync,
+        tree: &mut Tree,
+    ) -> &[u32] {
+        let frame = Frame::of(count, |index| extent(index).bounds);
         let Self { boxes, round, order, treelets } = self;
-        let placed = extents.par_iter().map(|extent| (frame.bounds(&extent.bounds), extent.round));
-        placed.unzip_into_vecs(boxes, round);
+        let place = |index| {
+            let Extent { bounds, round } = extent(index);
+            (frame.bounds(&bounds), round)
+        };
+        (0..count).into_par_iter().map(place).unzip_into_vecs(boxes, round);
         order.clear();
-        order.extend(0..to_u32(extents.len()));
+        order.extend(0..to_u32(count));
         let ends = morton::divide(boxes, order, TREELET_SIZE);
         treelets.resize_with(ends.len(), Treelet::default);
         runs(order, &ends).into_par_iter().zip(&mut *treelets).for_each_init(

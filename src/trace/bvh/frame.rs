@@ -3,7 +3,6 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::Extent;
 use crate::trace::rays::Ray;
 use crate::trace::shapes::Bounds;
 
@@ -91,24 +90,25 @@ impl Frame {
     /// 2^126: what begins farther away may have overflowed `f32`, so that limits beyond are infinite.
     pub(super) const ENDLESS: f64 = f64::from_bits((1023 + 126) << 52);
 
-    /// The frame of these shapes.
-    pub(crate) fn of(extents: &[Extent]) -> Self {
+    /// The frame of so many shapes, given by their indices.
+    pub(super) fn of(count: usize, bounds: impl Fn(usize) -> Bounds + Sync) -> Self {
         /// Of how many shapes, evenly spread among all, the median is taken.
         const SAMPLE: usize = 4096;
         let median = |axis: usize| {
-            let sample = extents.iter().step_by(extents.len().div_ceil(SAMPLE));
-            let mut centers: Vec<f64> = sample.map(|extent| extent.bounds.center()[axis]).collect();
+            let sample = (0..count).step_by(count.div_ceil(SAMPLE));
+            let mut centers: Vec<f64> = sample.map(|index| bounds(index).center()[axis]).collect();
             let middle = centers.len() / 2;
             *centers.select_nth_unstable_by(middle, f64::total_cmp).1
         };
-        if extents.is_empty() {
+        if count == 0 {
             return Self::default();
         }
         let origin = DVec3::new(median(0), median(1), median(2));
-        let reach = |Extent { bounds, .. }: &Extent| {
+        let reach = |index| {
+            let bounds = bounds(index);
             (bounds.max - origin).abs().max((bounds.min - origin).abs()).max_element()
         };
-        let reach = extents.par_iter().with_min_len(SAMPLE).map(reach).reduce(|| 0.0, f64::max);
+        let reach = (0..count).into_par_iter().with_min_len(SAMPLE).map(reach).reduce(|| 0.0, f64::max);
         let exponent = if reach > 0.0 { libm::ilogb(reach) + 1 } else { 0 };
         Self { origin, scale: libm::ldexp(1.0, -exponent.clamp(-1020, 1020)) }
     }

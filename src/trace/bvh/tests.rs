@@ -16,10 +16,10 @@ struct Built {
 
 impl Built {
     fn over(bounds: &[Bounds], builder: &mut Builder) -> Self {
-        let extents: Vec<Extent> =
-            bounds.iter().map(|bounds| Extent { bounds: *bounds, round: false }).collect();
+        let extent = |index: usize| Extent { bounds: bounds[index], round: false };
         let mut tree = Tree::default();
-        let shapes = builder.build(&extents, &mut tree).iter().map(|shape| *shape as usize).collect();
+        let shapes =
+            builder.build(bounds.len(), extent, &mut tree).iter().map(|shape| *shape as usize).collect();
         Self { tree, shapes }
     }
 

@@ -3,6 +3,8 @@
 use crate::trace::rays::ShapeId;
 
 /// The order of a scene's shapes in its document. Of surfaces in the same place the first is seen.
+///
+/// Until they are renumbered, it is that of their ids, and nothing is stored.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct DocumentOrder {
     /// By id.
@@ -16,21 +18,16 @@ pub(crate) struct DocumentOrder {
 pub(crate) struct Rank(u32);
 
 impl DocumentOrder {
-    /// Adds the next shape, after all others.
-    pub(super) fn push(&mut self, id: ShapeId) {
-        self.extend([id]);
-    }
-
     /// Adds the next shapes, after all others.
-    pub(super) fn extend(&mut self, ids: impl IntoIterator<Item = ShapeId, IntoIter: Clone>) {
-        let ids = ids.into_iter();
-        self.ranks.extend(ids.clone().map(|id| Rank(id.0)));
-        self.ids.extend(ids);
-        debug_assert_eq!(
-            self.ids.last().map_or(0, |id| id.index() + 1),
-            self.ids.len(),
-            "ids are given in turn"
-        );
+    pub(super) fn extend(&mut self, ids: impl IntoIterator<Item = ShapeId>) {
+        if self.ids.is_empty() {
+            return;
+        }
+        for id in ids {
+            assert_eq!(id.index(), self.ids.len(), "ids are given in turn");
+            self.ranks.push(Rank(id.0));
+            self.ids.push(id);
+        }
     }
 
     /// Removes all.
@@ -39,13 +36,13 @@ impl DocumentOrder {
         self.ids.clear();
     }
 
-    /// Puts the shapes into another order.
+    /// Puts so many shapes into another order.
     ///
     /// # Panics
     ///
     /// Unless it has every shape once.
-    pub(super) fn renumber(&mut self, ids: &[ShapeId]) {
-        assert_eq!(ids.len(), self.ids.len(), "an order has every shape once");
+    pub(super) fn renumber(&mut self, count: usize, ids: &[ShapeId]) {
+        assert_eq!(ids.len(), count, "an order has every shape once");
         let mut ranks = vec![None; ids.len()];
         for (rank, id) in (0..).map(Rank).zip(ids) {
             ranks[id.index()] = Some(rank);
@@ -57,11 +54,11 @@ impl DocumentOrder {
     /// Returns a shape's place.
     #[inline]
     pub(crate) fn rank(&self, id: ShapeId) -> Rank {
-        self.ranks[id.index()]
+        self.ranks.get(id.index()).copied().unwrap_or(Rank(id.0))
     }
 
-    /// Returns all shapes, the first of the document first.
-    pub(crate) fn ids(&self) -> &[ShapeId] {
-        &self.ids
+    /// Returns the shape with a place, counted from 0.
+    pub(super) fn shape_at(&self, rank: u32) -> ShapeId {
+        self.ids.get(rank as usize).copied().unwrap_or(ShapeId(rank))
     }
 }

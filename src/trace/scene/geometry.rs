@@ -83,7 +83,7 @@ impl Geometry {
         };
         self.locations.push(location);
         let id = ShapeId(to_index(self.locations.len() - 1));
-        self.order.push(id);
+        self.order.extend([id]);
         id
     }
 
@@ -198,9 +198,14 @@ impl Geometry {
         &self.order
     }
 
+    /// Returns all ids, the first of the document first.
+    pub(crate) fn ids_in_order(&self) -> impl Iterator<Item = ShapeId> {
+        (0..to_index(self.locations.len())).map(|rank| self.order.shape_at(rank))
+    }
+
     /// Puts the shapes into another document order, and leaves their ids as they are.
     pub(super) fn renumber(&mut self, ids: &[ShapeId]) {
-        self.order.renumber(ids);
+        self.order.renumber(self.len(), ids);
     }
 
     /// Returns all ids, in the order in which shapes were added.

@@ -18,8 +18,6 @@ pub(super) struct TreeMaintenance {
     builder: Builder,
     /// The shapes of the tree, in the order of their ids.
     ids: Vec<ShapeId>,
-    /// Where they were when it was built.
-    extents: Vec<Extent>,
     /// Made when a shape moves for the first time after the tree was built.
     links: Option<TreeLinks>,
 }
@@ -75,21 +73,23 @@ impl TreeMaintenance {
         equal_shapes: &EqualShapes,
         SceneTree { tree, leaves, beside }: SceneTree<'_>,
     ) {
-        let Self { builder, ids, extents, links } = self;
+        let Self { builder, ids, links } = self;
         *links = None;
-        let representatives = geometry.par_ids().filter(|id| equal_shapes.first(*id) == *id);
-        (*ids, *beside) = representatives.partition(|id| geometry.is_bounded(*id));
-        let extent = |id: &ShapeId| {
-            let round = matches!(geometry.shape(*id), ShapeRef::Sphere(_));
-            Extent { bounds: geometry.bounds(*id).unwrap_or_default(), round }
-        };
-        ids.par_iter().map(extent).collect_into_vec(extents);
-        for index in huge_shapes(extents).into_iter().rev() {
+        ids.clear();
+        beside.clear();
+        for id in geometry.ids().filter(|id| equal_shapes.first(*id) == *id) {
+            if geometry.is_bounded(id) { ids.push(id) } else { beside.push(id) }
+        }
+        for index in huge_shapes(geometry, ids).into_iter().rev() {
             beside.push(ids.remove(index));
-            extents.remove(index);
         }
         beside.sort_unstable_by_key(|id| geometry.order().rank(*id));
-        let order = builder.build(extents, tree);
+        let extent = |index: usize| {
+            let id = ids[index];
+            let round = matches!(geometry.shape(id), ShapeRef::Sphere(_));
+            Extent { bounds: geometry.bounds(id).unwrap_or_default(), round }
+        };
+        let order = builder.build(ids.len(), extent, tree);
         leaves.fill(geometry, order.par_iter().map(|index| ids[*index as usize]));
     }
 }
@@ -104,23 +104,23 @@ impl TreeLinks {
     }
 }
 
-/// Indices of at most 64 boxes whose longest edge is over 2^16 times the median of those that have one, ascending. The median is
-/// that of at most some thousands, evenly spread among all.
-fn huge_shapes(extents: &[Extent]) -> Vec<usize> {
+/// Returns the indices of at most 64 shapes whose boxes' longest edge is over 2^16 times the median of those that have one, ascending.
+/// The median is that of at most some thousands, evenly spread among all.
+fn huge_shapes(geometry: &Geometry, ids: &[ShapeId]) -> Vec<usize> {
     const TIMES_MEDIAN: f64 = 65_536.0;
     const MOST: usize = 64;
     const SAMPLE: usize = 4096;
-    let edge = |extent: &Extent| extent.bounds.extent();
-    let sample = extents.iter().step_by(extents.len().div_ceil(SAMPLE).max(1));
+    let edge = |id: &ShapeId| geometry.bounds(*id).unwrap_or_default().extent();
+    let sample = ids.iter().step_by(ids.len().div_ceil(SAMPLE).max(1));
     let mut edges: Vec<f64> = sample.map(edge).filter(|edge| *edge > 0.0).collect();
     if edges.is_empty() {
         return Vec::new();
     }
     let middle = edges.len() / 2;
     let median = *edges.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let large = |(_, extent): &(usize, &Extent)| edge(extent) > median * TIMES_MEDIAN;
-    let mut huge: Vec<usize> = extents.par_iter().enumerate().filter(large).map(|(index, _)| index).collect();
-    huge.sort_by(|left, right| edge(&extents[*right]).total_cmp(&edge(&extents[*left])));
+    let large = |(_, id): &(usize, &ShapeId)| edge(id) > median * TIMES_MEDIAN;
+    let mut huge: Vec<usize> = ids.par_iter().enumerate().filter(large).map(|(index, _)| index).collect();
+    huge.sort_by(|left, right| edge(&ids[*right]).total_cmp(&edge(&ids[*left])));
     huge.truncate(MOST);
     huge.sort_unstable();
     huge
