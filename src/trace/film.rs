@@ -125,18 +125,20 @@ impl<Pixel: Copy + Send + Sync> Film<Pixel> {
     /// Divides the film into tiles, row by row of tiles; those at the edges may be smaller. Light is encoded when it is stored.
     pub(crate) fn tiles_mut<E: Encoding<Pixel = Pixel>>(&mut self, encoding: E) -> Vec<FilmTile<'_, E>> {
         let (width, side) = ((self.width as usize).max(1), TILE as usize);
+        let (columns, rows) = (width.div_ceil(side), (self.height as usize).div_ceil(side));
+        // As many as they are, as it is much memory that lists would grow through.
+        let tiles = (0..columns * rows).into_par_iter().with_min_len(columns);
+        let mut tiles: Vec<FilmTile<'_, E>> =
+            tiles.map(|_| FilmTile { encoding, rows: Default::default() }).collect();
         let bands = self.pixels.par_chunks_mut(width * side);
-        let tiles = bands.flat_map_iter(|band| {
-            let mut tiles: Vec<FilmTile<'_, E>> =
-                (0..width).step_by(side).map(|_| FilmTile { encoding, rows: Default::default() }).collect();
+        bands.zip(tiles.par_chunks_mut(columns)).for_each(|(band, tiles)| {
             for (j, row) in band.chunks_mut(width).enumerate() {
                 for (tile, part) in tiles.iter_mut().zip(row.chunks_mut(side)) {
                     tile.rows[j] = part;
                 }
             }
-            tiles
         });
-        tiles.collect()
+        tiles
     }
 }
 
