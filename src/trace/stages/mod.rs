@@ -7,6 +7,8 @@
 //!                     ^                                                           |
 //!                     +------------------------ the next wave --------------------+
 //! ```
+//!
+//! Tiles in which nothing can be seen go through none of them: see [`empty_tiles`].
 
 mod answers;
 mod buffers;
@@ -14,6 +16,7 @@ mod camera_rays;
 mod clear_shadows;
 mod closest_hits;
 mod direct_light;
+mod empty_tiles;
 mod generation;
 mod next_rays;
 mod packing;

@@ -4,6 +4,7 @@ use super::buffers::TileBuffers;
 use super::camera_rays::camera_rays;
 use super::closest_hits::closest_hits;
 use super::direct_light::direct_light;
+use super::empty_tiles::fill_empty_tile;
 use super::next_rays::{fill_wave, give_up, next_rays};
 use super::select::select;
 use super::sums::add_to_pixels;
@@ -25,6 +26,9 @@ pub(crate) fn render_sample(
 ) -> bool {
     let sample = Sample { context, tile, index };
     buffers.begin(context);
+    if fill_empty_tile(&sample, buffers) {
+        return !buffers.is_cancelled();
+    }
     camera_rays(&sample, buffers);
     closest_hits(context, shapes, buffers);
     shade_wave(&sample, shapes, buffers);

@@ -1,0 +1,170 @@
+//! Tiles in which nothing can be seen: no ray is followed for those.
+//!
+//! All rays through the centres of a tile's pixels lie between those through its corners: along a row, and along a column, what is
+//! across them changes evenly. So do slopes, as long as all corners are ahead: their extremes are at corners. What rounding does to
+//! rays in between is far below the slack of [frusta](crate::trace::bvh).
+
+use std::ops::RangeInclusive;
+
+use fearless_simd::{dispatch, prelude::*};
+use glam::DVec3;
+
+use super::buffers::TileBuffers;
+use super::tile::{PACKETS, Sample, Tile};
+use crate::color::Rgb;
+use crate::trace::bvh::{Depth, FrustumVisitor, LeafBox, LeafId, SlopeRange};
+use crate::trace::light::RenderContext;
+use crate::trace::math::{Colors, Vectors, lanes};
+use crate::trace::query::Scratch;
+use crate::trace::scene::{Background, Camera, Precision, SIDE};
+
+/// Gives the background's colour to a tile's pixels if it is certain that their rays meet nothing. `false`, and nothing done, if not,
+/// and where more is asked of such rays.
+pub(super) fn fill_empty_tile(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) -> bool {
+    let Sample { context, tile, .. } = *sample;
+    let Some(color) = sight_of_nothing(context) else { return false };
+    if !is_empty(context, &tile, &mut buffers.scratch.search) {
+        return false;
+    }
+    for packet in 0..PACKETS {
+        if let Some(square) = tile.square(packet) {
+            let pixels = &mut buffers.pixels[packet];
+            if square.size == (SIDE, SIDE) {
+                *pixels = Colors::splat(color);
+            } else {
+                lanes(square.lanes()).for_each(|lane| pixels.set(lane, color));
+            }
+        }
+    }
+    buffers.rays_traced.camera += u64::from(tile.width * tile.height);
+    true
+}
+
+/// Returns what all rays see that meet nothing; `None` if it is not the same for all.
+fn sight_of_nothing(context: &RenderContext<'_>) -> Option<Rgb> {
+    let scene = context.scene;
+    let alike = context.sampling.samples <= 1
+        && scene.precision == Precision::Guaranteed
+        && scene.beside.is_empty()
+        && scene.fog.density == 0.0
+        && !context.may_start_inside();
+    match scene.background {
+        // As it is added to a pixel.
+        Background::Flat(color) if alike => Some(Rgb::ZERO + Rgb::ONE * color),
+        _ => None,
+    }
+}
+
+/// Returns whether it is certain that all of the tile's pixels have rays, and none of them may meet a shape of the tree.
+fn is_empty(context: &RenderContext<'_>, tile: &Tile, scratch: &mut Scratch<'_>) -> bool {
+    let (eye, tree) = (context.camera.position(), &context.scene.tree);
+    let Some(corners) = corners(context.camera, tile).filter(|_| eye.is_finite()) else { return false };
+    let depth = Depth::along(corners.get(0));
+    dispatch!(context.scene.simd.level(), simd => {
+        let slopes = SlopeRange::of(simd, (&corners, FOUR), (depth, 1.0));
+        let Some(frustum) = slopes.and_then(|slopes| tree.frustum(eye, depth, &slopes)) else { return false };
+        let mut shapes = AnyShape(false);
+        tree.visit_frustum(simd, &frustum, f32::INFINITY, &mut scratch.stack, scratch.cancelled, &mut shapes);
+        !shapes.0
+    })
+}
+
+/// Returns the ways from the eye to the centres of the outermost pixels, in the first four lanes. `None` if some may be no ray.
+fn corners(camera: &Camera, tile: &Tile) -> Option<Vectors> {
+    /// Far from where squares are not numbers any more.
+    const USUAL: RangeInclusive<f64> = 1e-100..=1e100;
+    let (right, bottom) = (tile.i + tile.width - 1, tile.j + tile.height - 1);
+    let pixels = [(tile.i, tile.j), (right, tile.j), (tile.i, bottom), (right, bottom)];
+    let mut corners = Vectors::splat(DVec3::ZERO);
+    for (lane, (i, j)) in pixels.into_iter().enumerate() {
+        let towards = camera.towards(i, j);
+        if !USUAL.contains(&towards.length_squared()) {
+            return None;
+        }
+        corners.set(lane, towards);
+    }
+    Some(corners)
+}
+
+/// The lanes of the corners.
+const FOUR: u32 = 0b1111;
+
+/// Whether there is any.
+struct AnyShape(bool);
+
+impl<S: Simd> FrustumVisitor<S> for AnyShape {
+    #[inline(always)]
+    fn visit(&mut self, _: S, _: LeafId, _: &LeafBox) -> f32 {
+        self.0 = true;
+        f32::NEG_INFINITY
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicBool;
+
+    use proptest::prelude::*;
+
+    use super::super::tile::TILE;
+    use super::*;
+    use crate::trace::shapes::Sphere;
+    use crate::trace::{
+        Effects, Geometry, Lighting, Paths, PreparedScene, PreparedShape, Sampling, SurfaceMaterial,
+    };
+
+    const SIZE: (u32, u32) = (70, 45);
+    const EFFECTS: Effects = Effects { lighting: Lighting::None, paths: Paths::Straight, extras: false };
+
+    /// Which tiles of a film are empty, by their first pixels, with spheres before the camera.
+    fn empty_tiles(camera: &Camera, spheres: &[Sphere]) -> Vec<Tile> {
+        let mut geometry = Geometry::default();
+        for sphere in spheres {
+            geometry.push(PreparedShape::Sphere(*sphere));
+        }
+        let scene = PreparedScene::new(geometry, vec![SurfaceMaterial::default(); spheres.len()]);
+        let context = RenderContext::new(&scene, camera, Sampling::default(), EFFECTS);
+        let starts = (0..SIZE.1)
+            .step_by(TILE as usize)
+            .flat_map(|j| (0..SIZE.0).step_by(TILE as usize).map(move |i| (i, j)));
+        let tiles =
+            starts.map(|(i, j)| Tile { i, j, width: TILE.min(SIZE.0 - i), height: TILE.min(SIZE.1 - j) });
+        let never = AtomicBool::new(false);
+        tiles.filter(|tile| is_empty(&context, tile, &mut Scratch::new(&never))).collect()
+    }
+
+    #[test]
+    fn most_tiles_around_a_small_sphere_are_empty() {
+        let camera = Camera::new(DVec3::new(0.0, 0.0, -5.0), DVec3::Z, DVec3::Y, 1.0, (1.0, 0.64), SIZE);
+        let empty = |spheres: &[Sphere]| empty_tiles(&camera, spheres).len();
+        assert_eq!(empty(&[]), 15);
+        assert_eq!(empty(&[Sphere { center: DVec3::new(0.0, 0.0, -9.0), radius: 3.0 }]), 15);
+        // It reaches over the edge between two tiles.
+        assert_eq!(empty(&[Sphere { center: DVec3::ZERO, radius: 0.4 }]), 13);
+    }
+
+    fn number(range: f64) -> impl Strategy<Value = DVec3> {
+        prop::array::uniform3(-range..range).prop_map(DVec3::from_array)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        #[test]
+        fn a_tile_with_a_tiny_sphere_in_a_ray_of_its_own_is_not_empty(
+            (eye, view, up) in (number(10.0), number(1.0), number(1.0)),
+            (width, distance) in (0.1..4.0, 0.1..100.0),
+            (column, row) in (0..SIZE.0, 0..SIZE.1),
+        ) {
+            let camera = Camera::new(eye, view, up, 1.0, (width, width * 0.64), SIZE);
+            let center = camera.ray(column, row).unwrap().at(distance);
+            // One more behind the camera: it must not hide that there is another.
+            let behind = Sphere { center: eye - view.normalize_or(DVec3::Z) * 5.0, radius: 1.0 };
+            let empty = empty_tiles(&camera, &[Sphere { center, radius: 1e-9 }, behind]);
+            let holds = |tile: &Tile| {
+                (tile.i..tile.i + tile.width).contains(&column) && (tile.j..tile.j + tile.height).contains(&row)
+            };
+            prop_assert!(!empty.iter().any(holds), "{:?}", empty);
+        }
+    }
+}
