@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use fearless_simd::dispatch;
 use rayon::prelude::*;
@@ -16,6 +17,7 @@ use crate::trace::query::{Intersector, Textbook};
 use crate::trace::scene::{Camera, Precision, PreparedScene};
 use crate::trace::stages::{PACKETS, TILE, Tile, TileBuffers, render_sample};
 use crate::trace::tile_light::{NO_SUMS, TileLight, TileSums, means};
+use crate::trace::work_queue::WorkQueue;
 
 /// What may end tracing before all is traced.
 #[derive(Clone, Copy)]
@@ -171,16 +173,17 @@ impl<E: Encoding> Exposure<E> {
         samples: (u32, u32),
         signals: Signals<'_>,
     ) -> bool {
-        let tiles = self.tiles.par_iter_mut();
+        let (count, tiles) = (self.tiles.len(), self.tiles.iter_mut());
         let (width, height) = (self.width, self.height);
         self.effort += match &mut self.pixels {
             Pixels::Picture(film) => {
                 let film = film.get_or_insert_with(|| Film::black(self.encoding, width, height));
-                add_samples(context, shapes, tiles.zip(film.tiles_mut(self.encoding)), samples, signals)
+                let tiles = tiles.zip(film.tiles_mut(self.encoding));
+                add_samples(context, shapes, (tiles, count), samples, signals)
             }
             Pixels::Sums(Sums(sums)) => {
-                let sums = sums.par_chunks_mut(PACKETS).map(TileSums);
-                add_samples(context, shapes, tiles.zip(sums), samples, signals)
+                let tiles = tiles.zip(sums.chunks_mut(PACKETS).map(TileSums));
+                add_samples(context, shapes, (tiles, count), samples, signals)
             }
         };
         self.tiles.iter().all(|exposed| exposed.samples >= samples.1)
@@ -222,8 +225,8 @@ impl<E: Encoding> Exposure<E> {
     /// Returns the means of what samples add up to, and how many had overflowed.
     fn develop_sums(&self, Sums(sums): &Sums) -> (Film<E::Pixel>, u64) {
         let mut film = Film::black(self.encoding, self.width, self.height);
-        let stored = film.tiles_mut(self.encoding).into_par_iter();
-        let tiles = stored.zip(sums.par_chunks(PACKETS)).zip(&self.tiles);
+        let stored: Vec<_> = film.tiles_mut(self.encoding).collect();
+        let tiles = stored.into_par_iter().zip(sums.par_chunks(PACKETS)).zip(&self.tiles);
         let overflowed = tiles.map(|((mut stored, sums), ExposedTile { tile, samples })| {
             dispatch!(SimdLevel::best().level(), simd => {
                 let mut pixels = [Colors::splat(Rgb::ZERO); PACKETS];
@@ -238,40 +241,55 @@ impl<E: Encoding> Exposure<E> {
     }
 }
 
-/// Adds samples of all tiles, over all threads. Returns what they took.
+/// Adds samples of all tiles, so many, over all threads. Returns what they took.
 fn add_samples<'t, L: TileLight>(
     context: &RenderContext<'_>,
     shapes: &impl Intersector,
-    tiles: impl IndexedParallelIterator<Item = (&'t mut ExposedTile, L)>,
-    (from, to): (u32, u32),
+    (tiles, count): (impl Iterator<Item = (&'t mut ExposedTile, L)> + Send, usize),
+    samples: (u32, u32),
     signals: Signals<'_>,
 ) -> Effort {
-    let efforts: Vec<Effort> = tiles
-        .map_init(
-            || TileBuffers::new(signals.cancelled),
-            |buffers, (exposed, mut light)| {
-                let mut effort = Effort::default();
-                for sample in from.max(exposed.samples)..to {
-                    if signals.cancelled.load(Ordering::Relaxed) || (signals.pause)() {
-                        break;
-                    }
-                    let whole = render_sample(context, shapes, (exposed.tile, sample), buffers);
-                    let traced = buffers.take_effort();
-                    if !whole {
-                        break;
-                    }
-                    effort.escalations.overflowed += dispatch!(context.scene.simd.level(), simd => {
-                        light.add(simd, &exposed.tile, buffers.pixels())
-                    });
-                    exposed.samples = sample + 1;
-                    effort += traced;
-                }
-                effort
-            },
-        )
-        .collect();
-    efforts.into_iter().fold(Effort::default(), |mut all, effort| {
-        all += effort;
-        all
-    })
+    let threads = rayon::current_num_threads();
+    let queue = WorkQueue::new(tiles, count, threads);
+    let total = Mutex::new(Effort::default());
+    let work = || {
+        let (mut share, mut buffers, mut effort) = (Vec::new(), None, Effort::default());
+        while queue.take_share(&mut share) {
+            let buffers = buffers.get_or_insert_with(|| TileBuffers::new(signals.cancelled));
+            for (exposed, mut light) in share.drain(..) {
+                effort += add_to_tile(context, shapes, (exposed, &mut light), samples, signals, buffers);
+            }
+        }
+        *total.lock().unwrap_or_else(PoisonError::into_inner) += effort;
+    };
+    rayon::scope(|scope| (0..threads).for_each(|_| scope.spawn(|_| work())));
+    total.into_inner().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Adds samples of a tile. Returns what they took.
+fn add_to_tile(
+    context: &RenderContext<'_>,
+    shapes: &impl Intersector,
+    (exposed, light): (&mut ExposedTile, &mut impl TileLight),
+    (from, to): (u32, u32),
+    signals: Signals<'_>,
+    buffers: &mut TileBuffers<'_>,
+) -> Effort {
+    let mut effort = Effort::default();
+    for sample in from.max(exposed.samples)..to {
+        if signals.cancelled.load(Ordering::Relaxed) || (signals.pause)() {
+            break;
+        }
+        let whole = render_sample(context, shapes, (exposed.tile, sample), buffers);
+        let traced = buffers.take_effort();
+        if !whole {
+            break;
+        }
+        effort.escalations.overflowed += dispatch!(context.scene.simd.level(), simd => {
+            light.add(simd, &exposed.tile, buffers.pixels())
+        });
+        exposed.samples = sample + 1;
+        effort += traced;
+    }
+    effort
 }

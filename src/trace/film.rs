@@ -122,23 +122,23 @@ impl<Pixel: Copy + Send + Sync> Film<Pixel> {
         self.pixels[j as usize * self.width as usize + i as usize]
     }
 
-    /// Divides the film into tiles, row by row of tiles; those at the edges may be smaller. Light is encoded when it is stored.
-    pub(crate) fn tiles_mut<E: Encoding<Pixel = Pixel>>(&mut self, encoding: E) -> Vec<FilmTile<'_, E>> {
+    /// Divides the film into tiles, row by row of tiles; those at the edges may be smaller. Light is encoded when it is stored. There
+    /// are never more than those of a row at once, as they are large.
+    pub(crate) fn tiles_mut<E: Encoding<Pixel = Pixel>>(
+        &mut self,
+        encoding: E,
+    ) -> impl Iterator<Item = FilmTile<'_, E>> + Send {
         let (width, side) = ((self.width as usize).max(1), TILE as usize);
-        let (columns, rows) = (width.div_ceil(side), (self.height as usize).div_ceil(side));
-        // As many as they are, as it is much memory that lists would grow through.
-        let tiles = (0..columns * rows).into_par_iter().with_min_len(columns);
-        let mut tiles: Vec<FilmTile<'_, E>> =
-            tiles.map(|_| FilmTile { encoding, rows: Default::default() }).collect();
-        let bands = self.pixels.par_chunks_mut(width * side);
-        bands.zip(tiles.par_chunks_mut(columns)).for_each(|(band, tiles)| {
+        self.pixels.chunks_mut(width * side).flat_map(move |band| {
+            let tiles = (0..width).step_by(side).map(|_| FilmTile { encoding, rows: Default::default() });
+            let mut tiles: Vec<FilmTile<'_, E>> = tiles.collect();
             for (j, row) in band.chunks_mut(width).enumerate() {
                 for (tile, part) in tiles.iter_mut().zip(row.chunks_mut(side)) {
                     tile.rows[j] = part;
                 }
             }
-        });
-        tiles
+            tiles
+        })
     }
 }
 

@@ -77,6 +77,7 @@ mod stages;
 #[cfg(test)]
 mod tests;
 mod tile_light;
+mod work_queue;
 
 pub use effort::{RayCounts, TreeEnds};
 pub(crate) use exposure::Sums;

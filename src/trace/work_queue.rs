@@ -1,0 +1,60 @@
+//! Work that threads take as they get ready, so that none waits for another at the end.
+//!
+//! After Polychronopoulos and Kuck, "Guided Self-Scheduling" (1987): who asks gets a share of what is left. Shares are long at first,
+//! which keeps neighbours together, and single items in the end.
+
+use std::sync::{Mutex, PoisonError};
+
+/// Items that some threads share.
+#[derive(Debug)]
+pub(super) struct WorkQueue<I> {
+    items: Mutex<Items<I>>,
+    threads: usize,
+}
+
+#[derive(Debug)]
+struct Items<I> {
+    rest: I,
+    /// How many are left.
+    count: usize,
+}
+
+impl<I: Iterator> WorkQueue<I> {
+    /// Of so many items, for so many threads, at least one.
+    pub(super) fn new(items: I, count: usize, threads: usize) -> Self {
+        Self { items: Mutex::new(Items { rest: items, count }), threads }
+    }
+
+    /// Adds the next share to a list. `false` if nothing is left.
+    pub(super) fn take_share(&self, list: &mut Vec<I::Item>) -> bool {
+        /// Into how many shares of its own what is left to a thread is divided.
+        const SHARES: usize = 4;
+        const LONGEST: usize = 16;
+        let mut items = self.items.lock().unwrap_or_else(PoisonError::into_inner);
+        let length = items.count.div_ceil(self.threads * SHARES).min(LONGEST);
+        items.count -= length;
+        list.extend(items.rest.by_ref().take(length));
+        length > 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_item_is_taken_once_and_shares_get_shorter() {
+        let queue = WorkQueue::new(0..1000, 1000, 3);
+        let (mut all, mut lengths) = (Vec::new(), Vec::new());
+        loop {
+            let before = all.len();
+            if !queue.take_share(&mut all) {
+                break;
+            }
+            lengths.push(all.len() - before);
+        }
+        assert_eq!(all, (0..1000).collect::<Vec<_>>());
+        assert!(lengths.is_sorted_by(|one, next| one >= next), "{lengths:?}");
+        assert_eq!((lengths[0], lengths.last()), (16, Some(&1)));
+    }
+}
