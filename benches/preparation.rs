@@ -1,7 +1,7 @@
 //! From a world of moving spheres to the kernel's arrays, by how many there are and how many of them move.
 //!
 //! `cargo bench --bench preparation` measures on the threads that rayon takes; `RAYON_NUM_THREADS=1` makes it one. `-- first`, `-- again`,
-//! `-- camera`, `-- few` and `-- all` measure parts of it, `-- 1000000` one number of spheres.
+//! `-- camera` and `-- moving` measure parts of it, `-- 1000000` one number of spheres.
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
