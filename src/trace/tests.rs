@@ -10,7 +10,7 @@ use crate::trace::math::SimdLevel;
 use crate::trace::scene::{Cone, Falloff, Fog};
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 use crate::trace::{
-    Camera, Effects, Exposure, Geometry, Light, LightSource, PreparedScene, PreparedShape, Refraction,
+    Camera, Effects, Exposure, Film, Geometry, Light, LightSource, PreparedScene, PreparedShape, Refraction,
     Sampling, ShapeId, Signals, SurfaceMaterial, reference,
 };
 
@@ -103,13 +103,18 @@ fn all_effects_have_the_reference_s_bits_at_every_level() {
         let expected = reference::render(&scene, &camera, sampling);
         for (name, level) in SimdLevel::all() {
             scene.simd = level;
-            let mut exposure = Exposure::new(resolution, samples);
-            let never = AtomicBool::new(false);
-            let signals = Signals::unless(&never);
-            assert!(exposure.add(&scene, &camera, sampling, (0, samples), Effects::ALL, signals));
-            assert!(exposure.develop().0 == expected, "{name}, {samples} samples");
+            assert!(film(&scene, &camera, sampling) == expected, "{name}, {samples} samples");
         }
     }
+}
+
+/// Renders with all effects.
+fn film(scene: &PreparedScene, camera: &Camera, sampling: Sampling) -> Film {
+    let mut exposure = Exposure::new(camera.resolution(), sampling.samples);
+    let never = AtomicBool::new(false);
+    let whole = (0, sampling.samples);
+    assert!(exposure.add(scene, camera, sampling, whole, Effects::ALL, Signals::unless(&never)));
+    exposure.develop().0
 }
 
 /// What is clear, in turns: it may absorb, bend light, and share it out between two rays.
@@ -179,11 +184,7 @@ proptest! {
         let expected = reference::render(&scene, &camera, sampling);
         for (name, level) in SimdLevel::all() {
             scene.simd = level;
-            let mut exposure = Exposure::new(resolution, samples);
-            let never = AtomicBool::new(false);
-            let signals = Signals::unless(&never);
-            prop_assert!(exposure.add(&scene, &camera, sampling, (0, samples), Effects::ALL, signals));
-            prop_assert!(exposure.develop().0 == expected, "{}", name);
+            prop_assert!(film(&scene, &camera, sampling) == expected, "{}", name);
         }
     }
 }

@@ -6,18 +6,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use fearless_simd::{dispatch, prelude::*};
 use glam::DVec3;
 
-use super::closest_hit::{Search, latest};
 use super::reciprocals::Reciprocals;
 use super::scratch::PacketScratch;
-use super::verdicts::{Asked, Asking};
+use super::tile_packets::TilePackets;
+use super::verdicts::Asked;
 use crate::trace::bvh::{Beam, FrustumVisitor, LeafBox, LeafId, Limits, PACKETS, Stack};
-use crate::trace::math::{LANES, Vectors, half_lanes, set_bits};
+use crate::trace::math::{LANES, Vectors};
 use crate::trace::query::{HitPacket, Scratch};
 use crate::trace::rays::RayPacket;
 use crate::trace::scene::{Camera, PreparedScene, Square};
-
-/// The first halves of packets, as parts.
-const EVERY_FIRST: u32 = 0x5555_5555;
 
 /// More shapes than a tile has rays are better found in the tree: to pass over one costs all rays together a few operations.
 const MOST: usize = PACKETS * LANES;
@@ -136,72 +133,33 @@ pub(crate) fn lens_hits(
     let Some(beam) = &candidates.beam else { return false };
     hits.iter_mut().for_each(HitPacket::clear);
     reciprocals.iter_mut().for_each(Reciprocals::forget);
-    let mut sample = LensSample { scene, beam, rays, hits, reciprocals, limits: Limits::NONE };
-    dispatch!(scene.simd.level(), simd => sample.meet_all(simd, &candidates.shapes, cancelled));
+    let (depth, depth_limit) = (beam.depth(), |farthest| beam.depth_limit(farthest));
+    let limits = Limits::NONE;
+    let mut packets = TilePackets { scene, rays, hits, reciprocals, depth, depth_limit, limits };
+    dispatch!(scene.simd.level(), simd => meet_all(simd, &mut packets, &candidates.shapes, cancelled));
     true
 }
 
-/// Rays of a sample.
-struct LensSample<'a> {
-    scene: &'a PreparedScene,
-    beam: &'a Beam,
-    rays: &'a [RayPacket],
-    hits: &'a mut [HitPacket],
-    reciprocals: &'a mut [Reciprocals; PACKETS],
-    /// The depths up to which shapes are of interest.
-    limits: Limits,
-}
-
-impl LensSample<'_> {
-    #[inline(always)]
-    fn meet_all<S: Simd>(&mut self, simd: S, shapes: &[Candidate], cancelled: &AtomicBool) {
-        for packet in 0..self.rays.len() {
-            for id in &self.scene.beside {
-                if cancelled.load(Ordering::Relaxed) {
-                    return;
-                }
-                self.meet(simd, (packet, self.rays[packet].lanes), Asked::beside(self.scene, *id));
-            }
-            self.update_limits(simd, packet);
-        }
-        for Candidate { leaf, parts, near } in shapes {
-            let parts = parts & self.limits.reaching(simd, *near);
-            if parts == 0 {
-                continue;
-            }
-            if cancelled.load(Ordering::Relaxed) {
-                return;
-            }
-            let shape = Asked::leaf(self.scene, *leaf);
-            for first in set_bits((parts | parts >> 1) & EVERY_FIRST) {
-                let (packet, halves) = (first / 2, parts >> first & 3);
-                let asked = ((halves & 1) * half_lanes(0)) | ((halves >> 1) * half_lanes(1));
-                if self.meet(simd, (packet, asked), shape) {
-                    self.update_limits(simd, packet);
-                }
-            }
-        }
+/// Intersects a sample's rays with what they may meet.
+#[inline(always)]
+fn meet_all<S: Simd>(
+    simd: S,
+    packets: &mut TilePackets<'_, impl Fn(f64) -> f32>,
+    shapes: &[Candidate],
+    cancelled: &AtomicBool,
+) {
+    if !packets.meet_beside(simd, cancelled) {
+        return;
     }
-
-    /// Intersects a packet's rays, in some lanes, with a shape. Says whether any of them meets that nearer than all before.
-    #[inline(always)]
-    fn meet<S: Simd>(&mut self, simd: S, (packet, lanes): (usize, u32), shape: Asked<'_>) -> bool {
-        let rays = &self.rays[packet];
-        let asking = Asking { rays, reciprocals: &mut self.reciprocals[packet] };
-        let mut search = Search { scene: self.scene, asking, hits: &mut self.hits[packet] };
-        search.meet(simd, shape, lanes & rays.lanes)
-    }
-
-    /// Limits both halves of a packet to the greatest depth at which any of its rays may have its nearest hit.
-    #[inline(always)]
-    fn update_limits<S: Simd>(&mut self, simd: S, packet: usize) {
-        let (rays, hits) = (&self.rays[packet], &self.hits[packet]);
-        for half in 0..2 {
-            let along = (&rays.directions, rays.lanes, half);
-            let farthest = self.beam.depth().farthest(simd, along, (latest(simd, hits, half), 1.0));
-            let limit = self.beam.depth_limit(farthest * self.scene.tree.scale());
-            self.limits.set(packet * 2 + half, limit);
+    for Candidate { leaf, parts, near } in shapes {
+        let parts = parts & packets.limits.reaching(simd, *near);
+        if parts == 0 {
+            continue;
         }
+        if cancelled.load(Ordering::Relaxed) {
+            return;
+        }
+        packets.meet_parts(simd, parts, Asked::leaf(packets.scene, *leaf));
     }
 }
 

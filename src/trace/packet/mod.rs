@@ -6,7 +6,7 @@
 //!
 //! - [`leaves`] and [`slabs`]: one shape of a kind against half of a packet's rays; [`verdicts`]: a shape of any kind.
 //! - [`closest_hit`]: the nearest of what a packet's rays meet; [`bundle`]: the same of packets of rays from one point, and
-//!   [`lens`] of those from a lens.
+//!   [`lens`] of those from a lens; [`tile_packets`]: what both ask of packets.
 //! - [`occlusion`]: what stands between surface points and a light, and [`crossings`]: where it is clear; [`candidates`]: what may, for all packets of a tile;
 //!   [`roles`]: which shapes do.
 //! - [`refine`]: the surface points that hits stand for.
@@ -26,6 +26,7 @@ mod scratch;
 mod slabs;
 #[cfg(test)]
 mod tests;
+mod tile_packets;
 mod verdicts;
 
 pub(crate) use bundle::bundle_hits;
