@@ -43,6 +43,7 @@ pub use context::Context;
 pub use effect::Effect;
 pub use faults::{Consequence, Fault, FaultCause, Instead};
 pub(crate) use halt::{Halt, ScriptFailure};
+pub(crate) use order::order_newcomers;
 pub use parts::value;
 pub use plan::{Need, Plan};
 #[doc(hidden)]

@@ -10,7 +10,7 @@ use crate::color::{Encoding, Linear};
 use crate::components::{Animated, FilmSettings};
 use crate::engine::engine::{Engine, EngineError};
 use crate::engine::report::FrameReport;
-use crate::systems::{Effect, Need, Plan, Preparation, Shutter, Shutters, propagate};
+use crate::systems::{Effect, Need, Plan, Preparation, Shutter, Shutters, order_newcomers, propagate};
 use crate::time::Time;
 use crate::trace::reference::{Reference, ReferenceSums};
 use crate::trace::{BvhUpdate, Effects, EncodedFilm, Exposure, Film, Lighting, SceneChanges, Signals, Sums};
@@ -295,6 +295,9 @@ impl Engine {
         }
         let animated = Instant::now();
         let changes = std::mem::take(&mut self.changes);
+        if changes.is_all() {
+            order_newcomers(&mut self.world, &[]);
+        }
         let moved = propagate(&mut self.world, &changes);
         let changed = match &mut self.preparation {
             Some(preparation) => preparation.update(&mut self.world, self.report.time, &changes, &moved),

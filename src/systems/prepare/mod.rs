@@ -124,7 +124,7 @@ impl Preparation {
         moved: &[Entity],
     ) -> SceneChanges {
         self.moment = moment;
-        if changes.is_all() {
+        if changes.is_all() || self.moved_most(moved) {
             return self.start_over(world);
         }
         let reshaped = || [moved, changes.shapes()].into_iter().filter(|entities| !entities.is_empty());
@@ -154,6 +154,12 @@ impl Preparation {
         });
         let materials = self.scene.replace_materials(materials);
         SceneChanges { shapes, bvh, materials, ..self.read_settings(world) }
+    }
+
+    /// Returns whether so many have moved that all threads read the whole world sooner than one puts each of these into its slot.
+    fn moved_most(&self, moved: &[Entity]) -> bool {
+        const FEWEST: usize = 65_536;
+        moved.len() > FEWEST && moved.len() > self.entities.len() / 2
     }
 
     /// Reads the whole world again: anything may be different.
