@@ -163,14 +163,10 @@ pub(super) fn aligned_box<S: Simd>(
     for axis in 0..3 {
         let at_min = (splat(simd, shape.min[axis]) - origin[axis]) * inverse[axis];
         let at_max = (splat(simd, shape.max[axis]) - origin[axis]) * inverse[axis];
-        let ordered = at_min.simd_lt(at_max);
-        let (near, far) = (ordered.select(at_min, at_max), ordered.select(at_max, at_min));
-        entry = near.simd_gt(entry).select(near, entry);
-        exit = far.simd_lt(exit).select(far, exit);
+        entry = at_min.min(at_max).max(entry);
+        exit = at_min.max(at_max).min(exit);
     }
-    let (entry_size, exit_size) = (entry.abs(), exit.abs());
-    let size = entry_size.simd_gt(exit_size).select(entry_size, exit_size);
-    let close = size * (8.0 * U);
+    let close = entry.abs().max(exit.abs()) * (8.0 * U);
     let maybe = !(exit.simd_lt(zero) | entry.simd_gt(exit + close));
     let open = maybe & entry.simd_gt(exit - close);
     let t = entry.simd_ge(zero).select(entry, exit) + zero;
