@@ -89,7 +89,7 @@ pub struct Engine {
     /// Whether to render with everything compiled in.
     pub(super) full: bool,
     /// The effect left out for a comparison.
-    pub(super) left_out: Option<Effect>,
+    pub(super) left_out: Vec<Effect>,
     /// The exposure of frames, once it has been read.
     pub(super) shutters: Option<Shutters>,
     pub(super) plan: Option<Plan>,
@@ -170,7 +170,7 @@ impl Engine {
             precision: Precision::default(),
             simd: SimdLevel::best(),
             full: false,
-            left_out: None,
+            left_out: Vec::new(),
             shutters: None,
             plan: None,
             report: FrameReport::default(),
@@ -274,10 +274,16 @@ impl Engine {
         self.plan.as_ref()
     }
 
-    /// Leaves an effect, or none, out of the frames from now on, even if a scene calls for it: to see what it is worth. Without
-    /// shadows of transparent objects, they occlude lights like opaque ones.
-    pub fn set_left_out(&mut self, effect: Option<Effect>) {
-        self.left_out = effect;
+    /// Leaves these effects, and no others, out of the frames from now on, even if a scene calls for them: to see what they are worth.
+    /// Without shadows of transparent objects, they occlude lights like opaque ones.
+    pub fn set_left_out(&mut self, effects: impl IntoIterator<Item = Effect>) {
+        self.left_out = effects.into_iter().collect();
+    }
+
+    /// Returns the effects that are left out of frames even if a scene calls for them.
+    #[must_use]
+    pub fn left_out(&self) -> &[Effect] {
+        &self.left_out
     }
 
     /// Sets whether to render with every effect, even those that a scene does not call for: slower, and the same bits. For

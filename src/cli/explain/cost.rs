@@ -99,9 +99,10 @@ impl Costs {
 }
 
 fn render(engine: &mut Engine, frame: u32, left_out: Option<Effect>) -> Result<Rendered, EngineError> {
-    engine.set_left_out(left_out);
+    let others = engine.left_out().to_vec();
+    engine.set_left_out(others.iter().copied().chain(left_out));
     let film = engine.render_frame(frame);
-    engine.set_left_out(None);
+    engine.set_left_out(others);
     let report = engine.report();
     let seconds = (report.animate + report.prepare + report.trace).as_secs_f64();
     Ok(Rendered { film: film?, rays: report.rays.total() as f64, seconds })

@@ -174,7 +174,8 @@ impl Engine {
 
     /// Returns the instants at which a frame is drawn: its moment, or several while the shutter is open.
     fn instants(&mut self, time: Time) -> Vec<Time> {
-        let single = [Some(Effect::MotionBlur), Some(Effect::Antialiasing)].contains(&self.left_out);
+        let single =
+            [Effect::MotionBlur, Effect::Antialiasing].iter().any(|effect| self.left_out.contains(effect));
         match self.shutter(time) {
             _ if single => vec![time],
             Shutter::Open(open, count) if self.full || self.may_move() => {
@@ -210,13 +211,11 @@ impl Engine {
             preparation.expose_with(*settings.get_or_insert(preparation.exposure_settings()), &self.world);
             let preparation = &*preparation;
             moves |= index > 0 && !changed.is_empty();
-            let shown = match self.left_out {
-                Some(effect) => Cow::Owned(preparation.without(effect)),
-                None => Cow::Borrowed(preparation),
-            };
+            let without = |shown: Cow<'_, Preparation>, effect: &Effect| Cow::Owned(shown.without(*effect));
+            let shown = self.left_out.iter().fold(Cow::Borrowed(preparation), without);
             let now = shown.plan(&self.world);
             let mut effects = if self.full { Effects::ALL } else { now.effects() };
-            if self.left_out == Some(Effect::ClearShadows) {
+            if self.left_out.contains(&Effect::ClearShadows) {
                 effects.lighting = effects.lighting.min(Lighting::Shadows);
             }
             match &mut plan {
