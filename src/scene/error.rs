@@ -22,6 +22,7 @@ pub struct LoadError {
 struct FaultyFile {
     name: String,
     text: Arc<String>,
+    overridden: Vec<String>,
     included_from: Vec<Inclusion>,
     diagnostics: Vec<Diagnostic>,
 }
@@ -62,14 +63,14 @@ impl LoadError {
         let (file, mut room, mut unlisted) = (own.map(|file| file.name.clone()), Self::MOST, 0);
         let mut faulty = Vec::new();
         for (file, included_from) in files.files.into_iter().zip(inclusions) {
-            let SceneFile { name, text, mistake, problems, .. } = file;
+            let SceneFile { name, text, overridden, mistake, problems, .. } = file;
             let (located, more) = problems.locate(&text);
             let mut diagnostics: Vec<Diagnostic> = mistake.into_iter().chain(located).collect();
             unlisted += more + diagnostics.len().saturating_sub(room);
             diagnostics.truncate(room);
             room -= diagnostics.len();
             if !diagnostics.is_empty() {
-                faulty.push(FaultyFile { name, text, included_from, diagnostics });
+                faulty.push(FaultyFile { name, text, overridden, included_from, diagnostics });
             }
         }
         Self { file: file.unwrap_or_default(), faulty, unlisted, files: files.paths }
@@ -125,8 +126,9 @@ impl LoadError {
 
 impl FaultyFile {
     fn render(&self, color: bool) -> impl Iterator<Item = String> {
-        let notes: Vec<String> =
-            self.included_from.iter().map(|from| format!("included from {from}")).collect();
+        let included = self.included_from.iter().map(|from| format!("included from {from}"));
+        let overridden = self.overridden.iter().map(|value| format!("read with {value}"));
+        let notes: Vec<String> = included.chain(overridden).collect();
         self.diagnostics
             .iter()
             .map(move |diagnostic| diagnostic.render_with_notes(&self.name, &self.text, &notes, color))

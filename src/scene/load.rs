@@ -6,7 +6,7 @@ use hecs::World;
 
 use super::files::{Files, Texts};
 use super::spawn::spawn;
-use super::{LoadError, SceneScripts, Sources};
+use super::{LoadError, Override, SceneScripts, Sources};
 use crate::time::Timeline;
 
 /// A small commented scene to start from.
@@ -32,7 +32,7 @@ impl Scene {
     ///
     /// If a file cannot be read, or with everything that is wrong in any of them.
     pub fn load(path: &Path) -> Result<Self, LoadError> {
-        Self::of_files(Files::read(path), |_| ()).map(|(scene, ())| scene)
+        Self::of_files(Files::read(path, &[]), |_| ()).map(|(scene, ())| scene)
     }
 
     /// Loads a scene like [`load`](Scene::load), and keeps the texts, in which places can be looked up. Each file is read only
@@ -42,12 +42,26 @@ impl Scene {
     ///
     /// As [`load`](Scene::load).
     pub fn load_with_sources(path: &Path) -> Result<(Self, Sources), LoadError> {
-        Self::of_files(Files::read(path), |sources| sources)
+        Self::load_overridden(path, &[])
     }
 
-    /// Loads a scene like [`load_with_sources`](Scene::load_with_sources), for [`Reader`](super::Reader).
-    pub(super) fn load_again(path: &Path, before: &mut Texts) -> Result<(Self, Sources), LoadError> {
-        Self::of_files(Files::read_again(path, before), |sources| sources)
+    /// Loads a scene like [`load_with_sources`](Scene::load_with_sources), with other values in the place of some in its files: in
+    /// the order in which they are given, each in the first file that has a place for it. Lines are those of the files.
+    ///
+    /// # Errors
+    ///
+    /// As [`load`](Scene::load), and if a value has no place.
+    pub fn load_overridden(path: &Path, overrides: &[Override]) -> Result<(Self, Sources), LoadError> {
+        Self::of_files(Files::read(path, overrides), |sources| sources)
+    }
+
+    /// Loads a scene like [`load_overridden`](Scene::load_overridden), for [`Reader`](super::Reader).
+    pub(super) fn load_again(
+        path: &Path,
+        overrides: &[Override],
+        before: &mut Texts,
+    ) -> Result<(Self, Sources), LoadError> {
+        Self::of_files(Files::read_again(path, overrides, before), |sources| sources)
     }
 
     /// Reads a scene from text; `file` names it in messages. Includes are looked for from the folder of `file`, whether that file

@@ -26,6 +26,7 @@ pub mod language;
 mod load;
 pub mod manual;
 mod nearby;
+mod overrides;
 mod parse;
 mod paths;
 mod playback;
@@ -44,6 +45,7 @@ mod validate;
 pub use diagnostic::{Diagnostic, Source, SourcePosition};
 pub use error::{Inclusion, LoadError, Mistake};
 pub use load::{Scene, TEMPLATE};
+pub use overrides::{Override, OverrideError};
 #[doc(hidden)]
 pub use printable::{Printable, is_printable};
 pub use reader::Reader;

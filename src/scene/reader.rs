@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use super::files::Texts;
-use super::{LoadError, Scene, Sources};
+use super::{LoadError, Override, Scene, Sources};
 
 /// Reads a scene again and again, and parses only what has changed: the cost of an edit among many entities is that of building
 /// the world, not that of parsing the text.
 ///
-/// The result is always that of [`Scene::load`], mistakes included. The texts and documents of the last scene that could be
+/// The result is always that of [`Scene::load_overridden`], mistakes included. The texts and documents of the last scene that could be
 /// parsed are kept, some 500 bytes an entity.
 ///
 /// ```
@@ -33,6 +33,7 @@ use super::{LoadError, Scene, Sources};
 #[derive(Debug, Default)]
 pub struct Reader {
     texts: Texts,
+    overrides: Vec<Override>,
 }
 
 impl Reader {
@@ -42,12 +43,18 @@ impl Reader {
         Self::default()
     }
 
+    /// Creates a reader that puts these values in the place of those in the files, every time.
+    #[must_use]
+    pub fn overriding(overrides: Vec<Override>) -> Self {
+        Self { overrides, ..Self::default() }
+    }
+
     /// Reads a scene file, and what it includes; returns the texts as well, in which places can be looked up.
     ///
     /// # Errors
     ///
     /// If a file cannot be read, or with everything that is wrong in any of them. The next time everything may be right.
     pub fn load(&mut self, path: &Path) -> Result<(Scene, Sources), LoadError> {
-        Scene::load_again(path, &mut self.texts)
+        Scene::load_again(path, &self.overrides, &mut self.texts)
     }
 }

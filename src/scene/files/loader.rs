@@ -11,6 +11,7 @@ use super::read::{Content, Refusal, read, read_included};
 use super::{Files, SceneFile, Scope};
 use crate::scene::Diagnostic;
 use crate::scene::document::SceneDocument;
+use crate::scene::overrides::{Override, Unplaced};
 use crate::scene::parse::parse;
 use crate::scene::quote::{linked, short};
 use crate::scene::reparse::Parsed;
@@ -22,14 +23,15 @@ use crate::script::SpawnBudget;
 const DEEPEST: usize = 32;
 
 impl Files {
-    /// Reads a scene file and what it includes.
-    pub(in crate::scene) fn read(path: &Path) -> Self {
-        Loader::default().load(path, content(path))
+    /// Reads a scene file and what it includes, with these values in the place of theirs.
+    pub(in crate::scene) fn read(path: &Path, overrides: &[Override]) -> Self {
+        Loader { overrides: Unplaced::new(overrides), ..Loader::default() }.load(path, content(path))
     }
 
     /// Reads a scene file like [`read`](Self::read), and reuses what was read before.
-    pub(in crate::scene) fn read_again(path: &Path, before: &mut Texts) -> Self {
-        let mut loader = Loader { texts: Some(mem::take(before)), ..Loader::default() };
+    pub(in crate::scene) fn read_again(path: &Path, overrides: &[Override], before: &mut Texts) -> Self {
+        let texts = Some(mem::take(before));
+        let mut loader = Loader { texts, overrides: Unplaced::new(overrides), ..Loader::default() };
         let loaded = loader.load(path, content(path));
         *before = loader.texts.unwrap_or_default();
         let is_whole =
@@ -100,12 +102,16 @@ struct Loader {
     underway: Vec<usize>,
     /// The amount that scripts may yet spawn.
     budget: SpawnBudget,
+    overrides: Unplaced,
 }
 
 impl Loader {
     fn load(&mut self, path: &Path, content: Content) -> Files {
         let key = self.try_path(path);
         self.add(path, key, content, None);
+        if let (Some(mistake), Some(own)) = (self.overrides.mistake(), self.loaded.files.first_mut()) {
+            own.mistake.get_or_insert(mistake);
+        }
         mem::take(&mut self.loaded)
     }
 
@@ -118,9 +124,26 @@ impl Loader {
         key
     }
 
-    fn add(&mut self, path: &Path, key: PathBuf, content: Content, from: Option<(usize, usize)>) -> usize {
+    fn add(
+        &mut self,
+        path: &Path,
+        key: PathBuf,
+        mut content: Content,
+        from: Option<(usize, usize)>,
+    ) -> usize {
         let index = self.loaded.files.len();
+        let overridden = match &mut content {
+            Content::Text(text) => {
+                // A byte order mark is no part of the scene, and editors do not count it as a column.
+                if text.starts_with('\u{feff}') {
+                    text.remove(0);
+                }
+                self.overrides.place(text)
+            }
+            Content::Garbled(..) => Vec::new(),
+        };
         let mut file = SceneFile::new(path, content, from, |text| self.parse(&key, text));
+        file.overridden = overridden;
         self.known.insert(key, index);
         let folder = path.parent().unwrap_or(Path::new(""));
         let own = self.loaded.files.first().unwrap_or(&file);
@@ -209,11 +232,7 @@ impl SceneFile {
     ) -> Self {
         let (text, document, mistake) = match content {
             Content::Garbled(text, mistake) => (Arc::new(text), None, Some(mistake)),
-            Content::Text(mut text) => {
-                // A byte order mark is no part of the scene, and editors do not count it as a column.
-                if text.starts_with('\u{feff}') {
-                    text.remove(0);
-                }
+            Content::Text(text) => {
                 let text = Arc::new(text);
                 match parse(&text) {
                     Ok(document) => (text, Some(document), None),
@@ -222,6 +241,7 @@ impl SceneFile {
             }
         };
         let name = path.display().to_string();
-        Self { name, text, document, includes: Vec::new(), from, mistake, problems: Problems::default() }
+        let (includes, overridden, problems) = (Vec::new(), Vec::new(), Problems::default());
+        Self { name, text, overridden, document, includes, from, mistake, problems }
     }
 }

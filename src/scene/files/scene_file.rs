@@ -13,6 +13,8 @@ pub(in crate::scene) struct SceneFile {
     /// The name in messages.
     pub(in crate::scene) name: String,
     pub(in crate::scene) text: Arc<String>,
+    /// The values that were put into the text, as they are written on a command line.
+    pub(in crate::scene) overridden: Vec<String>,
     /// `None` if the text is not a scene's.
     pub(in crate::scene) document: Option<SceneDocument>,
     /// The file of each of the document's includes; `None` for one that cannot be had.

@@ -3,7 +3,13 @@
 //! serde forgets places, so they are looked up again, only for what is wrong and in one pass over the text. The text has
 //! mostly been read without error before; what is read here is only its brackets, names and commas.
 
+mod bracket;
+#[cfg(test)]
+mod tests;
+
 use std::ops::Range;
+
+pub(super) use bracket::{Bracket, bracket, is_one_value, root};
 
 /// A step from a value into it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,13 +29,7 @@ pub(super) fn locate(text: &str, paths: &[Vec<PathStep>]) -> Vec<Range<usize>> {
     let wanted: Vec<Remaining<'_>> =
         paths.iter().enumerate().map(|(index, path)| Remaining { index, path: path.as_slice() }).collect();
     let mut scanner = Scanner { text, at: 0, found: &mut found };
-    scanner.skip_space();
-    // Extensions, as #![enable(implicit_some)].
-    while scanner.peek() == Some(b'#') {
-        scanner.at += 2;
-        scanner.value(&[]);
-        scanner.skip_space();
-    }
+    scanner.skip_extensions();
     scanner.value(&wanted);
     found
 }
@@ -139,6 +139,18 @@ struct Scanner<'a, 'f> {
 impl<'a> Scanner<'a, '_> {
     fn peek(&self) -> Option<u8> {
         self.text.as_bytes().get(self.at).copied()
+    }
+
+    /// Skips what stands above a scene: extensions, as `#![enable(implicit_some)]`.
+    fn skip_extensions(&mut self) {
+        self.skip_space();
+        while self.peek() == Some(b'#') {
+            // It and the `!` after it.
+            self.atom();
+            self.atom();
+            self.value(&[]);
+            self.skip_space();
+        }
     }
 
     /// Skips white space and comments.
@@ -385,79 +397,5 @@ fn raw_quoted(rest: &str) -> usize {
     match rest.get(content..).and_then(|text| text.find(&end)) {
         Some(length) => content + length + end.len(),
         None => rest.len(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn found<'a>(text: &'a str, path: &[PathStep]) -> &'a str {
-        &text[locate(text, &[path.to_vec()])[0].clone()]
-    }
-
-    #[test]
-    fn values_are_found_through_names_lists_maps_and_comments() {
-        let text = r##"#![enable(implicit_some)]
-            // a comment with (brackets
-            Scene(
-                title: "a \"quoted\" ) text", raw: r#"un"closed ("#, /* nested /* ( */ */
-                materials: { "red": (color: (255, 0, 0)), "green": ( color : "#00ff00" ) },
-                entities: [ (shape: Sphere(radius: -1.5e3)), (shape: Some(Box(size: (1, 2, 3))), name: "ß") ],
-                keys: Keys([ (0, (1, 2, 3)), (1, (4, 5, 6), EaseIn) ]),
-            )"##;
-        use PathStep::{Field, Index, Key};
-        assert_eq!(found(text, &[Field("materials"), Key(1)]), "\"green\"");
-        assert_eq!(found(text, &[Field("materials"), Index(1), Field("color")]), "\"#00ff00\"");
-        assert_eq!(found(text, &[Field("materials"), Index(0), Field("color"), Index(0)]), "255");
-        assert_eq!(found(text, &[Field("entities"), Index(0), Field("shape"), Field("radius")]), "-1.5e3");
-        assert_eq!(found(text, &[Field("entities"), Index(0), Field("shape")]), "Sphere(radius: -1.5e3)");
-        assert_eq!(found(text, &[Field("entities"), Index(1), Field("shape"), Field("size"), Index(2)]), "3");
-        assert_eq!(found(text, &[Field("entities"), Index(1), Field("name")]), "\"ß\"");
-        assert_eq!(found(text, &[Field("keys"), Index(0), Index(1), Index(2)]), "EaseIn");
-        assert_eq!(found(text, &[Field("raw")]), "r#\"un\"closed (\"#");
-        let text = "(r#type: r#Name(\"#\"), quote: b''', escaped: '\\'', last: 1)";
-        assert_eq!(found(text, &[Field("r#type")]), "r#Name(\"#\")");
-        assert_eq!(found(text, &[Field("quote")]), "b'''");
-        assert_eq!(found(text, &[Field("escaped")]), "'\\''");
-        assert_eq!(found(text, &[Field("last")]), "1");
-    }
-
-    #[test]
-    fn what_is_not_there_is_found_at_the_value_around_it() {
-        let text = "(entities: [(shape: Sphere(radius: 1))])";
-        let path = [PathStep::Field("entities"), PathStep::Index(0), PathStep::Field("material")];
-        assert_eq!(found(text, &path), "(shape: Sphere(radius: 1))");
-        assert_eq!(found("", &path), "");
-        assert_eq!(found("((((", &path), "((((");
-    }
-
-    #[test]
-    fn places_in_texts_are_places_in_the_file() {
-        let text = r###"("a + b", r#"a "+" b"#, "a\tb", b)"###;
-        let inside = |index: usize, inside: Range<usize>| {
-            let literal = locate(text, &[vec![PathStep::Index(index)]])[0].clone();
-            &text[inside_text(text, literal, &inside)]
-        };
-        assert_eq!(inside(0, 4..5), "b");
-        assert_eq!(inside(1, 2..5), "\"+\"");
-        assert_eq!(inside(2, 2..3), r#""a\tb""#);
-        assert_eq!(inside(0, 4..99), "b\"");
-        assert_eq!(inside(3, 0..1), "b");
-    }
-
-    #[test]
-    fn tokens_are_words_numbers_texts_and_signs() {
-        let text = "(a:\u{200e}-1.5e3, // none\n \u{a0}\"t)\" /* none */ b(2/3)";
-        let found: Vec<&str> = tokens(text).map(|token| &text[token]).collect();
-        let expected = ["(", "a", ":", "-1.5e3", ",", "\u{a0}", "\"t)\"", "b", "(", "2", "/", "3", ")"];
-        assert_eq!(found, expected);
-    }
-
-    #[test]
-    fn a_comment_without_an_end_is_found_by_its_start() {
-        assert_eq!(open_comment("(a: \"/*\") // /*\n /* /* */ b"), Some(17));
-        assert_eq!(open_comment("/* /*"), Some(0));
-        assert_eq!(open_comment("(a)"), None);
     }
 }

@@ -1,0 +1,175 @@
+//! Values in the place of those in a scene's files: `camera.fov=40` turns one knob without an edit.
+//!
+//! A value is put into the text before that is parsed, so that it is checked as the file is, and refused with the same messages.
+//! [`put`] finds its place in a file, [`unplaced`] the file.
+
+mod put;
+mod unplaced;
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::spans::is_one_value;
+pub(super) use unplaced::Unplaced;
+
+/// A value in the place of one in the scene's files, by its path into them.
+///
+/// It is written `path=value`, the value as in the file. The steps of the path are the names of fields, the names of materials,
+/// cameras and entities, and indices from 0, between dots; a name with dots in it is quoted. A field that the file leaves out is
+/// added.
+///
+/// ```
+/// use rayreel::Scene;
+/// use rayreel::scene::Override;
+///
+/// # let folder = tempfile::tempdir()?;
+/// # let path = folder.path().join("scene.ron");
+/// std::fs::write(&path, "(camera: (position: (0, 0, -5), target: (0, 0, 0)), entities: [(name: \"lamp 1.5\")])")?;
+/// let overrides = ["sampling.samples=16", "entities.\"lamp 1.5\".light=Point(intensity: (1, 1, 1))", "camera.position.1=2"];
+/// let overrides: Vec<Override> = overrides.into_iter().map(|one| one.parse()).collect::<Result<_, _>>()?;
+/// let (scene, _) = Scene::load_overridden(&path, &overrides)?;
+/// assert_eq!(scene.world.query::<&rayreel::components::Light>().iter().count(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Override {
+    /// The steps from the scene to the value, one at least.
+    path: Vec<String>,
+    /// The text of the value.
+    value: String,
+}
+
+/// The reason why a text is no [`Override`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum OverrideError {
+    /// There is no path, or no value.
+    #[error("write a path into the scene, = and a value, as in camera.fov=40")]
+    Incomplete,
+    /// The path has a step without a name, or a quoted one that does not end.
+    #[error(
+        "write the steps of a path between dots, as in entities.ball.shape.radius; names with dots are quoted"
+    )]
+    Path,
+    /// What is after the = is not a single value of RON.
+    #[error("`{0}` is not one value: write it as in the file, as in 40, (1, 2, 3) or \"clay\"")]
+    Value(String),
+}
+
+impl Override {
+    /// Returns the steps of the path.
+    #[must_use]
+    pub fn path(&self) -> &[String] {
+        &self.path
+    }
+
+    /// Returns the text of the value.
+    #[must_use]
+    pub fn value(&self) -> &str {
+        &self.value
+    }
+
+    /// Returns whether it is for something with a name of its own, which may be in a file that the scene includes.
+    fn is_named(&self) -> bool {
+        self.path.len() > 1 && NAMED.iter().any(|(list, _)| *list == self.path[0])
+    }
+}
+
+/// The fields of a scene whose values have names of their own, and what one of them is.
+const NAMED: [(&str, &str); 3] = [("materials", "material"), ("cameras", "camera"), ("entities", "entity")];
+
+impl FromStr for Override {
+    type Err = OverrideError;
+
+    fn from_str(text: &str) -> Result<Self, OverrideError> {
+        let (mut path, mut rest) = (Vec::new(), text);
+        loop {
+            let (step, after) = step(rest)?;
+            path.push(step);
+            rest = after;
+            match rest.strip_prefix('.') {
+                Some(next) => rest = next,
+                None => break,
+            }
+        }
+        let value = rest.strip_prefix('=').map(str::trim).filter(|value| !value.is_empty());
+        let value = value.ok_or(OverrideError::Incomplete)?.to_owned();
+        if !is_one_value(&value) {
+            return Err(OverrideError::Value(super::quote::short(&value)));
+        }
+        Ok(Self { path, value })
+    }
+}
+
+/// Returns the first step of a path, and what comes after it.
+fn step(text: &str) -> Result<(String, &str), OverrideError> {
+    let text = text.trim_start();
+    let (step, rest) = match text.strip_prefix('"') {
+        Some(quoted) => quoted.split_once('"').ok_or(OverrideError::Path)?,
+        None => {
+            let end = text.find(['.', '=']).ok_or(OverrideError::Incomplete)?;
+            (text[..end].trim_end(), &text[end..])
+        }
+    };
+    if step.is_empty() { Err(OverrideError::Path) } else { Ok((step.to_owned(), rest.trim_start())) }
+}
+
+impl fmt::Display for Override {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, step) in self.path.iter().enumerate() {
+            let dot = if index == 0 { "" } else { "." };
+            let quote = if step.contains(['.', '=', '"']) { "\"" } else { "" };
+            write!(formatter, "{dot}{quote}{step}{quote}")?;
+        }
+        write!(formatter, "={}", self.value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_and_a_value_are_read_and_written() {
+        for text in [
+            "a=1",
+            "camera.lens.aperture=0.2",
+            "entities.\"lamp 1.5\".name=\"=\"",
+            "entities.3.shape=Box(size: (1, 1, 1))",
+        ] {
+            assert_eq!(text.parse::<Override>().unwrap().to_string(), text);
+        }
+        let spaced: Override = " a . \"b.c\" = [1, // last\n 2] ".parse().unwrap();
+        assert_eq!(
+            (spaced.path(), spaced.value()),
+            (&["a".to_owned(), "b.c".to_owned()][..], "[1, // last\n 2]")
+        );
+    }
+
+    #[test]
+    fn what_is_no_path_or_not_one_value_is_refused() {
+        let refused = |text: &str| text.parse::<Override>().unwrap_err();
+        for text in ["", "a", "a.b", "a=", "a.b= "] {
+            assert_eq!(refused(text), OverrideError::Incomplete, "{text}");
+        }
+        for text in ["=1", ".a=1", "a.=1", "a..b=1", "\"a=1"] {
+            assert_eq!(refused(text), OverrideError::Path, "{text}");
+        }
+        for value in [
+            "1, b: 2",
+            "1)",
+            "(1",
+            "\"a",
+            "/* 1",
+            "1 /* 2",
+            ")",
+            ",",
+            "1 2",
+            "// 1",
+            "1 // 2",
+            "1 /* 2 */",
+            "r#\"a\"",
+        ] {
+            assert_eq!(refused(&format!("a={value}")), OverrideError::Value(value.to_owned()), "{value}");
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! What stands in a bracket of the text, without what stands in that.
+
+use std::ops::Range;
+
+use super::Scanner;
+
+/// A bracket with its members.
+#[derive(Clone, Debug)]
+pub(in crate::scene) struct Bracket {
+    /// The bracket that opens it: `(`, `[` or `{`.
+    pub(in crate::scene) opening: u8,
+    /// The start of its content.
+    pub(in crate::scene) start: usize,
+    pub(in crate::scene) members: Vec<Member>,
+}
+
+/// A field, a value of a list or a tuple, or an entry of a map.
+#[derive(Clone, Debug)]
+pub(in crate::scene) struct Member {
+    /// The name of a field, or the key of an entry.
+    pub(in crate::scene) name: Option<Range<usize>>,
+    pub(in crate::scene) value: Range<usize>,
+}
+
+/// Returns the start of the scene itself, after extensions.
+pub(in crate::scene) fn root(text: &str) -> usize {
+    let mut scanner = Scanner { text, at: 0, found: &mut [] };
+    scanner.skip_extensions();
+    scanner.at
+}
+
+/// Returns what a value consists of that starts at a byte, after its name if it has one. `None` for a value without a bracket, and
+/// where the bracket is never closed.
+pub(in crate::scene) fn bracket(text: &str, start: usize) -> Option<Bracket> {
+    let mut scanner = Scanner { text, at: start, found: &mut [] };
+    if !matches!(scanner.peek(), Some(b'(' | b'[' | b'{')) {
+        scanner.atom();
+        let name = &text[start..scanner.at];
+        let is_name = name.chars().next().is_some_and(|first| first.is_alphabetic() || first == '_');
+        scanner.skip_space();
+        if !is_name || scanner.peek() != Some(b'(') {
+            return None;
+        }
+        if name == "Some" {
+            scanner.at += 1;
+            scanner.skip_space();
+            return bracket(text, scanner.at);
+        }
+    }
+    let opening = scanner.peek()?;
+    scanner.at += 1;
+    let (start, mut members) = (scanner.at, Vec::new());
+    loop {
+        scanner.skip_space();
+        match scanner.peek()? {
+            b')' | b']' | b'}' => return Some(Bracket { opening, start, members }),
+            _ => members.push(scanner.member(opening == b'{')),
+        }
+        scanner.comma();
+    }
+}
+
+/// Returns whether a text is a single value, of which every bracket and text is closed, and nothing after it.
+pub(in crate::scene) fn is_one_value(text: &str) -> bool {
+    // What is not closed takes this along.
+    const END: &str = "\n,";
+    let (end, followed) = (text.trim_end().len(), text.to_owned() + END);
+    let mut scanner = Scanner { text: &followed, at: 0, found: &mut [] };
+    scanner.skip_space();
+    if matches!(scanner.peek(), None | Some(b',' | b':' | b')' | b']' | b'}')) {
+        return false;
+    }
+    scanner.value(&[]);
+    scanner.at == end
+}
+
+impl Scanner<'_, '_> {
+    fn member(&mut self, is_entry: bool) -> Member {
+        let start = self.at;
+        let name = if is_entry {
+            self.value(&[]);
+            let key = start..self.at;
+            self.skip_space();
+            if self.peek() == Some(b':') {
+                self.at += 1;
+            }
+            Some(key)
+        } else {
+            self.field_name().map(|name| start..start + name.len())
+        };
+        self.skip_space();
+        let start = self.at;
+        self.value(&[]);
+        Member { name, value: start..self.at }
+    }
+}
