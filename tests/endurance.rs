@@ -46,7 +46,13 @@ fn a_long_session_grows_in_nothing_and_stays_right() {
     let (sender, events) = channel();
     let scene = folder.path().join("scene.ron");
     let session = Session::start(
-        SessionSettings { scene: scene.clone(), frame: 3, watching: Watching::Events, finish: false },
+        SessionSettings {
+            scene: scene.clone(),
+            overrides: Vec::new(),
+            frame: 3,
+            watching: Watching::Events,
+            finish: false,
+        },
         move |event| sender.send(event).unwrap(),
     );
     let server = Server::start(0, session.handle()).unwrap();

@@ -35,8 +35,13 @@ fn main() {
     let folder = tempfile::tempdir().unwrap();
     let (scene, other) = (folder.path().join("scene.ron"), folder.path().join("other"));
     fs::write(&scene, &text).unwrap();
-    let settings =
-        SessionSettings { scene: scene.clone(), frame: 0, watching: Watching::Events, finish: false };
+    let settings = SessionSettings {
+        scene: scene.clone(),
+        overrides: Vec::new(),
+        frame: 0,
+        watching: Watching::Events,
+        finish: false,
+    };
     let session = Session::start(settings, |_| ());
     let server = Server::start(0, session.handle()).unwrap();
     let browser = Browser::start("1500,1000").expect("chromedriver is needed");

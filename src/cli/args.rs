@@ -5,12 +5,13 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
-use rayreel::Time;
 use rayreel::components::{FilmSettings, Quality};
 use rayreel::live::HostName;
 use rayreel::output::Sheet;
+use rayreel::scene::{Override, OverrideError};
 use rayreel::time::FrameList;
 use rayreel::trace::Precision;
+use rayreel::{Effect, Time};
 
 /// Ray-traced animation from plain text scenes: exact, repeatable frame sequences.
 #[derive(Debug, Parser)]
@@ -54,6 +55,7 @@ pub(super) enum Command {
   rayreel render scenes/first_light.ron --at 1.5s --out stills
   rayreel render scenes/first_light.ron --sheet 6x4
   rayreel render scenes/first_light.ron --draft
+  rayreel render scenes/first_light.ron --samples 16 --set camera.fov=50 --without shadows
   rayreel render scenes/first_light.ron --json > report.json
 
 Every frame is a function of the scene and its index: it has the same bytes whether it is rendered
@@ -104,6 +106,35 @@ pub(super) struct RenderArguments {
     /// that were needed and how often plain arithmetic was not exact enough; and the most memory that was used
     #[arg(long)]
     pub(super) json: bool,
+    #[command(flatten)]
+    pub(super) overrides: OverrideArguments,
+    /// Leave an effect out, though the scene calls for it, as in --without shadows [can be repeated]
+    #[arg(long, value_name = "EFFECT", value_parser = parse_effect, help_heading = "Instead of the scene's own")]
+    pub(super) without: Vec<Effect>,
+}
+
+/// Values in the place of the scene's own, for one run.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Instead of the scene's own")]
+pub(super) struct OverrideArguments {
+    /// A value in the place of another, both as in the file: camera.fov=40, entities.ball.shape.radius=2, film.transfer=Classic or
+    /// 'materials.clay.color=(255, 0, 0)'. Lists are counted from 0, as in camera.position.1=3; what the file leaves out is added
+    /// [can be repeated]
+    #[arg(long = "set", value_name = "PATH=VALUE", allow_hyphen_values = true)]
+    values: Vec<Override>,
+    /// Samples per pixel: --set sampling.samples=COUNT
+    #[arg(long, value_name = "COUNT", value_parser = parse_samples, allow_hyphen_values = true)]
+    samples: Option<Override>,
+    /// Generations of rays: --set quality.depth=COUNT
+    #[arg(long, value_name = "COUNT", value_parser = parse_depth, allow_hyphen_values = true)]
+    depth: Option<Override>,
+}
+
+impl OverrideArguments {
+    /// Returns all of them, in the order in which they are put in.
+    pub(super) fn all(&self) -> Vec<Override> {
+        self.samples.iter().chain(&self.depth).chain(&self.values).cloned().collect()
+    }
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -163,6 +194,8 @@ pub(super) struct WatchArguments {
     /// Look at the files ten times a second, where the system does not tell of changes: in network folders
     #[arg(long)]
     pub(super) poll: bool,
+    #[command(flatten)]
+    pub(super) overrides: OverrideArguments,
 }
 
 #[derive(Debug, Args)]
@@ -177,6 +210,8 @@ pub(super) struct CheckArguments {
     /// Print a JSON list of mistakes, with line, column, cause and remedy
     #[arg(long)]
     pub(super) json: bool,
+    #[command(flatten)]
+    pub(super) overrides: OverrideArguments,
 }
 
 #[derive(Debug, Args)]
@@ -217,6 +252,11 @@ pub(super) struct ExplainArguments {
     /// Print one JSON object
     #[arg(long)]
     pub(super) json: bool,
+    #[command(flatten)]
+    pub(super) overrides: OverrideArguments,
+    /// Leave an effect out, though the scene calls for it, as in --without shadows [can be repeated]
+    #[arg(long, value_name = "EFFECT", value_parser = parse_effect, help_heading = "Instead of the scene's own")]
+    pub(super) without: Vec<Effect>,
 }
 
 #[derive(Debug, Args)]
@@ -262,6 +302,8 @@ pub(super) struct ProbeArguments {
     /// Print JSON: one object for a pixel, one object a line for rays
     #[arg(long)]
     pub(super) json: bool,
+    #[command(flatten)]
+    pub(super) overrides: OverrideArguments,
 }
 
 #[derive(Debug, Args)]
@@ -307,6 +349,30 @@ fn parse_threads(text: &str) -> Result<u16, String> {
 
 fn parse_index(text: &str) -> Result<u32, String> {
     text.trim().parse().map_err(|_| format!("write a whole number from 0 to {}, as 12", u32::MAX))
+}
+
+fn parse_samples(text: &str) -> Result<Override, String> {
+    parse_count("sampling.samples", text)
+}
+
+fn parse_depth(text: &str) -> Result<Override, String> {
+    parse_count("quality.depth", text)
+}
+
+/// Reads a whole number for a path; which are too small or too large the scene says.
+fn parse_count(path: &str, text: &str) -> Result<Override, String> {
+    let count = parse_index(text)?;
+    format!("{path}={count}").parse().map_err(|error: OverrideError| error.to_string())
+}
+
+fn parse_effect(text: &str) -> Result<Effect, String> {
+    let name = |effect: Effect| effect.name().to_lowercase().replace(' ', "-");
+    let named = text.trim().to_lowercase().replace([' ', '_'], "-");
+    let names = || Effect::ALL.map(name).join(", ");
+    Effect::ALL
+        .into_iter()
+        .find(|effect| name(*effect) == named)
+        .ok_or_else(|| format!("the effects are {}", names()))
 }
 
 /// Reads two whole numbers with a separator between them.

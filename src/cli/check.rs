@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use rayreel::scene::{LoadError, ScriptMistake, Sources};
+use rayreel::scene::{LoadError, Override, ScriptMistake, Sources};
 use rayreel::{Engine, EngineError, Scene};
 
 use super::args::CheckArguments;
@@ -16,9 +16,10 @@ use super::warnings::Warnings;
 pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     let mut results = Vec::new();
     let mut good = true;
+    let overrides = arguments.overrides.all();
     for path in &arguments.scenes {
         let file = path.display().to_string();
-        let checked = check(path);
+        let checked = check(path, &overrides);
         good &= checked.is_ok();
         match checked {
             Ok(Good { count, warnings, sources }) if arguments.json => {
@@ -83,8 +84,8 @@ enum Wrong {
 }
 
 /// Reads a scene, prepares its first frame, one half-way and the last, and counts the frames.
-fn check(path: &Path) -> Result<Good, Wrong> {
-    let (scene, sources) = Scene::load_with_sources(path).map_err(Wrong::Scene)?;
+fn check(path: &Path, overrides: &[Override]) -> Result<Good, Wrong> {
+    let (scene, sources) = Scene::load_overridden(path, overrides).map_err(Wrong::Scene)?;
     let timeline = scene.timeline;
     let count = timeline.frame_count();
     let mut engine = Engine::from_scene(scene);

@@ -11,6 +11,7 @@ mod exit;
 mod explain;
 mod interrupt;
 mod new;
+mod overrides;
 mod print;
 mod probe;
 mod progress;

@@ -14,6 +14,7 @@ use super::args::RenderArguments;
 use super::draft;
 use super::exit::Failure;
 use super::interrupt::Interruption;
+use super::overrides::load;
 use super::print;
 use super::progress::Progress;
 use super::report::{RenderReport, ShotReport};
@@ -22,8 +23,8 @@ use super::sheet;
 
 pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> Result<(), Failure> {
     let start = Instant::now();
-    let mut engine = Engine::load(&arguments.scene)?;
-    let load = start.elapsed();
+    let mut engine = load(&arguments.scene, &arguments.overrides)?;
+    let loaded = start.elapsed();
     let settings = set_up(&mut engine, arguments)?;
     let sheet = settings.sheet.map(|tiles| sheet::empty(tiles, engine.film_settings())).transpose()?;
     let directory = settings.sequence.directory();
@@ -36,7 +37,7 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
         .num_threads(settings.threads.unwrap_or(0))
         .build()
         .context("cannot start the rendering threads")?;
-    let mut report = RenderReport::new(arguments, &engine, load, pool.current_num_threads());
+    let mut report = RenderReport::new(arguments, &engine, loaded, pool.current_num_threads());
     let rendered = pool.install(|| match sheet {
         Some(sheet) => sheet::render(&mut engine, &settings, sheet, cancelled, &mut report),
         None => render_all(&mut engine, &settings, cancelled, &mut report),
@@ -65,6 +66,7 @@ fn set_up(engine: &mut Engine, arguments: &RenderArguments) -> Result<RenderSett
     let settings = RenderSettings::new(arguments, engine.timeline(), engine.film_settings())?;
     engine.set_precision(arguments.precision.into());
     engine.set_full(arguments.full);
+    engine.set_left_out(arguments.without.iter().copied());
     if let Some(cutoff) = arguments.cutoff {
         set_cutoff(engine, cutoff);
     }
@@ -86,6 +88,9 @@ fn tell(
         if !report.shots.is_empty() {
             print::error_line(&report.plan());
         }
+        if let Some(changed) = report.changed.in_words() {
+            print::error_line(&changed);
+        }
         print::error_line(&report.summary(settings));
     }
     if arguments.json {
@@ -99,7 +104,7 @@ fn sources_for(report: &RenderReport, arguments: &RenderArguments) -> Option<Sou
     if report.warnings.is_empty() || !arguments.scene.is_file() {
         return None;
     }
-    Scene::load_with_sources(&arguments.scene).ok().map(|(_, sources)| sources)
+    Scene::load_overridden(&arguments.scene, &arguments.overrides.all()).ok().map(|(_, sources)| sources)
 }
 
 /// Renders every shot and hands it to the writer, which works in parallel. If it cannot go on, what was handed over is written.

@@ -10,6 +10,7 @@ use rayreel::trace::{Escalations, RayCounts, TreeEnds};
 use rayreel::{Effect, Engine, FrameReport, Plan};
 
 use super::args::RenderArguments;
+use super::overrides::Changed;
 use super::settings::{RenderSettings, Shot};
 use super::warnings::Warnings;
 
@@ -17,6 +18,7 @@ use super::warnings::Warnings;
 #[derive(Debug)]
 pub(super) struct RenderReport {
     scene: PathBuf,
+    pub(super) changed: Changed,
     size: (u32, u32),
     threads: usize,
     load: Duration,
@@ -57,6 +59,7 @@ impl RenderReport {
         let film = engine.film_settings();
         Self {
             scene: arguments.scene.clone(),
+            changed: Changed::new(&arguments.overrides, &arguments.without),
             size: (film.width, film.height),
             threads,
             load,
@@ -75,7 +78,7 @@ impl RenderReport {
 
     /// Returns the report as one JSON object. Lines are looked up in the sources.
     pub(super) fn to_json(&self, sources: Option<&Sources>) -> Value {
-        json!({
+        let mut report = json!({
             "scene": self.scene.display().to_string(),
             "width": self.size.0,
             "height": self.size.1,
@@ -87,7 +90,9 @@ impl RenderReport {
             "sheet": self.sheet.as_ref().map(SheetReport::to_json),
             "warnings": self.warnings.to_json(sources),
             "frames": self.shots.iter().map(ShotReport::to_json).collect::<Vec<_>>(),
-        })
+        });
+        self.changed.tell(&mut report);
+        report
     }
 
     /// Names the effects that any frame needed, and counts the others.

@@ -26,6 +26,7 @@ pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Re
     let (sender, events) = channel();
     let settings = SessionSettings {
         scene: arguments.scene.clone(),
+        overrides: arguments.overrides.all(),
         frame: arguments.frame.unwrap_or(0),
         watching: if arguments.poll { Watching::Polling } else { Watching::Events },
         finish: arguments.out.is_some(),

@@ -85,11 +85,11 @@ impl Director {
         let watcher = Watcher::start(settings.watching, move || mailbox.post(Command::Reload));
         Self {
             wanted_frame: settings.frame,
+            reader: Reader::overriding(settings.overrides.clone()),
             settings,
             easel: Easel::new(Arc::clone(&handle.board), tell),
             handle,
             watcher,
-            reader: Reader::new(),
             stage: None,
             detail: Detail::Full,
             next: Next::Nothing,

@@ -9,12 +9,15 @@ use super::board::{Board, Picture};
 use super::mailbox::{Command, Mailbox};
 use super::state::State;
 use super::watcher::Watching;
+use crate::scene::Override;
 
 /// The settings of a session.
 #[derive(Clone, Debug)]
 pub struct SessionSettings {
     /// The scene's file; it need not be there yet.
     pub scene: PathBuf,
+    /// Values in the place of the files' own, whatever is edited.
+    pub overrides: Vec<Override>,
     /// The first frame to be shown.
     pub frame: u32,
     /// The way in which changes of files are noticed.

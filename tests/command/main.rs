@@ -4,6 +4,7 @@
 
 mod explain;
 mod explain_path;
+mod overrides;
 mod probe;
 #[cfg(unix)]
 mod process;

@@ -71,7 +71,10 @@ impl Preview {
 
 fn session(folder: &TempDir) -> Session {
     let scene = folder.path().join("ball.ron");
-    Session::start(SessionSettings { scene, frame: 0, watching: Watching::Events, finish: false }, |_| {})
+    Session::start(
+        SessionSettings { scene, overrides: Vec::new(), frame: 0, watching: Watching::Events, finish: false },
+        |_| {},
+    )
 }
 
 /// The page in a browser; `None` without one.
@@ -268,7 +271,8 @@ fn another_scene_begins_with_its_own_frame() {
     preview.server = None;
     let scene = preview.folder.path().join("other.ron");
     fs::write(&scene, SCENE).unwrap();
-    let settings = SessionSettings { scene, frame: 5, watching: Watching::Events, finish: false };
+    let settings =
+        SessionSettings { scene, overrides: Vec::new(), frame: 5, watching: Watching::Events, finish: false };
     preview.session = Session::start(settings, |_| {});
     preview.server = Some(Server::start(preview.port, preview.session.handle()).unwrap());
     until(&browser, "state.scene.endsWith('other.ron') && shown !== null && shown.full && !away");

@@ -52,7 +52,13 @@ impl Stage {
             fs::write(&path, text).unwrap();
         }
         let (sender, events) = channel();
-        let settings = SessionSettings { scene: path, frame: 0, watching: Watching::Events, finish };
+        let settings = SessionSettings {
+            scene: path,
+            overrides: Vec::new(),
+            frame: 0,
+            watching: Watching::Events,
+            finish,
+        };
         let session = Session::start(settings, move |event| {
             let _ = sender.send(event);
         });

@@ -18,13 +18,15 @@ use rayreel::time::FrameList;
 
 use super::args::ExplainArguments;
 use super::exit::Failure;
+use super::overrides::{Changed, load};
 use super::print;
 use super::settings::{require_frame, resize};
 use cost::Costs;
 use timeline::PlannedTimeline;
 
 pub(super) fn run(arguments: &ExplainArguments) -> Result<(), Failure> {
-    let mut engine = Engine::load(&arguments.scene)?;
+    let mut engine = load(&arguments.scene, &arguments.overrides)?;
+    engine.set_left_out(arguments.without.iter().copied());
     let frames = match &arguments.frames {
         Some(frames) => frames.clone(),
         None => FrameList::all(engine.timeline().frame_count()),
@@ -53,6 +55,7 @@ pub(super) fn run(arguments: &ExplainArguments) -> Result<(), Failure> {
 /// The contents of an explanation.
 struct Explanation {
     scene: String,
+    changed: Changed,
     size: (u32, u32),
     measure: bool,
     timeline: PlannedTimeline,
@@ -70,6 +73,7 @@ impl Explanation {
         let film = engine.film_settings();
         Ok(Self {
             scene: arguments.scene.display().to_string(),
+            changed: Changed::new(&arguments.overrides, &arguments.without),
             size: (film.width, film.height),
             measure: arguments.measure,
             timeline,
@@ -84,8 +88,9 @@ impl Explanation {
             (1, None) => "1 frame".to_owned(),
             (count, None) => format!("{count} frames"),
         };
+        let changed = self.changed.in_words().map_or_else(String::new, |changed| changed + "\n");
         format!(
-            "{}: {count} of {width}x{height}\n\n{}\n{}\n{}",
+            "{}: {count} of {width}x{height}\n{changed}\n{}\n{}\n{}",
             Printable(&self.scene),
             self.timeline.in_words(),
             self.costs.in_words(),
@@ -94,7 +99,7 @@ impl Explanation {
     }
 
     fn json(&self) -> Value {
-        json!({
+        let mut explanation = json!({
             "scene": self.scene,
             "width": self.size.0,
             "height": self.size.1,
@@ -110,6 +115,8 @@ impl Explanation {
                 })).collect::<Vec<_>>(),
                 "cost": self.costs.effect_json(told.effect, self.measure),
             })).collect::<Vec<_>>(),
-        })
+        });
+        self.changed.tell(&mut explanation);
+        explanation
     }
 }

@@ -17,7 +17,7 @@ use super::settings::{require_frame, resize};
 
 pub(super) fn run(arguments: &ProbeArguments) -> Result<(), Failure> {
     // Read once: it may be a pipe, and lines are looked up in it later.
-    let (scene, sources) = Scene::load_with_sources(&arguments.scene)?;
+    let (scene, sources) = Scene::load_overridden(&arguments.scene, &arguments.overrides.all())?;
     let file = arguments.scene.display().to_string();
     let mut engine = Engine::from_scene(scene);
     let frame = arguments.at.is_none().then(|| arguments.frame.unwrap_or(0));

@@ -1,0 +1,45 @@
+//! What one run does otherwise than the scene says.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use rayreel::{Effect, Engine, EngineError, Scene};
+
+use super::args::OverrideArguments;
+
+/// Loads a scene, with values in the place of some of its own.
+pub(super) fn load(scene: &Path, overrides: &OverrideArguments) -> Result<Engine, EngineError> {
+    let overrides = overrides.all();
+    if overrides.is_empty() {
+        return Engine::load(scene);
+    }
+    Ok(Engine::from_scene(Scene::load_overridden(scene, &overrides)?.0))
+}
+
+/// What is not as the scene has it.
+#[derive(Clone, Debug)]
+pub(super) struct Changed {
+    overrides: Vec<String>,
+    without: Vec<Effect>,
+}
+
+impl Changed {
+    pub(super) fn new(overrides: &OverrideArguments, without: &[Effect]) -> Self {
+        let overrides = overrides.all().iter().map(ToString::to_string).collect();
+        Self { overrides, without: without.to_vec() }
+    }
+
+    /// Names it in a line, if there is anything.
+    pub(super) fn in_words(&self) -> Option<String> {
+        let without = self.without.iter().map(|effect| format!("no {effect}"));
+        let changed: Vec<String> = self.overrides.iter().cloned().chain(without).collect();
+        (!changed.is_empty()).then(|| format!("instead of the scene's own: {}", changed.join(", ")))
+    }
+
+    /// Adds it to a report.
+    pub(super) fn tell(&self, report: &mut Value) {
+        report["overrides"] = json!(self.overrides);
+        report["without"] = self.without.iter().map(|effect| effect.name()).collect();
+    }
+}
