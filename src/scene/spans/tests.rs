@@ -1,3 +1,5 @@
+//! Finds values in texts that are full of brackets, strings and comments.
+
 use super::*;
 
 fn found<'a>(text: &'a str, path: &[PathStep]) -> &'a str {
