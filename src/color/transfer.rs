@@ -49,6 +49,13 @@ impl Transfer {
         })
     }
 
+    /// Returns the output values of a linear pixel, from 0 to 255, before they are rounded to bytes. Values outside 0..=1 are
+    /// clamped.
+    #[must_use]
+    pub fn encode_unrounded(self, pixel: Rgb) -> [f64; 3] {
+        self.channels(Rgb::from_array(pixel.to_array().map(clamped)))
+    }
+
     /// Returns the output bytes of a linear pixel. Values outside 0..=1 are clamped.
     #[must_use]
     pub fn encode(self, pixel: Rgb) -> [u8; 3] {

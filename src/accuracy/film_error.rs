@@ -1,0 +1,160 @@
+//! The largest and the mean difference of two films.
+
+use rayon::prelude::*;
+
+use super::output_values::require_same_size;
+use crate::color::Transfer;
+use crate::trace::Film;
+
+/// The largest output value.
+const PEAK: f64 = 255.0;
+
+/// How far a film is from another, in output values: steps of 8 bits, unrounded.
+///
+/// ```
+/// use rayreel::accuracy::FilmError;
+/// use rayreel::color::{Rgb, Transfer};
+/// use rayreel::trace::Film;
+///
+/// let film = |red: f32| Film::from_pixels(2, 1, [Rgb::new(red, 0.5, 0.5), Rgb::ONE].into_iter());
+/// let error = FilmError::between(&film(0.25), &film(0.75), Transfer::Classic);
+/// assert_eq!((error.max, error.share_off), (127.5, 0.5));
+/// assert!((error.rms - 127.5 / f64::sqrt(6.0)).abs() < 1e-12);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FilmError {
+    /// The largest difference of any channel, 0 to 255.
+    pub max: f64,
+    /// The root of the mean square of the differences of all channels, 0 to 255.
+    pub rms: f64,
+    /// The share of pixels of which a channel differs by more than 1, 0 to 1.
+    pub share_off: f64,
+}
+
+/// What a row adds.
+#[derive(Clone, Copy, Default)]
+struct RowSums {
+    max: f64,
+    squares: f64,
+    off: u64,
+}
+
+impl FilmError {
+    /// Compares a film with a reference. The result is the same on any number of threads, and the other way round.
+    ///
+    /// # Panics
+    ///
+    /// If the films have different sizes.
+    #[must_use]
+    pub fn between(film: &Film, reference: &Film, transfer: Transfer) -> Self {
+        require_same_size(film, reference);
+        let width = film.width().max(1) as usize;
+        let rows = film.pixels().par_chunks(width).zip(reference.pixels().par_chunks(width));
+        let rows: Vec<RowSums> = rows
+            .map(|(row, reference)| {
+                let mut sums = RowSums::default();
+                for (pixel, other) in row.iter().zip(reference).filter(|(pixel, other)| pixel != other) {
+                    let (pixel, other) =
+                        (transfer.encode_unrounded(*pixel), transfer.encode_unrounded(*other));
+                    let apart: [f64; 3] =
+                        std::array::from_fn(|channel| (pixel[channel] - other[channel]).abs());
+                    let largest = apart[0].max(apart[1]).max(apart[2]);
+                    sums.max = sums.max.max(largest);
+                    sums.squares += apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2];
+                    sums.off += u64::from(largest > 1.0);
+                }
+                sums
+            })
+            .collect();
+        let count = film.pixels().len().max(1) as f64;
+        let squares: f64 = rows.iter().map(|row| row.squares).sum();
+        let off: u64 = rows.iter().map(|row| row.off).sum();
+        Self {
+            max: rows.iter().map(|row| row.max).fold(0.0, f64::max),
+            rms: (squares / (3.0 * count)).sqrt(),
+            share_off: off as f64 / count,
+        }
+    }
+
+    /// Returns the ratio of the largest output value to the root of the mean square, in decibels; infinite for equal films.
+    #[must_use]
+    pub fn psnr(&self) -> f64 {
+        20.0 * libm::log10(PEAK / self.rms)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::color::Rgb;
+
+    fn film(width: u32, pixels: &[[f32; 3]]) -> Film {
+        let height = u32::try_from(pixels.len()).unwrap() / width;
+        Film::from_pixels(width, height, pixels.iter().map(|pixel| Rgb::from_array(*pixel)))
+    }
+
+    #[test]
+    fn equal_films_and_what_is_clamped_in_both_make_no_error() {
+        let bright = film(2, &[[1.5, 0.5, 0.0], [7.0, 0.25, 1.0]]);
+        let brighter = film(2, &[[2.5, 0.5, 0.0], [1.0, 0.25, 3.0]]);
+        for transfer in [Transfer::Srgb, Transfer::Classic] {
+            for other in [&bright, &brighter] {
+                let error = FilmError::between(&bright, other, transfer);
+                assert_eq!(error, FilmError::default());
+                assert!(error.psnr() > f64::MAX);
+            }
+        }
+        let empty = Film::new(0, 0);
+        assert_eq!(FilmError::between(&empty, &empty, Transfer::Srgb), FilmError::default());
+    }
+
+    #[test]
+    fn black_and_white_are_as_far_apart_as_can_be() {
+        let (black, white) = (film(1, &[[0.0; 3]; 4]), film(1, &[[1.0; 3]; 4]));
+        let error = FilmError::between(&black, &white, Transfer::Classic);
+        assert_eq!(error, FilmError { max: 255.0, rms: 255.0, share_off: 1.0 });
+        assert_eq!(error.psnr(), 0.0);
+    }
+
+    #[test]
+    fn less_than_a_step_counts_though_no_byte_differs() {
+        let error = FilmError::between(&film(1, &[[0.5; 3]]), &film(1, &[[0.501; 3]]), Transfer::Classic);
+        assert!((error.max - 0.255).abs() < 1e-4 && error.rms > 0.25 && error.share_off == 0.0, "{error:?}");
+        assert_eq!(Transfer::Classic.encode(Rgb::splat(0.5)), Transfer::Classic.encode(Rgb::splat(0.501)));
+    }
+
+    #[test]
+    #[should_panic(expected = "films of different sizes")]
+    fn films_of_different_sizes_are_not_compared() {
+        let _ = FilmError::between(&Film::new(2, 3), &Film::new(3, 2), Transfer::Srgb);
+    }
+
+    proptest! {
+        /// By the definitions, one channel after the other.
+        #[test]
+        fn it_is_what_a_plain_loop_finds(
+            pixels in prop::collection::vec(prop::array::uniform3(-0.1_f32..1.2), 12),
+            others in prop::collection::vec(prop::array::uniform3(-0.1_f32..1.2), 12),
+            is_srgb in any::<bool>(),
+        ) {
+            let transfer = if is_srgb { Transfer::Srgb } else { Transfer::Classic };
+            let (one, other) = (film(4, &pixels), film(4, &others));
+            let mut apart = Vec::new();
+            let mut off = 0;
+            for (one, other) in one.pixels().iter().zip(other.pixels()) {
+                let (one, other) = (transfer.encode_unrounded(*one), transfer.encode_unrounded(*other));
+                let of_pixel: Vec<f64> = one.iter().zip(other).map(|(one, other)| (one - other).abs()).collect();
+                off += i32::from(of_pixel.iter().any(|apart| *apart > 1.0));
+                apart.extend(of_pixel);
+            }
+            let error = FilmError::between(&one, &other, transfer);
+            prop_assert_eq!(error.max, apart.iter().copied().fold(0.0, f64::max));
+            let mean = apart.iter().map(|apart| apart * apart).sum::<f64>() / 36.0;
+            prop_assert!((error.rms - mean.sqrt()).abs() < 1e-9);
+            prop_assert_eq!(error.share_off, f64::from(off) / 12.0);
+            prop_assert_eq!(error, FilmError::between(&other, &one, transfer));
+        }
+    }
+}
