@@ -10,7 +10,7 @@ use super::report::FrameReport;
 use crate::components::FilmSettings;
 use crate::scene::{LoadError, Scene, SceneScripts, ScriptMistake, ScriptSources};
 use crate::systems::{
-    self, Changes, Context, Effect, Fault, Halt, Plan, Preparation, Schedule, ScriptFailure, Scripts,
+    self, Changes, Context, Effect, Fault, Halt, Knobs, Plan, Preparation, Schedule, ScriptFailure, Scripts,
     Shutters, Step, UnknownComponent,
 };
 use crate::time::Timeline;
@@ -90,6 +90,7 @@ pub struct Engine {
     pub(super) full: bool,
     /// The effect left out for a comparison.
     pub(super) left_out: Vec<Effect>,
+    pub(super) knobs: Knobs,
     /// The exposure of frames, once it has been read.
     pub(super) shutters: Option<Shutters>,
     pub(super) plan: Option<Plan>,
@@ -171,6 +172,7 @@ impl Engine {
             simd: SimdLevel::best(),
             full: false,
             left_out: Vec::new(),
+            knobs: Knobs::default(),
             shutters: None,
             plan: None,
             report: FrameReport::default(),
@@ -284,6 +286,18 @@ impl Engine {
     #[must_use]
     pub fn left_out(&self) -> &[Effect] {
         &self.left_out
+    }
+
+    /// Sets what frames are rendered with from now on in the place of the scene's own settings. Drafts keep to the scene's.
+    pub fn set_knobs(&mut self, knobs: Knobs) {
+        self.knobs = knobs;
+        self.shutters = None;
+    }
+
+    /// Returns what frames are rendered with in the place of the scene's own settings.
+    #[must_use]
+    pub fn knobs(&self) -> Knobs {
+        self.knobs
     }
 
     /// Sets whether to render with every effect, even those that a scene does not call for: slower, and the same bits. For

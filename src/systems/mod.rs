@@ -48,8 +48,8 @@ pub use parts::value;
 pub use plan::{Need, Plan};
 #[doc(hidden)]
 pub use prepare::Preparation;
-pub use prepare::{ActiveCamera, active_camera, film_settings};
-pub(crate) use prepare::{RayLimits, Shutter, Shutters};
+pub use prepare::{ActiveCamera, Knobs, active_camera, film_settings};
+pub(crate) use prepare::{FrameSettings, Shutter, Shutters};
 pub use propagate::propagate;
 pub(crate) use schedule::Schedule;
 pub use schedule::Step;

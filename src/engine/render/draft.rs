@@ -8,7 +8,7 @@ use crate::color::Encoding;
 use crate::components::{FilmSettings, Sampling};
 use crate::engine::engine::{Engine, EngineError};
 use crate::engine::report::FrameReport;
-use crate::systems::RayLimits;
+use crate::systems::FrameSettings;
 use crate::time::Time;
 use crate::trace::{Exposure, Film, Lighting, Signals};
 
@@ -66,9 +66,8 @@ impl Engine {
             return Ok(None);
         }
         let Some(preparation) = &mut self.preparation else { return Ok(None) };
-        let (settings, limits) = (preparation.exposure_settings(), preparation.ray_limits());
-        preparation.expose_with(draft.exposure_settings(settings), &self.world);
-        preparation.limit_rays(&draft.ray_limits(&limits));
+        let settings = draft.frame_settings(preparation.frame_settings());
+        let settings = preparation.replace_frame_settings(&settings, &self.world);
         let (scene, camera, sampling) =
             (preparation.scene(), preparation.camera(), preparation.sampling(time));
         let mut effects = preparation.plan(&self.world).effects();
@@ -83,8 +82,7 @@ impl Engine {
             traced += start.elapsed();
             whole
         });
-        preparation.expose_with(settings, &self.world);
-        preparation.limit_rays(&limits);
+        preparation.replace_frame_settings(&settings, &self.world);
         self.report.trace = traced;
         if !whole {
             return Ok(None);
@@ -124,17 +122,18 @@ pub(in crate::engine) fn add_all<E: Encoding>(
 }
 
 impl Draft {
-    fn exposure_settings(self, (film, sampling): (FilmSettings, Sampling)) -> (FilmSettings, Sampling) {
+    fn frame_settings(self, whole: FrameSettings) -> FrameSettings {
+        let FrameSettings { film, sampling, depth, cutoff, light_samples } = whole;
         let side = |pixels: u32| (pixels / self.divisor.max(1)).max(1);
-        let film = FilmSettings { width: side(film.width), height: side(film.height), ..film };
-        (film, Sampling { samples: 1, ..sampling })
-    }
-
-    fn ray_limits(self, whole: &RayLimits) -> RayLimits {
-        let light_samples = whole.light_samples.iter();
-        RayLimits {
-            depth: whole.depth.min(self.depth).max(1),
-            light_samples: light_samples.map(|samples| (*samples).min(self.light_samples).max(1)).collect(),
+        FrameSettings {
+            film: FilmSettings { width: side(film.width), height: side(film.height), ..film },
+            sampling: Sampling { samples: 1, ..sampling },
+            depth: depth.min(self.depth).max(1),
+            cutoff,
+            light_samples: light_samples
+                .into_iter()
+                .map(|samples| samples.min(self.light_samples).max(1))
+                .collect(),
         }
     }
 }

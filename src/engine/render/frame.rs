@@ -7,10 +7,12 @@ use std::time::{Duration, Instant};
 
 use super::draft::add_all;
 use crate::color::{Encoding, Linear};
-use crate::components::{Animated, FilmSettings};
+use crate::components::{Animated, FilmSettings, Sampling};
 use crate::engine::engine::{Engine, EngineError};
 use crate::engine::report::FrameReport;
-use crate::systems::{Effect, Need, Plan, Preparation, Shutter, Shutters, order_newcomers, propagate};
+use crate::systems::{
+    Effect, FrameSettings, Need, Plan, Preparation, Shutter, Shutters, order_newcomers, propagate,
+};
 use crate::time::Time;
 use crate::trace::reference::{Reference, ReferenceSums};
 use crate::trace::{BvhUpdate, Effects, EncodedFilm, Exposure, Film, Lighting, SceneChanges, Signals, Sums};
@@ -169,7 +171,7 @@ impl Engine {
     /// Returns the exposure of a frame, from the world as it is before custom systems: when a frame begins cannot depend on what
     /// is there then.
     fn shutter(&mut self, time: Time) -> Shutter {
-        self.shutters.get_or_insert_with(|| Shutters::of(&self.world)).at(time)
+        self.shutters.get_or_insert_with(|| Shutters::of(&self.world, &self.knobs)).at(time)
     }
 
     /// Returns the instants at which a frame is drawn: its moment, or several while the shutter is open.
@@ -204,12 +206,11 @@ impl Engine {
         self.report = FrameReport { time, ..FrameReport::default() };
         let mut plan: Option<Plan> = None;
         let mut moves = false;
-        let mut settings = None;
+        let mut exposure = None;
         for (index, instant) in (0..).zip(instants) {
             let Some(changed) = self.bring(*instant, cancelled)? else { return Ok(false) };
-            let Some(preparation) = &mut self.preparation else { continue };
-            preparation.expose_with(*settings.get_or_insert(preparation.exposure_settings()), &self.world);
-            let preparation = &*preparation;
+            let Some(own) = self.turn_knobs(&mut exposure) else { continue };
+            let Some(preparation) = &self.preparation else { continue };
             moves |= index > 0 && !changed.is_empty();
             let without = |shown: Cow<'_, Preparation>, effect: &Effect| Cow::Owned(shown.without(*effect));
             let shown = self.left_out.iter().fold(Cow::Borrowed(preparation), without);
@@ -222,7 +223,11 @@ impl Engine {
                 Some(plan) => plan.join(&now),
                 None => plan = Some(now),
             }
-            if !each(&shown, effects, samples_of(index, instants.len(), shown.samples())) {
+            let goes_on = each(&shown, effects, samples_of(index, instants.len(), shown.samples()));
+            if let Some(preparation) = &mut self.preparation {
+                preparation.replace_frame_settings(&own, &self.world);
+            }
+            if !goes_on {
                 break;
             }
         }
@@ -232,6 +237,16 @@ impl Engine {
         }
         self.plan = plan;
         Ok(true)
+    }
+
+    /// Draws the prepared instant with the film and the samples of the frame's first one, noted in `exposure`, and with what knobs
+    /// turn. Returns its own settings.
+    fn turn_knobs(&mut self, exposure: &mut Option<(FilmSettings, Sampling)>) -> Option<FrameSettings> {
+        let preparation = self.preparation.as_mut()?;
+        let mut settings = preparation.frame_settings();
+        (settings.film, settings.sampling) = *exposure.get_or_insert((settings.film, settings.sampling));
+        self.knobs.turn(&mut settings);
+        Some(preparation.replace_frame_settings(&settings, &self.world))
     }
 
     fn motion_blur(&mut self, time: Time, moves: bool) -> Need {
@@ -272,11 +287,11 @@ impl Engine {
     pub fn seek_sample(&mut self, time: Time, index: u32) -> Result<(), EngineError> {
         let instants = self.instants(time);
         self.report = FrameReport { time, ..FrameReport::default() };
-        let mut settings = None;
+        let mut exposure = None;
         for (at, instant) in (0..).zip(&instants) {
             self.bring(*instant, &NEVER)?;
-            let Some(preparation) = &mut self.preparation else { continue };
-            preparation.expose_with(*settings.get_or_insert(preparation.exposure_settings()), &self.world);
+            self.turn_knobs(&mut exposure);
+            let Some(preparation) = &self.preparation else { continue };
             let (_, to) = samples_of(at, instants.len(), preparation.samples());
             if index < to {
                 break;

@@ -3,8 +3,11 @@
 use glam::DVec3;
 use hecs::{Component, Entity, World};
 
-use super::settings::{first, first_entity, sane_sampling};
-use crate::components::{Camera, FilmSettings, Follow, LookAt, Projection, Shots, View, WorldTransform};
+use super::Knobs;
+use super::settings::{first, first_entity};
+use crate::components::{
+    Camera, FilmSettings, Follow, LookAt, Projection, Sampling, Shots, View, WorldTransform,
+};
 use crate::time::Time;
 use crate::trace;
 
@@ -111,10 +114,12 @@ pub(crate) struct Shutters {
 }
 
 impl Shutters {
+    /// Returns them with what knobs turn of the scene's samples.
     #[must_use]
-    pub(crate) fn of(world: &World) -> Self {
+    pub(crate) fn of(world: &World, knobs: &Knobs) -> Self {
         let camera = |entity| component::<Camera>(world, entity).unwrap_or_default();
-        let instants = sane_sampling(first(world)).instants;
+        let Sampling { samples, instants, .. } = knobs.sampling(first(world));
+        let instants = instants.min(samples);
         let shutter = |entity| match camera(entity).shutter {
             Some(open) if open > 0.0 && instants > 1 => Shutter::Open(open.min(1.0), instants),
             Some(open) if open > 0.0 => Shutter::OneInstant,

@@ -2,6 +2,7 @@
 
 mod camera;
 mod faults;
+mod frame_settings;
 mod light;
 mod material;
 mod read;
@@ -30,6 +31,8 @@ use settings::{first, linear_cutoff, prepared_background, prepared_fog, sane, sa
 
 pub use camera::{ActiveCamera, active_camera};
 pub(crate) use camera::{Shutter, Shutters};
+pub(crate) use frame_settings::FrameSettings;
+pub use frame_settings::Knobs;
 pub use settings::film_settings;
 
 /// The kernel's arrays, and the entity of each of their slots.
@@ -51,15 +54,6 @@ pub struct Preparation {
     slots: SlotTable,
     /// Entities whose surfaces have numbers that are out of range.
     unsound: BTreeSet<Entity>,
-}
-
-/// The most rays that surfaces send out.
-#[derive(Clone, Debug)]
-pub(crate) struct RayLimits {
-    /// Generations, 1 or more.
-    pub(crate) depth: u32,
-    /// Samples of every light, 1 or more.
-    pub(crate) light_samples: Vec<u32>,
 }
 
 /// Slots by entity. Ids are small and dense, so that a list suffices.
@@ -230,31 +224,34 @@ impl Preparation {
         Plan::of(world, self)
     }
 
-    /// Returns the film and the samples of a frame: all its instants have the same.
-    pub(crate) fn exposure_settings(&self) -> (FilmSettings, Sampling) {
-        (self.film, self.sampling)
-    }
-
-    /// Sets the film and the samples.
-    pub(crate) fn expose_with(&mut self, (film, sampling): (FilmSettings, Sampling), world: &World) {
-        self.sampling = sampling;
-        if set(&mut self.film, film) {
-            self.camera = prepared_camera(world, film, self.moment);
+    /// Returns the settings that decide between accuracy and time.
+    pub(crate) fn frame_settings(&self) -> FrameSettings {
+        FrameSettings {
+            film: self.film,
+            sampling: self.sampling,
+            depth: self.scene.depth,
+            cutoff: self.scene.cutoff,
+            light_samples: self.scene.lights.iter().map(|light| light.samples).collect(),
         }
     }
 
-    /// Returns the limits of the rays that surfaces send out.
-    pub(crate) fn ray_limits(&self) -> RayLimits {
-        let light_samples = self.scene.lights.iter().map(|light| light.samples).collect();
-        RayLimits { depth: self.scene.depth, light_samples }
-    }
-
-    /// Sets these limits, until the next update that reads settings.
-    pub(crate) fn limit_rays(&mut self, limits: &RayLimits) {
-        self.scene.depth = limits.depth;
-        for (light, samples) in self.scene.lights.iter_mut().zip(&limits.light_samples) {
+    /// Sets them, until the next update, and returns what they were.
+    pub(crate) fn replace_frame_settings(
+        &mut self,
+        settings: &FrameSettings,
+        world: &World,
+    ) -> FrameSettings {
+        let before = self.frame_settings();
+        self.sampling = settings.sampling;
+        if set(&mut self.film, settings.film) {
+            self.camera = prepared_camera(world, settings.film, self.moment);
+        }
+        self.scene.depth = settings.depth;
+        self.scene.cutoff = settings.cutoff;
+        for (light, samples) in self.scene.lights.iter_mut().zip(&settings.light_samples) {
             light.samples = *samples;
         }
+        before
     }
 
     /// Returns the number of samples per pixel.

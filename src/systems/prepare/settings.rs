@@ -33,7 +33,7 @@ pub fn film_settings(world: &World) -> FilmSettings {
 
 pub(super) fn sane_sampling(sampling: Sampling) -> Sampling {
     let samples = sampling.samples.clamp(1, Sampling::LARGEST_COUNT);
-    let instants = sampling.instants.clamp(1, Sampling::LARGEST_INSTANTS).min(samples);
+    let instants = sampling.instants.clamp(1, Sampling::LARGEST_INSTANTS);
     Sampling { samples, instants, ..sampling }
 }
 
