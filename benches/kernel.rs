@@ -84,7 +84,7 @@ fn frame(bencher: Bencher<'_, '_>, Stages(name, stage): &Stages) {
     let never = AtomicBool::new(false);
     let dark = || Exposure::new(camera.resolution(), 1);
     let expose = |exposure: &mut Exposure| {
-        assert!(exposure.add(&scene, camera, Sampling::default(), (0, 1), effects, Signals::unless(&never)));
+        assert!(exposure.add(&scene, camera, Sampling::default(), 0, effects, Signals::unless(&never)));
     };
     let mut first = dark();
     expose(&mut first);

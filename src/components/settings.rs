@@ -64,11 +64,15 @@ impl Default for FilmSettings {
 }
 
 /// The number of samples per pixel, and their choice.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampling {
     /// Samples per pixel, 1..=[`Self::LARGEST_COUNT`]. A single sample is in the pixel's centre; several are spread over the
-    /// pixel, which is their mean.
+    /// pixel, which is their mean. With a `max_error`, the most that a pixel gets.
     pub samples: u32,
+    /// The error that the picture is meant to have, as the root of the mean square over its pixels, in steps of 8-bit output,
+    /// 0..=[`Self::LARGEST_ERROR`]. Samples go where they are needed, until the estimate of the picture's error, which
+    /// [`FrameReport::error`](crate::FrameReport::error) tells, is below this. 0 gives all pixels as many.
+    pub max_error: f32,
     /// The seed: another seed gives other samples.
     pub seed: u64,
     /// How the samples of different frames are related.
@@ -92,13 +96,15 @@ pub enum Noise {
 impl Sampling {
     /// The most samples per pixel.
     pub const LARGEST_COUNT: u32 = 65_536;
+    /// The largest error: the whole range of 8-bit output.
+    pub const LARGEST_ERROR: f32 = 255.0;
     /// The most instants while the shutter is open.
     pub const LARGEST_INSTANTS: u32 = 256;
 }
 
 impl Default for Sampling {
     fn default() -> Self {
-        Self { samples: 1, seed: 0, noise: Noise::Fixed, instants: 16 }
+        Self { samples: 1, max_error: 0.0, seed: 0, noise: Noise::Fixed, instants: 16 }
     }
 }
 

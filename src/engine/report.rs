@@ -6,7 +6,7 @@ use crate::time::Time;
 use crate::trace::{Escalations, RayCounts, TreeEnds};
 
 /// The cost of the last frame, phase by phase.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameReport {
     /// The frame's moment.
     pub time: Time,
@@ -22,6 +22,9 @@ pub struct FrameReport {
     pub trace: Duration,
     /// The number of rays.
     pub rays: RayCounts,
+    /// The estimate of the picture's error, where it has been told how large that may be: see
+    /// [`Sampling::max_error`](crate::components::Sampling::max_error).
+    pub error: Option<f64>,
     /// The number of rays not traced, though a surface sent them on.
     pub ends: TreeEnds,
     /// How often arithmetic had to be escalated.
@@ -39,6 +42,7 @@ impl Default for FrameReport {
             bvh_refits: 0,
             trace: none,
             rays: RayCounts::default(),
+            error: None,
             ends: TreeEnds::default(),
             escalations: Escalations::default(),
         }

@@ -8,14 +8,15 @@ use fearless_simd::dispatch;
 use rayon::prelude::*;
 
 use crate::color::{Encoding, Linear, Rgb};
+use crate::trace::adaptive::{Adaptive, ErrorTarget, Portion, Rounds};
 use crate::trace::effects::Effects;
 use crate::trace::effort::Effort;
 use crate::trace::film::Film;
 use crate::trace::light::RenderContext;
-use crate::trace::math::{Colors, Sampling, SimdLevel, Vectors};
+use crate::trace::math::{Colors, Numbers, Sampling, SimdLevel, Vectors};
 use crate::trace::query::{Intersector, Textbook};
 use crate::trace::scene::{Camera, Precision, PreparedScene};
-use crate::trace::stages::{PACKETS, TILE, Tile, TileBuffers, render_sample};
+use crate::trace::stages::{ActiveLanes, PACKETS, TILE, Tile, TileBuffers, render_sample};
 use crate::trace::tile_light::{NO_SUMS, TileLight, TileSums, means};
 use crate::trace::work_queue::WorkQueue;
 
@@ -48,8 +49,9 @@ impl fmt::Debug for Signals<'_> {
 pub struct Exposure<E: Encoding = Linear> {
     width: u32,
     height: u32,
-    /// In a pixel.
-    samples: u32,
+    rounds: Rounds,
+    /// Which pixels get more samples, if not all get as many.
+    adaptive: Option<Adaptive>,
     tiles: Vec<ExposedTile>,
     /// How the film keeps pixels in the end.
     encoding: E,
@@ -57,11 +59,13 @@ pub struct Exposure<E: Encoding = Linear> {
     effort: Effort,
 }
 
-/// A tile, and how many samples of each of its pixels have come.
+/// A tile, and how many samples of each of its pixels have come that still gets some.
 #[derive(Clone, Copy, Debug)]
 struct ExposedTile {
     tile: Tile,
     samples: u32,
+    /// The pixels that get more.
+    active: ActiveLanes,
 }
 
 /// What has come to the pixels so far.
@@ -83,7 +87,7 @@ impl Exposure {
     #[doc(hidden)]
     #[must_use]
     pub fn new(resolution: (u32, u32), samples: u32) -> Self {
-        Self::encoded(Linear, resolution, samples, Sums::default())
+        Self::encoded(Linear, resolution, Rounds::single(samples, 1), None, Sums::default())
     }
 
     /// What there is so far: pixels are means of the samples that they have. Where they have none, another picture of the same
@@ -111,33 +115,36 @@ impl Exposure {
 }
 
 impl<E: Encoding> Exposure<E> {
-    /// Of no light so far, to have this many samples in a pixel, which are encoded in the end. It uses the memory of another's
-    /// sums.
+    /// Of no light so far, to have samples in these rounds, until it is as good as it is meant to be, if that is said. Pixels are encoded
+    /// in the end. It uses the memory of another's sums.
     pub(crate) fn encoded(
         encoding: E,
-        (columns, rows): (u32, u32),
-        samples: u32,
+        (columns, height): (u32, u32),
+        rounds: Rounds,
+        target: Option<ErrorTarget>,
         Sums(mut sums): Sums,
     ) -> Self {
-        let tiles: Vec<ExposedTile> = (0..rows)
+        let tiles: Vec<ExposedTile> = (0..height)
             .step_by(TILE as usize)
             .flat_map(|j| (0..columns).step_by(TILE as usize).map(move |i| (i, j)))
-            .map(|(i, j)| Tile { i, j, width: TILE.min(columns - i), height: TILE.min(rows - j) })
-            .map(|tile| ExposedTile { tile, samples: 0 })
+            .map(|(i, j)| Tile { i, j, width: TILE.min(columns - i), height: TILE.min(height - j) })
+            .map(|tile| ExposedTile { tile, samples: 0, active: ActiveLanes::ALL })
             .collect();
-        let pixels = if samples == 1 {
+        let pixels = if rounds.samples() == 1 {
             Pixels::Picture(None)
         } else {
             sums.clear();
             sums.resize(tiles.len() * PACKETS, NO_SUMS);
             Pixels::Sums(Sums(sums))
         };
-        Self { width: columns, height: rows, samples, tiles, encoding, pixels, effort: Effort::default() }
+        let adaptive = target.map(|target| Adaptive::new((columns, height), target));
+        let effort = Effort::default();
+        Self { width: columns, height, rounds, adaptive, tiles, encoding, pixels, effort }
     }
 
-    /// Adds samples `from..to` of every pixel, those that are not there yet, on the current rayon pool's threads. The bits do not
-    /// depend on how many there are, nor on effects beyond those that the scene calls for. The camera's film must
-    /// be as large as this, and samples before `from` must be there.
+    /// Adds the present round's samples of an instant, those that are not there yet, on the current rayon pool's threads. The bits do
+    /// not depend on how many there are, nor on effects beyond those that the scene calls for. The camera's film must
+    /// be as large as this, and those of the instants before must be there.
     ///
     /// Says whether all were added; if not, the same call goes on.
     #[doc(hidden)]
@@ -147,21 +154,22 @@ impl<E: Encoding> Exposure<E> {
         scene: &PreparedScene,
         camera: &Camera,
         sampling: Sampling,
-        samples: (u32, u32),
+        instant: u32,
         effects: Effects,
         signals: Signals<'_>,
     ) -> bool {
+        let portion = self.rounds.portion(instant);
         let context = RenderContext::new(scene, camera, sampling, effects);
         match scene.precision {
-            Precision::Guaranteed => self.add_with(&context, scene.geometry(), samples, signals),
+            Precision::Guaranteed => self.add_with(&context, scene.geometry(), portion, signals),
             // For comparisons: as it is.
             Precision::TextbookF64 => {
                 let shapes = Textbook::<f64>::new(scene.geometry());
-                self.add_with(&context, &shapes, samples, signals)
+                self.add_with(&context, &shapes, portion, signals)
             }
             Precision::TextbookF32 => {
                 let shapes = Textbook::<f32>::new(scene.geometry());
-                self.add_with(&context, &shapes, samples, signals)
+                self.add_with(&context, &shapes, portion, signals)
             }
         }
     }
@@ -170,7 +178,7 @@ impl<E: Encoding> Exposure<E> {
         &mut self,
         context: &RenderContext<'_>,
         shapes: &impl Intersector,
-        samples: (u32, u32),
+        portion: Portion,
         signals: Signals<'_>,
     ) -> bool {
         let (count, tiles) = (self.tiles.len(), self.tiles.iter_mut());
@@ -179,14 +187,43 @@ impl<E: Encoding> Exposure<E> {
             Pixels::Picture(film) => {
                 let film = film.get_or_insert_with(|| Film::black(self.encoding, width, height));
                 let tiles = tiles.zip(film.tiles_mut(self.encoding));
-                add_samples(context, shapes, (tiles, count), samples, signals)
+                add_samples(context, shapes, (tiles, count), portion, signals)
             }
             Pixels::Sums(Sums(sums)) => {
                 let tiles = tiles.zip(sums.chunks_mut(PACKETS).map(TileSums));
-                add_samples(context, shapes, (tiles, count), samples, signals)
+                add_samples(context, shapes, (tiles, count), portion, signals)
             }
         };
-        self.tiles.iter().all(|exposed| exposed.samples >= samples.1)
+        self.tiles.iter().all(|exposed| exposed.samples >= portion.after())
+    }
+
+    /// Goes on to the next round, after the present one, if the picture is not yet as good as it is meant to be. Returns whether there
+    /// is one.
+    pub(crate) fn next_round(&mut self) -> bool {
+        let (Some(adaptive), Pixels::Sums(Sums(sums))) = (&mut self.adaptive, &self.pixels) else {
+            return false;
+        };
+        let (width, across) = (self.width as usize, self.width.div_ceil(TILE) as usize);
+        let sum = |pixel: usize| {
+            let (i, j, side) = (pixel % width, pixel / width, TILE as usize);
+            let (packet, lane) = Tile::lane_of(i % side, j % side);
+            sums[(j / side * across + i / side) * PACKETS + packet].get(lane)
+        };
+        if !adaptive.judge(&self.rounds, sum) {
+            return false;
+        }
+        self.rounds.advance();
+        for exposed in &mut self.tiles {
+            exposed.active = exposed
+                .tile
+                .active_lanes(|i, j| adaptive.left_with(j as usize * width + i as usize).is_none());
+        }
+        true
+    }
+
+    /// Returns the estimate of the picture's error in output values, if it is meant to have one.
+    pub(crate) fn estimated_error(&self) -> Option<f64> {
+        self.adaptive.as_ref().map(Adaptive::error)
     }
 
     /// Which part of its samples is there, 0 to 1.
@@ -195,7 +232,7 @@ impl<E: Encoding> Exposure<E> {
         let area = |tile: Tile| f64::from(tile.width * tile.height);
         let there: f64 =
             self.tiles.iter().map(|exposed| area(exposed.tile) * f64::from(exposed.samples)).sum();
-        there / (f64::from(self.width) * f64::from(self.height) * f64::from(self.samples))
+        there / (f64::from(self.width) * f64::from(self.height) * f64::from(self.rounds.samples()))
     }
 
     /// Returns the picture, and what it took.
@@ -227,26 +264,43 @@ impl<E: Encoding> Exposure<E> {
         let mut film = Film::black(self.encoding, self.width, self.height);
         let stored: Vec<_> = film.tiles_mut(self.encoding).collect();
         let tiles = stored.into_par_iter().zip(sums.par_chunks(PACKETS)).zip(&self.tiles);
-        let overflowed = tiles.map(|((mut stored, sums), ExposedTile { tile, samples })| {
+        let overflowed = tiles.map(|((mut stored, sums), exposed)| {
+            let counts = self.sample_counts(exposed);
             dispatch!(SimdLevel::best().level(), simd => {
                 let mut pixels = [Colors::splat(Rgb::ZERO); PACKETS];
-                for (pixels, sums) in pixels.iter_mut().zip(sums) {
-                    *pixels = means(simd, sums, (*samples).max(1));
+                for ((pixels, sums), counts) in pixels.iter_mut().zip(sums).zip(&counts) {
+                    *pixels = means(simd, sums, counts);
                 }
-                stored.add(simd, tile, &pixels)
+                stored.add(simd, &exposed.tile, &pixels)
             })
         });
         let overflowed = overflowed.sum();
         (film, overflowed)
     }
+
+    /// Returns how many samples each pixel of a tile has, at least one.
+    fn sample_counts(&self, ExposedTile { tile, samples, .. }: &ExposedTile) -> [Numbers; PACKETS] {
+        let mut counts = [Numbers::splat(f64::from((*samples).max(1))); PACKETS];
+        let Some(adaptive) = &self.adaptive else { return counts };
+        for j in 0..tile.height {
+            for i in 0..tile.width {
+                let pixel = (tile.j + j) as usize * self.width as usize + (tile.i + i) as usize;
+                if let Some(samples) = adaptive.left_with(pixel) {
+                    let (packet, lane) = Tile::lane_of(i as usize, j as usize);
+                    counts[packet].set(lane, f64::from(samples));
+                }
+            }
+        }
+        counts
+    }
 }
 
-/// Adds samples of all tiles, so many, over all threads. Returns what they took.
+/// Adds samples of all tiles over all threads. Returns what they took.
 fn add_samples<'t, L: TileLight>(
     context: &RenderContext<'_>,
     shapes: &impl Intersector,
     (tiles, count): (impl Iterator<Item = (&'t mut ExposedTile, L)> + Send, usize),
-    samples: (u32, u32),
+    portion: Portion,
     signals: Signals<'_>,
 ) -> Effort {
     let threads = rayon::current_num_threads();
@@ -257,7 +311,7 @@ fn add_samples<'t, L: TileLight>(
         while queue.take_share(&mut share) {
             let buffers = buffers.get_or_insert_with(|| TileBuffers::new(signals.cancelled));
             for (exposed, mut light) in share.drain(..) {
-                effort += add_to_tile(context, shapes, (exposed, &mut light), samples, signals, buffers);
+                effort += add_to_tile(context, shapes, (exposed, &mut light), portion, signals, buffers);
             }
         }
         *total.lock().unwrap_or_else(PoisonError::into_inner) += effort;
@@ -271,16 +325,19 @@ fn add_to_tile(
     context: &RenderContext<'_>,
     shapes: &impl Intersector,
     (exposed, light): (&mut ExposedTile, &mut impl TileLight),
-    (from, to): (u32, u32),
+    portion: Portion,
     signals: Signals<'_>,
     buffers: &mut TileBuffers<'_>,
 ) -> Effort {
     let mut effort = Effort::default();
-    for sample in from.max(exposed.samples)..to {
+    if exposed.active.are_none() {
+        exposed.samples = portion.after();
+    }
+    for sample in portion.rest(exposed.samples) {
         if signals.cancelled.load(Ordering::Relaxed) || (signals.pause)() {
             break;
         }
-        let whole = render_sample(context, shapes, (exposed.tile, sample), buffers);
+        let whole = render_sample(context, shapes, (exposed.tile, exposed.active, sample), buffers);
         let traced = buffers.take_effort();
         if !whole {
             break;
@@ -288,7 +345,7 @@ fn add_to_tile(
         effort.escalations.overflowed += dispatch!(context.scene.simd.level(), simd => {
             light.add(simd, &exposed.tile, buffers.pixels())
         });
-        exposed.samples = sample + 1;
+        exposed.samples += 1;
         effort += traced;
     }
     effort

@@ -32,7 +32,8 @@
 //!    `light/contribution`, and where samples may have several of them, by what `stages/trees` knows of them all. They go on at 3, whole
 //!    packets as they are and others put together, by `stages/packing`, as many at a time as a wave has room for.
 //! 8. `exposure` adds samples up in the order of their indices (`tile_light`), in `f64`, in which the mean of equal samples is exactly
-//!    their value, and `film` holds the result; a single sample goes there at once.
+//!    their value, and `film` holds the result; a single sample goes there at once. Where a picture is to have a certain error,
+//!    `adaptive` looks at the sums from time to time, and says which pixels get more samples.
 //!
 //! Folders import one way: `math` <- `rays` <- `shapes` <- `bvh` <- `scene` <- `query` <- `light`, `packet` <- `stages`. What a scene
 //! holds is in `scene`, what rays ask of it in `query`, what many rays ask of it at once in `packet`, and what light does in `light`,
@@ -57,6 +58,7 @@
 //!
 #![doc = include_str!("numerics.md")]
 
+mod adaptive;
 mod bvh;
 mod effects;
 mod effort;
@@ -79,6 +81,7 @@ mod tests;
 mod tile_light;
 mod work_queue;
 
+pub(crate) use adaptive::{Convergence, ErrorTarget, Rounds};
 pub use effort::{RayCounts, TreeEnds};
 pub(crate) use exposure::Sums;
 pub use exposure::{Exposure, Signals};

@@ -4,6 +4,7 @@
 use glam::DVec3;
 
 use crate::color::Rgb;
+use crate::trace::adaptive::{Adaptive, ErrorTarget, Rounds};
 use crate::trace::effects::Effects;
 use crate::trace::film::Film;
 use crate::trace::light::{
@@ -142,12 +143,17 @@ impl<'a> Reference<'a> {
         }
     }
 
-    /// Adds samples `from..to` of every pixel to the sums, which are in rows from the top.
-    pub(crate) fn add(&mut self, sums: &mut ReferenceSums, (from, to): (u32, u32)) {
+    /// Adds the present round's samples of an instant to the sums, which are in rows from the top.
+    pub(crate) fn add(&mut self, sums: &mut ReferenceSums, instant: u32) {
         let (columns, rows) = self.context.camera.resolution();
         let pixels = (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j)));
-        for ((i, j), sum) in pixels.zip(&mut sums.sums) {
-            for sample in from..to {
+        let ReferenceSums { sums, rounds, adaptive, .. } = sums;
+        let portion = rounds.portion(instant);
+        for ((i, j), (index, sum)) in pixels.zip(sums.iter_mut().enumerate()) {
+            if adaptive.as_ref().is_some_and(|adaptive| adaptive.left_with(index).is_some()) {
+                continue;
+            }
+            for sample in portion.from..portion.to {
                 let tree = self.sample(i, j, sample);
                 sum.add(tree.map_or_else(|| self.context.nowhere(), |tree| tree.color()));
             }
@@ -229,30 +235,46 @@ fn negligible(
 pub(crate) struct ReferenceSums {
     resolution: (u32, u32),
     sums: Vec<PixelSum>,
+    rounds: Rounds,
+    adaptive: Option<Adaptive>,
 }
 
 impl ReferenceSums {
-    /// Of no light so far.
+    /// Of no light so far, to have samples in these rounds, until the picture is as good as it is meant to be, if that is said.
     #[must_use]
-    pub(crate) fn new(resolution: (u32, u32)) -> Self {
+    pub(crate) fn new(resolution: (u32, u32), rounds: Rounds, target: Option<ErrorTarget>) -> Self {
         let (columns, rows) = resolution;
-        Self { resolution, sums: vec![PixelSum::default(); columns as usize * rows as usize] }
+        let sums = vec![PixelSum::default(); columns as usize * rows as usize];
+        Self { resolution, sums, rounds, adaptive: target.map(|target| Adaptive::new(resolution, target)) }
     }
 
-    /// The picture, of this many samples in a pixel.
+    /// Goes on to the next round, if the picture is not yet as good as it is meant to be. Returns whether there is one.
+    pub(crate) fn next_round(&mut self) -> bool {
+        let Some(adaptive) = &mut self.adaptive else { return false };
+        let goes_on = adaptive.judge(&self.rounds, |pixel| self.sums[pixel].0);
+        if goes_on {
+            self.rounds.advance();
+        }
+        goes_on
+    }
+
+    /// The picture.
     #[must_use]
-    pub(crate) fn develop(&self, samples: u32) -> Film {
+    pub(crate) fn develop(&self) -> Film {
         let (columns, rows) = self.resolution;
-        Film::from_pixels(columns, rows, self.sums.iter().map(|sum| sum.mean(samples)))
+        let samples = |pixel| self.adaptive.as_ref().and_then(|adaptive| adaptive.left_with(pixel));
+        let mean =
+            |(pixel, sum): (usize, &PixelSum)| sum.mean(samples(pixel).unwrap_or(self.rounds.taken().1));
+        Film::from_pixels(columns, rows, self.sums.iter().enumerate().map(mean))
     }
 }
 
 /// A picture of one moment, pixel after pixel, and in a pixel sample after sample.
 #[must_use]
 pub fn render(scene: &PreparedScene, camera: &Camera, sampling: Sampling) -> Film {
-    let mut sums = ReferenceSums::new(camera.resolution());
-    Reference::new(scene, camera, sampling).add(&mut sums, (0, sampling.samples));
-    sums.develop(sampling.samples)
+    let mut sums = ReferenceSums::new(camera.resolution(), Rounds::single(sampling.samples, 1), None);
+    Reference::new(scene, camera, sampling).add(&mut sums, 0);
+    sums.develop()
 }
 
 fn trace(

@@ -112,8 +112,7 @@ fn all_effects_have_the_reference_s_bits_at_every_level() {
 fn film(scene: &PreparedScene, camera: &Camera, sampling: Sampling) -> Film {
     let mut exposure = Exposure::new(camera.resolution(), sampling.samples);
     let never = AtomicBool::new(false);
-    let whole = (0, sampling.samples);
-    assert!(exposure.add(scene, camera, sampling, whole, Effects::ALL, Signals::unless(&never)));
+    assert!(exposure.add(scene, camera, sampling, 0, Effects::ALL, Signals::unless(&never)));
     exposure.develop().0
 }
 

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use crate::color::{Encoding, Rgb};
 use crate::trace::film::FilmTile;
-use crate::trace::math::{Colors, Vectors, splat};
+use crate::trace::math::{Colors, Numbers, Vectors};
 use crate::trace::scene::Square;
 use crate::trace::stages::{PACKETS, Tile};
 
@@ -52,12 +52,11 @@ impl TileLight for TileSums<'_> {
     }
 }
 
-/// Returns the means of so many samples of a packet's pixels.
+/// Returns the means of what samples of a packet's pixels add up to, so many of each.
 #[inline(always)]
-pub(crate) fn means<S: Simd>(simd: S, sums: &Vectors, samples: u32) -> Colors {
+pub(crate) fn means<S: Simd>(simd: S, sums: &Vectors, samples: &Numbers) -> Colors {
     let mut means = Colors::splat(Rgb::ZERO);
-    let count = splat(simd, f64::from(samples));
-    let mean = |channel: usize, half: usize| sums.axis(channel).load(simd, half) / count;
+    let mean = |channel: usize, half: usize| sums.axis(channel).load(simd, half) / samples.load(simd, half);
     means.store([
         mean(0, 0).narrow(mean(0, 1)),
         mean(1, 0).narrow(mean(1, 1)),

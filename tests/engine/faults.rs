@@ -213,9 +213,10 @@ fn settings() -> impl Strategy<Value = Settings> {
     let depth = prop_oneof![Just(0u32), Just(1), Just(3), Just(u32::MAX)];
     let quality = (depth, single()).prop_map(|(depth, cutoff)| Quality { depth, cutoff });
     let few = || prop_oneof![Just(0u32), Just(1), Just(3)];
-    let sampling = (few(), any::<u64>(), few());
-    let sampling = sampling.prop_map(|(samples, seed, instants)| Sampling {
+    let sampling = (few(), single(), any::<u64>(), few());
+    let sampling = sampling.prop_map(|(samples, max_error, seed, instants)| Sampling {
         samples,
+        max_error,
         seed,
         instants,
         noise: Noise::Fixed,

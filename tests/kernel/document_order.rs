@@ -75,8 +75,7 @@ fn scene(shapes: &[(PreparedShape, SurfaceMaterial)], added: &[usize]) -> Prepar
 fn film(scene: &PreparedScene, camera: &Camera) -> Film {
     let never = AtomicBool::new(false);
     let mut exposure = Exposure::new(camera.resolution(), 1);
-    let whole =
-        exposure.add(scene, camera, Sampling::default(), (0, 1), Effects::ALL, Signals::unless(&never));
+    let whole = exposure.add(scene, camera, Sampling::default(), 0, Effects::ALL, Signals::unless(&never));
     assert!(whole, "nobody cancels it");
     exposure.develop().0
 }

@@ -15,7 +15,7 @@ use rayreel::components::{
     Specular, Transform, View,
 };
 use rayreel::trace::SimdLevel;
-use rayreel::{Engine, Film, Rgb, Time, World};
+use rayreel::{Engine, Film, Knobs, Rgb, Time, World};
 
 /// Which effects a scene may have, beside what every scene has.
 #[derive(Clone, Copy, Debug)]
@@ -260,5 +260,39 @@ proptest! {
         engine.set_full(true);
         let full = engine.render_at(Time::ZERO).unwrap();
         assert_same(&full, &reference)?;
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: cases().div_ceil(8), failure_persistence: None, rng_seed: seed(), ..ProptestConfig::default() })]
+
+    /// Which pixels get how many samples is decided from sums of samples, in the same way on any number of threads.
+    #[test]
+    fn adaptive_pictures_agree(
+        effects in effects(),
+        things in things(),
+        lights in prop::collection::vec(light(), 0..4),
+        eye in point(),
+        has_lens in any::<bool>(),
+        samples in prop_oneof![Just(7u32), Just(40)],
+        error in prop_oneof![Just(0.3f32), Just(2.0), Just(8.0)],
+    ) {
+        let mut engine = Engine::new(world(effects, &things, &lights, eye, if has_lens { 3 } else { 2 }, 0.25));
+        engine.set_knobs(Knobs { samples: Some(samples), max_error: Some(error), ..Knobs::default() });
+        let reference = engine.render_reference(Time::ZERO).unwrap();
+        let planned = engine.render_at(Time::ZERO).unwrap();
+        assert_same(&planned, &reference)?;
+        let report = *engine.report();
+        prop_assert!(report.error.is_some());
+        prop_assert!(report.rays.camera >= 32 * 18 * u64::from(samples.min(8)));
+        for (name, level) in SimdLevel::all() {
+            engine.set_simd_level(level);
+            for pool in POOLS.iter() {
+                let film = pool.install(|| engine.render_at(Time::ZERO)).unwrap();
+                prop_assert!(film == planned, "{} threads, {name}", pool.current_num_threads());
+                prop_assert_eq!(engine.report().rays, report.rays);
+                prop_assert_eq!(engine.report().error, report.error);
+            }
+        }
     }
 }

@@ -115,10 +115,10 @@ fn shutter_instants_and_cutoff_are_what_is_written() {
     assert_eq!(setting::<Camera>(&world).unwrap().shutter, None);
     let text =
         "Scene(camera: (position: (0, 0, -5), view: (0, 0, 1), shutter: 0.5), quality: (depth: 3, cutoff: 2),
-        sampling: (samples: 64, instants: 8, seed: 5, noise: PerFrame))";
+        sampling: (samples: 64, max_error: 0.5, instants: 8, seed: 5, noise: PerFrame))";
     let world = Scene::from_text("test.ron", text.to_owned()).unwrap().world;
     assert_eq!(setting::<Quality>(&world), Some(Quality { depth: 3, cutoff: 2.0 }));
-    let sampling = Sampling { samples: 64, seed: 5, noise: Noise::PerFrame, instants: 8 };
+    let sampling = Sampling { samples: 64, max_error: 0.5, seed: 5, noise: Noise::PerFrame, instants: 8 };
     assert_eq!(setting::<Sampling>(&world), Some(sampling));
     assert_eq!(setting::<Camera>(&world).unwrap().shutter, Some(0.5));
 }

@@ -78,7 +78,7 @@ impl Engine {
         let mut traced = Duration::ZERO;
         let whole = add_all(signals, visit, exposure, |exposure| {
             let start = Instant::now();
-            let whole = exposure.add(scene, camera, sampling, (0, sampling.samples), effects, signals);
+            let whole = exposure.add(scene, camera, sampling, 0, effects, signals);
             traced += start.elapsed();
             whole
         });
@@ -93,10 +93,12 @@ impl Engine {
     /// Finishes a picture; the report describes it.
     pub(in crate::engine) fn develop<E: Encoding>(&mut self, exposure: Exposure<E>) -> Film<E::Pixel> {
         let start = Instant::now();
+        let error = exposure.estimated_error();
         let (film, effort, sums) = exposure.finish();
         self.report = FrameReport {
             trace: self.report.trace + start.elapsed(),
             rays: effort.rays,
+            error,
             ends: effort.ends,
             escalations: effort.escalations,
             ..self.report

@@ -15,7 +15,10 @@ use crate::systems::{
 };
 use crate::time::Time;
 use crate::trace::reference::{Reference, ReferenceSums};
-use crate::trace::{BvhUpdate, Effects, EncodedFilm, Exposure, Film, Lighting, SceneChanges, Signals, Sums};
+use crate::trace::{
+    BvhUpdate, Effects, EncodedFilm, ErrorTarget, Exposure, Film, Lighting, Rounds, SceneChanges, Signals,
+    Sums,
+};
 
 /// A signal that is never set.
 static NEVER: AtomicBool = AtomicBool::new(false);
@@ -110,20 +113,28 @@ impl Engine {
         let instants = self.instants(time);
         let (mut traced, mut whole) = (Duration::ZERO, true);
         let mut spare = std::mem::take(&mut self.spare_sums);
-        let sought = self.seek_all(time, &instants, signals.cancelled, |preparation, effects, range| {
+        let count = count_of(&instants);
+        let sought = self.seek_all(time, &instants, signals.cancelled, |preparation, effects, instant| {
             let (scene, camera) = (preparation.scene(), preparation.camera());
             let sampling = preparation.sampling(time);
             let exposure = begun.get_or_insert_with(|| {
+                let (rounds, target) = rounds(preparation, count);
                 let sums = std::mem::take(&mut spare);
-                Exposure::encoded(encoding, camera.resolution(), sampling.samples, sums)
+                Exposure::encoded(encoding, camera.resolution(), rounds, target, sums)
             });
             whole = add_all(signals, visit, exposure, |exposure| {
                 let start = Instant::now();
-                let whole = exposure.add(scene, camera, sampling, range, effects, signals);
+                let whole = exposure.add(scene, camera, sampling, instant, effects, signals);
                 traced += start.elapsed();
                 whole
             });
-            whole
+            if !whole {
+                return Then::Stop;
+            }
+            let start = Instant::now();
+            let again = instant + 1 == count && exposure.next_round();
+            traced += start.elapsed();
+            if again { Then::Again } else { Then::GoOn }
         })?;
         self.report.trace = traced;
         if !(whole && sought) {
@@ -131,8 +142,9 @@ impl Engine {
         }
         let FilmSettings { width, height, .. } = self.film_settings();
         let exposure = begun.take();
-        let exposure =
-            exposure.unwrap_or_else(|| Exposure::encoded(encoding, (width, height), 1, Sums::default()));
+        let nothing =
+            || Exposure::encoded(encoding, (width, height), Rounds::single(1, 1), None, Sums::default());
+        let exposure = exposure.unwrap_or_else(nothing);
         Ok(Some(self.develop(exposure)))
     }
 
@@ -144,17 +156,16 @@ impl Engine {
     /// As [`Engine::render_frame`].
     pub fn render_reference(&mut self, time: Time) -> Result<Film, EngineError> {
         let instants = self.instants(time);
-        let (mut sums, mut samples) = (None, 1);
-        self.seek_all(time, &instants, &NEVER, |preparation, _, range| {
+        let (mut sums, count) = (None, count_of(&instants));
+        self.seek_all(time, &instants, &NEVER, |preparation, _, instant| {
             let (scene, camera) = (preparation.scene(), preparation.camera());
-            let sampling = preparation.sampling(time);
-            samples = sampling.samples;
-            let sums = sums.get_or_insert_with(|| ReferenceSums::new(camera.resolution()));
-            Reference::new(scene, camera, sampling).add(sums, range);
-            true
+            let (rounds, target) = rounds(preparation, count);
+            let sums = sums.get_or_insert_with(|| ReferenceSums::new(camera.resolution(), rounds, target));
+            Reference::new(scene, camera, preparation.sampling(time)).add(sums, instant);
+            if instant + 1 == count && sums.next_round() { Then::Again } else { Then::GoOn }
         })?;
         let FilmSettings { width, height, .. } = self.film_settings();
-        Ok(sums.unwrap_or_else(|| ReferenceSums::new((width, height))).develop(samples))
+        Ok(sums.map_or_else(|| Film::new(width, height), |sums| sums.develop()))
     }
 
     /// Plans a moment, with reasons, without rendering a picture: see [`Engine::plan`].
@@ -164,7 +175,7 @@ impl Engine {
     /// As [`Engine::render_frame`].
     pub fn plan_at(&mut self, time: Time) -> Result<Option<&Plan>, EngineError> {
         let instants = self.instants(time);
-        self.seek_all(time, &instants, &NEVER, |_, _, _| true)?;
+        self.seek_all(time, &instants, &NEVER, |_, _, _| Then::GoOn)?;
         Ok(self.plan.as_ref())
     }
 
@@ -193,21 +204,21 @@ impl Engine {
         !self.systems.is_empty() || self.world.archetypes().any(animated)
     }
 
-    /// Visits the instants of the frame at `time`, and calls `each` with the prepared data of each, the effects that it needs, and the
-    /// samples that belong to it, until it returns `false`. The film and the samples are those of the first instant throughout.
+    /// Visits the instants of the frame at `time`, and calls `each` with the prepared data of each, the effects that it needs, and its
+    /// index, as long as it wants. The film and the samples are those of the first instant throughout.
     /// Returns whether the world was brought to each of them: `cancelled` may have become true meanwhile.
     fn seek_all(
         &mut self,
         time: Time,
         instants: &[Time],
         cancelled: &AtomicBool,
-        mut each: impl FnMut(&Preparation, Effects, (u32, u32)) -> bool,
+        mut each: impl FnMut(&Preparation, Effects, u32) -> Then,
     ) -> Result<bool, EngineError> {
         self.report = FrameReport { time, ..FrameReport::default() };
         let mut plan: Option<Plan> = None;
-        let mut moves = false;
-        let mut exposure = None;
-        for (index, instant) in (0..).zip(instants) {
+        let (mut moves, mut exposure) = (false, None);
+        let mut next = (0..count_of(instants)).zip(instants);
+        while let Some((index, instant)) = next.next() {
             let Some(changed) = self.bring(*instant, cancelled)? else { return Ok(false) };
             let Some(own) = self.turn_knobs(&mut exposure) else { continue };
             let Some(preparation) = &self.preparation else { continue };
@@ -223,12 +234,18 @@ impl Engine {
                 Some(plan) => plan.join(&now),
                 None => plan = Some(now),
             }
-            let goes_on = each(&shown, effects, samples_of(index, instants.len(), shown.samples()));
+            let mut then = each(&shown, effects, index);
+            // A single instant is there already.
+            while instants.len() == 1 && matches!(then, Then::Again) {
+                then = each(&shown, effects, index);
+            }
             if let Some(preparation) = &mut self.preparation {
                 preparation.replace_frame_settings(&own, &self.world);
             }
-            if !goes_on {
-                break;
+            match then {
+                Then::GoOn => {}
+                Then::Again => next = (0..count_of(instants)).zip(instants),
+                Then::Stop => break,
             }
         }
         let motion_blur = self.motion_blur(time, moves);
@@ -292,8 +309,7 @@ impl Engine {
             self.bring(*instant, &NEVER)?;
             self.turn_knobs(&mut exposure);
             let Some(preparation) = &self.preparation else { continue };
-            let (_, to) = samples_of(at, instants.len(), preparation.samples());
-            if index < to {
+            if index < Rounds::single(preparation.samples(), count_of(&instants)).portion(at).to {
                 break;
             }
         }
@@ -332,11 +348,27 @@ impl Engine {
     }
 }
 
-/// Returns the samples, of this many per pixel, that are taken at instant `index` of `instants`: sample s of n belongs to instant
-/// floor(s instants / n).
-fn samples_of(index: u32, instants: usize, samples: u32) -> (u32, u32) {
-    let instants = instants as u64;
-    let first =
-        |index: u64| u32::try_from((index * u64::from(samples)).div_ceil(instants)).unwrap_or(samples);
-    (first(index.into()), first(u64::from(index) + 1))
+/// What comes after an instant of a frame.
+enum Then {
+    /// The next one, if there is one.
+    GoOn,
+    /// All of them again.
+    Again,
+    /// Nothing.
+    Stop,
+}
+
+/// Returns how many instants there are, which are never more than samples.
+fn count_of(instants: &[Time]) -> u32 {
+    u32::try_from(instants.len()).unwrap_or(u32::MAX)
+}
+
+/// Returns the rounds in which a picture at so many instants gets its samples, and how good it is meant to be, if that is said.
+fn rounds(preparation: &Preparation, instants: u32) -> (Rounds, Option<ErrorTarget>) {
+    let samples = preparation.samples();
+    let target = preparation.error_target(instants).filter(|_| samples > 1);
+    match target {
+        Some(_) => (Rounds::doubling(samples, instants), target),
+        None => (Rounds::single(samples, instants), None),
+    }
 }

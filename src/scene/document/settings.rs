@@ -129,6 +129,7 @@ impl Default for QualityDocument {
 pub(crate) struct SamplingDocument {
     #[serde(deserialize_with = "whole")]
     pub(crate) samples: u64,
+    pub(crate) max_error: f64,
     #[serde(deserialize_with = "whole")]
     pub(crate) instants: u64,
     #[serde(deserialize_with = "whole")]
@@ -138,7 +139,7 @@ pub(crate) struct SamplingDocument {
 
 impl Default for SamplingDocument {
     fn default() -> Self {
-        Self { samples: 1, instants: 16, seed: 0, noise: NoiseDocument::Fixed }
+        Self { samples: 1, max_error: 0.0, instants: 16, seed: 0, noise: NoiseDocument::Fixed }
     }
 }
 

@@ -172,6 +172,7 @@ fn sampling(document: &SamplingDocument) -> Sampling {
     let count = |count: u64| u32::try_from(count).unwrap_or(u32::MAX);
     Sampling {
         samples: count(document.samples),
+        max_error: single(document.max_error),
         seed: document.seed,
         noise,
         instants: count(document.instants),

@@ -35,6 +35,8 @@ pub(crate) struct FrameSettings {
 pub struct Knobs {
     /// Samples per pixel: [`Sampling::samples`].
     pub samples: Option<u32>,
+    /// The error that pictures are meant to have: [`Sampling::max_error`].
+    pub max_error: Option<f32>,
     /// The seed of all samples: [`Sampling::seed`].
     pub seed: Option<u64>,
     /// Instants while the shutter is open: [`Sampling::instants`].
@@ -52,6 +54,7 @@ impl Knobs {
     pub(crate) fn sampling(&self, own: Sampling) -> Sampling {
         sane_sampling(Sampling {
             samples: self.samples.unwrap_or(own.samples),
+            max_error: self.max_error.unwrap_or(own.max_error),
             seed: self.seed.unwrap_or(own.seed),
             instants: self.instants.unwrap_or(own.instants),
             ..own

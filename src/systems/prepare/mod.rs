@@ -20,7 +20,8 @@ use crate::components::{
 };
 use crate::time::Time;
 use crate::trace::{
-    self, Geometry, MaterialTable, Precision, PreparedScene, SceneChanges, ShapeChange, ShapeId, SimdLevel,
+    self, Convergence, ErrorTarget, Geometry, MaterialTable, Precision, PreparedScene, SceneChanges,
+    ShapeChange, ShapeId, SimdLevel,
 };
 use camera::prepared_camera;
 use faults::surface_fault;
@@ -198,6 +199,13 @@ impl Preparation {
             Noise::Fixed => sampling,
             Noise::PerFrame => sampling.reseeded(time.lowest_terms().into()),
         }
+    }
+
+    /// Returns how good the picture at so many instants is meant to be, if that is said.
+    pub(crate) fn error_target(&self, instants: u32) -> Option<ErrorTarget> {
+        let rms = f64::from(self.sampling.max_error);
+        let convergence = Convergence::of(&self.scene, &self.camera, instants);
+        (rms > 0.0).then_some(ErrorTarget { rms, transfer: self.film.transfer, convergence })
     }
 
     /// Returns the entities whose shapes are in the kernel's arrays, in document order.

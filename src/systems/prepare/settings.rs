@@ -34,7 +34,9 @@ pub fn film_settings(world: &World) -> FilmSettings {
 pub(super) fn sane_sampling(sampling: Sampling) -> Sampling {
     let samples = sampling.samples.clamp(1, Sampling::LARGEST_COUNT);
     let instants = sampling.instants.clamp(1, Sampling::LARGEST_INSTANTS);
-    Sampling { samples, instants, ..sampling }
+    let max_error =
+        if sampling.max_error > 0.0 { sampling.max_error.min(Sampling::LARGEST_ERROR) } else { 0.0 };
+    Sampling { samples, instants, max_error, ..sampling }
 }
 
 /// Converts steps of 8 bits to linear light. Where output is encoded as sRGB, steps are finest near black.

@@ -39,7 +39,7 @@ pub(super) fn camera_rays(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
 /// Makes the rays through the centres of pixels, or those of one of several samples.
 #[inline(always)]
 fn make_rays<S: Simd>(simd: S, sample: &Sample<'_>, spread: &SpreadTile, wave: &mut Wave) {
-    let Sample { context, tile, index } = *sample;
+    let Sample { context, tile, active, index } = *sample;
     for packet in 0..PACKETS {
         let rays = &mut wave.rays[packet];
         match tile.square(packet) {
@@ -50,6 +50,7 @@ fn make_rays<S: Simd>(simd: S, sample: &Sample<'_>, spread: &SpreadTile, wave: &
                 context.camera.spread_rays(simd, context.sampling, pixels, index, rays);
             }
         }
+        rays.lanes &= active.of_packet(packet);
     }
 }
 
@@ -58,7 +59,7 @@ fn start(sample: &Sample<'_>, packet: usize, square: &Square, buffers: &mut Tile
     let TileBuffers { wave, scratch, pixels, .. } = buffers;
     let rays = &wave.rays[packet];
     wave.pixels[packet] = PIXELS[packet];
-    for lane in lanes(square.lanes() & !rays.lanes) {
+    for lane in lanes(square.lanes() & sample.active.of_packet(packet) & !rays.lanes) {
         pixels[packet].set(lane, sample.context.nowhere());
     }
     let paths = &mut wave.paths[packet];

@@ -32,4 +32,4 @@ mod wave;
 
 pub(crate) use buffers::TileBuffers;
 pub(crate) use sample::render_sample;
-pub(crate) use tile::{PACKETS, TILE, Tile};
+pub(crate) use tile::{ActiveLanes, PACKETS, TILE, Tile};

@@ -9,11 +9,11 @@ use super::next_rays::{fill_wave, give_up, next_rays};
 use super::select::select;
 use super::sums::add_to_pixels;
 use super::surfaces::surfaces;
-use super::tile::{Sample, Tile};
+use super::tile::{ActiveLanes, Sample, Tile};
 use crate::trace::light::RenderContext;
 use crate::trace::query::Intersector;
 
-/// Traces one sample of every pixel of a tile: what it brings is in the buffers afterwards. Says whether that is all: once nobody
+/// Traces one sample of the active pixels of a tile: what it brings is in the buffers afterwards. Says whether that is all: once nobody
 /// waits for it any more, it is left as it is. Every search looks for that, and so do stages that may take long.
 ///
 /// A pixel's rays are traced, and their light is added up, generation by generation, and nothing recurses. Stages that no
@@ -21,10 +21,10 @@ use crate::trace::query::Intersector;
 pub(crate) fn render_sample(
     context: &RenderContext<'_>,
     shapes: &impl Intersector,
-    (tile, index): (Tile, u32),
+    (tile, active, index): (Tile, ActiveLanes, u32),
     buffers: &mut TileBuffers<'_>,
 ) -> bool {
-    let sample = Sample { context, tile, index };
+    let sample = Sample { context, tile, active, index };
     buffers.begin(context);
     if fill_empty_tile(&sample, buffers) {
         return !buffers.is_cancelled();
@@ -103,7 +103,7 @@ mod tests {
         let mut exposure = Exposure::new((8, 8), 1);
         let effects = Effects { lighting, paths, extras: false };
         let never = AtomicBool::new(false);
-        assert!(exposure.add(&scene, &camera, Sampling::default(), (0, 1), effects, Signals::unless(&never)));
+        assert!(exposure.add(&scene, &camera, Sampling::default(), 0, effects, Signals::unless(&never)));
         exposure.develop().1.stages
     }
 
@@ -115,10 +115,10 @@ mod tests {
         let cancelled = AtomicBool::new(false);
         let mut buffers = TileBuffers::new(&cancelled);
         let tile = Tile { i: 0, j: 0, width: 8, height: 8 };
-        assert!(render_sample(&context, scene.geometry(), (tile, 0), &mut buffers));
+        assert!(render_sample(&context, scene.geometry(), (tile, ActiveLanes::ALL, 0), &mut buffers));
         assert!(buffers.wave.count > 0);
         cancelled.store(true, Ordering::Relaxed);
-        assert!(!render_sample(&context, scene.geometry(), (tile, 0), &mut buffers));
+        assert!(!render_sample(&context, scene.geometry(), (tile, ActiveLanes::ALL, 0), &mut buffers));
         assert_eq!(buffers.wave.count, 0);
     }
 

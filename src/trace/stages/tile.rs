@@ -37,6 +37,24 @@ impl Tile {
         (self.i + column + index % SIDE, self.j + row + index % PACKET / SIDE)
     }
 
+    /// Returns the packet and the lane of the pixel in a column and a row of a tile.
+    pub(crate) fn lane_of(column: usize, row: usize) -> (usize, usize) {
+        let (side, packets) = (SIDE as usize, (TILE / SIDE) as usize);
+        (row / side * packets + column / side, row % side * side + column % side)
+    }
+
+    /// Returns the lanes of the pixels, given by their columns and rows in the picture, of which something is true.
+    pub(crate) fn active_lanes(&self, is_active: impl Fn(u32, u32) -> bool) -> ActiveLanes {
+        let mut active = ActiveLanes([0; PACKETS]);
+        for j in 0..self.height {
+            for i in (0..self.width).filter(|i| is_active(self.i + i, self.j + j)) {
+                let (packet, lane) = Self::lane_of(i as usize, j as usize);
+                active.0[packet] |= 1 << lane;
+            }
+        }
+        active
+    }
+
     /// Returns the pixels of a packet; `None` where the tile has none.
     #[inline]
     pub(crate) fn square(&self, packet: usize) -> Option<Square> {
@@ -45,6 +63,26 @@ impl Tile {
             first: (self.i + column, self.j + row),
             size: ((self.width - column).min(SIDE), (self.height - row).min(SIDE)),
         })
+    }
+}
+
+/// By packet of a tile's camera rays: the lanes of pixels that get samples, as bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct ActiveLanes([u16; PACKETS]);
+
+impl ActiveLanes {
+    /// All that a tile has.
+    pub(crate) const ALL: Self = Self([u16::MAX; PACKETS]);
+
+    /// Returns whether no pixel gets any.
+    pub(crate) fn are_none(&self) -> bool {
+        self.0 == [0; PACKETS]
+    }
+
+    /// Returns those of a packet, as a bit mask.
+    #[inline(always)]
+    pub(super) fn of_packet(&self, packet: usize) -> u32 {
+        self.0[packet].into()
     }
 }
 
@@ -73,6 +111,8 @@ fn place(packet: u32) -> (u32, u32) {
 pub(super) struct Sample<'a> {
     pub(super) context: &'a RenderContext<'a>,
     pub(super) tile: Tile,
+    /// Which of its pixels get the sample.
+    pub(super) active: ActiveLanes,
     /// Index of the sample in each of its pixels.
     pub(super) index: u32,
 }

@@ -273,8 +273,9 @@ fn setting(field: &str, names: &[String], random: &mut Random) -> String {
         }
         "quality" => format!("(depth: {}, cutoff: {})", 1 + random.index(4), random.index(3)),
         "sampling" => format!(
-            "(samples: {}, instants: {}, seed: {}, noise: {})",
+            "(samples: {}, max_error: {}, instants: {}, seed: {}, noise: {})",
             1 + random.index(4),
+            random.index(2),
             1 + random.index(3),
             random.index(3),
             random.pick(&["Fixed", "PerFrame"])

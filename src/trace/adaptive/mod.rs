@@ -1,0 +1,258 @@
+//! Adaptive sampling: samples go to the pixels that need them, until the picture is as good as it is meant to be.
+//!
+//! Samples come in `rounds`. After each, every pixel that got some has two means, of the samples from before and of those
+//! that are new, as many. Half their difference, in output values, estimates the error of the mean of both, more closely as it is known
+//! how errors fall with the number n of samples: as n^-3/4 where an edge runs through a pixel, and as n^-1/2 where lights, a lens or a
+//! shutter are sampled too (see `math/sampling`). What is known from the rounds before counts half.
+//!
+//! The mean square of all pixels' errors is the picture's. To lower it with the fewest samples, those pixels get more whose square
+//! error per sample is largest: at the best division it is the same everywhere that has any. How large it may be left is found from the
+//! histogram of all pixels, by following what each of them would become with more samples. Where one pixel's estimate is too low by
+//! chance, its neighbours' help: they count half.
+//!
+//! All of that is done between rounds, for the picture as a whole, in an order that does not depend on threads. So the picture does not
+//! either, and the reference path makes the same.
+//!
+//! For independent samples the best division is that of Neyman, "On the Two Different Aspects of the Representative Method" (1934).
+
+mod rounds;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::color::Transfer;
+use crate::trace::scene::{Camera, PreparedScene};
+pub(crate) use rounds::{Portion, Rounds};
+
+/// How good a picture is meant to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ErrorTarget {
+    /// The root of the mean square of all errors, in output values: steps of 8 bits. Greater than 0.
+    pub(crate) rms: f64,
+    /// How light becomes output values.
+    pub(crate) transfer: Transfer,
+    pub(crate) convergence: Convergence,
+}
+
+/// How fast errors fall with the number n of samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Convergence {
+    /// As n^-3/4.
+    Edges,
+    /// As n^-1/2.
+    Effects,
+}
+
+impl Convergence {
+    /// Returns that of a picture of a scene through a camera, at so many instants.
+    pub(crate) fn of(scene: &PreparedScene, camera: &Camera, instants: u32) -> Self {
+        let has_effects =
+            instants > 1 || camera.has_lens() || scene.lights.iter().any(|light| light.source.is_extended());
+        if has_effects { Self::Effects } else { Self::Edges }
+    }
+
+    /// By what the square of an error is multiplied when the number of samples is doubled.
+    fn of_doubling(self) -> f64 {
+        match self {
+            Self::Edges => 0.353_553_390_593_273_8,
+            Self::Effects => 0.5,
+        }
+    }
+
+    /// How many bins of the histogram the square of an error per sample goes down when the number of samples is doubled.
+    fn bins_of_doubling(self) -> usize {
+        match self {
+            Self::Edges => BINS_OF_OCTAVE * 5 / 2,
+            Self::Effects => BINS_OF_OCTAVE * 2,
+        }
+    }
+}
+
+/// Rounds before anything is left out: every pixel has at least this many, which is eight samples.
+const FLOOR: u32 = 3;
+/// Which part of the target is aimed at: estimates scatter, and pixels whose estimate is too low by chance get no more samples.
+const AIM: f64 = 0.94;
+const BINS_OF_OCTAVE: usize = 8;
+/// By exponent and the first three bits of the mantissa.
+const BIN_SHIFT: u32 = 23 - BINS_OF_OCTAVE.ilog2();
+/// One for each positive number.
+const BINS: usize = (f32::INFINITY.to_bits() >> BIN_SHIFT) as usize;
+
+/// What is known of every pixel's error.
+#[derive(Clone, Debug)]
+pub(crate) struct Adaptive {
+    target: ErrorTarget,
+    width: usize,
+    /// Row by row, as are the others.
+    pixels: Vec<PixelError>,
+    /// The sums of a pixel's samples before the last round.
+    sums: Vec<DVec3>,
+}
+
+/// What is known of a pixel's error.
+#[derive(Clone, Copy, Debug)]
+struct PixelError {
+    /// The estimate of its square, not yet [scaled](Adaptive::scale).
+    square: f32,
+    /// The number of samples it was left with; 0 while it gets more.
+    samples: u32,
+}
+
+impl Adaptive {
+    /// Returns what is known before the first sample.
+    pub(crate) fn new((columns, rows): (u32, u32), target: ErrorTarget) -> Self {
+        let count = columns as usize * rows as usize;
+        let pixels = vec![PixelError { square: 0.0, samples: 0 }; count];
+        Self { target, width: columns.max(1) as usize, pixels, sums: vec![DVec3::ZERO; count] }
+    }
+
+    /// Returns the number of samples that a pixel was left with; `None` if it gets more.
+    pub(crate) fn left_with(&self, pixel: usize) -> Option<u32> {
+        Some(self.pixels[pixel].samples).filter(|samples| *samples > 0)
+    }
+
+    /// Returns the estimate of the picture's error, in output values.
+    pub(crate) fn error(&self) -> f64 {
+        let squares: f64 = self.pixels.iter().map(|pixel| f64::from(pixel.square)).sum();
+        (self.scale() * squares / self.pixels.len().max(1) as f64).sqrt()
+    }
+
+    /// By what the square of half a difference is multiplied: with e^2 the square of the error of one half, that is e^2 / 2 in the
+    /// mean, and that of both together e^2 times what doubling brings.
+    fn scale(&self) -> f64 {
+        2.0 * self.target.convergence.of_doubling()
+    }
+
+    /// Looks at all pixels after a round; `sum` is that of a pixel's samples. Returns whether another round is needed: pixels that get
+    /// nothing from it are noted.
+    pub(crate) fn judge(&mut self, rounds: &Rounds, sum: impl Fn(usize) -> DVec3 + Sync) -> bool {
+        self.estimate(rounds, sum);
+        let taken = rounds.taken().1;
+        if rounds.is_last() {
+            self.leave(taken, |_| true);
+            return false;
+        }
+        if rounds.index() + 1 < FLOOR {
+            return true;
+        }
+        let aim = AIM * self.target.rms;
+        if self.error() <= aim {
+            self.leave(taken, |_| true);
+            return false;
+        }
+        let needs = self.needs();
+        let least = self.least_need(&needs, aim * aim / self.scale() * self.pixels.len() as f64);
+        self.leave(taken, |pixel| bin(needs[pixel]) < least);
+        self.pixels.iter().any(|pixel| pixel.samples == 0)
+    }
+
+    /// Estimates the errors of the pixels that had samples in this round.
+    fn estimate(&mut self, rounds: &Rounds, sum: impl Fn(usize) -> DVec3 + Sync) {
+        let (ErrorTarget { transfer, convergence, .. }, (before, after)) = (self.target, rounds.taken());
+        let (old, new) = (f64::from(before), f64::from(after - before));
+        // A quarter, where both are as many.
+        let share = old * new / ((old + new) * (old + new));
+        let width = self.width;
+        let rows = self.pixels.par_chunks_mut(width).zip(self.sums.par_chunks_mut(width));
+        rows.enumerate().for_each(|(row, (pixels, sums))| {
+            for (column, (pixel, before)) in pixels.iter_mut().zip(sums).enumerate() {
+                if pixel.samples > 0 {
+                    continue;
+                }
+                let sum = sum(row * width + column);
+                if rounds.index() > 0 {
+                    let square = share * mean_square(transfer, *before / old, (sum - *before) / new);
+                    pixel.square = if rounds.index() == 1 {
+                        single(square)
+                    } else {
+                        single(0.5 * (square + convergence.of_doubling() * f64::from(pixel.square)))
+                    };
+                }
+                *before = sum;
+            }
+        });
+    }
+
+    /// Returns how much each pixel that had samples in this round needs more: its square error and that of its neighbourhood, half each.
+    fn needs(&self) -> Vec<f32> {
+        let width = self.width;
+        let height = self.pixels.len() / width;
+        let around = |place: usize, count: usize| place.saturating_sub(1)..count.min(place + 2);
+        let mut needs = vec![0.0; self.pixels.len()];
+        needs.par_chunks_mut(width).enumerate().for_each(|(row, needs)| {
+            for (column, need) in needs.iter_mut().enumerate() {
+                let pixel = self.pixels[row * width + column];
+                if pixel.samples > 0 {
+                    continue;
+                }
+                let (mut sum, mut count) = (0.0, 0.0);
+                for row in around(row, height) {
+                    for column in around(column, width) {
+                        sum += self.pixels[row * width + column].square;
+                        count += 1.0;
+                    }
+                }
+                *need = 0.5 * (pixel.square + sum / count);
+            }
+        });
+        needs
+    }
+
+    /// Returns the bin of the least need that must be met for the sum of all square errors to become `most` at last.
+    fn least_need(&self, needs: &[f32], most: f64) -> usize {
+        let mut left = 0.0;
+        let mut squares = vec![0.0; BINS];
+        for (pixel, need) in self.pixels.iter().zip(needs) {
+            let square = if pixel.samples > 0 { &mut left } else { &mut squares[bin(*need)] };
+            *square += f64::from(pixel.square);
+        }
+        let (per_doubling, bins) =
+            (self.target.convergence.of_doubling(), self.target.convergence.bins_of_doubling());
+        let becomes = |least: usize| {
+            let mut sum = left;
+            for (bin, square) in squares.iter().enumerate().filter(|(_, square)| **square > 0.0) {
+                let doublings = (bin + bins).saturating_sub(least) / bins;
+                sum += square * (0..doublings).fold(1.0, |factor, _| factor * per_doubling);
+            }
+            sum
+        };
+        // It falls as less is left.
+        let (mut enough, mut too_much) = (1, BINS);
+        while enough + 1 < too_much {
+            let middle = usize::midpoint(enough, too_much);
+            if becomes(middle) <= most { enough = middle } else { too_much = middle }
+        }
+        enough
+    }
+
+    /// Leaves pixels with the samples that they have.
+    fn leave(&mut self, samples: u32, done: impl Fn(usize) -> bool) {
+        for (index, pixel) in self.pixels.iter_mut().enumerate() {
+            if pixel.samples == 0 && done(index) {
+                pixel.samples = samples;
+            }
+        }
+    }
+}
+
+/// Returns the mean square of the difference of two colours' output values.
+fn mean_square(transfer: Transfer, one: DVec3, other: DVec3) -> f64 {
+    if one == other {
+        return 0.0;
+    }
+    let values = |color: DVec3| DVec3::from_array(transfer.encode_unrounded(color.as_vec3()));
+    (values(one) - values(other)).length_squared() / 3.0
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "an estimate")]
+fn single(square: f64) -> f32 {
+    square as f32
+}
+
+/// Returns the bin of a number that is not negative: 0 for nothing.
+fn bin(number: f32) -> usize {
+    ((number.to_bits() >> BIN_SHIFT) as usize).min(BINS - 1)
+}
+
+#[cfg(test)]
+mod tests;
