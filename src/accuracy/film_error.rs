@@ -76,6 +76,19 @@ impl FilmError {
         }
     }
 
+    /// Returns the error of several films together: the largest difference and share of any, and the root of the mean square of all.
+    #[must_use]
+    pub fn of_all(errors: impl Iterator<Item = Self>) -> Self {
+        let (mut all, mut count) = (Self::default(), 0.0);
+        for error in errors {
+            all.max = all.max.max(error.max);
+            all.share_off = all.share_off.max(error.share_off);
+            all.rms += error.rms * error.rms;
+            count += 1.0;
+        }
+        Self { rms: (all.rms / f64::max(count, 1.0)).sqrt(), ..all }
+    }
+
     /// Returns the ratio of the largest output value to the root of the mean square, in decibels; infinite for equal films.
     #[must_use]
     pub fn psnr(&self) -> f64 {

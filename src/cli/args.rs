@@ -1,11 +1,12 @@
 //! The command line's arguments, as they are typed. Their doc comments are the text of `--help`.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
-use rayreel::components::{FilmSettings, Quality};
+use rayreel::components::{FilmSettings, Quality, Sampling};
 use rayreel::live::HostName;
 use rayreel::output::Sheet;
 use rayreel::scene::{Override, OverrideError};
@@ -24,6 +25,7 @@ use rayreel::{Effect, Time};
   rayreel render ball.ron --frames 0-47x4  every fourth frame of the first two seconds
   rayreel render ball.ron --sheet 6x4      24 of its frames in one picture
   rayreel explain ball.ron                 tell which effects it calls for, and what they cost
+  rayreel accuracy ball.ron                measure what each setting costs, and what it is worth
   rayreel probe ball.ron --pixel 320,180   tell what that pixel sees, and why it has its colour")]
 pub(super) struct Arguments {
     #[command(subcommand)]
@@ -40,6 +42,8 @@ pub(super) enum Command {
     Check(CheckArguments),
     /// Tell which effects a scene calls for, why, and what each of them costs
     Explain(ExplainArguments),
+    /// Measure what accuracy costs in time: errors and prices of all settings and effects
+    Accuracy(AccuracyArguments),
     /// Tell what a pixel sees, or what rays of one's own meet
     Probe(ProbeArguments),
     /// Write a small commented scene to start from
@@ -56,6 +60,8 @@ pub(super) enum Command {
   rayreel render scenes/first_light.ron --sheet 6x4
   rayreel render scenes/first_light.ron --draft
   rayreel render scenes/first_light.ron --samples 16 --set camera.fov=50 --without shadows
+  rayreel render scenes/first_light.ron --max-error 0.5
+  rayreel render scenes/first_light.ron --deadline 2m
   rayreel render scenes/first_light.ron --json > report.json
 
 Every frame is a function of the scene and its index: it has the same bytes whether it is rendered
@@ -96,6 +102,16 @@ pub(super) struct RenderArguments {
     /// the 255 steps of a colour. 0 follows them all [default: the scene's own]
     #[arg(long, value_name = "STEPS", value_parser = parse_cutoff, allow_hyphen_values = true)]
     pub(super) cutoff: Option<f32>,
+    /// Give every pixel as many samples, 8 or more, as it takes for every frame to be off by no more than so many of the 255 steps of a
+    /// colour, as the root of the mean square over its pixels. --samples is the most that a pixel gets [default of that: 65536]
+    #[arg(long, value_name = "STEPS", value_parser = parse_max_error, allow_hyphen_values = true, conflicts_with_all = ["deadline", "settings", "draft"])]
+    pub(super) max_error: Option<f32>,
+    /// Give frames as many samples as there is time for, so that all are rendered within it, as 90s, 10m or 1.5h
+    #[arg(long, value_name = "TIME", value_parser = parse_duration, allow_hyphen_values = true, conflicts_with_all = ["settings", "draft"])]
+    pub(super) deadline: Option<Duration>,
+    /// Give frames the samples in this file, which --max-error and --deadline write beside the frames: the same bytes again
+    #[arg(long, value_name = "FILE", conflicts_with = "draft")]
+    pub(super) settings: Option<PathBuf>,
     /// Compute with every effect, also with those that the scene does not call for: slower, and the same bytes
     #[arg(long)]
     pub(super) full: bool,
@@ -131,6 +147,11 @@ pub(super) struct OverrideArguments {
 }
 
 impl OverrideArguments {
+    /// Returns the samples per pixel, if they are given by themselves.
+    pub(super) fn samples(&self) -> Option<u32> {
+        self.samples.as_ref()?.value().parse().ok()
+    }
+
     /// Returns all of them, in the order in which they are put in.
     pub(super) fn all(&self) -> Vec<Override> {
         self.samples.iter().chain(&self.depth).chain(&self.values).cloned().collect()
@@ -250,6 +271,48 @@ pub(super) struct ExplainArguments {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["size", "threads", "measure", "json"])]
     pub(super) path: Option<PathBuf>,
     /// Print one JSON object
+    #[arg(long)]
+    pub(super) json: bool,
+    #[command(flatten)]
+    pub(super) overrides: OverrideArguments,
+    /// Leave an effect out, though the scene calls for it, as in --without shadows [can be repeated]
+    #[arg(long, value_name = "EFFECT", value_parser = parse_effect, help_heading = "Instead of the scene's own")]
+    pub(super) without: Vec<Effect>,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  rayreel accuracy scenes/first_light.ron --quick
+  rayreel accuracy scenes/chess_morning.ron --html report.html
+  rayreel accuracy scenes/first_light.ron --frames 0,40,80 --json > report.json
+
+Renders frames again and again with every knob that the scene calls for turned through its values:
+samples, the error that a picture may have, samples of lights, instants, depth, cutoff, precision;
+and without each effect. Each is compared with a reference of many samples, whose own uncertainty is
+told, and timed in turns with the scene's own settings. What no other setting is both better and
+quicker than is marked. Takes minutes; --quick takes seconds, and is less sure. Ctrl-C ends it.")]
+pub(super) struct AccuracyArguments {
+    /// The scene file
+    pub(super) scene: PathBuf,
+    /// These frames, of many at most 8, spread evenly, as in 10-20,30,40-80x5 [default: the middle one]
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    pub(super) frames: Option<FrameList>,
+    /// Pixels, instead of the scene's own, as in 1280x720
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, allow_hyphen_values = true)]
+    pub(super) size: Option<(u32, u32)>,
+    /// Threads to render on [default: one a core]
+    #[arg(long, value_name = "COUNT", value_parser = parse_threads, allow_hyphen_values = true)]
+    pub(super) threads: Option<u16>,
+    /// Measure with fewer samples and fewer rounds: seconds instead of minutes
+    #[arg(long)]
+    pub(super) quick: bool,
+    /// Write a page with plots and pictures to this file, too
+    #[arg(long, value_name = "FILE")]
+    pub(super) html: Option<PathBuf>,
+    /// Write the table as CSV to this file, too
+    #[arg(long, value_name = "FILE")]
+    pub(super) csv: Option<PathBuf>,
+    /// Print one JSON object instead of the table
     #[arg(long)]
     pub(super) json: bool,
     #[command(flatten)]
@@ -385,6 +448,23 @@ fn parse_cutoff(text: &str) -> Result<f32, String> {
     let steps = text.trim().parse::<f32>().ok();
     let steps = steps.filter(|steps| (0.0..=Quality::LARGEST_CUTOFF).contains(steps));
     steps.ok_or_else(|| format!("write a number of steps from 0 to {}", Quality::LARGEST_CUTOFF))
+}
+
+fn parse_max_error(text: &str) -> Result<f32, String> {
+    let most = Sampling::LARGEST_ERROR;
+    let error = text.trim().parse::<f32>().ok().filter(|error| *error > 0.0 && *error <= most);
+    error.ok_or_else(|| format!("write a number of steps above 0, up to {most}, as 0.5"))
+}
+
+fn parse_duration(text: &str) -> Result<Duration, String> {
+    const LONGEST: f64 = 1e9;
+    let text = text.trim();
+    let units = [("ms", 1e-3), ("min", 60.0), ("s", 1.0), ("m", 60.0), ("h", 3600.0)];
+    let unit = units.into_iter().find_map(|(unit, seconds)| Some((text.strip_suffix(unit)?, seconds)));
+    let (number, unit) = unit.unwrap_or((text, 1.0));
+    let seconds = number.trim().parse::<f64>().ok().map(|number| number * unit);
+    let seconds = seconds.filter(|seconds| *seconds > 0.0 && *seconds <= LONGEST);
+    seconds.map(Duration::from_secs_f64).ok_or_else(|| "write a time above 0, as 90s, 10m or 1.5h".to_owned())
 }
 
 fn parse_pixel(text: &str) -> Result<(u32, u32), String> {

@@ -3,8 +3,10 @@
 //! [`args`] holds the arguments as they are typed, [`settings`] their meaning; every command has a file of its own. Results go to
 //! standard output, everything else to standard error.
 
+mod accuracy;
 mod args;
 mod check;
+mod choice;
 mod completions;
 mod draft;
 mod exit;
@@ -21,6 +23,7 @@ mod settings;
 mod sheet;
 mod warnings;
 mod watch;
+mod write_file;
 
 use std::process::ExitCode;
 
@@ -58,6 +61,7 @@ fn run_command(command: Command, interruption: &Interruption) -> Result<(), Fail
         Command::Watch(arguments) => watch::run(&arguments, interruption),
         Command::Check(arguments) => check::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
+        Command::Accuracy(arguments) => accuracy::run(&arguments, interruption),
         Command::Probe(arguments) => probe::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),

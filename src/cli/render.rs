@@ -11,6 +11,7 @@ use rayreel::scene::Sources;
 use rayreel::{Engine, Scene};
 
 use super::args::RenderArguments;
+use super::choice::Choice;
 use super::draft;
 use super::exit::Failure;
 use super::interrupt::Interruption;
@@ -38,10 +39,12 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
         .build()
         .context("cannot start the rendering threads")?;
     let mut report = RenderReport::new(arguments, &engine, loaded, pool.current_num_threads());
+    let mut choice = pool.install(|| Choice::new(arguments, &mut engine, &settings, start))?;
     let rendered = pool.install(|| match sheet {
-        Some(sheet) => sheet::render(&mut engine, &settings, sheet, cancelled, &mut report),
-        None => render_all(&mut engine, &settings, cancelled, &mut report),
+        Some(sheet) => sheet::render(&mut engine, (&settings, &mut choice), sheet, cancelled, &mut report),
+        None => render_all(&mut engine, (&settings, &mut choice), cancelled, &mut report),
     });
+    report.choice = choice.write(&settings, &arguments.scene)?.map(|file| (file, choice.pilot));
     // Ctrl-C after the last frame interrupts nothing.
     let complete = report.shots.len() == settings.count();
     let interrupted = cancelled.load(Ordering::Relaxed) && !complete;
@@ -91,6 +94,13 @@ fn tell(
         if let Some(changed) = report.changed.in_words() {
             print::error_line(&changed);
         }
+        if let Some((file, pilot)) = &report.choice {
+            print::error_line(&format!(
+                "the samples are in {}, chosen in {:.2} s; --settings with that file gives the same frames again",
+                file.display(),
+                pilot.as_secs_f64()
+            ));
+        }
         print::error_line(&report.summary(settings));
     }
     if arguments.json {
@@ -110,7 +120,7 @@ fn sources_for(report: &RenderReport, arguments: &RenderArguments) -> Option<Sou
 /// Renders every shot and hands it to the writer, which works in parallel. If it cannot go on, what was handed over is written.
 fn render_all(
     engine: &mut Engine,
-    settings: &RenderSettings,
+    (settings, choice): (&RenderSettings, &mut Choice),
     cancelled: &AtomicBool,
     report: &mut RenderReport,
 ) -> Result<(), Failure> {
@@ -129,6 +139,10 @@ fn render_all(
             Err(error) => refused = refused.take().or(Some(error)),
         };
     for (ticket, shot) in settings.shots().enumerate() {
+        if let Err(error) = choice.begin(engine, &shot) {
+            rendered = Err(error.into());
+            break;
+        }
         let film = match engine.render_encoded_unless(shot.time, cancelled) {
             Ok(Some(film)) => film,
             stopped => {
@@ -136,6 +150,7 @@ fn render_all(
                 break;
             }
         };
+        choice.end(engine, &shot);
         report.warnings.look(engine, &shot.moment());
         let path = settings.file_of(&shot);
         pending.push(ShotReport::new(&shot, Some(path.clone()), engine));

@@ -26,6 +26,8 @@ pub(super) struct RenderReport {
     pub(super) shots: Vec<ShotReport>,
     /// The sheet, once it is written.
     pub(super) sheet: Option<SheetReport>,
+    /// The file with the chosen settings, and the time of finding out what could be had.
+    pub(super) choice: Option<(PathBuf, Duration)>,
     pub(super) warnings: Warnings,
     total: Duration,
     interrupted: bool,
@@ -65,6 +67,7 @@ impl RenderReport {
             load,
             shots: Vec::new(),
             sheet: None,
+            choice: None,
             warnings: Warnings::default(),
             total: Duration::ZERO,
             interrupted: false,
@@ -87,6 +90,8 @@ impl RenderReport {
             "total_seconds": self.total.as_secs_f64(),
             "peak_memory_bytes": peak_memory(),
             "interrupted": self.interrupted,
+            "settings": self.choice.as_ref().map(|(file, _)| file.display().to_string()),
+            "pilot_seconds": self.choice.as_ref().map(|(_, pilot)| pilot.as_secs_f64()),
             "sheet": self.sheet.as_ref().map(SheetReport::to_json),
             "warnings": self.warnings.to_json(sources),
             "frames": self.shots.iter().map(ShotReport::to_json).collect::<Vec<_>>(),
@@ -192,6 +197,7 @@ impl ShotReport {
                 "reflection": reflection,
                 "refraction": refraction,
             },
+            "estimated_error": self.cost.error,
             "needed": self.needed.iter().map(|effect| effect.name()).collect::<Vec<_>>(),
             "not_followed": { "depth": depth, "cutoff": cutoff },
             "guards": { "open": ambiguous, "contested": contested, "rough": rough, "overflowed": overflowed },

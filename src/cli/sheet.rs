@@ -7,6 +7,7 @@ use rayreel::Engine;
 use rayreel::components::FilmSettings;
 use rayreel::output::Sheet;
 
+use super::choice::Choice;
 use super::exit::Failure;
 use super::progress::Progress;
 use super::report::{RenderReport, SheetReport, ShotReport};
@@ -20,16 +21,18 @@ pub(super) fn empty((columns, rows): (u32, u32), film: FilmSettings) -> anyhow::
 /// Renders every shot onto the sheet, and writes it at the end, unless cancelled before.
 pub(super) fn render(
     engine: &mut Engine,
-    settings: &RenderSettings,
+    (settings, choice): (&RenderSettings, &mut Choice),
     mut sheet: Sheet,
     cancelled: &AtomicBool,
     report: &mut RenderReport,
 ) -> Result<(), Failure> {
     let progress = Progress::start(settings.count());
     for shot in settings.shots() {
+        choice.begin(engine, &shot)?;
         let Some(film) = engine.render_encoded_unless(shot.time, cancelled)? else {
             return Ok(());
         };
+        choice.end(engine, &shot);
         report.warnings.look(engine, &shot.moment());
         sheet.add(&film, shot.frame.unwrap_or(0), shot.time);
         let shot = ShotReport::new(&shot, None, engine);

@@ -236,6 +236,12 @@ impl Engine {
         self.precision = precision;
     }
 
+    /// Returns the precision of intersections.
+    #[must_use]
+    pub fn precision(&self) -> Precision {
+        self.precision
+    }
+
     /// Sets the vector instructions from the next frame on: the best that the processor has, unless they are compared. Pictures are
     /// the same with all.
     #[doc(hidden)]

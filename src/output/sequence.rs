@@ -41,9 +41,19 @@ impl Sequence {
         self.file("sheet")
     }
 
+    /// Returns the file of the settings that were chosen for frames.
+    #[must_use]
+    pub fn settings(&self) -> PathBuf {
+        self.named("settings.json")
+    }
+
     fn file(&self, which: &str) -> PathBuf {
+        self.named(&format!("{which}.{}", self.format.extension()))
+    }
+
+    fn named(&self, ending: &str) -> PathBuf {
         let mut name = self.name.clone();
-        name.push(format!(".{which}.{}", self.format.extension()));
+        name.push(format!(".{ending}"));
         self.directory.join(name)
     }
 
@@ -71,5 +81,6 @@ mod tests {
         assert_eq!(sequence(123_456).frame(7), PathBuf::from("out/sun.000007.png"));
         assert_eq!(sequence(95).moment("1.5s".parse().unwrap()), PathBuf::from("out/sun.at-1.5s.png"));
         assert_eq!(sequence(95).sheet(), PathBuf::from("out/sun.sheet.png"));
+        assert_eq!(sequence(95).settings(), PathBuf::from("out/sun.settings.json"));
     }
 }

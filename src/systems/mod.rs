@@ -49,7 +49,7 @@ pub use plan::{Need, Plan};
 #[doc(hidden)]
 pub use prepare::Preparation;
 pub use prepare::{ActiveCamera, Knobs, active_camera, film_settings};
-pub(crate) use prepare::{FrameSettings, Shutter, Shutters};
+pub(crate) use prepare::{FrameSettings, Shutter, Shutters, quality_settings, sampling_settings};
 pub use propagate::propagate;
 pub(crate) use schedule::Schedule;
 pub use schedule::Step;

@@ -223,7 +223,7 @@ impl<E: Encoding> Exposure<E> {
 
     /// Returns the estimate of the picture's error in output values, if it is meant to have one.
     pub(crate) fn estimated_error(&self) -> Option<f64> {
-        self.adaptive.as_ref().map(Adaptive::error)
+        self.adaptive.as_ref()?.error()
     }
 
     /// Which part of its samples is there, 0 to 1.

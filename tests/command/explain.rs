@@ -192,10 +192,11 @@ fn costs_are_the_rays_and_bytes_that_effects_make() {
     ] {
         let cost = &effect(&told, name)["cost"];
         assert_eq!(cost["rays"], json!(CAMERA * rays / 3.0), "{name}");
-        assert_eq!(cost["max_error"], max_error, "{name}");
+        assert!((cost["max_error"].as_f64().unwrap() - f64::from(max_error)).abs() < 1e-4, "{name}");
         let rms_error = f64::from(max_error) * (frames / 3.0_f64).sqrt();
-        assert!((cost["rms_error"].as_f64().unwrap() - rms_error).abs() < 1e-9, "{name}");
-        assert!((0.0..=1.0).contains(&cost["share"].as_f64().unwrap()), "{name}");
+        assert!((cost["rms_error"].as_f64().unwrap() - rms_error).abs() < 1e-4, "{name}");
+        let [low, share, high] = ["share_low", "share", "share_high"].map(|key| cost[key].as_f64().unwrap());
+        assert!(0.0 <= low && low <= share && share <= high && high <= 1.0, "{name}");
     }
     for name in ["area lights", "fog", "depth of field"] {
         assert_eq!(effect(&told, name)["cost"], Value::Null, "{name}");
@@ -225,15 +226,15 @@ fn the_text_tells_the_same_in_a_table() {
     let needed: Vec<_> = blocks.next().unwrap().lines().map(cells).collect();
     let expected = [
         ["needed", "frames", "why", "rays", "max error", "rms error"],
-        ["ambient light", "all", "k_a is above 0", "-", "51", "51.00"],
-        ["diffuse light", "3-9", "k_d is above 0 and a light is on", "3 k", "102", "83.28"],
-        ["highlights", "8-9", "k_s is above 0 and a light is on", "-", "51", "29.44"],
-        ["shadows", "3-9", "a light casts shadows", "6 k", "0", "0.00"],
-        ["clear shadows", "6-9", "a light casts shadows, and something is clear", "-", "0", "0.00"],
-        ["reflection", "5-9", "k_r is above 0", "3 k", "51", "29.44"],
-        ["refraction", "6-9", "k_t is above 0", "-", "0", "0.00"],
-        ["antialiasing", "all", "a pixel has several samples", "14 k", "0", "0.00"],
-        ["motion blur", "7-9", "something moves while the shutter is open", "-", "0", "0.00"],
+        ["ambient light", "all", "k_a is above 0", "-", "51.0", "51.00"],
+        ["diffuse light", "3-9", "k_d is above 0 and a light is on", "3 k", "102.0", "83.28"],
+        ["highlights", "8-9", "k_s is above 0 and a light is on", "-", "51.0", "29.44"],
+        ["shadows", "3-9", "a light casts shadows", "6 k", "0.0", "0.00"],
+        ["clear shadows", "6-9", "a light casts shadows, and something is clear", "-", "0.0", "0.00"],
+        ["reflection", "5-9", "k_r is above 0", "3 k", "51.0", "29.44"],
+        ["refraction", "6-9", "k_t is above 0", "-", "0.0", "0.00"],
+        ["antialiasing", "all", "a pixel has several samples", "14 k", "0.0", "0.00"],
+        ["motion blur", "7-9", "something moves while the shutter is open", "-", "0.0", "0.00"],
     ];
     assert_eq!(needed, expected);
     let left_out = blocks.next().unwrap();

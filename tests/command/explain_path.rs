@@ -207,7 +207,7 @@ fn what_cannot_be_drawn_is_refused() {
     };
     let missing = Path::new("no").join("such").join("folder.svg");
     refused(&[missing.to_str().unwrap()], 1, "cannot write");
-    refused(&["around.ron"], 1, "`around.ron` is the scene itself: name another file for the drawing");
+    refused(&["around.ron"], 1, "`around.ron` is the scene itself: name another file");
     refused(&["./around.ron"], 1, "is the scene itself");
     assert_eq!(fs::read_to_string(folder.path().join("around.ron")).unwrap(), AROUND);
     refused(&["path.svg", "--measure"], 2, "cannot be used with");

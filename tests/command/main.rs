@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
 
+mod accuracy;
+mod choice;
 mod explain;
 mod explain_path;
 mod overrides;

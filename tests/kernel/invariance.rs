@@ -186,6 +186,10 @@ fn other_scales_and_places_change_next_to_nothing() {
             (1.0, DVec3::new(1e7, -1e7, 1e7)),
             (1.0, DVec3::splat(5e8)),
         ] {
+            // At 10^7 numbers are 2 10^-9 apart, and it has things that are 10^-10 thick.
+            if offset != DVec3::ZERO && path.ends_with("hard_cases.ron") {
+                continue;
+            }
             let share = difference(&plain, &picture(&path, scale, offset));
             assert!(share <= 1e-4, "{} times {scale} plus {offset}: {} %", path.display(), 100.0 * share);
         }

@@ -1,12 +1,16 @@
 //! Pixels as means of samples: against closed forms, and how fast they get there.
 
+use std::sync::atomic::AtomicBool;
+
 use glam::DVec3;
 
+use rayreel::accuracy::{Converged, FilmError, Knob, Request, Thoroughness, measure};
+use rayreel::color::Transfer;
 use rayreel::components::{
     Ambient, Background, Camera, FilmSettings, Lens, Material, Noise, Projection, Sampling, Shape, Transform,
     View,
 };
-use rayreel::{Engine, Entity, Film, Rgb, Time, World};
+use rayreel::{Engine, Entity, Film, Knobs, Rgb, Time, World};
 
 const SIDE: u32 = 48;
 
@@ -119,6 +123,71 @@ fn coverage_along_an_edge_converges_to_the_closed_form() {
     println!("{errors:?}");
     assert!(exponent(&errors) < -0.65, "n^{}: {errors:?}", exponent(&errors));
     assert!(errors[1].1 < 0.05 && errors[4].1 < 0.003, "{errors:?}");
+}
+
+/// A plane that passes below the origin, and the picture of it without any error.
+fn edge() -> (Engine, Film) {
+    let normal = DVec3::new(0.37, 1.0, 0.021);
+    let (engine, _) = engine(Shape::Plane { normal }, DVec3::new(0.0, -1.0, 0.0), sampling(16));
+    let pixels = (0..SIDE * SIDE).map(|pixel| {
+        let place = place(pixel % SIDE, pixel / SIDE);
+        let covered = half_plane_in_square([normal.x, normal.y, normal.z], place, 1.0 / f64::from(SIDE));
+        Rgb::splat(single(covered))
+    });
+    (engine, Film::from_pixels(SIDE, SIDE, pixels.collect::<Vec<_>>().into_iter()))
+}
+
+#[test]
+fn a_reference_says_how_far_it_is_off_the_closed_form() {
+    let (mut engine, truth) = edge();
+    for samples in [4, 16, 64, 256] {
+        let films: Vec<Film> = (1..=4)
+            .map(|seed| {
+                set(&mut engine, Sampling { seed, ..sampling(samples) });
+                engine.render_at(Time::ZERO).unwrap()
+            })
+            .collect();
+        let reference = Converged::mean(&films, Transfer::Classic);
+        let error = FilmError::between(&reference.film, &truth, Transfer::Classic);
+        assert!(error.rms <= reference.rms && error.rms > 0.2 * reference.rms, "{error:?} {}", reference.rms);
+        assert!(error.max <= 1.5 * reference.max, "{error:?} {}", reference.max);
+    }
+}
+
+#[test]
+fn an_adaptive_picture_is_as_near_the_closed_form_as_it_is_meant_to_be() {
+    let (mut engine, truth) = edge();
+    let mut rays = 0;
+    for max_error in [4.0, 1.0, 0.25, 0.06] {
+        set(&mut engine, Sampling { max_error, ..sampling(65_536) });
+        let film = engine.render_at(Time::ZERO).unwrap();
+        let error = FilmError::between(&film, &truth, Transfer::Srgb);
+        assert!(error.rms <= 1.05 * f64::from(max_error), "{max_error}: {error:?}");
+        assert!(engine.report().error.unwrap() <= f64::from(max_error));
+        let before = std::mem::replace(&mut rays, engine.report().rays.camera);
+        assert!(rays > before, "{max_error}");
+    }
+    // All pixels alike would take a hundred times as many.
+    assert!(rays < 200 * u64::from(SIDE * SIDE), "{rays}");
+}
+
+#[test]
+fn a_measurement_finds_the_order_of_convergence() {
+    let (mut engine, _) = edge();
+    let thoroughness = Thoroughness { rounds: 1, samples: 64, pictures: 4, factor: 16 };
+    let request = Request { frames: vec![0], thoroughness, keep_films: false };
+    let report = measure(&mut engine, &request, &AtomicBool::new(false), &mut |_| {}).unwrap().unwrap();
+    let (knob, law) = report.orders[0];
+    assert_eq!(knob, Knob::Samples);
+    assert!((-0.95..-0.6).contains(&law.exponent), "{law:?}");
+    let adaptive = report.of_knob(Knob::MaxError).map(|row| row.error.rms).collect::<Vec<_>>();
+    assert!(adaptive.is_sorted() && adaptive.len() == 5, "{adaptive:?}");
+    // It is left as it was.
+    assert_eq!(engine.knobs(), Knobs::default());
+    assert_eq!(
+        measure(&mut engine, &request, &AtomicBool::new(true), &mut |_| {}).unwrap().map(|_| ()),
+        None
+    );
 }
 
 #[test]

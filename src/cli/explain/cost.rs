@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use rayreel::accuracy::{FilmError, Spread};
 use rayreel::{Effect, Engine, EngineError, Film};
 
 use super::super::report::in_millions;
@@ -11,61 +12,61 @@ use super::timeline::PlannedTimeline;
 pub(super) struct Costs {
     frames: Vec<u32>,
     rays: f64,
-    seconds: f64,
+    seconds: Spread,
     effects: Vec<(Effect, Cost)>,
 }
 
 /// The savings and the errors of leaving an effect out.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Cost {
     /// The rays saved per frame.
     pub(super) rays: f64,
-    /// The share of the time saved.
-    pub(super) share: f64,
-    /// The largest difference of any byte of the pictures.
-    pub(super) max_error: u8,
-    /// The root of the mean square of all of them.
-    pub(super) rms_error: f64,
+    /// The share of the time saved, in every round.
+    shares: Vec<f64>,
+    /// The largest of any frame, and the root of the mean square of all.
+    pub(super) error: FilmError,
 }
 
-/// One rendering of a frame.
+/// All measured frames, rendered in one way.
 struct Rendered {
-    film: Film,
+    films: Vec<Film>,
     rays: f64,
     seconds: f64,
 }
 
 impl Costs {
-    pub(super) fn of(engine: &mut Engine, timeline: &PlannedTimeline) -> Result<Self, EngineError> {
+    /// Measures each effect in as many rounds, one effect after the other, each between two pictures with all of them: machines become
+    /// slower and faster meanwhile.
+    pub(super) fn of(
+        engine: &mut Engine,
+        timeline: &PlannedTimeline,
+        rounds: u32,
+    ) -> Result<Self, EngineError> {
         let frames = timeline.samples();
-        let needed: Vec<Effect> =
-            timeline.effects().filter(|told| told.is_ever_needed()).map(|told| told.effect).collect();
-        let mut effects: Vec<(Effect, Cost)> =
-            needed.into_iter().map(|effect| (effect, Cost::default())).collect();
-        let (mut rays, mut seconds) = (0.0, 0.0);
-        let mut squares = vec![0.0; effects.len()];
-        for frame in &frames {
-            // Caches are warm from the second time on.
-            render(engine, *frame, None)?;
-            let whole = render(engine, *frame, None)?;
-            rays += whole.rays;
-            seconds += whole.seconds;
-            for ((effect, cost), squares) in effects.iter_mut().zip(&mut squares) {
-                let part = render(engine, *frame, Some(*effect))?;
-                let (max_error, square) = difference(engine, &whole.film, &part.film);
-                cost.rays += whole.rays - part.rays;
-                cost.share += whole.seconds - part.seconds;
-                cost.max_error = cost.max_error.max(max_error);
-                *squares += square;
+        let count = frames.len().max(1) as f64;
+        let needed = timeline.effects().filter(|told| told.is_ever_needed());
+        let mut effects: Vec<(Effect, Cost)> = needed.map(|told| (told.effect, Cost::default())).collect();
+        // Caches are warm from the second time on.
+        render(engine, &frames, None)?;
+        let mut seconds = Vec::new();
+        let mut whole = render(engine, &frames, None)?;
+        for round in 0..rounds.max(1) {
+            for (effect, cost) in &mut effects {
+                let part = render(engine, &frames, Some(*effect))?;
+                let before = std::mem::replace(&mut whole, render(engine, &frames, None)?);
+                let usual = f64::midpoint(before.seconds, whole.seconds).max(f64::MIN_POSITIVE);
+                cost.shares.push((1.0 - part.seconds / usual).max(0.0));
+                if round == 0 {
+                    cost.rays = (whole.rays - part.rays) / count;
+                    cost.error = difference(engine, &part.films, &whole.films);
+                }
+                seconds.push(usual / count);
             }
         }
-        let count = frames.len().max(1) as f64;
-        for ((_, cost), squares) in effects.iter_mut().zip(squares) {
-            cost.rays /= count;
-            cost.share = (cost.share / seconds.max(f64::MIN_POSITIVE)).max(0.0);
-            cost.rms_error = (squares / count).sqrt();
+        if seconds.is_empty() {
+            seconds.push(whole.seconds / count);
         }
-        Ok(Self { frames, rays: rays / count, seconds: seconds / count, effects })
+        Ok(Self { frames, rays: whole.rays / count, seconds: Spread::of(&seconds), effects })
     }
 
     /// Returns the cost of an effect that is needed.
@@ -80,44 +81,59 @@ impl Costs {
             [one] => (format!("frame {one}"), ""),
             [others @ .., last] => (format!("frames {} and {last}", others.join(", ")), ", on average"),
         };
-        format!("Measured at {of}: {} rays in {:.3} s{mean}.\n", in_millions(self.rays), self.seconds)
+        let (rays, seconds) = (in_millions(self.rays), self.seconds.median);
+        format!("Measured at {of}: {rays} rays in {seconds:.3} s{mean}.\n")
     }
 
     pub(super) fn json(&self) -> Value {
-        json!({ "frames": self.frames, "rays": self.rays, "seconds": self.seconds })
+        json!({ "frames": self.frames, "rays": self.rays, "seconds": self.seconds.median })
     }
 
     pub(super) fn effect_json(&self, effect: Effect, measure: bool) -> Value {
         let Some(cost) = self.effect(effect) else { return Value::Null };
-        let mut told = json!({ "rays": cost.rays, "share": cost.share });
+        let share = cost.share();
+        let mut told = json!({ "rays": cost.rays, "share": share.median });
         if measure {
-            told["max_error"] = cost.max_error.into();
-            told["rms_error"] = cost.rms_error.into();
+            told["share_low"] = share.low.into();
+            told["share_high"] = share.high.into();
+            told["max_error"] = cost.error.max.into();
+            told["rms_error"] = cost.error.rms.into();
         }
         told
     }
 }
 
-fn render(engine: &mut Engine, frame: u32, left_out: Option<Effect>) -> Result<Rendered, EngineError> {
-    let others = engine.left_out().to_vec();
-    engine.set_left_out(others.iter().copied().chain(left_out));
-    let film = engine.render_frame(frame);
-    engine.set_left_out(others);
-    let report = engine.report();
-    let seconds = (report.animate + report.prepare + report.trace).as_secs_f64();
-    Ok(Rendered { film: film?, rays: report.rays.total() as f64, seconds })
+impl Cost {
+    /// Returns the share of the time that is saved, over all rounds.
+    pub(super) fn share(&self) -> Spread {
+        Spread::of(&self.shares)
+    }
 }
 
-/// Returns the largest and the mean square difference of the pictures' bytes.
-fn difference(engine: &Engine, film: &Film, other: &Film) -> (u8, f64) {
-    let transfer = engine.film_settings().transfer;
-    let (mut largest, mut squares) = (0, 0.0);
-    for (pixel, other) in film.pixels().iter().zip(other.pixels()) {
-        for (byte, other) in transfer.encode(*pixel).into_iter().zip(transfer.encode(*other)) {
-            let apart = byte.abs_diff(other);
-            largest = largest.max(apart);
-            squares += f64::from(apart) * f64::from(apart);
+fn render(engine: &mut Engine, frames: &[u32], left_out: Option<Effect>) -> Result<Rendered, EngineError> {
+    let others = engine.left_out().to_vec();
+    engine.set_left_out(others.iter().copied().chain(left_out));
+    let mut rendered = Rendered { films: Vec::new(), rays: 0.0, seconds: 0.0 };
+    for frame in frames {
+        let film = engine.render_frame(*frame);
+        let report = engine.report();
+        rendered.rays += report.rays.total() as f64;
+        rendered.seconds += (report.animate + report.prepare + report.trace).as_secs_f64();
+        match film {
+            Ok(film) => rendered.films.push(film),
+            Err(error) => {
+                engine.set_left_out(others);
+                return Err(error);
+            }
         }
     }
-    (largest, squares / (3.0 * film.pixels().len().max(1) as f64))
+    engine.set_left_out(others);
+    Ok(rendered)
+}
+
+/// Returns the error of all frames together.
+fn difference(engine: &Engine, films: &[Film], wholes: &[Film]) -> FilmError {
+    let transfer = engine.film_settings().transfer;
+    let pairs = films.iter().zip(wholes);
+    FilmError::of_all(pairs.map(|(film, whole)| FilmError::between(film, whole, transfer)))
 }

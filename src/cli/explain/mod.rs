@@ -52,6 +52,9 @@ pub(super) fn run(arguments: &ExplainArguments) -> Result<(), Failure> {
     Ok(())
 }
 
+/// How often every effect is measured where it counts.
+const ROUNDS: u32 = 5;
+
 /// The contents of an explanation.
 struct Explanation {
     scene: String,
@@ -69,7 +72,7 @@ impl Explanation {
         frames: &FrameList,
     ) -> Result<Self, rayreel::EngineError> {
         let timeline = PlannedTimeline::of(engine, frames)?;
-        let costs = Costs::of(engine, &timeline)?;
+        let costs = Costs::of(engine, &timeline, if arguments.measure { ROUNDS } else { 1 })?;
         let film = engine.film_settings();
         Ok(Self {
             scene: arguments.scene.display().to_string(),

@@ -43,10 +43,12 @@ fn cost_cells(effect: Effect, costs: &Costs, measure: bool) -> Vec<String> {
         saved if saved < 0.0 => format!("-{}", in_millions(-saved)),
         spent => in_millions(spent),
     };
-    let mut cells = vec![rays, format!("{:.0} %", 100.0 * cost.share)];
+    let share = cost.share();
+    let mut cells = vec![rays, format!("{:.0} %", 100.0 * share.median)];
     if measure {
-        cells.push(cost.max_error.to_string());
-        cells.push(format!("{:.2}", cost.rms_error));
+        cells[1] = format!("{:.0} ±{:.0} %", 100.0 * share.median, 50.0 * (share.high - share.low));
+        cells.push(format!("{:.1}", cost.error.max));
+        cells.push(format!("{:.2}", cost.error.rms));
     }
     cells
 }

@@ -1,6 +1,6 @@
 //! The settings that decide between accuracy and time.
 
-use super::settings::{linear_cutoff, sane_sampling};
+use super::settings::{linear_cutoff, sane_film, sane_sampling};
 use crate::components::{AreaShape, FilmSettings, Quality, Sampling};
 
 /// The settings of one frame that decide between accuracy and time, within their limits.
@@ -33,6 +33,8 @@ pub(crate) struct FrameSettings {
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Knobs {
+    /// The film's columns and rows.
+    pub size: Option<(u32, u32)>,
     /// Samples per pixel: [`Sampling::samples`].
     pub samples: Option<u32>,
     /// The error that pictures are meant to have: [`Sampling::max_error`].
@@ -64,6 +66,9 @@ impl Knobs {
     /// Turns settings.
     pub(crate) fn turn(&self, settings: &mut FrameSettings) {
         settings.sampling = self.sampling(settings.sampling);
+        if let Some((width, height)) = self.size {
+            settings.film = sane_film(FilmSettings { width, height, ..settings.film });
+        }
         if let Some(depth) = self.depth {
             settings.depth = depth.clamp(1, Quality::LARGEST_DEPTH);
         }

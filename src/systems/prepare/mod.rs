@@ -35,6 +35,7 @@ pub(crate) use camera::{Shutter, Shutters};
 pub(crate) use frame_settings::FrameSettings;
 pub use frame_settings::Knobs;
 pub use settings::film_settings;
+pub(crate) use settings::{quality_settings, sampling_settings};
 
 /// The kernel's arrays, and the entity of each of their slots.
 ///

@@ -23,12 +23,30 @@ pub(super) fn first_entity<T: hecs::Component>(world: &World) -> Option<Entity> 
 /// Returns the film's settings, clamped to their limits.
 #[must_use]
 pub fn film_settings(world: &World) -> FilmSettings {
-    let film = first::<FilmSettings>(world);
+    sane_film(first(world))
+}
+
+/// Clamps a film's settings to their limits.
+pub(super) fn sane_film(film: FilmSettings) -> FilmSettings {
     let side = |side: u32| side.clamp(1, FilmSettings::LARGEST_SIDE);
     let width = side(film.width);
     let most_rows = FilmSettings::LARGEST_AREA / u64::from(width);
     let height = side(film.height).min(u32::try_from(most_rows).unwrap_or(u32::MAX));
     FilmSettings { width, height, ..film }
+}
+
+/// Returns the number of samples and their choice, clamped to their limits.
+#[must_use]
+pub(crate) fn sampling_settings(world: &World) -> Sampling {
+    sane_sampling(first(world))
+}
+
+/// Returns the depth and the cutoff, clamped to their limits.
+#[must_use]
+pub(crate) fn quality_settings(world: &World) -> Quality {
+    let Quality { depth, cutoff } = first(world);
+    let cutoff = if cutoff > 0.0 { cutoff.min(Quality::LARGEST_CUTOFF) } else { 0.0 };
+    Quality { depth: depth.clamp(1, Quality::LARGEST_DEPTH), cutoff }
 }
 
 pub(super) fn sane_sampling(sampling: Sampling) -> Sampling {

@@ -5,6 +5,9 @@
 //! how errors fall with the number n of samples: as n^-3/4 where an edge runs through a pixel, and as n^-1/2 where lights, a lens or a
 //! shutter are sampled too (see `math/sampling`). What is known from the rounds before counts half.
 //!
+//! Where all samples of a pixel agree, they may have missed something: beside an edge, a part of less than 1/n may be on its other side.
+//! On average that adds 1/n of the square error of half such a part.
+//!
 //! The mean square of all pixels' errors is the picture's. To lower it with the fewest samples, those pixels get more whose square
 //! error per sample is largest: at the best division it is the same everywhere that has any. How large it may be left is found from the
 //! histogram of all pixels, by following what each of them would become with more samples. Where one pixel's estimate is too low by
@@ -15,13 +18,17 @@
 //!
 //! For independent samples the best division is that of Neyman, "On the Two Different Aspects of the Representative Method" (1934).
 
+mod output_curve;
 mod rounds;
 
-use glam::DVec3;
+use std::ops::Range;
+
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::color::Transfer;
 use crate::trace::scene::{Camera, PreparedScene};
+use output_curve::OutputCurve;
 pub(crate) use rounds::{Portion, Rounds};
 
 /// How good a picture is meant to be.
@@ -82,28 +89,40 @@ const BINS: usize = (f32::INFINITY.to_bits() >> BIN_SHIFT) as usize;
 #[derive(Clone, Debug)]
 pub(crate) struct Adaptive {
     target: ErrorTarget,
+    curve: OutputCurve,
     width: usize,
     /// Row by row, as are the others.
     pixels: Vec<PixelError>,
-    /// The sums of a pixel's samples before the last round.
+    /// The sums of a pixel's samples after the last round.
     sums: Vec<DVec3>,
+    is_estimated: bool,
 }
 
 /// What is known of a pixel's error.
 #[derive(Clone, Copy, Debug)]
 struct PixelError {
-    /// The estimate of its square, not yet [scaled](Adaptive::scale).
-    square: f32,
+    /// The estimate of its square from how far halves are apart, not yet [scaled](Adaptive::scale), as is the next.
+    spread: f32,
+    /// The square error by what its neighbours have and its samples may have missed.
+    missed: f32,
     /// The number of samples it was left with; 0 while it gets more.
     samples: u32,
+}
+
+impl PixelError {
+    fn square(self) -> f32 {
+        self.spread + self.missed
+    }
 }
 
 impl Adaptive {
     /// Returns what is known before the first sample.
     pub(crate) fn new((columns, rows): (u32, u32), target: ErrorTarget) -> Self {
         let count = columns as usize * rows as usize;
-        let pixels = vec![PixelError { square: 0.0, samples: 0 }; count];
-        Self { target, width: columns.max(1) as usize, pixels, sums: vec![DVec3::ZERO; count] }
+        let pixels = vec![PixelError { spread: 0.0, missed: 0.0, samples: 0 }; count];
+        let curve = OutputCurve::of(target.transfer);
+        let width = columns.max(1) as usize;
+        Self { target, curve, width, pixels, sums: vec![DVec3::ZERO; count], is_estimated: false }
     }
 
     /// Returns the number of samples that a pixel was left with; `None` if it gets more.
@@ -111,10 +130,11 @@ impl Adaptive {
         Some(self.pixels[pixel].samples).filter(|samples| *samples > 0)
     }
 
-    /// Returns the estimate of the picture's error, in output values.
-    pub(crate) fn error(&self) -> f64 {
-        let squares: f64 = self.pixels.iter().map(|pixel| f64::from(pixel.square)).sum();
-        (self.scale() * squares / self.pixels.len().max(1) as f64).sqrt()
+    /// Returns the estimate of the picture's error, in output values; `None` before two rounds.
+    pub(crate) fn error(&self) -> Option<f64> {
+        let squares: f64 = self.pixels.iter().map(|pixel| f64::from(pixel.square())).sum();
+        let mean = squares / self.pixels.len().max(1) as f64;
+        self.is_estimated.then(|| (self.scale() * mean).sqrt())
     }
 
     /// By what the square of half a difference is multiplied: with e^2 the square of the error of one half, that is e^2 / 2 in the
@@ -128,6 +148,9 @@ impl Adaptive {
     pub(crate) fn judge(&mut self, rounds: &Rounds, sum: impl Fn(usize) -> DVec3 + Sync) -> bool {
         self.estimate(rounds, sum);
         let taken = rounds.taken().1;
+        if rounds.is_last() || rounds.index() + 1 >= FLOOR {
+            self.suspect(taken);
+        }
         if rounds.is_last() {
             self.leave(taken, |_| true);
             return false;
@@ -136,7 +159,7 @@ impl Adaptive {
             return true;
         }
         let aim = AIM * self.target.rms;
-        if self.error() <= aim {
+        if self.error().is_none_or(|error| error <= aim) {
             self.leave(taken, |_| true);
             return false;
         }
@@ -148,11 +171,11 @@ impl Adaptive {
 
     /// Estimates the errors of the pixels that had samples in this round.
     fn estimate(&mut self, rounds: &Rounds, sum: impl Fn(usize) -> DVec3 + Sync) {
-        let (ErrorTarget { transfer, convergence, .. }, (before, after)) = (self.target, rounds.taken());
+        let (per_doubling, (before, after)) = (self.target.convergence.of_doubling(), rounds.taken());
         let (old, new) = (f64::from(before), f64::from(after - before));
         // A quarter, where both are as many.
         let share = old * new / ((old + new) * (old + new));
-        let width = self.width;
+        let (width, curve) = (self.width, &self.curve);
         let rows = self.pixels.par_chunks_mut(width).zip(self.sums.par_chunks_mut(width));
         rows.enumerate().for_each(|(row, (pixels, sums))| {
             for (column, (pixel, before)) in pixels.iter_mut().zip(sums).enumerate() {
@@ -161,14 +184,42 @@ impl Adaptive {
                 }
                 let sum = sum(row * width + column);
                 if rounds.index() > 0 {
-                    let square = share * mean_square(transfer, *before / old, (sum - *before) / new);
-                    pixel.square = if rounds.index() == 1 {
+                    let square = share * curve.mean_square(*before / old, (sum - *before) / new);
+                    pixel.spread = if rounds.index() == 1 {
                         single(square)
                     } else {
-                        single(0.5 * (square + convergence.of_doubling() * f64::from(pixel.square)))
+                        single(0.5 * (square + per_doubling * f64::from(pixel.spread)))
                     };
                 }
                 *before = sum;
+            }
+        });
+        self.is_estimated |= rounds.index() > 0;
+    }
+
+    /// Estimates what the samples of pixels may have missed that had some in this round, and have so many now.
+    fn suspect(&mut self, taken: u32) {
+        let (width, curve) = (self.width, &self.curve);
+        let height = self.pixels.len() / width;
+        let count = |pixel: &PixelError| f64::from(if pixel.samples > 0 { pixel.samples } else { taken });
+        let pixels = self.pixels.par_iter().zip(&self.sums);
+        let means: Vec<Vec3> = pixels.map(|(pixel, sum)| (*sum / count(pixel)).as_vec3()).collect();
+        // Half of what may be missed at most, and how often that is so.
+        let (part, often) = (0.5 / f64::from(taken), 1.0 / (f64::from(taken) * self.scale()));
+        self.pixels.par_chunks_mut(width).enumerate().for_each(|(row, pixels)| {
+            for (column, pixel) in pixels.iter_mut().enumerate().filter(|(_, pixel)| pixel.samples == 0) {
+                let mean = means[row * width + column];
+                let (mut least, mut most) = (mean, mean);
+                for row in around(row, height) {
+                    for neighbour in &means[row * width..][around(column, width)] {
+                        least = least.min(*neighbour);
+                        most = most.max(*neighbour);
+                    }
+                }
+                let mean = mean.as_dvec3();
+                let square = [least, most]
+                    .map(|other| curve.mean_square(mean, mean + (other.as_dvec3() - mean) * part));
+                pixel.missed = single(often * square[0].max(square[1]));
             }
         });
     }
@@ -177,7 +228,6 @@ impl Adaptive {
     fn needs(&self) -> Vec<f32> {
         let width = self.width;
         let height = self.pixels.len() / width;
-        let around = |place: usize, count: usize| place.saturating_sub(1)..count.min(place + 2);
         let mut needs = vec![0.0; self.pixels.len()];
         needs.par_chunks_mut(width).enumerate().for_each(|(row, needs)| {
             for (column, need) in needs.iter_mut().enumerate() {
@@ -188,11 +238,11 @@ impl Adaptive {
                 let (mut sum, mut count) = (0.0, 0.0);
                 for row in around(row, height) {
                     for column in around(column, width) {
-                        sum += self.pixels[row * width + column].square;
+                        sum += self.pixels[row * width + column].square();
                         count += 1.0;
                     }
                 }
-                *need = 0.5 * (pixel.square + sum / count);
+                *need = 0.5 * (pixel.square() + sum / count);
             }
         });
         needs
@@ -204,7 +254,7 @@ impl Adaptive {
         let mut squares = vec![0.0; BINS];
         for (pixel, need) in self.pixels.iter().zip(needs) {
             let square = if pixel.samples > 0 { &mut left } else { &mut squares[bin(*need)] };
-            *square += f64::from(pixel.square);
+            *square += f64::from(pixel.square());
         }
         let (per_doubling, bins) =
             (self.target.convergence.of_doubling(), self.target.convergence.bins_of_doubling());
@@ -235,13 +285,9 @@ impl Adaptive {
     }
 }
 
-/// Returns the mean square of the difference of two colours' output values.
-fn mean_square(transfer: Transfer, one: DVec3, other: DVec3) -> f64 {
-    if one == other {
-        return 0.0;
-    }
-    let values = |color: DVec3| DVec3::from_array(transfer.encode_unrounded(color.as_vec3()));
-    (values(one) - values(other)).length_squared() / 3.0
+/// Returns a place among so many with those beside it.
+fn around(place: usize, count: usize) -> Range<usize> {
+    place.saturating_sub(1)..count.min(place + 2)
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "an estimate")]

@@ -67,7 +67,7 @@ fn edges_get_samples_until_the_picture_is_as_good_as_it_is_meant_to_be() {
         let (pixels, counts, adaptive) = rendered(target(goal, Convergence::Edges), 65_536, edge);
         let error = rms(&pixels, edge_truth);
         let mean = counts.iter().map(|count| f64::from(*count)).sum::<f64>() / COUNT as f64;
-        assert!(adaptive.error() <= goal && error <= 1.05 * goal, "{goal}: {error}");
+        assert!(adaptive.error().unwrap() <= goal && error <= 1.05 * goal, "{goal}: {error}");
         // As many for all, so that the picture is as good.
         let uniform = (1..16).map(|exponent| 1_u32 << exponent).find(|count| {
             let mean = |pixel| (0..*count).map(|index| edge(pixel, index)).sum::<f64>() / f64::from(*count);
@@ -91,7 +91,10 @@ fn noise_gets_samples_by_how_strong_it_is() {
     for goal in [8.0, 4.0, 2.0] {
         let (pixels, counts, adaptive) = rendered(target(goal, Convergence::Effects), 65_536, noise);
         let error = rms(&pixels, |_| 0.5);
-        assert!(adaptive.error() <= goal && (0.7 * goal..1.1 * goal).contains(&error), "{goal}: {error}");
+        assert!(
+            adaptive.error().unwrap() <= goal && (0.7 * goal..1.1 * goal).contains(&error),
+            "{goal}: {error}"
+        );
         let of_rows = |from: usize, to: usize| {
             let counts = &counts[from * SIZE.0 as usize..to * SIZE.0 as usize];
             counts.iter().map(|count| f64::from(*count)).sum::<f64>() / counts.len() as f64
@@ -103,7 +106,7 @@ fn noise_gets_samples_by_how_strong_it_is() {
 #[test]
 fn nothing_that_is_the_same_everywhere_gets_more_than_the_least() {
     let (pixels, counts, adaptive) = rendered(target(0.01, Convergence::Edges), 65_536, |_, _| 0.3);
-    assert!(counts.iter().all(|count| *count == 8) && adaptive.error() == 0.0);
+    assert!(counts.iter().all(|count| *count == 8) && adaptive.error() == Some(0.0));
     assert!(rms(&pixels, |_| 0.3) < 1e-9);
 }
 
@@ -113,11 +116,11 @@ fn what_cannot_be_had_ends_with_all_samples() {
     for (pixel, count) in counts.into_iter().enumerate() {
         match pixel % 8 {
             0 => assert_eq!(count, 50),
-            1 | 7 => assert!(count == 50 || count == 8),
-            _ => assert_eq!(count, 8),
+            3..=5 => assert_eq!(count, 8),
+            _ => assert!(count == 50 || count == 8),
         }
     }
-    assert!(adaptive.error() > 1e-6);
+    assert!(adaptive.error().unwrap() > 1e-6);
     let (_, counts, _) = rendered(target(1e-6, Convergence::Edges), 5, edge);
     assert!(counts.iter().all(|count| *count == 5));
 }

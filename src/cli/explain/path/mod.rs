@@ -12,17 +12,14 @@ mod svg;
 mod things;
 mod view;
 
-use std::fs;
 use std::path::Path;
 
-use anyhow::{Context, ensure};
-
 use rayreel::Engine;
-use rayreel::output::{folder_of, remove_leftovers, write_bytes};
 use rayreel::time::FrameList;
 
 use super::super::exit::Failure;
 use super::super::print;
+use super::super::write_file::{ensure_not_the_scene, write_file};
 use sample::Journey;
 use svg::{Anchor, Frame, Svg};
 
@@ -36,32 +33,9 @@ pub(super) fn draw(
     ensure_not_the_scene(file, scene)?;
     let journey = Journey::of(engine, frames)?;
     let name = scene.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    write(file, &drawing(&journey, &name))?;
+    write_file(file, drawing(&journey, &name).as_bytes())?;
     print::result_line(&format!("{}: {}", file.display(), journey.in_words()))?;
     Ok(())
-}
-
-fn ensure_not_the_scene(file: &Path, scene: &Path) -> anyhow::Result<()> {
-    let is_the_scene = match (fs::canonicalize(file), fs::canonicalize(scene)) {
-        (Ok(file), Ok(scene)) => file == scene,
-        _ => false,
-    };
-    ensure!(
-        !is_the_scene,
-        "`{}` is the scene itself: name another file for the drawing, as path.svg",
-        file.display()
-    );
-    Ok(())
-}
-
-/// Writes the file whole or not at all; but what is there and is no regular file, as a pipe or a link, is kept and written to.
-fn write(file: &Path, drawing: &str) -> anyhow::Result<()> {
-    if fs::symlink_metadata(file).is_ok_and(|there| !there.is_file()) {
-        fs::write(file, drawing).with_context(|| format!("cannot write `{}`", file.display()))
-    } else {
-        remove_leftovers(folder_of(file));
-        Ok(write_bytes(file, drawing.as_bytes())?)
-    }
 }
 
 /// Draws two square views and two charts below them.

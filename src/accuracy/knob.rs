@@ -1,0 +1,213 @@
+//! The knobs that trade accuracy for time, and the ways to render a scene that turn one of them.
+
+use std::fmt;
+
+use crate::components::{Quality, Sampling};
+use crate::engine::Engine;
+use crate::systems::{Effect, Knobs, Plan};
+use crate::trace::Precision;
+
+/// A setting that trades accuracy for time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Knob {
+    /// Samples per pixel, the same number for all.
+    Samples,
+    /// The error that the picture may have, which decides where samples go.
+    MaxError,
+    /// Samples of lights with a size.
+    LightSamples,
+    /// Instants while the shutter is open.
+    Instants,
+    /// Generations of rays.
+    Depth,
+    /// The light below which rays are not followed.
+    Cutoff,
+    /// How exactly it is found where rays meet shapes.
+    Precision,
+}
+
+impl Knob {
+    /// All of them.
+    pub const ALL: [Self; 7] = [
+        Self::Samples,
+        Self::MaxError,
+        Self::LightSamples,
+        Self::Instants,
+        Self::Depth,
+        Self::Cutoff,
+        Self::Precision,
+    ];
+
+    /// Returns its name in words.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Samples => "samples",
+            Self::MaxError => "max error",
+            Self::LightSamples => "light samples",
+            Self::Instants => "instants",
+            Self::Depth => "depth",
+            Self::Cutoff => "cutoff",
+            Self::Precision => "precision",
+        }
+    }
+
+    /// Returns whether more of it makes pictures converge as a power of it.
+    #[must_use]
+    pub fn converges(self) -> bool {
+        matches!(self, Self::Samples | Self::LightSamples | Self::Instants)
+    }
+}
+
+/// A way to render a scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Variant {
+    /// What stands in the place of the scene's own settings.
+    pub knobs: Knobs,
+    /// How exactly it is found where rays meet shapes.
+    pub precision: Precision,
+    /// An effect to leave out.
+    pub without: Option<Effect>,
+}
+
+impl Variant {
+    /// Sets an engine up, which leaves out other effects anyway.
+    pub(super) fn apply(&self, engine: &mut Engine, left_out: &[Effect]) {
+        engine.set_knobs(self.knobs);
+        engine.set_precision(self.precision);
+        engine.set_left_out(left_out.iter().copied().chain(self.without));
+    }
+}
+
+/// What a way to render is about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Subject {
+    /// The scene's own settings.
+    Own,
+    /// A knob, turned to a value.
+    Knob(Knob, f64),
+    /// Another precision.
+    Precision(Precision),
+    /// An effect that is left out.
+    Without(Effect),
+}
+
+impl Subject {
+    /// Returns the knob that is turned.
+    #[must_use]
+    pub fn knob(&self) -> Option<Knob> {
+        match self {
+            Self::Knob(knob, _) => Some(*knob),
+            Self::Precision(_) => Some(Knob::Precision),
+            Self::Own | Self::Without(_) => None,
+        }
+    }
+}
+
+impl fmt::Display for Subject {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Own => formatter.write_str("the scene's own"),
+            Self::Knob(knob, value) => write!(formatter, "{} {value}", knob.name()),
+            Self::Precision(Precision::Guaranteed) => formatter.write_str("guaranteed"),
+            Self::Precision(Precision::TextbookF64) => formatter.write_str("textbook f64"),
+            Self::Precision(Precision::TextbookF32) => formatter.write_str("textbook f32"),
+            Self::Without(effect) => write!(formatter, "without {effect}"),
+        }
+    }
+}
+
+/// The settings of a scene that knobs stand in the place of.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OwnSettings {
+    pub(super) sampling: Sampling,
+    pub(super) quality: Quality,
+}
+
+/// How far a sweep goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Reach {
+    /// The most samples per pixel.
+    pub(super) samples: u32,
+    /// The most samples of a light.
+    pub(super) light_samples: u32,
+    /// The largest depth.
+    pub(super) depth: u32,
+}
+
+/// Returns the ways to render a scene that are worth comparing, for the effects that it needs: its own way first.
+pub(super) fn sweep(plan: &Plan, own: OwnSettings, reach: Reach) -> Vec<(Subject, Variant)> {
+    let mut rows = vec![(Subject::Own, Variant::default())];
+    for knob in Knob::ALL.into_iter().filter(|knob| is_called_for(*knob, plan)) {
+        if knob == Knob::Precision {
+            let others = [Precision::TextbookF64, Precision::TextbookF32];
+            rows.extend(others.map(|precision| {
+                (Subject::Precision(precision), Variant { precision, ..Variant::default() })
+            }));
+        } else {
+            let turned = values(knob, own, reach).into_iter().map(|value| {
+                (Subject::Knob(knob, value), Variant { knobs: turned(knob, value), ..Variant::default() })
+            });
+            rows.extend(turned);
+        }
+    }
+    let without = plan.needed().filter(|effect| *effect != Effect::Ambient || plan.needed().count() > 1);
+    rows.extend(
+        without.map(|effect| {
+            (Subject::Without(effect), Variant { without: Some(effect), ..Variant::default() })
+        }),
+    );
+    rows
+}
+
+/// Returns whether a knob makes a difference to pictures that need these effects.
+fn is_called_for(knob: Knob, plan: &Plan) -> bool {
+    match knob {
+        Knob::Samples | Knob::MaxError | Knob::Precision => true,
+        Knob::LightSamples => plan.needs(Effect::AreaLights),
+        Knob::Instants => plan.needs(Effect::MotionBlur),
+        Knob::Depth | Knob::Cutoff => plan.needs(Effect::Reflection) || plan.needs(Effect::Refraction),
+    }
+}
+
+/// Returns the values of a knob, ascending, without the scene's own.
+fn values(knob: Knob, OwnSettings { sampling, quality }: OwnSettings, reach: Reach) -> Vec<f64> {
+    let powers =
+        |most: u32| (0..32).map(|exponent| 1_u32 << exponent).take_while(move |power| *power <= most);
+    let (mut values, own): (Vec<f64>, f64) = match knob {
+        Knob::Samples if sampling.max_error > 0.0 => (powers(reach.samples).map(f64::from).collect(), 0.0),
+        Knob::Samples => (powers(reach.samples).map(f64::from).collect(), sampling.samples.into()),
+        Knob::MaxError => (vec![0.25, 0.5, 1.0, 2.0, 4.0], sampling.max_error.into()),
+        Knob::LightSamples => (powers(reach.light_samples).map(f64::from).collect(), 0.0),
+        Knob::Instants => (
+            powers(sampling.samples.min(Sampling::LARGEST_INSTANTS)).map(f64::from).collect(),
+            sampling.instants.into(),
+        ),
+        Knob::Depth => {
+            let depths = [1, 2, 3, 4, 5, 6, 8, 12, 16, 24, 32].into_iter();
+            (depths.take_while(|depth| *depth <= reach.depth).map(f64::from).collect(), quality.depth.into())
+        }
+        Knob::Cutoff => (vec![0.0, 0.25, 1.0, 4.0, 16.0], quality.cutoff.into()),
+        Knob::Precision => (Vec::new(), 0.0),
+    };
+    values.retain(|value| *value != own);
+    values
+}
+
+/// Returns knobs of which one is turned to a value from a sweep.
+pub(super) fn turned(knob: Knob, value: f64) -> Knobs {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole numbers of a sweep")]
+    let count = value as u32;
+    #[expect(clippy::cast_possible_truncation, reason = "few digits")]
+    let number = value as f32;
+    let knobs = Knobs::default();
+    match knob {
+        Knob::Samples => Knobs { samples: Some(count), max_error: Some(0.0), ..knobs },
+        Knob::MaxError => Knobs { samples: Some(Sampling::LARGEST_COUNT), max_error: Some(number), ..knobs },
+        Knob::LightSamples => Knobs { light_samples: Some(count), ..knobs },
+        Knob::Instants => Knobs { instants: Some(count), ..knobs },
+        Knob::Depth => Knobs { depth: Some(count), ..knobs },
+        Knob::Cutoff => Knobs { cutoff: Some(number), ..knobs },
+        Knob::Precision => knobs,
+    }
+}

@@ -1,0 +1,355 @@
+//! Renders a scene in many ways, and compares them.
+
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+use super::knob::{Knob, OwnSettings, Reach, Subject, Variant, sweep, turned};
+use super::report::{Reference, Report, Row};
+use super::spread::Spread;
+use super::{Converged, FilmError, structural_similarity};
+use crate::color::Transfer;
+use crate::engine::{Engine, EngineError};
+use crate::systems::{Effect, Knobs, Plan, quality_settings, sampling_settings};
+use crate::time::Time;
+use crate::trace::{Film, RayCounts};
+
+/// How much work a measurement is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Thoroughness {
+    /// How often every way is rendered, for its price.
+    pub rounds: u32,
+    /// The most samples per pixel of the sweep, unless the scene has more.
+    pub samples: u32,
+    /// The pictures of the reference, at least two.
+    pub pictures: u32,
+    /// The samples of each of them, as a multiple of the most of the sweep.
+    pub factor: u32,
+}
+
+impl Thoroughness {
+    /// Takes minutes.
+    pub const THOROUGH: Self = Self { rounds: 5, samples: 64, pictures: 4, factor: 4 };
+    /// Takes seconds.
+    pub const QUICK: Self = Self { rounds: 3, samples: 8, pictures: 4, factor: 2 };
+}
+
+/// What is to be measured.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// The frames to render, at least one.
+    pub frames: Vec<u32>,
+    /// How thoroughly.
+    pub thoroughness: Thoroughness,
+    /// Whether the first frame's pictures are kept.
+    pub keep_films: bool,
+}
+
+/// What is being done.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// What is rendered now.
+    pub step: Step,
+    /// The part that is done, 0 to 1.
+    pub share: f64,
+}
+
+/// What is rendered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Step {
+    /// The reference.
+    Reference,
+    /// A way to render, in a round from 0.
+    Row(Subject, u32),
+}
+
+/// Measures what accuracy costs in a scene. `None` if it was cancelled; in any case the engine is afterwards as it was before. What the
+/// engine leaves out is left out throughout.
+///
+/// # Errors
+///
+/// As [`Engine::render_frame`].
+pub fn measure(
+    engine: &mut Engine,
+    request: &Request,
+    cancelled: &AtomicBool,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Option<Report>, EngineError> {
+    let (knobs, precision, left_out) = (engine.knobs(), engine.precision(), engine.left_out().to_vec());
+    let timeline = engine.timeline();
+    let times = request.frames.iter().map(|frame| timeline.time_of(*frame)).collect();
+    let mut gauge = Gauge { engine, times, left_out: &left_out, cancelled, progress, work: Work::default() };
+    let report = gauge.run(request);
+    engine.set_knobs(knobs);
+    engine.set_precision(precision);
+    engine.set_left_out(left_out);
+    report
+}
+
+/// The work in samples per pixel, as far as it is foreseen.
+#[derive(Debug, Default)]
+struct Work {
+    done: f64,
+    all: f64,
+}
+
+/// Renders variants of the chosen frames.
+struct Gauge<'a> {
+    engine: &'a mut Engine,
+    times: Vec<Time>,
+    left_out: &'a [Effect],
+    cancelled: &'a AtomicBool,
+    progress: &'a mut dyn FnMut(Progress),
+    work: Work,
+}
+
+/// All frames, rendered in one way.
+struct Rendered {
+    films: Vec<Film>,
+    /// A frame.
+    seconds: f64,
+    /// Of all frames.
+    rays: RayCounts,
+}
+
+/// Steps of 8 bits so small that no rounding shows them.
+const NO_CUTOFF: f32 = 1.0 / 64.0;
+/// Generations that leave nothing to be seen.
+const DEEP: u32 = 64;
+
+impl Gauge<'_> {
+    fn run(&mut self, request: &Request) -> Result<Option<Report>, EngineError> {
+        let Thoroughness { rounds, samples, pictures, factor } = request.thoroughness;
+        let Some(plan) = self.plan()? else { return Ok(None) };
+        let world = self.engine.world();
+        let own = OwnSettings { sampling: sampling_settings(world), quality: quality_settings(world) };
+        let most = if own.sampling.max_error > 0.0 { samples } else { samples.max(own.sampling.samples) };
+        let reach = Reach { samples: most, light_samples: samples.min(16), depth: own.quality.depth + 4 };
+        let rows = sweep(&plan, own, reach);
+        let of_reference = most.saturating_mul(factor);
+        self.foresee(&rows, own, rounds, of_reference * pictures);
+
+        let own_depth = Knobs::default();
+        let deep = Knobs { depth: Some(own.quality.depth.max(DEEP)), cutoff: Some(NO_CUTOFF), ..own_depth };
+        let Some(shallow) = self.render(&Variant::default(), Step::Reference)? else { return Ok(None) };
+        let Some(deeper) = self.render(&Variant { knobs: deep, ..Variant::default() }, Step::Reference)?
+        else {
+            return Ok(None);
+        };
+        let is_deep = self.error(&shallow.films, &deeper.films).max < f64::from(NO_CUTOFF);
+        let start = Instant::now();
+        let seeds = (pictures, own.sampling.seed, of_reference);
+        let Some(reference) = self.converged(if is_deep { own_depth } else { deep }, seeds)? else {
+            return Ok(None);
+        };
+        let time = start.elapsed();
+        let converged: Vec<Film> = reference.iter().map(|frame| frame.film.clone()).collect();
+        let own_converged = if is_deep {
+            converged.clone()
+        } else {
+            let Some(frames) = self.converged(own_depth, seeds)? else { return Ok(None) };
+            frames.into_iter().map(|frame| frame.film).collect()
+        };
+        let mut report = Report {
+            frames: request.frames.clone(),
+            size: converged.first().map_or((0, 0), |film| (film.width(), film.height())),
+            reference: Reference::of(&reference, of_reference * pictures, pictures, time),
+            rows: Vec::new(),
+            orders: Vec::new(),
+            rounds,
+        };
+        let Some(prices) = self.prices(&rows, rounds)? else { return Ok(None) };
+        let mut best = Vec::new();
+        for ((subject, variant), (seconds, relative)) in rows.into_iter().zip(prices) {
+            let Some(rendered) = self.render(&variant, Step::Row(subject, rounds))? else { return Ok(None) };
+            let alone = match self.best_alone(subject, own, reach) {
+                None => self.error(&rendered.films, &own_converged),
+                Some(variant) => {
+                    if best.last().is_none_or(|(known, _)| *known != variant) {
+                        let Some(rendered) = self.render(&variant, Step::Row(subject, rounds))? else {
+                            return Ok(None);
+                        };
+                        best.push((variant, rendered.films));
+                    }
+                    best.last()
+                        .map_or_else(FilmError::default, |(_, films)| self.error(&rendered.films, films))
+                }
+            };
+            report.rows.push(Row {
+                subject,
+                variant,
+                error: self.error(&rendered.films, &converged),
+                similarity: self.similarity(&rendered.films, &converged),
+                alone,
+                seconds,
+                relative,
+                rays: self.mean_rays(rendered.rays),
+                on_front: false,
+                film: rendered.films.into_iter().next().filter(|_| request.keep_films),
+            });
+        }
+        report.conclude();
+        Ok(Some(report))
+    }
+
+    /// Returns the effects that any of the frames needs.
+    fn plan(&mut self) -> Result<Option<Plan>, EngineError> {
+        let mut plan: Option<Plan> = None;
+        for time in self.times.clone() {
+            let Some(of_frame) = self.engine.plan_at(time)?.cloned() else { continue };
+            match &mut plan {
+                Some(plan) => plan.join(&of_frame),
+                None => plan = Some(of_frame),
+            }
+        }
+        Ok(plan)
+    }
+
+    fn foresee(&mut self, rows: &[(Subject, Variant)], own: OwnSettings, rounds: u32, reference: u32) {
+        let own = if own.sampling.max_error > 0.0 { ADAPTIVE } else { own.sampling.samples };
+        let of_rows: f64 = rows.iter().map(|(_, variant)| samples(&variant.knobs, own)).sum();
+        let between = f64::from(own) * rows.len().div_ceil(BETWEEN) as f64;
+        self.work.all = f64::from(reference) + (of_rows + between) * f64::from(rounds) + of_rows;
+    }
+
+    /// Renders all frames in one way; `None` if it was cancelled.
+    fn render(&mut self, variant: &Variant, step: Step) -> Result<Option<Rendered>, EngineError> {
+        variant.apply(self.engine, self.left_out);
+        let mut rendered = Rendered { films: Vec::new(), seconds: 0.0, rays: RayCounts::default() };
+        for time in &self.times {
+            let share = (self.work.done / self.work.all.max(1.0)).min(1.0);
+            (self.progress)(Progress { step, share });
+            let Some(film) = self.engine.render_unless(*time, self.cancelled)? else { return Ok(None) };
+            let report = self.engine.report();
+            rendered.films.push(film);
+            rendered.seconds += (report.animate + report.prepare + report.trace).as_secs_f64();
+            rendered.rays += report.rays;
+            let own = self.engine.sampling().map_or(1, |sampling| sampling.samples).min(ADAPTIVE);
+            self.work.done += samples(&variant.knobs, own) / self.times.len() as f64;
+        }
+        rendered.seconds /= self.times.len().max(1) as f64;
+        Ok(Some(rendered))
+    }
+
+    /// Renders every frame as well as can be: several times, each with samples of its own.
+    fn converged(
+        &mut self,
+        knobs: Knobs,
+        (pictures, seed, samples): (u32, u64, u32),
+    ) -> Result<Option<Vec<Converged>>, EngineError> {
+        /// Far apart, and not what anybody writes.
+        const APART: u64 = 0x9e37_79b9_7f4a_7c15;
+        let mut frames = vec![Vec::new(); self.times.len()];
+        for picture in 1..=u64::from(pictures.max(2)) {
+            let knobs = Knobs {
+                samples: Some(samples),
+                max_error: Some(0.0),
+                instants: Some(samples),
+                seed: Some(seed.wrapping_add(picture.wrapping_mul(APART))),
+                ..knobs
+            };
+            let Some(rendered) = self.render(&Variant { knobs, ..Variant::default() }, Step::Reference)?
+            else {
+                return Ok(None);
+            };
+            frames.iter_mut().zip(rendered.films).for_each(|(films, film)| films.push(film));
+        }
+        let transfer = self.transfer();
+        Ok(Some(frames.iter().map(|films| Converged::mean(films, transfer)).collect()))
+    }
+
+    /// Measures how long every row takes: in seconds a frame, and as a multiple of what the scene's own settings take right before and
+    /// after. All take their turns, so that none has a slower hour than another.
+    fn prices(
+        &mut self,
+        rows: &[(Subject, Variant)],
+        rounds: u32,
+    ) -> Result<Option<Vec<(Spread, Spread)>>, EngineError> {
+        let mut measured = vec![(Vec::new(), Vec::new()); rows.len()];
+        for round in 0..rounds {
+            let own = Step::Row(Subject::Own, round);
+            let Some(rendered) = self.render(&Variant::default(), own)? else { return Ok(None) };
+            let mut before = rendered.seconds;
+            for (rows, measured) in rows.chunks(BETWEEN).zip(measured.chunks_mut(BETWEEN)) {
+                let mut seconds = Vec::new();
+                for (subject, variant) in rows {
+                    let Some(rendered) = self.render(variant, Step::Row(*subject, round))? else {
+                        return Ok(None);
+                    };
+                    seconds.push(rendered.seconds);
+                }
+                let Some(rendered) = self.render(&Variant::default(), own)? else { return Ok(None) };
+                let usual = f64::midpoint(before, rendered.seconds).max(f64::MIN_POSITIVE);
+                before = rendered.seconds;
+                for ((all, relative), seconds) in measured.iter_mut().zip(seconds) {
+                    all.push(seconds);
+                    relative.push(seconds / usual);
+                }
+            }
+        }
+        let spreads = measured.iter().map(|(seconds, relative)| (Spread::of(seconds), Spread::of(relative)));
+        Ok(Some(spreads.collect()))
+    }
+
+    /// Returns the way to render in which only this subject is at its best; `None` where that is what converges.
+    fn best_alone(&self, subject: Subject, own: OwnSettings, reach: Reach) -> Option<Variant> {
+        let turned = |knob, value: f64| Some(Variant { knobs: turned(knob, value), ..Variant::default() });
+        match subject {
+            Subject::Precision(_) | Subject::Without(_) => Some(Variant::default()),
+            Subject::Knob(knob @ Knob::LightSamples, _) => {
+                turned(knob, f64::from(reach.light_samples) * 16.0)
+            }
+            Subject::Knob(knob @ Knob::Depth, _) => turned(knob, own.quality.depth.max(DEEP).into()),
+            Subject::Knob(knob @ Knob::Cutoff, _) => turned(knob, NO_CUTOFF.into()),
+            Subject::Own | Subject::Knob(..) => None,
+        }
+    }
+
+    fn transfer(&self) -> Transfer {
+        self.engine.film_settings().transfer
+    }
+
+    /// Returns the error of all frames together.
+    fn error(&self, films: &[Film], references: &[Film]) -> FilmError {
+        let transfer = self.transfer();
+        let pairs = films.iter().zip(references);
+        FilmError::of_all(pairs.map(|(film, reference)| FilmError::between(film, reference, transfer)))
+    }
+
+    fn similarity(&self, films: &[Film], references: &[Film]) -> f64 {
+        let transfer = self.transfer();
+        let pairs = films.iter().zip(references);
+        let sum: f64 = pairs.map(|(film, reference)| structural_similarity(film, reference, transfer)).sum();
+        sum / films.len().max(1) as f64
+    }
+
+    fn mean_rays(&self, rays: RayCounts) -> RayCounts {
+        let mean = |count: u64| count / self.times.len().max(1) as u64;
+        RayCounts {
+            camera: mean(rays.camera),
+            shadow: mean(rays.shadow),
+            reflection: mean(rays.reflection),
+            refraction: mean(rays.refraction),
+        }
+    }
+}
+
+/// After how many rows the scene's own settings are measured again.
+const BETWEEN: usize = 4;
+/// About how many samples a pixel gets where that is not said.
+const ADAPTIVE: u32 = 16;
+
+/// Returns about how many samples a pixel gets.
+fn samples(knobs: &Knobs, own: u32) -> f64 {
+    match knobs {
+        Knobs { max_error: Some(error), .. } if *error > 0.0 => f64::from(ADAPTIVE),
+        _ => f64::from(knobs.samples.unwrap_or(own)),
+    }
+}
+
+/// What is left at a share of the work, judged by the time that it took so far; `None` at first.
+#[must_use]
+pub fn time_left(since: Duration, share: f64) -> Option<Duration> {
+    /// Before that it is anyone's guess.
+    const LEAST: f64 = 0.02;
+    (share > LEAST).then(|| since.mul_f64((1.0 - share) / share))
+}

@@ -1,0 +1,292 @@
+//! Errors as drawings: on logarithmic axes, in the page's own colours.
+
+use std::fmt::Write;
+
+/// A mark at a place.
+#[derive(Clone, Debug)]
+pub(super) struct Mark {
+    pub(super) x: f64,
+    pub(super) y: f64,
+    /// From where to where x may be.
+    pub(super) reach: Option<(f64, f64)>,
+    /// What it is, on being pointed at.
+    pub(super) title: String,
+    /// A few letters beside it.
+    pub(super) label: Option<String>,
+}
+
+/// Marks of one colour, joined if they follow each other.
+#[derive(Clone, Debug)]
+pub(super) struct Series {
+    pub(super) name: String,
+    pub(super) marks: Vec<Mark>,
+    pub(super) joined: bool,
+}
+
+/// A drawing of several series.
+#[derive(Clone, Debug)]
+pub(super) struct Chart<'a> {
+    pub(super) title: &'a str,
+    pub(super) x: &'a str,
+    pub(super) y: &'a str,
+    pub(super) series: Vec<Series>,
+    /// Lines through places, dashed.
+    pub(super) lines: Vec<Vec<(f64, f64)>>,
+    /// Below this nothing is known.
+    pub(super) floor: Option<f64>,
+    pub(super) layout: Layout,
+}
+
+/// Where the axes are on a drawing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Layout {
+    width: f64,
+    height: f64,
+}
+
+impl Layout {
+    /// As wide as a page.
+    pub(super) const WIDE: Self = Self { width: 720.0, height: 400.0 };
+    /// Half of that.
+    pub(super) const NARROW: Self = Self { width: 420.0, height: 270.0 };
+    const LEFT: f64 = 62.0;
+    const TOP: f64 = 16.0;
+
+    fn right(self) -> f64 {
+        self.width - 16.0
+    }
+
+    fn bottom(self) -> f64 {
+        self.height - 46.0
+    }
+}
+
+/// A logarithmic axis.
+#[derive(Clone, Copy, Debug)]
+struct Axis {
+    from: f64,
+    to: f64,
+}
+
+impl Axis {
+    /// Returns one over all values above 0.
+    fn over(values: impl Iterator<Item = f64>) -> Self {
+        let positive = values.filter(|value| *value > 0.0 && value.is_finite()).map(libm::log10);
+        let (from, to) = positive
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(from, to), value| (from.min(value), to.max(value)));
+        if from > to {
+            return Self { from: 0.0, to: 1.0 };
+        }
+        let room = (0.06 * (to - from)).max(0.1);
+        Self { from: from - room, to: to + room }
+    }
+
+    /// Returns which part of the way a value is.
+    fn share(self, value: f64) -> f64 {
+        ((libm::log10(value) - self.from) / (self.to - self.from)).clamp(-0.02, 1.02)
+    }
+
+    /// Returns round values, with labels where there is room and empty ones elsewhere: 1, 2 and 5 times powers of ten.
+    fn ticks(self) -> Vec<(f64, String)> {
+        /// Decades over which other digits are labelled too.
+        const SHORT: f64 = 2.2;
+        let mut ticks = Vec::new();
+        let mut power = self.from.floor();
+        while power <= self.to {
+            for digit in [1.0, 2.0, 5.0] {
+                let value = digit * libm::exp10(power);
+                let is_labelled = digit == 1.0 || self.to - self.from < SHORT;
+                if (self.from..=self.to).contains(&libm::log10(value)) {
+                    ticks.push((value, if is_labelled { short(value) } else { String::new() }));
+                }
+            }
+            power += 1.0;
+        }
+        ticks
+    }
+}
+
+/// Writes a number in a few characters.
+fn short(value: f64) -> String {
+    if (1e-3..1e5).contains(&value) {
+        let decimals = (-libm::log10(value) - 1e-9).ceil().max(0.0);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 3")]
+        let decimals = decimals as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.0e}")
+    }
+}
+
+/// A drawing's layout with its axes.
+struct Plot {
+    layout: Layout,
+    x: Axis,
+    y: Axis,
+}
+
+impl Plot {
+    /// Returns the place of a value and an error, to the right and down.
+    fn place(&self, (value, error): (f64, f64)) -> (f64, f64) {
+        let Self { layout, x, y } = self;
+        let across = Layout::LEFT + x.share(value) * (layout.right() - Layout::LEFT);
+        (across, layout.bottom() - y.share(error) * (layout.bottom() - Layout::TOP))
+    }
+
+    fn polyline(&self, svg: &mut String, class: &str, places: impl Iterator<Item = (f64, f64)>) {
+        let points = places.map(|place| self.place(place)).map(|(x, y)| format!("{x:.1},{y:.1}"));
+        let points: Vec<String> = points.collect();
+        let _ = writeln!(svg, "<polyline class=\"{class}\" points=\"{}\"/>", points.join(" "));
+    }
+
+    fn axes(&self, svg: &mut String, across: &str, up: &str) {
+        let (left, top) = (Layout::LEFT, Layout::TOP);
+        let (right, bottom) = (self.layout.right(), self.layout.bottom());
+        for (value, label) in self.x.ticks() {
+            let at = left + self.x.share(value) * (right - left);
+            let _ = writeln!(svg, "<path class=\"grid\" d=\"M{at:.1} {top}V{bottom}\"/>");
+            text(svg, (at, bottom + 16.0), "middle", &label);
+        }
+        for (value, label) in self.y.ticks() {
+            let at = bottom - self.y.share(value) * (bottom - top);
+            let _ = writeln!(svg, "<path class=\"grid\" d=\"M{left} {at:.1}H{right}\"/>");
+            text(svg, (left - 6.0, at + 4.0), "end", &label);
+        }
+        let _ = writeln!(svg, "<path class=\"axis\" d=\"M{left} {top}V{bottom}H{right}\"/>");
+        text(svg, (f64::midpoint(left, right), self.layout.height - 8.0), "middle", across);
+        let _ = writeln!(
+            svg,
+            "<text transform=\"translate(12 {}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
+            f64::midpoint(top, bottom),
+            escaped(up)
+        );
+    }
+
+    /// Covers where nothing is known.
+    fn floor(&self, svg: &mut String, floor: f64) {
+        let (left, (_, top)) = (Layout::LEFT, self.place((1.0, floor)));
+        let (width, height) = (self.layout.right() - left, (self.layout.bottom() - top).max(0.0));
+        let _ = writeln!(
+            svg,
+            "<rect class=\"floor\" x=\"{left}\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height:.1}\">\
+             <title>less than the reference knows</title></rect>"
+        );
+    }
+
+    fn mark(&self, svg: &mut String, mark: &Mark) {
+        let (across, down) = self.place((mark.x, mark.y));
+        if let Some((low, high)) = mark.reach {
+            let ((low, _), (high, _)) = (self.place((low, mark.y)), self.place((high, mark.y)));
+            let _ = writeln!(svg, "<path d=\"M{low:.1} {down:.1}H{high:.1}\"/>");
+        }
+        let title = escaped(&mark.title);
+        let _ = writeln!(
+            svg,
+            "<circle cx=\"{across:.1}\" cy=\"{down:.1}\" r=\"4\"><title>{title}</title></circle>"
+        );
+        if let Some(label) = &mark.label {
+            text(svg, (across + 6.0, down - 6.0), "start", label);
+        }
+    }
+}
+
+fn text(svg: &mut String, (x, y): (f64, f64), anchor: &str, text: &str) {
+    if !text.is_empty() {
+        let text = escaped(text);
+        let _ = writeln!(svg, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{text}</text>");
+    }
+}
+
+impl Chart<'_> {
+    /// Writes the drawing as SVG, with classes in the place of colours.
+    pub(super) fn svg(&self) -> String {
+        let marks = || self.series.iter().flat_map(|series| &series.marks);
+        let reaches = marks().flat_map(|mark| mark.reach.map_or([mark.x; 2], |(low, high)| [low, high]));
+        let x = Axis::over(reaches);
+        let y = Axis::over(marks().map(|mark| mark.y).chain(self.floor));
+        let plot = Plot { layout: self.layout, x, y };
+        let Layout { width, height } = self.layout;
+        let mut svg = format!(
+            "<svg class=\"chart\" viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{}\">\n",
+            escaped(self.title)
+        );
+        plot.axes(&mut svg, self.x, self.y);
+        if let Some(floor) = self.floor.filter(|floor| *floor > 0.0) {
+            plot.floor(&mut svg, floor);
+        }
+        for line in &self.lines {
+            plot.polyline(&mut svg, "law", line.iter().copied());
+        }
+        for (index, series) in self.series.iter().enumerate() {
+            let _ = writeln!(svg, "<g class=\"{}\">", color(index));
+            if series.joined {
+                plot.polyline(&mut svg, "way", series.marks.iter().map(|mark| (mark.x, mark.y)));
+            }
+            series.marks.iter().for_each(|mark| plot.mark(&mut svg, mark));
+            svg += "</g>\n";
+        }
+        svg += "</svg>\n";
+        self.legend(&mut svg);
+        svg
+    }
+
+    fn legend(&self, page: &mut String) {
+        let named: Vec<(usize, &Series)> =
+            self.series.iter().enumerate().filter(|(_, series)| !series.name.is_empty()).collect();
+        if named.is_empty() {
+            return;
+        }
+        *page += "<p class=\"legend\">";
+        for (index, series) in named {
+            let _ = write!(page, "<span class=\"{}\">● {}</span> ", color(index), escaped(&series.name));
+        }
+        *page += "</p>\n";
+    }
+}
+
+/// Returns the class of a series' colour, of which there are eight.
+fn color(index: usize) -> String {
+    format!("s{}", index % 8)
+}
+
+/// Writes a text as HTML has it.
+pub(super) fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round() {
+        let labels = |from: f64, to: f64| {
+            let axis = Axis::over([from, to].into_iter());
+            axis.ticks()
+                .into_iter()
+                .map(|(_, label)| label)
+                .filter(|label| !label.is_empty())
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(labels(0.02, 0.9), ["0.02", "0.05", "0.1", "0.2", "0.5", "1"]);
+        assert_eq!(labels(1.0, 1000.0), ["1", "10", "100", "1000"]);
+        assert_eq!(labels(0.0, 0.0), ["1", "2", "5", "10"]);
+    }
+
+    #[test]
+    fn texts_are_escaped() {
+        let mark = Mark { x: 1.0, y: 1.0, reach: None, title: "<b>\"&".to_owned(), label: None };
+        let series = Series { name: "<i>".to_owned(), marks: vec![mark], joined: true };
+        let chart = Chart {
+            title: "<",
+            x: "<x>",
+            y: "y",
+            series: vec![series],
+            lines: Vec::new(),
+            floor: None,
+            layout: Layout::WIDE,
+        };
+        let svg = chart.svg();
+        assert!(svg.contains("&lt;b&gt;&quot;&amp;") && svg.contains("&lt;x&gt;") && !svg.contains("<i>"));
+    }
+}

@@ -1,0 +1,44 @@
+//! On what it was measured.
+
+use serde_json::{Value, json};
+
+/// The machine and the program.
+pub(super) struct Machine {
+    /// The processor's name, where the system tells it.
+    processor: String,
+    system: String,
+    threads: usize,
+    version: &'static str,
+}
+
+impl Machine {
+    /// Returns this one, with so many threads.
+    pub(super) fn this(threads: usize) -> Self {
+        let system = format!("{} {}", std::env::consts::OS, std::env::consts::ARCH);
+        let processor = processor().unwrap_or_else(|| std::env::consts::ARCH.to_owned());
+        Self { processor, system, threads, version: env!("CARGO_PKG_VERSION") }
+    }
+
+    pub(super) fn in_words(&self) -> String {
+        let threads = match self.threads {
+            1 => "1 thread".to_owned(),
+            count => format!("{count} threads"),
+        };
+        format!("rayreel {}, {}, {}, {threads}", self.version, self.processor, self.system)
+    }
+
+    pub(super) fn json(&self) -> Value {
+        json!({
+            "rayreel": self.version,
+            "processor": self.processor,
+            "system": self.system,
+            "threads": self.threads,
+        })
+    }
+}
+
+fn processor() -> Option<String> {
+    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim().to_owned())
+}

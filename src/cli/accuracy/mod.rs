@@ -1,0 +1,110 @@
+//! `rayreel accuracy`
+//!
+//! [`rayreel::accuracy`] measures; [`table`], [`data`] and [`html`] tell, and [`progress`] while it takes.
+
+mod chart;
+mod data;
+mod html;
+mod machine;
+mod pictures;
+mod progress;
+mod table;
+
+use std::sync::atomic::Ordering;
+
+use anyhow::Context;
+
+use rayreel::Engine;
+use rayreel::accuracy::{Report, Request, Thoroughness, measure};
+use rayreel::time::FrameList;
+
+use super::args::AccuracyArguments;
+use super::exit::Failure;
+use super::interrupt::Interruption;
+use super::overrides::{Changed, load};
+use super::print;
+use super::settings::{require_frame, resize};
+use super::write_file::{ensure_not_the_scene, write_file};
+use machine::Machine;
+use progress::MeasureProgress;
+
+/// The most frames that are measured.
+const MOST_FRAMES: u32 = 8;
+
+/// What has been measured, and where.
+struct Measured {
+    scene: String,
+    changed: Changed,
+    machine: Machine,
+    /// The number of chosen frames, if those are only some of them.
+    spread_over: Option<usize>,
+    report: Report,
+}
+
+pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) -> Result<(), Failure> {
+    for file in arguments.html.iter().chain(&arguments.csv) {
+        ensure_not_the_scene(file, &arguments.scene)?;
+    }
+    let mut engine = load(&arguments.scene, &arguments.overrides)?;
+    engine.set_left_out(arguments.without.iter().copied());
+    let (frames, spread_over) = frames(arguments, &engine)?;
+    if let Some(size) = arguments.size {
+        resize(&mut engine, size);
+    }
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(arguments.threads.map_or(0, usize::from))
+        .build()
+        .context("cannot start the rendering threads")?;
+    let request = Request {
+        frames,
+        thoroughness: if arguments.quick { Thoroughness::QUICK } else { Thoroughness::THOROUGH },
+        keep_films: arguments.html.is_some(),
+    };
+    let mut progress = MeasureProgress::start();
+    let cancelled = interruption.deferred();
+    let report = pool.install(|| measure(&mut engine, &request, cancelled, &mut |share| progress.at(&share)));
+    drop(progress);
+    let Some(report) = report? else {
+        return Err(if cancelled.load(Ordering::Relaxed) {
+            interruption.failure()
+        } else {
+            anyhow::anyhow!("there is nothing to measure").into()
+        });
+    };
+    let measured = Measured {
+        scene: arguments.scene.display().to_string(),
+        changed: Changed::new(&arguments.overrides, &arguments.without),
+        machine: Machine::this(pool.current_num_threads()),
+        spread_over,
+        report,
+    };
+    tell(&measured, arguments, &engine)
+}
+
+/// Returns the frames to measure: the middle one, unless others are asked for.
+fn frames(arguments: &AccuracyArguments, engine: &Engine) -> anyhow::Result<(Vec<u32>, Option<usize>)> {
+    let timeline = engine.timeline();
+    let Some(list) = &arguments.frames else { return Ok((vec![timeline.frame_count() / 2], None)) };
+    require_frame(list.last(), timeline)?;
+    let chosen: &FrameList = list;
+    Ok(match chosen.spread_frames(MOST_FRAMES) {
+        Some(spread) => (spread, Some(chosen.count())),
+        None => (chosen.frames().collect(), None),
+    })
+}
+
+fn tell(measured: &Measured, arguments: &AccuracyArguments, engine: &Engine) -> Result<(), Failure> {
+    if let Some(file) = &arguments.html {
+        let page = html::page(measured, engine.film_settings().transfer)?;
+        write_file(file, page.as_bytes())?;
+    }
+    if let Some(file) = &arguments.csv {
+        write_file(file, &data::csv(&measured.report)?)?;
+    }
+    if arguments.json {
+        print::json(&data::json(measured))?;
+    } else {
+        print::result(&table::draw(measured))?;
+    }
+    Ok(())
+}

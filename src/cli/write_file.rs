@@ -1,0 +1,28 @@
+//! Writes what commands make besides frames: drawings, pages and tables.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, ensure};
+
+use rayreel::output::{folder_of, remove_leftovers, write_bytes};
+
+/// Writes a file whole or not at all; but what is there and is no regular file, as a pipe or a link, is kept and written to.
+pub(super) fn write_file(file: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    if fs::symlink_metadata(file).is_ok_and(|there| !there.is_file()) {
+        fs::write(file, bytes).with_context(|| format!("cannot write `{}`", file.display()))
+    } else {
+        remove_leftovers(folder_of(file));
+        Ok(write_bytes(file, bytes)?)
+    }
+}
+
+/// Returns an error if a file that is to be written is the scene.
+pub(super) fn ensure_not_the_scene(file: &Path, scene: &Path) -> anyhow::Result<()> {
+    let is_the_scene = match (fs::canonicalize(file), fs::canonicalize(scene)) {
+        (Ok(file), Ok(scene)) => file == scene,
+        _ => false,
+    };
+    ensure!(!is_the_scene, "`{}` is the scene itself: name another file", file.display());
+    Ok(())
+}

@@ -1,0 +1,120 @@
+//! `rayreel accuracy`: errors and prices of every setting.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::{rayreel, text, told};
+
+const SCENE: &str = "Scene(
+    timeline: (fps: 4, duration: 1), film: (width: 48, height: 27), sampling: (samples: 4),
+    camera: (position: (0, 1.5, -6), target: (0, 0.8, 0), fov: 40), ambient: (0.3, 0.3, 0.3),
+    materials: {
+        \"floor\": (k_a: 0.4, k_d: 0.8, color: (200, 190, 170)),
+        \"red\": (k_a: 0.4, k_d: 0.8, color: (220, 60, 40), reflective: (k_r: 0.5)),
+    },
+    entities: [
+        (shape: Plane(normal: (0, 1, 0)), material: \"floor\"),
+        (shape: Sphere(radius: 1), transform: (translation: (0, 1, 0)),
+         material: \"red\"),
+        (light: Area(shape: Sphere(radius: 0.5), intensity: (0.8, 0.8, 0.8), samples: 2), transform: (translation: (-3, 5, -4))),
+    ],
+)
+";
+
+fn measured(folder: &Path, arguments: &[&str]) -> Value {
+    fs::write(folder.join("a.ron"), SCENE).unwrap();
+    let output = told(folder, [&["accuracy", "a.ron", "--quick", "--json"], arguments].concat());
+    serde_json::from_str(&output).unwrap()
+}
+
+fn of_knob<'a>(report: &'a Value, knob: &str) -> Vec<&'a Value> {
+    report["rows"].as_array().unwrap().iter().filter(|row| row["knob"] == knob).collect()
+}
+
+fn rms(row: &Value) -> f64 {
+    row["error"]["rms"].as_f64().unwrap()
+}
+
+#[test]
+fn every_knob_that_is_called_for_is_turned() {
+    let folder = tempfile::tempdir().unwrap();
+    let report = measured(folder.path(), &[]);
+    assert_eq!((&report["frames"][0], &report["width"]), (&2.into(), &48.into()));
+    assert_eq!(report["rows"][0]["setting"], "the scene's own");
+    for (knob, count) in
+        [("samples", 3), ("max error", 5), ("light samples", 4), ("cutoff", 4), ("precision", 2)]
+    {
+        assert_eq!(of_knob(&report, knob).len(), count, "{knob}");
+    }
+    assert!(of_knob(&report, "instants").is_empty(), "nothing moves");
+    let samples = of_knob(&report, "samples");
+    assert!(rms(samples[0]) > rms(samples[2]));
+    let uncertainty = report["reference"]["rms_uncertainty"].as_f64().unwrap();
+    assert!(uncertainty > 0.0 && uncertainty < rms(samples[0]));
+    // More rays, and less error: a mirror in a mirror is seen at greater depths.
+    let depths = of_knob(&report, "depth");
+    assert!(depths[0]["alone"]["rms"].as_f64() > depths[2]["alone"]["rms"].as_f64());
+    let without: Vec<_> =
+        report["rows"].as_array().unwrap().iter().filter_map(|row| row["without"].as_str()).collect();
+    for effect in ["diffuse light", "shadows", "area lights", "reflection", "antialiasing"] {
+        assert!(without.contains(&effect), "{effect}: {without:?}");
+    }
+    for row in report["rows"].as_array().unwrap() {
+        let [low, median, high] = ["low", "median", "high"].map(|key| row["relative"][key].as_f64().unwrap());
+        assert!(0.0 < low && low <= median && median <= high, "{row}");
+        let rays = &row["rays"];
+        assert!(rays["camera"].as_u64().unwrap() >= 48 * 27, "{row}");
+    }
+    assert!(report["rows"].as_array().unwrap().iter().any(|row| row["pareto"] == true));
+}
+
+#[test]
+fn what_is_set_and_left_out_stays_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let report = measured(
+        folder.path(),
+        &["--without", "shadows", "--samples", "2", "--frames", "0,3", "--size", "16x9"],
+    );
+    assert_eq!(report["frames"], serde_json::json!([0, 3]));
+    assert_eq!(report["without"], serde_json::json!(["shadows"]));
+    assert_eq!(report["rows"][0]["rays"]["camera"], 16 * 9 * 2);
+    assert_eq!(report["rows"][0]["rays"]["shadow"], 0);
+}
+
+#[test]
+fn a_page_and_a_table_are_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("a.ron"), SCENE.replace("samples: 4", "samples: 2")).unwrap();
+    let table = told(
+        folder,
+        ["accuracy", "a.ron", "--quick", "--size", "16x9", "--html", "r.html", "--csv", "r.csv"],
+    );
+    assert!(table.contains("the scene's own") && table.contains("max error 0.5"), "{table}");
+    assert!(table.lines().any(|line| line.starts_with('*')), "{table}");
+    let page = fs::read_to_string(folder.join("r.html")).unwrap();
+    assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
+    // Nothing comes from elsewhere.
+    assert!(!page.contains("http://") && !page.contains("https://") && !page.contains("<script"));
+    for part in ["Error against time", "Effects", "Knobs", "How it was measured", "data:image/png;base64,"] {
+        assert!(page.contains(part), "{part}");
+    }
+    let csv = fs::read_to_string(folder.join("r.csv")).unwrap();
+    assert!(csv.starts_with("setting,seconds,"));
+    assert!(csv.lines().count() > 20 && csv.lines().all(|line| line.split(',').count() == 19), "{csv}");
+}
+
+#[test]
+fn the_scene_is_not_written_over() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.ron"), SCENE).unwrap();
+    for option in ["--html", "--csv"] {
+        let output = rayreel(folder.path(), ["accuracy", "a.ron", option, "./a.ron"]);
+        assert_eq!(output.status.code(), Some(1));
+        assert!(text(&output.stderr).contains("is the scene itself: name another file"));
+    }
+    let output = rayreel(folder.path(), ["accuracy", "a.ron", "--frames", "9"]);
+    assert!(text(&output.stderr).contains("there is no frame 9"));
+}

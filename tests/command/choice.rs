@@ -1,0 +1,139 @@
+//! Samples that are chosen for an error or a deadline, and the same frames from what was written of them.
+
+use std::fs;
+use std::path::Path;
+use std::time::Instant;
+
+use serde_json::Value;
+
+use crate::{rayreel, text, told};
+
+const SCENE: &str = "Scene(
+    timeline: (fps: 4, duration: 1), film: (width: 64, height: 36), sampling: (samples: 2),
+    camera: (position: (0, 1.5, -6), target: (0, 0.8, 0), fov: 40), ambient: (0.3, 0.3, 0.3),
+    materials: {
+        \"floor\": (k_a: 0.4, k_d: 0.8, color: (200, 190, 170)),
+        \"red\": (k_a: 0.4, k_d: 0.8, color: (220, 60, 40)),
+    },
+    entities: [
+        (shape: Plane(normal: (0, 1, 0)), material: \"floor\"),
+        (name: \"ball\", shape: Sphere(radius: 1), material: \"red\", transform: (translation: (0, 1, 0))),
+        (light: Area(shape: Sphere(radius: 0.5), intensity: (0.8, 0.8, 0.8), samples: 1), transform: (translation: (-3, 5, -4))),
+    ],
+    animate: [(target: \"ball\", channel: Translation, track: Keys([(0, (0, 1, 0)), (1, (1, 1, 0))]))],
+)
+";
+
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.ron"), SCENE).unwrap();
+    folder
+}
+
+fn render(folder: &Path, arguments: &[&str]) -> Value {
+    let output = told(folder, [&["render", "a.ron", "--format", "ppm", "--json"], arguments].concat());
+    serde_json::from_str(&output).unwrap()
+}
+
+fn frames(folder: &Path) -> Vec<Vec<u8>> {
+    (0..4).map(|frame| fs::read(folder.join(format!("a.{frame:04}.ppm"))).unwrap()).collect()
+}
+
+fn settings(folder: &Path) -> Value {
+    serde_json::from_str(&fs::read_to_string(folder.join("a.settings.json")).unwrap()).unwrap()
+}
+
+#[test]
+fn frames_are_as_good_as_asked_and_come_back_from_their_settings() {
+    let folder = folder();
+    let folder = folder.path();
+    let mut rays = 0;
+    for error in [1.0, 0.5, 0.25] {
+        let report = render(folder, &["--max-error", &error.to_string(), "--out", "chosen"]);
+        assert!(report["pilot_seconds"].as_f64().unwrap() > 0.0);
+        let before = std::mem::replace(&mut rays, report["frames"][3]["rays"]["camera"].as_u64().unwrap());
+        assert!(rays > before, "{error}");
+        let chosen = settings(&folder.join("chosen"));
+        for (index, frame) in chosen["frames"].as_array().unwrap().iter().enumerate() {
+            assert_eq!((&frame["frame"], &frame["max_error"]), (&index.into(), &error.into()));
+            assert!(frame["estimated_error"].as_f64().unwrap() <= error);
+            assert_eq!(report["frames"][index]["estimated_error"], frame["estimated_error"]);
+            assert!(frame["samples_per_pixel"].as_f64().unwrap() >= 8.0);
+        }
+        for threads in ["1", "3"] {
+            render(folder, &["--settings", "chosen/a.settings.json", "--threads", threads, "--out", "again"]);
+            assert!(frames(&folder.join("again")) == frames(&folder.join("chosen")), "{error} {threads}");
+            assert!(!folder.join("again/a.settings.json").exists());
+        }
+    }
+    // One frame anew, for which a sample is enough: what is known of the others stays.
+    render(folder, &["--max-error", "200", "--frames", "2", "--out", "chosen"]);
+    let errors: Vec<f64> = settings(&folder.join("chosen"))["frames"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|frame| frame["max_error"].as_f64().unwrap())
+        .collect();
+    assert_eq!(errors, [0.25, 0.25, 0.0, 0.25]);
+}
+
+#[test]
+fn a_deadline_is_met_and_its_frames_come_back_without_it() {
+    let folder = folder();
+    let folder = folder.path();
+    let mut samples = 0.0;
+    for seconds in [0.5, 4.0] {
+        let start = Instant::now();
+        render(folder, &["--deadline", &format!("{seconds}s"), "--out", "chosen"]);
+        // Loosely: machines are busy with other tests.
+        assert!(start.elapsed().as_secs_f64() < 10.0 * seconds + 5.0);
+        let chosen = settings(&folder.join("chosen"));
+        let last = chosen["frames"][3]["samples_per_pixel"].as_f64().unwrap();
+        assert!(last > samples, "{last} {samples}");
+        samples = last;
+        render(folder, &["--settings", "chosen/a.settings.json", "--threads", "3", "--out", "again"]);
+        assert!(frames(&folder.join("again")) == frames(&folder.join("chosen")));
+    }
+}
+
+/// What `rayreel render` says of arguments with which it cannot succeed, and its exit code.
+fn refused(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
+    let output = rayreel(folder, [&["render", "a.ron"], arguments].concat());
+    (output.status.code(), text(&output.stderr))
+}
+
+#[test]
+fn what_cannot_be_had_is_said_before_and_what_can() {
+    let folder = folder();
+    let folder = folder.path();
+    let (code, message) = refused(folder, &["--max-error", "0.001", "--samples", "16"]);
+    assert_eq!(code, Some(1));
+    assert!(
+        message.contains("an error of 0.001 cannot be had with at most 16 samples per pixel"),
+        "{message}"
+    );
+    assert!(message.contains("as in --max-error"), "{message}");
+    let (code, message) = refused(folder, &["--deadline", "1ms"]);
+    assert_eq!(code, Some(1));
+    assert!(message.contains("4 frames cannot be rendered within"), "{message}");
+    for arguments in
+        [["--max-error", "0"], ["--max-error", "x"], ["--deadline", "0s"], ["--deadline", "soon"]]
+    {
+        assert_eq!(refused(folder, &arguments).0, Some(2), "{arguments:?}");
+    }
+    assert_eq!(refused(folder, &["--max-error", "1", "--deadline", "9s"]).0, Some(2));
+
+    for (text, problem) in [
+        ("{", "is no JSON"),
+        ("{}", "has no list `frames`"),
+        ("{\"frames\": [{\"frame\": 0, \"samples\": 0, \"max_error\": 1}]}", "without sound `samples`"),
+        ("{\"frames\": [{\"frame\": 0, \"samples\": 9, \"max_error\": -1}]}", "without sound `samples`"),
+        ("{\"frames\": [{\"frame\": 0, \"samples\": 9, \"max_error\": 1}]}", "has no settings for frame 1"),
+    ] {
+        fs::write(folder.join("s.json"), text).unwrap();
+        let (code, message) = refused(folder, &["--settings", "s.json"]);
+        assert_eq!(code, Some(1));
+        assert!(message.contains(problem), "{text}: {message}");
+    }
+    assert!(refused(folder, &["--settings", "none.json"]).1.contains("cannot read `none.json`"));
+}
