@@ -58,6 +58,11 @@ impl LensCandidates {
         });
     }
 
+    /// Lets every packet meet every shape: they are not those of the squares any more.
+    pub(crate) fn mix_packets(&mut self) {
+        self.shapes.iter_mut().for_each(|shape| shape.parts = u32::MAX);
+    }
+
     #[inline(always)]
     fn gather<S: Simd>(
         &mut self,
@@ -196,8 +201,9 @@ mod tests {
                 let (mut packets, mut hits) = (vec![RayPacket::EMPTY; 16], vec![HitPacket::EMPTY; 16]);
                 for (rays, square) in packets.iter_mut().zip(squares.iter().flatten()) {
                     let mut keys = SpreadKeys::NONE;
-                    keys.find(sampling.seed, square, true);
-                    dispatch!(level.level(), simd => camera.spread_rays(simd, sampling, (square, &keys), index, rays));
+                    let pixels = std::array::from_fn(|lane| square.pixel(lane));
+                    keys.find(sampling.seed, (&pixels, square.lanes()), true);
+                    dispatch!(level.level(), simd => camera.spread_rays(simd, sampling, &keys, index, rays));
                     all += rays.lanes.count_ones() as usize;
                 }
                 let packet_scratch = &mut PacketScratch::default();

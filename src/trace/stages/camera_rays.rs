@@ -7,60 +7,64 @@ use super::spread_tile::SpreadTile;
 use super::tile::{PACKETS, PIXELS, Sample};
 use super::wave::{Start, Wave};
 use crate::trace::light::PathPacket;
-use crate::trace::math::lanes;
-use crate::trace::scene::Square;
+use crate::trace::math::{LANES, lanes};
 
 /// Makes the wave of camera rays, in packets of four by four pixels. A camera that is not in a finite place has none: its pixels see
 /// the background.
 pub(super) fn camera_rays(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.entered.camera_rays += 1;
-    let Sample { context, tile, .. } = *sample;
-    buffers.wave.count = PACKETS;
+    let Sample { context, tile, active, .. } = *sample;
+    let TileBuffers { wave, spread, scratch, .. } = &mut *buffers;
     // A single sample passes through the middle of a lens.
     let pinhole = context.sampling.samples <= 1 || !context.camera.has_lens();
-    buffers.wave.start = if pinhole { Start::Eye(context.camera.position()) } else { Start::Lens };
+    wave.start = if pinhole { Start::Eye(context.camera.position()) } else { Start::Lens };
     if context.sampling.samples > 1 {
-        buffers.spread.find(context, tile, &mut buffers.scratch.search);
+        spread.find(context, (tile, active), &mut scratch.search);
+        (wave.count, *wave.pixels) = (spread.count, *spread.pixels);
+    } else {
+        (wave.count, *wave.pixels) = (PACKETS, PIXELS);
     }
-    dispatch!(context.scene.simd.level(), simd => make_rays(simd, sample, &buffers.spread, &mut buffers.wave));
-    for packet in 0..PACKETS {
+    dispatch!(context.scene.simd.level(), simd => make_rays(simd, sample, spread, wave));
+    for packet in 0..buffers.wave.count {
         if buffers.is_cancelled() {
             // What is left of another wave is not to be followed.
             buffers.wave.count = packet;
             return;
         }
-        if let Some(square) = tile.square(packet) {
-            start(sample, packet, &square, buffers);
-        }
+        start(sample, packet, buffers);
     }
     buffers.rays_traced.camera += u64::from(buffers.wave.len());
 }
 
-/// Makes the rays through the centres of pixels, or those of one of several samples.
+/// Makes the rays through the centres of pixels, or those of one of several samples. Packets beyond the wave's have none.
 #[inline(always)]
 fn make_rays<S: Simd>(simd: S, sample: &Sample<'_>, spread: &SpreadTile, wave: &mut Wave) {
-    let Sample { context, tile, active, index } = *sample;
+    let Sample { context, tile, index, .. } = *sample;
     for packet in 0..PACKETS {
         let rays = &mut wave.rays[packet];
-        match tile.square(packet) {
-            None => rays.clear(),
-            Some(square) if context.sampling.samples <= 1 => context.pixel_centers.rays(simd, &square, rays),
-            Some(square) => {
-                let pixels = (&square, &spread.keys[packet]);
-                context.camera.spread_rays(simd, context.sampling, pixels, index, rays);
+        if context.sampling.samples > 1 {
+            context.camera.spread_rays(simd, context.sampling, &spread.keys[packet], index, rays);
+        } else {
+            match tile.square(packet) {
+                Some(square) => context.pixel_centers.rays(simd, &square, rays),
+                None => rays.clear(),
             }
         }
-        rays.lanes &= active.of_packet(packet);
     }
 }
 
-/// Notes for which pixels the rays of a packet are on their way, and what they carry.
-fn start(sample: &Sample<'_>, packet: usize, square: &Square, buffers: &mut TileBuffers<'_>) {
-    let TileBuffers { wave, scratch, pixels, .. } = buffers;
+/// Notes what the rays of a packet carry, and what pixels see that have none.
+fn start(sample: &Sample<'_>, packet: usize, buffers: &mut TileBuffers<'_>) {
+    let TileBuffers { wave, spread, scratch, pixels, .. } = buffers;
     let rays = &wave.rays[packet];
-    wave.pixels[packet] = PIXELS[packet];
-    for lane in lanes(square.lanes() & sample.active.of_packet(packet) & !rays.lanes) {
-        pixels[packet].set(lane, sample.context.nowhere());
+    let asked = if sample.context.sampling.samples > 1 {
+        spread.keys[packet].lanes()
+    } else {
+        sample.tile.square(packet).map_or(0, |square| square.lanes())
+    };
+    for lane in lanes(asked & !rays.lanes) {
+        let pixel = wave.pixels[packet][lane] as usize;
+        pixels[pixel / LANES % PACKETS].set(pixel % LANES, sample.context.nowhere());
     }
     let paths = &mut wave.paths[packet];
     *paths = PathPacket::AT_CAMERA;

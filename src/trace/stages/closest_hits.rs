@@ -1,6 +1,7 @@
 //! What each ray of the wave meets first.
 
 use super::buffers::TileBuffers;
+use super::tile::PACKETS;
 use super::wave::Start;
 use crate::trace::light::RenderContext;
 use crate::trace::math::lanes;
@@ -19,7 +20,9 @@ pub(super) fn closest_hits(
     let TileBuffers { wave, hits, spread, scratch, packet_scratch, .. } = buffers;
     let (scene, search) = (context.scene, &mut scratch.search);
     search.tied_hits.clear();
-    let (rays, hits) = (&wave.rays[..wave.count], &mut hits[..wave.count]);
+    // Camera rays go together in as many packets as a tile has, though some may be empty.
+    let count = if matches!(wave.start, Start::Anywhere) { wave.count } else { PACKETS };
+    let (rays, hits) = (&wave.rays[..count], &mut hits[..count]);
     if scene.precision != Precision::Guaranteed {
         for (rays, hits) in rays.iter().zip(&mut *hits) {
             hits.clear();

@@ -16,8 +16,6 @@ pub(crate) const SIDE: u32 = 4;
 /// The columns and rows of the lanes in it.
 const COLUMN: [u32; LANES] = [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3];
 const ROW: [u32; LANES] = [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3];
-const COLUMNS: Numbers = numbers(&COLUMN);
-const ROWS: Numbers = numbers(&ROW);
 
 /// Pixels of a packet's rays.
 #[derive(Clone, Copy, Debug)]
@@ -43,7 +41,8 @@ impl Square {
     }
 
     /// Returns column and row of the pixel in a lane.
-    fn pixel(&self, lane: usize) -> (u32, u32) {
+    #[cfg(test)]
+    pub(crate) fn pixel(&self, lane: usize) -> (u32, u32) {
         (self.first.0 + COLUMN[lane], self.first.1 + ROW[lane])
     }
 }
@@ -105,18 +104,34 @@ impl PixelCenters {
 /// Where the samples of a packet's pixels lie: the same for all of them.
 #[derive(Clone, Debug)]
 pub(crate) struct SpreadKeys {
+    /// The lanes that have a pixel, as a bit mask.
+    lanes: u32,
+    /// Columns and rows.
+    pixels: [(u32, u32); LANES],
+    columns: Numbers,
+    rows: Numbers,
     on_screen: SampleKeys,
     on_lens: SampleKeys,
 }
 
 impl SpreadKeys {
     /// Of no pixels.
-    pub(crate) const NONE: Self = Self { on_screen: SampleKeys::NONE, on_lens: SampleKeys::NONE };
+    pub(crate) const NONE: Self = Self {
+        lanes: 0,
+        pixels: [(0, 0); LANES],
+        columns: Numbers::splat(0.0),
+        rows: Numbers::splat(0.0),
+        on_screen: SampleKeys::NONE,
+        on_lens: SampleKeys::NONE,
+    };
 
-    /// Finds those of the pixels of a square, and on a lens if there is one.
-    pub(crate) fn find(&mut self, seed: u64, square: &Square, has_lens: bool) {
-        for lane in 0..LANES {
-            let (i, j) = square.pixel(lane);
+    /// Finds those of pixels, by column and row, in some lanes, and on a lens if there is one.
+    pub(crate) fn find(&mut self, seed: u64, (pixels, mask): (&[(u32, u32); LANES], u32), has_lens: bool) {
+        (self.lanes, self.pixels) = (mask, *pixels);
+        for lane in lanes(mask) {
+            let (i, j) = pixels[lane];
+            self.columns.set(lane, f64::from(i));
+            self.rows.set(lane, f64::from(j));
             let samples = PixelSamples::new(seed, i, j);
             self.on_screen.set(lane, &samples, Dimension::Pixel);
             if has_lens {
@@ -124,28 +139,35 @@ impl SpreadKeys {
             }
         }
     }
+
+    /// Returns the lanes that have a pixel, as a bit mask.
+    pub(crate) fn lanes(&self) -> u32 {
+        self.lanes
+    }
 }
 
 impl Camera {
-    /// Puts the rays of sample `index` of several into the lanes, row by row: [`Camera::spread_ray`] of each pixel.
+    /// Puts the rays of sample `index` of several into the lanes: [`Camera::spread_ray`] of each pixel.
     #[inline(always)]
     pub(crate) fn spread_rays<S: Simd>(
         &self,
         simd: S,
         sampling: Sampling,
-        (square, keys): (&Square, &SpreadKeys),
+        keys: &SpreadKeys,
         index: u32,
         rays: &mut RayPacket,
     ) {
         rays.clear();
-        let asked = square.lanes();
+        let asked = keys.lanes;
+        if asked == 0 {
+            return;
+        }
         let on_screen = keys.on_screen.pairs(simd, index);
         let on_lens = self.lens.map(|lens| (lens, keys.on_lens.pairs(simd, index)));
-        let (i, j) = (f64::from(square.first.0), f64::from(square.first.1));
         let mut unusual = 0;
         for half in 0..2 {
-            let column = (COLUMNS.load(simd, half) + i) + (on_screen[0].load(simd, half) - 0.5);
-            let row = (ROWS.load(simd, half) + j) + (on_screen[1].load(simd, half) - 0.5);
+            let column = keys.columns.load(simd, half) + (on_screen[0].load(simd, half) - 0.5);
+            let row = keys.rows.load(simd, half) + (on_screen[1].load(simd, half) - 0.5);
             let (mut origin, mut towards) = (splat3(simd, self.eye), self.through_lanes(simd, column, row));
             if let Some((Lens { radius, focus }, places)) = &on_lens {
                 let [right, up] = on_disc([places[0].load(simd, half), places[1].load(simd, half)]);
@@ -161,7 +183,7 @@ impl Camera {
         }
         rays.lanes = asked & !unusual;
         for lane in lanes(unusual) {
-            let (i, j) = square.pixel(lane);
+            let (i, j) = keys.pixels[lane];
             if let Some(ray) = self.spread_ray(sampling, i, j, index) {
                 rays.set(lane, &ray);
             }
@@ -215,17 +237,6 @@ impl Camera {
     }
 }
 
-/// As numbers of the lanes.
-const fn numbers(whole: &[u32; LANES]) -> Numbers {
-    let mut numbers = [0.0; LANES];
-    let mut lane = 0;
-    while lane < LANES {
-        numbers[lane] = whole[lane] as f64;
-        lane += 1;
-    }
-    Numbers::new(&numbers)
-}
-
 #[cfg(test)]
 mod tests {
     use fearless_simd::dispatch;
@@ -252,8 +263,9 @@ mod tests {
                     let size = (columns.saturating_sub(i).min(SIDE), rows.saturating_sub(j).min(SIDE));
                     let square = Square { first: (i, j), size };
                     let (mut rays, mut keys) = (RayPacket::EMPTY, SpreadKeys::NONE);
-                    keys.find(sampling.seed, &square, camera.has_lens());
-                    dispatch!(level.level(), simd => camera.spread_rays(simd, sampling, (&square, &keys), index, &mut rays));
+                    let pixels = std::array::from_fn(|lane| square.pixel(lane));
+                    keys.find(sampling.seed, (&pixels, square.lanes()), camera.has_lens());
+                    dispatch!(level.level(), simd => camera.spread_rays(simd, sampling, &keys, index, &mut rays));
                     for lane in 0..LANES {
                         let (i, j) = square.pixel(lane);
                         let ray =
