@@ -94,6 +94,8 @@ impl Frame {
     pub(super) fn of(count: usize, bounds: impl Fn(usize) -> Bounds + Sync) -> Self {
         /// Of how many shapes, evenly spread among all, the median is taken.
         const SAMPLE: usize = 4096;
+        /// By what factor boxes may grow when they are rounded outwards: by less than two steps.
+        const ROUNDED_OUT: f64 = 1.0 + 2.0 * f32::EPSILON as f64;
         let median = |axis: usize| {
             let sample = (0..count).step_by(count.div_ceil(SAMPLE));
             let mut centers: Vec<f64> = sample.map(|index| bounds(index).center()[axis]).collect();
@@ -109,7 +111,7 @@ impl Frame {
             (bounds.max - origin).abs().max((bounds.min - origin).abs()).max_element()
         };
         let reach = (0..count).into_par_iter().with_min_len(SAMPLE).map(reach).reduce(|| 0.0, f64::max);
-        let exponent = if reach > 0.0 { libm::ilogb(reach) + 1 } else { 0 };
+        let exponent = if reach > 0.0 { libm::ilogb(reach * ROUNDED_OUT) + 1 } else { 0 };
         Self { origin, scale: libm::ldexp(1.0, -exponent.clamp(-1020, 1020)) }
     }
 

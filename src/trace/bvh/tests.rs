@@ -89,6 +89,18 @@ fn heaps_rows_and_grids_make_shallow_trees() {
     }
 }
 
+/// Rounded outwards, their boxes must not leave the frame.
+#[test]
+fn heaps_that_reach_nearly_as_far_as_a_power_of_two_make_trees() {
+    for reach in [1.0_f64, 1024.0, 1e-9_f64.log2().floor().exp2()] {
+        for short in [0.0, 1e-16, 1e-9, 2.9e-8, 6e-8, 1.2e-7, 2.4e-7, 1e-6] {
+            let half = DVec3::splat(reach * (1.0 - short));
+            let bounds: Vec<Bounds> = (0..20).map(|_| Bounds::around(DVec3::ZERO, half)).collect();
+            Built::over(&bounds, &mut Builder::default()).check(&bounds);
+        }
+    }
+}
+
 #[test]
 fn shapes_within_each_other_make_a_tree_too() {
     let bounds: Vec<Bounds> =
