@@ -7,9 +7,10 @@
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use rayreel::accuracy::{Converged, FewSamples, FilmError, FrameSamples, Spread};
+use rayreel::accuracy::{Converged, FewSamples, FilmError, FrameSamples, Pilot, Spread};
 use rayreel::components::Sampling;
 use rayreel::{Engine, Knobs, Time};
 
@@ -44,16 +45,17 @@ fn measure(scene: &str) {
     let last = timeline.frame_count() - 1;
     let frames: Vec<Time> = (0..FRAMES).map(|frame| timeline.time_of(last * frame / (FRAMES - 1))).collect();
     let references: Vec<Converged> = frames.iter().map(|frame| reference(&mut engine, *frame)).collect();
+    let all = timeline.frame_count() as usize;
+    let pilot =
+        Pilot::new(all, |frame| timeline.time_of(u32::try_from(frame).expect("frames are counted so")));
     let uncertainty = references.iter().map(|reference| reference.rms).fold(0.0, f64::max);
     let middle = FRAMES as usize / 2;
     for asked in ERRORS {
-        let few =
-            FewSamples::estimate(&mut engine, &[frames[0], frames[middle], frames[FRAMES as usize - 1]])
-                .expect("shipped scenes can be rendered");
-        let chosen = match few.enough_for(asked.into()) {
-            Some(samples) => FrameSamples { samples, max_error: 0.0 },
-            None => FrameSamples::for_error(asked, Sampling::LARGEST_COUNT),
-        };
+        let few = FewSamples::estimate(&mut engine, &pilot, asked.into(), &AtomicBool::new(false))
+            .expect("shipped scenes can be rendered")
+            .expect("nobody cancels");
+        let chosen =
+            few.samples_for(asked, Sampling::LARGEST_COUNT).expect("so many samples are always enough");
         let found: Vec<f64> = frames
             .iter()
             .zip(&references)

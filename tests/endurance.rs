@@ -49,6 +49,7 @@ fn a_long_session_grows_in_nothing_and_stays_right() {
         SessionSettings {
             scene: scene.clone(),
             overrides: Vec::new(),
+            left_out: Vec::new(),
             frame: 3,
             watching: Watching::Events,
             finish: false,

@@ -38,6 +38,7 @@ fn main() {
     let settings = SessionSettings {
         scene: scene.clone(),
         overrides: Vec::new(),
+        left_out: Vec::new(),
         frame: 0,
         watching: Watching::Events,
         finish: false,

@@ -1,12 +1,13 @@
 //! How good pictures with few samples are: some are good enough with one or two in every pixel.
 
 use std::f64::consts::SQRT_2;
+use std::sync::atomic::AtomicBool;
 
-use super::FilmError;
+use super::stop::{Stop, render, unless_cancelled};
+use super::{FilmError, FrameSamples, Pilot};
 use crate::engine::{Engine, EngineError};
 use crate::systems::Knobs;
 use crate::time::Time;
-use crate::trace::Film;
 
 /// The errors of pictures with 1, 2 and 4 samples per pixel, as the root of the mean square, in output values.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,67 +16,96 @@ pub struct FewSamples {
 }
 
 const COUNTS: [u32; 3] = [1, 2, 4];
+/// What is estimated may be off by as much.
+const SURE: f64 = 1.25;
 
 impl FewSamples {
-    /// Estimates them at some moments of a scene, the worst of all, from pictures of a quarter and an eighth of the film's sides: with
-    /// them it is seen how errors change with the size, as edges take less of a larger picture.
+    /// Estimates them at a pilot's moments, the worst of all, from pictures of a part of the film's sides and of half of that: with
+    /// both it is seen how errors change with the size, as edges take less of a larger picture. Ends as soon as it is clear that four
+    /// samples are too few for `wanted`. `None` if it was cancelled.
     ///
     /// # Errors
     ///
     /// As [`Engine::render_frame`].
-    pub fn estimate(engine: &mut Engine, moments: &[Time]) -> Result<Self, EngineError> {
-        let mut worst = Self::default();
-        for moment in moments {
-            let [small, smaller] = [errors(engine, *moment, 4)?, errors(engine, *moment, 8)?];
-            for (worst, (small, smaller)) in worst.errors.iter_mut().zip(small.into_iter().zip(smaller)) {
-                // From an eighth to a quarter once, and from there to the whole twice.
-                let falls = if small > 0.0 { (smaller / small).clamp(1.0, SQRT_2) } else { 1.0 };
-                *worst = worst.max(small / (falls * falls));
-            }
-        }
-        Ok(worst)
+    pub fn estimate(
+        engine: &mut Engine,
+        pilot: &Pilot,
+        wanted: f64,
+        cancelled: &AtomicBool,
+    ) -> Result<Option<Self>, EngineError> {
+        unless_cancelled(estimate(engine, pilot, wanted, cancelled))
     }
 
-    /// Returns the fewest samples with which pictures are certainly as good as that. `None` if four are too few.
+    /// Returns the samples with which pictures are as good as that: as many in all pixels where few are enough. `None` if the most that a
+    /// pixel may get are too few.
     #[must_use]
-    pub fn enough_for(&self, error: f64) -> Option<u32> {
-        /// What is estimated may be off by as much.
-        const SURE: f64 = 1.25;
-        let enough = |(_, found): &(u32, f64)| SURE * found <= error;
-        COUNTS.into_iter().zip(self.errors).find(enough).map(|(count, _)| count)
+    pub fn samples_for(&self, error: f32, most: u32) -> Option<FrameSamples> {
+        let enough = |(_, found): &(u32, f64)| SURE * found <= f64::from(error);
+        match COUNTS.into_iter().zip(self.errors).find(enough).filter(|(count, _)| *count <= most) {
+            // From four on, pictures tell how good they are.
+            Some((count, _)) if count < 4 => Some(FrameSamples { samples: count, max_error: 0.0 }),
+            Some((count, _)) => Some(FrameSamples::for_error(error, count)),
+            None if self.errors_with(most).0 > f64::from(error) => None,
+            None => Some(FrameSamples::for_error(error, most)),
+        }
     }
 
     /// Returns the errors with so many samples per pixel, if they fall as fast as edges' do, and as they do with lights, lenses and shutters.
     #[must_use]
     pub fn errors_with(&self, samples: u32) -> (f64, f64) {
-        let [.., four] = self.errors;
-        let more = 4.0 / f64::from(samples.max(4));
-        (four * libm::pow(more, 0.75), four * more.sqrt())
+        let known = COUNTS.into_iter().zip(self.errors).rfind(|(count, _)| *count <= samples);
+        let (count, error) = known.unwrap_or((1, self.errors[0]));
+        let more = f64::from(count) / f64::from(samples.max(1));
+        (error * libm::pow(more, 0.75), error * more.sqrt())
     }
 }
 
+fn estimate(
+    engine: &mut Engine,
+    &Pilot { ref moments, divisor }: &Pilot,
+    wanted: f64,
+    cancelled: &AtomicBool,
+) -> Result<FewSamples, Stop> {
+    let mut worst = FewSamples::default();
+    let doublings = f64::from(divisor.ilog2());
+    for moment in moments {
+        let smaller = errors(engine, (*moment, 2 * divisor), cancelled)?;
+        // At best errors fall with the root of the size.
+        let best = smaller[2] / libm::exp2((doublings + 1.0) / 2.0);
+        if SURE * best > wanted {
+            let four = worst.errors[2].max(best);
+            return Ok(FewSamples {
+                errors: [worst.errors[0].max(smaller[0]), worst.errors[1].max(smaller[1]), four],
+            });
+        }
+        let small = errors(engine, (*moment, divisor), cancelled)?;
+        for (worst, (small, smaller)) in worst.errors.iter_mut().zip(small.into_iter().zip(smaller)) {
+            let falls = if small > 0.0 { (smaller / small).clamp(1.0, SQRT_2) } else { 1.0 };
+            *worst = worst.max(small / libm::pow(falls, doublings));
+        }
+    }
+    Ok(worst)
+}
+
 /// Returns the errors of a picture of a part of the film's width and height.
-fn errors(engine: &mut Engine, moment: Time, divisor: u32) -> Result<[f64; 3], EngineError> {
+fn errors(
+    engine: &mut Engine,
+    (moment, divisor): (Time, u32),
+    cancelled: &AtomicBool,
+) -> Result<[f64; 3], Stop> {
     let (knobs, film) = (engine.knobs(), engine.film_settings());
     let size = Some(((film.width / divisor).max(1), (film.height / divisor).max(1)));
-    let mut render = |samples, seed| {
-        engine.set_knobs(Knobs {
-            size,
-            samples: Some(samples),
-            max_error: Some(0.0),
-            seed: Some(seed),
-            ..knobs
-        });
-        let rendered = engine.render_at(moment);
+    let mut films = Vec::new();
+    for (samples, seed) in [(1, 1), (2, 1), (2, 2), (4, 3), (4, 4)] {
+        let (samples, seed) = (Some(samples), Some(seed));
+        engine.set_knobs(Knobs { size, samples, seed, max_error: Some(0.0), ..knobs });
+        let rendered = render(engine, moment, cancelled);
         engine.set_knobs(knobs);
-        rendered
-    };
-    let (single, twos) = (render(1, 1)?, [render(2, 1)?, render(2, 2)?]);
-    let fours = [render(4, 3)?, render(4, 4)?];
-    let apart = |one: &Film, other: &Film| FilmError::between(one, other, film.transfer).rms;
+        films.push(rendered?);
+    }
+    let apart = |one: usize, other: usize| FilmError::between(&films[one], &films[other], film.transfer).rms;
     // Independent pictures are farther apart than each is from the truth.
-    let [two, four] = [&twos, &fours].map(|[one, other]| apart(one, other) / SQRT_2);
-    let with_four = apart(&single, &fours[0]);
+    let (two, four, with_four) = (apart(1, 2) / SQRT_2, apart(3, 4) / SQRT_2, apart(0, 3));
     Ok([(with_four * with_four - four * four).max(0.0).sqrt(), two, four])
 }
 
@@ -84,13 +114,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_fewest_that_do_are_enough() {
+    fn the_fewest_that_do_are_chosen() {
         let few = FewSamples { errors: [4.0, 2.0, 1.0] };
-        assert_eq!(few.enough_for(5.1), Some(1));
-        assert_eq!(few.enough_for(4.0), Some(2));
-        assert_eq!(few.enough_for(1.3), Some(4));
-        assert_eq!(few.enough_for(1.0), None);
+        let everywhere = |samples| Some(FrameSamples { samples, max_error: 0.0 });
+        assert_eq!(few.samples_for(5.1, 64), everywhere(1));
+        assert_eq!(few.samples_for(4.0, 64), everywhere(2));
+        assert_eq!(few.samples_for(1.3, 64), Some(FrameSamples::for_error(1.3, 4)));
+        assert_eq!(few.samples_for(1.0, 64), Some(FrameSamples::for_error(1.0, 64)));
+        assert_eq!(few.samples_for(0.2, 64), Some(FrameSamples::for_error(0.2, 64)));
+        assert_eq!(few.samples_for(0.1, 64), None);
+        assert_eq!(few.samples_for(1.3, 1), None);
+    }
+
+    #[test]
+    fn errors_fall_by_the_number_of_samples() {
+        let few = FewSamples { errors: [4.0, 2.0, 1.0] };
         assert_eq!(few.errors_with(64), (0.125, 0.25));
-        assert_eq!(few.errors_with(1), (1.0, 1.0));
+        assert_eq!(few.errors_with(1), (4.0, 4.0));
+        assert_eq!(few.errors_with(2), (2.0, 2.0));
     }
 }

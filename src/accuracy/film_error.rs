@@ -76,11 +76,16 @@ impl FilmError {
         }
     }
 
-    /// Returns the error of several films together: the largest difference and share of any, and the root of the mean square of all.
+    /// Compares several films with as many references: the largest difference and share of any, and the root of the mean square of all.
+    ///
+    /// # Panics
+    ///
+    /// If a film and its reference have different sizes.
     #[must_use]
-    pub fn of_all(errors: impl Iterator<Item = Self>) -> Self {
+    pub fn of_sequence(films: &[Film], references: &[Film], transfer: Transfer) -> Self {
         let (mut all, mut count) = (Self::default(), 0.0);
-        for error in errors {
+        for (film, reference) in films.iter().zip(references) {
+            let error = Self::between(film, reference, transfer);
             all.max = all.max.max(error.max);
             all.share_off = all.share_off.max(error.share_off);
             all.rms += error.rms * error.rms;

@@ -127,8 +127,10 @@ pub(super) struct OwnSettings {
 /// How far a sweep goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Reach {
-    /// The most samples per pixel.
+    /// The most samples per pixel, if all have as many.
     pub(super) samples: u32,
+    /// The most samples of a pixel that may have more than others.
+    pub(super) most: u32,
     /// The most samples of a light.
     pub(super) light_samples: u32,
     /// The largest depth.
@@ -146,7 +148,12 @@ pub(super) fn sweep(plan: &Plan, own: OwnSettings, reach: Reach) -> Vec<(Subject
             }));
         } else {
             let turned = values(knob, own, reach).into_iter().map(|value| {
-                (Subject::Knob(knob, value), Variant { knobs: turned(knob, value), ..Variant::default() })
+                let mut knobs = turned(knob, value);
+                if knob == Knob::MaxError {
+                    // No better than the reference.
+                    knobs.samples = Some(reach.most);
+                }
+                (Subject::Knob(knob, value), Variant { knobs, ..Variant::default() })
             });
             rows.extend(turned);
         }
@@ -203,7 +210,7 @@ pub(super) fn turned(knob: Knob, value: f64) -> Knobs {
     let knobs = Knobs::default();
     match knob {
         Knob::Samples => Knobs { samples: Some(count), max_error: Some(0.0), ..knobs },
-        Knob::MaxError => Knobs { samples: Some(Sampling::LARGEST_COUNT), max_error: Some(number), ..knobs },
+        Knob::MaxError => Knobs { max_error: Some(number), ..knobs },
         Knob::LightSamples => Knobs { light_samples: Some(count), ..knobs },
         Knob::Instants => Knobs { instants: Some(count), ..knobs },
         Knob::Depth => Knobs { depth: Some(count), ..knobs },

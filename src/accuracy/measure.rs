@@ -6,8 +6,10 @@ use std::time::{Duration, Instant};
 use super::knob::{Knob, OwnSettings, Reach, Subject, Variant, sweep, turned};
 use super::report::{Reference, Report, Row};
 use super::spread::Spread;
+use super::stop::{Stop, render, unless_cancelled};
 use super::{Converged, FilmError, structural_similarity};
 use crate::color::Transfer;
+use crate::components::Sampling;
 use crate::engine::{Engine, EngineError};
 use crate::systems::{Effect, Knobs, Plan, quality_settings, sampling_settings};
 use crate::time::Time;
@@ -58,8 +60,8 @@ pub struct Progress {
 pub enum Step {
     /// The reference.
     Reference,
-    /// A way to render, in a round from 0.
-    Row(Subject, u32),
+    /// A way to render.
+    Row(Subject),
 }
 
 /// Measures what accuracy costs in a scene. `None` if it was cancelled; in any case the engine is afterwards as it was before. What the
@@ -77,8 +79,9 @@ pub fn measure(
     let (knobs, precision, left_out) = (engine.knobs(), engine.precision(), engine.left_out().to_vec());
     let timeline = engine.timeline();
     let times = request.frames.iter().map(|frame| timeline.time_of(*frame)).collect();
-    let mut gauge = Gauge { engine, times, left_out: &left_out, cancelled, progress, work: Work::default() };
-    let report = gauge.run(request);
+    let (keep_films, work) = (request.keep_films, Work::default());
+    let mut gauge = Gauge { engine, times, left_out: &left_out, cancelled, progress, keep_films, work };
+    let report = unless_cancelled(gauge.run(request));
     engine.set_knobs(knobs);
     engine.set_precision(precision);
     engine.set_left_out(left_out);
@@ -90,6 +93,8 @@ pub fn measure(
 struct Work {
     done: f64,
     all: f64,
+    /// About how many samples the scene's own settings are.
+    own: u32,
 }
 
 /// Renders variants of the chosen frames.
@@ -99,6 +104,7 @@ struct Gauge<'a> {
     left_out: &'a [Effect],
     cancelled: &'a AtomicBool,
     progress: &'a mut dyn FnMut(Progress),
+    keep_films: bool,
     work: Work,
 }
 
@@ -116,83 +122,110 @@ const NO_CUTOFF: f32 = 1.0 / 64.0;
 /// Generations that leave nothing to be seen.
 const DEEP: u32 = 64;
 
+/// What all ways to render are compared with, frame by frame.
+struct Truth {
+    /// What the scene's settings come to.
+    told: Reference,
+    films: Vec<Film>,
+    /// The same with the scene's own depth and cutoff, which may be all that keeps pictures from the truth.
+    own: Vec<Film>,
+}
+
 impl Gauge<'_> {
-    fn run(&mut self, request: &Request) -> Result<Option<Report>, EngineError> {
+    fn run(&mut self, request: &Request) -> Result<Report, Stop> {
         let Thoroughness { rounds, samples, pictures, factor } = request.thoroughness;
-        let Some(plan) = self.plan()? else { return Ok(None) };
+        let pictures = pictures.max(2);
+        let plan = self.plan()?;
         let world = self.engine.world();
         let own = OwnSettings { sampling: sampling_settings(world), quality: quality_settings(world) };
         let most = if own.sampling.max_error > 0.0 { samples } else { samples.max(own.sampling.samples) };
-        let reach = Reach { samples: most, light_samples: samples.min(16), depth: own.quality.depth + 4 };
+        let reach = Reach {
+            samples: most,
+            most: most.saturating_mul(factor).min(Sampling::LARGEST_COUNT),
+            light_samples: samples.min(16),
+            depth: own.quality.depth + 4,
+        };
         let rows = sweep(&plan, own, reach);
-        let of_reference = most.saturating_mul(factor);
-        self.foresee(&rows, own, rounds, of_reference * pictures);
-
-        let own_depth = Knobs::default();
-        let deep = Knobs { depth: Some(own.quality.depth.max(DEEP)), cutoff: Some(NO_CUTOFF), ..own_depth };
-        let Some(shallow) = self.render(&Variant::default(), Step::Reference)? else { return Ok(None) };
-        let Some(deeper) = self.render(&Variant { knobs: deep, ..Variant::default() }, Step::Reference)?
-        else {
-            return Ok(None);
-        };
-        let is_deep = self.error(&shallow.films, &deeper.films).max < f64::from(NO_CUTOFF);
-        let start = Instant::now();
-        let seeds = (pictures, own.sampling.seed, of_reference);
-        let Some(reference) = self.converged(if is_deep { own_depth } else { deep }, seeds)? else {
-            return Ok(None);
-        };
-        let time = start.elapsed();
-        let converged: Vec<Film> = reference.iter().map(|frame| frame.film.clone()).collect();
-        let own_converged = if is_deep {
-            converged.clone()
-        } else {
-            let Some(frames) = self.converged(own_depth, seeds)? else { return Ok(None) };
-            frames.into_iter().map(|frame| frame.film).collect()
-        };
+        self.foresee(&rows, own, rounds, reach.most.saturating_mul(pictures));
+        let truth = self.truth(own, reach.most, pictures)?;
+        let prices = self.prices(&rows, rounds)?;
+        let rows = self.rows(rows, prices, &truth, (own, reach))?;
         let mut report = Report {
             frames: request.frames.clone(),
-            size: converged.first().map_or((0, 0), |film| (film.width(), film.height())),
-            reference: Reference::of(&reference, of_reference * pictures, pictures, time),
-            rows: Vec::new(),
+            size: truth.films.first().map_or((0, 0), |film| (film.width(), film.height())),
+            reference: truth.told,
+            rows,
             orders: Vec::new(),
             rounds,
+            own_samples: if own.sampling.max_error > 0.0 { 0 } else { own.sampling.samples },
         };
-        let Some(prices) = self.prices(&rows, rounds)? else { return Ok(None) };
-        let mut best = Vec::new();
+        report.conclude();
+        Ok(report)
+    }
+
+    /// Renders what all ways are compared with.
+    fn truth(&mut self, own: OwnSettings, samples: u32, pictures: u32) -> Result<Truth, Stop> {
+        let shallow = Knobs::default();
+        let deep = Knobs { depth: Some(own.quality.depth.max(DEEP)), cutoff: Some(NO_CUTOFF), ..shallow };
+        let as_it_is = self.render(&Variant::default(), Step::Reference)?;
+        let deeper = self.render(&Variant { knobs: deep, ..Variant::default() }, Step::Reference)?;
+        let is_deep = self.error(&as_it_is.films, &deeper.films).max < f64::from(NO_CUTOFF);
+        let seeds = (pictures, own.sampling.seed, samples);
+        let start = Instant::now();
+        let reference = self.converged(if is_deep { shallow } else { deep }, seeds)?;
+        let told = Reference::of(&reference, samples.saturating_mul(pictures), pictures, start.elapsed());
+        let films = films_of(reference);
+        let own = if is_deep {
+            films.clone()
+        } else {
+            self.work.all += f64::from(told.samples);
+            films_of(self.converged(shallow, seeds)?)
+        };
+        Ok(Truth { told, films, own })
+    }
+
+    /// Compares every way with the truth.
+    fn rows(
+        &mut self,
+        rows: Vec<(Subject, Variant)>,
+        prices: Vec<(Spread, Spread)>,
+        truth: &Truth,
+        (own, reach): (OwnSettings, Reach),
+    ) -> Result<Vec<Row>, Stop> {
+        let mut compared = Vec::with_capacity(rows.len());
+        let mut best: Option<(Variant, Vec<Film>)> = None;
         for ((subject, variant), (seconds, relative)) in rows.into_iter().zip(prices) {
-            let Some(rendered) = self.render(&variant, Step::Row(subject, rounds))? else { return Ok(None) };
-            let alone = match self.best_alone(subject, own, reach) {
-                None => self.error(&rendered.films, &own_converged),
+            let rendered = self.render(&variant, Step::Row(subject))?;
+            let alone = match best_alone(subject, own, reach) {
+                None => self.error(&rendered.films, &truth.own),
                 Some(variant) => {
-                    if best.last().is_none_or(|(known, _)| *known != variant) {
-                        let Some(rendered) = self.render(&variant, Step::Row(subject, rounds))? else {
-                            return Ok(None);
-                        };
-                        best.push((variant, rendered.films));
-                    }
-                    best.last()
-                        .map_or_else(FilmError::default, |(_, films)| self.error(&rendered.films, films))
+                    let films = match best.take().filter(|(known, _)| *known == variant) {
+                        Some((_, films)) => films,
+                        None => self.render(&variant, Step::Row(subject))?.films,
+                    };
+                    let error = self.error(&rendered.films, &films);
+                    best = Some((variant, films));
+                    error
                 }
             };
-            report.rows.push(Row {
+            compared.push(Row {
                 subject,
                 variant,
-                error: self.error(&rendered.films, &converged),
-                similarity: self.similarity(&rendered.films, &converged),
+                error: self.error(&rendered.films, &truth.films),
+                similarity: self.similarity(&rendered.films, &truth.films),
                 alone,
                 seconds,
                 relative,
                 rays: self.mean_rays(rendered.rays),
                 on_front: false,
-                film: rendered.films.into_iter().next().filter(|_| request.keep_films),
+                film: rendered.films.into_iter().next().filter(|_| self.keep_films),
             });
         }
-        report.conclude();
-        Ok(Some(report))
+        Ok(compared)
     }
 
     /// Returns the effects that any of the frames needs.
-    fn plan(&mut self) -> Result<Option<Plan>, EngineError> {
+    fn plan(&mut self) -> Result<Plan, Stop> {
         let mut plan: Option<Plan> = None;
         for time in self.times.clone() {
             let Some(of_frame) = self.engine.plan_at(time)?.cloned() else { continue };
@@ -201,33 +234,34 @@ impl Gauge<'_> {
                 None => plan = Some(of_frame),
             }
         }
-        Ok(plan)
+        plan.ok_or(Stop::Cancelled)
     }
 
+    /// Foresees the work: the reference, the rounds with the scene's own settings in between, and all rows once more.
     fn foresee(&mut self, rows: &[(Subject, Variant)], own: OwnSettings, rounds: u32, reference: u32) {
         let own = if own.sampling.max_error > 0.0 { ADAPTIVE } else { own.sampling.samples };
+        self.work.own = own;
         let of_rows: f64 = rows.iter().map(|(_, variant)| samples(&variant.knobs, own)).sum();
-        let between = f64::from(own) * rows.len().div_ceil(BETWEEN) as f64;
+        let between = f64::from(own) * (rows.len().div_ceil(BETWEEN) + 1) as f64;
         self.work.all = f64::from(reference) + (of_rows + between) * f64::from(rounds) + of_rows;
     }
 
-    /// Renders all frames in one way; `None` if it was cancelled.
-    fn render(&mut self, variant: &Variant, step: Step) -> Result<Option<Rendered>, EngineError> {
+    /// Renders all frames in one way.
+    fn render(&mut self, variant: &Variant, step: Step) -> Result<Rendered, Stop> {
         variant.apply(self.engine, self.left_out);
         let mut rendered = Rendered { films: Vec::new(), seconds: 0.0, rays: RayCounts::default() };
         for time in &self.times {
             let share = (self.work.done / self.work.all.max(1.0)).min(1.0);
             (self.progress)(Progress { step, share });
-            let Some(film) = self.engine.render_unless(*time, self.cancelled)? else { return Ok(None) };
+            let film = render(self.engine, *time, self.cancelled)?;
             let report = self.engine.report();
             rendered.films.push(film);
             rendered.seconds += (report.animate + report.prepare + report.trace).as_secs_f64();
             rendered.rays += report.rays;
-            let own = self.engine.sampling().map_or(1, |sampling| sampling.samples).min(ADAPTIVE);
-            self.work.done += samples(&variant.knobs, own) / self.times.len() as f64;
+            self.work.done += samples(&variant.knobs, self.work.own) / self.times.len() as f64;
         }
         rendered.seconds /= self.times.len().max(1) as f64;
-        Ok(Some(rendered))
+        Ok(rendered)
     }
 
     /// Renders every frame as well as can be: several times, each with samples of its own.
@@ -235,11 +269,11 @@ impl Gauge<'_> {
         &mut self,
         knobs: Knobs,
         (pictures, seed, samples): (u32, u64, u32),
-    ) -> Result<Option<Vec<Converged>>, EngineError> {
+    ) -> Result<Vec<Converged>, Stop> {
         /// Far apart, and not what anybody writes.
         const APART: u64 = 0x9e37_79b9_7f4a_7c15;
         let mut frames = vec![Vec::new(); self.times.len()];
-        for picture in 1..=u64::from(pictures.max(2)) {
+        for picture in 1..=u64::from(pictures) {
             let knobs = Knobs {
                 samples: Some(samples),
                 max_error: Some(0.0),
@@ -247,61 +281,35 @@ impl Gauge<'_> {
                 seed: Some(seed.wrapping_add(picture.wrapping_mul(APART))),
                 ..knobs
             };
-            let Some(rendered) = self.render(&Variant { knobs, ..Variant::default() }, Step::Reference)?
-            else {
-                return Ok(None);
-            };
+            let rendered = self.render(&Variant { knobs, ..Variant::default() }, Step::Reference)?;
             frames.iter_mut().zip(rendered.films).for_each(|(films, film)| films.push(film));
         }
         let transfer = self.transfer();
-        Ok(Some(frames.iter().map(|films| Converged::mean(films, transfer)).collect()))
+        Ok(frames.iter().map(|films| Converged::mean(films, transfer)).collect())
     }
 
     /// Measures how long every row takes: in seconds a frame, and as a multiple of what the scene's own settings take right before and
-    /// after. All take their turns, so that none has a slower hour than another.
-    fn prices(
-        &mut self,
-        rows: &[(Subject, Variant)],
-        rounds: u32,
-    ) -> Result<Option<Vec<(Spread, Spread)>>, EngineError> {
+    /// after. All rows take turns, so that none is measured only while the machine is slow.
+    fn prices(&mut self, rows: &[(Subject, Variant)], rounds: u32) -> Result<Vec<(Spread, Spread)>, Stop> {
+        const OWN: Step = Step::Row(Subject::Own);
         let mut measured = vec![(Vec::new(), Vec::new()); rows.len()];
-        for round in 0..rounds {
-            let own = Step::Row(Subject::Own, round);
-            let Some(rendered) = self.render(&Variant::default(), own)? else { return Ok(None) };
-            let mut before = rendered.seconds;
+        for _ in 0..rounds {
+            let mut before = self.render(&Variant::default(), OWN)?.seconds;
             for (rows, measured) in rows.chunks(BETWEEN).zip(measured.chunks_mut(BETWEEN)) {
                 let mut seconds = Vec::new();
                 for (subject, variant) in rows {
-                    let Some(rendered) = self.render(variant, Step::Row(*subject, round))? else {
-                        return Ok(None);
-                    };
-                    seconds.push(rendered.seconds);
+                    seconds.push(self.render(variant, Step::Row(*subject))?.seconds);
                 }
-                let Some(rendered) = self.render(&Variant::default(), own)? else { return Ok(None) };
-                let usual = f64::midpoint(before, rendered.seconds).max(f64::MIN_POSITIVE);
-                before = rendered.seconds;
+                let after = self.render(&Variant::default(), OWN)?.seconds;
+                let usual = f64::midpoint(before, after).max(f64::MIN_POSITIVE);
+                before = after;
                 for ((all, relative), seconds) in measured.iter_mut().zip(seconds) {
                     all.push(seconds);
                     relative.push(seconds / usual);
                 }
             }
         }
-        let spreads = measured.iter().map(|(seconds, relative)| (Spread::of(seconds), Spread::of(relative)));
-        Ok(Some(spreads.collect()))
-    }
-
-    /// Returns the way to render in which only this subject is at its best; `None` where that is what converges.
-    fn best_alone(&self, subject: Subject, own: OwnSettings, reach: Reach) -> Option<Variant> {
-        let turned = |knob, value: f64| Some(Variant { knobs: turned(knob, value), ..Variant::default() });
-        match subject {
-            Subject::Precision(_) | Subject::Without(_) => Some(Variant::default()),
-            Subject::Knob(knob @ Knob::LightSamples, _) => {
-                turned(knob, f64::from(reach.light_samples) * 16.0)
-            }
-            Subject::Knob(knob @ Knob::Depth, _) => turned(knob, own.quality.depth.max(DEEP).into()),
-            Subject::Knob(knob @ Knob::Cutoff, _) => turned(knob, NO_CUTOFF.into()),
-            Subject::Own | Subject::Knob(..) => None,
-        }
+        Ok(measured.iter().map(|(seconds, relative)| (Spread::of(seconds), Spread::of(relative))).collect())
     }
 
     fn transfer(&self) -> Transfer {
@@ -310,9 +318,7 @@ impl Gauge<'_> {
 
     /// Returns the error of all frames together.
     fn error(&self, films: &[Film], references: &[Film]) -> FilmError {
-        let transfer = self.transfer();
-        let pairs = films.iter().zip(references);
-        FilmError::of_all(pairs.map(|(film, reference)| FilmError::between(film, reference, transfer)))
+        FilmError::of_sequence(films, references, self.transfer())
     }
 
     fn similarity(&self, films: &[Film], references: &[Film]) -> f64 {
@@ -331,6 +337,26 @@ impl Gauge<'_> {
             refraction: mean(rays.refraction),
         }
     }
+}
+
+/// Returns the way to render in which only this subject is at its best; `None` where that is what converges.
+fn best_alone(subject: Subject, own: OwnSettings, reach: Reach) -> Option<Variant> {
+    let turned = |knob, value: f64| Some(Variant { knobs: turned(knob, value), ..Variant::default() });
+    match subject {
+        Subject::Precision(_) | Subject::Without(_) => Some(Variant::default()),
+        Subject::Knob(knob @ Knob::LightSamples, _) => turned(knob, f64::from(reach.light_samples) * 16.0),
+        Subject::Knob(knob @ Knob::Instants, _) => {
+            turned(knob, own.sampling.samples.min(Sampling::LARGEST_INSTANTS).into())
+        }
+        Subject::Knob(knob @ Knob::Depth, _) => turned(knob, own.quality.depth.max(DEEP).into()),
+        Subject::Knob(knob @ Knob::Cutoff, _) => turned(knob, NO_CUTOFF.into()),
+        Subject::Own | Subject::Knob(..) => None,
+    }
+}
+
+/// Returns the frames' pictures alone.
+fn films_of(frames: Vec<Converged>) -> Vec<Film> {
+    frames.into_iter().map(|frame| frame.film).collect()
 }
 
 /// After how many rows the scene's own settings are measured again.

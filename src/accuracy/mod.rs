@@ -7,24 +7,31 @@
 //! makes no difference, and a thousandth of a step does.
 
 mod converged;
+mod deadline;
 mod few_samples;
 mod film_error;
 mod fit;
+mod frame_samples;
 mod knob;
 mod ladder;
 mod measure;
 mod output_values;
+mod pilot;
 mod report;
 mod similarity;
 mod spread;
+mod stop;
 
 pub use converged::Converged;
+pub use deadline::Deadline;
 pub use few_samples::FewSamples;
 pub use film_error::FilmError;
 pub use fit::PowerLaw;
+pub use frame_samples::FrameSamples;
 pub use knob::{Knob, Subject, Variant};
-pub use ladder::{Deadline, FrameSamples, Ladder};
+pub use ladder::Ladder;
 pub use measure::{Progress, Request, Step, Thoroughness, measure, time_left};
+pub use pilot::Pilot;
 pub use report::{Reference, Report, Row};
 pub use similarity::structural_similarity;
 pub use spread::Spread;

@@ -23,6 +23,8 @@ pub struct Report {
     pub orders: Vec<(Knob, PowerLaw)>,
     /// How often each way was rendered.
     pub rounds: u32,
+    /// Samples per pixel of the scene's own settings; 0 if pixels have different numbers.
+    pub own_samples: u32,
 }
 
 /// What all ways to render are compared with.
@@ -99,7 +101,11 @@ impl Report {
         let prices: Vec<(f64, f64, bool)> = self
             .rows
             .iter()
-            .map(|row| (row.error.rms, row.relative.median, !matches!(row.subject, Subject::Without(_))))
+            .map(|row| {
+                // Below that they cannot be told apart.
+                let error = row.error.rms.max(self.reference.rms);
+                (error, row.relative.median, !matches!(row.subject, Subject::Without(_)))
+            })
             .collect();
         for (index, row) in self.rows.iter_mut().enumerate() {
             let (error, price, counts) = prices[index];
@@ -113,12 +119,15 @@ impl Report {
             .into_iter()
             .filter(|knob| knob.converges())
             .filter_map(|knob| {
+                let own = self.rows.first().filter(|_| knob == Knob::Samples && self.own_samples > 1);
+                let own = own.map(|row| (f64::from(self.own_samples), row.alone.rms));
                 let pairs = self.of_knob(knob).filter_map(|row| match row.subject {
                     // A single sample is in the pixel's centre, which is another rule.
                     Subject::Knob(Knob::Samples, value) if value < 2.0 => None,
                     Subject::Knob(_, value) if row.alone.rms > trusted => Some((value, row.alone.rms)),
                     _ => None,
                 });
+                let pairs = pairs.chain(own.filter(|(_, error)| *error > trusted));
                 Some((knob, PowerLaw::fit(&pairs.collect::<Vec<_>>())?))
             })
             .collect();

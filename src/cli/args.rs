@@ -107,10 +107,10 @@ pub(super) struct RenderArguments {
     #[arg(long, value_name = "STEPS", value_parser = parse_max_error, allow_hyphen_values = true, conflicts_with_all = ["deadline", "settings", "draft"])]
     pub(super) max_error: Option<f32>,
     /// Give frames as many samples as there is time for, so that all are rendered within it, as 90s, 10m or 1.5h
-    #[arg(long, value_name = "TIME", value_parser = parse_duration, allow_hyphen_values = true, conflicts_with_all = ["settings", "draft"])]
+    #[arg(long, value_name = "TIME", value_parser = parse_duration, allow_hyphen_values = true, conflicts_with_all = ["settings", "draft", "samples"])]
     pub(super) deadline: Option<Duration>,
     /// Give frames the samples in this file, which --max-error and --deadline write beside the frames: the same bytes again
-    #[arg(long, value_name = "FILE", conflicts_with = "draft")]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["draft", "samples"])]
     pub(super) settings: Option<PathBuf>,
     /// Compute with every effect, also with those that the scene does not call for: slower, and the same bytes
     #[arg(long)]
@@ -124,9 +124,6 @@ pub(super) struct RenderArguments {
     pub(super) json: bool,
     #[command(flatten)]
     pub(super) overrides: OverrideArguments,
-    /// Leave an effect out, though the scene calls for it, as in --without shadows [can be repeated]
-    #[arg(long, value_name = "EFFECT", value_parser = parse_effect, help_heading = "Instead of the scene's own")]
-    pub(super) without: Vec<Effect>,
 }
 
 /// Values in the place of the scene's own, for one run.
@@ -144,6 +141,9 @@ pub(super) struct OverrideArguments {
     /// Generations of rays: --set quality.depth=COUNT
     #[arg(long, value_name = "COUNT", value_parser = parse_depth, allow_hyphen_values = true)]
     depth: Option<Override>,
+    /// Leave an effect out, though the scene calls for it, as in --without shadows [can be repeated]
+    #[arg(long, value_name = "EFFECT", value_parser = parse_effect)]
+    pub(super) without: Vec<Effect>,
 }
 
 impl OverrideArguments {
@@ -152,7 +152,7 @@ impl OverrideArguments {
         self.samples.as_ref()?.value().parse().ok()
     }
 
-    /// Returns all of them, in the order in which they are put in.
+    /// Returns all values, in the order in which they are put in.
     pub(super) fn all(&self) -> Vec<Override> {
         self.samples.iter().chain(&self.depth).chain(&self.values).cloned().collect()
     }
@@ -248,9 +248,10 @@ nothing that shows it can be seen. The picture is the same, bit for bit, as with
 (render --full).
 
 Of more than 10000 frames so many are looked at, spread evenly. Rays and seconds are those of up to
-three of them, spread over the timeline. What an effect
-costs is what is saved by rendering without it, and what it is worth (--measure) is how far the
-picture is then off, in steps of 8 bits: at most, and as the root of the mean square.")]
+three of them, spread over the timeline. What an effect costs is what is saved by rendering without
+it; with --measure, in five rounds that take turns, with half of the distance between the extremes.
+What it is worth (--measure) is how far the picture is then off, in steps of 8 bits: at most, and as
+the root of the mean square.")]
 pub(super) struct ExplainArguments {
     /// The scene file
     pub(super) scene: PathBuf,
@@ -275,9 +276,6 @@ pub(super) struct ExplainArguments {
     pub(super) json: bool,
     #[command(flatten)]
     pub(super) overrides: OverrideArguments,
-    /// Leave an effect out, though the scene calls for it, as in --without shadows [can be repeated]
-    #[arg(long, value_name = "EFFECT", value_parser = parse_effect, help_heading = "Instead of the scene's own")]
-    pub(super) without: Vec<Effect>,
 }
 
 #[derive(Debug, Args)]
@@ -289,8 +287,8 @@ pub(super) struct ExplainArguments {
 Renders frames again and again with every knob that the scene calls for turned through its values:
 samples, the error that a picture may have, samples of lights, instants, depth, cutoff, precision;
 and without each effect. Each is compared with a reference of many samples, whose own uncertainty is
-told, and timed in turns with the scene's own settings. What no other setting is both better and
-quicker than is marked. Takes minutes; --quick takes seconds, and is less sure. Ctrl-C ends it.")]
+told, and timed in turns with the scene's own settings. A star marks the Pareto front: no other
+setting is both better and quicker. Takes minutes; --quick takes seconds, and is less sure. Ctrl-C ends it.")]
 pub(super) struct AccuracyArguments {
     /// The scene file
     pub(super) scene: PathBuf,
@@ -317,9 +315,6 @@ pub(super) struct AccuracyArguments {
     pub(super) json: bool,
     #[command(flatten)]
     pub(super) overrides: OverrideArguments,
-    /// Leave an effect out, though the scene calls for it, as in --without shadows [can be repeated]
-    #[arg(long, value_name = "EFFECT", value_parser = parse_effect, help_heading = "Instead of the scene's own")]
-    pub(super) without: Vec<Effect>,
 }
 
 #[derive(Debug, Args)]

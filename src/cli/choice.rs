@@ -3,32 +3,31 @@
 //!
 //! What is chosen is written beside the frames, and read back by `--settings`: the same pictures then come without a clock.
 
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, anyhow, bail, ensure};
-use serde_json::{Value, json};
+use anyhow::{Context, anyhow};
 
-use rayreel::accuracy::{Deadline, FewSamples, FrameSamples, Ladder};
+use rayreel::accuracy::{Deadline, FewSamples, FrameSamples, Ladder, Pilot};
 use rayreel::components::Sampling;
-use rayreel::{Engine, Knobs, Time};
+use rayreel::{Engine, EngineError, Knobs};
 
 use super::args::RenderArguments;
 use super::exit::Failure;
 use super::settings::{RenderSettings, Shot};
-use super::write_file::write_file;
+use super::settings_file::{FrameSettings, SettingsFile};
 
 /// The samples of frames.
 pub(super) struct Choice {
     by: By,
-    /// The chosen ones, frame by frame.
-    chosen: Vec<Value>,
+    /// Where the chosen ones are written, and with them those of other frames in the same folder.
+    record: Option<Record>,
     /// The time that it took to find out what can be had.
-    pub(super) pilot: Duration,
+    pilot: Duration,
+    start: Instant,
     /// When the frame in hand was begun.
     begun: Instant,
-    start: Instant,
 }
 
 /// Who chooses.
@@ -37,132 +36,200 @@ enum By {
     Scene,
     /// One for all frames.
     Error(FrameSamples),
-    Deadline(Box<Deadline>),
+    Deadline(Box<Deadline>, Duration),
     /// What an earlier run has written.
-    Settings(PathBuf, Vec<Value>),
+    Settings(SettingsFile),
+}
+
+/// What is written of the chosen samples.
+struct Record {
+    file: PathBuf,
+    settings: SettingsFile,
+    scene: PathBuf,
+    written: Instant,
+    /// The frames that are not as good as they were to be, as far as their pixels tell.
+    worse: Vec<(String, f64)>,
+}
+
+/// What is told of the choice in the end.
+#[derive(Debug)]
+pub(super) struct Chosen {
+    /// The file with the settings.
+    pub(super) file: PathBuf,
+    /// The time of finding out what could be had.
+    pub(super) pilot: Duration,
+    /// What was not reached, in words.
+    pub(super) missed: Option<String>,
 }
 
 impl Choice {
-    /// Finds out what can be had, for a run that began at `start`.
+    /// Finds out what can be had, for a run that began at `start`. `None` if it was cancelled meanwhile.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be had, or if the settings of an earlier run cannot be read or lack a frame.
     pub(super) fn new(
         arguments: &RenderArguments,
         engine: &mut Engine,
         settings: &RenderSettings,
-        start: Instant,
-    ) -> Result<Self, Failure> {
-        let pilot = Instant::now();
+        (start, cancelled): (Instant, &AtomicBool),
+    ) -> Result<Option<Self>, Failure> {
+        let begun = Instant::now();
         let by = if let Some(error) = arguments.max_error {
             let samples = arguments.overrides.samples().unwrap_or(Sampling::LARGEST_COUNT);
-            By::Error(for_error(engine, settings, error, samples)?)
+            for_error(engine, settings, (error, samples), cancelled)?.map(By::Error)
         } else if let Some(within) = arguments.deadline {
-            By::Deadline(Box::new(deadline(engine, settings, within, start)?))
+            let deadline = deadline(engine, settings, (within, start), cancelled)?;
+            deadline.map(|deadline| By::Deadline(Box::new(deadline), within))
         } else if let Some(file) = &arguments.settings {
-            By::Settings(file.clone(), read(file)?)
+            Some(By::Settings(read(file, settings)?))
         } else {
-            By::Scene
+            Some(By::Scene)
         };
-        Ok(Self { by, chosen: Vec::new(), pilot: pilot.elapsed(), begun: start, start })
+        let Some(by) = by else { return Ok(None) };
+        let record = match &by {
+            By::Error(_) | By::Deadline(..) => Some(Record::new(settings, &arguments.scene)?),
+            By::Scene | By::Settings(_) => None,
+        };
+        Ok(Some(Self { by, record, pilot: begun.elapsed(), start, begun }))
     }
 
     /// Sets the engine up for a frame.
-    pub(super) fn begin(&mut self, engine: &mut Engine, shot: &Shot) -> anyhow::Result<()> {
+    pub(super) fn begin(&mut self, engine: &mut Engine, shot: &Shot) {
         self.begun = Instant::now();
         let samples = match &mut self.by {
-            By::Scene => return Ok(()),
-            By::Error(samples) => *samples,
-            By::Deadline(deadline) => deadline.next(self.start.elapsed()),
-            By::Settings(file, frames) => samples_of(frames, shot)
-                .with_context(|| format!("`{}` has no settings for {}", file.display(), shot.moment()))?,
+            By::Scene => None,
+            By::Error(samples) => Some(*samples),
+            By::Deadline(deadline, _) => Some(deadline.next(self.start.elapsed())),
+            By::Settings(settings) => settings.samples_of(shot),
         };
-        engine.set_knobs(samples.knobs());
-        Ok(())
+        if let Some(samples) = samples {
+            engine.set_knobs(samples.knobs());
+        }
     }
 
     /// Notes what became of it.
-    pub(super) fn end(&mut self, engine: &Engine, shot: &Shot) {
-        if let By::Deadline(deadline) = &mut self.by {
-            deadline.note(self.begun.elapsed());
+    pub(super) fn end(&mut self, engine: &Engine, shot: &Shot) -> anyhow::Result<()> {
+        let took = self.begun.elapsed();
+        if let By::Deadline(deadline, _) = &mut self.by {
+            deadline.note(took);
         }
-        let (Knobs { samples: Some(samples), max_error: Some(error), .. }, false) =
-            (engine.knobs(), matches!(self.by, By::Scene | By::Settings(..)))
-        else {
-            return;
-        };
-        let film = engine.film_settings();
-        let report = engine.report();
-        self.chosen.push(json!({
-            "frame": shot.frame,
-            "time": shot.time.seconds(),
-            "samples": samples,
-            "max_error": error,
-            "estimated_error": report.error,
-            "samples_per_pixel": report.rays.camera as f64 / (f64::from(film.width) * f64::from(film.height)),
-            "seconds": self.begun.elapsed().as_secs_f64(),
-        }));
+        let Some(record) = &mut self.record else { return Ok(()) };
+        record.note(engine, shot, took);
+        /// Long sequences may come to an end that nobody has foreseen.
+        const EVERY: Duration = Duration::from_secs(2);
+        if record.written.elapsed() > EVERY { record.write(self.pilot) } else { Ok(()) }
     }
 
-    /// Writes what was chosen beside the frames, together with what is there of other frames. Returns the file, if anything was chosen.
-    pub(super) fn write(&self, settings: &RenderSettings, scene: &Path) -> anyhow::Result<Option<PathBuf>> {
-        if self.chosen.is_empty() {
-            return Ok(None);
-        }
-        let file = settings.sequence.settings();
-        let is_new = |frame: &&Value| self.chosen.iter().all(|chosen| chosen["time"] != frame["time"]);
-        let mut frames: Vec<Value> =
-            read(&file).unwrap_or_default().iter().filter(is_new).chain(&self.chosen).cloned().collect();
-        let time = |frame: &Value| frame["time"].as_f64().unwrap_or(0.0);
-        frames.sort_by(|one, other| time(one).total_cmp(&time(other)));
-        let text = json!({
-            "rayreel": env!("CARGO_PKG_VERSION"),
-            "scene": scene.display().to_string(),
-            "pilot_seconds": self.pilot.as_secs_f64(),
-            "frames": frames,
-        });
-        write_file(&file, format!("{text:#}\n").as_bytes())?;
-        Ok(Some(file))
+    /// Writes what was chosen beside the frames. Returns what is to be told of it, if anything was.
+    pub(super) fn finish(mut self) -> anyhow::Result<Option<Chosen>> {
+        let Some(mut record) = self.record.take() else { return Ok(None) };
+        record.write(self.pilot)?;
+        let took = self.start.elapsed();
+        let missed = match &self.by {
+            By::Deadline(_, within) if took > *within => Some(format!(
+                "the frames took {:.1} s longer than the {:.1} s they were given",
+                (took - *within).as_secs_f64(),
+                within.as_secs_f64()
+            )),
+            _ => record.worse(),
+        };
+        Ok(Some(Chosen { file: record.file, pilot: self.pilot, missed }))
     }
 }
 
-/// Returns the samples for an error: as many everywhere where few are enough. It is an error of ours if no picture can be as good.
+impl Record {
+    /// Reads what is there of other frames.
+    fn new(settings: &RenderSettings, scene: &Path) -> anyhow::Result<Self> {
+        let file = settings.file_of_settings();
+        let known = if file.exists() {
+            SettingsFile::read(&file).context(
+                "what is known of other frames would be lost: remove the file or name another --out",
+            )?
+        } else {
+            SettingsFile::default()
+        };
+        let (scene, written) = (scene.to_owned(), Instant::now());
+        Ok(Self { file, settings: known, scene, written, worse: Vec::new() })
+    }
+
+    fn note(&mut self, engine: &Engine, shot: &Shot, took: Duration) {
+        let Knobs { samples: Some(samples), max_error: Some(max_error), .. } = engine.knobs() else { return };
+        let (film, report) = (engine.film_settings(), engine.report());
+        if let Some(error) = report.error.filter(|error| max_error > 0.0 && *error > f64::from(max_error)) {
+            self.worse.push((shot.moment(), error));
+        }
+        self.settings.put(FrameSettings {
+            frame: shot.frame,
+            time: shot.time.seconds(),
+            samples,
+            max_error,
+            estimated_error: report.error,
+            samples_per_pixel: report.rays.camera as f64 / (f64::from(film.width) * f64::from(film.height)),
+            seconds: took.as_secs_f64(),
+        });
+    }
+
+    fn write(&mut self, pilot: Duration) -> anyhow::Result<()> {
+        self.written = Instant::now();
+        self.settings.write(&self.file, &self.scene, pilot.as_secs_f64())
+    }
+
+    /// Names the worst of the frames that are not as good as they were to be.
+    fn worse(&self) -> Option<String> {
+        let (moment, error) = self.worse.iter().max_by(|(_, one), (_, other)| one.total_cmp(other))?;
+        let others = match self.worse.len() {
+            1 => String::new(),
+            2 => ", and 1 other frame is worse than asked for".to_owned(),
+            count => format!(", and {} other frames are worse than asked for", count - 1),
+        };
+        Some(format!(
+            "{moment} is off by about {error:.2} with all the samples that its pixels may get{others}"
+        ))
+    }
+}
+
+/// Reads settings, which must have every picture that is wanted.
+fn read(file: &Path, settings: &RenderSettings) -> anyhow::Result<SettingsFile> {
+    let known = SettingsFile::read(file)?;
+    match settings.shots().find(|shot| known.samples_of(shot).is_none()) {
+        Some(shot) => Err(anyhow!("`{}` has no settings for {}", file.display(), shot.moment())),
+        None => Ok(known),
+    }
+}
+
+/// Returns the samples for an error. `None` if it was cancelled.
 fn for_error(
     engine: &mut Engine,
     settings: &RenderSettings,
-    error: f32,
-    samples: u32,
-) -> Result<FrameSamples, Failure> {
-    let few = FewSamples::estimate(engine, &moments(settings))?;
-    if let Some(enough) = few.enough_for(error.into()) {
-        return Ok(FrameSamples { samples: enough.min(samples), max_error: 0.0 });
-    }
-    let (best, sure) = few.errors_with(samples);
-    if best > f64::from(error) {
+    (error, samples): (f32, u32),
+    cancelled: &AtomicBool,
+) -> Result<Option<FrameSamples>, Failure> {
+    let few = FewSamples::estimate(engine, &pilot(settings), error.into(), cancelled)?;
+    let Some(few) = few else { return Ok(None) };
+    let Some(chosen) = few.samples_for(error, samples) else {
+        let (_, sure) = few.errors_with(samples);
+        let sure = (100.0 * sure).ceil() / 100.0;
         return Err(anyhow!(
             "an error of {error} cannot be had with at most {samples} samples per pixel; {sure:.2} can, as in --max-error {sure:.2}"
         )
         .into());
-    }
-    Ok(FrameSamples::for_error(error, samples))
+    };
+    Ok(Some(chosen))
 }
 
-/// Returns the moments of a few pictures, spread over all.
-fn moments(settings: &RenderSettings) -> Vec<Time> {
-    /// From how many frames on three of them are looked at.
-    const MANY: usize = 24;
-    let count = settings.count();
-    let chosen = if count < MANY { vec![count / 2] } else { vec![0, count / 2, count - 1] };
-    let shots = settings.shots().enumerate().filter(|(index, _)| chosen.contains(index));
-    shots.map(|(_, shot)| shot.time).collect()
-}
-
-/// Plans a sequence within a time.
+/// Plans a sequence within a time. `None` if it was cancelled.
 fn deadline(
     engine: &mut Engine,
     settings: &RenderSettings,
-    within: Duration,
-    start: Instant,
-) -> Result<Deadline, Failure> {
+    (within, start): (Duration, Instant),
+    cancelled: &AtomicBool,
+) -> Result<Option<Deadline>, Failure> {
+    /// The part of the time in which it is found out how long frames take.
+    const PILOT: u32 = 20;
+    let ladder: Result<_, EngineError> = Ladder::measure(engine, &pilot(settings), within / PILOT, cancelled);
+    let Some(ladder) = ladder? else { return Ok(None) };
     let count = settings.count();
-    let ladder = Ladder::measure(engine, &moments(settings))?;
     let deadline = Deadline::new(ladder, within, u32::try_from(count).unwrap_or(u32::MAX));
     let least = deadline.least();
     if least > within.saturating_sub(start.elapsed()) {
@@ -175,41 +242,10 @@ fn deadline(
         )
         .into());
     }
-    Ok(deadline)
+    Ok(Some(deadline))
 }
 
-/// Reads the frames of a file of settings.
-fn read(file: &Path) -> anyhow::Result<Vec<Value>> {
-    let name = file.display();
-    let text = fs::read_to_string(file).with_context(|| format!("cannot read `{name}`"))?;
-    let settings: Value =
-        serde_json::from_str(&text).with_context(|| format!("`{name}` is no JSON, as rayreel writes it"))?;
-    let Some(frames) = settings["frames"].as_array() else {
-        bail!("`{name}` has no list `frames`: it is written by render --max-error and --deadline");
-    };
-    for frame in frames {
-        ensure!(
-            samples(frame).is_some(),
-            "`{name}` has a frame without sound `samples` and `max_error`: {frame}"
-        );
-    }
-    Ok(frames.clone())
-}
-
-/// Returns the samples that are written for a shot.
-fn samples_of(frames: &[Value], shot: &Shot) -> Option<FrameSamples> {
-    let is_it = |frame: &&Value| match shot.frame {
-        Some(index) => frame["frame"].as_u64() == Some(index.into()),
-        None => frame["time"].as_f64() == Some(shot.time.seconds()),
-    };
-    samples(frames.iter().find(is_it)?)
-}
-
-fn samples(frame: &Value) -> Option<FrameSamples> {
-    let samples = u32::try_from(frame["samples"].as_u64()?).ok()?;
-    #[expect(clippy::cast_possible_truncation, reason = "it is one, written out")]
-    let max_error = frame["max_error"].as_f64()? as f32;
-    let sound = (1..=Sampling::LARGEST_COUNT).contains(&samples)
-        && (0.0..=Sampling::LARGEST_ERROR).contains(&max_error);
-    sound.then_some(FrameSamples { samples, max_error })
+/// Returns what is rendered to find out what the pictures take.
+fn pilot(settings: &RenderSettings) -> Pilot {
+    Pilot::new(settings.count(), |place| settings.time_of(place))
 }

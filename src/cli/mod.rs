@@ -20,6 +20,7 @@ mod progress;
 mod render;
 mod report;
 mod settings;
+mod settings_file;
 mod sheet;
 mod warnings;
 mod watch;

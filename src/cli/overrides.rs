@@ -8,13 +8,16 @@ use rayreel::{Effect, Engine, EngineError, Scene};
 
 use super::args::OverrideArguments;
 
-/// Loads a scene, with values in the place of some of its own.
+/// Loads a scene, with values in the place of some of its own, and without some effects.
 pub(super) fn load(scene: &Path, overrides: &OverrideArguments) -> Result<Engine, EngineError> {
-    let overrides = overrides.all();
-    if overrides.is_empty() {
-        return Engine::load(scene);
-    }
-    Ok(Engine::from_scene(Scene::load_overridden(scene, &overrides)?.0))
+    let values = overrides.all();
+    let mut engine = if values.is_empty() {
+        Engine::load(scene)?
+    } else {
+        Engine::from_scene(Scene::load_overridden(scene, &values)?.0)
+    };
+    engine.set_left_out(overrides.without.iter().copied());
+    Ok(engine)
 }
 
 /// What is not as the scene has it.
@@ -25,9 +28,9 @@ pub(super) struct Changed {
 }
 
 impl Changed {
-    pub(super) fn new(overrides: &OverrideArguments, without: &[Effect]) -> Self {
-        let overrides = overrides.all().iter().map(ToString::to_string).collect();
-        Self { overrides, without: without.to_vec() }
+    pub(super) fn new(overrides: &OverrideArguments) -> Self {
+        let values = overrides.all().iter().map(ToString::to_string).collect();
+        Self { overrides: values, without: overrides.without.clone() }
     }
 
     /// Names it in a line, if there is anything.

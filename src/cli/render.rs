@@ -11,7 +11,7 @@ use rayreel::scene::Sources;
 use rayreel::{Engine, Scene};
 
 use super::args::RenderArguments;
-use super::choice::Choice;
+use super::choice::{Choice, Chosen};
 use super::draft;
 use super::exit::Failure;
 use super::interrupt::Interruption;
@@ -38,13 +38,14 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
         .num_threads(settings.threads.unwrap_or(0))
         .build()
         .context("cannot start the rendering threads")?;
+    let chosen = pool.install(|| Choice::new(arguments, &mut engine, &settings, (start, cancelled)))?;
+    let Some(mut choice) = chosen else { return Err(interruption.failure()) };
     let mut report = RenderReport::new(arguments, &engine, loaded, pool.current_num_threads());
-    let mut choice = pool.install(|| Choice::new(arguments, &mut engine, &settings, start))?;
     let rendered = pool.install(|| match sheet {
         Some(sheet) => sheet::render(&mut engine, (&settings, &mut choice), sheet, cancelled, &mut report),
         None => render_all(&mut engine, (&settings, &mut choice), cancelled, &mut report),
     });
-    report.choice = choice.write(&settings, &arguments.scene)?.map(|file| (file, choice.pilot));
+    let recorded = choice.finish().map(|chosen| report.chosen = chosen);
     // Ctrl-C after the last frame interrupts nothing.
     let complete = report.shots.len() == settings.count();
     let interrupted = cancelled.load(Ordering::Relaxed) && !complete;
@@ -52,6 +53,7 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
 
     tell(&report, arguments, &settings)?;
     rendered?;
+    recorded?;
     if interrupted {
         return Err(interruption.failure());
     }
@@ -69,7 +71,6 @@ fn set_up(engine: &mut Engine, arguments: &RenderArguments) -> Result<RenderSett
     let settings = RenderSettings::new(arguments, engine.timeline(), engine.film_settings())?;
     engine.set_precision(arguments.precision.into());
     engine.set_full(arguments.full);
-    engine.set_left_out(arguments.without.iter().copied());
     if let Some(cutoff) = arguments.cutoff {
         set_cutoff(engine, cutoff);
     }
@@ -94,12 +95,15 @@ fn tell(
         if let Some(changed) = report.changed.in_words() {
             print::error_line(&changed);
         }
-        if let Some((file, pilot)) = &report.choice {
+        if let Some(Chosen { file, pilot, missed }) = &report.chosen {
             print::error_line(&format!(
                 "the samples are in {}, chosen in {:.2} s; --settings with that file gives the same frames again",
                 file.display(),
                 pilot.as_secs_f64()
             ));
+            if let Some(missed) = missed {
+                print::error_line(&format!("warning: {missed}"));
+            }
         }
         print::error_line(&report.summary(settings));
     }
@@ -139,10 +143,7 @@ fn render_all(
             Err(error) => refused = refused.take().or(Some(error)),
         };
     for (ticket, shot) in settings.shots().enumerate() {
-        if let Err(error) = choice.begin(engine, &shot) {
-            rendered = Err(error.into());
-            break;
-        }
+        choice.begin(engine, &shot);
         let film = match engine.render_encoded_unless(shot.time, cancelled) {
             Ok(Some(film)) => film,
             stopped => {
@@ -150,7 +151,7 @@ fn render_all(
                 break;
             }
         };
-        choice.end(engine, &shot);
+        let noted = choice.end(engine, &shot);
         report.warnings.look(engine, &shot.moment());
         let path = settings.file_of(&shot);
         pending.push(ShotReport::new(&shot, Some(path.clone()), engine));
@@ -159,6 +160,10 @@ fn render_all(
         for written in writer.written() {
             all_good &= written.result.is_ok();
             settle(written, &pending, report);
+        }
+        if let Err(error) = noted {
+            rendered = Err(error.into());
+            break;
         }
         if !all_good {
             break;

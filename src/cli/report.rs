@@ -10,6 +10,7 @@ use rayreel::trace::{Escalations, RayCounts, TreeEnds};
 use rayreel::{Effect, Engine, FrameReport, Plan};
 
 use super::args::RenderArguments;
+use super::choice::Chosen;
 use super::overrides::Changed;
 use super::settings::{RenderSettings, Shot};
 use super::warnings::Warnings;
@@ -26,8 +27,8 @@ pub(super) struct RenderReport {
     pub(super) shots: Vec<ShotReport>,
     /// The sheet, once it is written.
     pub(super) sheet: Option<SheetReport>,
-    /// The file with the chosen settings, and the time of finding out what could be had.
-    pub(super) choice: Option<(PathBuf, Duration)>,
+    /// The samples that were chosen, if they were.
+    pub(super) chosen: Option<Chosen>,
     pub(super) warnings: Warnings,
     total: Duration,
     interrupted: bool,
@@ -61,13 +62,13 @@ impl RenderReport {
         let film = engine.film_settings();
         Self {
             scene: arguments.scene.clone(),
-            changed: Changed::new(&arguments.overrides, &arguments.without),
+            changed: Changed::new(&arguments.overrides),
             size: (film.width, film.height),
             threads,
             load,
             shots: Vec::new(),
             sheet: None,
-            choice: None,
+            chosen: None,
             warnings: Warnings::default(),
             total: Duration::ZERO,
             interrupted: false,
@@ -90,8 +91,9 @@ impl RenderReport {
             "total_seconds": self.total.as_secs_f64(),
             "peak_memory_bytes": peak_memory(),
             "interrupted": self.interrupted,
-            "settings": self.choice.as_ref().map(|(file, _)| file.display().to_string()),
-            "pilot_seconds": self.choice.as_ref().map(|(_, pilot)| pilot.as_secs_f64()),
+            "settings": self.chosen.as_ref().map(|chosen| chosen.file.display().to_string()),
+            "pilot_seconds": self.chosen.as_ref().map(|chosen| chosen.pilot.as_secs_f64()),
+            "missed": self.chosen.as_ref().and_then(|chosen| chosen.missed.clone()),
             "sheet": self.sheet.as_ref().map(SheetReport::to_json),
             "warnings": self.warnings.to_json(sources),
             "frames": self.shots.iter().map(ShotReport::to_json).collect::<Vec<_>>(),

@@ -28,11 +28,11 @@ pub(super) fn render(
 ) -> Result<(), Failure> {
     let progress = Progress::start(settings.count());
     for shot in settings.shots() {
-        choice.begin(engine, &shot)?;
+        choice.begin(engine, &shot);
         let Some(film) = engine.render_encoded_unless(shot.time, cancelled)? else {
             return Ok(());
         };
-        choice.end(engine, &shot);
+        choice.end(engine, &shot)?;
         report.warnings.look(engine, &shot.moment());
         sheet.add(&film, shot.frame.unwrap_or(0), shot.time);
         let shot = ShotReport::new(&shot, None, engine);

@@ -1,5 +1,6 @@
 //! The engine.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use hecs::{Component, World};
@@ -15,7 +16,7 @@ use crate::systems::{
 };
 use crate::time::Timeline;
 use crate::trace::reference::Reference;
-use crate::trace::{self, Precision, SimdLevel, Sums};
+use crate::trace::{self, Effects, Lighting, Precision, SimdLevel, Sums};
 
 /// A world of entities that is rendered moment by moment.
 ///
@@ -297,7 +298,6 @@ impl Engine {
     /// Sets what frames are rendered with from now on in the place of the scene's own settings. Drafts keep to the scene's.
     pub fn set_knobs(&mut self, knobs: Knobs) {
         self.knobs = knobs;
-        self.shutters = None;
     }
 
     /// Returns what frames are rendered with in the place of the scene's own settings.
@@ -412,19 +412,34 @@ impl Engine {
     #[doc(hidden)]
     #[must_use]
     pub fn probe_sample(&self, i: u32, j: u32, index: u32) -> Option<Probe<'_>> {
-        let preparation = self.preparation.as_ref()?;
-        let (camera, sampling) = (preparation.camera(), preparation.sampling(self.report.time));
+        let shown = self.shown()?;
+        let (camera, sampling) = (shown.camera(), shown.sampling(self.report.time));
         let (columns, rows) = camera.resolution();
         let exists = i < columns && j < rows && index < sampling.samples;
-        let mut reference = Reference::new(preparation.scene(), camera, sampling);
+        let mut reference = Reference::new(shown.scene(), camera, sampling, self.effects_left());
         let tree = exists.then(|| reference.sample(i, j, index))??;
-        Some(Probe::new(preparation, tree))
+        Some(Probe::new(self.preparation.as_ref()?, tree))
     }
 
     /// Returns the number of samples per pixel, and their choice, at the moment of the last frame or [`seek`](Engine::seek).
     /// `None` before the first of them.
     #[must_use]
     pub fn sampling(&self) -> Option<trace::Sampling> {
-        Some(self.preparation.as_ref()?.sampling(self.report.time))
+        Some(self.shown()?.sampling(self.report.time))
+    }
+
+    /// Returns what is prepared, without what is left out.
+    pub(super) fn shown(&self) -> Option<Cow<'_, Preparation>> {
+        let without = |shown: Cow<'_, Preparation>, effect: &Effect| Cow::Owned(shown.without(*effect));
+        Some(self.left_out.iter().fold(Cow::Borrowed(self.preparation.as_ref()?), without))
+    }
+
+    /// Returns the effects that pictures may have, if a scene calls for them. Others are not in what is [shown](Engine::shown).
+    pub(super) fn effects_left(&self) -> Effects {
+        let lighting = match self.left_out.contains(&Effect::ClearShadows) {
+            true => Lighting::Shadows,
+            false => Lighting::ClearShadows,
+        };
+        Effects { lighting, ..Effects::ALL }
     }
 }

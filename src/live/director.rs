@@ -137,7 +137,7 @@ impl Director {
         match self.read() {
             Ok((read, read_in)) => {
                 let start = Instant::now();
-                Stage::take_over(&mut self.stage, read);
+                Stage::take_over(&mut self.stage, read, &self.settings.left_out);
                 let build = Times::milliseconds(start.elapsed());
                 self.welcome(Times { read: read_in, build, ..Times::default() });
             }

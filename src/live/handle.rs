@@ -10,6 +10,7 @@ use super::mailbox::{Command, Mailbox};
 use super::state::State;
 use super::watcher::Watching;
 use crate::scene::Override;
+use crate::systems::Effect;
 
 /// The settings of a session.
 #[derive(Clone, Debug)]
@@ -18,6 +19,8 @@ pub struct SessionSettings {
     pub scene: PathBuf,
     /// Values in the place of the files' own, whatever is edited.
     pub overrides: Vec<Override>,
+    /// Effects that are left out, even if a scene calls for them.
+    pub left_out: Vec<Effect>,
     /// The first frame to be shown.
     pub frame: u32,
     /// The way in which changes of files are noticed.

@@ -34,13 +34,21 @@ impl Stage {
     }
 
     /// Replaces the scene on show, if there is one, keeping what is in both.
-    pub(super) fn take_over(stage: &mut Option<Self>, LoadedScene { scene, sources }: LoadedScene) {
+    pub(super) fn take_over(
+        stage: &mut Option<Self>,
+        LoadedScene { scene, sources }: LoadedScene,
+        left_out: &[Effect],
+    ) {
         match stage {
             Some(stage) => {
                 stage.engine.reload(scene);
                 stage.sources = sources;
             }
-            None => *stage = Some(Self { engine: Engine::from_scene(scene), sources }),
+            None => {
+                let mut engine = Engine::from_scene(scene);
+                engine.set_left_out(left_out.iter().copied());
+                *stage = Some(Self { engine, sources });
+            }
         }
     }
 
@@ -152,10 +160,11 @@ impl Stage {
         if !self.engine.plan_at(time)?.is_some_and(|plan| plan.needs(effect)) {
             return Ok(Some(None));
         }
-        let mut took = |left_out| -> Result<Option<f64>, EngineError> {
-            self.engine.set_left_out(left_out);
+        let left_out = self.engine.left_out().to_vec();
+        let mut took = |effect: Option<Effect>| -> Result<Option<f64>, EngineError> {
+            self.engine.set_left_out(left_out.iter().copied().chain(effect));
             let film = self.engine.render_unless(time, cancelled);
-            self.engine.set_left_out(None);
+            self.engine.set_left_out(left_out.iter().copied());
             Ok(film?.map(|_| Times::milliseconds(self.engine.report().trace)))
         };
         // Each is compared with a whole one made at the same time, since a machine may become slower or faster.

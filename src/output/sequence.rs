@@ -47,6 +47,12 @@ impl Sequence {
         self.named("settings.json")
     }
 
+    /// Returns the same for the frames of a sheet.
+    #[must_use]
+    pub fn sheet_settings(&self) -> PathBuf {
+        self.named("sheet.settings.json")
+    }
+
     fn file(&self, which: &str) -> PathBuf {
         self.named(&format!("{which}.{}", self.format.extension()))
     }

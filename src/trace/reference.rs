@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use crate::color::Rgb;
 use crate::trace::adaptive::{Adaptive, ErrorTarget, Rounds};
-use crate::trace::effects::Effects;
+use crate::trace::effects::{Effects, Lighting};
 use crate::trace::film::Film;
 use crate::trace::light::{
     Budget, LARGEST_TREE, LightScratch, LitPoint, MediumStack, PathState, Proposal, RenderContext, SampleId,
@@ -134,11 +134,16 @@ pub(crate) struct Reference<'a> {
 }
 
 impl<'a> Reference<'a> {
-    /// For a scene at one moment.
+    /// For a scene at one moment, with the effects that it may have.
     #[must_use]
-    pub(crate) fn new(scene: &'a PreparedScene, camera: &'a Camera, sampling: Sampling) -> Self {
+    pub(crate) fn new(
+        scene: &'a PreparedScene,
+        camera: &'a Camera,
+        sampling: Sampling,
+        effects: Effects,
+    ) -> Self {
         Self {
-            context: RenderContext::new(scene, camera, sampling, Effects::ALL),
+            context: RenderContext::new(scene, camera, sampling, effects),
             scratch: LightScratch::default(),
         }
     }
@@ -273,7 +278,7 @@ impl ReferenceSums {
 #[must_use]
 pub fn render(scene: &PreparedScene, camera: &Camera, sampling: Sampling) -> Film {
     let mut sums = ReferenceSums::new(camera.resolution(), Rounds::single(sampling.samples, 1), None);
-    Reference::new(scene, camera, sampling).add(&mut sums, 0);
+    Reference::new(scene, camera, sampling, Effects::ALL).add(&mut sums, 0);
     sums.develop()
 }
 
@@ -287,13 +292,13 @@ fn trace(
 ) -> TracedRay {
     let scene = context.scene;
     let Some(closest) = closest(scene, &ray.ray, &mut scratch.search) else {
-        let passage = ray.state.passage(Effects::ALL, scene, &scratch.media, f64::INFINITY);
+        let passage = ray.state.passage(context.effects, scene, &scratch.media, f64::INFINITY);
         let background = scene.background.towards(ray.ray.direction());
         return traced(kind, parent, ray, scratch, passage, RayEnd::Background(background));
     };
     let surface = scene.surface(scene.geometry(), &ray.ray, &closest, &mut scratch.search);
-    let passage = ray.state.passage(Effects::ALL, scene, &scratch.media, surface.distance(&ray.ray));
-    let lit = lit(scene, scratch, ray, surface, asker);
+    let passage = ray.state.passage(context.effects, scene, &scratch.media, surface.distance(&ray.ray));
+    let lit = lit(context, scratch, ray, surface, asker);
     traced(kind, parent, ray, scratch, passage, RayEnd::Surface(Box::new(lit)))
 }
 
@@ -310,12 +315,13 @@ fn traced(
 }
 
 fn lit(
-    scene: &PreparedScene,
+    context: &RenderContext<'_>,
     scratch: &mut LightScratch<'_>,
     arrived: &TreeRay,
     surface: SurfacePoint,
     asker: SampleId,
 ) -> LitSurface {
+    let scene = context.scene;
     let material = scene.material(surface.hit.id);
     let (ambient_color, diffuse) = material.colors_at(surface.point, surface.normal);
     let TreeRay { ray, state } = arrived;
@@ -324,13 +330,13 @@ fn lit(
     let lit = LitPoint { arriving, path, point, material, diffuse, asker, normal };
     let seen = (&surface, state.medium);
     let lights = scene.lights.iter().enumerate();
-    let lights = lights.map(|light| reach(scene, scratch, light, &lit, seen)).collect();
+    let lights = lights.map(|light| reach(context, scratch, light, &lit, seen)).collect();
     let also_there = scene.tied(&surface, &scratch.search.ties);
     LitSurface { ambient: ambient(scene, ambient_color), lights, surface, also_there }
 }
 
 fn reach(
-    scene: &PreparedScene,
+    context: &RenderContext<'_>,
     scratch: &mut LightScratch<'_>,
     light: (usize, &Light),
     lit: &LitPoint<'_>,
@@ -340,10 +346,10 @@ fn reach(
     let own_shape = light.1.own_shape;
     let mut sum = DVec3::ZERO;
     for sample in 0..light.1.places() {
-        let Some(Proposal { color, shadow }) = propose(Effects::ALL, light, lit, sample) else { continue };
+        let Some(Proposal { color, shadow }) = propose(context.effects, light, lit, sample) else { continue };
         let share = shadow.map_or(Ok(Rgb::ONE), |way| {
             asked = true;
-            visibility(scene, scratch, &way.ray(seen.0), own_shape, seen)
+            visibility(context, scratch, &way.ray(seen.0), own_shape, seen)
         });
         match share {
             Ok(share) => sum += (color * share).as_dvec3(),
@@ -361,22 +367,24 @@ fn reach(
     }
 }
 
-/// What share of a light comes through, or what opaque shape hides it.
+/// What share of a light comes through, or what shape hides it: an opaque one or, without shadows of what is clear, any.
 fn visibility(
-    scene: &PreparedScene,
+    context: &RenderContext<'_>,
     scratch: &mut LightScratch<'_>,
     shadow_ray: &ShadowRay,
     own_shape: Option<ShapeId>,
     seen: (&SurfacePoint, MediumStack),
 ) -> Result<Rgb, ShapeId> {
     let ShadowRay { ray, limit, .. } = shadow_ray;
+    let (scene, are_clear) = (context.scene, context.effects.lighting == Lighting::ClearShadows);
     let geometry = scene.geometry();
     scratch.search.crossed.clear();
     let hides = |id: &ShapeId| {
         let Scratch { crossed, escalations, ties, .. } = &mut scratch.search;
         let (ray, look) = (&RayView::new(ray, ties), Look::Whole);
         Some(*id) != own_shape
-            && scene.hides_or_is_crossed(geometry, *id, (ray, limit), look, crossed, escalations)
+            && (scene.hides_or_is_crossed(geometry, *id, (ray, limit), look, crossed, escalations)
+                || !are_clear && !crossed.is_empty())
     };
     match scene.geometry().ids_in_order().find(hides) {
         Some(id) => Err(id),

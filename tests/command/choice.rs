@@ -124,11 +124,20 @@ fn what_cannot_be_had_is_said_before_and_what_can() {
     assert_eq!(refused(folder, &["--max-error", "1", "--deadline", "9s"]).0, Some(2));
 
     for (text, problem) in [
-        ("{", "is no JSON"),
-        ("{}", "has no list `frames`"),
-        ("{\"frames\": [{\"frame\": 0, \"samples\": 0, \"max_error\": 1}]}", "without sound `samples`"),
-        ("{\"frames\": [{\"frame\": 0, \"samples\": 9, \"max_error\": -1}]}", "without sound `samples`"),
-        ("{\"frames\": [{\"frame\": 0, \"samples\": 9, \"max_error\": 1}]}", "has no settings for frame 1"),
+        ("{", "is not a file of settings"),
+        ("{}", "missing field `frames`"),
+        (
+            "{\"frames\": [{\"frame\": 0, \"time\": 0, \"samples\": 0, \"max_error\": 1}]}",
+            "has 0 `samples` at 0 s",
+        ),
+        (
+            "{\"frames\": [{\"frame\": 0, \"time\": 0, \"samples\": 9, \"max_error\": -1}]}",
+            "a `max_error` of -1 at 0 s",
+        ),
+        (
+            "{\"frames\": [{\"frame\": 0, \"time\": 0, \"samples\": 9, \"max_error\": 1}]}",
+            "has no settings for frame 1",
+        ),
     ] {
         fs::write(folder.join("s.json"), text).unwrap();
         let (code, message) = refused(folder, &["--settings", "s.json"]);

@@ -15,7 +15,7 @@ use rayreel::components::{
     Specular, Transform, View,
 };
 use rayreel::trace::SimdLevel;
-use rayreel::{Engine, Film, Knobs, Rgb, Time, World};
+use rayreel::{Effect, Engine, Film, Knobs, Rgb, Time, World};
 
 /// Which effects a scene may have, beside what every scene has.
 #[derive(Clone, Copy, Debug)]
@@ -243,8 +243,10 @@ proptest! {
         eye in point(),
         samples in prop_oneof![3 => Just(1), 1 => 2..=4u32],
         cutoff in prop_oneof![Just(0.0f32), Just(0.25), Just(20.0)],
+        left_out in prop::option::weighted(0.3, prop::sample::select(&Effect::ALL[..])),
     ) {
         let mut engine = Engine::new(world(effects, &things, &lights, eye, samples, cutoff));
+        engine.set_left_out(left_out);
         let reference = engine.render_reference(Time::ZERO).unwrap();
         let planned = engine.render_at(Time::ZERO).unwrap();
         assert_same(&planned, &reference)?;

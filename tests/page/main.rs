@@ -72,7 +72,14 @@ impl Preview {
 fn session(folder: &TempDir) -> Session {
     let scene = folder.path().join("ball.ron");
     Session::start(
-        SessionSettings { scene, overrides: Vec::new(), frame: 0, watching: Watching::Events, finish: false },
+        SessionSettings {
+            scene,
+            overrides: Vec::new(),
+            left_out: Vec::new(),
+            frame: 0,
+            watching: Watching::Events,
+            finish: false,
+        },
         |_| {},
     )
 }
@@ -271,8 +278,14 @@ fn another_scene_begins_with_its_own_frame() {
     preview.server = None;
     let scene = preview.folder.path().join("other.ron");
     fs::write(&scene, SCENE).unwrap();
-    let settings =
-        SessionSettings { scene, overrides: Vec::new(), frame: 5, watching: Watching::Events, finish: false };
+    let settings = SessionSettings {
+        scene,
+        overrides: Vec::new(),
+        left_out: Vec::new(),
+        frame: 5,
+        watching: Watching::Events,
+        finish: false,
+    };
     preview.session = Session::start(settings, |_| {});
     preview.server = Some(Server::start(preview.port, preview.session.handle()).unwrap());
     until(&browser, "state.scene.endsWith('other.ron') && shown !== null && shown.full && !away");

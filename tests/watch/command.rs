@@ -29,9 +29,10 @@ fn until(what: &str, is: impl Fn() -> bool) {
 }
 
 /// The pixels that `render` writes for the scene as it is.
-fn rendered(folder: &Path) -> Option<Vec<u8>> {
+fn rendered(folder: &Path, overrides: &[&str]) -> Option<Vec<u8>> {
     let arguments = ["render", "ball.ron", "--frames", "3", "--format", "ppm", "--out", "out"];
-    let command = Command::new(env!("CARGO_BIN_EXE_rayreel")).current_dir(folder).args(arguments).output();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rayreel"));
+    let command = command.current_dir(folder).args(arguments).args(overrides).output();
     assert!(command.unwrap().status.success());
     fs::read(folder.join("out/ball.0003.ppm")).ok()
 }
@@ -45,22 +46,23 @@ fn interrupt(child: Child) -> Output {
 #[cfg(unix)]
 #[test]
 fn the_terminal_tells_and_the_current_frame_is_written() {
-    for more in [&[][..], &["--poll"]] {
+    let overridden = &["--without", "diffuse-light", "--samples", "2"][..];
+    for (more, overrides) in [(&[][..], &[][..]), (&["--poll"], &[]), (&[], overridden)] {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path();
         fs::write(path.join("ball.ron"), scene(1.0, "")).unwrap();
-        let arguments = [&["ball.ron", "--frame", "3", "--out", "now.ppm"], more].concat();
+        let arguments = [&["ball.ron", "--frame", "3", "--out", "now.ppm"], more, overrides].concat();
         let mut child = watch(path, &arguments).spawn().unwrap();
         let mut line = String::new();
         let mut output = BufReader::new(child.stdout.take().unwrap());
         output.read_line(&mut line).unwrap();
         assert!(line.starts_with("ball.ron: http://127.0.0.1:"), "{line}");
 
-        let first = rendered(path);
+        let first = rendered(path, overrides);
         until("the first frame", || fs::read(path.join("now.ppm")).ok() == first);
         fs::write(path.join("new"), scene(1.5, "")).unwrap();
         fs::rename(path.join("new"), path.join("ball.ron")).unwrap();
-        let second = rendered(path);
+        let second = rendered(path, overrides);
         assert!(first != second);
         until("the second frame", || fs::read(path.join("now.ppm")).ok() == second);
         fs::write(path.join("ball.ron"), scene(-1.0, "")).unwrap();
@@ -94,14 +96,15 @@ fn files_that_cannot_be_read_for_a_while_are_read_later_without_another_save() {
         println!("there is no prlimit: it was not tried");
         return;
     }
-    for more in [&[][..], &["--poll"]] {
+    let overridden = &["--without", "diffuse-light", "--samples", "2"][..];
+    for (more, overrides) in [(&[][..], &[][..]), (&["--poll"], &[]), (&[], overridden)] {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path();
         fs::write(path.join("ball.ron"), scene(1.0, "")).unwrap();
-        let arguments = [&["ball.ron", "--frame", "3", "--out", "now.ppm"], more].concat();
+        let arguments = [&["ball.ron", "--frame", "3", "--out", "now.ppm"], more, overrides].concat();
         let mut child = watch(path, &arguments).spawn().unwrap();
         address(&mut child);
-        let first = rendered(path);
+        let first = rendered(path, &[]);
         until("the first frame", || fs::read(path.join("now.ppm")).ok() == first);
         let limit = |files: &str| {
             let arguments = ["--pid", &child.id().to_string(), &format!("--nofile={files}:")];
@@ -110,7 +113,7 @@ fn files_that_cannot_be_read_for_a_while_are_read_later_without_another_save() {
         limit("3");
         fs::write(path.join("new"), scene(1.5, "")).unwrap();
         fs::rename(path.join("new"), path.join("ball.ron")).unwrap();
-        let second = rendered(path);
+        let second = rendered(path, &[]);
         sleep(Duration::from_millis(2500));
         assert!(fs::read(path.join("now.ppm")).ok() == first);
         limit("1000");

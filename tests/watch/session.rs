@@ -55,6 +55,7 @@ impl Stage {
         let settings = SessionSettings {
             scene: path,
             overrides: Vec::new(),
+            left_out: Vec::new(),
             frame: 0,
             watching: Watching::Events,
             finish,

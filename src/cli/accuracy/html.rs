@@ -32,8 +32,8 @@ pub(super) fn page(measured: &Measured, transfer: Transfer) -> anyhow::Result<St
     page += &pictures(report, transfer)?;
     page += "<h2>Error against time</h2>\n";
     page += &overview(report).svg();
-    page += "<p class=\"dim\">Bars are from the quickest to the slowest of all rounds; the dashed line joins what nothing else is both \
-             better and quicker than. In the grey the reference is no better than the picture.</p>\n";
+    page += "<p class=\"dim\">Bars are from the quickest to the slowest of all rounds; the dashed line is the Pareto front: \
+             nothing else is both better and quicker. In the grey area the reference is no better than the picture.</p>\n";
     page += &table(report);
     page += &effects(report, transfer)?;
     page += &knobs(report);
@@ -160,8 +160,8 @@ fn table(report: &Report) -> String {
         report.of_knob(Knob::Precision).map(|row| precision_in_words(row, report)).collect();
     let _ = writeln!(table, "</table></div>\n<p>{}</p>", escaped(&precisions.join(" ")));
     table
-        + "<p class=\"dim\">Errors are in steps of 8 bits, before they are rounded. ★: no other setting is both better and \
-             quicker. Alone: what is due to this knob only.</p>\n"
+        + "<p class=\"dim\">Errors are in steps of 8 bits, before they are rounded. ★ is the Pareto front: no other setting is both \
+             better and quicker. Alone: what is due to this knob only.</p>\n"
 }
 
 /// The price and the worth of each effect.
@@ -257,9 +257,9 @@ fn method(page: &mut String, measured: &Measured) {
     let report = &measured.report;
     let _ = writeln!(
         page,
-        "<h2>How it was measured</h2>\n<p>Every setting was rendered {} times, all in turns; times are medians, and × own is the time in \
-         multiples of the scene's own settings, rendered right before and after. Everything is {}: twice the standard error of \
-         the mean of pictures with independent samples. Smooth pictures converge as n<sup>-1.5</sup>, edges as n<sup>-0.75</sup>, and what \
+        "<h2>How it was measured</h2>\n<p>Every setting was rendered {} times, all in turns; times are medians, and × own is the time as a \
+         multiple of that of the scene's own settings, rendered right before and after. Pictures were {}: twice the standard error of \
+         the mean of those pictures, whose samples are independent. Smooth pictures converge as n<sup>-1.5</sup>, edges as n<sup>-0.75</sup>, and what \
          is sampled in more dimensions, as soft shadows, between that and n<sup>-0.5</sup>.</p>",
         report.rounds,
         escaped(&reference_in_words(report))

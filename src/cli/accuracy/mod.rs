@@ -46,7 +46,6 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
         ensure_not_the_scene(file, &arguments.scene)?;
     }
     let mut engine = load(&arguments.scene, &arguments.overrides)?;
-    engine.set_left_out(arguments.without.iter().copied());
     let (frames, spread_over) = frames(arguments, &engine)?;
     if let Some(size) = arguments.size {
         resize(&mut engine, size);
@@ -73,7 +72,7 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
     };
     let measured = Measured {
         scene: arguments.scene.display().to_string(),
-        changed: Changed::new(&arguments.overrides, &arguments.without),
+        changed: Changed::new(&arguments.overrides),
         machine: Machine::this(pool.current_num_threads()),
         spread_over,
         report,

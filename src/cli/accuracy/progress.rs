@@ -37,7 +37,7 @@ impl MeasureProgress {
         let Progress { step, share } = progress;
         let step = match step {
             Step::Reference => "the reference".to_owned(),
-            Step::Row(subject, _) => subject.to_string(),
+            Step::Row(subject) => subject.to_string(),
         };
         let left = time_left(self.start.elapsed(), *share);
         let left = left.map_or_else(String::new, |left| format!(", about {} s left", left.as_secs() + 1));

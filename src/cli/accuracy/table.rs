@@ -21,7 +21,7 @@ pub(super) fn draw(measured: &Measured) -> String {
     let _ = writeln!(text, "{}", measured.machine.in_words());
     let _ = writeln!(text, "{}\n", reference_in_words(report));
     text += &rows(report);
-    text += "\n* no other setting is both better and quicker. Errors are in steps of 8 bits.\n";
+    text += "\n* Pareto front: no other setting is both better and quicker. Errors are in steps of 8 bits.\n";
     for (knob, law) in &report.orders {
         let _ = writeln!(
             text,
@@ -61,7 +61,7 @@ pub(super) fn frames_in_words(measured: &Measured) -> String {
 pub(super) fn reference_in_words(report: &Report) -> String {
     let reference = &report.reference;
     format!(
-        "compared with {} samples per pixel in {} pictures of {:.1} s, which are off by at most {:.3} rms, {:.1} in any channel",
+        "compared with {} samples per pixel, in {} pictures that took {:.1} s; uncertain by {:.3} rms, by {:.1} in any channel",
         reference.samples,
         reference.pictures,
         reference.time.as_secs_f64(),

@@ -58,7 +58,8 @@ impl Costs {
                 cost.shares.push((1.0 - part.seconds / usual).max(0.0));
                 if round == 0 {
                     cost.rays = (whole.rays - part.rays) / count;
-                    cost.error = difference(engine, &part.films, &whole.films);
+                    let transfer = engine.film_settings().transfer;
+                    cost.error = FilmError::of_sequence(&part.films, &whole.films, transfer);
                 }
                 seconds.push(usual / count);
             }
@@ -129,11 +130,4 @@ fn render(engine: &mut Engine, frames: &[u32], left_out: Option<Effect>) -> Resu
     }
     engine.set_left_out(others);
     Ok(rendered)
-}
-
-/// Returns the error of all frames together.
-fn difference(engine: &Engine, films: &[Film], wholes: &[Film]) -> FilmError {
-    let transfer = engine.film_settings().transfer;
-    let pairs = films.iter().zip(wholes);
-    FilmError::of_all(pairs.map(|(film, whole)| FilmError::between(film, whole, transfer)))
 }

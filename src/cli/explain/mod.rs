@@ -26,7 +26,6 @@ use timeline::PlannedTimeline;
 
 pub(super) fn run(arguments: &ExplainArguments) -> Result<(), Failure> {
     let mut engine = load(&arguments.scene, &arguments.overrides)?;
-    engine.set_left_out(arguments.without.iter().copied());
     let frames = match &arguments.frames {
         Some(frames) => frames.clone(),
         None => FrameList::all(engine.timeline().frame_count()),
@@ -76,7 +75,7 @@ impl Explanation {
         let film = engine.film_settings();
         Ok(Self {
             scene: arguments.scene.display().to_string(),
-            changed: Changed::new(&arguments.overrides, &arguments.without),
+            changed: Changed::new(&arguments.overrides),
             size: (film.width, film.height),
             measure: arguments.measure,
             timeline,

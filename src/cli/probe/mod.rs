@@ -20,6 +20,7 @@ pub(super) fn run(arguments: &ProbeArguments) -> Result<(), Failure> {
     let (scene, sources) = Scene::load_overridden(&arguments.scene, &arguments.overrides.all())?;
     let file = arguments.scene.display().to_string();
     let mut engine = Engine::from_scene(scene);
+    engine.set_left_out(arguments.overrides.without.iter().copied());
     let frame = arguments.at.is_none().then(|| arguments.frame.unwrap_or(0));
     if let Some(frame) = frame {
         require_frame(frame, engine.timeline())?;

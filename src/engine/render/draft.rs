@@ -67,10 +67,11 @@ impl Engine {
         }
         let Some(preparation) = &mut self.preparation else { return Ok(None) };
         let settings = draft.frame_settings(preparation.frame_settings());
-        let settings = preparation.replace_frame_settings(&settings, &self.world);
-        let (scene, camera, sampling) =
-            (preparation.scene(), preparation.camera(), preparation.sampling(time));
-        let mut effects = preparation.plan(&self.world).effects();
+        let own = preparation.replace_frame_settings(&settings, &self.world);
+        let Some(shown) = self.shown() else { return Ok(None) };
+        let (scene, camera, sampling) = (shown.scene(), shown.camera(), shown.sampling(time));
+        let mut effects = shown.plan(&self.world).effects();
+        effects.lighting = effects.lighting.min(self.effects_left().lighting);
         if !draft.shadows {
             effects.lighting = effects.lighting.min(Lighting::Unshadowed);
         }
@@ -82,7 +83,9 @@ impl Engine {
             traced += start.elapsed();
             whole
         });
-        preparation.replace_frame_settings(&settings, &self.world);
+        if let Some(preparation) = &mut self.preparation {
+            preparation.replace_frame_settings(&own, &self.world);
+        }
         self.report.trace = traced;
         if !whole {
             return Ok(None);

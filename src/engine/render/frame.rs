@@ -1,6 +1,5 @@
 //! Renders frames: instant after instant while the shutter is open.
 
-use std::borrow::Cow;
 use std::ops::ControlFlow::{self, Continue};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -16,8 +15,7 @@ use crate::systems::{
 use crate::time::Time;
 use crate::trace::reference::{Reference, ReferenceSums};
 use crate::trace::{
-    BvhUpdate, Effects, EncodedFilm, ErrorTarget, Exposure, Film, Lighting, Rounds, SceneChanges, Signals,
-    Sums,
+    BvhUpdate, Effects, EncodedFilm, ErrorTarget, Exposure, Film, Rounds, SceneChanges, Signals, Sums,
 };
 
 /// A signal that is never set.
@@ -156,12 +154,12 @@ impl Engine {
     /// As [`Engine::render_frame`].
     pub fn render_reference(&mut self, time: Time) -> Result<Film, EngineError> {
         let instants = self.instants(time);
-        let (mut sums, count) = (None, count_of(&instants));
+        let (mut sums, count, left) = (None, count_of(&instants), self.effects_left());
         self.seek_all(time, &instants, &NEVER, |preparation, _, instant| {
             let (scene, camera) = (preparation.scene(), preparation.camera());
             let (rounds, target) = rounds(preparation, count);
             let sums = sums.get_or_insert_with(|| ReferenceSums::new(camera.resolution(), rounds, target));
-            Reference::new(scene, camera, preparation.sampling(time)).add(sums, instant);
+            Reference::new(scene, camera, preparation.sampling(time), left).add(sums, instant);
             if instant + 1 == count && sums.next_round() { Then::Again } else { Then::GoOn }
         })?;
         let FilmSettings { width, height, .. } = self.film_settings();
@@ -182,7 +180,7 @@ impl Engine {
     /// Returns the exposure of a frame, from the world as it is before custom systems: when a frame begins cannot depend on what
     /// is there then.
     fn shutter(&mut self, time: Time) -> Shutter {
-        self.shutters.get_or_insert_with(|| Shutters::of(&self.world, &self.knobs)).at(time)
+        self.shutters.get_or_insert_with(|| Shutters::of(&self.world)).at(time, &self.knobs)
     }
 
     /// Returns the instants at which a frame is drawn: its moment, or several while the shutter is open.
@@ -221,15 +219,11 @@ impl Engine {
         while let Some((index, instant)) = next.next() {
             let Some(changed) = self.bring(*instant, cancelled)? else { return Ok(false) };
             let Some(own) = self.turn_knobs(&mut exposure) else { continue };
-            let Some(preparation) = &self.preparation else { continue };
+            let Some(shown) = self.shown() else { continue };
             moves |= index > 0 && !changed.is_empty();
-            let without = |shown: Cow<'_, Preparation>, effect: &Effect| Cow::Owned(shown.without(*effect));
-            let shown = self.left_out.iter().fold(Cow::Borrowed(preparation), without);
             let now = shown.plan(&self.world);
             let mut effects = if self.full { Effects::ALL } else { now.effects() };
-            if self.left_out.contains(&Effect::ClearShadows) {
-                effects.lighting = effects.lighting.min(Lighting::Shadows);
-            }
+            effects.lighting = effects.lighting.min(self.effects_left().lighting);
             match &mut plan {
                 Some(plan) => plan.join(&now),
                 None => plan = Some(now),

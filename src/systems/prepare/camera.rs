@@ -107,35 +107,38 @@ pub(crate) enum Shutter {
 /// The exposure of frames, from the world as it is.
 #[derive(Clone, Debug)]
 pub(crate) struct Shutters {
-    /// The start of each shot in seconds, ascending, with its exposure.
-    shots: Vec<(f64, Shutter)>,
-    /// The exposure without shots.
-    single: Shutter,
+    /// The start of each shot in seconds, ascending, with the share of the time from frame to frame that its shutter is open; 0 without
+    /// one.
+    shots: Vec<(f64, f64)>,
+    /// The same without shots.
+    single: f64,
+    sampling: Sampling,
 }
 
 impl Shutters {
-    /// Returns them with what knobs turn of the scene's samples.
     #[must_use]
-    pub(crate) fn of(world: &World, knobs: &Knobs) -> Self {
+    pub(crate) fn of(world: &World) -> Self {
         let camera = |entity| component::<Camera>(world, entity).unwrap_or_default();
-        let Sampling { samples, instants, .. } = knobs.sampling(first(world));
-        let instants = instants.min(samples);
-        let shutter = |entity| match camera(entity).shutter {
-            Some(open) if open > 0.0 && instants > 1 => Shutter::Open(open.min(1.0), instants),
-            Some(open) if open > 0.0 => Shutter::OneInstant,
-            _ => Shutter::None,
-        };
+        let open =
+            |entity| camera(entity).shutter.filter(|open| *open > 0.0).map_or(0.0, |open| open.min(1.0));
         let shots = first::<Shots>(world).0;
         Self {
-            shots: shots.iter().map(|shot| (shot.start, shutter(Some(shot.camera)))).collect(),
-            single: shutter(first_entity::<Camera>(world)),
+            shots: shots.iter().map(|shot| (shot.start, open(Some(shot.camera)))).collect(),
+            single: open(first_entity::<Camera>(world)),
+            sampling: first(world),
         }
     }
 
-    /// Returns the exposure of the frame at `moment`.
+    /// Returns the exposure of the frame at `moment`, with what knobs turn of the scene's samples.
     #[must_use]
-    pub(crate) fn at(&self, moment: Time) -> Shutter {
+    pub(crate) fn at(&self, moment: Time, knobs: &Knobs) -> Shutter {
         let begun = self.shots.partition_point(|(start, _)| *start <= moment.seconds());
-        self.shots.get(begun.saturating_sub(1)).map_or(self.single, |(_, shutter)| *shutter)
+        let open = self.shots.get(begun.saturating_sub(1)).map_or(self.single, |(_, open)| *open);
+        let Sampling { samples, instants, .. } = knobs.sampling(self.sampling);
+        match instants.min(samples) {
+            _ if open == 0.0 => Shutter::None,
+            1 => Shutter::OneInstant,
+            instants => Shutter::Open(open, instants),
+        }
     }
 }

@@ -50,7 +50,9 @@ pub(crate) fn quality_settings(world: &World) -> Quality {
 }
 
 pub(super) fn sane_sampling(sampling: Sampling) -> Sampling {
-    let samples = sampling.samples.clamp(1, Sampling::LARGEST_COUNT);
+    let no_limit = sampling.max_error > 0.0 && sampling.samples <= 1;
+    let most = Sampling::LARGEST_COUNT;
+    let samples = if no_limit { most } else { sampling.samples.clamp(1, most) };
     let instants = sampling.instants.clamp(1, Sampling::LARGEST_INSTANTS);
     let max_error =
         if sampling.max_error > 0.0 { sampling.max_error.min(Sampling::LARGEST_ERROR) } else { 0.0 };

@@ -184,7 +184,9 @@ impl Adaptive {
                 }
                 let sum = sum(row * width + column);
                 if rounds.index() > 0 {
-                    let square = share * curve.mean_square(*before / old, (sum - *before) / new);
+                    // Beyond what a number can hold all is white.
+                    let halves = [*before / old, (sum - *before) / new];
+                    let square = if sum.is_finite() { share * curve.mean_square(halves) } else { 0.0 };
                     pixel.spread = if rounds.index() == 1 {
                         single(square)
                     } else {
@@ -203,8 +205,9 @@ impl Adaptive {
         let height = self.pixels.len() / width;
         let count = |pixel: &PixelError| f64::from(if pixel.samples > 0 { pixel.samples } else { taken });
         let pixels = self.pixels.par_iter().zip(&self.sums);
-        let means: Vec<Vec3> = pixels.map(|(pixel, sum)| (*sum / count(pixel)).as_vec3()).collect();
-        // Half of what may be missed at most, and how often that is so.
+        let mean = |sum: DVec3, count: f64| (sum / count).as_vec3().min(Vec3::MAX);
+        let means: Vec<Vec3> = pixels.map(|(pixel, sum)| mean(*sum, count(pixel))).collect();
+        // Half of the largest part that may be missed, and the share of pixels in which one is.
         let (part, often) = (0.5 / f64::from(taken), 1.0 / (f64::from(taken) * self.scale()));
         self.pixels.par_chunks_mut(width).enumerate().for_each(|(row, pixels)| {
             for (column, pixel) in pixels.iter_mut().enumerate().filter(|(_, pixel)| pixel.samples == 0) {
@@ -218,13 +221,14 @@ impl Adaptive {
                 }
                 let mean = mean.as_dvec3();
                 let square = [least, most]
-                    .map(|other| curve.mean_square(mean, mean + (other.as_dvec3() - mean) * part));
+                    .map(|other| curve.mean_square([mean, mean + (other.as_dvec3() - mean) * part]));
                 pixel.missed = single(often * square[0].max(square[1]));
             }
         });
     }
 
-    /// Returns how much each pixel that had samples in this round needs more: its square error and that of its neighbourhood, half each.
+    /// Returns how urgently each pixel that had samples in this round needs more: its square error and that of its neighbourhood, half
+    /// each.
     fn needs(&self) -> Vec<f32> {
         let width = self.width;
         let height = self.pixels.len() / width;

@@ -29,7 +29,7 @@ impl OutputCurve {
     }
 
     /// Returns the mean square of the difference of two colours' output values.
-    pub(super) fn mean_square(&self, one: DVec3, other: DVec3) -> f64 {
+    pub(super) fn mean_square(&self, [one, other]: [DVec3; 2]) -> f64 {
         let mut sum = 0.0;
         for (one, other) in one.to_array().into_iter().zip(other.to_array()) {
             if one != other {

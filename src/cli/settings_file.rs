@@ -1,0 +1,115 @@
+//! The file of the samples that were chosen for frames, beside them: with it they are rendered again without a clock.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, ensure};
+use serde::{Deserialize, Serialize};
+
+use rayreel::accuracy::FrameSamples;
+use rayreel::components::Sampling;
+use rayreel::output::write_bytes;
+
+use super::settings::Shot;
+
+/// The samples of frames, and what came of them.
+#[derive(Debug, Default)]
+pub(super) struct SettingsFile {
+    frames: BTreeMap<Picture, FrameSettings>,
+}
+
+/// Which picture it is: a frame by its number, or a moment by the bits of its time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Picture {
+    Frame(u32),
+    Moment(u64),
+}
+
+/// What was chosen for a frame.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct FrameSettings {
+    /// `null` for a moment that is no frame.
+    pub(super) frame: Option<u32>,
+    /// In seconds.
+    pub(super) time: f64,
+    pub(super) samples: u32,
+    pub(super) max_error: f32,
+    /// In steps of 8 bits; `null` where all pixels have so few samples that they do not tell.
+    #[serde(default)]
+    pub(super) estimated_error: Option<f64>,
+    #[serde(default)]
+    pub(super) samples_per_pixel: f64,
+    #[serde(default)]
+    pub(super) seconds: f64,
+}
+
+/// What stands in the file.
+#[derive(Serialize, Deserialize)]
+struct Content {
+    #[serde(default)]
+    rayreel: String,
+    #[serde(default)]
+    scene: String,
+    #[serde(default)]
+    pilot_seconds: f64,
+    frames: Vec<FrameSettings>,
+}
+
+impl SettingsFile {
+    /// Reads one.
+    pub(super) fn read(file: &Path) -> anyhow::Result<Self> {
+        let name = file.display();
+        let text = fs::read_to_string(file).with_context(|| format!("cannot read `{name}`"))?;
+        let content: Content = serde_json::from_str(&text).with_context(|| {
+            format!("`{name}` is not a file of settings, as render --max-error and --deadline write it")
+        })?;
+        for FrameSettings { time, samples, max_error, .. } in &content.frames {
+            let most = Sampling::LARGEST_COUNT;
+            ensure!(
+                (1..=most).contains(samples),
+                "`{name}` has {samples} `samples` at {time} s: write 1 to {most}"
+            );
+            let most = Sampling::LARGEST_ERROR;
+            ensure!(
+                (0.0..=most).contains(max_error),
+                "`{name}` has a `max_error` of {max_error} at {time} s: write 0 to {most}"
+            );
+        }
+        Ok(Self { frames: content.frames.into_iter().map(|frame| (frame.picture(), frame)).collect() })
+    }
+
+    /// Returns the samples of a shot.
+    pub(super) fn samples_of(&self, shot: &Shot) -> Option<FrameSamples> {
+        let frame = self.frames.get(&Picture::of(shot.frame, shot.time.seconds()))?;
+        Some(FrameSamples { samples: frame.samples, max_error: frame.max_error })
+    }
+
+    /// Puts a frame in, in the place of what is known of it.
+    pub(super) fn put(&mut self, frame: FrameSettings) {
+        self.frames.insert(frame.picture(), frame);
+    }
+
+    /// Writes it, whole or not at all.
+    pub(super) fn write(&self, file: &Path, scene: &Path, pilot_seconds: f64) -> anyhow::Result<()> {
+        let content = Content {
+            rayreel: env!("CARGO_PKG_VERSION").to_owned(),
+            scene: scene.display().to_string(),
+            pilot_seconds,
+            frames: self.frames.values().copied().collect(),
+        };
+        Ok(write_bytes(file, format!("{}\n", serde_json::to_string_pretty(&content)?).as_bytes())?)
+    }
+}
+
+impl FrameSettings {
+    fn picture(&self) -> Picture {
+        Picture::of(self.frame, self.time)
+    }
+}
+
+impl Picture {
+    fn of(frame: Option<u32>, time: f64) -> Self {
+        frame.map_or(Self::Moment(time.to_bits()), Self::Frame)
+    }
+}
