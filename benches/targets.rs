@@ -1,17 +1,23 @@
 //! Whether pictures are as good as they are asked to be, and at what price.
 //!
-//! `cargo bench --bench targets` renders frames of six scenes for four errors, as `render --max-error` does, compares them with long
-//! references, and times them beside every number of samples from 1 to 64 and every error that the sweep of `rayreel accuracy` has. It
-//! takes a quarter of an hour; the name of a scene after `--` measures that alone.
+//! `cargo bench --bench targets` renders frames of six scenes, of 480 by 270 pixels, for four errors, as `render --max-error` does, compares
+//! them with long references, and times them beside every number of samples from 1 to 64 and every error that the sweep of `rayreel
+//! accuracy` has. Then it tells how many samples pictures take that have as many in all pixels, compared with those that have
+//! as many as each pixel needs, for the same error. It takes a quarter of an hour; the name of a scene after `--` measures that
+//! alone.
 
-#![allow(clippy::print_stdout, reason = "a bench prints its table")]
+#![allow(
+    clippy::print_stdout,
+    clippy::disallowed_methods,
+    reason = "a bench prints its table, and no bits depend on it"
+)]
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use rayreel::accuracy::{Converged, FewSamples, FilmError, FrameSamples, Pilot, Spread};
-use rayreel::components::Sampling;
+use rayreel::components::{FilmSettings, Sampling};
 use rayreel::{Engine, Knobs, Time};
 
 const SCENES: [&str; 6] =
@@ -23,6 +29,7 @@ const FRAMES: u32 = 5;
 const SAMPLES: u32 = 512;
 const PICTURES: u64 = 3;
 const ROUNDS: u32 = 5;
+const SIZE: (u32, u32) = (480, 270);
 
 fn main() {
     let wanted: Vec<String> =
@@ -31,16 +38,23 @@ fn main() {
         "| scene | error asked for | settings | errors found, frame by frame | reference's | time / that of the quickest that is as good |"
     );
     println!("|---|---|---|---|---|---|");
-    for scene in
-        SCENES.into_iter().filter(|scene| wanted.is_empty() || wanted.iter().any(|name| name == scene))
-    {
-        measure(scene);
+    let is_wanted = |scene: &&str| wanted.is_empty() || wanted.iter().any(|name| name == *scene);
+    let gains: Vec<(&str, String)> =
+        SCENES.into_iter().filter(is_wanted).map(|scene| (scene, measure(scene))).collect();
+    println!("\n| scene | samples in all pixels / as many as each needs, for the same error |");
+    println!("|---|---|");
+    for (scene, gains) in gains {
+        println!("| {scene} | {gains} |");
     }
 }
 
-fn measure(scene: &str) {
+/// Measures a scene, and returns what it gains by samples where they are needed.
+fn measure(scene: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene).with_extension("ron");
     let mut engine = Engine::load(path).expect("shipped scenes are good");
+    for film in engine.world_mut().query_mut::<&mut FilmSettings>() {
+        (film.width, film.height) = SIZE;
+    }
     let timeline = engine.timeline();
     let last = timeline.frame_count() - 1;
     let frames: Vec<Time> = (0..FRAMES).map(|frame| timeline.time_of(last * frame / (FRAMES - 1))).collect();
@@ -69,6 +83,40 @@ fn measure(scene: &str) {
         let found: Vec<String> = found.iter().map(|error| format!("{error:.2}")).collect();
         println!("| {scene} | {asked} | {settings} | {} | {uncertainty:.2} | {ratio:.2} |", found.join(", "));
     }
+    gains(&mut engine, frames[middle], &references[middle])
+}
+
+/// Returns by how much fewer samples are taken where they are needed, for several errors.
+fn gains(engine: &mut Engine, frame: Time, reference: &Converged) -> String {
+    let pixels = f64::from(SIZE.0 * SIZE.1);
+    let mut uniform = Vec::new();
+    for exponent in 1..10 {
+        let samples = 1 << exponent;
+        let found = error(engine, frame, FrameSamples { samples, max_error: 0.0 }, reference);
+        uniform.push((f64::from(samples), found));
+    }
+    let told = [4.0, 2.0, 1.0, 0.5, 0.25].map(|asked| {
+        let found = error(engine, frame, FrameSamples::for_error(asked, Sampling::LARGEST_COUNT), reference);
+        let samples = engine.report().rays.camera as f64 / pixels;
+        let gain = samples_for(&uniform, found).map_or_else(
+            || "more than 512 in all pixels".to_owned(),
+            |all| format!("{:.2} ({all:.1} / {samples:.1})", all / samples),
+        );
+        format!("{found:.2}: {gain}")
+    });
+    told.join(", ")
+}
+
+/// Returns the samples that an error takes, between those that were measured: on lines between logarithms.
+fn samples_for(measured: &[(f64, f64)], error: f64) -> Option<f64> {
+    let (few, fewest_error) = measured[0];
+    if error >= fewest_error {
+        return Some(few);
+    }
+    measured.windows(2).find(|pair| pair[1].1 <= error).map(|pair| {
+        let [(few, large), (many, small)] = [pair[0], pair[1]];
+        few * (many / few).powf((large / error).ln() / (large / small).ln())
+    })
 }
 
 fn reference(engine: &mut Engine, frame: Time) -> Converged {

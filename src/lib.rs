@@ -69,8 +69,8 @@
 //! | `engine` | world, systems and reused buffers | color, time, animation, components, scene, systems, trace | hecs, glam, rayon |
 //! | `accuracy` | what accuracy costs in time: errors between pictures, sweeps over settings | engine, systems, components, trace, time, color | glam, rayon |
 //! | `output` | frame files, sequences, sheets | trace, color, time | image, rayon |
-//! | `live` | watching and reloading scenes, the preview's server and page | color, time, components, scene, systems, engine, trace, output | hecs, notify, axum, hyper_util, tokio, futures_util, serde, serde_json |
-//! | `main`, `cli` | arguments to settings to calls, and all printing; binary only | rayreel | glam, clap, clap_complete, csv, indicatif, ctrlc, libc, signal_hook, anyhow, base64, libm, rayon, serde, serde_json |
+//! | `live` | watching and reloading scenes, the preview's server and page | color, time, components, scene, systems, engine, accuracy, trace, output | hecs, notify, axum, hyper_util, tokio, futures_util, serde, serde_json |
+//! | `main`, `cli` | arguments to settings to calls, and all printing; binary only | rayreel | glam, clap, clap_complete, csv, indicatif, ctrlc, libc, signal_hook, anyhow, base64, libm, perf_event, rayon, serde, serde_json |
 
 pub mod accuracy;
 pub mod animation;

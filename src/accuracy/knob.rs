@@ -24,11 +24,13 @@ pub enum Knob {
     Cutoff,
     /// How exactly it is found where rays meet shapes.
     Precision,
+    /// The film's columns and rows.
+    Size,
 }
 
 impl Knob {
     /// All of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Samples,
         Self::MaxError,
         Self::LightSamples,
@@ -36,6 +38,7 @@ impl Knob {
         Self::Depth,
         Self::Cutoff,
         Self::Precision,
+        Self::Size,
     ];
 
     /// Returns its name in words.
@@ -49,6 +52,7 @@ impl Knob {
             Self::Depth => "depth",
             Self::Cutoff => "cutoff",
             Self::Precision => "precision",
+            Self::Size => "size",
         }
     }
 
@@ -88,6 +92,8 @@ pub enum Subject {
     Knob(Knob, f64),
     /// Another precision.
     Precision(Precision),
+    /// Another size of the film, in columns and rows; pictures are scaled to be compared.
+    Size(u32, u32),
     /// An effect that is left out.
     Without(Effect),
 }
@@ -99,6 +105,7 @@ impl Subject {
         match self {
             Self::Knob(knob, _) => Some(*knob),
             Self::Precision(_) => Some(Knob::Precision),
+            Self::Size(..) => Some(Knob::Size),
             Self::Own | Self::Without(_) => None,
         }
     }
@@ -112,6 +119,7 @@ impl fmt::Display for Subject {
             Self::Precision(Precision::Guaranteed) => formatter.write_str("guaranteed"),
             Self::Precision(Precision::TextbookF64) => formatter.write_str("textbook f64"),
             Self::Precision(Precision::TextbookF32) => formatter.write_str("textbook f32"),
+            Self::Size(width, height) => write!(formatter, "size {width}x{height}"),
             Self::Without(effect) => write!(formatter, "without {effect}"),
         }
     }
@@ -137,27 +145,34 @@ pub(super) struct Reach {
     pub(super) depth: u32,
 }
 
-/// Returns the ways to render a scene that are worth comparing, for the effects that it needs: its own way first.
-pub(super) fn sweep(plan: &Plan, own: OwnSettings, reach: Reach) -> Vec<(Subject, Variant)> {
+/// Returns the ways to render a scene that are worth comparing, for the effects that it needs: its own way first. Other sizes of the film
+/// are among them if they are given.
+pub(super) fn sweep(
+    plan: &Plan,
+    own: OwnSettings,
+    reach: Reach,
+    sizes: &[(u32, u32)],
+) -> Vec<(Subject, Variant)> {
     let mut rows = vec![(Subject::Own, Variant::default())];
     for knob in Knob::ALL.into_iter().filter(|knob| is_called_for(*knob, plan)) {
-        if knob == Knob::Precision {
-            let others = [Precision::TextbookF64, Precision::TextbookF32];
-            rows.extend(others.map(|precision| {
-                (Subject::Precision(precision), Variant { precision, ..Variant::default() })
-            }));
-        } else {
-            let turned = values(knob, own, reach).into_iter().map(|value| {
-                let mut knobs = turned(knob, value);
-                if knob == Knob::MaxError {
-                    // No better than the reference.
-                    knobs.samples = Some(reach.most);
-                }
-                (Subject::Knob(knob, value), Variant { knobs, ..Variant::default() })
-            });
-            rows.extend(turned);
-        }
+        let turned = values(knob, own, reach).into_iter().map(|value| {
+            let mut knobs = turned(knob, value);
+            if knob == Knob::MaxError {
+                // No better than the reference.
+                knobs.samples = Some(reach.most);
+            }
+            (Subject::Knob(knob, value), Variant { knobs, ..Variant::default() })
+        });
+        rows.extend(turned);
     }
+    rows.extend(
+        [Precision::TextbookF64, Precision::TextbookF32]
+            .map(|precision| (Subject::Precision(precision), Variant { precision, ..Variant::default() })),
+    );
+    rows.extend(sizes.iter().map(|(width, height)| {
+        let knobs = Knobs { size: Some((*width, *height)), ..Knobs::default() };
+        (Subject::Size(*width, *height), Variant { knobs, ..Variant::default() })
+    }));
     let without = plan.needed().filter(|effect| *effect != Effect::Ambient || plan.needed().count() > 1);
     rows.extend(
         without.map(|effect| {
@@ -170,7 +185,7 @@ pub(super) fn sweep(plan: &Plan, own: OwnSettings, reach: Reach) -> Vec<(Subject
 /// Returns whether a knob makes a difference to pictures that need these effects.
 fn is_called_for(knob: Knob, plan: &Plan) -> bool {
     match knob {
-        Knob::Samples | Knob::MaxError | Knob::Precision => true,
+        Knob::Samples | Knob::MaxError | Knob::Precision | Knob::Size => true,
         Knob::LightSamples => plan.needs(Effect::AreaLights),
         Knob::Instants => plan.needs(Effect::MotionBlur),
         Knob::Depth | Knob::Cutoff => plan.needs(Effect::Reflection) || plan.needs(Effect::Refraction),
@@ -195,7 +210,8 @@ fn values(knob: Knob, OwnSettings { sampling, quality }: OwnSettings, reach: Rea
             (depths.take_while(|depth| *depth <= reach.depth).map(f64::from).collect(), quality.depth.into())
         }
         Knob::Cutoff => (vec![0.0, 0.25, 1.0, 4.0, 16.0], quality.cutoff.into()),
-        Knob::Precision => (Vec::new(), 0.0),
+        // Their values are no numbers.
+        Knob::Precision | Knob::Size => (Vec::new(), 0.0),
     };
     values.retain(|value| *value != own);
     values
@@ -215,6 +231,6 @@ pub(super) fn turned(knob: Knob, value: f64) -> Knobs {
         Knob::Instants => Knobs { instants: Some(count), ..knobs },
         Knob::Depth => Knobs { depth: Some(count), ..knobs },
         Knob::Cutoff => Knobs { cutoff: Some(number), ..knobs },
-        Knob::Precision => knobs,
+        Knob::Precision | Knob::Size => knobs,
     }
 }

@@ -5,11 +5,12 @@ use std::time::{Duration, Instant};
 
 use super::knob::{Knob, OwnSettings, Reach, Subject, Variant, sweep, turned};
 use super::report::{Reference, Report, Row};
+use super::resample::resampled;
 use super::spread::Spread;
 use super::stop::{Stop, render, unless_cancelled};
 use super::{Converged, FilmError, structural_similarity};
 use crate::color::Transfer;
-use crate::components::Sampling;
+use crate::components::{FilmSettings, Sampling};
 use crate::engine::{Engine, EngineError};
 use crate::systems::{Effect, Knobs, Plan, quality_settings, sampling_settings};
 use crate::time::Time;
@@ -42,6 +43,8 @@ pub struct Request {
     pub frames: Vec<u32>,
     /// How thoroughly.
     pub thoroughness: Thoroughness,
+    /// Other sizes of the film that are compared, in columns and rows.
+    pub sizes: Vec<(u32, u32)>,
     /// Whether the first frame's pictures are kept.
     pub keep_films: bool,
 }
@@ -64,6 +67,17 @@ pub enum Step {
     Row(Subject),
 }
 
+/// Is told what is being done, and may count instructions.
+pub trait Observer {
+    /// Hears what is rendered now.
+    fn at(&mut self, progress: Progress);
+
+    /// Returns how many instructions were executed so far, in all threads, where that is known.
+    fn instructions(&mut self) -> Option<u64> {
+        None
+    }
+}
+
 /// Measures what accuracy costs in a scene. `None` if it was cancelled; in any case the engine is afterwards as it was before. What the
 /// engine leaves out is left out throughout.
 ///
@@ -74,13 +88,13 @@ pub fn measure(
     engine: &mut Engine,
     request: &Request,
     cancelled: &AtomicBool,
-    progress: &mut dyn FnMut(Progress),
+    observer: &mut dyn Observer,
 ) -> Result<Option<Report>, EngineError> {
     let (knobs, precision, left_out) = (engine.knobs(), engine.precision(), engine.left_out().to_vec());
     let timeline = engine.timeline();
     let times = request.frames.iter().map(|frame| timeline.time_of(*frame)).collect();
     let (keep_films, work) = (request.keep_films, Work::default());
-    let mut gauge = Gauge { engine, times, left_out: &left_out, cancelled, progress, keep_films, work };
+    let mut gauge = Gauge { engine, times, left_out: &left_out, cancelled, observer, keep_films, work };
     let report = unless_cancelled(gauge.run(request));
     engine.set_knobs(knobs);
     engine.set_precision(precision);
@@ -103,7 +117,7 @@ struct Gauge<'a> {
     times: Vec<Time>,
     left_out: &'a [Effect],
     cancelled: &'a AtomicBool,
-    progress: &'a mut dyn FnMut(Progress),
+    observer: &'a mut dyn Observer,
     keep_films: bool,
     work: Work,
 }
@@ -115,6 +129,8 @@ struct Rendered {
     seconds: f64,
     /// Of all frames.
     rays: RayCounts,
+    /// A frame.
+    instructions: Option<f64>,
 }
 
 /// Steps of 8 bits so small that no rounding shows them.
@@ -145,7 +161,7 @@ impl Gauge<'_> {
             light_samples: samples.min(16),
             depth: own.quality.depth + 4,
         };
-        let rows = sweep(&plan, own, reach);
+        let rows = sweep(&plan, own, reach, &request.sizes);
         self.foresee(&rows, own, rounds, reach.most.saturating_mul(pictures));
         let truth = self.truth(own, reach.most, pictures)?;
         let prices = self.prices(&rows, rounds)?;
@@ -217,6 +233,7 @@ impl Gauge<'_> {
                 seconds,
                 relative,
                 rays: self.mean_rays(rendered.rays),
+                instructions: rendered.instructions,
                 on_front: false,
                 film: rendered.films.into_iter().next().filter(|_| self.keep_films),
             });
@@ -249,19 +266,31 @@ impl Gauge<'_> {
     /// Renders all frames in one way.
     fn render(&mut self, variant: &Variant, step: Step) -> Result<Rendered, Stop> {
         variant.apply(self.engine, self.left_out);
-        let mut rendered = Rendered { films: Vec::new(), seconds: 0.0, rays: RayCounts::default() };
+        let mut rendered =
+            Rendered { films: Vec::new(), seconds: 0.0, rays: RayCounts::default(), instructions: None };
         for time in &self.times {
             let share = (self.work.done / self.work.all.max(1.0)).min(1.0);
-            (self.progress)(Progress { step, share });
+            self.observer.at(Progress { step, share });
+            let before = self.observer.instructions();
             let film = render(self.engine, *time, self.cancelled)?;
+            if let Some((before, after)) = before.zip(self.observer.instructions()) {
+                *rendered.instructions.get_or_insert(0.0) += after.saturating_sub(before) as f64;
+            }
             let report = self.engine.report();
-            rendered.films.push(film);
+            rendered.films.push(self.sized(film));
             rendered.seconds += (report.animate + report.prepare + report.trace).as_secs_f64();
             rendered.rays += report.rays;
             self.work.done += samples(&variant.knobs, self.work.own) / self.times.len() as f64;
         }
         rendered.seconds /= self.times.len().max(1) as f64;
+        rendered.instructions = rendered.instructions.map(|all| all / self.times.len().max(1) as f64);
         Ok(rendered)
+    }
+
+    /// Enlarges or reduces a picture to the size of the scene's film.
+    fn sized(&self, film: Film) -> Film {
+        let FilmSettings { width, height, .. } = self.engine.film_settings();
+        if (film.width(), film.height()) == (width, height) { film } else { resampled(&film, width, height) }
     }
 
     /// Renders every frame as well as can be: several times, each with samples of its own.
@@ -343,7 +372,7 @@ impl Gauge<'_> {
 fn best_alone(subject: Subject, own: OwnSettings, reach: Reach) -> Option<Variant> {
     let turned = |knob, value: f64| Some(Variant { knobs: turned(knob, value), ..Variant::default() });
     match subject {
-        Subject::Precision(_) | Subject::Without(_) => Some(Variant::default()),
+        Subject::Precision(_) | Subject::Size(..) | Subject::Without(_) => Some(Variant::default()),
         Subject::Knob(knob @ Knob::LightSamples, _) => turned(knob, f64::from(reach.light_samples) * 16.0),
         Subject::Knob(knob @ Knob::Instants, _) => {
             turned(knob, own.sampling.samples.min(Sampling::LARGEST_INSTANTS).into())

@@ -8,6 +8,7 @@
 
 mod converged;
 mod deadline;
+mod estimate;
 mod few_samples;
 mod film_error;
 mod fit;
@@ -18,19 +19,21 @@ mod measure;
 mod output_values;
 mod pilot;
 mod report;
+mod resample;
 mod similarity;
 mod spread;
 mod stop;
 
 pub use converged::Converged;
 pub use deadline::Deadline;
+pub use estimate::{Estimate, estimate};
 pub use few_samples::FewSamples;
 pub use film_error::FilmError;
 pub use fit::PowerLaw;
 pub use frame_samples::FrameSamples;
 pub use knob::{Knob, Subject, Variant};
 pub use ladder::Ladder;
-pub use measure::{Progress, Request, Step, Thoroughness, measure, time_left};
+pub use measure::{Observer, Progress, Request, Step, Thoroughness, measure, time_left};
 pub use pilot::Pilot;
 pub use report::{Reference, Report, Row};
 pub use similarity::structural_similarity;

@@ -64,6 +64,8 @@ pub struct Row {
     pub relative: Spread,
     /// Rays a frame, on average.
     pub rays: RayCounts,
+    /// Instructions a frame, on average, where they are counted.
+    pub instructions: Option<f64>,
     /// Whether no other setting has both a smaller error and a lower price.
     pub on_front: bool,
     /// The first frame's, if it was to be kept.

@@ -102,8 +102,9 @@ pub(super) struct RenderArguments {
     /// the 255 steps of a colour. 0 follows them all [default: the scene's own]
     #[arg(long, value_name = "STEPS", value_parser = parse_cutoff, allow_hyphen_values = true)]
     pub(super) cutoff: Option<f32>,
-    /// Give every pixel as many samples, 8 or more, as it takes for every frame to be off by no more than so many of the 255 steps of a
-    /// colour, as the root of the mean square over its pixels. --samples is the most that a pixel gets [default of that: 65536]
+    /// Give every pixel as many samples as it takes for every frame to be off by no more than so many of the 255 steps of a colour, as
+    /// the root of the mean square over its pixels; a single one where that is enough for all. --samples is the most that a pixel
+    /// gets [default of that: 65536]
     #[arg(long, value_name = "STEPS", value_parser = parse_max_error, allow_hyphen_values = true, conflicts_with_all = ["deadline", "settings", "draft"])]
     pub(super) max_error: Option<f32>,
     /// Give frames as many samples as there is time for, so that all are rendered within it, as 90s, 10m or 1.5h
@@ -149,7 +150,12 @@ pub(super) struct OverrideArguments {
 impl OverrideArguments {
     /// Returns the samples per pixel, if they are given by themselves.
     pub(super) fn samples(&self) -> Option<u32> {
-        self.samples.as_ref()?.value().parse().ok()
+        self.last("sampling.samples")?.value().parse().ok()
+    }
+
+    /// Returns what stands in the place of a value in the end.
+    pub(super) fn last(&self, path: &str) -> Option<Override> {
+        self.all().into_iter().rfind(|value| value.path().iter().map(String::as_str).eq(path.split('.')))
     }
 
     /// Returns all values, in the order in which they are put in.
@@ -283,6 +289,7 @@ pub(super) struct ExplainArguments {
   rayreel accuracy scenes/first_light.ron --quick
   rayreel accuracy scenes/chess_morning.ron --html report.html
   rayreel accuracy scenes/first_light.ron --frames 0,40,80 --json > report.json
+  rayreel accuracy scenes/first_light.ron --sizes 480x270,320x180
 
 Renders frames again and again with every knob that the scene calls for turned through its values:
 samples, the error that a picture may have, samples of lights, instants, depth, cutoff, precision;
@@ -301,6 +308,9 @@ pub(super) struct AccuracyArguments {
     /// Threads to render on [default: one a core]
     #[arg(long, value_name = "COUNT", value_parser = parse_threads, allow_hyphen_values = true)]
     pub(super) threads: Option<u16>,
+    /// Turn the film's size, too: pictures of these sizes are scaled to the scene's and compared, as in 480x270,320x180
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_size, allow_hyphen_values = true)]
+    pub(super) sizes: Vec<(u32, u32)>,
     /// Measure with fewer samples and fewer rounds: seconds instead of minutes
     #[arg(long)]
     pub(super) quick: bool,

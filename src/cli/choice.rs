@@ -47,6 +47,10 @@ struct Record {
     settings: SettingsFile,
     scene: PathBuf,
     written: Instant,
+    /// Whether each frame has a file of its own. Of a sheet there is all or nothing.
+    is_of_files: bool,
+    /// How many frames were noted.
+    frames: usize,
     /// The frames that are not as good as they were to be, as far as their pixels tell.
     worse: Vec<(String, f64)>,
 }
@@ -56,6 +60,8 @@ struct Record {
 pub(super) struct Chosen {
     /// The file with the settings.
     pub(super) file: PathBuf,
+    /// The frames for which they were chosen.
+    pub(super) frames: usize,
     /// The time of finding out what could be had.
     pub(super) pilot: Duration,
     /// What was not reached, in words.
@@ -75,6 +81,7 @@ impl Choice {
         (start, cancelled): (Instant, &AtomicBool),
     ) -> Result<Option<Self>, Failure> {
         let begun = Instant::now();
+        ensure_unset(arguments)?;
         let by = if let Some(error) = arguments.max_error {
             let samples = arguments.overrides.samples().unwrap_or(Sampling::LARGEST_COUNT);
             for_error(engine, settings, (error, samples), cancelled)?.map(By::Error)
@@ -118,12 +125,13 @@ impl Choice {
         record.note(engine, shot, took);
         /// Long sequences may come to an end that nobody has foreseen.
         const EVERY: Duration = Duration::from_secs(2);
-        if record.written.elapsed() > EVERY { record.write(self.pilot) } else { Ok(()) }
+        let is_due = record.is_of_files && record.written.elapsed() > EVERY;
+        if is_due { record.write(self.pilot) } else { Ok(()) }
     }
 
     /// Writes what was chosen beside the frames. Returns what is to be told of it, if anything was.
     pub(super) fn finish(mut self) -> anyhow::Result<Option<Chosen>> {
-        let Some(mut record) = self.record.take() else { return Ok(None) };
+        let Some(mut record) = self.record.take().filter(|record| record.frames > 0) else { return Ok(None) };
         record.write(self.pilot)?;
         let took = self.start.elapsed();
         let missed = match &self.by {
@@ -134,7 +142,7 @@ impl Choice {
             )),
             _ => record.worse(),
         };
-        Ok(Some(Chosen { file: record.file, pilot: self.pilot, missed }))
+        Ok(Some(Chosen { file: record.file, frames: record.frames, pilot: self.pilot, missed }))
     }
 }
 
@@ -150,7 +158,8 @@ impl Record {
             SettingsFile::default()
         };
         let (scene, written) = (scene.to_owned(), Instant::now());
-        Ok(Self { file, settings: known, scene, written, worse: Vec::new() })
+        let is_of_files = settings.sheet.is_none();
+        Ok(Self { file, settings: known, scene, written, is_of_files, frames: 0, worse: Vec::new() })
     }
 
     fn note(&mut self, engine: &Engine, shot: &Shot, took: Duration) {
@@ -159,6 +168,7 @@ impl Record {
         if let Some(error) = report.error.filter(|error| max_error > 0.0 && *error > f64::from(max_error)) {
             self.worse.push((shot.moment(), error));
         }
+        self.frames += 1;
         self.settings.put(FrameSettings {
             frame: shot.frame,
             time: shot.time.seconds(),
@@ -189,6 +199,23 @@ impl Record {
     }
 }
 
+/// Returns an error if values are set that are to be chosen.
+fn ensure_unset(arguments: &RenderArguments) -> anyhow::Result<()> {
+    let option = match arguments {
+        RenderArguments { max_error: Some(_), .. } => "--max-error",
+        RenderArguments { deadline: Some(_), .. } => "--deadline",
+        RenderArguments { settings: Some(_), .. } => "--settings",
+        _ => return Ok(()),
+    };
+    let chosen = ["sampling.max_error", "sampling.samples"];
+    // With an error they are the most that a pixel gets.
+    let count = if arguments.max_error.is_some() { 1 } else { 2 };
+    match chosen.into_iter().take(count).find_map(|path| arguments.overrides.last(path)) {
+        Some(set) => Err(anyhow!("{option} decides over `{set}`: leave one of them out")),
+        None => Ok(()),
+    }
+}
+
 /// Reads settings, which must have every picture that is wanted.
 fn read(file: &Path, settings: &RenderSettings) -> anyhow::Result<SettingsFile> {
     let known = SettingsFile::read(file)?;
@@ -208,10 +235,9 @@ fn for_error(
     let few = FewSamples::estimate(engine, &pilot(settings), error.into(), cancelled)?;
     let Some(few) = few else { return Ok(None) };
     let Some(chosen) = few.samples_for(error, samples) else {
-        let (_, sure) = few.errors_with(samples);
-        let sure = (100.0 * sure).ceil() / 100.0;
+        let certain = (100.0 * few.certain_error(samples)).ceil() / 100.0;
         return Err(anyhow!(
-            "an error of {error} cannot be had with at most {samples} samples per pixel; {sure:.2} can, as in --max-error {sure:.2}"
+            "an error of {error} cannot be had with at most {samples} samples per pixel; about {certain:.2} can, as in --max-error {certain:.2}"
         )
         .into());
     };
@@ -233,16 +259,27 @@ fn deadline(
     let deadline = Deadline::new(ladder, within, u32::try_from(count).unwrap_or(u32::MAX));
     let least = deadline.least();
     if least > within.saturating_sub(start.elapsed()) {
+        let (frames, take) = if count == 1 {
+            ("1 frame".to_owned(), "it takes")
+        } else {
+            (format!("{count} frames"), "they take")
+        };
         return Err(anyhow!(
-            "{} cannot be rendered within {:.0} s: with one sample per pixel they take about {:.0} s; give more time, a smaller --size, \
-             fewer --frames, or --draft",
-            if count == 1 { "1 frame".to_owned() } else { format!("{count} frames") },
-            within.as_secs_f64(),
-            (least + start.elapsed()).as_secs_f64().ceil()
+            "{frames} cannot be rendered within {}: with one sample per pixel {take} about {}; give more time, a smaller --size, fewer \
+             --frames, or --draft",
+            in_words(within),
+            in_words(least + start.elapsed())
         )
         .into());
     }
     Ok(Some(deadline))
+}
+
+/// Writes a time as `90 s` or `0.4 s`.
+fn in_words(time: Duration) -> String {
+    let seconds = time.as_secs_f64();
+    let decimals = if seconds < 0.1 { 3 } else { usize::from(seconds < 10.0) };
+    format!("{seconds:.decimals$} s")
 }
 
 /// Returns what is rendered to find out what the pictures take.

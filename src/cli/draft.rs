@@ -20,6 +20,7 @@ pub(super) fn apply(engine: &mut Engine) {
     // One sample is one instant, through the lens' centre.
     for sampling in world.query_mut::<&mut Sampling>() {
         sampling.samples = 1;
+        sampling.max_error = 0.0;
     }
     for quality in world.query_mut::<&mut Quality>() {
         quality.depth = quality.depth.min(DEPTH);

@@ -11,6 +11,7 @@ mod completions;
 mod draft;
 mod exit;
 mod explain;
+mod instructions;
 mod interrupt;
 mod new;
 mod overrides;

@@ -45,9 +45,14 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
         Some(sheet) => sheet::render(&mut engine, (&settings, &mut choice), sheet, cancelled, &mut report),
         None => render_all(&mut engine, (&settings, &mut choice), cancelled, &mut report),
     });
-    let recorded = choice.finish().map(|chosen| report.chosen = chosen);
     // Ctrl-C after the last frame interrupts nothing.
     let complete = report.shots.len() == settings.count();
+    // Of a sheet there is all or nothing.
+    let recorded = if complete || settings.sheet.is_none() {
+        choice.finish().map(|chosen| report.chosen = chosen)
+    } else {
+        Ok(())
+    };
     let interrupted = cancelled.load(Ordering::Relaxed) && !complete;
     report.finish(start.elapsed(), interrupted);
 
@@ -95,9 +100,10 @@ fn tell(
         if let Some(changed) = report.changed.in_words() {
             print::error_line(&changed);
         }
-        if let Some(Chosen { file, pilot, missed }) = &report.chosen {
+        if let Some(Chosen { file, frames, pilot, missed }) = &report.chosen {
+            let frames = if *frames == 1 { "frame".to_owned() } else { format!("{frames} frames") };
             print::error_line(&format!(
-                "the samples are in {}, chosen in {:.2} s; --settings with that file gives the same frames again",
+                "the samples are in {}, chosen in {:.2} s; --settings with that file gives the same {frames} again",
                 file.display(),
                 pilot.as_secs_f64()
             ));

@@ -12,7 +12,7 @@ use crate::components::FilmSettings;
 use crate::scene::{LoadError, Scene, SceneScripts, ScriptMistake, ScriptSources};
 use crate::systems::{
     self, Changes, Context, Effect, Fault, Halt, Knobs, Plan, Preparation, Schedule, ScriptFailure, Scripts,
-    Shutters, Step, UnknownComponent,
+    Shutters, Step, UnknownComponent, sampling_settings,
 };
 use crate::time::Timeline;
 use crate::trace::reference::Reference;
@@ -89,7 +89,7 @@ pub struct Engine {
     pub(super) simd: SimdLevel,
     /// Whether to render with everything compiled in.
     pub(super) full: bool,
-    /// The effect left out for a comparison.
+    /// The effects that are left out, even if a scene calls for them.
     pub(super) left_out: Vec<Effect>,
     pub(super) knobs: Knobs,
     /// The exposure of frames, once it has been read.
@@ -425,13 +425,25 @@ impl Engine {
     /// `None` before the first of them.
     #[must_use]
     pub fn sampling(&self) -> Option<trace::Sampling> {
-        Some(self.shown()?.sampling(self.report.time))
+        let sampling = self.preparation.as_ref()?.sampling(self.report.time);
+        let samples = if self.left_out.contains(&Effect::Antialiasing) { 1 } else { sampling.samples };
+        Some(trace::Sampling { samples, ..sampling })
+    }
+
+    /// Returns whether pixels get as many samples as they need: see [`Sampling::max_error`](crate::components::Sampling::max_error).
+    #[must_use]
+    pub fn is_adaptive(&self) -> bool {
+        let sampling = self.knobs.sampling(sampling_settings(&self.world));
+        sampling.max_error > 0.0 && !self.left_out.contains(&Effect::Antialiasing)
     }
 
     /// Returns what is prepared, without what is left out.
     pub(super) fn shown(&self) -> Option<Cow<'_, Preparation>> {
-        let without = |shown: Cow<'_, Preparation>, effect: &Effect| Cow::Owned(shown.without(*effect));
-        Some(self.left_out.iter().fold(Cow::Borrowed(self.preparation.as_ref()?), without))
+        let mut shown = Cow::Borrowed(self.preparation.as_ref()?);
+        for effect in &self.left_out {
+            shown.to_mut().leave_out(*effect);
+        }
+        Some(shown)
     }
 
     /// Returns the effects that pictures may have, if a scene calls for them. Others are not in what is [shown](Engine::shown).

@@ -41,6 +41,8 @@ pub(super) enum Next {
     Rest(Instant),
     /// Measuring the cost of the effect with this index.
     Cost(usize),
+    /// Measuring what samples are worth, at the place of the curve with this index.
+    Curve(usize),
 }
 
 /// The role of a coarse picture among those of its frame.

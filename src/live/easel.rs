@@ -100,6 +100,7 @@ impl Easel {
             state.frame_mistakes = None;
             if let Some(plan) = plan {
                 state.plan = plan;
+                state.curve.clear();
             }
         });
         self.tell(Event::Shown(Shown { info, film, transfer, times, rays, warnings }));

@@ -10,9 +10,10 @@ use super::easel::{Made, PictureKind};
 use super::event::Event;
 use super::ladder::{self, Care, LadderStep, Target};
 use super::mailbox::Detail;
-use super::onlooker::{Onlooker, rays};
+use super::onlooker::{Onlooker, rays, share_of_unfinished};
 use super::state::{State, Times};
 use crate::engine::{EngineError, FrameReport};
+use crate::systems::Effect;
 use crate::trace::{Exposure, Film, Signals};
 
 /// While nothing of a frame is on show, a picture gets this long, or twice its expected time, before a coarse one is made.
@@ -37,6 +38,7 @@ impl Director {
             Next::Picture(detail) => self.finish(detail),
             Next::Rest(until) => self.rest(until),
             Next::Cost(index) => self.measure(index),
+            Next::Curve(index) => self.measure_samples(index),
         }
     }
 
@@ -100,7 +102,7 @@ impl Director {
     /// Returns the share of the requested picture that exists, 0 to 1.
     fn progress(&self) -> f64 {
         let exposure = self.begun.as_ref().and_then(|begun| begun.exposure.as_ref());
-        exposure.map_or(0.0, Exposure::share)
+        exposure.map_or(0.0, share_of_unfinished)
     }
 
     /// Makes the requested picture, and shows it on the way. A command that comes in between loses nothing of it, unless it
@@ -279,6 +281,9 @@ impl Director {
         let Some(stage) = &mut self.stage else { return };
         self.next = Next::Nothing;
         let plan = if index == 0 { stage.planned(state.frame, false) } else { Ok(state.plan) };
+        if index == 0 {
+            self.handle.board.change(|state| state.curve.clear());
+        }
         let cost = stage.cost(state.frame, index, self.handle.mailbox.waiting());
         match plan.and_then(|plan| Ok((plan, cost?))) {
             Ok((mut plan, Some(cost))) => {
@@ -288,7 +293,35 @@ impl Director {
                 }
                 self.handle.board.change(|state| state.plan = plan);
             }
+            Ok((_, None)) if index >= Effect::ALL.len() => self.next = Next::Curve(0),
             Ok((_, None)) => self.handle.board.change(|state| state.rendering = false),
+            Err(error) => self.fail(error),
+        }
+    }
+
+    /// Measures how good the frame is with the scene's own samples and, after that, with more and more of them. Any command ends it.
+    fn measure_samples(&mut self, index: usize) {
+        /// The longest time that a place of the curve may take, in milliseconds, if it is not the scene's own.
+        const LONGEST: f64 = 2000.0;
+        let state = self.handle.board.state();
+        let Some(stage) = &mut self.stage else { return };
+        self.next = Next::Nothing;
+        let place = stage.place_of_curve(state.frame, index, self.handle.mailbox.waiting());
+        let is_last = match &place {
+            // The next one has twice as many samples, in two pictures.
+            Ok(Some(place)) => index > 0 && 4.0 * place.milliseconds > LONGEST,
+            Ok(None) | Err(_) => true,
+        };
+        match place {
+            Ok(place) => {
+                if !is_last {
+                    self.next = Next::Curve(index + 1);
+                }
+                self.handle.board.change(|state| {
+                    state.curve.extend(place);
+                    state.rendering = !is_last;
+                });
+            }
             Err(error) => self.fail(error),
         }
     }

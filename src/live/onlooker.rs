@@ -38,8 +38,8 @@ impl Onlooker<'_> {
         let since = self.visits.now();
         self.visits.go_on();
         let traced = self.traced_before + self.visits.traced();
-        let so_far = exposure.share();
-        self.timings.note(Care::Whole, traced, rays(so_far, self.target));
+        self.timings.note(Care::Whole, traced, rays(exposure.share(), self.target));
+        let so_far = share_of_unfinished(exposure);
         // With the speed now known there may be time for another step; after an unfinished picture it would be a step back.
         let step = self.last_step.filter(|_| !*self.is_shown);
         if let Some(finer) = step.and_then(|(step, took)| self.timings.finer(step, took, self.target)) {
@@ -74,6 +74,12 @@ impl Onlooker<'_> {
         };
         self.easel.put_up(self.state, made)
     }
+}
+
+/// Returns the share of a picture that exists, 0 to 1. How much there is to come where pixels get as many samples as they need is not
+/// known before it is there.
+pub(super) fn share_of_unfinished(exposure: &Exposure) -> f64 {
+    exposure.share().min(0.99)
 }
 
 /// Returns the camera rays of a share of a picture: at least those of one sample of a tile, as so many are lost when it is

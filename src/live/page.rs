@@ -1,13 +1,14 @@
 //! The files of the page.
 
 /// The path, media type and text of each file.
-pub(super) const FILES: [(&str, &str, &str); 8] = [
+pub(super) const FILES: [(&str, &str, &str); 9] = [
     ("/", "text/html; charset=utf-8", include_str!("page/page.html")),
     ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
     ("/page.js", SCRIPT, include_str!("page/page.js")),
     ("/timeline.js", SCRIPT, include_str!("page/timeline.js")),
     ("/picture.js", SCRIPT, include_str!("page/picture.js")),
     ("/panels.js", SCRIPT, include_str!("page/panels.js")),
+    ("/curve.js", SCRIPT, include_str!("page/curve.js")),
     ("/hands.js", SCRIPT, include_str!("page/hands.js")),
     ("/news.js", SCRIPT, include_str!("page/news.js")),
 ];

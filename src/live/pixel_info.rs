@@ -19,10 +19,10 @@ pub struct PixelInfo {
     pub linear: [f32; 3],
     /// The same colour as the bytes of a frame file.
     pub bytes: [u8; 3],
-    /// The number of samples that the colour is the mean of.
-    pub samples: u32,
-    /// The number of samples of the pixel in the full picture.
-    pub all: u32,
+    /// The number of samples that the colour is the mean of; `None` for as many as it took.
+    pub samples: Option<u32>,
+    /// The number of samples of the pixel in the full picture; `None` for as many as it takes.
+    pub all: Option<u32>,
     /// The surface that the first sample sees; `None` where its ray meets nothing.
     pub surface: Option<SurfaceInfo>,
 }
@@ -56,6 +56,7 @@ impl PixelInfo {
     ) -> Result<Option<Self>, EngineError> {
         engine.seek_sample(time, 0)?;
         let all = engine.sampling().map_or(1, |sampling| sampling.samples);
+        let all = (!engine.is_adaptive()).then_some(all);
         let Some(probe) = engine.probe(pixel.0, pixel.1) else { return Ok(None) };
         let surface = probe.tree.rays.first().and_then(|first| match &first.end {
             RayEnd::Surface(lit) => {
@@ -66,7 +67,7 @@ impl PixelInfo {
         });
         let (color, samples) = match picture {
             Some(film) => (film.pixel(pixel.0, pixel.1), all),
-            None => (probe.color(), 1),
+            None => (probe.color(), Some(1)),
         };
         let bytes = engine.film_settings().transfer.encode(color);
         Ok(Some(Self { pixel, linear: color.to_array(), bytes, samples, all, surface }))

@@ -7,11 +7,12 @@ use std::sync::atomic::AtomicBool;
 use super::ladder::Target;
 use super::mailbox::Detail;
 use super::pixel_info::{PixelInfo, named};
-use super::state::{Planned, Times};
+use super::state::{CurvePlace, Planned, Times};
+use crate::accuracy::{Estimate, estimate};
 use crate::components::FilmSettings;
 use crate::engine::{Draft, Engine, EngineError, FrameReport};
 use crate::scene::{LoadError, Reader, Scene, Sources};
-use crate::systems::Effect;
+use crate::systems::{Effect, Knobs};
 use crate::time::Timeline;
 use crate::trace::{Exposure, Film, Signals};
 
@@ -69,7 +70,7 @@ impl Stage {
     pub(super) fn target(&self, detail: Detail) -> Target {
         let FilmSettings { width, height, .. } = self.film_settings();
         let (divisor, samples) = match detail {
-            Detail::Full => (1, self.engine.sampling().map_or(1, |sampling| sampling.samples)),
+            Detail::Full => (1, self.engine.least_samples()),
             Detail::Draft => (1, 1),
             Detail::Half => (2, 1),
         };
@@ -170,5 +171,41 @@ impl Stage {
         // Each is compared with a whole one made at the same time, since a machine may become slower or faster.
         let (Some(whole), Some(part)) = (took(None)?, took(Some(effect))?) else { return Ok(None) };
         Ok(Some(Some((1.0 - part / whole.max(f64::MIN_POSITIVE)).max(0.0))))
+    }
+
+    /// Returns how good a frame is: with the scene's own samples for place 0 of the curve, then with 1, 2, 4 and so on in each pixel.
+    /// `None` beyond the most, or if it was cancelled.
+    pub(super) fn place_of_curve(
+        &mut self,
+        frame: u32,
+        index: usize,
+        cancelled: &AtomicBool,
+    ) -> Result<Option<CurvePlace>, EngineError> {
+        const MOST: u32 = 1024;
+        let own = (!self.engine.is_adaptive()).then(|| self.engine.least_samples());
+        let Some(exponent) = index.checked_sub(1) else {
+            return self.measured(frame, (own, Knobs::default()), cancelled);
+        };
+        let samples = (0..).map(|exponent| 1 << exponent).take_while(|samples| *samples <= MOST);
+        let Some(samples) = samples.filter(|samples| Some(*samples) != own).nth(exponent) else {
+            return Ok(None);
+        };
+        let knobs = Knobs { samples: Some(samples), max_error: Some(0.0), ..Knobs::default() };
+        self.measured(frame, (Some(samples), knobs), cancelled)
+    }
+
+    fn measured(
+        &mut self,
+        frame: u32,
+        (samples, knobs): (Option<u32>, Knobs),
+        cancelled: &AtomicBool,
+    ) -> Result<Option<CurvePlace>, EngineError> {
+        let time = self.timeline().time_of(frame);
+        let estimate = estimate(&mut self.engine, time, knobs, cancelled)?;
+        Ok(estimate.map(|Estimate { rms, seconds }| CurvePlace {
+            samples,
+            milliseconds: 1e3 * seconds,
+            error: rms,
+        }))
     }
 }

@@ -40,6 +40,8 @@ pub struct State {
     pub frame_mistakes: Option<Mistakes>,
     /// The effects of the frame of the last picture that was not coarse.
     pub plan: Vec<Planned>,
+    /// What its samples are worth, as far as it was measured: the scene's own first, then others, ascending.
+    pub curve: Vec<CurvePlace>,
     /// The times of the last reload and of the latest picture.
     pub times: Times,
     /// The number of rays of the latest picture.
@@ -89,6 +91,17 @@ pub struct Planned {
     pub why: &'static str,
     /// The share of the frame's time that is saved without it, where it was measured: 0 to 1.
     pub cost: Option<f64>,
+}
+
+/// A picture's error and its price.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CurvePlace {
+    /// The samples per pixel; `None` for as many as each pixel needs.
+    pub samples: Option<u32>,
+    /// The time of the frame.
+    pub milliseconds: f64,
+    /// The error, in steps of 8 bits, as the root of the mean square.
+    pub error: f64,
 }
 
 /// Times in milliseconds, phase by phase.

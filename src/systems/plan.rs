@@ -84,6 +84,13 @@ impl Plan {
         self.effects = self.effects.join(other.effects);
     }
 
+    /// Says of effects that they are left out, whatever the scene calls for.
+    pub(crate) fn leave_out(&mut self, effects: &[Effect]) {
+        for effect in effects {
+            self.needs[*effect as usize] = Need::LeftOut("it is left out by request");
+        }
+    }
+
     /// Sets the need of motion blur.
     pub(crate) fn set_motion_blur(&mut self, need: Need) {
         self.needs[Effect::MotionBlur as usize] = need;

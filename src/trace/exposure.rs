@@ -226,9 +226,14 @@ impl<E: Encoding> Exposure<E> {
         self.adaptive.as_ref()?.error()
     }
 
-    /// Which part of its samples is there, 0 to 1.
+    /// Returns which part of its samples is there, 0 to 1; of a picture whose pixels get as many as they need, how many there are as a
+    /// multiple of the least that all get.
     #[must_use]
     pub fn share(&self) -> f64 {
+        if self.adaptive.is_some() {
+            let pixels = f64::from(self.width) * f64::from(self.height);
+            return self.effort.rays.camera as f64 / (pixels * f64::from(self.rounds.least()));
+        }
         let area = |tile: Tile| f64::from(tile.width * tile.height);
         let there: f64 =
             self.tiles.iter().map(|exposed| area(exposed.tile) * f64::from(exposed.samples)).sum();

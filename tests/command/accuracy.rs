@@ -90,8 +90,13 @@ fn a_page_and_a_table_are_written() {
     fs::write(folder.join("a.ron"), SCENE.replace("samples: 4", "samples: 2")).unwrap();
     let table = told(
         folder,
-        ["accuracy", "a.ron", "--quick", "--size", "16x9", "--html", "r.html", "--csv", "r.csv"],
+        [
+            &["accuracy", "a.ron", "--quick", "--size", "16x9", "--sizes", "8x5,32x18"][..],
+            &["--html", "r.html", "--csv", "r.csv"],
+        ]
+        .concat(),
     );
+    assert!(table.contains("size 8x5 ") && table.contains("size 32x18 "), "{table}");
     assert!(table.contains("the scene's own") && table.contains("max error 0.5"), "{table}");
     assert!(table.lines().any(|line| line.starts_with('*')), "{table}");
     let page = fs::read_to_string(folder.join("r.html")).unwrap();
@@ -103,7 +108,7 @@ fn a_page_and_a_table_are_written() {
     }
     let csv = fs::read_to_string(folder.join("r.csv")).unwrap();
     assert!(csv.starts_with("setting,seconds,"));
-    assert!(csv.lines().count() > 20 && csv.lines().all(|line| line.split(',').count() == 19), "{csv}");
+    assert!(csv.lines().count() > 20 && csv.lines().all(|line| line.split(',').count() == 20), "{csv}");
 }
 
 #[test]

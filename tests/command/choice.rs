@@ -58,7 +58,7 @@ fn frames_are_as_good_as_asked_and_come_back_from_their_settings() {
             assert_eq!((&frame["frame"], &frame["max_error"]), (&index.into(), &error.into()));
             assert!(frame["estimated_error"].as_f64().unwrap() <= error);
             assert_eq!(report["frames"][index]["estimated_error"], frame["estimated_error"]);
-            assert!(frame["samples_per_pixel"].as_f64().unwrap() >= 8.0);
+            assert!(frame["samples_per_pixel"].as_f64().unwrap() >= 2.0);
         }
         for threads in ["1", "3"] {
             render(folder, &["--settings", "chosen/a.settings.json", "--threads", threads, "--out", "again"]);
@@ -112,7 +112,10 @@ fn what_cannot_be_had_is_said_before_and_what_can() {
         message.contains("an error of 0.001 cannot be had with at most 16 samples per pixel"),
         "{message}"
     );
-    assert!(message.contains("as in --max-error"), "{message}");
+    let suggested = message.trim().rsplit_once("as in --max-error ").unwrap().1;
+    render(folder, &["--max-error", suggested, "--samples", "16", "--frames", "0", "--out", "o"]);
+    let frame = &settings(&folder.join("o"))["frames"][0];
+    assert!(frame["estimated_error"].as_f64().unwrap() <= suggested.parse().unwrap(), "{frame}");
     let (code, message) = refused(folder, &["--deadline", "1ms"]);
     assert_eq!(code, Some(1));
     assert!(message.contains("4 frames cannot be rendered within"), "{message}");
@@ -122,6 +125,12 @@ fn what_cannot_be_had_is_said_before_and_what_can() {
         assert_eq!(refused(folder, &arguments).0, Some(2), "{arguments:?}");
     }
     assert_eq!(refused(folder, &["--max-error", "1", "--deadline", "9s"]).0, Some(2));
+    for option in [["--max-error", "1"], ["--deadline", "9s"], ["--settings", "s.json"]] {
+        let (code, message) = refused(folder, &[&option[..], &["--set", "sampling.max_error=2"]].concat());
+        assert_eq!(code, Some(1));
+        let expected = format!("{} decides over `sampling.max_error=2`: leave one of them out", option[0]);
+        assert!(message.contains(&expected), "{message}");
+    }
 
     for (text, problem) in [
         ("{", "is not a file of settings"),

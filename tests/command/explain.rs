@@ -203,7 +203,7 @@ fn costs_are_the_rays_and_bytes_that_effects_make() {
     }
     let unmeasured = explained(&["--frames", "0"]);
     let cost = effect(&unmeasured, "ambient light")["cost"].as_object().unwrap().clone();
-    assert_eq!(cost.keys().collect::<Vec<_>>(), ["rays", "share"]);
+    assert_eq!(cost.keys().collect::<Vec<_>>(), ["instructions", "rays", "share"]);
 }
 
 #[test]

@@ -123,13 +123,13 @@ fn drafts_are_small_and_lie_apart() {
 #[test]
 fn a_draft_is_the_scene_with_less_of_what_costs_time() {
     let folder = tempfile::tempdir().unwrap();
-    let scene = |quality: &str, samples: u32, light: u32, film: &str| {
+    let scene = |quality: &str, samples: &str, light: u32, film: &str| {
         format!(
             r#"Scene(
                 film: ({film}),
                 camera: (position: (0, 1, -6), target: (0, 1, 0), lens: (aperture: 0.5, focus: 3)),
                 quality: ({quality}),
-                sampling: (samples: {samples}),
+                sampling: ({samples}),
                 materials: {{
                     "floor": (k_a: 0.2, k_d: 0.8, color: (200, 180, 160)),
                     "glass": (color: (255, 255, 255), refractive: (k_t: 0.9, ior: 1.5), reflective: (k_r: 0.1)),
@@ -145,15 +145,24 @@ fn a_draft_is_the_scene_with_less_of_what_costs_time() {
     };
     fs::write(
         folder.path().join("whole.ron"),
-        scene("depth: 9, cutoff: 0.5", 8, 16, "width: 100, height: 80"),
+        scene("depth: 9, cutoff: 0.5", "samples: 12, max_error: 0.5", 16, "width: 100, height: 80"),
     )
     .unwrap();
-    fs::write(folder.path().join("less.ron"), scene("depth: 5, cutoff: 0.5", 1, 4, "width: 33, height: 26"))
-        .unwrap();
-    fs::write(folder.path().join("faint.ron"), scene("depth: 5, cutoff: 0", 1, 4, "width: 33, height: 26"))
-        .unwrap();
-    fs::write(folder.path().join("tiny.ron"), scene("depth: 1, cutoff: 9", 1, 1, "width: 2, height: 1"))
-        .unwrap();
+    fs::write(
+        folder.path().join("less.ron"),
+        scene("depth: 5, cutoff: 0.5", "samples: 1", 4, "width: 33, height: 26"),
+    )
+    .unwrap();
+    fs::write(
+        folder.path().join("faint.ron"),
+        scene("depth: 5, cutoff: 0", "samples: 1", 4, "width: 33, height: 26"),
+    )
+    .unwrap();
+    fs::write(
+        folder.path().join("tiny.ron"),
+        scene("depth: 1, cutoff: 9", "samples: 1", 1, "width: 2, height: 1"),
+    )
+    .unwrap();
     let pixels = |name: &str, arguments: &[&str]| {
         let report = render(&folder, &format!("{name}.ron"), arguments);
         picture(&folder.path().join(report["frames"][0]["file"].as_str().unwrap()))

@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
 
-use rayreel::accuracy::{Converged, FilmError, Knob, Request, Thoroughness, measure};
+use rayreel::accuracy::{Converged, FilmError, Knob, Observer, Progress, Request, Thoroughness, measure};
 use rayreel::color::Transfer;
 use rayreel::components::{
     Ambient, Background, Camera, FilmSettings, Lens, Material, Noise, Projection, Sampling, Shape, Transform,
@@ -171,21 +171,46 @@ fn an_adaptive_picture_is_as_near_the_closed_form_as_it_is_meant_to_be() {
     assert!(rays < 200 * u64::from(SIDE * SIDE), "{rays}");
 }
 
+/// Hears of everything, and counts a thousand instructions for every question.
+#[derive(Default)]
+struct Counting {
+    shares: Vec<f64>,
+    instructions: u64,
+}
+
+impl Observer for Counting {
+    fn at(&mut self, progress: Progress) {
+        self.shares.push(progress.share);
+    }
+
+    fn instructions(&mut self) -> Option<u64> {
+        self.instructions += 1000;
+        Some(self.instructions)
+    }
+}
+
 #[test]
 fn a_measurement_finds_the_order_of_convergence() {
     let (mut engine, _) = edge();
     let thoroughness = Thoroughness { rounds: 1, samples: 64, pictures: 4, factor: 16 };
-    let request = Request { frames: vec![0], thoroughness, keep_films: false };
-    let report = measure(&mut engine, &request, &AtomicBool::new(false), &mut |_| {}).unwrap().unwrap();
+    let request = Request { frames: vec![0], thoroughness, sizes: Vec::new(), keep_films: false };
+    let mut observer = Counting::default();
+    let report = measure(&mut engine, &request, &AtomicBool::new(false), &mut observer).unwrap().unwrap();
     let (knob, law) = report.orders[0];
     assert_eq!(knob, Knob::Samples);
     assert!((-0.95..-0.6).contains(&law.exponent), "{law:?}");
     let adaptive = report.of_knob(Knob::MaxError).map(|row| row.error.rms).collect::<Vec<_>>();
     assert!(adaptive.is_sorted() && adaptive.len() == 5, "{adaptive:?}");
+    assert!(report.rows.iter().all(|row| row.instructions == Some(1000.0)));
+    let Counting { shares, .. } = observer;
+    assert!(
+        shares.is_sorted() && shares[0] == 0.0 && (0.9..=1.0).contains(shares.last().unwrap()),
+        "{shares:?}"
+    );
     // It is left as it was.
     assert_eq!(engine.knobs(), Knobs::default());
     assert_eq!(
-        measure(&mut engine, &request, &AtomicBool::new(true), &mut |_| {}).unwrap().map(|_| ()),
+        measure(&mut engine, &request, &AtomicBool::new(true), &mut Counting::default()).unwrap().map(|_| ()),
         None
     );
 }

@@ -143,6 +143,15 @@ fn the_page_shows_scrubs_plays_and_recovers() {
     browser.click("#film");
     until(&browser, "at('spot').innerText.includes('ball') && at('spot').innerText.includes('ball.ron:8')");
 
+    // What effects cost, and what samples are worth.
+    browser.press('m');
+    until(&browser, "at('needed').innerText.includes(' %') && !state.rendering");
+    until(&browser, "!at('curve').hidden && at('plot').querySelectorAll('circle').length > 4");
+    until(
+        &browser,
+        "/^As it is, with .* the frame is off by about .* of 255 steps/.test(at('worth').innerText)",
+    );
+
     // The server goes and comes back with another scene, and the playhead stays.
     browser.evaluate(PIXEL);
     browser.press('\u{e014}');

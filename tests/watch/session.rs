@@ -294,13 +294,15 @@ fn a_pixel_says_what_it_sees() {
 /// At an edge, where samples differ.
 #[test]
 fn a_pixel_has_the_colour_of_the_picture() {
-    for samples in [1, 4, 16] {
-        let text = scene(1.0, "").replacen("Scene(", &format!("Scene(sampling: (samples: {samples}),"), 1);
+    for (sampling, samples) in
+        [("1", Some(1)), ("4", Some(4)), ("16", Some(16)), ("64, max_error: 0.5", None)]
+    {
+        let text = scene(1.0, "").replacen("Scene(", &format!("Scene(sampling: (samples: {sampling}),"), 1);
         let stage = Stage::new(Some(&text));
         let shown = stage.shows_what_a_cold_start_shows();
         for i in 0..64 {
             let spot = stage.sees((i, 18)).unwrap();
-            assert_eq!(spot.linear, shown.film.pixel(i, 18).to_array(), "{i} of {samples}");
+            assert_eq!(spot.linear, shown.film.pixel(i, 18).to_array(), "{i} of {sampling}");
             assert_eq!(spot.bytes, shown.transfer.encode(shown.film.pixel(i, 18)));
             assert_eq!((spot.samples, spot.all), (samples, samples));
         }
@@ -319,6 +321,15 @@ fn costs_are_measured_for_what_is_needed_only() {
     for planned in state.plan {
         assert_eq!(planned.cost.is_some(), planned.needed, "{}", planned.effect);
     }
+    // Then what samples are worth, the scene's own first.
+    let samples: Vec<Option<u32>> = state.curve.iter().map(|place| place.samples).collect();
+    assert_eq!(samples[..5], [Some(1), Some(2), Some(4), Some(8), Some(16)]);
+    assert!(state.curve.iter().all(|place| place.milliseconds > 0.0));
+    let [single, .., many] = &state.curve[..] else { unreachable!() };
+    assert!(single.error > 0.5 && many.error < 0.25 * single.error, "{:?}", state.curve);
+    stage.save(&scene(1.1, ""));
+    stage.shows_what_a_cold_start_shows();
+    assert!(stage.session.handle().state().curve.is_empty());
 }
 
 #[test]

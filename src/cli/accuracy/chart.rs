@@ -244,9 +244,9 @@ impl Chart<'_> {
     }
 }
 
-/// Returns the class of a series' colour, of which there are eight.
+/// Returns the class of a series' colour, of which there are nine.
 fn color(index: usize) -> String {
-    format!("s{}", index % 8)
+    format!("s{}", index % 9)
 }
 
 /// Writes a text as HTML has it.

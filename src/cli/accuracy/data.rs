@@ -41,6 +41,10 @@ fn row(row: &Row) -> Value {
         Subject::Knob(knob, value) => (Some(knob.name()), Some(value)),
         subject => (subject.knob().map(Knob::name), None),
     };
+    let size = match row.subject {
+        Subject::Size(width, height) => Some([width, height]),
+        _ => None,
+    };
     let without = match row.subject {
         Subject::Without(effect) => Some(effect.name()),
         _ => None,
@@ -49,6 +53,7 @@ fn row(row: &Row) -> Value {
         "setting": row.subject.to_string(),
         "knob": knob,
         "value": value,
+        "size": size,
         "without": without,
         "seconds": spread(&row.seconds),
         "relative": spread(&row.relative),
@@ -58,6 +63,7 @@ fn row(row: &Row) -> Value {
             "reflection": row.rays.reflection,
             "refraction": row.rays.refraction,
         },
+        "instructions": row.instructions,
         "error": error(&row.error, Some(row.similarity)),
         "alone": error(&row.alone, None),
         "pareto": row.on_front,
@@ -93,6 +99,7 @@ pub(super) fn csv(report: &Report) -> anyhow::Result<Vec<u8>> {
         "shadow_rays",
         "reflection_rays",
         "refraction_rays",
+        "instructions",
         "max",
         "rms",
         "psnr",
@@ -122,6 +129,7 @@ pub(super) fn csv(report: &Report) -> anyhow::Result<Vec<u8>> {
             row.alone.rms,
         ];
         let cells = numbers.iter().map(f64::to_string).chain(rays.iter().map(u64::to_string));
+        let cells = cells.chain([row.instructions.map_or_else(String::new, |count| count.to_string())]);
         let cells = cells.chain(errors.iter().map(f64::to_string)).chain([row.on_front.to_string()]);
         writer.write_record(std::iter::once(row.subject.to_string()).chain(cells))?;
     }

@@ -11,7 +11,8 @@ use super::Measured;
 use super::chart::{Chart, Layout, Mark, Series, escaped};
 use super::pictures::{address, difference};
 use super::table::{
-    decibels, error, frames_in_words, percent, precision_in_words, reference_in_words, spread,
+    are_instructions_counted, decibels, error, frames_in_words, percent, precision_in_words,
+    reference_in_words, spread,
 };
 
 const STYLE: &str = include_str!("page.css");
@@ -136,12 +137,17 @@ fn overview(report: &Report) -> Chart<'_> {
 const LEAST: f64 = 1e-4;
 
 fn table(report: &Report) -> String {
-    let mut table = "<h2>Settings</h2>\n<div class=\"wide\"><table>\n<tr><th>setting</th><th>s / frame</th><th>× own</th><th>±</th>\
-                     <th>rays</th><th>max</th><th>rms</th><th>PSNR, dB</th><th>SSIM</th><th>off &gt; 1</th><th>alone, rms</th></tr>\n"
-        .to_owned();
+    /// The place of the rays among the cells.
+    const RAYS: usize = 4;
+    let counted = are_instructions_counted(report);
+    let instructions = if counted { "<th>instructions</th>" } else { "" };
+    let mut table = format!(
+        "<h2>Settings</h2>\n<div class=\"wide\"><table>\n<tr><th>setting</th><th>s / frame</th><th>× own</th><th>±</th>\
+                     <th>rays</th>{instructions}<th>max</th><th>rms</th><th>PSNR, dB</th><th>SSIM</th><th>off &gt; 1</th><th>alone, rms</th></tr>\n"
+    );
     for row in report.rows.iter().filter(|row| !matches!(row.subject, Subject::Without(_))) {
         let class = if row.on_front { " class=\"front\"" } else { "" };
-        let cells = [
+        let mut cells = vec![
             escaped(&row.subject.to_string()),
             format!("{:.3}", row.seconds.median),
             format!("{:.2}", row.relative.median),
@@ -154,6 +160,9 @@ fn table(report: &Report) -> String {
             percent(row.error.share_off),
             error(row.alone.rms),
         ];
+        if let Some(count) = row.instructions.filter(|_| counted) {
+            cells.insert(RAYS + 1, in_millions(count));
+        }
         let _ = writeln!(table, "<tr{class}><td>{}</td></tr>", cells.join("</td><td>"));
     }
     let precisions: Vec<String> =

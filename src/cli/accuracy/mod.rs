@@ -50,6 +50,7 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
     if let Some(size) = arguments.size {
         resize(&mut engine, size);
     }
+    let mut progress = MeasureProgress::start();
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.threads.map_or(0, usize::from))
         .build()
@@ -57,11 +58,11 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
     let request = Request {
         frames,
         thoroughness: if arguments.quick { Thoroughness::QUICK } else { Thoroughness::THOROUGH },
+        sizes: arguments.sizes.clone(),
         keep_films: arguments.html.is_some(),
     };
-    let mut progress = MeasureProgress::start();
     let cancelled = interruption.deferred();
-    let report = pool.install(|| measure(&mut engine, &request, cancelled, &mut |share| progress.at(&share)));
+    let report = pool.install(|| measure(&mut engine, &request, cancelled, &mut progress));
     drop(progress);
     let Some(report) = report? else {
         return Err(if cancelled.load(Ordering::Relaxed) {

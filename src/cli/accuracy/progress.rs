@@ -5,8 +5,9 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use rayreel::accuracy::{Progress, Step, time_left};
+use rayreel::accuracy::{Observer, Progress, Step, time_left};
 
+use super::super::instructions::Instructions;
 use super::super::print;
 
 /// Shows it: as a bar on a terminal, elsewhere as a line now and then.
@@ -15,12 +16,14 @@ pub(super) struct MeasureProgress {
     bar: Option<ProgressBar>,
     /// When the last line was printed.
     last: Instant,
+    instructions: Instructions,
 }
 
 impl MeasureProgress {
     const STEPS: u64 = 1000;
     const BETWEEN_LINES: Duration = Duration::from_secs(10);
 
+    /// Starts before there are threads whose instructions count.
     pub(super) fn start() -> Self {
         let bar = (stderr().is_terminal() && !print::is_dumb()).then(|| {
             let bar = ProgressBar::new(Self::STEPS);
@@ -30,16 +33,19 @@ impl MeasureProgress {
             bar.enable_steady_tick(Duration::from_millis(200));
             bar
         });
-        Self { start: Instant::now(), bar, last: Instant::now() }
+        let instructions = Instructions::start();
+        Self { start: Instant::now(), bar, last: Instant::now(), instructions }
     }
+}
 
-    pub(super) fn at(&mut self, progress: &Progress) {
+impl Observer for MeasureProgress {
+    fn at(&mut self, progress: Progress) {
         let Progress { step, share } = progress;
         let step = match step {
             Step::Reference => "the reference".to_owned(),
             Step::Row(subject) => subject.to_string(),
         };
-        let left = time_left(self.start.elapsed(), *share);
+        let left = time_left(self.start.elapsed(), share);
         let left = left.map_or_else(String::new, |left| format!(", about {} s left", left.as_secs() + 1));
         match &self.bar {
             Some(bar) => {
@@ -53,6 +59,10 @@ impl MeasureProgress {
             }
             None => {}
         }
+    }
+
+    fn instructions(&mut self) -> Option<u64> {
+        self.instructions.so_far()
     }
 }
 

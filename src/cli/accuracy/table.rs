@@ -8,9 +8,22 @@ use rayreel::scene::Printable;
 use super::super::report::in_millions;
 use super::Measured;
 
-/// The columns' heads.
-const HEADS: [&str; 11] =
-    ["", "setting", "s/frame", "x own", "spread", "rays", "max", "rms", "PSNR", "SSIM", "off > 1"];
+/// The columns' heads. That of instructions is there where they are counted.
+const HEADS: [&str; 12] = [
+    "",
+    "setting",
+    "s/frame",
+    "x own",
+    "spread",
+    "rays",
+    INSTRUCTIONS,
+    "max",
+    "rms",
+    "PSNR",
+    "SSIM",
+    "off > 1",
+];
+const INSTRUCTIONS: &str = "instr.";
 
 pub(super) fn draw(measured: &Measured) -> String {
     let report = &measured.report;
@@ -76,7 +89,9 @@ fn symbol(knob: Knob) -> String {
 }
 
 fn rows(report: &Report) -> String {
-    let mut cells: Vec<Vec<String>> = vec![HEADS.map(str::to_owned).to_vec()];
+    let counted = are_instructions_counted(report);
+    let heads: Vec<&str> = HEADS.into_iter().filter(|head| counted || *head != INSTRUCTIONS).collect();
+    let mut cells: Vec<Vec<String>> = vec![heads.iter().map(|head| (*head).to_owned()).collect()];
     let mut group = None;
     for row in &report.rows {
         if group.replace(kind(row)).is_some_and(|before| before != kind(row)) {
@@ -87,7 +102,7 @@ fn rows(report: &Report) -> String {
     let width = |column: usize| {
         cells.iter().filter_map(|row| Some(row.get(column)?.chars().count())).max().unwrap_or(0)
     };
-    let widths: Vec<usize> = (0..HEADS.len()).map(width).collect();
+    let widths: Vec<usize> = (0..heads.len()).map(width).collect();
     let mut text = String::new();
     for row in &cells {
         let mut line = String::new();
@@ -109,19 +124,28 @@ fn kind(row: &Row) -> (Option<Knob>, bool) {
 }
 
 fn row_cells(row: &Row) -> Vec<String> {
-    vec![
+    let mut cells = vec![
         if row.on_front { "*" } else { "" }.to_owned(),
         row.subject.to_string(),
         format!("{:.3}", row.seconds.median),
         format!("{:.2}", row.relative.median),
         spread(&row.relative),
         in_millions(row.rays.total() as f64),
+    ];
+    cells.extend(row.instructions.map(in_millions));
+    cells.extend([
         error(row.error.max),
         error(row.error.rms),
         decibels(row.error.psnr()),
         format!("{:.4}", row.similarity),
         percent(row.error.share_off),
-    ]
+    ]);
+    cells
+}
+
+/// Returns whether the machine counts instructions.
+pub(super) fn are_instructions_counted(report: &Report) -> bool {
+    report.rows.iter().all(|row| row.instructions.is_some())
 }
 
 /// Writes the half of the distance between the extremes.

@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use rayreel::accuracy::{FilmError, Spread};
 use rayreel::{Effect, Engine, EngineError, Film};
 
+use super::super::instructions::Instructions;
 use super::super::report::in_millions;
 use super::timeline::PlannedTimeline;
 
@@ -12,6 +13,8 @@ use super::timeline::PlannedTimeline;
 pub(super) struct Costs {
     frames: Vec<u32>,
     rays: f64,
+    /// Where they are counted.
+    instructions: Option<f64>,
     seconds: Spread,
     effects: Vec<(Effect, Cost)>,
 }
@@ -21,6 +24,8 @@ pub(super) struct Costs {
 pub(super) struct Cost {
     /// The rays saved per frame.
     pub(super) rays: f64,
+    /// The instructions saved per frame, where they are counted.
+    pub(super) instructions: Option<f64>,
     /// The share of the time saved, in every round.
     shares: Vec<f64>,
     /// The largest of any frame, and the root of the mean square of all.
@@ -31,6 +36,7 @@ pub(super) struct Cost {
 struct Rendered {
     films: Vec<Film>,
     rays: f64,
+    instructions: Option<f64>,
     seconds: f64,
 }
 
@@ -41,23 +47,26 @@ impl Costs {
         engine: &mut Engine,
         timeline: &PlannedTimeline,
         rounds: u32,
+        counter: &mut Instructions,
     ) -> Result<Self, EngineError> {
         let frames = timeline.samples();
         let count = frames.len().max(1) as f64;
         let needed = timeline.effects().filter(|told| told.is_ever_needed());
         let mut effects: Vec<(Effect, Cost)> = needed.map(|told| (told.effect, Cost::default())).collect();
         // Caches are warm from the second time on.
-        render(engine, &frames, None)?;
+        render(engine, &frames, None, counter)?;
         let mut seconds = Vec::new();
-        let mut whole = render(engine, &frames, None)?;
+        let mut whole = render(engine, &frames, None, counter)?;
         for round in 0..rounds.max(1) {
             for (effect, cost) in &mut effects {
-                let part = render(engine, &frames, Some(*effect))?;
-                let before = std::mem::replace(&mut whole, render(engine, &frames, None)?);
+                let part = render(engine, &frames, Some(*effect), counter)?;
+                let before = std::mem::replace(&mut whole, render(engine, &frames, None, counter)?);
                 let usual = f64::midpoint(before.seconds, whole.seconds).max(f64::MIN_POSITIVE);
                 cost.shares.push((1.0 - part.seconds / usual).max(0.0));
                 if round == 0 {
                     cost.rays = (whole.rays - part.rays) / count;
+                    let instructions = whole.instructions.zip(part.instructions);
+                    cost.instructions = instructions.map(|(whole, part)| (whole - part) / count);
                     let transfer = engine.film_settings().transfer;
                     cost.error = FilmError::of_sequence(&part.films, &whole.films, transfer);
                 }
@@ -67,12 +76,19 @@ impl Costs {
         if seconds.is_empty() {
             seconds.push(whole.seconds / count);
         }
-        Ok(Self { frames, rays: whole.rays / count, seconds: Spread::of(&seconds), effects })
+        let instructions = whole.instructions.map(|all| all / count);
+        let (rays, seconds) = (whole.rays / count, Spread::of(&seconds));
+        Ok(Self { frames, rays, instructions, seconds, effects })
     }
 
     /// Returns the cost of an effect that is needed.
     pub(super) fn effect(&self, effect: Effect) -> Option<&Cost> {
         Some(&self.effects.iter().find(|(other, _)| *other == effect)?.1)
+    }
+
+    /// Returns whether the machine counts instructions.
+    pub(super) fn are_instructions_counted(&self) -> bool {
+        self.instructions.is_some()
     }
 
     pub(super) fn in_words(&self) -> String {
@@ -83,17 +99,24 @@ impl Costs {
             [others @ .., last] => (format!("frames {} and {last}", others.join(", ")), ", on average"),
         };
         let (rays, seconds) = (in_millions(self.rays), self.seconds.median);
-        format!("Measured at {of}: {rays} rays in {seconds:.3} s{mean}.\n")
+        let instructions = self.instructions.map(|count| format!(" and {} instructions", in_millions(count)));
+        let instructions = instructions.unwrap_or_default();
+        format!("Measured at {of}: {rays} rays{instructions} in {seconds:.3} s{mean}.\n")
     }
 
     pub(super) fn json(&self) -> Value {
-        json!({ "frames": self.frames, "rays": self.rays, "seconds": self.seconds.median })
+        json!({
+            "frames": self.frames,
+            "rays": self.rays,
+            "instructions": self.instructions,
+            "seconds": self.seconds.median,
+        })
     }
 
     pub(super) fn effect_json(&self, effect: Effect, measure: bool) -> Value {
         let Some(cost) = self.effect(effect) else { return Value::Null };
         let share = cost.share();
-        let mut told = json!({ "rays": cost.rays, "share": share.median });
+        let mut told = json!({ "rays": cost.rays, "instructions": cost.instructions, "share": share.median });
         if measure {
             told["share_low"] = share.low.into();
             told["share_high"] = share.high.into();
@@ -111,10 +134,16 @@ impl Cost {
     }
 }
 
-fn render(engine: &mut Engine, frames: &[u32], left_out: Option<Effect>) -> Result<Rendered, EngineError> {
+fn render(
+    engine: &mut Engine,
+    frames: &[u32],
+    left_out: Option<Effect>,
+    counter: &mut Instructions,
+) -> Result<Rendered, EngineError> {
     let others = engine.left_out().to_vec();
     engine.set_left_out(others.iter().copied().chain(left_out));
-    let mut rendered = Rendered { films: Vec::new(), rays: 0.0, seconds: 0.0 };
+    let mut rendered = Rendered { films: Vec::new(), rays: 0.0, instructions: None, seconds: 0.0 };
+    let before = counter.so_far();
     for frame in frames {
         let film = engine.render_frame(*frame);
         let report = engine.report();
@@ -128,6 +157,8 @@ fn render(engine: &mut Engine, frames: &[u32], left_out: Option<Effect>) -> Resu
             }
         }
     }
+    let counted = before.zip(counter.so_far());
+    rendered.instructions = counted.map(|(before, after)| after.saturating_sub(before) as f64);
     engine.set_left_out(others);
     Ok(rendered)
 }

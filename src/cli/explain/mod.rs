@@ -18,6 +18,7 @@ use rayreel::time::FrameList;
 
 use super::args::ExplainArguments;
 use super::exit::Failure;
+use super::instructions::Instructions;
 use super::overrides::{Changed, load};
 use super::print;
 use super::settings::{require_frame, resize};
@@ -37,12 +38,14 @@ pub(super) fn run(arguments: &ExplainArguments) -> Result<(), Failure> {
     if let Some(size) = arguments.size {
         resize(&mut engine, size);
     }
+    // Before there are threads whose instructions count.
+    let mut counter = Instructions::start();
     let threads = arguments.threads.map_or(0, usize::from);
     let pool: ThreadPool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
         .context("cannot start the rendering threads")?;
-    let explanation = pool.install(|| Explanation::of(arguments, &mut engine, &frames))?;
+    let explanation = pool.install(|| Explanation::of(arguments, &mut engine, &frames, &mut counter))?;
     if arguments.json {
         print::json(&explanation.json())?;
     } else {
@@ -69,9 +72,10 @@ impl Explanation {
         arguments: &ExplainArguments,
         engine: &mut Engine,
         frames: &FrameList,
+        counter: &mut Instructions,
     ) -> Result<Self, rayreel::EngineError> {
         let timeline = PlannedTimeline::of(engine, frames)?;
-        let costs = Costs::of(engine, &timeline, if arguments.measure { ROUNDS } else { 1 })?;
+        let costs = Costs::of(engine, &timeline, if arguments.measure { ROUNDS } else { 1 }, counter)?;
         let film = engine.film_settings();
         Ok(Self {
             scene: arguments.scene.display().to_string(),

@@ -6,6 +6,9 @@ use super::super::report::in_millions;
 use super::cost::Costs;
 use super::timeline::PlannedTimeline;
 
+/// The place of the time among the columns.
+const TIME: usize = 4;
+
 /// Writes the needed effects above, those left out below.
 pub(super) fn draw(timeline: &PlannedTimeline, costs: &Costs, measure: bool) -> String {
     let (mut needed, mut left_out) = (Vec::new(), Vec::new());
@@ -23,6 +26,9 @@ pub(super) fn draw(timeline: &PlannedTimeline, costs: &Costs, measure: bool) -> 
     let mut text = String::new();
     if !needed.is_empty() {
         let mut heads = vec!["needed", "frames", "why", "rays", "time"];
+        if measure && costs.are_instructions_counted() {
+            heads.insert(TIME, "instr.");
+        }
         if measure {
             heads.extend(["max error", "rms error"]);
         }
@@ -37,20 +43,28 @@ pub(super) fn draw(timeline: &PlannedTimeline, costs: &Costs, measure: bool) -> 
 
 fn cost_cells(effect: Effect, costs: &Costs, measure: bool) -> Vec<String> {
     let Some(cost) = costs.effect(effect) else { return Vec::new() };
-    let rays = match cost.rays {
-        0.0 => "-".to_owned(),
-        few if few.abs() < 1000.0 => format!("{few:.0}"),
-        saved if saved < 0.0 => format!("-{}", in_millions(-saved)),
-        spent => in_millions(spent),
-    };
+    let rays = signed(cost.rays);
     let share = cost.share();
     let mut cells = vec![rays, format!("{:.0} %", 100.0 * share.median)];
     if measure {
         cells[1] = format!("{:.0} ±{:.0} %", 100.0 * share.median, 50.0 * (share.high - share.low));
         cells.push(format!("{:.1}", cost.error.max));
         cells.push(format!("{:.2}", cost.error.rms));
+        if costs.are_instructions_counted() {
+            cells.insert(1, signed(cost.instructions.unwrap_or(0.0)));
+        }
     }
     cells
+}
+
+/// Writes a count that was saved or, below 0, spent.
+fn signed(count: f64) -> String {
+    match count {
+        0.0 => "-".to_owned(),
+        few if few.abs() < 1000.0 => format!("{few:.0}"),
+        spent if spent < 0.0 => format!("-{}", in_millions(-spent)),
+        saved => in_millions(saved),
+    }
 }
 
 /// Aligns words to the left and, from the fourth column on, numbers to the right.

@@ -115,6 +115,9 @@ impl PixelExplanation<'_> {
         };
         let sample = match self.at.samples {
             1 => String::new(),
+            samples if self.engine.is_adaptive() => {
+                format!(" sample {} of {samples} at most,", self.at.sample)
+            }
             samples => format!(" sample {} of {samples},", self.at.sample),
         };
         let mut text = format!(

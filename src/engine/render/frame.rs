@@ -11,6 +11,7 @@ use crate::engine::engine::{Engine, EngineError};
 use crate::engine::report::FrameReport;
 use crate::systems::{
     Effect, FrameSettings, Need, Plan, Preparation, Shutter, Shutters, order_newcomers, propagate,
+    sampling_settings,
 };
 use crate::time::Time;
 use crate::trace::reference::{Reference, ReferenceSums};
@@ -183,11 +184,29 @@ impl Engine {
         self.shutters.get_or_insert_with(|| Shutters::of(&self.world)).at(time, &self.knobs)
     }
 
+    /// Returns how many samples each pixel of the last frame has or, where pixels get as many as they need, the least that all of them
+    /// get.
+    #[must_use]
+    pub fn least_samples(&self) -> u32 {
+        let (time, sampling) = (self.report.time, self.knobs.sampling(sampling_settings(&self.world)));
+        let Some(samples) = self.sampling().map(|sampling| sampling.samples).filter(|_| self.is_adaptive())
+        else {
+            return self.sampling().map_or(sampling.samples, |sampling| sampling.samples);
+        };
+        let shutter = Shutters::of(&self.world).at(time, &self.knobs);
+        Rounds::doubling(samples, count_of(&self.instants_of(shutter, time))).least()
+    }
+
     /// Returns the instants at which a frame is drawn: its moment, or several while the shutter is open.
     fn instants(&mut self, time: Time) -> Vec<Time> {
+        let shutter = self.shutter(time);
+        self.instants_of(shutter, time)
+    }
+
+    fn instants_of(&self, shutter: Shutter, time: Time) -> Vec<Time> {
         let single =
             [Effect::MotionBlur, Effect::Antialiasing].iter().any(|effect| self.left_out.contains(effect));
-        match self.shutter(time) {
+        match shutter {
             _ if single => vec![time],
             Shutter::Open(open, count) if self.full || self.may_move() => {
                 self.timeline.instants(time, open, count)
@@ -245,6 +264,7 @@ impl Engine {
         let motion_blur = self.motion_blur(time, moves);
         if let Some(plan) = &mut plan {
             plan.set_motion_blur(motion_blur);
+            plan.leave_out(&self.left_out);
         }
         self.plan = plan;
         Ok(true)

@@ -103,6 +103,7 @@ function draw() {
   drawMistakes(wrong);
   drawTimes();
   drawPlan();
+  drawCurve();
   at("fit").setAttribute("aria-pressed", view.zoom === 0);
   at("whole").setAttribute("aria-pressed", view.zoom === 1);
   at("wipe").setAttribute("aria-pressed", view.wipe !== null);

@@ -2,8 +2,8 @@
 //!
 //! Samples come in `rounds`. After each, every pixel that got some has two means, of the samples from before and of those
 //! that are new, as many. Half their difference, in output values, estimates the error of the mean of both, more closely as it is known
-//! how errors fall with the number n of samples: as n^-3/4 where an edge runs through a pixel, and as n^-1/2 where lights, a lens or a
-//! shutter are sampled too (see `math/sampling`). What is known from the rounds before counts half.
+//! how errors fall with the number n of samples: as n^-3/4 where an edge runs through a pixel, and as n^-1/2 where much is sampled, as
+//! lights, a lens or a shutter (see `math/sampling`). What is known from the rounds before counts half.
 //!
 //! Where all samples of a pixel agree, they may have missed something: beside an edge, a part of less than 1/n may be on its other side.
 //! On average that adds 1/n of the square error of half such a part.
@@ -12,6 +12,8 @@
 //! error per sample is largest: at the best division it is the same everywhere that has any. How large it may be left is found from the
 //! histogram of all pixels, by following what each of them would become with more samples. Where one pixel's estimate is too low by
 //! chance, its neighbours' help: they count half.
+//!
+//! Before pixels have eight samples, they are not told apart: all get more, or the picture is good enough as it is.
 //!
 //! All of that is done between rounds, for the picture as a whole, in an order that does not depend on threads. So the picture does not
 //! either, and the reference path makes the same.
@@ -41,7 +43,7 @@ pub(crate) struct ErrorTarget {
     pub(crate) convergence: Convergence,
 }
 
-/// How fast errors fall with the number n of samples.
+/// How fast errors fall with the number n of samples, before it is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Convergence {
     /// As n^-3/4.
@@ -75,10 +77,11 @@ impl Convergence {
     }
 }
 
-/// Rounds before anything is left out: every pixel has at least this many, which is eight samples.
-const FLOOR: u32 = 3;
 /// Which part of the target is aimed at: estimates scatter, and pixels whose estimate is too low by chance get no more samples.
 const AIM: f64 = 0.94;
+/// By what the square of an error is multiplied at least and at most when the number of samples is doubled: as n^-1 and as n^-1/2.
+const FASTEST: f64 = 0.25;
+const SLOWEST: f64 = 0.5;
 const BINS_OF_OCTAVE: usize = 8;
 /// By exponent and the first three bits of the mantissa.
 const BIN_SHIFT: u32 = 23 - BINS_OF_OCTAVE.ilog2();
@@ -95,7 +98,10 @@ pub(crate) struct Adaptive {
     pixels: Vec<PixelError>,
     /// The sums of a pixel's samples after the last round.
     sums: Vec<DVec3>,
-    is_estimated: bool,
+    /// The mean square of half of all pixels' differences in the last round in which all had samples.
+    spread: f64,
+    /// The estimate of the square of the picture's error.
+    square: Option<f64>,
 }
 
 /// What is known of a pixel's error.
@@ -122,7 +128,7 @@ impl Adaptive {
         let pixels = vec![PixelError { spread: 0.0, missed: 0.0, samples: 0 }; count];
         let curve = OutputCurve::of(target.transfer);
         let width = columns.max(1) as usize;
-        Self { target, curve, width, pixels, sums: vec![DVec3::ZERO; count], is_estimated: false }
+        Self { target, curve, width, pixels, sums: vec![DVec3::ZERO; count], spread: 0.0, square: None }
     }
 
     /// Returns the number of samples that a pixel was left with; `None` if it gets more.
@@ -132,13 +138,18 @@ impl Adaptive {
 
     /// Returns the estimate of the picture's error, in output values; `None` before two rounds.
     pub(crate) fn error(&self) -> Option<f64> {
-        let squares: f64 = self.pixels.iter().map(|pixel| f64::from(pixel.square())).sum();
-        let mean = squares / self.pixels.len().max(1) as f64;
-        self.is_estimated.then(|| (self.scale() * mean).sqrt())
+        self.square.map(f64::sqrt)
     }
 
-    /// By what the square of half a difference is multiplied: with e^2 the square of the error of one half, that is e^2 / 2 in the
-    /// mean, and that of both together e^2 times what doubling brings.
+    /// Returns the sum of the square errors that are known of each pixel, on average.
+    fn square_of_pixels(&self) -> f64 {
+        let squares: f64 = self.pixels.iter().map(|pixel| f64::from(pixel.square())).sum();
+        self.scale() * squares / self.pixels.len().max(1) as f64
+    }
+
+    /// By what the square of half a pixel's difference is multiplied: with e^2 the square of the error of one half, that is e^2 / 2 if the
+    /// halves are independent, and that of both together e^2 times what doubling brings. As halves complete each other, it is less; but
+    /// pixels that are left are those that seem good.
     fn scale(&self) -> f64 {
         2.0 * self.target.convergence.of_doubling()
     }
@@ -146,38 +157,57 @@ impl Adaptive {
     /// Looks at all pixels after a round; `sum` is that of a pixel's samples. Returns whether another round is needed: pixels that get
     /// nothing from it are noted.
     pub(crate) fn judge(&mut self, rounds: &Rounds, sum: impl Fn(usize) -> DVec3 + Sync) -> bool {
-        self.estimate(rounds, sum);
-        let taken = rounds.taken().1;
-        if rounds.is_last() || rounds.index() + 1 >= FLOOR {
+        let (taken, spread) = (rounds.taken().1, self.estimate(rounds, sum));
+        if rounds.index() <= rounds.floor_index() {
+            self.square = self.square_of_all(rounds, spread);
+        } else {
             self.suspect(taken);
-        }
-        if rounds.is_last() {
-            self.leave(taken, |_| true);
-            return false;
-        }
-        if rounds.index() + 1 < FLOOR {
-            return true;
+            self.square = Some(self.square_of_pixels());
         }
         let aim = AIM * self.target.rms;
-        if self.error().is_none_or(|error| error <= aim) {
+        if rounds.is_last() || self.error().is_some_and(|error| error <= aim) {
             self.leave(taken, |_| true);
             return false;
+        }
+        if rounds.index() < rounds.floor_index() {
+            return true;
+        }
+        if rounds.index() == rounds.floor_index() {
+            self.suspect(taken);
         }
         let needs = self.needs();
         let least = self.least_need(&needs, aim * aim / self.scale() * self.pixels.len() as f64);
         self.leave(taken, |pixel| bin(needs[pixel]) < least);
-        self.pixels.iter().any(|pixel| pixel.samples == 0)
+        let goes_on = self.pixels.iter().any(|pixel| pixel.samples == 0);
+        if !goes_on {
+            self.square = Some(self.square_of_pixels());
+        }
+        goes_on
     }
 
-    /// Estimates the errors of the pixels that had samples in this round.
-    fn estimate(&mut self, rounds: &Rounds, sum: impl Fn(usize) -> DVec3 + Sync) {
+    /// Estimates the square of the picture's error while all pixels have as many samples, from the mean square of half of their
+    /// differences. With e^2 the square of the error of one half, that of both together is q e^2, where q is what doubling brings; so the
+    /// errors of the halves have the product (2 q - 1) e^2 on average, and the square of half their difference is (1 - q) e^2. What doubling
+    /// brings is half expected, and half seen in how much less differences have become.
+    fn square_of_all(&mut self, rounds: &Rounds, spread: f64) -> Option<f64> {
+        let before = std::mem::replace(&mut self.spread, spread);
+        let expected = self.target.convergence.of_doubling();
+        let is_seen = rounds.index() > 1 && before > 0.0;
+        let seen = if is_seen { (spread / before).clamp(FASTEST, SLOWEST) } else { expected };
+        let per_doubling = (seen * expected).sqrt();
+        (rounds.index() > 0).then(|| per_doubling / (1.0 - per_doubling) * spread)
+    }
+
+    /// Estimates the errors of the pixels that had samples in this round. Returns the mean square of half of their differences.
+    fn estimate(&mut self, rounds: &Rounds, sum: impl Fn(usize) -> DVec3 + Sync) -> f64 {
         let (per_doubling, (before, after)) = (self.target.convergence.of_doubling(), rounds.taken());
         let (old, new) = (f64::from(before), f64::from(after - before));
         // A quarter, where both are as many.
         let share = old * new / ((old + new) * (old + new));
         let (width, curve) = (self.width, &self.curve);
         let rows = self.pixels.par_chunks_mut(width).zip(self.sums.par_chunks_mut(width));
-        rows.enumerate().for_each(|(row, (pixels, sums))| {
+        let squares = rows.enumerate().map(|(row, (pixels, sums))| {
+            let mut squares = 0.0;
             for (column, (pixel, before)) in pixels.iter_mut().zip(sums).enumerate() {
                 if pixel.samples > 0 {
                     continue;
@@ -187,6 +217,7 @@ impl Adaptive {
                     // Beyond what a number can hold all is white.
                     let halves = [*before / old, (sum - *before) / new];
                     let square = if sum.is_finite() { share * curve.mean_square(halves) } else { 0.0 };
+                    squares += square;
                     pixel.spread = if rounds.index() == 1 {
                         single(square)
                     } else {
@@ -195,8 +226,11 @@ impl Adaptive {
                 }
                 *before = sum;
             }
+            squares
         });
-        self.is_estimated |= rounds.index() > 0;
+        // In order, whatever the threads do.
+        let squares: Vec<f64> = squares.collect();
+        squares.iter().sum::<f64>() / self.pixels.len().max(1) as f64
     }
 
     /// Estimates what the samples of pixels may have missed that had some in this round, and have so many now.
@@ -219,10 +253,8 @@ impl Adaptive {
                         most = most.max(*neighbour);
                     }
                 }
-                let mean = mean.as_dvec3();
-                let square = [least, most]
-                    .map(|other| curve.mean_square([mean, mean + (other.as_dvec3() - mean) * part]));
-                pixel.missed = single(often * square[0].max(square[1]));
+                let farther = (mean - least).max(most - mean);
+                pixel.missed = single(often * curve.mean_square_near(mean, farther.as_dvec3() * part));
             }
         });
     }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::color::{Rgb, Transfer};
 
@@ -26,6 +26,18 @@ impl OutputCurve {
         let piece = (place as usize).min(PIECES - 1);
         let (low, high) = (self.0[piece], self.0[piece + 1]);
         low + (high - low) * (place - piece as f64)
+    }
+
+    /// Returns the mean square of the difference that small differences of a colour make to its output values.
+    pub(super) fn mean_square_near(&self, color: Vec3, apart: DVec3) -> f64 {
+        let slope = |light: f32| {
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to PIECES - 1")]
+            let piece = (light.clamp(0.0, 1.0) * PIECES as f32) as usize;
+            let piece = piece.min(PIECES - 1);
+            (self.0[piece + 1] - self.0[piece]) * PIECES as f64
+        };
+        let apart = apart * DVec3::from_array(color.to_array().map(slope));
+        apart.length_squared() / 3.0
     }
 
     /// Returns the mean square of the difference of two colours' output values.

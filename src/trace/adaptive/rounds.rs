@@ -47,10 +47,10 @@ impl Rounds {
         Self { samples, instants: instants.max(1), first: u32::MAX, round: 0 }
     }
 
-    /// Returns rounds that double the number of samples. The first has at least two.
+    /// Returns rounds that double the number of samples. The first has one, or one at each instant.
     pub(crate) fn doubling(samples: u32, instants: u32) -> Self {
         let instants = instants.max(1);
-        Self { samples, instants, first: 2_u32.div_ceil(instants), round: 0 }
+        Self { samples, instants, first: 1, round: 0 }
     }
 
     /// Returns the present round's samples at an instant.
@@ -75,6 +75,16 @@ impl Rounds {
     /// Returns the most samples of a pixel.
     pub(crate) fn samples(&self) -> u32 {
         self.samples
+    }
+
+    /// Returns the last round in which all pixels have samples: there are eight after it, and four at each instant.
+    pub(crate) fn floor_index(&self) -> u32 {
+        if self.instants == 1 { 3 } else { 2 }
+    }
+
+    /// Returns the samples of a pixel after that.
+    pub(crate) fn least(&self) -> u32 {
+        Self { round: self.floor_index(), ..*self }.taken().1
     }
 
     /// Returns the present round, from 0.
@@ -159,10 +169,18 @@ mod tests {
     fn rounds_double_what_every_instant_has() {
         let counts = |rounds| all(rounds).iter().map(Vec::len).collect::<Vec<_>>();
         assert_eq!(counts(Rounds::single(100, 16)), [100]);
-        assert_eq!(counts(Rounds::doubling(64, 1)), [2, 2, 4, 8, 16, 32]);
+        assert_eq!(counts(Rounds::doubling(64, 1)), [1, 1, 2, 4, 8, 16, 32]);
         assert_eq!(counts(Rounds::doubling(64, 16)), [16, 16, 32]);
-        assert_eq!(counts(Rounds::doubling(20, 1)), [2, 2, 4, 8, 4]);
+        assert_eq!(counts(Rounds::doubling(20, 1)), [1, 1, 2, 4, 8, 4]);
         assert_eq!(all(Rounds::doubling(8, 2))[1], [1, 5]);
         assert_eq!(all(Rounds::doubling(8, 2))[2], [2, 3, 6, 7]);
+    }
+
+    #[test]
+    fn pixels_are_told_apart_with_eight_samples_and_four_at_each_instant() {
+        for (samples, instants, least) in [(64, 1, 8), (5, 1, 5), (1024, 16, 64), (1024, 2, 8), (40, 16, 40)]
+        {
+            assert_eq!(Rounds::doubling(samples, instants).least(), least, "{samples} {instants}");
+        }
     }
 }
