@@ -25,12 +25,14 @@ impl FrameSamples {
         Self { samples, max_error }
     }
 
-    /// Returns the samples at a height of the ladder: a single one below 1, and from there on as many as each pixel needs for an error of
-    /// 16 steps, at least two, which is halved with every rung.
+    /// Returns the samples at a height of the ladder: 1, 2 and 4 for all pixels at 0, 1 and 2, and from 3 on an error of 16 steps that
+    /// is halved with every rung.
     #[must_use]
     pub fn at_height(height: f64) -> Self {
         if height < ADAPTIVE {
-            return Self { samples: 1, max_error: 0.0 };
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 2")]
+            let exponent = height.max(0.0) as u32;
+            return Self { samples: 1 << exponent, max_error: 0.0 };
         }
         #[expect(clippy::cast_possible_truncation, reason = "it becomes the setting")]
         let max_error = (LARGEST * libm::exp2(ADAPTIVE - height.min(HIGHEST))) as f32;
@@ -39,11 +41,11 @@ impl FrameSamples {
 }
 
 /// From where on pixels get as many samples as they need.
-pub(super) const ADAPTIVE: f64 = 1.0;
+pub(super) const ADAPTIVE: f64 = 3.0;
 /// The error there.
 const LARGEST: f64 = 16.0;
 /// An error of 2^-10 steps.
-pub(super) const HIGHEST: f64 = 15.0;
+pub(super) const HIGHEST: f64 = 17.0;
 
 #[cfg(test)]
 mod tests {
@@ -52,8 +54,8 @@ mod tests {
     #[test]
     fn rungs_are_what_they_are_called() {
         assert_eq!(FrameSamples::at_height(0.0), FrameSamples { samples: 1, max_error: 0.0 });
-        assert_eq!(FrameSamples::at_height(0.9), FrameSamples { samples: 1, max_error: 0.0 });
-        assert_eq!(FrameSamples::at_height(1.0), FrameSamples::for_error(16.0, Sampling::LARGEST_COUNT));
-        assert_eq!(FrameSamples::at_height(5.0).max_error, 1.0);
+        assert_eq!(FrameSamples::at_height(2.9), FrameSamples { samples: 4, max_error: 0.0 });
+        assert_eq!(FrameSamples::at_height(3.0), FrameSamples::for_error(16.0, Sampling::LARGEST_COUNT));
+        assert_eq!(FrameSamples::at_height(7.0).max_error, 1.0);
     }
 }

@@ -92,7 +92,7 @@ fn measure(
     /// By what the film's width and height are divided.
     const DIVISOR: u32 = 4;
     /// From where on errors are small enough to tell how much longer smaller ones take.
-    const SMALL: u32 = 4;
+    const SMALL: u32 = 6;
     /// How much longer a rung takes than the one before at most.
     const LONGER: u32 = 4;
     let film = engine.film_settings();
@@ -104,7 +104,9 @@ fn measure(
     let (single, before) = small_pictures(engine, moments, (size, 0.0), cancelled)?;
     // What has been prepared for the first pictures is prepared for the others.
     let fixed = before / count;
-    let mut rungs = vec![(0.0, single)];
+    // More samples in all pixels take as much longer.
+    let all_pixels = [(0.0, 1.0), (1.0, 2.0), (2.0, 4.0)].map(|(height, more)| (height, more * single));
+    let mut rungs = all_pixels.to_vec();
     for height in
         std::iter::once(ADAPTIVE).chain((SMALL..).map(f64::from)).take_while(|height| *height < HIGHEST)
     {
@@ -145,12 +147,12 @@ mod tests {
 
     #[test]
     fn heights_and_seconds_belong_together() {
-        let ladder = Ladder::of([(0.0, 0.1), (1.0, 0.3), (4.0, 0.8), (5.0, 1.4)].into_iter());
+        let ladder = Ladder::of([(0.0, 0.1), (3.0, 0.6), (6.0, 0.8), (7.0, 1.4)].into_iter());
         for height in [0.0, 0.3, 2.9, 3.0, 5.5, 7.0, 9.0, 12.5] {
             assert!((ladder.height(ladder.seconds(height)) - height).abs() < 1e-9, "{height}");
         }
         assert_eq!(ladder.height(0.01), 0.0);
         assert_eq!(ladder.height(1e9), HIGHEST);
-        assert!((ladder.seconds(6.0) - 1.4 * 4.0).abs() < 1e-9);
+        assert!((ladder.seconds(8.0) - 1.4 * 4.0).abs() < 1e-9);
     }
 }
