@@ -3,8 +3,8 @@
 //! `cargo bench --bench targets` renders frames of six scenes, of 480 by 270 pixels, for four errors, as `render --max-error` does, compares
 //! them with long references, and times them beside every number of samples from 1 to 64 and every error that the sweep of `rayreel
 //! accuracy` has. Then it tells how many samples pictures take that have as many in all pixels, compared with those that have
-//! as many as each pixel needs, for the same error. It takes a quarter of an hour; the name of a scene after `--` measures that
-//! alone.
+//! as many as each pixel needs, for the same error. It takes from one minute a scene to ten or more; the name of a scene after `--`
+//! measures that alone.
 
 #![allow(
     clippy::print_stdout,

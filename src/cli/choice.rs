@@ -11,7 +11,7 @@ use anyhow::{Context, anyhow};
 
 use rayreel::accuracy::{Deadline, FewSamples, FrameSamples, Ladder, Pilot};
 use rayreel::components::Sampling;
-use rayreel::{Engine, EngineError, Knobs};
+use rayreel::{Engine, Knobs};
 
 use super::args::RenderArguments;
 use super::exit::Failure;
@@ -232,8 +232,9 @@ fn for_error(
     (error, samples): (f32, u32),
     cancelled: &AtomicBool,
 ) -> Result<Option<FrameSamples>, Failure> {
-    let few = FewSamples::estimate(engine, &pilot(settings), error.into(), cancelled)?;
-    let Some(few) = few else { return Ok(None) };
+    let Some(few) = FewSamples::estimate(engine, &pilot(settings), error.into(), cancelled)? else {
+        return Ok(None);
+    };
     let Some(chosen) = few.samples_for(error, samples) else {
         let certain = (100.0 * few.certain_error(samples)).ceil() / 100.0;
         return Err(anyhow!(
@@ -253,8 +254,9 @@ fn deadline(
 ) -> Result<Option<Deadline>, Failure> {
     /// The part of the time in which it is found out how long frames take.
     const PILOT: u32 = 20;
-    let ladder: Result<_, EngineError> = Ladder::measure(engine, &pilot(settings), within / PILOT, cancelled);
-    let Some(ladder) = ladder? else { return Ok(None) };
+    let Some(ladder) = Ladder::measure(engine, &pilot(settings), within / PILOT, cancelled)? else {
+        return Ok(None);
+    };
     let count = settings.count();
     let deadline = Deadline::new(ladder, within, u32::try_from(count).unwrap_or(u32::MAX));
     let least = deadline.least();
