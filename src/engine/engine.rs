@@ -16,7 +16,7 @@ use crate::systems::{
 };
 use crate::time::Timeline;
 use crate::trace::reference::Reference;
-use crate::trace::{self, Effects, Lighting, Precision, SimdLevel, Sums};
+use crate::trace::{self, Effects, Lighting, Precision, SampleMemory, SimdLevel};
 
 /// A world of entities that is rendered moment by moment.
 ///
@@ -97,7 +97,7 @@ pub struct Engine {
     pub(super) plan: Option<Plan>,
     pub(super) report: FrameReport,
     /// The last picture's, kept for their memory.
-    pub(super) spare_sums: Sums,
+    pub(super) sample_memory: SampleMemory,
     pub(super) script_sources: ScriptSources,
 }
 
@@ -177,7 +177,7 @@ impl Engine {
             shutters: None,
             plan: None,
             report: FrameReport::default(),
-            spare_sums: Sums::default(),
+            sample_memory: SampleMemory::default(),
             script_sources: ScriptSources::default(),
         }
     }

@@ -8,14 +8,14 @@ use fearless_simd::dispatch;
 use rayon::prelude::*;
 
 use crate::color::{Encoding, Linear, Rgb};
-use crate::trace::adaptive::{Adaptive, ErrorTarget, Portion, Rounds};
+use crate::trace::adaptive::{Adaptive, ErrorTarget, PixelErrors, Portion, Rounds, RowSums};
 use crate::trace::effects::Effects;
 use crate::trace::effort::Effort;
 use crate::trace::film::Film;
 use crate::trace::light::RenderContext;
 use crate::trace::math::{Colors, Numbers, Sampling, SimdLevel, Vectors};
 use crate::trace::query::{Intersector, Textbook};
-use crate::trace::scene::{Camera, Precision, PreparedScene};
+use crate::trace::scene::{Camera, Precision, PreparedScene, SIDE};
 use crate::trace::stages::{ActiveLanes, PACKETS, TILE, Tile, TileBuffers, render_sample};
 use crate::trace::tile_light::{NO_SUMS, TileLight, TileSums, means};
 use crate::trace::work_queue::WorkQueue;
@@ -80,14 +80,42 @@ enum Pixels<Pixel> {
 /// What the samples of pixels add up to, tile by tile, and in a tile packet by packet of its camera rays; every tile has room for a
 /// whole one.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Sums(Vec<Vectors>);
+struct Sums {
+    all: Vec<Vectors>,
+    /// Of the first half of the first round's samples, for adaptive sampling; else none.
+    first_half: Vec<Colors>,
+}
+
+/// The memory of a picture's samples, for the next one: it costs more to get it anew from the system than to use it.
+#[derive(Debug, Default)]
+pub(crate) struct SampleMemory {
+    sums: Sums,
+    errors: PixelErrors,
+}
+
+impl Sums {
+    /// Makes them those of so many tiles without samples.
+    fn clear(&mut self, tiles: usize, is_adaptive: bool) {
+        self.all.clear();
+        self.all.resize(tiles * PACKETS, NO_SUMS);
+        self.first_half.clear();
+        self.first_half.resize(if is_adaptive { tiles * PACKETS } else { 0 }, Colors::splat(Rgb::ZERO));
+    }
+
+    /// Goes through those of all tiles.
+    fn tiles_mut(&mut self) -> impl Iterator<Item = TileSums<'_>> {
+        let mut first_half = self.first_half.chunks_mut(PACKETS);
+        let all = self.all.chunks_mut(PACKETS);
+        all.map(move |all| TileSums { all, first_half: first_half.next().unwrap_or_default() })
+    }
+}
 
 impl Exposure {
     /// Of no light so far, to have this many samples in a pixel, and linear light in the end.
     #[doc(hidden)]
     #[must_use]
     pub fn new(resolution: (u32, u32), samples: u32) -> Self {
-        Self::encoded(Linear, resolution, Rounds::single(samples, 1), None, Sums::default())
+        Self::encoded(Linear, resolution, Rounds::single(samples, 1), None, SampleMemory::default())
     }
 
     /// What there is so far: pixels are means of the samples that they have. Where they have none, another picture of the same
@@ -116,13 +144,13 @@ impl Exposure {
 
 impl<E: Encoding> Exposure<E> {
     /// Of no light so far, to have samples in these rounds, until it is as good as it is meant to be, if that is said. Pixels are encoded
-    /// in the end. It uses the memory of another's sums.
+    /// in the end. It uses the memory of another.
     pub(crate) fn encoded(
         encoding: E,
         (columns, height): (u32, u32),
         rounds: Rounds,
         target: Option<ErrorTarget>,
-        Sums(mut sums): Sums,
+        SampleMemory { mut sums, errors }: SampleMemory,
     ) -> Self {
         let tiles: Vec<ExposedTile> = (0..height)
             .step_by(TILE as usize)
@@ -133,11 +161,10 @@ impl<E: Encoding> Exposure<E> {
         let pixels = if rounds.samples() == 1 {
             Pixels::Picture(None)
         } else {
-            sums.clear();
-            sums.resize(tiles.len() * PACKETS, NO_SUMS);
-            Pixels::Sums(Sums(sums))
+            sums.clear(tiles.len(), target.is_some());
+            Pixels::Sums(sums)
         };
-        let adaptive = target.map(|target| Adaptive::new((columns, height), target));
+        let adaptive = target.map(|target| Adaptive::new((columns, height), target, errors));
         let effort = Effort::default();
         Self { width: columns, height, rounds, adaptive, tiles, encoding, pixels, effort }
     }
@@ -189,8 +216,8 @@ impl<E: Encoding> Exposure<E> {
                 let tiles = tiles.zip(film.tiles_mut(self.encoding));
                 add_samples(context, shapes, (tiles, count), portion, signals)
             }
-            Pixels::Sums(Sums(sums)) => {
-                let tiles = tiles.zip(sums.chunks_mut(PACKETS).map(TileSums));
+            Pixels::Sums(sums) => {
+                let tiles = tiles.zip(sums.tiles_mut());
                 add_samples(context, shapes, (tiles, count), portion, signals)
             }
         };
@@ -200,24 +227,25 @@ impl<E: Encoding> Exposure<E> {
     /// Goes on to the next round, after the present one, if the picture is not yet as good as it is meant to be. Returns whether there
     /// is one.
     pub(crate) fn next_round(&mut self) -> bool {
-        let (Some(adaptive), Pixels::Sums(Sums(sums))) = (&mut self.adaptive, &self.pixels) else {
+        let (Some(adaptive), Pixels::Sums(sums)) = (&mut self.adaptive, &self.pixels) else {
             return false;
         };
-        let (width, across) = (self.width as usize, self.width.div_ceil(TILE) as usize);
-        let sum = |pixel: usize| {
-            let (i, j, side) = (pixel % width, pixel / width, TILE as usize);
-            let (packet, lane) = Tile::lane_of(i % side, j % side);
-            sums[(j / side * across + i / side) * PACKETS + packet].get(lane)
-        };
-        if !adaptive.judge(&self.rounds, sum) {
+        let sums = RowsOfTiles { width: self.width, tiles: &self.tiles, sums };
+        if !adaptive.judge(&self.rounds, &sums) {
             return false;
         }
         self.rounds.advance();
-        for exposed in &mut self.tiles {
-            exposed.active = exposed
-                .tile
-                .active_lanes(|i, j| adaptive.left_with(j as usize * width + i as usize).is_none());
-        }
+        let width = self.width as usize;
+        self.tiles.par_iter_mut().filter(|exposed| !exposed.active.are_none()).for_each(|exposed| {
+            let Tile { i, j, width: columns, height: rows } = exposed.tile;
+            exposed.active = if adaptive.any_gets_more(i..i + columns, j..j + rows) {
+                exposed
+                    .tile
+                    .active_lanes(|i, j| adaptive.left_with(j as usize * width + i as usize).is_none())
+            } else {
+                ActiveLanes::NONE
+            };
+        });
         true
     }
 
@@ -248,27 +276,28 @@ impl<E: Encoding> Exposure<E> {
         (film, effort)
     }
 
-    /// Returns the picture, what it took, and the sums, for their memory.
-    pub(crate) fn finish(mut self) -> (Film<E::Pixel>, Effort, Sums) {
+    /// Returns the picture, what it took, and the memory of its samples.
+    pub(crate) fn finish(mut self) -> (Film<E::Pixel>, Effort, SampleMemory) {
         let mut effort = self.effort;
         match std::mem::replace(&mut self.pixels, Pixels::Picture(None)) {
             Pixels::Picture(film) => {
                 let film = film.unwrap_or_else(|| Film::black(self.encoding, self.width, self.height));
-                (film, effort, Sums::default())
+                (film, effort, SampleMemory::default())
             }
             Pixels::Sums(sums) => {
                 let (film, overflowed) = self.develop_sums(&sums);
                 effort.escalations.overflowed += overflowed;
-                (film, effort, sums)
+                let errors = self.adaptive.map(Adaptive::into_memory).unwrap_or_default();
+                (film, effort, SampleMemory { sums, errors })
             }
         }
     }
 
     /// Returns the means of what samples add up to, and how many had overflowed.
-    fn develop_sums(&self, Sums(sums): &Sums) -> (Film<E::Pixel>, u64) {
+    fn develop_sums(&self, sums: &Sums) -> (Film<E::Pixel>, u64) {
         let mut film = Film::black(self.encoding, self.width, self.height);
         let stored: Vec<_> = film.tiles_mut(self.encoding).collect();
-        let tiles = stored.into_par_iter().zip(sums.par_chunks(PACKETS)).zip(&self.tiles);
+        let tiles = stored.into_par_iter().zip(sums.all.par_chunks(PACKETS)).zip(&self.tiles);
         let overflowed = tiles.map(|((mut stored, sums), exposed)| {
             let counts = self.sample_counts(exposed);
             dispatch!(SimdLevel::best().level(), simd => {
@@ -287,16 +316,65 @@ impl<E: Encoding> Exposure<E> {
     fn sample_counts(&self, ExposedTile { tile, samples, .. }: &ExposedTile) -> [Numbers; PACKETS] {
         let mut counts = [Numbers::splat(f64::from((*samples).max(1))); PACKETS];
         let Some(adaptive) = &self.adaptive else { return counts };
-        for j in 0..tile.height {
-            for i in 0..tile.width {
-                let pixel = (tile.j + j) as usize * self.width as usize + (tile.i + i) as usize;
-                if let Some(samples) = adaptive.left_with(pixel) {
-                    let (packet, lane) = Tile::lane_of(i as usize, j as usize);
-                    counts[packet].set(lane, f64::from(samples));
-                }
+        for row in 0..tile.height {
+            let left_with = adaptive.row_left_with(tile.j + row)[tile.i as usize..].iter();
+            let left_with = left_with.take(tile.width as usize).enumerate();
+            for (column, samples) in left_with.filter(|(_, samples)| **samples > 0) {
+                let (packet, lane) = Tile::lane_of(column, row as usize);
+                counts[packet].set(lane, f64::from(*samples));
             }
         }
         counts
+    }
+}
+
+/// What the samples of pixels add up to, tile by tile, for a row at a time.
+struct RowsOfTiles<'a> {
+    width: u32,
+    tiles: &'a [ExposedTile],
+    sums: &'a Sums,
+}
+
+impl RowsOfTiles<'_> {
+    /// Goes through a row's parts of four pixels, where tiles have some that get more: the index of their first column, and the packet of
+    /// the picture and the lane that it has.
+    #[inline(always)]
+    fn parts(&self, row: usize) -> impl Iterator<Item = (usize, usize, usize)> {
+        const LENGTH: usize = TILE as usize;
+        let across = self.width.div_ceil(TILE) as usize;
+        let first = row / LENGTH * across;
+        let tiles = self.tiles[first..first + across].iter().enumerate();
+        tiles.filter(|(_, exposed)| !exposed.active.are_none()).flat_map(move |(tile, exposed)| {
+            (0..exposed.tile.width as usize).step_by(SIDE as usize).map(move |i| {
+                let (packet, lane) = Tile::lane_of(i, row % LENGTH);
+                (tile * LENGTH + i, (first + tile) * PACKETS + packet, lane)
+            })
+        })
+    }
+}
+
+impl RowSums for RowsOfTiles<'_> {
+    fn all(&self, row: usize, mut sums: [&mut [f32]; 3]) {
+        for (column, packet, lane) in self.parts(row) {
+            for (channel, sums) in sums.iter_mut().enumerate() {
+                let exact = self.sums.all[packet].axis(channel).from_lane(lane);
+                for (sum, exact) in sums[column..].iter_mut().zip(exact).take(SIDE as usize) {
+                    #[expect(clippy::cast_possible_truncation, reason = "for an estimate")]
+                    let rounded = *exact as f32;
+                    *sum = rounded;
+                }
+            }
+        }
+    }
+
+    fn first_half(&self, row: usize, mut sums: [&mut [f32]; 3]) {
+        for (column, packet, lane) in self.parts(row) {
+            for (channel, sums) in sums.iter_mut().enumerate() {
+                let found = self.sums.first_half[packet].from_lane(channel, lane);
+                let sums = sums[column..].iter_mut();
+                sums.zip(found).take(SIDE as usize).for_each(|(sum, found)| *sum = *found);
+            }
+        }
     }
 }
 
@@ -348,6 +426,9 @@ fn add_to_tile(
             break;
         }
         effort.escalations.overflowed += dispatch!(context.scene.simd.level(), simd => {
+            if sample < portion.halfway {
+                light.add_to_first_half(simd, buffers.pixels());
+            }
             light.add(simd, &exposed.tile, buffers.pixels())
         });
         exposed.samples += 1;

@@ -83,7 +83,7 @@ mod work_queue;
 
 pub(crate) use adaptive::{Convergence, ErrorTarget, Rounds};
 pub use effort::{RayCounts, TreeEnds};
-pub(crate) use exposure::Sums;
+pub(crate) use exposure::SampleMemory;
 pub use exposure::{Exposure, Signals};
 pub use film::{EncodedFilm, Film};
 pub use math::Sampling;

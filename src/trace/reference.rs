@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use crate::color::Rgb;
-use crate::trace::adaptive::{Adaptive, ErrorTarget, Rounds};
+use crate::trace::adaptive::{Adaptive, ErrorTarget, PixelErrors, Rounds, RowSums};
 use crate::trace::effects::{Effects, Lighting};
 use crate::trace::film::Film;
 use crate::trace::light::{
@@ -152,15 +152,20 @@ impl<'a> Reference<'a> {
     pub(crate) fn add(&mut self, sums: &mut ReferenceSums, instant: u32) {
         let (columns, rows) = self.context.camera.resolution();
         let pixels = (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j)));
-        let ReferenceSums { sums, rounds, adaptive, .. } = sums;
+        let ReferenceSums { sums, first_half, rounds, adaptive, .. } = sums;
         let portion = rounds.portion(instant);
-        for ((i, j), (index, sum)) in pixels.zip(sums.iter_mut().enumerate()) {
+        let sums = sums.iter_mut().zip(first_half).enumerate();
+        for ((i, j), (index, (sum, first_half))) in pixels.zip(sums) {
             if adaptive.as_ref().is_some_and(|adaptive| adaptive.left_with(index).is_some()) {
                 continue;
             }
             for sample in portion.from..portion.to {
                 let tree = self.sample(i, j, sample);
-                sum.add(tree.map_or_else(|| self.context.nowhere(), |tree| tree.color()));
+                let color = tree.map_or_else(|| self.context.nowhere(), |tree| tree.color());
+                sum.add(color);
+                if sample < portion.halfway {
+                    *first_half += color;
+                }
             }
         }
     }
@@ -240,6 +245,8 @@ fn negligible(
 pub(crate) struct ReferenceSums {
     resolution: (u32, u32),
     sums: Vec<PixelSum>,
+    /// What the first half of the first round's samples add up to, for adaptive sampling.
+    first_half: Vec<Rgb>,
     rounds: Rounds,
     adaptive: Option<Adaptive>,
 }
@@ -250,13 +257,15 @@ impl ReferenceSums {
     pub(crate) fn new(resolution: (u32, u32), rounds: Rounds, target: Option<ErrorTarget>) -> Self {
         let (columns, rows) = resolution;
         let sums = vec![PixelSum::default(); columns as usize * rows as usize];
-        Self { resolution, sums, rounds, adaptive: target.map(|target| Adaptive::new(resolution, target)) }
+        let adaptive = target.map(|target| Adaptive::new(resolution, target, PixelErrors::default()));
+        Self { resolution, first_half: vec![Rgb::ZERO; sums.len()], sums, rounds, adaptive }
     }
 
     /// Goes on to the next round, if the picture is not yet as good as it is meant to be. Returns whether there is one.
     pub(crate) fn next_round(&mut self) -> bool {
-        let Some(adaptive) = &mut self.adaptive else { return false };
-        let goes_on = adaptive.judge(&self.rounds, |pixel| self.sums[pixel].0);
+        let Some(mut adaptive) = self.adaptive.take() else { return false };
+        let goes_on = adaptive.judge(&self.rounds, &*self);
+        self.adaptive = Some(adaptive);
         if goes_on {
             self.rounds.advance();
         }
@@ -268,9 +277,24 @@ impl ReferenceSums {
     pub(crate) fn develop(&self) -> Film {
         let (columns, rows) = self.resolution;
         let samples = |pixel| self.adaptive.as_ref().and_then(|adaptive| adaptive.left_with(pixel));
-        let mean =
-            |(pixel, sum): (usize, &PixelSum)| sum.mean(samples(pixel).unwrap_or(self.rounds.taken().1));
+        let mean = |(pixel, sum): (usize, &PixelSum)| sum.mean(samples(pixel).unwrap_or(self.rounds.taken()));
         Film::from_pixels(columns, rows, self.sums.iter().enumerate().map(mean))
+    }
+}
+
+impl RowSums for ReferenceSums {
+    fn all(&self, row: usize, sums: [&mut [f32]; 3]) {
+        let of_row = &self.sums[row * self.resolution.0 as usize..];
+        for (channel, sums) in sums.into_iter().enumerate() {
+            sums.iter_mut().zip(of_row).for_each(|(sum, exact)| *sum = exact.0.as_vec3()[channel]);
+        }
+    }
+
+    fn first_half(&self, row: usize, sums: [&mut [f32]; 3]) {
+        let of_row = &self.first_half[row * self.resolution.0 as usize..];
+        for (channel, sums) in sums.into_iter().enumerate() {
+            sums.iter_mut().zip(of_row).for_each(|(sum, color)| *sum = color[channel]);
+        }
     }
 }
 

@@ -13,6 +13,10 @@ use crate::trace::stages::{PACKETS, Tile};
 pub(crate) trait TileLight: Send {
     /// Adds a sample of each pixel, given packet by packet of the camera rays. Says how many pixels have overflowed.
     fn add<S: Simd>(&mut self, simd: S, tile: &Tile, samples: &[Colors; PACKETS]) -> u64;
+
+    /// Adds it to the first half of the first round's samples, where somebody wants to know those.
+    #[inline(always)]
+    fn add_to_first_half<S: Simd>(&mut self, _: S, _: &[Colors; PACKETS]) {}
 }
 
 /// The only sample of each pixel is what is seen.
@@ -32,7 +36,12 @@ impl<E: Encoding> TileLight for FilmTile<'_, E> {
 /// What the samples of each pixel add up to, packet by packet. In `f64`, so that the mean of equal samples is exactly their value, and
 /// that of 2^16 samples is as good as that of two.
 #[derive(Debug)]
-pub(crate) struct TileSums<'a>(pub(crate) &'a mut [Vectors]);
+pub(crate) struct TileSums<'a> {
+    /// Of all samples.
+    pub(crate) all: &'a mut [Vectors],
+    /// Of the first half of those of the first round, in `f32`; empty where nobody wants to know.
+    pub(crate) first_half: &'a mut [Colors],
+}
 
 /// The sums of a packet without samples.
 pub(crate) const NO_SUMS: Vectors = Vectors::splat(DVec3::ZERO);
@@ -40,7 +49,7 @@ pub(crate) const NO_SUMS: Vectors = Vectors::splat(DVec3::ZERO);
 impl TileLight for TileSums<'_> {
     #[inline(always)]
     fn add<S: Simd>(&mut self, simd: S, _: &Tile, samples: &[Colors; PACKETS]) -> u64 {
-        for (sums, samples) in self.0.iter_mut().zip(samples) {
+        for (sums, samples) in self.all.iter_mut().zip(samples) {
             for (channel, samples) in samples.load(simd).into_iter().enumerate() {
                 let (first, second) = samples.widen();
                 let sums = sums.axis_mut(channel);
@@ -49,6 +58,14 @@ impl TileLight for TileSums<'_> {
             }
         }
         0
+    }
+
+    #[inline(always)]
+    fn add_to_first_half<S: Simd>(&mut self, simd: S, samples: &[Colors; PACKETS]) {
+        for (sums, samples) in self.first_half.iter_mut().zip(samples) {
+            let ([r0, g0, b0], [r1, g1, b1]) = (sums.load(simd), samples.load(simd));
+            sums.store([r0 + r1, g0 + g1, b0 + b1]);
+        }
     }
 }
 

@@ -97,7 +97,7 @@ impl Engine {
     pub(in crate::engine) fn develop<E: Encoding>(&mut self, exposure: Exposure<E>) -> Film<E::Pixel> {
         let start = Instant::now();
         let error = exposure.estimated_error();
-        let (film, effort, sums) = exposure.finish();
+        let (film, effort, memory) = exposure.finish();
         self.report = FrameReport {
             trace: self.report.trace + start.elapsed(),
             rays: effort.rays,
@@ -106,7 +106,7 @@ impl Engine {
             escalations: effort.escalations,
             ..self.report
         };
-        self.spare_sums = sums;
+        self.sample_memory = memory;
         film
     }
 }

@@ -16,7 +16,7 @@ use crate::systems::{
 use crate::time::Time;
 use crate::trace::reference::{Reference, ReferenceSums};
 use crate::trace::{
-    BvhUpdate, Effects, EncodedFilm, ErrorTarget, Exposure, Film, Rounds, SceneChanges, Signals, Sums,
+    BvhUpdate, Effects, EncodedFilm, ErrorTarget, Exposure, Film, Rounds, SampleMemory, SceneChanges, Signals,
 };
 
 /// A signal that is never set.
@@ -111,15 +111,15 @@ impl Engine {
     ) -> Result<Option<Film<E::Pixel>>, EngineError> {
         let instants = self.instants(time);
         let (mut traced, mut whole) = (Duration::ZERO, true);
-        let mut spare = std::mem::take(&mut self.spare_sums);
+        let mut memory = std::mem::take(&mut self.sample_memory);
         let count = count_of(&instants);
         let sought = self.seek_all(time, &instants, signals.cancelled, |preparation, effects, instant| {
             let (scene, camera) = (preparation.scene(), preparation.camera());
             let sampling = preparation.sampling(time);
             let exposure = begun.get_or_insert_with(|| {
                 let (rounds, target) = rounds(preparation, count);
-                let sums = std::mem::take(&mut spare);
-                Exposure::encoded(encoding, camera.resolution(), rounds, target, sums)
+                let memory = std::mem::take(&mut memory);
+                Exposure::encoded(encoding, camera.resolution(), rounds, target, memory)
             });
             whole = add_all(signals, visit, exposure, |exposure| {
                 let start = Instant::now();
@@ -141,8 +141,9 @@ impl Engine {
         }
         let FilmSettings { width, height, .. } = self.film_settings();
         let exposure = begun.take();
-        let nothing =
-            || Exposure::encoded(encoding, (width, height), Rounds::single(1, 1), None, Sums::default());
+        let nothing = || {
+            Exposure::encoded(encoding, (width, height), Rounds::single(1, 1), None, SampleMemory::default())
+        };
         let exposure = exposure.unwrap_or_else(nothing);
         Ok(Some(self.develop(exposure)))
     }

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 /// How a pixel's samples are divided among instants, and at each instant among rounds.
 ///
-/// Every instant has a block of the pixel's sequence: sample s of n belongs to instant floor(s instants / n). A round takes the next
-/// samples of every block, as many as all rounds before it together. So after each round a block's samples are a sequence's first 2^m,
-/// which are spread evenly.
+/// Every instant has a block of the pixel's sequence: sample s of n belongs to instant floor(s instants / n). The first round takes two
+/// samples of every block, and every other as many as all rounds before it together. So after each round a block's samples are a
+/// sequence's first 2^m, which are spread evenly, and so are both halves of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Rounds {
     /// The most samples of a pixel.
@@ -25,6 +25,8 @@ pub(crate) struct Portion {
     pub(crate) from: u32,
     /// One beyond the last.
     pub(crate) to: u32,
+    /// One beyond the last of the first half of a first round's; there is none in later rounds.
+    pub(crate) halfway: u32,
     /// How many of the pixel's samples are taken before.
     pub(crate) before: u32,
 }
@@ -47,10 +49,9 @@ impl Rounds {
         Self { samples, instants: instants.max(1), first: u32::MAX, round: 0 }
     }
 
-    /// Returns rounds that double the number of samples. The first has one, or one at each instant.
+    /// Returns rounds that double the number of samples. The first has two, or two at each instant.
     pub(crate) fn doubling(samples: u32, instants: u32) -> Self {
-        let instants = instants.max(1);
-        Self { samples, instants, first: 1, round: 0 }
+        Self { samples, instants: instants.max(1), first: 2, round: 0 }
     }
 
     /// Returns the present round's samples at an instant.
@@ -61,15 +62,19 @@ impl Rounds {
             .filter(|other| *other != instant)
             .map(|other| self.block(other).1.min(if other < instant { after } else { before }))
             .sum();
-        let (from, to) = (length.min(before), length.min(after));
-        Portion { from: start + from, to: start + to, before: elsewhere + from }
+        let [from, to, half] = [before, after, self.first_half()].map(|count| length.min(count));
+        Portion { from: start + from, to: start + to, halfway: start + half, before: elsewhere + from }
     }
 
-    /// Returns the number of a pixel's samples before the present round, and after it.
-    pub(crate) fn taken(&self) -> (u32, u32) {
-        let most =
-            |of_instant: u32| (0..self.instants).map(|instant| self.block(instant).1.min(of_instant)).sum();
-        (most(self.of_instant_before()), most(self.of_instant_after()))
+    /// Returns the number of a pixel's samples after the present round.
+    pub(crate) fn taken(&self) -> u32 {
+        self.of_all(self.of_instant_after())
+    }
+
+    /// Returns the number of a pixel's samples in the first half of those after the present round: there are as many before it, but
+    /// before the first.
+    pub(crate) fn first_half_taken(&self) -> u32 {
+        self.of_all(self.of_instant_before().max(self.first_half()))
     }
 
     /// Returns the most samples of a pixel.
@@ -77,29 +82,34 @@ impl Rounds {
         self.samples
     }
 
-    /// Returns the last round in which all pixels have samples: there are eight after it, and four at each instant.
-    pub(crate) fn floor_index(&self) -> u32 {
-        if self.instants == 1 { 3 } else { 2 }
-    }
-
-    /// Returns the samples of a pixel after that.
+    /// Returns the samples of a pixel after the first round: all have so many.
     pub(crate) fn least(&self) -> u32 {
-        Self { round: self.floor_index(), ..*self }.taken().1
+        Self { round: 0, ..*self }.taken()
     }
 
-    /// Returns the present round, from 0.
-    pub(crate) fn index(&self) -> u32 {
-        self.round
+    /// Returns whether the present round is the first.
+    pub(crate) fn is_first(&self) -> bool {
+        self.round == 0
     }
 
     /// Returns whether there are no samples left for another round.
     pub(crate) fn is_last(&self) -> bool {
-        self.taken().1 == self.samples
+        self.taken() == self.samples
     }
 
     /// Goes on to the next round.
     pub(crate) fn advance(&mut self) {
         self.round += 1;
+    }
+
+    /// Returns the samples of an instant in the first half of the first round.
+    fn first_half(&self) -> u32 {
+        self.first / 2
+    }
+
+    /// Returns the samples of a pixel that has so many at each instant, if their blocks have as many.
+    fn of_all(&self, of_instant: u32) -> u32 {
+        (0..self.instants).map(|instant| self.block(instant).1.min(of_instant)).sum()
     }
 
     fn of_instant_before(&self) -> u32 {
@@ -131,16 +141,17 @@ mod tests {
 
     /// All samples in the order in which they are taken, round by round.
     fn all(mut rounds: Rounds) -> Vec<Vec<u32>> {
-        let mut taken = Vec::new();
+        let mut taken: Vec<Vec<u32>> = Vec::new();
         loop {
-            let (before, after) = rounds.taken();
+            let before = taken.iter().map(Vec::len).sum::<usize>();
             let mut round = Vec::new();
             for instant in 0..rounds.instants {
-                let Portion { from, to, before: so_far } = rounds.portion(instant);
-                assert_eq!(so_far as usize, before as usize + round.len());
+                let Portion { from, to, before: so_far, .. } = rounds.portion(instant);
+                assert_eq!(so_far as usize, before + round.len());
                 round.extend(from..to);
             }
-            assert_eq!(round.len(), (after - before) as usize);
+            assert_eq!(rounds.taken() as usize, before + round.len());
+            assert!(rounds.is_first() || rounds.first_half_taken() as usize == before);
             taken.push(round);
             if rounds.is_last() {
                 return taken;
@@ -169,18 +180,23 @@ mod tests {
     fn rounds_double_what_every_instant_has() {
         let counts = |rounds| all(rounds).iter().map(Vec::len).collect::<Vec<_>>();
         assert_eq!(counts(Rounds::single(100, 16)), [100]);
-        assert_eq!(counts(Rounds::doubling(64, 1)), [1, 1, 2, 4, 8, 16, 32]);
-        assert_eq!(counts(Rounds::doubling(64, 16)), [16, 16, 32]);
-        assert_eq!(counts(Rounds::doubling(20, 1)), [1, 1, 2, 4, 8, 4]);
-        assert_eq!(all(Rounds::doubling(8, 2))[1], [1, 5]);
-        assert_eq!(all(Rounds::doubling(8, 2))[2], [2, 3, 6, 7]);
+        assert_eq!(counts(Rounds::doubling(64, 1)), [2, 2, 4, 8, 16, 32]);
+        assert_eq!(counts(Rounds::doubling(64, 16)), [32, 32]);
+        assert_eq!(counts(Rounds::doubling(20, 1)), [2, 2, 4, 8, 4]);
+        assert_eq!(counts(Rounds::doubling(20, 16)), [20]);
+        assert_eq!(all(Rounds::doubling(8, 2))[0], [0, 1, 4, 5]);
+        assert_eq!(all(Rounds::doubling(8, 2))[1], [2, 3, 6, 7]);
     }
 
     #[test]
-    fn pixels_are_told_apart_with_eight_samples_and_four_at_each_instant() {
-        for (samples, instants, least) in [(64, 1, 8), (5, 1, 5), (1024, 16, 64), (1024, 2, 8), (40, 16, 40)]
+    fn all_pixels_have_two_samples_at_each_instant_in_two_halves() {
+        for (samples, instants, half, least) in
+            [(64, 1, 1, 2), (1, 1, 1, 1), (1024, 16, 16, 32), (20, 16, 16, 20), (16, 16, 16, 16)]
         {
-            assert_eq!(Rounds::doubling(samples, instants).least(), least, "{samples} {instants}");
+            let rounds = Rounds::doubling(samples, instants);
+            assert_eq!((rounds.first_half_taken(), rounds.least()), (half, least), "{samples} {instants}");
+            let halves = (0..instants).map(|instant| rounds.portion(instant));
+            assert_eq!(halves.map(|portion| portion.halfway - portion.from).sum::<u32>(), half);
         }
     }
 }

@@ -74,9 +74,12 @@ impl ActiveLanes {
     /// All that a tile has.
     pub(crate) const ALL: Self = Self([u16::MAX; PACKETS]);
 
+    /// None of them.
+    pub(crate) const NONE: Self = Self([0; PACKETS]);
+
     /// Returns whether no pixel gets any.
     pub(crate) fn are_none(&self) -> bool {
-        self.0 == [0; PACKETS]
+        *self == Self::NONE
     }
 
     /// Returns those of a packet, as a bit mask.

@@ -1,0 +1,318 @@
+//! What is known of every pixel's error, and how it is found: pass by pass over rows, and each in vectors.
+
+use fearless_simd::dispatch;
+use rayon::prelude::*;
+
+use super::needs::{Need, SquaresByNeed};
+use super::output_curve::OutputCurve;
+use super::rows::{Rows, parts_mut};
+use super::{RowSums, single};
+use crate::trace::math::SimdLevel;
+
+/// What is known of every pixel's error.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PixelErrors {
+    size: (usize, usize),
+    /// The means of a pixel's samples after its last round, by channel.
+    means: Rows<3>,
+    /// The estimate of the square of its error from how far halves are apart, and that of what its samples may have missed, as its
+    /// neighbours have it. Neither is scaled.
+    squares: Rows<2>,
+    /// How many samples each was left with; 0 while it gets more.
+    samples: Vec<u32>,
+    /// How urgently each needs more.
+    needs: Vec<f32>,
+}
+
+/// The halves of a pixel's samples.
+pub(super) struct Halves {
+    /// How many there are in that of which the mean was known before.
+    pub(super) old: u32,
+    /// How many are in the other.
+    pub(super) new: u32,
+}
+
+/// How often a pixel's samples may have missed something, and how large a part of it.
+pub(super) struct Missed {
+    pub(super) often: f64,
+    pub(super) part: f64,
+}
+
+impl PixelErrors {
+    /// Makes it what is known before the first sample of a picture of this size, in the same memory.
+    pub(super) fn clear(&mut self, size @ (width, height): (usize, usize)) {
+        self.size = size;
+        self.means.clear(size);
+        self.squares.clear(size);
+        self.samples.clear();
+        self.samples.resize(width * height, 0);
+        self.needs.clear();
+        self.needs.resize(width * height, 0.0);
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.samples.len()
+    }
+
+    /// Returns how many samples a pixel was left with; 0 while it gets more.
+    pub(super) fn samples(&self, pixel: usize) -> u32 {
+        self.samples[pixel]
+    }
+
+    /// Returns how many samples a row's pixels were left with; 0 while they get more.
+    pub(super) fn row(&self, row: usize) -> &[u32] {
+        &self.samples[row * self.size.0..][..self.size.0]
+    }
+
+    /// Estimates errors from how far halves are apart, where there are new samples. Of estimates from the rounds before half is kept, times
+    /// `falls`; in the first round there are none. Returns the mean square of half of all differences.
+    pub(super) fn estimate(
+        &mut self,
+        curve: OutputCurve,
+        halves: &Halves,
+        falls: Option<f64>,
+        all: &impl RowSums,
+    ) -> f64 {
+        let (count, (width, _)) = (self.count(), self.size);
+        let samples = self.samples.par_chunks_exact(width);
+        let rows = self.means.par_iter_mut().zip(self.squares.par_iter_mut()).zip(samples).enumerate();
+        let sums = rows.map_init(
+            || vec![0.0; 4 * width],
+            |scratch, (row, ((mut before, [spread, _]), samples))| {
+                if samples.iter().all(|samples| *samples > 0) {
+                    return 0.0;
+                }
+                let [red, green, blue, squares] = parts_mut(scratch, width);
+                all.all(row, [&mut *red, &mut *green, &mut *blue]);
+                if falls.is_none() {
+                    all.first_half(row, before.each_mut().map(|channel| &mut **channel));
+                }
+                dispatch!(SimdLevel::best().level(), _simd => {
+                    for channel in [&mut *red, &mut *green, &mut *blue] {
+                        divide(channel, halves.old + halves.new);
+                    }
+                    if falls.is_none() {
+                        before.iter_mut().for_each(|channel| divide(channel, halves.old));
+                    }
+                    let now = [&*red, &*green, &*blue];
+                    square_differences(curve, halves, (now, samples), before, squares);
+                    note_differences((halves, falls), (squares, samples), spread)
+                })
+            },
+        );
+        // In order, whatever the threads do.
+        let sums: Vec<f64> = sums.collect();
+        sums.iter().sum::<f64>() / count as f64
+    }
+
+    /// Estimates what the samples of pixels that get more may have missed.
+    pub(super) fn suspect(&mut self, curve: OutputCurve, missed: &Missed) {
+        let (width, _) = self.size;
+        let samples = self.samples.par_chunks_exact(width);
+        let rows = self.squares.par_iter_mut().zip(samples).enumerate();
+        let means = &self.means;
+        rows.for_each_init(
+            || vec![0.0; 3 * width + 4],
+            |scratch, (row, ([_, stored], samples))| {
+                if samples.iter().all(|samples| *samples > 0) {
+                    return;
+                }
+                dispatch!(SimdLevel::best().level(), _simd => {
+                    let (squares, extremes) = scratch.split_at_mut(width);
+                    squares.fill(0.0);
+                    for (channel, mean) in means.row(row).into_iter().enumerate() {
+                        let around = means.around(row).map(|row| row[channel]);
+                        add_missed(curve, missed, (mean, around), extremes, squares);
+                    }
+                    note_missed(missed, (squares, samples), stored);
+                });
+            },
+        );
+    }
+
+    /// Returns the sum of the square errors of all pixels.
+    pub(super) fn sum(&self) -> f64 {
+        let rows = (0..self.size.1).into_par_iter().map(|row| {
+            let [spread, missed] = self.squares.row(row);
+            spread.iter().zip(missed).map(|(spread, missed)| f64::from(spread + missed)).sum::<f64>()
+        });
+        rows.collect::<Vec<f64>>().iter().sum()
+    }
+
+    /// Finds how urgently each pixel that gets samples needs more: its square error and that of its neighbourhood, half each. Returns
+    /// the sums of square errors by need.
+    pub(super) fn needs(&mut self) -> SquaresByNeed {
+        let (width, height) = self.size;
+        let samples = self.samples.par_chunks(width * ROWS);
+        let parts = self.needs.par_chunks_mut(width * ROWS).zip(samples).enumerate();
+        let squares = &self.squares;
+        let found = parts.map(|(part, (needs, samples))| {
+            let mut found = SquaresByNeed::default();
+            let mut columns = vec![0.0; width + 2];
+            let rows = needs.chunks_exact_mut(width).zip(samples.chunks_exact(width));
+            for (row, (needs, samples)) in (part * ROWS..height).zip(rows) {
+                dispatch!(SimdLevel::best().level(), _simd => {
+                    let own = squares.row(row);
+                    add_neighbours(own, squares.around(row), &mut columns, needs);
+                    found.add(own, needs, samples);
+                });
+            }
+            found
+        });
+        let mut all = SquaresByNeed::default();
+        for found in found.collect::<Vec<_>>() {
+            all += &found;
+        }
+        all
+    }
+
+    /// Leaves pixels whose need is less with the samples that they have. Returns whether any gets more.
+    pub(super) fn leave(&mut self, taken: u32, least: Need) -> bool {
+        let (width, _) = self.size;
+        let rows = self.samples.par_chunks_exact_mut(width).zip(self.needs.par_chunks_exact(width));
+        let any = rows.map(|(samples, needs)| {
+            let mut any = false;
+            for (samples, need) in samples.iter_mut().zip(needs) {
+                let leaves = *samples == 0 && Need::of(*need) < least;
+                *samples = if leaves { taken } else { *samples };
+                any |= *samples == 0;
+            }
+            any
+        });
+        any.reduce(|| false, |one, other| one | other)
+    }
+
+    /// Leaves all pixels with the samples that they have.
+    pub(super) fn leave_all(&mut self, taken: u32) {
+        self.samples
+            .par_iter_mut()
+            .for_each(|samples| *samples = if *samples == 0 { taken } else { *samples });
+    }
+}
+
+/// How many rows' needs are added up before they are put together with others.
+const ROWS: usize = 16;
+
+/// Makes means of sums of so many samples.
+#[inline(always)]
+fn divide(sums: &mut [f32], samples: u32) {
+    let share = single(1.0 / f64::from(samples));
+    sums.iter_mut().for_each(|sum| *sum *= share);
+}
+
+/// Computes the square differences of pixels' halves, all channels together, and stores means.
+#[inline(always)]
+fn square_differences(
+    curve: OutputCurve,
+    halves: &Halves,
+    (now, samples): ([&[f32]; 3], &[u32]),
+    before: [&mut [f32]; 3],
+    squares: &mut [f32],
+) {
+    let (old, new) = (single(f64::from(halves.old)), single(f64::from(halves.new)));
+    let (of_now, of_before) = ((old + new) / new, old / new);
+    squares.fill(0.0);
+    for (now, before) in now.into_iter().zip(before) {
+        let pixels = squares.iter_mut().zip(before).zip(now.iter().zip(samples));
+        for ((square, before), (now, samples)) in pixels {
+            let fresh = of_now * *now - of_before * *before;
+            let apart = curve.value(fresh) - curve.value(*before);
+            *square += apart * apart;
+            *before = if *samples == 0 { *now } else { *before };
+        }
+    }
+}
+
+/// Brings estimates up to date. Returns the sum of the squares of half of all differences.
+#[inline(always)]
+fn note_differences(
+    (halves, falls): (&Halves, Option<f64>),
+    (squares, samples): (&[f32], &[u32]),
+    spread: &mut [f32],
+) -> f64 {
+    let (old, new) = (f64::from(halves.old), f64::from(halves.new));
+    // A quarter, where both are as many; and the mean of the channels.
+    let share = single(old * new / ((old + new) * (old + new)) / 3.0);
+    let (of_new, of_kept) = falls.map_or((1.0, 0.0), |falls| (0.5, single(0.5 * falls)));
+    let mut sum = 0.0;
+    for ((square, samples), spread) in squares.iter().zip(samples).zip(spread) {
+        let square = if *samples == 0 { share * square } else { 0.0 };
+        sum += f64::from(square);
+        *spread = if *samples == 0 { of_new * square + of_kept * *spread } else { *spread };
+    }
+    sum
+}
+
+/// Adds the squares of what a channel's means would change by if a part more of the farthest of their neighbours were in them.
+#[inline(always)]
+fn add_missed<'a>(
+    curve: OutputCurve,
+    missed: &Missed,
+    (mean, around): (&[f32], impl Iterator<Item = &'a [f32]>),
+    extremes: &mut [f32],
+    squares: &mut [f32],
+) {
+    let (part, width) = (single(missed.part), mean.len());
+    let [least, most] = parts_mut(extremes, width + 2);
+    least[1..=width].copy_from_slice(mean);
+    most[1..=width].copy_from_slice(mean);
+    for row in around {
+        for ((least, most), mean) in least[1..].iter_mut().zip(&mut most[1..]).zip(row) {
+            *least = if *mean < *least { *mean } else { *least };
+            *most = if *mean > *most { *mean } else { *most };
+        }
+    }
+    for extreme in [&mut *least, &mut *most] {
+        (extreme[0], extreme[width + 1]) = (extreme[1], extreme[width]);
+    }
+    let smaller = |one: f32, other: f32| if one < other { one } else { other };
+    let larger = |one: f32, other: f32| if one > other { one } else { other };
+    let columns = (0..width).zip(mean).zip(squares);
+    for ((column, mean), square) in columns {
+        let ([l0, l1, l2], [m0, m1, m2]) = (beside(least, column), beside(most, column));
+        let (least, most) = (smaller(smaller(l0, l1), l2), larger(larger(m0, m1), m2));
+        let farther = if most - mean > mean - least { most } else { least };
+        let apart = curve.value(mean + part * (farther - mean)) - curve.value(*mean);
+        *square += apart * apart;
+    }
+}
+
+/// Stores what may have been missed.
+#[inline(always)]
+fn note_missed(missed: &Missed, (squares, samples): (&[f32], &[u32]), stored: &mut [f32]) {
+    let often = single(missed.often / 3.0);
+    for ((square, samples), stored) in squares.iter().zip(samples).zip(stored) {
+        *stored = if *samples == 0 { often * square } else { *stored };
+    }
+}
+
+/// Computes the means of pixels' square errors and those of their neighbourhoods.
+#[inline(always)]
+fn add_neighbours<'a>(
+    [spread, missed]: [&[f32]; 2],
+    around: impl Iterator<Item = [&'a [f32]; 2]>,
+    columns: &mut [f32],
+    needs: &mut [f32],
+) {
+    columns.fill(0.0);
+    let mut rows = 0.0;
+    for [spread, missed] in around {
+        rows += 1.0;
+        for ((column, spread), missed) in columns[1..].iter_mut().zip(spread).zip(missed) {
+            *column += spread + missed;
+        }
+    }
+    let last = needs.len() - 1;
+    let own = spread.iter().zip(missed);
+    for ((column, need), (spread, missed)) in needs.iter_mut().enumerate().zip(own) {
+        let [left, here, right] = beside(columns, column);
+        let count = rows * (3.0 - f32::from(u8::from(column == 0)) - f32::from(u8::from(column == last)));
+        *need = 0.5 * (spread + missed + (left + here + right) / count);
+    }
+}
+
+/// Returns the numbers of a column and those beside it, where there is one more on both sides.
+#[inline(always)]
+fn beside(numbers: &[f32], column: usize) -> [f32; 3] {
+    [numbers[column], numbers[column + 1], numbers[column + 2]]
+}
