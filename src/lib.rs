@@ -62,13 +62,14 @@
 //! | `time` | seconds, frame rates, frame lists | | |
 //! | `animation` | values over time, pure | color, time | glam |
 //! | `script` | scripts in scenes, sandboxed | color, time, animation | glam, rhai |
-//! | `trace` | the kernel: prepared arrays in, film out; no entities, no clock, no files | color | glam, rayon, fearless_simd, dashu_int |
+//! | `trace` | the kernel: prepared arrays in, film out; no entities, no clock, no files | color | glam, rayon, fearless_simd, dashu_int, blake3 |
 //! | `components` | what things are: plain data | color, time, animation | glam, hecs |
 //! | `scene` | RON to world, diagnostics | components, animation, script, color, time | hecs, glam, hashbrown, rayon, ron, serde, annotate_snippets, strsim |
 //! | `systems` | what happens each frame; `prepare` is the only bridge from world to kernel | components, animation, script, trace, color, time | hecs, glam, rayon |
 //! | `engine` | world, systems and reused buffers | color, time, animation, components, scene, systems, trace | hecs, glam, rayon |
 //! | `accuracy` | what accuracy costs in time: errors between pictures, sweeps over settings | engine, systems, components, trace, time, color | glam, rayon |
-//! | `output` | frame files, sequences, sheets | trace, color, time | image, rayon |
+//! | `output` | frame files, sequences, sheets | trace, color, time | png, gif, blake3, rayon |
+//! | `sequence` | sequences in folders: what is done, what is to be rendered, what is whole | engine, output, time | rayon |
 //! | `live` | watching and reloading scenes, the preview's server and page | color, time, components, scene, systems, engine, accuracy, trace, output | hecs, notify, axum, hyper_util, tokio, futures_util, serde, serde_json |
 //! | `main`, `cli` | arguments to settings to calls, and all printing; binary only | rayreel | glam, clap, clap_complete, csv, indicatif, ctrlc, libc, signal_hook, anyhow, base64, libm, perf_event, rayon, serde, serde_json |
 
@@ -81,6 +82,7 @@ pub mod live;
 pub mod output;
 pub mod scene;
 mod script;
+pub mod sequence;
 pub mod systems;
 pub mod time;
 pub mod trace;

@@ -54,6 +54,12 @@ impl Deadline {
         FrameSamples::at_height(self.height)
     }
 
+    /// Notes that the frame took no time: it was there already.
+    pub fn skip(&mut self) {
+        self.left = self.left.saturating_sub(1);
+        self.frames = self.frames.saturating_sub(1);
+    }
+
     /// Notes how long that frame took.
     pub fn note(&mut self, took: Duration) {
         /// How much the last frame counts among those before.

@@ -10,6 +10,7 @@ use rayreel::components::{FilmSettings, Quality, Sampling};
 use rayreel::live::HostName;
 use rayreel::output::Sheet;
 use rayreel::scene::{Override, OverrideError};
+use rayreel::sequence::{Order, Shard};
 use rayreel::time::FrameList;
 use rayreel::trace::Precision;
 use rayreel::{Effect, Time};
@@ -23,6 +24,7 @@ use rayreel::{Effect, Time};
   rayreel watch ball.ron                   see it in the browser while editing it
   rayreel render ball.ron                  render all its frames into out/ball/
   rayreel render ball.ron --frames 0-47x4  every fourth frame of the first two seconds
+  rayreel verify out/ball                  say whether all its frames are there, whole and up to date
   rayreel render ball.ron --sheet 6x4      24 of its frames in one picture
   rayreel explain ball.ron                 tell which effects it calls for, and what they cost
   rayreel accuracy ball.ron                measure what each setting costs, and what it is worth
@@ -46,6 +48,8 @@ pub(super) enum Command {
     Accuracy(AccuracyArguments),
     /// Tell what a pixel sees, or what rays of one's own meet
     Probe(ProbeArguments),
+    /// Say whether a folder of frames is whole: what is missing, torn, stale or surplus
+    Verify(VerifyArguments),
     /// Write a small commented scene to start from
     New(NewArguments),
     /// Print completions for a shell
@@ -62,7 +66,12 @@ pub(super) enum Command {
   rayreel render scenes/first_light.ron --samples 16 --set camera.fov=50 --without shadows
   rayreel render scenes/first_light.ron --max-error 0.5
   rayreel render scenes/first_light.ron --deadline 2m
+  rayreel render scenes/first_light.ron --shard 0/4
   rayreel render scenes/first_light.ron --json > report.json
+
+Frames that are done are kept: those whose files are whole, and were rendered from just what would be
+rendered now. So the same command goes on where it was interrupted, and after an edit renders what
+the edit changes. `rayreel verify` tells what is done.
 
 Every frame is a function of the scene and its index: it has the same bytes whether it is rendered
 alone or with the others, with one thread or many. Ctrl-C keeps the frames that are written, drops
@@ -71,12 +80,24 @@ nothing. What a killed process left half-written in the folder is removed.")]
 pub(super) struct RenderArguments {
     /// The scene file
     pub(super) scene: PathBuf,
-    /// Only these frames: single ones, ranges and ranges with a stride, as in 10-20,30,40-80x5
+    /// Only these frames: single ones, ranges and ranges with a stride, as in 10-20,30,40-80x5,90-
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub(super) frames: Option<FrameList>,
     /// Only this moment, in seconds, as in 1.5s; it need not be a frame's
     #[arg(long, value_name = "SECONDS", conflicts_with = "frames", allow_hyphen_values = true)]
     pub(super) at: Option<Time>,
+    /// Only one of several parts of the frames, for as many machines: its number, from 0, and how many there are, as in 0/4
+    #[arg(long, value_name = "INDEX/COUNT", conflicts_with_all = ["at", "sheet"])]
+    pub(super) shard: Option<Shard>,
+    /// Which frames come first
+    #[arg(long, value_enum, default_value_t = OrderName::Ascending, conflicts_with_all = ["at", "sheet"])]
+    pub(super) order: OrderName,
+    /// Render frames again that are done
+    #[arg(long)]
+    pub(super) overwrite: bool,
+    /// Remove files from the folder that look like frames of this sequence and are none: of a longer timeline, or of another size
+    #[arg(long, conflicts_with_all = ["at", "sheet"])]
+    pub(super) clean: bool,
     /// The folder for the frame files [default: out/<scene>]
     #[arg(long, value_name = "FOLDER")]
     pub(super) out: Option<PathBuf>,
@@ -185,6 +206,23 @@ impl From<PrecisionName> for Precision {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum OrderName {
+    /// One after the other
+    Ascending,
+    /// Every eighth, then those in the middle between them, and so on
+    Coarse,
+}
+
+impl From<OrderName> for Order {
+    fn from(name: OrderName) -> Self {
+        match name {
+            OrderName::Ascending => Self::Ascending,
+            OrderName::Coarse => Self::Coarse,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
 pub(super) enum Format {
     /// Lossless, compressed
     Png,
@@ -261,7 +299,7 @@ the root of the mean square.")]
 pub(super) struct ExplainArguments {
     /// The scene file
     pub(super) scene: PathBuf,
-    /// Only these frames: single ones, ranges and ranges with a stride, as in 10-20,30,40-80x5
+    /// Only these frames: single ones, ranges and ranges with a stride, as in 10-20,30,40-80x5,90-
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub(super) frames: Option<FrameList>,
     /// Pixels, instead of the scene's own, as in 1280x720
@@ -372,6 +410,29 @@ pub(super) struct ProbeArguments {
     pub(super) json: bool,
     #[command(flatten)]
     pub(super) overrides: OverrideArguments,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  rayreel verify out/first_light
+  rayreel verify out/first_light --frames 0-47 --json
+
+Reads every frame to its last byte and holds it against the scene: `missing`, `torn` (not whole, or
+with other pixels than were written), `stale` (not what would be rendered now) and `unknown` (not
+known from what it was rendered), each with frames as `render --frames` takes them; and `surplus`,
+files that look like frames and are none. Exits with 0 if all are whole and up to date, else with 1.")]
+pub(super) struct VerifyArguments {
+    /// The folder, as `render` has written it
+    pub(super) folder: PathBuf,
+    /// Only these frames: single ones, ranges and ranges with a stride, as in 10-20,30,40-80x5,90-
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    pub(super) frames: Option<FrameList>,
+    /// The scene file, if it is not where it was, or if there are frames of several scenes
+    #[arg(long, value_name = "FILE")]
+    pub(super) scene: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(super) json: bool,
 }
 
 #[derive(Debug, Args)]

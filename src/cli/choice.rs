@@ -11,11 +11,12 @@ use anyhow::{Context, anyhow};
 
 use rayreel::accuracy::{Deadline, FewSamples, FrameSamples, Ladder, Pilot};
 use rayreel::components::Sampling;
+use rayreel::sequence::Shot;
 use rayreel::{Engine, Knobs};
 
 use super::args::RenderArguments;
 use super::exit::Failure;
-use super::settings::{RenderSettings, Shot};
+use super::settings::RenderSettings;
 use super::settings_file::{FrameSettings, SettingsFile};
 
 /// The samples of frames.
@@ -112,6 +113,13 @@ impl Choice {
         };
         if let Some(samples) = samples {
             engine.set_knobs(samples.knobs());
+        }
+    }
+
+    /// Notes that it was done already.
+    pub(super) fn keep(&mut self) {
+        if let By::Deadline(deadline, _) = &mut self.by {
+            deadline.skip();
         }
     }
 

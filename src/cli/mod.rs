@@ -13,6 +13,7 @@ mod exit;
 mod explain;
 mod instructions;
 mod interrupt;
+mod manifest;
 mod new;
 mod overrides;
 mod print;
@@ -23,6 +24,7 @@ mod report;
 mod settings;
 mod settings_file;
 mod sheet;
+mod verify;
 mod warnings;
 mod watch;
 mod write_file;
@@ -65,6 +67,7 @@ fn run_command(command: Command, interruption: &Interruption) -> Result<(), Fail
         Command::Explain(arguments) => explain::run(&arguments),
         Command::Accuracy(arguments) => accuracy::run(&arguments, interruption),
         Command::Probe(arguments) => probe::run(&arguments),
+        Command::Verify(arguments) => verify::run(&arguments, interruption),
         Command::New(arguments) => new::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
     }

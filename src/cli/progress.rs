@@ -37,6 +37,13 @@ impl Progress {
         Self { total, display }
     }
 
+    /// Reports a shot that was done already, the `count`-th so far.
+    pub(super) fn kept(&self, count: usize) {
+        if let Display::Bar(bar) = &self.display {
+            bar.set_position(count as u64);
+        }
+    }
+
     /// Reports a finished shot, the `count`-th so far.
     pub(super) fn done(&self, shot: &ShotReport, count: usize) {
         let rate = in_millions(shot.rays_per_second());
@@ -67,11 +74,26 @@ impl Drop for Progress {
     }
 }
 
+/// Returns a bar for work that is done quickly; hidden where none can be drawn.
+pub(super) fn plain_bar(total: usize) -> ProgressBar {
+    if !stderr().is_terminal() || print::is_dumb() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(total as u64);
+    if let Ok(style) = ProgressStyle::with_template("{bar:32} {pos}/{len} frames") {
+        bar.set_style(style.progress_chars(FILLING));
+    }
+    bar
+}
+
+/// The steps of a cell of a bar, from full to empty.
+const FILLING: &str = "█▉▊▋▌▍▎▏ ";
+
 fn bar(total: usize) -> ProgressBar {
     let bar = ProgressBar::new(total as u64);
     let template = "{bar:32} {pos}/{len} frames  {msg}  {eta} left";
     if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style.progress_chars("█▉▊▋▌▍▎▏ "));
+        bar.set_style(style.progress_chars(FILLING));
     }
     bar.enable_steady_tick(Duration::from_millis(200));
     bar

@@ -1,13 +1,16 @@
 //! `rayreel render`
 
+use std::collections::VecDeque;
 use std::fs;
+use std::ops::ControlFlow::{self, Break, Continue};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, anyhow};
 
-use rayreel::output::{FrameWriter, WrittenFrame, remove_leftovers};
+use rayreel::output::{FoundFrame, WriteError, remove_leftovers};
 use rayreel::scene::Sources;
+use rayreel::sequence::{SequenceObserver, Shot, Surplus, find_surplus};
 use rayreel::{Engine, Scene};
 
 use super::args::RenderArguments;
@@ -15,6 +18,7 @@ use super::choice::{Choice, Chosen};
 use super::draft;
 use super::exit::Failure;
 use super::interrupt::Interruption;
+use super::manifest;
 use super::overrides::load;
 use super::print;
 use super::progress::Progress;
@@ -40,13 +44,16 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
         .context("cannot start the rendering threads")?;
     let chosen = pool.install(|| Choice::new(arguments, &mut engine, &settings, (start, cancelled)))?;
     let Some(mut choice) = chosen else { return Err(interruption.failure()) };
+    if settings.are_frames() {
+        manifest::write(arguments, &settings)?;
+    }
     let mut report = RenderReport::new(arguments, &engine, loaded, pool.current_num_threads());
     let rendered = pool.install(|| match sheet {
         Some(sheet) => sheet::render(&mut engine, (&settings, &mut choice), sheet, cancelled, &mut report),
         None => render_all(&mut engine, (&settings, &mut choice), cancelled, &mut report),
     });
     // Ctrl-C after the last frame interrupts nothing.
-    let complete = report.shots.len() == settings.count();
+    let complete = report.done() == settings.count();
     // Of a sheet there is all or nothing.
     let recorded = if complete || settings.sheet.is_none() {
         choice.finish().map(|chosen| report.chosen = chosen)
@@ -65,11 +72,14 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
     if !complete {
         return Err(anyhow!("not all frames were written").into());
     }
+    if settings.are_frames() {
+        clear_up(&engine, &settings, arguments.clean)?;
+    }
     Ok(())
 }
 
 /// Sets the engine up as the arguments want it, and returns what to render.
-fn set_up(engine: &mut Engine, arguments: &RenderArguments) -> Result<RenderSettings, Failure> {
+pub(super) fn set_up(engine: &mut Engine, arguments: &RenderArguments) -> Result<RenderSettings, Failure> {
     if arguments.draft {
         draft::apply(engine);
     }
@@ -127,59 +137,113 @@ fn sources_for(report: &RenderReport, arguments: &RenderArguments) -> Option<Sou
     Scene::load_overridden(&arguments.scene, &arguments.overrides.all()).ok().map(|(_, sources)| sources)
 }
 
-/// Renders every shot and hands it to the writer, which works in parallel. If it cannot go on, what was handed over is written.
+/// Renders every shot that is not done. If it cannot go on, what was rendered is written.
 fn render_all(
     engine: &mut Engine,
     (settings, choice): (&RenderSettings, &mut Choice),
     cancelled: &AtomicBool,
     report: &mut RenderReport,
 ) -> Result<(), Failure> {
-    let format = settings.sequence.format();
-    let writer = FrameWriter::start();
     let progress = Progress::start(settings.count());
-    let mut pending = Vec::new();
-    let (mut rendered, mut refused) = (Ok(()), None);
-    let mut settle =
-        |written: WrittenFrame, pending: &Vec<ShotReport>, report: &mut RenderReport| match written.result {
-            Ok(()) => {
-                let shot = pending[written.ticket].written(written.duration);
-                progress.done(&shot, report.shots.len() + 1);
-                report.shots.push(shot);
-            }
-            Err(error) => refused = refused.take().or(Some(error)),
-        };
-    for (ticket, shot) in settings.shots().enumerate() {
-        choice.begin(engine, &shot);
-        let film = match engine.render_encoded_unless(shot.time, cancelled) {
-            Ok(Some(film)) => film,
-            stopped => {
-                rendered = stopped.map(drop).map_err(Failure::from);
-                break;
-            }
-        };
-        let noted = choice.end(engine, &shot);
-        report.warnings.look(engine, &shot.moment());
-        let path = settings.file_of(&shot);
-        pending.push(ShotReport::new(&shot, Some(path.clone()), engine));
-        writer.submit(ticket, path, film, format);
-        let mut all_good = true;
-        for written in writer.written() {
-            all_good &= written.result.is_ok();
-            settle(written, &pending, report);
-        }
-        if let Err(error) = noted {
-            rendered = Err(error.into());
-            break;
-        }
-        if !all_good {
-            break;
-        }
-    }
-    for written in writer.finish() {
-        settle(written, &pending, report);
-    }
+    let unwritten = VecDeque::new();
+    let mut reporter =
+        Reporter { settings, choice, report, progress, unwritten, noted: Ok(()), refused: None };
+    let sequence = (&settings.sequence, settings.existing);
+    let rendered = engine.render_shots(settings.shots(), sequence, cancelled, &mut reporter);
+    let Reporter { progress, noted, refused, .. } = reporter;
     drop(progress);
+    let rendered = rendered.map_err(Failure::from).and(noted.map_err(Failure::from));
     outcome(refused.map(|error| Failure::Other(error.into())), rendered)
+}
+
+/// Sets the engine up for each shot, reports what becomes of it, and shows how far all are.
+struct Reporter<'a> {
+    settings: &'a RenderSettings,
+    choice: &'a mut Choice,
+    report: &'a mut RenderReport,
+    progress: Progress,
+    /// The shots that are rendered, and not yet written: they are written in this order.
+    unwritten: VecDeque<ShotReport>,
+    /// Whether chosen samples could be noted.
+    noted: anyhow::Result<()>,
+    refused: Option<WriteError>,
+}
+
+impl SequenceObserver for Reporter<'_> {
+    fn begin(&mut self, engine: &mut Engine, shot: &Shot) {
+        self.choice.begin(engine, shot);
+    }
+
+    fn kept(&mut self, engine: &Engine, shot: &Shot) {
+        self.report.warnings.look(engine, &shot.moment());
+        self.choice.keep();
+        self.report.kept.extend(shot.frame);
+        self.progress.kept(self.report.done());
+    }
+
+    fn rendered(&mut self, engine: &Engine, shot: &Shot) -> ControlFlow<()> {
+        self.noted = self.choice.end(engine, shot);
+        self.report.warnings.look(engine, &shot.moment());
+        let path = shot.file(&self.settings.sequence);
+        self.unwritten.push_back(ShotReport::new(shot, Some(path), engine));
+        if self.noted.is_ok() { Continue(()) } else { Break(()) }
+    }
+
+    fn written(&mut self, _: &Shot, duration: Duration) {
+        let Some(shot) = self.unwritten.pop_front() else { return };
+        let shot = shot.written(duration);
+        self.progress.done(&shot, self.report.done() + 1);
+        self.report.shots.push(shot);
+    }
+
+    fn refused(&mut self, error: WriteError) {
+        self.unwritten.pop_front();
+        self.refused.get_or_insert(error);
+    }
+}
+
+/// Names files in the folder that look like frames of the sequence and are none, and removes those that it has written itself, if that
+/// is wanted.
+fn clear_up(engine: &Engine, settings: &RenderSettings, clean: bool) -> anyhow::Result<()> {
+    /// The most files that are named.
+    const MOST: usize = 5;
+    let (film, sequence) = (engine.film_settings(), &settings.sequence);
+    let surplus = find_surplus(sequence, engine.timeline().frame_count(), (film.width, film.height))
+        .with_context(|| format!("cannot read the folder `{}`", sequence.directory().display()))?;
+    let (mut removed, mut left) = (0, Vec::new());
+    for surplus in surplus {
+        let is_own = || matches!(FoundFrame::at(&surplus.path, sequence.format()), FoundFrame::Whole { .. });
+        if clean && is_own() {
+            fs::remove_file(&surplus.path)
+                .with_context(|| format!("cannot remove `{}`", surplus.path.display()))?;
+            removed += 1;
+        } else {
+            left.push(surplus);
+        }
+    }
+    if removed > 0 {
+        print::error_line(&format!(
+            "removed {}",
+            in_files(removed, "that was no frame", "that were no frames")
+        ));
+    }
+    for Surplus { path, reason } in left.iter().take(MOST) {
+        print::error_line(&format!("warning: `{}` is no frame of this sequence: {reason}", path.display()));
+    }
+    if left.len() > MOST {
+        print::error_line(&format!("warning: so {}", in_files(left.len() - MOST, "more is", "more are")));
+    }
+    if !left.is_empty() {
+        print::error_line(match clean {
+            false => "  --clean removes what `rayreel` has written of it",
+            true => "  it was not written by `rayreel`, or is torn, and was not removed",
+        });
+    }
+    Ok(())
+}
+
+fn in_files(count: usize, one: &str, several: &str) -> String {
+    if count == 1 { format!("1 file {one}") } else { format!("{count} files {several}") }
 }
 
 /// Returns the first failure, and prints another one before it: a file may be refused, and rendering may stop.

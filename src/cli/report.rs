@@ -6,13 +6,14 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use rayreel::scene::Sources;
+use rayreel::sequence::Shot;
 use rayreel::trace::{Escalations, RayCounts, TreeEnds};
 use rayreel::{Effect, Engine, FrameReport, Plan};
 
 use super::args::RenderArguments;
 use super::choice::Chosen;
 use super::overrides::Changed;
-use super::settings::{RenderSettings, Shot};
+use super::settings::RenderSettings;
 use super::warnings::Warnings;
 
 /// The report of all frames of one call.
@@ -25,6 +26,8 @@ pub(super) struct RenderReport {
     load: Duration,
     /// The shots that were written, or put on the sheet, in order.
     pub(super) shots: Vec<ShotReport>,
+    /// The frames that were done already.
+    pub(super) kept: Vec<u32>,
     /// The sheet, once it is written.
     pub(super) sheet: Option<SheetReport>,
     /// The samples that were chosen, if they were.
@@ -67,6 +70,7 @@ impl RenderReport {
             threads,
             load,
             shots: Vec::new(),
+            kept: Vec::new(),
             sheet: None,
             chosen: None,
             warnings: Warnings::default(),
@@ -96,10 +100,16 @@ impl RenderReport {
             "missed": self.chosen.as_ref().and_then(|chosen| chosen.missed.clone()),
             "sheet": self.sheet.as_ref().map(SheetReport::to_json),
             "warnings": self.warnings.to_json(sources),
+            "kept": self.kept,
             "frames": self.shots.iter().map(ShotReport::to_json).collect::<Vec<_>>(),
         });
         self.changed.tell(&mut report);
         report
+    }
+
+    /// Returns how many shots are done.
+    pub(super) fn done(&self) -> usize {
+        self.shots.len() + self.kept.len()
     }
 
     /// Names the effects that any frame needed, and counts the others.
@@ -123,7 +133,12 @@ impl RenderReport {
         };
         let rays: u64 = self.shots.iter().map(|shot| shot.cost.rays.total()).sum();
         let (seconds, rays) = (self.total.as_secs_f64(), in_millions(rays as f64));
-        let rendered = format!("{frames} in {seconds:.2} s, {rays} rays");
+        let kept = match self.kept.len() {
+            0 => String::new(),
+            1 => "; 1 frame was there already".to_owned(),
+            count => format!("; {count} frames were there already"),
+        };
+        let rendered = format!("{frames} in {seconds:.2} s, {rays} rays{kept}");
         let rendered = if self.interrupted { format!("interrupted: {rendered}") } else { rendered };
         match (&self.sheet, settings.sheet) {
             (Some(sheet), _) => format!("{rendered}, in {}", sheet.path.display()),

@@ -7,41 +7,28 @@ use anyhow::{Context, ensure};
 
 use rayreel::components::{FilmSettings, Quality};
 use rayreel::output::{FrameFormat, Sequence, Sheet};
+use rayreel::sequence::{Existing, Order, Shot};
 use rayreel::time::{FrameList, Timeline};
 use rayreel::{Engine, Time};
 
 use super::args::{Format, RenderArguments};
-
-/// One picture to be made.
-#[derive(Clone, Debug)]
-pub(super) struct Shot {
-    /// `None` for a moment that is no frame.
-    pub(super) frame: Option<u32>,
-    pub(super) time: Time,
-}
-
-impl Shot {
-    /// Writes the moment, as `frame 3` or `1.5 s`.
-    pub(super) fn moment(&self) -> String {
-        match self.frame {
-            Some(frame) => format!("frame {frame}"),
-            None => format!("{} s", self.time.seconds()),
-        }
-    }
-}
 
 /// The pictures to make.
 #[derive(Clone, Debug)]
 enum Selection {
     Moment(Time),
     Frames(FrameList, Timeline),
+    /// A shard of fewer frames than there are shards.
+    Nothing,
 }
 
 /// The pictures to make, and the place to put them.
 #[derive(Debug)]
 pub(super) struct RenderSettings {
     selection: Selection,
+    order: Order,
     pub(super) sequence: Sequence,
+    pub(super) existing: Existing,
     /// Columns and rows of the one sheet that all pictures go to.
     pub(super) sheet: Option<(u32, u32)>,
     pub(super) size: Option<(u32, u32)>,
@@ -70,26 +57,39 @@ impl RenderSettings {
             Some(time) => Selection::Moment(time),
             None => {
                 let frames = arguments.frames.clone().unwrap_or_else(|| FrameList::all(last + 1));
+                let frames = frames.within(last + 1);
                 require_frame(frames.last(), timeline)?;
                 let most = arguments.sheet.map(|(columns, rows)| columns * rows);
-                Selection::Frames(most.map_or_else(|| frames.clone(), |most| frames.spread(most)), timeline)
+                let frames = most.map_or_else(|| frames.clone(), |most| frames.spread(most));
+                match arguments.shard.map_or_else(|| Some(frames.clone()), |shard| shard.of(&frames)) {
+                    Some(frames) => Selection::Frames(frames, timeline),
+                    None => Selection::Nothing,
+                }
             }
         };
         let sheet = arguments.sheet.map(|(columns, _)| filled(columns, selection.count()));
         let fitting = sheet.map(|(columns, _)| Sheet::fitting_tile(columns, (film.width, film.height)));
         let size = arguments.size.or(fitting);
-        Ok(Self { selection, sequence, sheet, size, threads: arguments.threads.map(usize::from) })
+        let existing = if arguments.overwrite { Existing::Overwrite } else { Existing::Keep };
+        let (order, threads) = (arguments.order.into(), arguments.threads.map(usize::from));
+        Ok(Self { selection, order, sequence, existing, sheet, size, threads })
     }
 }
 
 impl RenderSettings {
+    /// Returns whether they are frames, each with a file of its own.
+    pub(super) fn are_frames(&self) -> bool {
+        self.sheet.is_none() && !matches!(self.selection, Selection::Moment(_))
+    }
+
     /// Returns all pictures, one after the other.
     pub(super) fn shots(&self) -> Box<dyn Iterator<Item = Shot> + '_> {
         match &self.selection {
             Selection::Moment(time) => Box::new(std::iter::once(Shot { frame: None, time: *time })),
-            Selection::Frames(frames, timeline) => Box::new(
-                frames.frames().map(|index| Shot { frame: Some(index), time: timeline.time_of(index) }),
-            ),
+            Selection::Frames(frames, timeline) => {
+                Box::new(self.order.of(frames).map(|index| Shot::frame(index, *timeline)))
+            }
+            Selection::Nothing => Box::new(std::iter::empty()),
         }
     }
 
@@ -102,6 +102,7 @@ impl RenderSettings {
     pub(super) fn time_of(&self, place: usize) -> Time {
         match &self.selection {
             Selection::Moment(time) => *time,
+            Selection::Nothing => Time::ZERO,
             Selection::Frames(frames, timeline) => {
                 let last = frames.last();
                 timeline.time_of(frames.frames().nth(place).unwrap_or(last))
@@ -113,20 +114,13 @@ impl RenderSettings {
     pub(super) fn file_of_settings(&self) -> PathBuf {
         if self.sheet.is_some() { self.sequence.sheet_settings() } else { self.sequence.settings() }
     }
-
-    /// Returns the file of a picture that has one of its own.
-    pub(super) fn file_of(&self, shot: &Shot) -> PathBuf {
-        match shot.frame {
-            Some(index) => self.sequence.frame(index),
-            None => self.sequence.moment(shot.time),
-        }
-    }
 }
 
 impl Selection {
     fn count(&self) -> usize {
         match self {
             Self::Moment(_) => 1,
+            Self::Nothing => 0,
             Self::Frames(frames, _) => frames.count(),
         }
     }

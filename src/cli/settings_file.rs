@@ -10,8 +10,7 @@ use serde::{Deserialize, Serialize};
 use rayreel::accuracy::FrameSamples;
 use rayreel::components::Sampling;
 use rayreel::output::write_bytes;
-
-use super::settings::Shot;
+use rayreel::sequence::Shot;
 
 /// The samples of frames, and what came of them.
 #[derive(Debug, Default)]

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use crate::time::Time;
-use crate::trace::{Escalations, RayCounts, TreeEnds};
+use crate::trace::{Escalations, FrameFingerprint, RayCounts, TreeEnds};
 
 /// The cost of the last frame, phase by phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +20,8 @@ pub struct FrameReport {
     pub bvh_refits: u32,
     /// The time spent on rays.
     pub trace: Duration,
+    /// What identifies the picture, once it is rendered in full.
+    pub fingerprint: Option<FrameFingerprint>,
     /// The number of rays.
     pub rays: RayCounts,
     /// The estimate of the picture's error, where it has been told how large that may be: see
@@ -41,6 +43,7 @@ impl Default for FrameReport {
             bvh_builds: 0,
             bvh_refits: 0,
             trace: none,
+            fingerprint: None,
             rays: RayCounts::default(),
             error: None,
             ends: TreeEnds::default(),

@@ -4,12 +4,12 @@ use std::borrow::Cow;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder};
+use png::Filter;
 
-use super::whole_file;
+use super::provenance::{PixelFingerprint, Provenance};
+use super::{png_file, ppm_file, whole_file};
 use crate::color::Transfer;
-use crate::trace::Film;
+use crate::trace::{Film, FrameFingerprint};
 
 /// The file format of frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -49,7 +49,7 @@ pub enum WriteError {
         /// The frame file.
         path: PathBuf,
         /// The encoder's error.
-        source: image::ImageError,
+        source: png::EncodingError,
     },
 }
 
@@ -58,9 +58,9 @@ pub enum WriteError {
 /// # Errors
 ///
 /// If the encoder refuses the film's size.
-pub fn encode(film: &Film, transfer: Transfer, format: FrameFormat) -> Result<Vec<u8>, image::ImageError> {
+pub fn encode(film: &Film, transfer: Transfer, format: FrameFormat) -> Result<Vec<u8>, png::EncodingError> {
     let film = film.encoded(transfer);
-    encode_pixels(film.bytes(), (film.width(), film.height()), format).map(|parts| parts.concat())
+    encode_pixels(film.bytes(), (film.width(), film.height()), format, None).map(|parts| parts.concat())
 }
 
 /// Returns a PNG file that takes less time to write and to read, and some more space: for an interactive reader. Runs on the
@@ -69,31 +69,25 @@ pub fn encode(film: &Film, transfer: Transfer, format: FrameFormat) -> Result<Ve
 /// # Errors
 ///
 /// If the encoder refuses the film's size.
-pub fn encode_quickly(film: &Film, transfer: Transfer) -> Result<Vec<u8>, image::ImageError> {
-    png(film.encoded(transfer).bytes(), (film.width(), film.height()), FilterType::Sub)
+pub fn encode_quickly(film: &Film, transfer: Transfer) -> Result<Vec<u8>, png::EncodingError> {
+    png_file::encode(film.encoded(transfer).bytes(), (film.width(), film.height()), Filter::Sub, None)
 }
 
-/// Returns the bytes of a file of these pixels, red, green and blue of one after the other, row by row from the top: in two parts.
+/// Returns the bytes of a file of these pixels, red, green and blue of one after the other, row by row from the top: in two parts. If
+/// it is a frame, the file says which.
 pub(super) fn encode_pixels(
     rgb: &[u8],
-    (width, height): (u32, u32),
+    size: (u32, u32),
     format: FrameFormat,
-) -> Result<[Cow<'_, [u8]>; 2], image::ImageError> {
+    frame: Option<FrameFingerprint>,
+) -> Result<[Cow<'_, [u8]>; 2], png::EncodingError> {
+    let provenance = frame.map(|frame| Provenance { frame, pixels: PixelFingerprint::of(rgb, size) });
     Ok(match format {
-        FrameFormat::Png => [png(rgb, (width, height), FilterType::Adaptive)?.into(), Cow::default()],
-        FrameFormat::Ppm => [format!("P6\n{width} {height} 255\n").into_bytes().into(), rgb.into()],
+        FrameFormat::Png => {
+            [png_file::encode(rgb, size, Filter::Adaptive, provenance.as_ref())?.into(), Cow::default()]
+        }
+        FrameFormat::Ppm => [ppm_file::header(size, provenance.as_ref()).into_bytes().into(), rgb.into()],
     })
-}
-
-fn png(rgb: &[u8], (width, height): (u32, u32), filter: FilterType) -> Result<Vec<u8>, image::ImageError> {
-    let mut bytes = Vec::new();
-    PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, filter).write_image(
-        rgb,
-        width,
-        height,
-        ExtendedColorType::Rgb8,
-    )?;
-    Ok(bytes)
 }
 
 /// Writes a frame file: whole, or not at all.
@@ -113,13 +107,19 @@ pub(super) fn write_pixels(
     size: (u32, u32),
     format: FrameFormat,
 ) -> Result<(), WriteError> {
-    put(path, rgb, size, format)?;
+    put(path, rgb, size, format, None)?;
     settle(path)
 }
 
 /// Writes as [`write_pixels`] does, but if the machine fails, the file may be absent as long as it is not [settled](settle).
-pub(super) fn put(path: &Path, rgb: &[u8], size: (u32, u32), format: FrameFormat) -> Result<(), WriteError> {
-    let encoded = encode_pixels(rgb, size, format);
+pub(super) fn put(
+    path: &Path,
+    rgb: &[u8],
+    size: (u32, u32),
+    format: FrameFormat,
+    frame: Option<FrameFingerprint>,
+) -> Result<(), WriteError> {
+    let encoded = encode_pixels(rgb, size, format, frame);
     let parts = encoded.map_err(|source| WriteError::Encoding { path: path.to_owned(), source })?;
     let [first, second] = &parts;
     whole_file::put(path, &[first, second])

@@ -1,6 +1,8 @@
 //! The file names of a sequence's frames.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
+use std::fs;
+use std::io::{self, ErrorKind};
 use std::path::PathBuf;
 
 use super::FrameFormat;
@@ -29,6 +31,38 @@ impl Sequence {
         self.file(&format!("{index:0digits$}", digits = self.digits))
     }
 
+    /// Returns the number of the frame whose file has this name. `None` if no frame's has.
+    #[must_use]
+    pub fn frame_of(&self, file_name: &OsStr) -> Option<u32> {
+        let name = file_name.as_encoded_bytes().strip_prefix(self.name.as_encoded_bytes())?;
+        let digits =
+            std::str::from_utf8(name).ok()?.strip_prefix('.')?.strip_suffix(self.format.extension())?;
+        let digits = digits.strip_suffix('.')?;
+        let is_number = digits.len() >= 4 && digits.bytes().all(|byte| byte.is_ascii_digit());
+        digits.parse().ok().filter(|_| is_number)
+    }
+
+    /// Returns the frames of this name that are in the folder, in any number of digits, by their numbers.
+    ///
+    /// # Errors
+    ///
+    /// If the folder cannot be read. One that is not there has no frames.
+    pub fn present(&self) -> io::Result<Vec<(u32, PathBuf)>> {
+        let entries = match fs::read_dir(super::whole_file::named(&self.directory)) {
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
+            entries => entries?,
+        };
+        let mut present = Vec::new();
+        for entry in entries {
+            let name = entry?.file_name();
+            if let Some(frame) = self.frame_of(&name) {
+                present.push((frame, self.directory.join(name)));
+            }
+        }
+        present.sort();
+        Ok(present)
+    }
+
     /// Returns the file of a moment between frames.
     #[must_use]
     pub fn moment(&self, time: Time) -> PathBuf {
@@ -51,6 +85,12 @@ impl Sequence {
     #[must_use]
     pub fn sheet_settings(&self) -> PathBuf {
         self.named("sheet.settings.json")
+    }
+
+    /// Returns the file that says what frames are rendered from.
+    #[must_use]
+    pub fn manifest(&self) -> PathBuf {
+        self.named("sequence.json")
     }
 
     fn file(&self, which: &str) -> PathBuf {
@@ -79,6 +119,28 @@ impl Sequence {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn frames_are_known_by_their_names() {
+        let folder = tempfile::tempdir().unwrap();
+        let sequence = Sequence::new(folder.path().to_owned(), "a.b", 95, FrameFormat::Png);
+        assert_eq!(sequence.present().unwrap(), []);
+        for name in
+            ["a.b.0003.png", "a.b.00012.png", "a.b.003.png", "a.b.0004.ppm", "a.0001.png", "a.b.at-1s.png"]
+        {
+            fs::write(folder.path().join(name), "").unwrap();
+        }
+        let present = sequence.present().unwrap();
+        assert_eq!(
+            present,
+            [3, 12].map(|frame| match frame {
+                3 => (3, folder.path().join("a.b.0003.png")),
+                _ => (12, folder.path().join("a.b.00012.png")),
+            })
+        );
+        let gone = Sequence::new(folder.path().join("none"), "a", 9, FrameFormat::Png);
+        assert_eq!(gone.present().unwrap(), []);
+    }
 
     #[test]
     fn numbers_have_four_digits_or_as_many_as_the_last_needs() {

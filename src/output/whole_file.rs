@@ -67,7 +67,7 @@ pub fn folder_of(path: &Path) -> &Path {
 }
 
 /// Returns a folder by name, for the working directory too.
-fn named(folder: &Path) -> &Path {
+pub(super) fn named(folder: &Path) -> &Path {
     if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
 }
 

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::frame_file;
 use super::{FrameFormat, WriteError};
-use crate::trace::EncodedFilm;
+use crate::trace::{EncodedFilm, FrameFingerprint};
 
 /// A thread that writes one frame while the next is rendered. At most two films wait.
 #[derive(Debug)]
@@ -35,6 +35,7 @@ struct Job {
     path: PathBuf,
     film: EncodedFilm,
     format: FrameFormat,
+    frame: Option<FrameFingerprint>,
 }
 
 impl FrameWriter {
@@ -47,11 +48,18 @@ impl FrameWriter {
         Self { jobs: Some(jobs), written, thread: Some(thread) }
     }
 
-    /// Submits a film; waits while too many are queued.
-    pub fn submit(&self, ticket: usize, path: PathBuf, film: EncodedFilm, format: FrameFormat) {
+    /// Submits a film, and what identifies the picture, if it is to say so in its file; waits while too many are queued.
+    pub fn submit(
+        &self,
+        ticket: usize,
+        path: PathBuf,
+        film: EncodedFilm,
+        format: FrameFormat,
+        frame: Option<FrameFingerprint>,
+    ) {
         if let Some(jobs) = &self.jobs {
             // The thread ends only after the sender is dropped.
-            let _ = jobs.send(Job { ticket, path, film, format });
+            let _ = jobs.send(Job { ticket, path, film, format, frame });
         }
     }
 
@@ -82,9 +90,9 @@ impl Drop for FrameWriter {
 /// one's.
 fn run(jobs: &Receiver<Job>, done: &Sender<WrittenFrame>) {
     let mut next = jobs.recv().ok();
-    while let Some(Job { ticket, path, film, format }) = next {
+    while let Some(Job { ticket, path, film, format, frame }) = next {
         let start = Instant::now();
-        let put = frame_file::put(&path, film.bytes(), (film.width(), film.height()), format);
+        let put = frame_file::put(&path, film.bytes(), (film.width(), film.height()), format, frame);
         next = jobs.try_recv().ok();
         let goes_on = next.as_ref().is_some_and(|job| job.path.parent() == path.parent());
         let result = if goes_on { put } else { put.and(frame_file::settle(&path)) };

@@ -1,15 +1,19 @@
-//! Frame selections as people write them: `10-20,30,40-80x5`.
+//! Frame selections as people write them: `10-20,30,40-80x5,90-`.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// A selection of frames: single frames and inclusive ranges, each range with an optional stride.
+/// A selection of frames: single frames and inclusive ranges, each range with an optional stride. A range without an end goes on to the
+/// last frame of a timeline.
 ///
 /// ```
 /// use rayreel::time::FrameList;
 /// let list: FrameList = "3,0-10x5,10".parse().unwrap();
 /// assert!(list.frames().eq([0, 3, 5, 10]));
 /// assert!("5-3".parse::<FrameList>().is_err());
+///
+/// let list: FrameList = "0,90-x2".parse().unwrap();
+/// assert!(list.within(96).frames().eq([0, 90, 92, 94]));
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FrameList {
@@ -19,15 +23,19 @@ pub struct FrameList {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct FrameRange {
     first: u32,
+    /// [`NO_END`] for a range without an end.
     last: u32,
     stride: u32,
 }
+
+/// The end of a range that goes on to the last frame of a timeline, none of which has so many.
+const NO_END: u32 = u32::MAX;
 
 /// The reason why a written frame selection is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FrameListError {
     /// A part that is neither a frame, a range nor a range with a stride.
-    #[error("`{0}` is not a frame or a range: write `12`, `10-20` or `40-80x5`, separated by commas")]
+    #[error("`{0}` is not a frame or a range: write `12`, `10-20`, `40-80x5` or `90-`, separated by commas")]
     NotARange(String),
     /// A range that runs backwards.
     #[error("`{0}` runs backwards: write the smaller frame first")]
@@ -43,6 +51,43 @@ impl FrameList {
     pub fn all(count: u32) -> Self {
         let last = count.saturating_sub(1);
         Self { ranges: vec![FrameRange { first: 0, last, stride: 1 }] }
+    }
+
+    /// Selects these frames, which ascend: neighbours, and frames that are equally far apart, become ranges.
+    ///
+    /// ```
+    /// use rayreel::time::FrameList;
+    /// assert_eq!(FrameList::of([3, 17, 18, 19, 30, 40, 50]).unwrap().to_string(), "3,17-19,30-50x10");
+    /// assert_eq!(FrameList::of([]), None);
+    /// ```
+    #[must_use]
+    pub fn of(frames: impl IntoIterator<Item = u32>) -> Option<Self> {
+        /// Fewer frames are named one by one, unless they are neighbours.
+        const RANGE: usize = 3;
+        let frames: Vec<u32> = frames.into_iter().collect();
+        let mut ranges = Vec::new();
+        let mut rest = &frames[..];
+        while let [first, ..] = *rest {
+            let stride = rest.get(1).map_or(1, |second| second - first);
+            let apart = rest.windows(2).take_while(|pair| pair[1] - pair[0] == stride).count();
+            let count = if apart + 1 >= RANGE || stride == 1 { apart + 1 } else { 1 };
+            let last = rest[count - 1];
+            ranges.push(FrameRange { first, last, stride: if count == 1 { 1 } else { stride } });
+            rest = &rest[count..];
+        }
+        (!ranges.is_empty()).then_some(Self { ranges })
+    }
+
+    /// Returns the same frames, where ranges without an end go on to the last one of a timeline with so many frames.
+    #[must_use]
+    pub fn within(&self, count: u32) -> Self {
+        let last = count.saturating_sub(1);
+        let within = |range: &FrameRange| match range.last {
+            // One that begins beyond the end is as wrong as its first frame.
+            NO_END => FrameRange { last: last.max(range.first), ..*range },
+            _ => *range,
+        };
+        Self { ranges: self.ranges.iter().map(within).collect() }
     }
 
     /// Returns the largest frame that is named.
@@ -135,6 +180,7 @@ fn parse_range(part: &str) -> Result<FrameRange, FrameListError> {
         None => (part, 1),
     };
     let (first, last) = match range.split_once('-') {
+        Some((first, "")) => (number(first)?, NO_END),
         Some((first, last)) => (number(first)?, number(last)?),
         None => (number(range)?, number(range)?),
     };
@@ -153,6 +199,10 @@ impl fmt::Display for FrameList {
             let separator = if index == 0 { "" } else { "," };
             match *range {
                 FrameRange { first, last, .. } if first == last => write!(formatter, "{separator}{first}")?,
+                FrameRange { first, last: NO_END, stride: 1 } => write!(formatter, "{separator}{first}-")?,
+                FrameRange { first, last: NO_END, stride } => {
+                    write!(formatter, "{separator}{first}-x{stride}")?;
+                }
                 FrameRange { first, last, stride: 1 } => write!(formatter, "{separator}{first}-{last}")?,
                 FrameRange { first, last, stride } => {
                     write!(formatter, "{separator}{first}-{last}x{stride}")?;
@@ -207,6 +257,30 @@ mod tests {
         assert!(list.frames().skip(1000).take(2).eq([1000, 1001]));
         let list: FrameList = "4294967290-4294967295x4,4294967295".parse().unwrap();
         assert!(list.frames().eq([4_294_967_290, 4_294_967_294, 4_294_967_295]));
+    }
+
+    #[test]
+    fn ranges_without_an_end_go_on_to_the_last_frame() {
+        let list: FrameList = "3,90-,10-x40".parse().unwrap();
+        assert_eq!(list.to_string(), "3,90-,10-x40");
+        assert!(list.within(93).frames().eq([3, 10, 50, 90, 91, 92]));
+        assert_eq!(list.within(50).last(), 90);
+    }
+
+    #[test]
+    fn frames_become_the_ranges_that_they_are() {
+        for frames in [
+            vec![0],
+            vec![0, 5],
+            vec![1, 2],
+            vec![0, 1, 2, 4, 6, 8, 9],
+            vec![7, 9, 11, 12, 13, 20, 30, 41],
+            (0..96).collect(),
+        ] {
+            let list = FrameList::of(frames.iter().copied()).unwrap();
+            assert!(list.frames().eq(frames.iter().copied()), "{list}");
+            assert_eq!(list.to_string().parse::<FrameList>().unwrap(), list);
+        }
     }
 
     #[test]

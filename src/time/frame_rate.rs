@@ -46,7 +46,8 @@ impl FrameRate {
     }
 
     /// Returns the ratio's numerator and denominator.
-    pub(crate) fn parts(self) -> (u32, u32) {
+    #[must_use]
+    pub fn parts(self) -> (u32, u32) {
         (self.numerator, self.denominator)
     }
 

@@ -357,7 +357,7 @@ impl RowSums for RowsOfTiles<'_> {
     fn all(&self, row: usize, mut sums: [&mut [f32]; 3]) {
         for (column, packet, lane) in self.parts(row) {
             for (channel, sums) in sums.iter_mut().enumerate() {
-                let exact = self.sums.all[packet].axis(channel).from_lane(lane);
+                let exact = self.sums.all[packet].axis(channel).starting_at(lane);
                 for (sum, exact) in sums[column..].iter_mut().zip(exact).take(SIDE as usize) {
                     #[expect(clippy::cast_possible_truncation, reason = "for an estimate")]
                     let rounded = *exact as f32;
@@ -370,7 +370,7 @@ impl RowSums for RowsOfTiles<'_> {
     fn first_half(&self, row: usize, mut sums: [&mut [f32]; 3]) {
         for (column, packet, lane) in self.parts(row) {
             for (channel, sums) in sums.iter_mut().enumerate() {
-                let found = self.sums.first_half[packet].from_lane(channel, lane);
+                let found = self.sums.first_half[packet].starting_at(channel, lane);
                 let sums = sums[column..].iter_mut();
                 sums.zip(found).take(SIDE as usize).for_each(|(sum, found)| *sum = *found);
             }

@@ -73,6 +73,15 @@ impl Film {
 }
 
 impl EncodedFilm {
+    /// Creates a film of these bytes: red, green and blue of pixel after pixel, row by row from the top. `None` unless there are
+    /// just as many as it has room for.
+    #[must_use]
+    pub fn from_bytes(width: u32, height: u32, bytes: &[u8]) -> Option<Self> {
+        let (pixels, rest) = bytes.as_chunks::<3>();
+        let is_full = rest.is_empty() && pixels.len() as u64 == u64::from(width) * u64::from(height);
+        is_full.then(|| Self { width, height, pixels: pixels.to_vec() })
+    }
+
     /// Returns all bytes: red, green and blue of pixel after pixel.
     #[must_use]
     pub fn bytes(&self) -> &[u8] {

@@ -53,6 +53,11 @@
 //! not show, by a guaranteed bound (what is cut in a sample adds up to less than the scene's cut-off), at the last
 //! generation, and at 4096 rays; rays beyond the last two see the background untraced. How many it was is in [`TreeEnds`].
 //!
+//! # What identifies a picture
+//!
+//! Everything that the kernel receives for a frame, and nothing else, has a fingerprint (`frame_fingerprint`): frames of equal
+//! fingerprints have equal pixels, today, tomorrow and on another machine. [`SEMANTICS`] counts the changes of what numbers mean.
+//!
 //! Two paths answer what a ray meets: the scene's tree of bounding boxes, and the linear scan of the
 //! reference path, in `reference`. Both ask the same shapes the same questions, so that both make the same picture, bit for bit.
 //!
@@ -64,6 +69,7 @@ mod effects;
 mod effort;
 mod exposure;
 mod film;
+mod frame_fingerprint;
 mod light;
 #[doc(hidden)]
 pub mod math;
@@ -86,6 +92,8 @@ pub use effort::{RayCounts, TreeEnds};
 pub(crate) use exposure::SampleMemory;
 pub use exposure::{Exposure, Signals};
 pub use film::{EncodedFilm, Film};
+pub(crate) use frame_fingerprint::{FrameConstants, FrameHasher};
+pub use frame_fingerprint::{FrameFingerprint, NotAFingerprint, SEMANTICS};
 pub use math::Sampling;
 pub use query::Escalations;
 pub use scene::{Camera, Precision};

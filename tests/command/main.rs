@@ -10,6 +10,7 @@ mod overrides;
 mod probe;
 #[cfg(unix)]
 mod process;
+mod sequence;
 mod sheet;
 #[cfg(unix)]
 #[path = "../random/splitmix.rs"]
@@ -84,6 +85,11 @@ fn files(folder: &Path) -> Vec<String> {
         entries.map(|entry| text(entry.unwrap().file_name().as_encoded_bytes())).collect();
     names.sort();
     names
+}
+
+/// The pictures in a folder.
+fn pictures(folder: &Path) -> Vec<String> {
+    files(folder).into_iter().filter(|name| name.ends_with(".png")).collect()
 }
 
 #[cfg(unix)]

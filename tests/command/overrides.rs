@@ -37,7 +37,7 @@ fn write(folder: &Path, edits: &[(&str, &str)]) {
 /// The bytes of the scene's frame.
 fn frame(folder: &Path, arguments: &[&str]) -> Vec<u8> {
     told(folder, [&["render", "a.ron", "--out", "o", "--format", "ppm", "--json"], arguments].concat());
-    fs::read(folder.join("o/a.0000.ppm")).unwrap()
+    image::open(folder.join("o/a.0000.ppm")).unwrap().to_rgb8().into_raw()
 }
 
 #[test]

@@ -107,7 +107,7 @@ fn drafts_are_small_and_lie_apart() {
     assert_eq!((&report["width"], &report["height"]), (&213.into(), &120.into()));
     let out = folder.path().join("out/newtons_cradle");
     assert_eq!(files(&out), ["draft"]);
-    assert_eq!(files(&out.join("draft")), ["newtons_cradle.0003.png"]);
+    assert_eq!(files(&out.join("draft")), ["newtons_cradle.0003.png", "newtons_cradle.sequence.json"]);
     let frame = &report["frames"][0];
     assert_eq!(frame["rays"]["camera"], 213 * 120, "one sample a pixel");
     let needed = frame["needed"].as_array().unwrap();

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 #[cfg(unix)]
 use std::process::Child;
 
-use crate::{FIRST_LIGHT, files, rayreel, text};
+use crate::{FIRST_LIGHT, files, pictures, rayreel, text};
 #[cfg(unix)]
 use crate::{RAYREEL, command, signal, until};
 
@@ -30,7 +30,7 @@ fn a_frame_alone_has_the_bytes_it_has_in_the_sequence_on_any_number_of_threads()
             threads,
         ];
         assert!(rayreel(folder.path(), arguments).status.success());
-        assert_eq!(files(&folder.path().join(threads)), ["first_light.0040.png"]);
+        assert_eq!(pictures(&folder.path().join(threads)), ["first_light.0040.png"]);
         let alone = fs::read(folder.path().join(threads).join("first_light.0040.png")).unwrap();
         assert!(alone == whole, "{threads} threads");
     }
@@ -52,7 +52,8 @@ fn frames_moments_sizes_and_formats_can_be_chosen() {
     let names =
         ["first_light.0000.png", "first_light.0003.png", "first_light.0005.png", "first_light.0010.png"];
     let moments = ["first_light.0036.ppm", "first_light.at-1.5s.ppm"];
-    assert_eq!(files(&folder.path().join("o")), [names.as_slice(), moments.as_slice()].concat());
+    let all = [names.as_slice(), &moments, &["first_light.sequence.json"]].concat();
+    assert_eq!(files(&folder.path().join("o")), all);
     // 1.5 s is frame 36 of 24 a second.
     let [frame, moment] = moments.map(|name| fs::read(folder.path().join("o").join(name)).unwrap());
     assert_eq!(frame, moment);
@@ -125,7 +126,7 @@ fn wrong_wishes_are_answered_with_what_would_be_right() {
 fn values_with_a_hyphen_are_answered_with_what_would_be_right() {
     let folder = tempfile::tempdir().unwrap();
     for (command, option, told) in [
-        ("render", "--frames", "is not a frame or a range: write `12`, `10-20` or `40-80x5`"),
+        ("render", "--frames", "is not a frame or a range: write `12`, `10-20`, `40-80x5` or `90-`"),
         ("render", "--at", "is not a time: write seconds such as `1.5s`"),
         ("render", "--size", "write width and height in pixels, as in 1280x720"),
         ("render", "--sheet", "write columns and rows"),
@@ -176,7 +177,7 @@ fn a_frame_that_cannot_be_written_is_told_and_others_stay() {
         "{}",
         text(&output.stderr)
     );
-    assert_eq!(files(&folder.path().join("o")), ["first_light.0000.png", "first_light.0001.png"]);
+    assert_eq!(pictures(&folder.path().join("o")), ["first_light.0000.png", "first_light.0001.png"]);
 }
 
 /// From frame 6 on, its script gives no value.
@@ -202,7 +203,7 @@ fn a_script_that_fails_midway_leaves_a_report_of_what_was_written() {
     let frames = report["frames"].as_array().unwrap();
     let reported: Vec<&str> =
         frames.iter().map(|frame| frame["file"].as_str().unwrap().trim_start_matches("machines/")).collect();
-    assert_eq!(reported, files(&folder.path().join("machines")));
+    assert_eq!(reported, pictures(&folder.path().join("machines")));
     assert_eq!(reported.len(), 6);
 
     let output = run(&["--out", "people"]);
@@ -254,7 +255,7 @@ fn new_writes_a_scene_that_renders_and_never_overwrites() {
     assert!(rayreel(folder.path(), ["new", "mine.ron"]).status.success());
     let output = rayreel(folder.path(), ["render", "mine.ron", "--size", "32x18"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
-    assert_eq!(files(&folder.path().join("out/mine")).len(), 48);
+    assert_eq!(pictures(&folder.path().join("out/mine")).len(), 48);
 
     fs::write(folder.path().join("mine.ron"), "precious").unwrap();
     let output = rayreel(folder.path(), ["new", "mine.ron"]);
@@ -279,7 +280,7 @@ fn start_long_rendering(folder: &Path) -> (Child, PathBuf) {
     let arguments = ["render", FIRST_LIGHT, "--size", "960x540", "--json"];
     let child = command(RAYREEL, folder).args(arguments).spawn().unwrap();
     let out = folder.join("out/first_light");
-    let whole = || files(&out).iter().filter(|name| name.starts_with("first_light")).count();
+    let whole = || files(&out).iter().filter(|name| name.ends_with(".png")).count();
     until("a few frames", || whole() >= 2);
     (child, out)
 }
@@ -295,7 +296,7 @@ fn an_interruption_leaves_whole_files_and_says_so() {
     assert_eq!(output.status.code(), Some(143), "{}", text(&output.stderr));
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(report["interrupted"], true);
-    let names = files(&out);
+    let names = pictures(&out);
     assert_eq!(names.len(), report["frames"].as_array().unwrap().len());
     assert!(names.len() < 96);
     for name in names {
@@ -310,7 +311,7 @@ fn even_a_kill_leaves_no_torn_frame_file() {
     let (mut child, out) = start_long_rendering(folder.path());
     signal(&child, "KILL");
     child.wait().unwrap();
-    for name in files(&out).iter().filter(|name| name.starts_with("first_light")) {
-        image::open(out.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
+    for name in pictures(&out) {
+        image::open(out.join(&name)).unwrap_or_else(|error| panic!("{name}: {error}"));
     }
 }

@@ -3,7 +3,9 @@
 //! faces or coincide, where rays start on several surfaces at once. Wrong answers there show as speckles, light leaks and dark seams.
 //!
 //! On a mismatch the actual, the expected and a difference picture are written to `target/golden_mismatches/`.
-//! `RAYREEL_BLESS=1 cargo test --test scenes goldens` writes the goldens anew; look at them before you keep them.
+//! `RAYREEL_BLESS=1 cargo test --test scenes goldens` writes the goldens anew; look at them before you keep them. They are frame files,
+//! which say what they were rendered from: a change after which the same numbers make another picture must raise
+//! `trace::SEMANTICS`, or else blessing is refused.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,7 +14,7 @@ use image::{Rgb, RgbImage};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use rayreel::components::FilmSettings;
-use rayreel::output::{FrameFormat, encode};
+use rayreel::output::{FoundFrame, FrameFormat, FrameWriter, encode};
 use rayreel::trace::SimdLevel;
 use rayreel::{Engine, Film};
 
@@ -85,7 +87,8 @@ fn compare(name: &str, actual: &RgbImage, expected: &RgbImage) -> Option<String>
     ))
 }
 
-/// Renders a scene's frames, and describes what differs from its goldens; `RAYREEL_BLESS` replaces them.
+/// Renders a scene's frames, and describes what differs from its goldens; `RAYREEL_BLESS` replaces them, unless the same numbers make
+/// another picture now: frames that were written before would be taken for done.
 fn mismatches(name: &str, mut engine: Engine, frames: &[u32]) -> Vec<String> {
     let bless = std::env::var_os("RAYREEL_BLESS").is_some();
     let mut wrong = Vec::new();
@@ -94,8 +97,18 @@ fn mismatches(name: &str, mut engine: Engine, frames: &[u32]) -> Vec<String> {
         let actual = picture(&engine, &film);
         let name = format!("{name}.{frame:04}");
         let golden = root().join(format!("tests/goldens/{name}.png"));
-        if bless {
-            actual.save(&golden).unwrap();
+        let found = FoundFrame::at(&golden, FrameFormat::Png);
+        let fingerprint = engine.report().fingerprint.unwrap();
+        let is_same =
+            matches!(found, FoundFrame::Whole { provenance, .. } if provenance.frame == fingerprint);
+        if bless && !is_same {
+            let (writer, film) = (FrameWriter::start(), film.encoded(engine.film_settings().transfer));
+            writer.submit(0, golden.clone(), film, FrameFormat::Png, Some(fingerprint));
+            assert!(writer.finish().into_iter().all(|written| written.result.is_ok()));
+        } else if is_same && image::open(&golden).unwrap().to_rgb8() != actual {
+            wrong.push(format!("{name}: the same numbers make another picture: raise `trace::SEMANTICS`"));
+        } else if !is_same {
+            wrong.push(format!("{name}: the golden is of other numbers: look at it, and bless it"));
         }
         let expected = image::open(&golden).map(|picture| picture.to_rgb8()).unwrap_or_default();
         wrong.extend(compare(&name, &actual, &expected));

@@ -34,7 +34,12 @@ fn rendered(folder: &Path, overrides: &[&str]) -> Option<Vec<u8>> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_rayreel"));
     let command = command.current_dir(folder).args(arguments).args(overrides).output();
     assert!(command.unwrap().status.success());
-    fs::read(folder.join("out/ball.0003.ppm")).ok()
+    pixels(&folder.join("out/ball.0003.ppm"))
+}
+
+/// The pixels of a picture, once it is there: a frame file says what it was rendered from, too.
+fn pixels(picture: &Path) -> Option<Vec<u8>> {
+    Some(image::open(picture).ok()?.to_rgb8().into_raw())
 }
 
 #[cfg(unix)]
@@ -59,15 +64,15 @@ fn the_terminal_tells_and_the_current_frame_is_written() {
         assert!(line.starts_with("ball.ron: http://127.0.0.1:"), "{line}");
 
         let first = rendered(path, overrides);
-        until("the first frame", || fs::read(path.join("now.ppm")).ok() == first);
+        until("the first frame", || pixels(&path.join("now.ppm")) == first);
         fs::write(path.join("new"), scene(1.5, "")).unwrap();
         fs::rename(path.join("new"), path.join("ball.ron")).unwrap();
         let second = rendered(path, overrides);
         assert!(first != second);
-        until("the second frame", || fs::read(path.join("now.ppm")).ok() == second);
+        until("the second frame", || pixels(&path.join("now.ppm")) == second);
         fs::write(path.join("ball.ron"), scene(-1.0, "")).unwrap();
         sleep(Duration::from_millis(500));
-        assert!(fs::read(path.join("now.ppm")).ok() == second);
+        assert!(pixels(&path.join("now.ppm")) == second);
 
         let output = interrupt(child);
         let told = String::from_utf8(output.stderr).unwrap();
@@ -104,7 +109,7 @@ fn files_that_cannot_be_read_for_a_while_are_read_later_without_another_save() {
         let mut child = watch(path, &arguments).spawn().unwrap();
         address(&mut child);
         let first = rendered(path, &[]);
-        until("the first frame", || fs::read(path.join("now.ppm")).ok() == first);
+        until("the first frame", || pixels(&path.join("now.ppm")) == first);
         let limit = |files: &str| {
             let arguments = ["--pid", &child.id().to_string(), &format!("--nofile={files}:")];
             assert!(Command::new("prlimit").args(arguments).status().unwrap().success());
@@ -114,9 +119,9 @@ fn files_that_cannot_be_read_for_a_while_are_read_later_without_another_save() {
         fs::rename(path.join("new"), path.join("ball.ron")).unwrap();
         let second = rendered(path, &[]);
         sleep(Duration::from_millis(2500));
-        assert!(fs::read(path.join("now.ppm")).ok() == first);
+        assert!(pixels(&path.join("now.ppm")) == first);
         limit("1000");
-        until("the second frame", || fs::read(path.join("now.ppm")).ok() == second);
+        until("the second frame", || pixels(&path.join("now.ppm")) == second);
         let told = String::from_utf8(interrupt(child).stderr).unwrap();
         assert_eq!(told.matches("Too many open files").count(), 1, "{told}");
     }

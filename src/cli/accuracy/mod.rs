@@ -85,8 +85,8 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
 fn frames(arguments: &AccuracyArguments, engine: &Engine) -> anyhow::Result<(Vec<u32>, Option<usize>)> {
     let timeline = engine.timeline();
     let Some(list) = &arguments.frames else { return Ok((vec![timeline.frame_count() / 2], None)) };
-    require_frame(list.last(), timeline)?;
-    let chosen: &FrameList = list;
+    let chosen: FrameList = list.within(timeline.frame_count());
+    require_frame(chosen.last(), timeline)?;
     Ok(match chosen.spread_frames(MOST_FRAMES) {
         Some(spread) => (spread, Some(chosen.count())),
         None => (chosen.frames().collect(), None),

@@ -28,7 +28,7 @@ use timeline::PlannedTimeline;
 pub(super) fn run(arguments: &ExplainArguments) -> Result<(), Failure> {
     let mut engine = load(&arguments.scene, &arguments.overrides)?;
     let frames = match &arguments.frames {
-        Some(frames) => frames.clone(),
+        Some(frames) => frames.within(engine.timeline().frame_count()),
         None => FrameList::all(engine.timeline().frame_count()),
     };
     require_frame(frames.last(), engine.timeline())?;

@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use super::draft::add_all;
+use super::fingerprint::HashedInstants;
 use crate::color::{Encoding, Linear};
 use crate::components::{Animated, FilmSettings, Sampling};
 use crate::engine::engine::{Engine, EngineError};
@@ -16,7 +17,8 @@ use crate::systems::{
 use crate::time::Time;
 use crate::trace::reference::{Reference, ReferenceSums};
 use crate::trace::{
-    BvhUpdate, Effects, EncodedFilm, ErrorTarget, Exposure, Film, Rounds, SampleMemory, SceneChanges, Signals,
+    BvhUpdate, Effects, EncodedFilm, ErrorTarget, Exposure, Film, FrameFingerprint, Rounds, SampleMemory,
+    SceneChanges, Signals,
 };
 
 /// A signal that is never set.
@@ -113,9 +115,14 @@ impl Engine {
         let (mut traced, mut whole) = (Duration::ZERO, true);
         let mut memory = std::mem::take(&mut self.sample_memory);
         let count = count_of(&instants);
+        let mut hashed = HashedInstants::new(self.effects_left().lighting, count);
+        let mut hashing = Duration::ZERO;
         let sought = self.seek_all(time, &instants, signals.cancelled, |preparation, effects, instant| {
             let (scene, camera) = (preparation.scene(), preparation.camera());
             let sampling = preparation.sampling(time);
+            let start = Instant::now();
+            hashed.note(preparation, time, instant);
+            hashing += start.elapsed();
             let exposure = begun.get_or_insert_with(|| {
                 let (rounds, target) = rounds(preparation, count);
                 let memory = std::mem::take(&mut memory);
@@ -136,6 +143,7 @@ impl Engine {
             if again { Then::Again } else { Then::GoOn }
         })?;
         self.report.trace = traced;
+        self.report.prepare += hashing;
         if !(whole && sought) {
             return Ok(None);
         }
@@ -145,7 +153,9 @@ impl Engine {
             Exposure::encoded(encoding, (width, height), Rounds::single(1, 1), None, SampleMemory::default())
         };
         let exposure = exposure.unwrap_or_else(nothing);
-        Ok(Some(self.develop(exposure)))
+        let film = self.develop(exposure);
+        self.report.fingerprint = Some(hashed.finish());
+        Ok(Some(film))
     }
 
     /// Renders a moment by the reference path, which tests every ray against every shape: slow, single-threaded, and the same
@@ -166,6 +176,22 @@ impl Engine {
         })?;
         let FilmSettings { width, height, .. } = self.film_settings();
         Ok(sums.map_or_else(|| Film::new(width, height), |sums| sums.develop()))
+    }
+
+    /// Returns what identifies the picture of a moment: that of the [report](FrameReport::fingerprint) if it were rendered. The world is
+    /// brought there.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn fingerprint_at(&mut self, time: Time) -> Result<FrameFingerprint, EngineError> {
+        let instants = self.instants(time);
+        let mut hashed = HashedInstants::new(self.effects_left().lighting, count_of(&instants));
+        self.seek_all(time, &instants, &NEVER, |preparation, _, instant| {
+            hashed.note(preparation, time, instant);
+            Then::GoOn
+        })?;
+        Ok(hashed.finish())
     }
 
     /// Plans a moment, with reasons, without rendering a picture: see [`Engine::plan`].
@@ -381,7 +407,7 @@ fn count_of(instants: &[Time]) -> u32 {
 /// Returns the rounds in which a picture at so many instants gets its samples, and how good it is meant to be, if that is said.
 fn rounds(preparation: &Preparation, instants: u32) -> (Rounds, Option<ErrorTarget>) {
     let samples = preparation.samples();
-    let target = preparation.error_target(instants).filter(|_| samples > 1);
+    let target = preparation.error_target(instants);
     match target {
         Some(_) => (Rounds::doubling(samples, instants), target),
         None => (Rounds::single(samples, instants), None),

@@ -202,11 +202,15 @@ impl Preparation {
         }
     }
 
-    /// Returns how good the picture at so many instants is meant to be, if that is said.
+    /// Returns how good the picture at so many instants is meant to be, if that is said. Of a single sample in each pixel nothing is known.
     pub(crate) fn error_target(&self, instants: u32) -> Option<ErrorTarget> {
         let rms = f64::from(self.sampling.max_error);
         let convergence = Convergence::of(&self.scene, &self.camera, instants);
-        (rms > 0.0).then_some(ErrorTarget { rms, transfer: self.film.transfer, convergence })
+        (rms > 0.0 && self.sampling.samples > 1).then_some(ErrorTarget {
+            rms,
+            transfer: self.film.transfer,
+            convergence,
+        })
     }
 
     /// Returns the entities whose shapes are in the kernel's arrays, in document order.

@@ -58,7 +58,7 @@ impl Numbers {
 
     /// Returns the numbers from a lane on, as far as its half of them goes.
     #[inline(always)]
-    pub(crate) fn from_lane(&self, lane: usize) -> &[f64] {
+    pub(crate) fn starting_at(&self, lane: usize) -> &[f64] {
         &self.0[lane / HALF % 2][lane % HALF..]
     }
 
@@ -158,7 +158,7 @@ impl Colors {
 
     /// Returns a channel of the colours from a lane on.
     #[inline(always)]
-    pub(crate) fn from_lane(&self, channel: usize, lane: usize) -> &[f32] {
+    pub(crate) fn starting_at(&self, channel: usize, lane: usize) -> &[f32] {
         &self.0[channel][lane % LANES..]
     }
 

@@ -8,6 +8,7 @@
 mod algebraic;
 mod compensated;
 mod compensated_lanes;
+mod digest;
 mod double;
 mod double_lanes;
 mod elementary;
@@ -24,6 +25,7 @@ mod vector;
 pub(crate) use algebraic::{Exact, Exact3, ExactRoot};
 pub use compensated::Compensated3;
 pub(crate) use compensated_lanes::CompensatedLanes;
+pub(crate) use digest::{Bytes, Digest, digest_of_all};
 pub use double::Double;
 pub(crate) use double_lanes::DoubleLanes;
 pub(crate) use elementary::{exp, pow};

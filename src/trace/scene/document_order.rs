@@ -17,6 +17,13 @@ pub(crate) struct DocumentOrder {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Rank(u32);
 
+impl Rank {
+    /// Returns it as a number.
+    pub(super) fn number(self) -> u64 {
+        self.0.into()
+    }
+}
+
 impl DocumentOrder {
     /// Adds the next shapes, after all others.
     pub(super) fn extend(&mut self, ids: impl IntoIterator<Item = ShapeId>) {

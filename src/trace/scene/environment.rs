@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::color::{Rgb, to_f32};
-use crate::trace::math::exp;
+use crate::trace::math::{Bytes, exp};
 
 /// What a ray sees that meets nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +27,20 @@ impl Default for Background {
 }
 
 impl Background {
+    /// Writes the bytes of all that pictures depend on.
+    pub(super) fn write(&self, bytes: &mut Bytes) {
+        match *self {
+            Self::Flat(color) => {
+                bytes.count(0_u32);
+                bytes.colors([color]);
+            }
+            Self::Gradient { bottom, top } => {
+                bytes.count(1_u32);
+                bytes.colors([bottom, top]);
+            }
+        }
+    }
+
     /// What is seen in a direction, of any length but zero.
     #[must_use]
     pub fn towards(&self, direction: DVec3) -> Rgb {

@@ -4,6 +4,7 @@ use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 
 use super::document_order::DocumentOrder;
+use crate::trace::math::Bytes;
 use crate::trace::rays::ShapeId;
 use crate::trace::shapes::{AlignedBox, Bounds, BoxImage, Plane, Sphere, SphereImage};
 
@@ -173,6 +174,15 @@ impl Geometry {
             }
         };
         each(last);
+    }
+
+    /// Writes the bytes of all that a shape is made of.
+    pub(super) fn write(&self, id: ShapeId, bytes: &mut Bytes) {
+        bytes.count(self.locations[id.index()].kind as u64);
+        self.numbers(id, |number| bytes.number(number));
+        if let ShapeRef::Plane(plane) = self.shape(id) {
+            bytes.vectors([plane.normal()]);
+        }
     }
 
     /// How many shapes there are.

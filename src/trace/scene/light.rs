@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::color::Rgb;
-use crate::trace::math::{disc, scaled};
+use crate::trace::math::{Bytes, disc, scaled};
 use crate::trace::rays::ShapeId;
 
 /// A light in world space.
@@ -69,6 +69,19 @@ pub enum LightSource {
 }
 
 impl Light {
+    /// Writes the bytes of all that pictures depend on. `rank` tells a shape's place in the document.
+    pub(super) fn write(&self, bytes: &mut Bytes, rank: impl Fn(ShapeId) -> u64) {
+        let Self { source, intensity, falloff, samples: _, casts_shadows, own_shape } = self;
+        source.write(bytes);
+        bytes.colors([*intensity]);
+        let Falloff { constant, linear, quadratic } =
+            falloff.unwrap_or(Falloff { constant: 1.0, linear: 0.0, quadratic: 0.0 });
+        [constant, linear, quadratic].into_iter().for_each(|number| bytes.number(number));
+        bytes.count(self.places());
+        bytes.count(*casts_shadows);
+        bytes.count(own_shape.map_or(0, |shape| 1 + rank(shape)));
+    }
+
     /// Returns how many of its places light a point: 1 unless it has a size.
     pub(crate) fn places(&self) -> u32 {
         if self.source.is_extended() { self.samples.max(1) } else { 1 }
@@ -76,6 +89,33 @@ impl Light {
 }
 
 impl LightSource {
+    fn write(&self, bytes: &mut Bytes) {
+        match *self {
+            Self::Point(position) => {
+                bytes.count(0_u32);
+                bytes.vectors([position]);
+            }
+            Self::Spot(position, Cone { axis, inner, outer }) => {
+                bytes.count(1_u32);
+                bytes.vectors([position, axis]);
+                [inner, outer].into_iter().for_each(|number| bytes.number(number));
+            }
+            Self::Directional(towards) => {
+                bytes.count(2_u32);
+                bytes.vectors([towards]);
+            }
+            Self::Sphere { center, radius } => {
+                bytes.count(3_u32);
+                bytes.vectors([center]);
+                bytes.number(radius);
+            }
+            Self::Rectangle { center, halves: [right, up] } => {
+                bytes.count(4_u32);
+                bytes.vectors([center, right, up]);
+            }
+        }
+    }
+
     /// Returns whether it has a size.
     #[must_use]
     pub fn is_extended(&self) -> bool {

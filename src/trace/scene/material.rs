@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::checker::CheckerPattern;
 use super::fingerprint::Fingerprint;
 use crate::color::Rgb;
+use crate::trace::math::Bytes;
 
 /// How a shape's surface answers light.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -58,6 +59,25 @@ impl SurfaceMaterial {
     /// Returns whether it sends rays on.
     pub(crate) fn continues(&self) -> bool {
         self.reflected > 0.0 || self.refraction.is_some()
+    }
+
+    /// Writes the bytes of all that pictures depend on.
+    pub(super) fn write(&self, bytes: &mut Bytes) {
+        let Self { ambient, diffuse, specular, shininess, reflected, refraction, checker } = self;
+        bytes.colors([*ambient, *diffuse]);
+        [specular, shininess, reflected].into_iter().for_each(|number| bytes.number((*number).into()));
+        bytes.count(refraction.is_some());
+        if let Some(Refraction { transmitted, ior, absorption, fresnel }) = refraction {
+            [f64::from(*transmitted), *ior].into_iter().for_each(|number| bytes.number(number));
+            bytes.colors([*absorption]);
+            bytes.count(*fresnel);
+        }
+        bytes.count(checker.is_some());
+        if let Some(checker) = checker {
+            let Checker { ambient, diffuse, squares } = &**checker;
+            bytes.colors([*ambient, *diffuse]);
+            squares.numbers(|number| bytes.number(number));
+        }
     }
 
     /// Returns a number that equal materials have in common, and others hardly ever.

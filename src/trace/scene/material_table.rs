@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::material::SurfaceMaterial;
+use crate::trace::math::{Bytes, Digest};
 use crate::trace::rays::ShapeId;
 
 /// The materials, and which shape has which.
@@ -79,6 +80,21 @@ impl MaterialTable {
     /// Returns all that some shape has, each once.
     pub(super) fn distinct(&self) -> impl Iterator<Item = &SurfaceMaterial> {
         self.ids.values().flatten().map(|id| &self.materials[id.index()])
+    }
+
+    /// Returns the digests of all materials, to be asked by a shape's [place](Self::place_of).
+    pub(super) fn digests(&self) -> Vec<Digest> {
+        let digest = |material: &SurfaceMaterial| {
+            let mut bytes = Bytes::default();
+            material.write(&mut bytes);
+            bytes.finish()
+        };
+        self.materials.iter().map(digest).collect()
+    }
+
+    /// Returns the place of a shape's material among all.
+    pub(super) fn place_of(&self, shape: ShapeId) -> usize {
+        self.of_shapes[shape.index()].index()
     }
 
     /// Finds a material, or adds it.

@@ -1,5 +1,7 @@
 //! A scene as arrays, ready for rays.
 
+use std::sync::OnceLock;
+
 use super::changes::{BvhUpdate, ShapeChange};
 use super::document_order::DocumentOrder;
 use super::environment::{Background, Fog};
@@ -14,7 +16,7 @@ use super::precision::Precision;
 use super::tree_maintenance::{SceneTree, TreeMaintenance};
 use crate::color::Rgb;
 use crate::trace::bvh::Tree;
-use crate::trace::math::SimdLevel;
+use crate::trace::math::{Bytes, Digest, SimdLevel, digest_of_all};
 use crate::trace::rays::ShapeId;
 
 /// All that the kernel knows of a scene at one moment, apart from the camera.
@@ -30,6 +32,8 @@ pub struct PreparedScene {
     /// Shapes without bounds, as planes, and shapes so much larger than the rest that they would spoil the tree.
     pub(crate) beside: Vec<ShapeId>,
     maintenance: TreeMaintenance,
+    /// That of the shapes and their materials, once it is known.
+    digest: OnceLock<Digest>,
     surfaces: MaterialSummary,
     /// In document order.
     pub lights: Vec<Light>,
@@ -64,6 +68,7 @@ impl PreparedScene {
             leaves: LeafShapes::default(),
             beside: Vec::new(),
             maintenance: TreeMaintenance::default(),
+            digest: OnceLock::new(),
             lights: Vec::new(),
             ambient: Rgb::ZERO,
             background: Background::default(),
@@ -84,6 +89,7 @@ impl PreparedScene {
         self.materials.clear();
         fill(&mut self.geometry, &mut self.materials);
         self.surfaces = MaterialSummary::of(&self.materials);
+        self.digest.take();
         self.rebuild_tree();
     }
 
@@ -106,6 +112,7 @@ impl PreparedScene {
     /// Unless `ids` has every shape once.
     pub fn renumber(&mut self, ids: &[ShapeId]) {
         self.geometry.renumber(ids);
+        self.digest.take();
         self.rebuild_tree();
     }
 
@@ -121,6 +128,7 @@ impl PreparedScene {
         if self.geometry.holds(id, &shape) {
             return Some(());
         }
+        self.digest.take();
         let before = self.geometry.bounds(id);
         self.geometry.replace(id, shape).then(|| {
             changes.push(ShapeChange { id, before, after: self.geometry.bounds(id) });
@@ -151,10 +159,36 @@ impl PreparedScene {
             }
         }
         if !changed.is_empty() {
+            self.digest.take();
             self.surfaces = MaterialSummary::of(&self.materials);
             self.sort_equal_shapes();
         }
         changed
+    }
+
+    /// Returns the digest of all shapes and their materials, in document order.
+    pub(crate) fn shapes_digest(&self) -> &Digest {
+        self.digest.get_or_init(|| {
+            let (materials, order) = (self.materials.digests(), self.order());
+            digest_of_all(self.geometry.len(), |rank, bytes| {
+                let id = order.shape_at(u32::try_from(rank).unwrap_or(u32::MAX));
+                self.geometry.write(id, bytes);
+                bytes.digest(&materials[self.materials.place_of(id)]);
+            })
+        })
+    }
+
+    /// Writes the bytes of all else that pictures depend on, apart from the camera.
+    pub(crate) fn write_surroundings(&self, bytes: &mut Bytes) {
+        bytes.count(self.lights.len() as u64);
+        for light in &self.lights {
+            light.write(bytes, |shape| self.order().rank(shape).number());
+        }
+        bytes.colors([self.ambient, self.fog.color]);
+        self.background.write(bytes);
+        [self.fog.density, self.cutoff.into()].into_iter().for_each(|number| bytes.number(number));
+        bytes.count(self.depth);
+        bytes.count(self.precision as u64);
     }
 
     fn sort_equal_shapes(&mut self) {

@@ -7,7 +7,7 @@ use std::process::{Child, Output, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
-use crate::{FIRST_LIGHT, RAYREEL, command, files, output_of, signal, text, until};
+use crate::{FIRST_LIGHT, RAYREEL, command, files, output_of, pictures, signal, text, until};
 
 const FRAMES: usize = 24;
 
@@ -49,6 +49,7 @@ fn each_signal_ends_it_with_its_code_unless_it_is_ignored() {
             let what = format!("{sent} where {ignored:?} are ignored: {}", text(&stderr));
             let written = files(&folder.path().join("out"));
             assert!(written.iter().all(|name| name.starts_with("first_light.")), "{what}: {written:?}");
+            let written = pictures(&folder.path().join("out"));
             if survives {
                 assert_eq!((status.code(), written.len()), (Some(0), FRAMES), "{what}");
             } else {
@@ -71,7 +72,7 @@ fn nohup_lets_it_live() {
     signal(&child, "HUP");
     let output = output_of(child);
     assert!(output.status.success(), "{}", text(&output.stderr));
-    assert_eq!(files(&out).len(), FRAMES);
+    assert_eq!(pictures(&out).len(), FRAMES);
 }
 
 /// A scene that is still being read when the signal comes, and would be for ever.

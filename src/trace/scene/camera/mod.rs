@@ -6,7 +6,7 @@ use glam::DVec3;
 
 pub(crate) use packet::{PixelCenters, SIDE, SpreadKeys, Square};
 
-use crate::trace::math::{Dimension, Double, PixelSamples, Sampling, disc, scaled};
+use crate::trace::math::{Bytes, Dimension, Double, PixelSamples, Sampling, disc, scaled};
 use crate::trace::rays::Ray;
 use crate::trace::shapes::Bounds;
 
@@ -97,6 +97,16 @@ impl Camera {
         let lens = Lens { radius: 0.5 * aperture, focus: focus / self.distance };
         let exists = [lens.radius, lens.focus].into_iter().all(|part| part > 0.0 && part.is_finite());
         Self { lens: exists.then_some(lens), ..self }
+    }
+
+    /// Writes the bytes of all that pictures depend on.
+    pub(crate) fn write(&self, bytes: &mut Bytes) {
+        let Self { eye, right, up, forward, width, height, distance, columns, rows, lens } = self;
+        bytes.vectors([*eye, *right, *up, *forward]);
+        [width, height, distance].into_iter().for_each(|number| bytes.number(*number));
+        [columns, rows].into_iter().for_each(|count| bytes.count(*count));
+        let Lens { radius, focus } = lens.unwrap_or(Lens { radius: 0.0, focus: 0.0 });
+        [radius, focus].into_iter().for_each(|number| bytes.number(number));
     }
 
     /// The same camera with a pinhole.

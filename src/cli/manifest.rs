@@ -1,0 +1,196 @@
+//! What a folder of frames says of itself: which scene they are of, and with which settings. `verify` reads it.
+
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+
+use anyhow::{Context, bail};
+use clap::{Parser, ValueEnum};
+use serde::{Deserialize, Serialize};
+
+use rayreel::output::{folder_of, write_bytes};
+
+use super::args::{Arguments, Command, RenderArguments};
+use super::settings::RenderSettings;
+
+/// The end of its name, behind that of the frames.
+const ENDING: &str = ".sequence.json";
+
+/// What stands in the file.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct Manifest {
+    /// The version that wrote it.
+    rayreel: String,
+    /// From the folder, where there is a way.
+    scene: String,
+    /// The arguments of `render` on which pictures depend.
+    arguments: Vec<String>,
+}
+
+/// Writes what a folder's frames are rendered from, unless it says so already.
+pub(super) fn write(arguments: &RenderArguments, settings: &RenderSettings) -> anyhow::Result<()> {
+    let file = settings.sequence.manifest();
+    let folder = settings.sequence.directory();
+    let chosen = arguments.max_error.is_some() || arguments.deadline.is_some();
+    let samples = match &arguments.settings {
+        Some(file) => Some(from_folder(folder, file)?),
+        None => chosen.then(|| settings.file_of_settings().file_name().map(PathBuf::from)).flatten(),
+    };
+    let (Some(scene), Some(pictures)) = (
+        from_folder(folder, &arguments.scene)?.to_str().map(str::to_owned),
+        picture_arguments(arguments, samples),
+    ) else {
+        // Names that are no text cannot be told; `verify` then asks for them.
+        return Ok(());
+    };
+    let manifest = Manifest { rayreel: env!("CARGO_PKG_VERSION").to_owned(), scene, arguments: pictures };
+    if read(&file).ok().as_ref() != Some(&manifest) {
+        write_bytes(&file, format!("{}\n", serde_json::to_string_pretty(&manifest)?).as_bytes())?;
+    }
+    Ok(())
+}
+
+/// Returns the arguments with which a folder's frames were rendered: those of its only manifest, or of this scene.
+pub(super) fn render_arguments(folder: &Path, scene: Option<&Path>) -> anyhow::Result<RenderArguments> {
+    let file = find(folder, scene)?;
+    let Manifest { scene: told, arguments, .. } = read(&file)?;
+    let scene = scene.map_or_else(|| folder.join(told), Path::to_owned);
+    let words = ["rayreel", "render"].map(OsString::from).into_iter();
+    let words = words.chain(arguments.into_iter().map(OsString::from));
+    let words = words.chain(["--out".into(), folder.into(), "--".into(), scene.into()]);
+    let broken = || format!("`{}` has arguments that `render` does not take", file.display());
+    let Command::Render(mut arguments) = Arguments::try_parse_from(words).with_context(broken)?.command
+    else {
+        bail!(broken());
+    };
+    // It is written as seen from the folder.
+    arguments.settings = arguments.settings.map(|file| folder.join(file));
+    if arguments.draft {
+        // Drafts are in a folder within the one that is named.
+        arguments.out = Some(folder_of(folder).to_owned());
+    }
+    Ok(arguments)
+}
+
+/// Finds the manifest of a folder; of the scene with that name, if one is given.
+fn find(folder: &Path, scene: Option<&Path>) -> anyhow::Result<PathBuf> {
+    let entries =
+        fs::read_dir(folder).with_context(|| format!("cannot read the folder `{}`", folder.display()))?;
+    let mut files = Vec::new();
+    for entry in entries {
+        let name = entry?.file_name();
+        let Some(stem) = name.to_str().and_then(|name| name.strip_suffix(ENDING)) else { continue };
+        if scene.is_none_or(|scene| scene.file_stem().is_some_and(|own| own == stem)) {
+            files.push(folder.join(name));
+        }
+    }
+    match &files[..] {
+        [file] => Ok(file.clone()),
+        [] => bail!(
+            "`{}` does not say what its frames were rendered from: it has no file *{ENDING}, which `render` writes{}",
+            folder.display(),
+            if scene.is_some() { " for this scene" } else { "" }
+        ),
+        _ => bail!("`{}` has frames of several scenes: name one with --scene", folder.display()),
+    }
+}
+
+fn read(file: &Path) -> anyhow::Result<Manifest> {
+    let text = fs::read_to_string(file).with_context(|| format!("cannot read `{}`", file.display()))?;
+    serde_json::from_str(&text)
+        .with_context(|| format!("`{}` is not what `render` writes beside frames", file.display()))
+}
+
+/// Returns the arguments on which pictures depend, as they are typed. `samples` is the file with the samples of each frame, if they were
+/// chosen. `None` if one is no text.
+fn picture_arguments(arguments: &RenderArguments, samples: Option<PathBuf>) -> Option<Vec<String>> {
+    let mut words = Vec::new();
+    let mut add = |option: &str, value: String| words.extend([format!("--{option}={value}")]);
+    if let Some((width, height)) = arguments.size {
+        add("size", format!("{width}x{height}"));
+    }
+    let name = |value: clap::builder::PossibleValue| value.get_name().to_owned();
+    add("precision", name(arguments.precision.to_possible_value()?));
+    add("format", name(arguments.format.to_possible_value()?));
+    if let Some(cutoff) = arguments.cutoff {
+        add("cutoff", cutoff.to_string());
+    }
+    if let Some(samples) = samples {
+        add("settings", samples.to_str()?.to_owned());
+    }
+    let chosen = arguments.max_error.is_some();
+    for value in arguments.overrides.all() {
+        // With an error they are the most that a pixel gets, and what each gets is with the chosen ones.
+        if !(chosen && value.path() == ["sampling", "samples"]) {
+            add("set", value.to_string());
+        }
+    }
+    for effect in &arguments.overrides.without {
+        add("without", effect.name().to_owned());
+    }
+    if arguments.draft {
+        words.push("--draft".to_owned());
+    }
+    Some(words)
+}
+
+/// Returns the way to a file from a folder, or its full path where there is none.
+fn from_folder(folder: &Path, file: &Path) -> anyhow::Result<PathBuf> {
+    let full = |path: &Path| path.canonicalize().with_context(|| format!("cannot find `{}`", path.display()));
+    let (folder, file) = (full(folder)?, full(file)?);
+    let common = folder.components().zip(file.components()).take_while(|(one, other)| one == other).count();
+    let has_root = folder.components().take(common).any(|part| part == Component::RootDir);
+    if !has_root {
+        return Ok(file);
+    }
+    let up = folder.components().skip(common).map(|_| Component::ParentDir);
+    Ok(up.chain(file.components().skip(common)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(words: &[&str]) -> RenderArguments {
+        match Arguments::try_parse_from(["rayreel", "render", "a.ron"].iter().chain(words)).unwrap().command {
+            Command::Render(arguments) => arguments,
+            _ => unreachable!(),
+        }
+    }
+
+    #[test]
+    fn what_pictures_depend_on_is_written_and_read_back() {
+        let arguments = parsed(&[
+            "--size=64x48",
+            "--precision=textbook-f32",
+            "--format=ppm",
+            "--cutoff=0.25",
+            "--samples=4",
+            "--set=camera.fov=-5e1",
+            "--set=materials.clay.color=(255, 0, 0)",
+            "--without=shadows",
+            "--without=depth of field",
+            "--draft",
+            "--threads=1",
+            "--frames=3-5",
+            "--json",
+        ]);
+        let words = picture_arguments(&arguments, None).unwrap();
+        let again = parsed(&words.iter().map(String::as_str).collect::<Vec<_>>());
+        assert_eq!(picture_arguments(&again, None).unwrap(), words);
+        assert_eq!((again.size, again.cutoff, again.draft), (Some((64, 48)), Some(0.25), true));
+        assert_eq!(again.overrides.all(), arguments.overrides.all());
+        assert_eq!(again.overrides.without, arguments.overrides.without);
+        assert_eq!((again.threads, again.json, again.frames), (None, false, None));
+    }
+
+    #[test]
+    fn ways_lead_from_the_folder_to_the_file() {
+        let root = tempfile::tempdir().unwrap();
+        let (folder, file) = (root.path().join("out/a"), root.path().join("scenes/a.ron"));
+        fs::create_dir_all(&folder).unwrap();
+        fs::create_dir(file.parent().unwrap()).unwrap();
+        fs::write(&file, "").unwrap();
+        assert_eq!(from_folder(&folder, &file).unwrap(), Path::new("../../scenes/a.ron"));
+    }
+}

@@ -1,0 +1,60 @@
+//! PPM files: binary, 8 bits a channel.
+
+use std::io::{BufRead, Read};
+
+use super::picture::Picture;
+use super::provenance::Provenance;
+
+/// Returns what comes before the pixels.
+pub(super) fn header((width, height): (u32, u32), provenance: Option<&Provenance>) -> String {
+    let comment = provenance.map(|provenance| format!("# {} {provenance}\n", Provenance::KEYWORD));
+    format!("P6\n{}{width} {height} 255\n", comment.unwrap_or_default())
+}
+
+/// What stands before the pixels.
+struct Header {
+    size: (u32, u32),
+    provenance: Option<String>,
+}
+
+/// Reads what stands before the pixels, as it is written here.
+fn read_header(file: &mut impl BufRead) -> Result<Header, String> {
+    /// The longest line there is.
+    const LONGEST: u64 = 200;
+    let mut line = || {
+        let mut line = Vec::new();
+        file.take(LONGEST).read_until(b'\n', &mut line).map_err(|error| error.to_string())?;
+        let line = line.strip_suffix(b"\n").ok_or("its header ends early")?;
+        String::from_utf8(line.to_vec()).map_err(|_| "its header is not text".to_owned())
+    };
+    if line()? != "P6" {
+        return Err("it is not a binary portable pixmap".to_owned());
+    }
+    let (mut sizes, mut provenance) = (line()?, None);
+    if let Some(comment) = sizes.strip_prefix("# ") {
+        let text = comment.strip_prefix(Provenance::KEYWORD).and_then(|text| text.strip_prefix(' '));
+        provenance = text.map(str::to_owned);
+        sizes = line()?;
+    }
+    let parts: Vec<&str> = sizes.split(' ').collect();
+    let [width, height, "255"] = parts[..] else {
+        return Err("its header has no size, or not 8 bits a channel".to_owned());
+    };
+    let side = |text: &str| text.parse::<u32>().map_err(|_| "its size is not a number");
+    Ok(Header { size: (side(width)?, side(height)?), provenance })
+}
+
+/// Returns columns and rows, from the beginning of a file.
+pub(super) fn size(file: &mut impl BufRead) -> Option<(u32, u32)> {
+    read_header(file).ok().map(|header| header.size)
+}
+
+/// Reads a file as it is written here. Returns why it is not whole, in words.
+pub(super) fn decode(mut bytes: &[u8]) -> Result<Picture, String> {
+    let Header { size, provenance } = read_header(&mut bytes)?;
+    let count = u64::from(size.0) * u64::from(size.1) * 3;
+    if bytes.len() as u64 != count {
+        return Err(format!("it has {} bytes of pixels instead of {count}", bytes.len()));
+    }
+    Ok(Picture { size, rgb: bytes.to_vec(), provenance })
+}

@@ -1,0 +1,93 @@
+//! What a frame file tells of itself: which picture it is, and which pixels it has.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::trace::FrameFingerprint;
+
+/// What a frame file tells of itself.
+///
+/// As text: `1 FRAME PIXELS`, where the first number is the version of the text, and the others are 32 hexadecimal digits each. In PNG
+/// it is a `tEXt` chunk under [`KEYWORD`](Provenance::KEYWORD), in PPM a comment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Provenance {
+    /// What identifies the picture: all that was rendered.
+    pub frame: FrameFingerprint,
+    /// What identifies its pixels: all that came of it.
+    pub pixels: PixelFingerprint,
+}
+
+/// What identifies pixels, 8 bits a channel, and how they lie in columns and rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PixelFingerprint(u128);
+
+impl Provenance {
+    /// The word by which it is found in files.
+    pub const KEYWORD: &str = "rayreel";
+    const VERSION: &str = "1";
+}
+
+impl PixelFingerprint {
+    /// Returns that of pixels: red, green and blue of one after the other, row by row from the top.
+    #[must_use]
+    pub fn of(rgb: &[u8], (width, height): (u32, u32)) -> Self {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(&width.to_le_bytes());
+        hasher.update(&height.to_le_bytes());
+        hasher.update(rgb);
+        let mut first = [0; 16];
+        hasher.finalize_xof().fill(&mut first);
+        Self(u128::from_be_bytes(first))
+    }
+}
+
+impl fmt::Display for Provenance {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{} {} {:032x}", Self::VERSION, self.frame, self.pixels.0)
+    }
+}
+
+/// Says that a text is no [`Provenance`] of this version.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("it is not known what this frame was rendered from")]
+pub struct NoProvenance;
+
+impl FromStr for Provenance {
+    type Err = NoProvenance;
+
+    fn from_str(text: &str) -> Result<Self, NoProvenance> {
+        let parts: Vec<&str> = text.split(' ').collect();
+        let [Self::VERSION, frame, pixels] = parts[..] else { return Err(NoProvenance) };
+        let frame = frame.parse().map_err(|_| NoProvenance)?;
+        // The same form as that of the other.
+        let _: FrameFingerprint = pixels.parse().map_err(|_| NoProvenance)?;
+        let pixels = u128::from_str_radix(pixels, 16).map_err(|_| NoProvenance)?;
+        Ok(Self { frame, pixels: PixelFingerprint(pixels) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FRAME: &str = "00112233445566778899aabbccddeeff";
+
+    #[test]
+    fn texts_are_read_as_they_are_written() {
+        let provenance = Provenance {
+            frame: FRAME.parse().unwrap(),
+            pixels: PixelFingerprint::of(&[1, 2, 3, 4, 5, 6], (2, 1)),
+        };
+        assert_eq!(provenance.to_string().parse(), Ok(provenance));
+        for text in ["", "1", &format!("2 {FRAME} {FRAME}"), &format!("1 {FRAME} +{}", &FRAME[1..])] {
+            assert_eq!(text.parse::<Provenance>(), Err(NoProvenance), "{text}");
+        }
+    }
+
+    #[test]
+    fn pixels_in_other_columns_are_others() {
+        let pixels = [7; 12];
+        assert_ne!(PixelFingerprint::of(&pixels, (4, 1)), PixelFingerprint::of(&pixels, (2, 2)));
+        assert_ne!(PixelFingerprint::of(&pixels, (4, 1)), PixelFingerprint::of(&[8; 12], (4, 1)));
+    }
+}

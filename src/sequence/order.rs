@@ -1,0 +1,123 @@
+//! Which frames of a list are rendered here, and which come first.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::time::FrameList;
+
+/// In which order frames are rendered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Order {
+    /// As they follow each other.
+    #[default]
+    Ascending,
+    /// Every eighth first, then those in the middle between them, and so on: what is wrong is seen early, anywhere.
+    Coarse,
+}
+
+impl Order {
+    /// Returns the frames of a list in this order, each once.
+    pub fn of(self, frames: &FrameList) -> Box<dyn Iterator<Item = u32> + '_> {
+        /// By their place in the list: from which on, and which of those.
+        const PASSES: [(usize, usize); 4] = [(0, 8), (4, 8), (2, 4), (1, 2)];
+        match self {
+            Self::Ascending => Box::new(frames.frames()),
+            Self::Coarse => Box::new(
+                PASSES.into_iter().flat_map(|(first, apart)| frames.frames().skip(first).step_by(apart)),
+            ),
+        }
+    }
+}
+
+/// One of several parts of a frame list: a function of the list alone. The parts together have every frame once, and they have as many as
+/// each other, but for one.
+///
+/// ```
+/// use rayreel::sequence::Shard;
+/// use rayreel::time::FrameList;
+///
+/// let shard: Shard = "1/3".parse().unwrap();
+/// assert!(shard.of(&FrameList::all(8)).unwrap().frames().eq([1, 4, 7]));
+/// assert!("3/3".parse::<Shard>().is_err());
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    index: u32,
+    count: u32,
+}
+
+/// Says that a text is no shard.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is not a shard: write its number, from 0, and how many there are, as in 0/4")]
+pub struct ShardError(String);
+
+impl Shard {
+    /// Returns this part of a list: those frames whose place in the list, divided by the number of shards, leaves this one's number.
+    /// Neighbours take about as long as each other, so that shards do, too. `None` where there are fewer frames than shards, and
+    /// none is left for this one.
+    #[must_use]
+    pub fn of(&self, frames: &FrameList) -> Option<FrameList> {
+        let (index, count) = (self.index as usize, self.count as usize);
+        FrameList::of(frames.frames().skip(index).step_by(count))
+    }
+}
+
+impl FromStr for Shard {
+    type Err = ShardError;
+
+    fn from_str(text: &str) -> Result<Self, ShardError> {
+        let number = |digits: &str| digits.trim().parse::<u32>().ok();
+        let parts = text.split_once('/').and_then(|(index, count)| Some((number(index)?, number(count)?)));
+        match parts {
+            Some((index, count)) if index < count => Ok(Self { index, count }),
+            _ => Err(ShardError(text.to_owned())),
+        }
+    }
+}
+
+impl fmt::Display for Shard {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{}/{}", self.index, self.count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards_share_a_list_out() {
+        for list in ["0-95", "5", "0-7,20-30x3,40", "1,2"] {
+            let list: FrameList = list.parse().unwrap();
+            for count in 1..9_u32 {
+                let shard = |index| Shard { index, count }.of(&list);
+                let parts: Vec<Vec<u32>> = (0..count)
+                    .map(|index| shard(index).map_or_else(Vec::new, |part| part.frames().collect()))
+                    .collect();
+                let mut all = parts.concat();
+                all.sort_unstable();
+                assert!(all.into_iter().eq(list.frames()), "{count} of {list}");
+                let (most, least) = (parts[0].len(), parts[parts.len() - 1].len());
+                assert!(most - least <= 1, "{count} of {list}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_coarse_order_has_every_frame_once() {
+        let list: FrameList = "3-20,30".parse().unwrap();
+        let coarse: Vec<u32> = Order::Coarse.of(&list).collect();
+        assert_eq!(coarse[..5], [3, 11, 19, 7, 15]);
+        let mut sorted = coarse;
+        sorted.sort_unstable();
+        assert!(sorted.into_iter().eq(list.frames()));
+    }
+
+    #[test]
+    fn shards_are_written_with_their_number_and_count() {
+        assert_eq!("2/7".parse::<Shard>().unwrap().to_string(), "2/7");
+        for text in ["", "1", "1/", "/2", "2/2", "-1/2", "0/0", "1/2/3", "a/b"] {
+            assert!(text.parse::<Shard>().is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,264 @@
+//! Renders what is not done yet, and writes it while the next frame is traced.
+
+use std::fs;
+use std::io;
+use std::ops::ControlFlow::{self, Continue};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use super::Shot;
+use crate::engine::{Engine, EngineError};
+use crate::output::{FoundFrame, FrameWriter, Sequence, WriteError, WrittenFrame, remove_leftovers};
+use crate::time::FrameList;
+
+/// What becomes of frames that are there.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Existing {
+    /// Those that are whole, and the same as would be rendered, are kept; the others are rendered.
+    #[default]
+    Keep,
+    /// All are rendered.
+    Overwrite,
+}
+
+/// Hears what happens while shots are rendered.
+pub trait SequenceObserver {
+    /// A shot is looked at: what decides how it is rendered may be set now.
+    fn begin(&mut self, _: &mut Engine, _: &Shot) {}
+
+    /// It is done already. The engine is at its moment.
+    fn kept(&mut self, _: &Engine, _: &Shot) {}
+
+    /// It is rendered, as the engine's report tells, and will be written in parallel. What breaks here ends the sequence after it.
+    fn rendered(&mut self, _: &Engine, _: &Shot) -> ControlFlow<()> {
+        Continue(())
+    }
+
+    /// Its file is whole, encoded and written in so much time.
+    fn written(&mut self, _: &Shot, _: Duration) {}
+
+    /// Its file could not be written. The sequence ends.
+    fn refused(&mut self, error: WriteError);
+}
+
+/// How far a sequence is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SequenceProgress {
+    /// The frame that is done now.
+    pub frame: u32,
+    /// Whether it was done before.
+    pub kept: bool,
+    /// How many are done, with it.
+    pub done: usize,
+    /// How many there are in all.
+    pub total: usize,
+}
+
+/// What became of a sequence.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SequenceReport {
+    /// How many frames were rendered and written.
+    pub written: usize,
+    /// How many were there already, whole and the same.
+    pub kept: usize,
+}
+
+/// Why a sequence could not be rendered to its end. What is written is whole.
+#[derive(Debug, thiserror::Error)]
+pub enum SequenceError {
+    /// A frame could not be rendered.
+    #[error(transparent)]
+    Engine(#[from] EngineError),
+    /// A file could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// The folder is not there, and could not be made.
+    #[error("cannot make the folder `{}`", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// The system's error.
+        source: io::Error,
+    },
+}
+
+impl Engine {
+    /// Renders frames into the folder of a sequence, but those that are done: whole, and the same as would be rendered. After each,
+    /// `on_progress` decides whether to go on.
+    ///
+    /// ```no_run
+    /// use std::ops::ControlFlow::Continue;
+    /// use rayreel::output::{FrameFormat, Sequence};
+    /// use rayreel::{Engine, time::FrameList};
+    ///
+    /// let mut engine = Engine::load("scenes/first_light.ron")?;
+    /// let count = engine.timeline().frame_count();
+    /// let sequence = Sequence::new("out".into(), "first_light", count - 1, FrameFormat::Png);
+    /// let report = engine.render_sequence(&FrameList::all(count), &sequence, |progress| {
+    ///     println!("{} of {}", progress.done, progress.total);
+    ///     Continue(())
+    /// })?;
+    /// assert_eq!(report.written + report.kept, count as usize);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`], and if the file system refuses. What is written is whole.
+    pub fn render_sequence(
+        &mut self,
+        frames: &FrameList,
+        sequence: &Sequence,
+        on_progress: impl FnMut(SequenceProgress) -> ControlFlow<()>,
+    ) -> Result<SequenceReport, SequenceError> {
+        make_folder(sequence.directory())?;
+        let frames = frames.within(self.timeline().frame_count());
+        let mut counted = Counted {
+            on_progress,
+            total: frames.count(),
+            report: SequenceReport::default(),
+            flow: Continue(()),
+            refused: None,
+        };
+        let timeline = self.timeline();
+        let shots = Shot::frames(&frames, timeline);
+        let never = AtomicBool::new(false);
+        self.render_shots(shots, (sequence, Existing::Keep), &never, &mut counted)?;
+        counted.refused.map_or(Ok(counted.report), |error| Err(error.into()))
+    }
+
+    /// Renders shots into the folder of a sequence, which must be there, until one is refused or `cancelled` becomes true. If it cannot go
+    /// on, what is rendered is written.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn render_shots(
+        &mut self,
+        shots: impl Iterator<Item = Shot>,
+        (sequence, existing): (&Sequence, Existing),
+        cancelled: &AtomicBool,
+        observer: &mut dyn SequenceObserver,
+    ) -> Result<(), EngineError> {
+        let writer = FrameWriter::start();
+        // Those that are with the writer, by their tickets.
+        let mut submitted: Vec<Shot> = Vec::new();
+        let settle = |written: WrittenFrame, submitted: &[Shot], observer: &mut dyn SequenceObserver| {
+            let is_good = written.result.is_ok();
+            match written.result {
+                Ok(()) => observer.written(&submitted[written.ticket], written.duration),
+                Err(error) => observer.refused(error),
+            }
+            is_good
+        };
+        let mut rendered = Ok(());
+        for shot in shots {
+            if cancelled.load(Ordering::Relaxed) {
+                break;
+            }
+            observer.begin(self, &shot);
+            let path = shot.file(sequence);
+            match self.is_done(&shot, &path, (sequence, existing)) {
+                Ok(false) => {}
+                Ok(true) => {
+                    observer.kept(self, &shot);
+                    continue;
+                }
+                Err(error) => {
+                    rendered = Err(error);
+                    break;
+                }
+            }
+            let film = match self.render_encoded_unless(shot.time, cancelled) {
+                Ok(Some(film)) => film,
+                stopped => {
+                    rendered = stopped.map(drop);
+                    break;
+                }
+            };
+            let flow = observer.rendered(self, &shot);
+            let fingerprint = self.report().fingerprint;
+            writer.submit(submitted.len(), path, film, sequence.format(), fingerprint);
+            submitted.push(shot);
+            let mut all_good = true;
+            for written in writer.written() {
+                all_good &= settle(written, &submitted, observer);
+            }
+            if !all_good || flow.is_break() {
+                break;
+            }
+        }
+        for written in writer.finish() {
+            settle(written, &submitted, observer);
+        }
+        rendered
+    }
+
+    /// Returns whether a shot's file is whole, and the same as would be rendered.
+    fn is_done(
+        &mut self,
+        shot: &Shot,
+        path: &Path,
+        (sequence, existing): (&Sequence, Existing),
+    ) -> Result<bool, EngineError> {
+        if existing == Existing::Overwrite {
+            return Ok(false);
+        }
+        match FoundFrame::at(path, sequence.format()) {
+            FoundFrame::Whole { provenance, .. } => Ok(provenance.frame == self.fingerprint_at(shot.time)?),
+            FoundFrame::Missing | FoundFrame::Torn(_) | FoundFrame::Unknown { .. } => Ok(false),
+        }
+    }
+}
+
+/// Makes a folder, and removes what killed processes left half-written in it.
+fn make_folder(folder: &Path) -> Result<(), SequenceError> {
+    fs::create_dir_all(folder).map_err(|source| SequenceError::Folder { path: folder.to_owned(), source })?;
+    remove_leftovers(folder);
+    Ok(())
+}
+
+/// Counts frames, and tells of each.
+struct Counted<F> {
+    on_progress: F,
+    total: usize,
+    report: SequenceReport,
+    flow: ControlFlow<()>,
+    refused: Option<WriteError>,
+}
+
+impl<F: FnMut(SequenceProgress) -> ControlFlow<()>> Counted<F> {
+    fn tell(&mut self, shot: &Shot, kept: bool) {
+        let SequenceReport { written, kept: all_kept } = self.report;
+        let progress = SequenceProgress {
+            frame: shot.frame.unwrap_or_default(),
+            kept,
+            done: written + all_kept,
+            total: self.total,
+        };
+        if (self.on_progress)(progress).is_break() {
+            self.flow = ControlFlow::Break(());
+        }
+    }
+}
+
+impl<F: FnMut(SequenceProgress) -> ControlFlow<()>> SequenceObserver for Counted<F> {
+    fn kept(&mut self, _: &Engine, shot: &Shot) {
+        self.report.kept += 1;
+        self.tell(shot, true);
+    }
+
+    fn rendered(&mut self, _: &Engine, _: &Shot) -> ControlFlow<()> {
+        self.flow
+    }
+
+    fn written(&mut self, shot: &Shot, _: Duration) {
+        self.report.written += 1;
+        self.tell(shot, false);
+    }
+
+    fn refused(&mut self, error: WriteError) {
+        self.refused.get_or_insert(error);
+    }
+}

@@ -1,0 +1,46 @@
+//! One picture of a sequence.
+
+use std::path::PathBuf;
+
+use crate::output::Sequence;
+use crate::time::{FrameList, Time, Timeline};
+
+/// One picture to be made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shot {
+    /// `None` for a moment that is no frame.
+    pub frame: Option<u32>,
+    /// When it is taken.
+    pub time: Time,
+}
+
+impl Shot {
+    /// Returns a frame of a timeline.
+    #[must_use]
+    pub fn frame(index: u32, timeline: Timeline) -> Self {
+        Self { frame: Some(index), time: timeline.time_of(index) }
+    }
+
+    /// Returns frames of a timeline, in ascending order.
+    pub fn frames(frames: &FrameList, timeline: Timeline) -> impl Iterator<Item = Self> {
+        frames.frames().map(move |index| Self::frame(index, timeline))
+    }
+
+    /// Returns the file of the picture.
+    #[must_use]
+    pub fn file(&self, sequence: &Sequence) -> PathBuf {
+        match self.frame {
+            Some(index) => sequence.frame(index),
+            None => sequence.moment(self.time),
+        }
+    }
+
+    /// Returns the moment in words, as `frame 3` or `1.5 s`.
+    #[must_use]
+    pub fn moment(&self) -> String {
+        match self.frame {
+            Some(frame) => format!("frame {frame}"),
+            None => format!("{} s", self.time.seconds()),
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Whether what is in a folder is a sequence: every file is read to its last byte and held against the scene.
+
+use std::io;
+use std::ops::ControlFlow;
+
+use rayon::prelude::*;
+
+use super::Shot;
+use super::surplus::{Surplus, find_surplus};
+use crate::engine::{Engine, EngineError};
+use crate::output::{FoundFrame, Sequence};
+use crate::time::FrameList;
+
+/// What there is of a frame.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FrameVerdict {
+    /// It is whole, and what would be rendered now.
+    Whole,
+    /// There is no file.
+    Missing,
+    /// The file is not whole; and why.
+    Torn(String),
+    /// It is whole, and not what would be rendered now: of another scene, of other settings, from before an edit, or of another size.
+    Stale,
+    /// It is whole, and does not say what it was rendered from.
+    Unknown,
+}
+
+/// What there is of a sequence.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SequenceVerdict {
+    /// By frame, ascending.
+    pub frames: Vec<(u32, FrameVerdict)>,
+    /// Files that look like frames, and are none.
+    pub surplus: Vec<Surplus>,
+}
+
+impl SequenceVerdict {
+    /// Returns whether every frame is there, and nothing else that looks like one.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        self.surplus.is_empty() && self.to_render().is_none()
+    }
+
+    /// Returns the frames that have to be rendered; `None` if there are none.
+    #[must_use]
+    pub fn to_render(&self) -> Option<FrameList> {
+        self.those(|verdict| *verdict != FrameVerdict::Whole)
+    }
+
+    /// Returns the frames of which something is true; `None` if there are none.
+    #[must_use]
+    pub fn those(&self, is_wanted: impl Fn(&FrameVerdict) -> bool) -> Option<FrameList> {
+        let wanted = self.frames.iter().filter(|(_, verdict)| is_wanted(verdict));
+        FrameList::of(wanted.map(|(frame, _)| *frame))
+    }
+}
+
+/// Why a sequence could not be looked at.
+#[derive(Debug, thiserror::Error)]
+pub enum VerifyError {
+    /// The world could not be brought to a frame.
+    #[error(transparent)]
+    Engine(#[from] EngineError),
+    /// The folder could not be read.
+    #[error("cannot read the folder")]
+    Folder(#[from] io::Error),
+}
+
+impl Engine {
+    /// Looks at the frames of a sequence, and at what else is in its folder. Before each, `begin` may set the engine up, and
+    /// decides whether to go on.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`], and if the folder cannot be read.
+    pub fn verify_sequence(
+        &mut self,
+        frames: &FrameList,
+        sequence: &Sequence,
+        mut begin: impl FnMut(&mut Engine, &Shot) -> ControlFlow<()>,
+    ) -> Result<SequenceVerdict, VerifyError> {
+        /// How many files are read at once.
+        const TOGETHER: usize = 64;
+        let timeline = self.timeline();
+        let count = timeline.frame_count();
+        let shots: Vec<Shot> = Shot::frames(&frames.within(count), timeline).collect();
+        let mut verdict = SequenceVerdict::default();
+        'all: for shots in shots.chunks(TOGETHER) {
+            let found = shots.par_iter().map(|shot| FoundFrame::at(&shot.file(sequence), sequence.format()));
+            for (shot, found) in shots.iter().zip(found.collect::<Vec<_>>()) {
+                if begin(self, shot).is_break() {
+                    break 'all;
+                }
+                let of_frame = match found {
+                    FoundFrame::Missing => FrameVerdict::Missing,
+                    FoundFrame::Torn(reason) => FrameVerdict::Torn(reason),
+                    FoundFrame::Unknown { .. } => FrameVerdict::Unknown,
+                    FoundFrame::Whole { provenance, .. } => {
+                        match provenance.frame == self.fingerprint_at(shot.time)? {
+                            true => FrameVerdict::Whole,
+                            false => FrameVerdict::Stale,
+                        }
+                    }
+                };
+                verdict.frames.extend(shot.frame.map(|frame| (frame, of_frame)));
+            }
+        }
+        let film = self.film_settings();
+        let is_asked = |frame: u32| verdict.frames.binary_search_by_key(&frame, |(asked, _)| *asked).is_ok();
+        let surplus = find_surplus(sequence, count, (film.width, film.height))?;
+        // Of the frames that were looked at it is known that they are stale.
+        verdict.surplus = surplus
+            .into_iter()
+            .filter(|surplus| {
+                let frame = surplus.path.file_name().and_then(|name| sequence.frame_of(name));
+                surplus.reason.is_about_name() || !frame.is_some_and(is_asked)
+            })
+            .collect();
+        Ok(verdict)
+    }
+}

@@ -1,0 +1,119 @@
+//! What changes a fingerprint, and what does not.
+
+use glam::DVec3;
+
+use super::*;
+use crate::color::Rgb;
+use crate::trace::scene::{Geometry, Light, LightSource, Precision, PreparedShape, SurfaceMaterial};
+use crate::trace::shapes::Sphere;
+
+fn sphere(x: f64, radius: f64) -> PreparedShape {
+    PreparedShape::Sphere(Sphere { center: DVec3::new(x, 0.0, 0.0), radius })
+}
+
+fn scene(shapes: &[PreparedShape]) -> PreparedScene {
+    let mut geometry = Geometry::default();
+    let materials = vec![SurfaceMaterial::default(); shapes.len()];
+    shapes.iter().for_each(|shape| {
+        geometry.push(*shape);
+    });
+    PreparedScene::new(geometry, materials)
+}
+
+fn camera() -> Camera {
+    Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.0, (1.6, 0.9), (16, 9))
+}
+
+const ONE: FrameConstants = FrameConstants {
+    transfer: Transfer::Srgb,
+    sampling: Sampling { samples: 1, seed: 7 },
+    target: None,
+    lighting: Lighting::ClearShadows,
+    instants: 1,
+};
+
+fn fingerprint(constants: &FrameConstants, scene: &PreparedScene, camera: &Camera) -> FrameFingerprint {
+    let mut hasher = FrameHasher::new(constants);
+    hasher.add(scene, camera, constants.sampling);
+    hasher.finish()
+}
+
+#[test]
+fn all_that_reaches_a_picture_changes_it() {
+    let light = |own_shape| Light {
+        source: LightSource::Point(DVec3::Y),
+        intensity: Rgb::ONE,
+        falloff: None,
+        samples: 1,
+        casts_shadows: true,
+        own_shape,
+    };
+    let plain = scene(&[sphere(0.0, 1.0), sphere(3.0, 1.0)]);
+    let changed = |change: &dyn Fn(&mut PreparedScene)| {
+        let mut scene = plain.clone();
+        // It must not be kept of what was before.
+        scene.shapes_digest();
+        change(&mut scene);
+        fingerprint(&ONE, &scene, &camera())
+    };
+    let red = SurfaceMaterial { diffuse: Rgb::X, ..SurfaceMaterial::default() };
+    let ids: Vec<_> = plain.geometry().ids().collect();
+    let mut all = vec![
+        fingerprint(&ONE, &plain, &camera()),
+        fingerprint(&FrameConstants { transfer: Transfer::Classic, ..ONE }, &plain, &camera()),
+        fingerprint(&FrameConstants { instants: 2, ..ONE }, &plain, &camera()),
+        fingerprint(&FrameConstants { lighting: Lighting::Shadows, ..ONE }, &plain, &camera()),
+        fingerprint(&ONE, &plain, &camera().rolled(0.1)),
+        fingerprint(&ONE, &plain, &camera().with_lens(0.1, 2.0)),
+        fingerprint(&ONE, &scene(&[sphere(3.0, 1.0), sphere(0.0, 1.0)]), &camera()),
+        fingerprint(&ONE, &scene(&[sphere(0.0, 1.0)]), &camera()),
+        changed(&|scene| scene.renumber(&[ids[1], ids[0]])),
+        changed(&|scene| {
+            assert!(scene.replace_shape(ids[1], sphere(3.0, 1.0 + f64::EPSILON), &mut Vec::new()).is_some());
+        }),
+        changed(&|scene| {
+            scene.replace_materials([(ids[0], red.clone())]);
+        }),
+        changed(&|scene| {
+            scene.replace_materials([(ids[1], red.clone())]);
+        }),
+        changed(&|scene| scene.ambient = Rgb::splat(0.1)),
+        changed(&|scene| scene.fog.density = 0.1),
+        changed(&|scene| scene.depth = 3),
+        changed(&|scene| scene.cutoff = 0.1),
+        changed(&|scene| scene.precision = Precision::TextbookF32),
+        changed(&|scene| scene.lights = vec![light(None)]),
+        changed(&|scene| scene.lights = vec![light(Some(ids[0]))]),
+        changed(&|scene| scene.lights = vec![Light { casts_shadows: false, ..light(None) }]),
+    ];
+    // The same shapes in the same order: one by being written so, one by being put so.
+    assert_eq!(all.remove(8), all[6]);
+    let count = all.len();
+    all.sort_by_key(ToString::to_string);
+    all.dedup();
+    assert_eq!(all.len(), count);
+}
+
+#[test]
+fn seeds_count_where_something_is_sampled() {
+    let scene = scene(&[sphere(0.0, 1.0)]);
+    let of = |samples, seed| {
+        fingerprint(&FrameConstants { sampling: Sampling { samples, seed }, ..ONE }, &scene, &camera())
+    };
+    assert_eq!(of(1, 1), of(1, 2));
+    assert_ne!(of(4, 1), of(4, 2));
+    assert_ne!(of(4, 1), of(5, 1));
+}
+
+#[test]
+fn vectors_and_threads_do_not_count() {
+    let shapes: Vec<_> = (0..10_000_u16).map(|index| sphere(f64::from(index), 0.4)).collect();
+    let of = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| fingerprint(&ONE, &scene(&shapes), &camera()))
+    };
+    assert_eq!(of(1), of(3));
+    let mut plain = scene(&shapes);
+    plain.simd = crate::trace::SimdLevel::all()[0].1;
+    assert_eq!(fingerprint(&ONE, &plain, &camera()), of(1));
+}

@@ -1,0 +1,235 @@
+//! Sequences that go on where they were interrupted, that are checked, and that are shared out.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::{pictures, rayreel, text, told};
+
+/// A film of three shots, of which the last is lit by a lamp of its own, and cut to so many seconds.
+fn film(duration: f64, edit: impl Fn(String) -> String) -> String {
+    edit(format!(
+        r#"Scene(
+    timeline: (fps: 4, duration: {duration}),
+    film: (width: 32, height: 18),
+    cameras: {{
+        "left": (position: (-4, 1, -8), target: (0, 1, 0)),
+        "middle": (position: (0, 1, -8), target: (0, 1, 0)),
+        "right": (position: (4, 1, -8), target: (0, 1, 0)),
+    }},
+    shots: [(0, "left"), (1, "middle"), (2, "right")],
+    ambient: (0.2, 0.2, 0.2),
+    materials: {{ "clay": (k_a: 0.3, k_d: 0.7, color: (255, 120, 60)) }},
+    entities: [
+        (name: "floor", shape: Plane(normal: (0, 1, 0)), material: "clay"),
+        (name: "ball", shape: Sphere(radius: 1), transform: (translation: (0, 1, 0)), material: "clay"),
+        (name: "key", light: Point(intensity: (1, 1, 1)), transform: (translation: (4, 6, -4))),
+    ],
+)"#
+    ))
+}
+
+fn write_film(folder: &Path, duration: f64, edit: impl Fn(String) -> String) {
+    fs::write(folder.join("film.ron"), film(duration, edit)).unwrap();
+}
+
+/// Renders, and returns the frames that were rendered, and those that were kept.
+fn render(folder: &Path, options: &[&str]) -> (Vec<u64>, Vec<u64>) {
+    let arguments = ["render", "film.ron", "--out", "out", "--json"];
+    let report: Value = serde_json::from_str(&told(folder, arguments.iter().chain(options))).unwrap();
+    let numbers = |list: &Value, number: &dyn Fn(&Value) -> Option<u64>| -> Vec<u64> {
+        list.as_array().unwrap().iter().filter_map(number).collect()
+    };
+    (numbers(&report["frames"], &|frame| frame["frame"].as_u64()), numbers(&report["kept"], &Value::as_u64))
+}
+
+/// What `verify` tells, which must exit with 0 just if all is whole.
+fn verify(folder: &Path, options: &[&str]) -> Value {
+    let output = rayreel(folder, ["verify", "out", "--json"].iter().chain(options));
+    let verdict: Value =
+        serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", text(&output.stderr)));
+    assert_eq!(verdict["whole"].as_bool().unwrap(), output.status.success());
+    verdict
+}
+
+fn all(range: std::ops::Range<u64>) -> Vec<u64> {
+    range.collect()
+}
+
+/// All frames, with their bytes.
+fn frames(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    pictures(folder).into_iter().map(|name| (name.clone(), fs::read(folder.join(&name)).unwrap())).collect()
+}
+
+#[test]
+fn only_what_an_edit_touches_is_rendered_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_film(folder, 3.0, |film| film);
+    assert_eq!(render(folder, &[]), (all(0..12), vec![]));
+    assert_eq!(render(folder, &[]), (vec![], all(0..12)));
+    assert_eq!(verify(folder, &[])["whole"], true);
+    let before = frames(&folder.join("out"));
+
+    // Names, comments and other ways to write the same are nothing that is seen.
+    write_film(folder, 3.0, |film| {
+        let renamed = film.replace("clay", "terracotta").replace("\"ball\"", "\"globe\"");
+        format!("// A film.\n{renamed}").replace("(255, 120, 60)", "\"#ff783c\"")
+    });
+    assert_eq!(render(folder, &[]), (vec![], all(0..12)));
+
+    // The last shot's camera, and then everything.
+    write_film(folder, 3.0, |film| film.replace("(position: (4, 1, -8)", "(position: (4, 2, -8)"));
+    let verdict = verify(folder, &[]);
+    assert_eq!(verdict["stale"], serde_json::json!([8, 9, 10, 11]));
+    assert_eq!(verdict["to_render"], "8-11");
+    assert_eq!(render(folder, &[]), (all(8..12), all(0..8)));
+    write_film(folder, 3.0, |film| film.replace("radius: 1", "radius: 0.9"));
+    assert_eq!(render(folder, &["--frames", "0-2,11-"]), (vec![0, 1, 2, 11], vec![]));
+    write_film(folder, 3.0, |film| film);
+    assert_eq!(render(folder, &[]), (vec![0, 1, 2, 8, 9, 10, 11], all(3..8)));
+    assert_eq!(render(folder, &["--overwrite", "--frames=3"]), (vec![3], vec![]));
+    assert_eq!(frames(&folder.join("out")), before);
+
+    // Other threads and the full kernel make the same; other settings do not.
+    assert_eq!(render(folder, &["--threads", "1", "--full"]).0, Vec::<u64>::new());
+    assert_eq!(render(folder, &["--frames=0", "--samples", "4"]).0, [0]);
+    assert_eq!(render(folder, &["--frames=0", "--set", "film.transfer=Classic"]).0, [0]);
+    // The folder says with which settings it was rendered last.
+    assert_eq!(verify(folder, &[])["to_render"], "1-11");
+}
+
+#[test]
+fn a_film_made_shorter_names_what_is_left_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_film(folder, 3.0, |film| film);
+    render(folder, &[]);
+    write_film(folder, 2.5, |film| film);
+    fs::copy(folder.join("out/film.0000.png"), folder.join("out/film.00001.png")).unwrap();
+    fs::write(folder.join("out/film.9999.png"), "somebody's").unwrap();
+    fs::write(folder.join("out/film.sheet.png"), "not a frame").unwrap();
+
+    let output = rayreel(folder, ["render", "film.ron", "--out", "out"]);
+    assert!(output.status.success());
+    let told = text(&output.stderr);
+    for file in ["film.0010.png", "film.0011.png", "film.00001.png", "film.9999.png"] {
+        assert!(told.contains(&format!("{file}` is no frame of this sequence")), "{told}");
+    }
+    assert!(told.contains("--clean"), "{told}");
+    let verdict = verify(folder, &[]);
+    assert_eq!((verdict["surplus"].as_array().unwrap().len(), &verdict["to_render"]), (4, &Value::Null));
+
+    let output = rayreel(folder, ["render", "film.ron", "--out", "out", "--clean"]);
+    assert!(text(&output.stderr).contains("removed 3 files"), "{}", text(&output.stderr));
+    // Of what was not rendered here nothing is removed.
+    assert_eq!(pictures(&folder.join("out")).len(), 12);
+    fs::remove_file(folder.join("out/film.9999.png")).unwrap();
+    assert_eq!(verify(folder, &[])["whole"], true);
+
+    // Of another size they are no frames either, until they are rendered.
+    assert_eq!(render(folder, &["--size", "16x9", "--frames=0"]).0, [0]);
+    let verdict = verify(folder, &["--frames=0"]);
+    assert_eq!(verdict["surplus"].as_array().unwrap().len(), 9);
+    assert_eq!(verify(folder, &[])["stale"].as_array().unwrap().len(), 9);
+}
+
+#[test]
+fn no_torn_frame_is_taken_for_done() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_film(folder, 3.0, |film| film);
+    render(folder, &[]);
+    let whole = frames(&folder.join("out"));
+    let path = |frame: usize| folder.join(format!("out/film.{frame:04}.png"));
+    let bytes = fs::read(path(5)).unwrap();
+    let flipped = |place: usize| {
+        let mut bytes = bytes.clone();
+        bytes[place] ^= 1;
+        bytes
+    };
+    let mut torn: Vec<Vec<u8>> = (0..10).map(|part| bytes[..bytes.len() * part / 10].to_vec()).collect();
+    torn.extend([vec![0; bytes.len()], flipped(3), flipped(bytes.len() / 2), flipped(bytes.len() - 1)]);
+    for bytes in &torn {
+        fs::write(path(5), bytes).unwrap();
+        let verdict = verify(folder, &[]);
+        assert_eq!(verdict["torn"], serde_json::json!([5]), "{verdict}");
+        assert_eq!(verdict["damage"][0]["frame"], 5);
+        assert_eq!(render(folder, &[]).0, [5]);
+    }
+    // Another frame, a picture without a fingerprint, and none at all.
+    fs::copy(path(0), path(11)).unwrap();
+    image::RgbImage::new(32, 18).save(path(6)).unwrap();
+    fs::remove_file(path(7)).unwrap();
+    let verdict = verify(folder, &[]);
+    assert_eq!(verdict["stale"], serde_json::json!([11]));
+    assert_eq!(verdict["unknown"], serde_json::json!([6]));
+    assert_eq!(verdict["missing"], serde_json::json!([7]));
+    let output = rayreel(folder, ["verify", "out"]);
+    assert!(text(&output.stdout).contains("9 of 12 frames"), "{}", text(&output.stdout));
+    assert!(text(&output.stderr).contains("--frames 6-7,11"), "{}", text(&output.stderr));
+    assert_eq!(render(folder, &["--frames", "6-7,11"]).0, [6, 7, 11]);
+    assert_eq!(frames(&folder.join("out")), whole);
+}
+
+#[test]
+fn shards_together_render_every_frame_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_film(folder, 3.0, |film| film);
+    render(folder, &[]);
+    let whole = frames(&folder.join("out"));
+    for count in 1..=7 {
+        fs::remove_dir_all(folder.join("out")).unwrap();
+        let mut rendered = Vec::new();
+        for index in 0..count {
+            let (own, kept) = render(folder, &["--shard", &format!("{index}/{count}"), "--order", "coarse"]);
+            assert!(kept.is_empty());
+            rendered.extend(own);
+        }
+        rendered.sort_unstable();
+        assert_eq!(rendered, all(0..12), "{count}");
+        assert_eq!(frames(&folder.join("out")), whole);
+        assert_eq!(verify(folder, &[])["whole"], true);
+    }
+    // More shards than frames leave some without.
+    assert_eq!(render(folder, &["--shard", "5/7", "--frames", "0-2"]), (vec![], vec![]));
+}
+
+#[test]
+fn chosen_samples_are_part_of_what_is_verified() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_film(folder, 1.0, |film| film);
+    assert_eq!(render(folder, &["--max-error", "2"]).0, all(0..4));
+    assert_eq!(verify(folder, &[])["whole"], true);
+    assert_eq!(render(folder, &["--max-error", "2"]), (vec![], all(0..4)));
+    assert_eq!(render(folder, &["--settings", "out/film.settings.json"]), (vec![], all(0..4)));
+    assert_eq!(verify(folder, &[])["whole"], true);
+    assert_eq!(render(folder, &["--samples", "16", "--frames=2"]).0, [2]);
+    assert_eq!(verify(folder, &[])["to_render"], "0-1,3");
+}
+
+#[test]
+fn drafts_and_other_places_are_verified_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_film(folder, 1.0, |film| film);
+    render(folder, &["--draft", "--format", "ppm"]);
+    assert!(rayreel(folder, ["verify", "out/draft"]).status.success());
+    // The way from the folder to the scene stays, wherever both go.
+    fs::create_dir(folder.join("moved")).unwrap();
+    for name in ["film.ron", "out"] {
+        fs::rename(folder.join(name), folder.join("moved").join(name)).unwrap();
+    }
+    assert!(rayreel(folder, ["verify", "moved/out/draft"]).status.success());
+    fs::rename(folder.join("moved/film.ron"), folder.join("film.ron")).unwrap();
+    let output = rayreel(folder, ["verify", "moved/out/draft"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("film.ron"), "{}", text(&output.stderr));
+    assert!(rayreel(folder, ["verify", "moved/out/draft", "--scene", "film.ron"]).status.success());
+    let output = rayreel(folder, ["verify", "moved"]);
+    assert!(text(&output.stderr).contains("does not say what its frames"), "{}", text(&output.stderr));
+}
