@@ -1,6 +1,6 @@
 //! The command line's arguments, as they are typed. Their doc comments are the text of `--help`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
@@ -14,6 +14,8 @@ use rayreel::sequence::{Order, Shard};
 use rayreel::time::FrameList;
 use rayreel::trace::Precision;
 use rayreel::{Effect, Time};
+
+use super::movie::Maker;
 
 /// Ray-traced animation from plain text scenes: exact, repeatable frame sequences.
 #[derive(Debug, Parser)]
@@ -67,6 +69,8 @@ pub(super) enum Command {
   rayreel render scenes/first_light.ron --max-error 0.5
   rayreel render scenes/first_light.ron --deadline 2m
   rayreel render scenes/first_light.ron --shard 0/4
+  rayreel render scenes/first_light.ron --movie first_light.mp4
+  rayreel render scenes/first_light.ron --out - | ffplay -
   rayreel render scenes/first_light.ron --json > report.json
 
 Frames that are done are kept: those whose files are whole, and were rendered from just what would be
@@ -98,7 +102,7 @@ pub(super) struct RenderArguments {
     /// Remove files from the folder that look like frames of this sequence and are none: of a longer timeline, or of another size
     #[arg(long, conflicts_with_all = ["at", "sheet"])]
     pub(super) clean: bool,
-    /// The folder for the frame files [default: out/<scene>]
+    /// The folder for the frame files; - is standard output, for programs that read video [default: out/<scene>]
     #[arg(long, value_name = "FOLDER")]
     pub(super) out: Option<PathBuf>,
     /// Pixels, instead of the scene's own, as in 1280x720
@@ -137,9 +141,12 @@ pub(super) struct RenderArguments {
     /// Compute with every effect, also with those that the scene does not call for: slower, and the same bytes
     #[arg(long)]
     pub(super) full: bool,
-    /// The files' format
-    #[arg(long, value_enum, default_value_t = Format::Png)]
-    pub(super) format: Format,
+    /// The files' format, or that of standard output [default: png, and y4m there]
+    #[arg(long, value_enum)]
+    pub(super) format: Option<Format>,
+    /// Make a movie of the frames, too, once all are there: .mp4, .mov, .mkv or .webm by ffmpeg, or .gif or .apng
+    #[arg(long, value_name = "FILE", value_parser = parse_movie, conflicts_with_all = ["at", "sheet", "shard"])]
+    pub(super) movie: Option<PathBuf>,
     /// Print a report as one JSON object at the end: for every frame the seconds of each phase, the rays of each kind, the effects
     /// that were needed and how often plain arithmetic was not exact enough; and the most memory that was used
     #[arg(long)]
@@ -228,6 +235,10 @@ pub(super) enum Format {
     Png,
     /// Portable pixmap, uncompressed
     Ppm,
+    /// On standard output: YUV4MPEG2, uncompressed video that says its size and rate
+    Y4m,
+    /// On standard output: red, green and blue of pixel after pixel, and nothing else
+    Raw,
 }
 
 #[derive(Debug, Args)]
@@ -468,6 +479,10 @@ fn parse_sheet(text: &str) -> Result<(u32, u32), String> {
     let sheet = pair(text, ['x', 'X'])
         .filter(|(columns, rows)| (1..=most).contains(columns) && (1..=most).contains(rows));
     sheet.ok_or_else(|| format!("write columns and rows, each from 1 to {most}, as in 6x4"))
+}
+
+fn parse_movie(text: &str) -> Result<PathBuf, String> {
+    Maker::of(Path::new(text)).map(|_| PathBuf::from(text))
 }
 
 fn parse_threads(text: &str) -> Result<u16, String> {

@@ -111,7 +111,9 @@ fn picture_arguments(arguments: &RenderArguments, samples: Option<PathBuf>) -> O
     }
     let name = |value: clap::builder::PossibleValue| value.get_name().to_owned();
     add("precision", name(arguments.precision.to_possible_value()?));
-    add("format", name(arguments.format.to_possible_value()?));
+    if let Some(format) = arguments.format {
+        add("format", name(format.to_possible_value()?));
+    }
     if let Some(cutoff) = arguments.cutoff {
         add("cutoff", cutoff.to_string());
     }

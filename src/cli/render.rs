@@ -19,12 +19,14 @@ use super::draft;
 use super::exit::Failure;
 use super::interrupt::Interruption;
 use super::manifest;
+use super::movie;
 use super::overrides::load;
 use super::print;
 use super::progress::Progress;
 use super::report::{RenderReport, ShotReport};
 use super::settings::{RenderSettings, resize, set_cutoff};
 use super::sheet;
+use super::stream;
 
 pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> Result<(), Failure> {
     let start = Instant::now();
@@ -32,10 +34,12 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
     let loaded = start.elapsed();
     let settings = set_up(&mut engine, arguments)?;
     let sheet = settings.sheet.map(|tiles| sheet::empty(tiles, engine.film_settings())).transpose()?;
-    let directory = settings.sequence.directory();
-    fs::create_dir_all(directory)
-        .with_context(|| format!("cannot make the folder `{}`", directory.display()))?;
-    remove_leftovers(directory);
+    if settings.stream.is_none() {
+        let directory = settings.sequence.directory();
+        fs::create_dir_all(directory)
+            .with_context(|| format!("cannot make the folder `{}`", directory.display()))?;
+        remove_leftovers(directory);
+    }
     let cancelled = interruption.deferred();
 
     let pool = rayon::ThreadPoolBuilder::new()
@@ -48,12 +52,17 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
         manifest::write(arguments, &settings)?;
     }
     let mut report = RenderReport::new(arguments, &engine, loaded, pool.current_num_threads());
-    let rendered = pool.install(|| match sheet {
-        Some(sheet) => sheet::render(&mut engine, (&settings, &mut choice), sheet, cancelled, &mut report),
-        None => render_all(&mut engine, (&settings, &mut choice), cancelled, &mut report),
+    let rendered = pool.install(|| match (sheet, settings.stream) {
+        (Some(sheet), _) => {
+            sheet::render(&mut engine, (&settings, &mut choice), sheet, cancelled, &mut report)
+        }
+        (None, Some(format)) => {
+            stream::render(&mut engine, (&settings, &mut choice), format, cancelled, &mut report)
+        }
+        (None, None) => render_all(&mut engine, (&settings, &mut choice), cancelled, &mut report),
     });
     // Ctrl-C after the last frame interrupts nothing.
-    let complete = report.done() == settings.count();
+    let complete = report.unread || report.done() == settings.count();
     // Of a sheet there is all or nothing.
     let recorded = if complete || settings.sheet.is_none() {
         choice.finish().map(|chosen| report.chosen = chosen)
@@ -74,6 +83,10 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
     }
     if settings.are_frames() {
         clear_up(&engine, &settings, arguments.clean)?;
+    }
+    if let Some(movie) = &arguments.movie {
+        movie::make(movie, &settings, engine.timeline().rate)?;
+        print::error_line(&format!("the movie is in {}", movie.display()));
     }
     Ok(())
 }

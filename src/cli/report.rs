@@ -35,6 +35,8 @@ pub(super) struct RenderReport {
     pub(super) warnings: Warnings,
     total: Duration,
     interrupted: bool,
+    /// Whether nobody reads any more what is written to standard output.
+    pub(super) unread: bool,
 }
 
 /// The file that holds all frames.
@@ -76,6 +78,7 @@ impl RenderReport {
             warnings: Warnings::default(),
             total: Duration::ZERO,
             interrupted: false,
+            unread: false,
         }
     }
 
@@ -143,6 +146,7 @@ impl RenderReport {
         match (&self.sheet, settings.sheet) {
             (Some(sheet), _) => format!("{rendered}, in {}", sheet.path.display()),
             (None, Some(_)) => format!("{rendered}; no sheet was written"),
+            (None, None) if settings.stream.is_some() => format!("{rendered}, on standard output"),
             (None, None) => {
                 let whole = if self.interrupted { "; all of them are whole" } else { "" };
                 format!("{rendered}, in {}{whole}", settings.sequence.directory().display())

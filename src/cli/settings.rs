@@ -3,10 +3,10 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail, ensure};
 
 use rayreel::components::{FilmSettings, Quality};
-use rayreel::output::{FrameFormat, Sequence, Sheet};
+use rayreel::output::{FrameFormat, Sequence, Sheet, VideoFormat};
 use rayreel::sequence::{Existing, Order, Shot};
 use rayreel::time::{FrameList, Timeline};
 use rayreel::{Engine, Time};
@@ -31,6 +31,8 @@ pub(super) struct RenderSettings {
     pub(super) existing: Existing,
     /// Columns and rows of the one sheet that all pictures go to.
     pub(super) sheet: Option<(u32, u32)>,
+    /// How frames are written to standard output, if they are.
+    pub(super) stream: Option<VideoFormat>,
     pub(super) size: Option<(u32, u32)>,
     pub(super) threads: Option<usize>,
 }
@@ -48,10 +50,7 @@ impl RenderSettings {
         if arguments.draft {
             directory.push("draft");
         }
-        let format = match arguments.format {
-            Format::Png => FrameFormat::Png,
-            Format::Ppm => FrameFormat::Ppm,
-        };
+        let (format, stream) = formats(arguments)?;
         let sequence = Sequence::new(directory, name, last, format);
         let selection = match arguments.at {
             Some(time) => Selection::Moment(time),
@@ -72,14 +71,14 @@ impl RenderSettings {
         let size = arguments.size.or(fitting);
         let existing = if arguments.overwrite { Existing::Overwrite } else { Existing::Keep };
         let (order, threads) = (arguments.order.into(), arguments.threads.map(usize::from));
-        Ok(Self { selection, order, sequence, existing, sheet, size, threads })
+        Ok(Self { selection, order, sequence, existing, sheet, stream, size, threads })
     }
 }
 
 impl RenderSettings {
     /// Returns whether they are frames, each with a file of its own.
     pub(super) fn are_frames(&self) -> bool {
-        self.sheet.is_none() && !matches!(self.selection, Selection::Moment(_))
+        self.sheet.is_none() && self.stream.is_none() && !matches!(self.selection, Selection::Moment(_))
     }
 
     /// Returns all pictures, one after the other.
@@ -90,6 +89,14 @@ impl RenderSettings {
                 Box::new(self.order.of(frames).map(|index| Shot::frame(index, *timeline)))
             }
             Selection::Nothing => Box::new(std::iter::empty()),
+        }
+    }
+
+    /// Returns all pictures, in the order of their times.
+    pub(super) fn ascending(&self) -> Box<dyn Iterator<Item = Shot> + '_> {
+        match &self.selection {
+            Selection::Frames(frames, timeline) => Box::new(Shot::frames(frames, *timeline)),
+            Selection::Moment(_) | Selection::Nothing => self.shots(),
         }
     }
 
@@ -122,6 +129,38 @@ impl Selection {
             Self::Moment(_) => 1,
             Self::Nothing => 0,
             Self::Frames(frames, _) => frames.count(),
+        }
+    }
+}
+
+/// Returns the format of files, and that of standard output if frames go there.
+fn formats(arguments: &RenderArguments) -> anyhow::Result<(FrameFormat, Option<VideoFormat>)> {
+    let is_stream = arguments.out.as_deref() == Some(Path::new("-"));
+    if !is_stream {
+        return match arguments.format {
+            None | Some(Format::Png) => Ok((FrameFormat::Png, None)),
+            Some(Format::Ppm) => Ok((FrameFormat::Ppm, None)),
+            Some(Format::Y4m | Format::Raw) => bail!("y4m and raw are for standard output: add --out -"),
+        };
+    }
+    let others = [
+        (arguments.json, "--json writes to standard output, too"),
+        (arguments.sheet.is_some(), "--sheet makes one file"),
+        (arguments.draft, "--draft makes files in a folder of their own"),
+        (arguments.movie.is_some(), "--movie is made of files"),
+        (arguments.max_error.is_some(), "--max-error writes beside the frames what it chose"),
+        (arguments.deadline.is_some(), "--deadline writes beside the frames what it chose"),
+    ];
+    if let Some((_, reason)) = others.into_iter().find(|(is_given, _)| *is_given) {
+        bail!("frames cannot go to standard output: {reason}; name a folder with --out");
+    }
+    match arguments.format {
+        None | Some(Format::Y4m) => Ok((FrameFormat::Png, Some(VideoFormat::Y4m))),
+        Some(Format::Raw) => Ok((FrameFormat::Png, Some(VideoFormat::Raw))),
+        Some(Format::Png | Format::Ppm) => {
+            bail!(
+                "png and ppm are files: standard output takes --format y4m or raw; `--out ./-` is a folder of that name"
+            )
         }
     }
 }

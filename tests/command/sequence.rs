@@ -233,3 +233,78 @@ fn drafts_and_other_places_are_verified_too() {
     let output = rayreel(folder, ["verify", "moved"]);
     assert!(text(&output.stderr).contains("does not say what its frames"), "{}", text(&output.stderr));
 }
+
+#[test]
+fn standard_output_takes_video() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_film(folder, 1.0, |film| film);
+    render(folder, &["--format", "ppm"]);
+    let raw = rayreel(folder, ["render", "film.ron", "--out", "-", "--format", "raw"]);
+    assert!(raw.status.success(), "{}", text(&raw.stderr));
+    let files = (0..4).map(|frame| image::open(folder.join(format!("out/film.{frame:04}.ppm"))).unwrap());
+    assert_eq!(raw.stdout, files.flat_map(|frame| frame.to_rgb8().into_raw()).collect::<Vec<u8>>());
+    let video = rayreel(folder, ["render", "film.ron", "--out", "-", "--frames", "2-"]).stdout;
+    assert!(video.starts_with(b"YUV4MPEG2 W32 H18 F4:1 Ip A1:1 C444 XCOLORRANGE=LIMITED\nFRAME\n"));
+    assert_eq!(video.len(), 60 + 2 * (6 + 3 * 32 * 18));
+    assert!(!folder.join("-").exists());
+    for (more, told) in [
+        (&["--out", "-", "--json"][..], "frames cannot go to standard output: --json"),
+        (&["--out", "-", "--format", "png"], "png and ppm are files"),
+        (&["--format", "y4m"], "add --out -"),
+        (&["--movie", "a.txt"], "a movie ends in .mp4"),
+    ] {
+        let output = rayreel(folder, ["render", "film.ron"].iter().chain(more));
+        assert!(!output.status.success());
+        assert!(text(&output.stderr).contains(told), "{more:?}: {}", text(&output.stderr));
+    }
+}
+
+#[test]
+fn movies_have_every_frame() {
+    use image::AnimationDecoder;
+
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_film(folder, 1.0, |film| film);
+    for (movie, more) in [("a.apng", &[][..]), ("a.gif", &["--order", "coarse"])] {
+        render(folder, &[&["--movie", movie], more].concat());
+        assert!(folder.join(movie).is_file());
+    }
+    let bytes = std::io::Cursor::new(fs::read(folder.join("a.apng")).unwrap());
+    let decoder = image::codecs::png::PngDecoder::new(bytes).unwrap().apng().unwrap();
+    let played = decoder.into_frames().collect_frames().unwrap();
+    assert_eq!(played.len(), 4);
+    for (index, frame) in played.iter().enumerate() {
+        let file = image::open(folder.join(format!("out/film.{index:04}.png"))).unwrap();
+        assert_eq!(*frame.buffer(), file.to_rgba8());
+    }
+    let output =
+        rayreel(folder, ["render", "film.ron", "--out", "out", "--size", "31x17", "--movie", "a.mp4"]);
+    if std::process::Command::new("ffmpeg").arg("-version").output().is_err() {
+        println!("there is no ffmpeg: what is told without it is tried instead");
+        assert!(!output.status.success());
+        assert!(text(&output.stderr).contains("made by ffmpeg"), "{}", text(&output.stderr));
+        return;
+    }
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let mut probe = std::process::Command::new("ffprobe");
+    probe.args(["-v", "error", "-count_frames", "-show_streams", "-of", "json"]).arg(folder.join("a.mp4"));
+    let told: Value = serde_json::from_slice(&probe.output().unwrap().stdout).unwrap();
+    let stream = &told["streams"][0];
+    let expected = [
+        ("width", Value::from(32)),
+        ("height", 18.into()),
+        ("nb_read_frames", "4".into()),
+        ("r_frame_rate", "4/1".into()),
+        ("pix_fmt", "yuv420p".into()),
+        ("color_space", "bt709".into()),
+        ("color_range", "tv".into()),
+        ("color_primaries", "bt709".into()),
+        ("color_transfer", "iec61966-2-1".into()),
+    ];
+    for (name, value) in expected {
+        assert_eq!(stream[name], value, "{name}: {told}");
+    }
+    assert!(crate::files(folder).iter().all(|name| !name.starts_with('.')));
+}

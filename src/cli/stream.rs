@@ -1,0 +1,44 @@
+//! `rayreel render --out -`: frames on standard output, as they come.
+
+use std::io::{ErrorKind, stdout};
+use std::sync::atomic::AtomicBool;
+
+use anyhow::Context;
+
+use rayreel::Engine;
+use rayreel::output::{VideoFormat, VideoStream};
+
+use super::choice::Choice;
+use super::exit::Failure;
+use super::progress::Progress;
+use super::report::{RenderReport, ShotReport};
+use super::settings::RenderSettings;
+
+/// Renders every shot and writes it, until cancelled or until nobody reads any more, which is no failure.
+pub(super) fn render(
+    engine: &mut Engine,
+    (settings, choice): (&RenderSettings, &mut Choice),
+    format: VideoFormat,
+    cancelled: &AtomicBool,
+    report: &mut RenderReport,
+) -> Result<(), Failure> {
+    let progress = Progress::start(settings.count());
+    let mut stream = VideoStream::new(stdout().lock(), format, engine.timeline().rate);
+    for shot in settings.shots() {
+        choice.begin(engine, &shot);
+        let Some(film) = engine.render_encoded_unless(shot.time, cancelled)? else { return Ok(()) };
+        choice.end(engine, &shot)?;
+        report.warnings.look(engine, &shot.moment());
+        match stream.add(&film) {
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => {
+                report.unread = true;
+                return Ok(());
+            }
+            written => written.context("cannot write to standard output")?,
+        }
+        let shot = ShotReport::new(&shot, None, engine);
+        progress.done(&shot, report.shots.len() + 1);
+        report.shots.push(shot);
+    }
+    Ok(())
+}
