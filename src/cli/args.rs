@@ -10,7 +10,7 @@ use rayreel::components::{FilmSettings, Quality, Sampling};
 use rayreel::live::HostName;
 use rayreel::output::Sheet;
 use rayreel::scene::{Override, OverrideError};
-use rayreel::sequence::{Order, Shard};
+use rayreel::sequence::{RenderOrder, Shard};
 use rayreel::time::FrameList;
 use rayreel::trace::Precision;
 use rayreel::{Effect, Time};
@@ -220,7 +220,7 @@ pub(super) enum OrderName {
     Coarse,
 }
 
-impl From<OrderName> for Order {
+impl From<OrderName> for RenderOrder {
     fn from(name: OrderName) -> Self {
         match name {
             OrderName::Ascending => Self::Ascending,

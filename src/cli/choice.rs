@@ -117,9 +117,12 @@ impl Choice {
     }
 
     /// Notes that it was done already.
-    pub(super) fn keep(&mut self) {
+    pub(super) fn keep(&mut self, engine: &Engine, shot: &Shot) {
         if let By::Deadline(deadline, _) = &mut self.by {
             deadline.skip();
+        }
+        if let Some(record) = &mut self.record {
+            record.note_kept(engine, shot);
         }
     }
 
@@ -186,6 +189,23 @@ impl Record {
             samples_per_pixel: report.rays.camera as f64 / (f64::from(film.width) * f64::from(film.height)),
             seconds: took.as_secs_f64(),
         });
+    }
+
+    /// Notes the samples of a frame that was done already, unless more is known of it.
+    fn note_kept(&mut self, engine: &Engine, shot: &Shot) {
+        let Knobs { samples: Some(samples), max_error: Some(max_error), .. } = engine.knobs() else { return };
+        self.frames += 1;
+        if self.settings.samples_of(shot).is_none() {
+            self.settings.put(FrameSettings {
+                frame: shot.frame,
+                time: shot.time.seconds(),
+                samples,
+                max_error,
+                estimated_error: None,
+                samples_per_pixel: 0.0,
+                seconds: 0.0,
+            });
+        }
     }
 
     fn write(&mut self, pilot: Duration) -> anyhow::Result<()> {

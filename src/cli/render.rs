@@ -187,11 +187,12 @@ impl SequenceObserver for Reporter<'_> {
         self.choice.begin(engine, shot);
     }
 
-    fn kept(&mut self, engine: &Engine, shot: &Shot) {
+    fn kept(&mut self, engine: &Engine, shot: &Shot) -> ControlFlow<()> {
         self.report.warnings.look(engine, &shot.moment());
-        self.choice.keep();
-        self.report.kept.extend(shot.frame);
+        self.choice.keep(engine, shot);
+        self.report.kept.push(shot.frame);
         self.progress.kept(self.report.done());
+        Continue(())
     }
 
     fn rendered(&mut self, engine: &Engine, shot: &Shot) -> ControlFlow<()> {

@@ -26,8 +26,8 @@ pub(super) struct RenderReport {
     load: Duration,
     /// The shots that were written, or put on the sheet, in order.
     pub(super) shots: Vec<ShotReport>,
-    /// The frames that were done already.
-    pub(super) kept: Vec<u32>,
+    /// The shots that were done already: frames, or `None` for a moment that is none.
+    pub(super) kept: Vec<Option<u32>>,
     /// The sheet, once it is written.
     pub(super) sheet: Option<SheetReport>,
     /// The samples that were chosen, if they were.

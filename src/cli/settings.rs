@@ -7,7 +7,7 @@ use anyhow::{Context, bail, ensure};
 
 use rayreel::components::{FilmSettings, Quality};
 use rayreel::output::{FrameFormat, Sequence, Sheet, VideoFormat};
-use rayreel::sequence::{Existing, Order, Shot};
+use rayreel::sequence::{Existing, RenderOrder, Shot};
 use rayreel::time::{FrameList, Timeline};
 use rayreel::{Engine, Time};
 
@@ -26,7 +26,7 @@ enum Selection {
 #[derive(Debug)]
 pub(super) struct RenderSettings {
     selection: Selection,
-    order: Order,
+    order: RenderOrder,
     pub(super) sequence: Sequence,
     pub(super) existing: Existing,
     /// Columns and rows of the one sheet that all pictures go to.

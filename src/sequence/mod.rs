@@ -15,7 +15,7 @@ mod shot;
 mod surplus;
 mod verify;
 
-pub use order::{Order, Shard, ShardError};
+pub use order::{RenderOrder, Shard, ShardError};
 pub use render::{Existing, SequenceError, SequenceObserver, SequenceProgress, SequenceReport};
 pub use shot::Shot;
 pub use surplus::{Surplus, SurplusReason, find_surplus};

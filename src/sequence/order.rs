@@ -7,7 +7,7 @@ use crate::time::FrameList;
 
 /// In which order frames are rendered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Order {
+pub enum RenderOrder {
     /// As they follow each other.
     #[default]
     Ascending,
@@ -15,7 +15,7 @@ pub enum Order {
     Coarse,
 }
 
-impl Order {
+impl RenderOrder {
     /// Returns the frames of a list in this order, each once.
     pub fn of(self, frames: &FrameList) -> Box<dyn Iterator<Item = u32> + '_> {
         /// By their place in the list: from which on, and which of those.
@@ -106,7 +106,7 @@ mod tests {
     #[test]
     fn a_coarse_order_has_every_frame_once() {
         let list: FrameList = "3-20,30".parse().unwrap();
-        let coarse: Vec<u32> = Order::Coarse.of(&list).collect();
+        let coarse: Vec<u32> = RenderOrder::Coarse.of(&list).collect();
         assert_eq!(coarse[..5], [3, 11, 19, 7, 15]);
         let mut sorted = coarse;
         sorted.sort_unstable();

@@ -27,8 +27,10 @@ pub trait SequenceObserver {
     /// A shot is looked at: what decides how it is rendered may be set now.
     fn begin(&mut self, _: &mut Engine, _: &Shot) {}
 
-    /// It is done already. The engine is at its moment.
-    fn kept(&mut self, _: &Engine, _: &Shot) {}
+    /// It is done already. The engine is at its moment. What breaks here ends the sequence.
+    fn kept(&mut self, _: &Engine, _: &Shot) -> ControlFlow<()> {
+        Continue(())
+    }
 
     /// It is rendered, as the engine's report tells, and will be written in parallel. What breaks here ends the sequence after it.
     fn rendered(&mut self, _: &Engine, _: &Shot) -> ControlFlow<()> {
@@ -162,7 +164,9 @@ impl Engine {
             match self.is_done(&shot, &path, (sequence, existing)) {
                 Ok(false) => {}
                 Ok(true) => {
-                    observer.kept(self, &shot);
+                    if observer.kept(self, &shot).is_break() {
+                        break;
+                    }
                     continue;
                 }
                 Err(error) => {
@@ -244,9 +248,10 @@ impl<F: FnMut(SequenceProgress) -> ControlFlow<()>> Counted<F> {
 }
 
 impl<F: FnMut(SequenceProgress) -> ControlFlow<()>> SequenceObserver for Counted<F> {
-    fn kept(&mut self, _: &Engine, shot: &Shot) {
+    fn kept(&mut self, _: &Engine, shot: &Shot) -> ControlFlow<()> {
         self.report.kept += 1;
         self.tell(shot, true);
+        self.flow
     }
 
     fn rendered(&mut self, _: &Engine, _: &Shot) -> ControlFlow<()> {

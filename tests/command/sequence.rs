@@ -97,6 +97,12 @@ fn only_what_an_edit_touches_is_rendered_again() {
     assert_eq!(render(folder, &["--threads", "1", "--full"]).0, Vec::<u64>::new());
     assert_eq!(render(folder, &["--frames=0", "--samples", "4"]).0, [0]);
     assert_eq!(render(folder, &["--frames=0", "--set", "film.transfer=Classic"]).0, [0]);
+    // A moment is kept as well as a frame.
+    assert_eq!(render(folder, &["--at=0.1s"]).1, Vec::<u64>::new());
+    let again = told(folder, ["render", "film.ron", "--out", "out", "--at=0.1s", "--json"]);
+    let report: Value = serde_json::from_str(&again).unwrap();
+    assert_eq!((&report["kept"], &report["frames"]), (&serde_json::json!([null]), &serde_json::json!([])));
+
     // The folder says with which settings it was rendered last.
     assert_eq!(verify(folder, &[])["to_render"], "1-11");
 }
@@ -206,6 +212,9 @@ fn chosen_samples_are_part_of_what_is_verified() {
     assert_eq!(render(folder, &["--max-error", "2"]).0, all(0..4));
     assert_eq!(verify(folder, &[])["whole"], true);
     assert_eq!(render(folder, &["--max-error", "2"]), (vec![], all(0..4)));
+    // Lost settings are found again.
+    fs::remove_file(folder.join("out/film.settings.json")).unwrap();
+    assert_eq!(render(folder, &["--max-error", "2"]), (vec![], all(0..4)));
     assert_eq!(render(folder, &["--settings", "out/film.settings.json"]), (vec![], all(0..4)));
     assert_eq!(verify(folder, &[])["whole"], true);
     assert_eq!(render(folder, &["--samples", "16", "--frames=2"]).0, [2]);
@@ -245,8 +254,9 @@ fn standard_output_takes_video() {
     let files = (0..4).map(|frame| image::open(folder.join(format!("out/film.{frame:04}.ppm"))).unwrap());
     assert_eq!(raw.stdout, files.flat_map(|frame| frame.to_rgb8().into_raw()).collect::<Vec<u8>>());
     let video = rayreel(folder, ["render", "film.ron", "--out", "-", "--frames", "2-"]).stdout;
-    assert!(video.starts_with(b"YUV4MPEG2 W32 H18 F4:1 Ip A1:1 C444 XCOLORRANGE=LIMITED\nFRAME\n"));
-    assert_eq!(video.len(), 60 + 2 * (6 + 3 * 32 * 18));
+    let header = b"YUV4MPEG2 W32 H18 F4:1 Ip A1:1 C444 XCOLORRANGE=LIMITED\n";
+    assert!(video.starts_with(&[&header[..], b"FRAME\n"].concat()));
+    assert_eq!(video.len(), header.len() + 2 * (6 + 3 * 32 * 18));
     assert!(!folder.join("-").exists());
     for (more, told) in [
         (&["--out", "-", "--json"][..], "frames cannot go to standard output: --json"),
