@@ -52,6 +52,8 @@ pub(super) enum Command {
     Probe(ProbeArguments),
     /// Say whether a folder of frames is whole: what is missing, torn, stale or surplus
     Verify(VerifyArguments),
+    /// Print job scripts that render a sequence on a farm of machines
+    Farm(FarmArguments),
     /// Write a small commented scene to start from
     New(NewArguments),
     /// Print completions for a shell
@@ -444,6 +446,47 @@ pub(super) struct VerifyArguments {
     /// Print one JSON object
     #[arg(long)]
     pub(super) json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  rayreel farm slurm scenes/first_light.ron --shards 8 | sh
+  rayreel farm slurm scenes/first_light.ron --shards 8 -- --size 1920x1080 --samples 16
+  rayreel farm openjd scenes/first_light.ron --shards 8 > job.json
+  rayreel farm kubernetes scenes/first_light.ron --shards 8 --image ours/rayreel --claim frames
+
+The scene and the options are checked first. All machines must see the scene, and the folder of the
+frames, under the same names. Every script ends with a job that verifies the frames.")]
+pub(super) struct FarmArguments {
+    /// Who distributes the work
+    pub(super) scheduler: SchedulerName,
+    /// The scene file
+    pub(super) scene: PathBuf,
+    /// How many jobs render a part of the frames each
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub(super) shards: u32,
+    /// The folder for the frame files [default: out/<scene>]
+    #[arg(long, value_name = "FOLDER")]
+    pub(super) out: Option<PathBuf>,
+    /// The container image with rayreel in it, for Kubernetes
+    #[arg(long, value_name = "IMAGE")]
+    pub(super) image: Option<String>,
+    /// The persistent volume claim with the scene in it, in whose folder jobs run, for Kubernetes
+    #[arg(long, value_name = "NAME")]
+    pub(super) claim: Option<String>,
+    /// Further options of `render`, behind `--`
+    #[arg(last = true, value_name = "OPTIONS")]
+    pub(super) options: Vec<String>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum SchedulerName {
+    /// A script that submits a job array, and a job that verifies it
+    Slurm,
+    /// A template of Open Job Description, 2023-09
+    Openjd,
+    /// An indexed job, and one that verifies it
+    Kubernetes,
 }
 
 #[derive(Debug, Args)]

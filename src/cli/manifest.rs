@@ -54,7 +54,7 @@ pub(super) fn write(arguments: &RenderArguments, settings: &RenderSettings) -> a
 pub(super) fn render_arguments(folder: &Path, scene: Option<&Path>) -> anyhow::Result<RenderArguments> {
     let file = find(folder, scene)?;
     let Manifest { scene: told, arguments, .. } = read(&file)?;
-    let scene = scene.map_or_else(|| folder.join(told), Path::to_owned);
+    let scene = scene.map_or_else(|| from_here(folder.join(told)), Path::to_owned);
     let words = ["rayreel", "render"].map(OsString::from).into_iter();
     let words = words.chain(arguments.into_iter().map(OsString::from));
     let words = words.chain(["--out".into(), folder.into(), "--".into(), scene.into()]);
@@ -134,6 +134,15 @@ fn picture_arguments(arguments: &RenderArguments, samples: Option<PathBuf>) -> O
         words.push("--draft".to_owned());
     }
     Some(words)
+}
+
+/// Returns a file's path without detours, where it is below the working directory.
+fn from_here(file: PathBuf) -> PathBuf {
+    let short = || {
+        let here = std::env::current_dir().ok()?.canonicalize().ok()?;
+        Some(file.canonicalize().ok()?.strip_prefix(here).ok()?.to_owned())
+    };
+    short().unwrap_or(file)
 }
 
 /// Returns the way to a file from a folder, or its full path where there is none.

@@ -11,6 +11,7 @@ mod completions;
 mod draft;
 mod exit;
 mod explain;
+mod farm;
 mod instructions;
 mod interrupt;
 mod manifest;
@@ -70,6 +71,7 @@ fn run_command(command: Command, interruption: &Interruption) -> Result<(), Fail
         Command::Accuracy(arguments) => accuracy::run(&arguments, interruption),
         Command::Probe(arguments) => probe::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments, interruption),
+        Command::Farm(arguments) => farm::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
     }

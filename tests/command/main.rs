@@ -6,6 +6,7 @@ mod accuracy;
 mod choice;
 mod explain;
 mod explain_path;
+mod farm;
 mod overrides;
 mod probe;
 #[cfg(unix)]

@@ -44,8 +44,8 @@ fn namespace() -> Vec<&'static str> {
     [&own[..], &as_user].into_iter().find(|prefix| works(prefix)).map(<[_]>::to_vec).unwrap_or_default()
 }
 
-fn start(prefix: &[&str], folder: &Path) -> Child {
-    let arguments = prefix.iter().chain(&[RAYREEL]).chain(&ARGUMENTS).chain(&["out"]);
+fn start(prefix: &[&str], folder: &Path, more: &[&'static str]) -> Child {
+    let arguments = prefix.iter().chain(&[RAYREEL]).chain(&ARGUMENTS).chain(&["out"]).chain(more);
     let mut arguments = arguments.copied();
     let program = arguments.next().unwrap();
     command(program, folder).args(arguments).spawn().unwrap()
@@ -87,7 +87,8 @@ fn killed_processes_tear_no_frame_and_leave_nothing_after_the_next_run() {
         hidden.len()
     };
     for _ in 0..kills / 2 {
-        let running = [start(&prefix, folder), start(&prefix, folder)];
+        // What is done is done again, so that there is always something to tear.
+        let running = [(); 2].map(|()| start(&prefix, folder, &["--overwrite"]));
         for child in running {
             // From the start until after the end.
             let share = (random.bits() >> 40) as f64 / (1 << 24) as f64;
@@ -98,7 +99,7 @@ fn killed_processes_tear_no_frame_and_leave_nothing_after_the_next_run() {
         left += usize::from(check() > 0);
     }
     println!("{kills} kills: {checked} frames looked at, leftovers after {left} of {} pairs", kills / 2);
-    let output = output_of(start(&prefix, folder));
+    let output = output_of(start(&prefix, folder, &[]));
     assert!(output.status.success(), "{}", text(&output.stderr));
     let output = rayreel(folder, ["verify", "out"]);
     assert!(output.status.success(), "{}", text(&output.stdout));
