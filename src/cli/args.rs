@@ -1,21 +1,22 @@
 //! The command line's arguments, as they are typed. Their doc comments are the text of `--help`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
-use rayreel::components::{FilmSettings, Quality, Sampling};
 use rayreel::live::HostName;
-use rayreel::output::Sheet;
-use rayreel::scene::{Override, OverrideError};
+use rayreel::scene::Override;
 use rayreel::sequence::{RenderOrder, Shard};
 use rayreel::time::FrameList;
 use rayreel::trace::Precision;
 use rayreel::{Effect, Time};
 
-use super::movie::Maker;
+use super::values::{
+    parse_cutoff, parse_depth, parse_duration, parse_effect, parse_index, parse_max_error, parse_movie,
+    parse_pixel, parse_samples, parse_sheet, parse_size, parse_threads,
+};
 
 /// Ray-traced animation from plain text scenes: exact, repeatable frame sequences.
 #[derive(Debug, Parser)]
@@ -149,6 +150,12 @@ pub(super) struct RenderArguments {
     /// Make a movie of the frames, too, once all are there: .mp4, .mov, .mkv or .webm by ffmpeg, or .gif or .apng
     #[arg(long, value_name = "FILE", value_parser = parse_movie, conflicts_with_all = ["at", "sheet", "shard"])]
     pub(super) movie: Option<PathBuf>,
+    /// How it is told which frames are done
+    #[arg(long, value_enum, default_value_t = ProgressName::Auto)]
+    pub(super) progress: ProgressName,
+    /// Tell nothing but warnings and errors
+    #[arg(short, long, conflicts_with = "progress")]
+    pub(super) quiet: bool,
     /// Print a report as one JSON object at the end: for every frame the seconds of each phase, the rays of each kind, the effects
     /// that were needed and how often plain arithmetic was not exact enough; and the most memory that was used
     #[arg(long)]
@@ -212,6 +219,17 @@ impl From<PrecisionName> for Precision {
             PrecisionName::TextbookF32 => Self::TextbookF32,
         }
     }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum ProgressName {
+    /// A bar on a terminal, and a line for every frame elsewhere
+    Auto,
+    /// A JSON object in a line of standard error for every frame: its number, file, seconds, rays and error, whether it was there already
+    /// and how many are done of how many
+    Json,
+    /// Not at all
+    None,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -503,94 +521,4 @@ pub(super) struct NewArguments {
 pub(super) struct CompletionsArguments {
     /// The shell
     pub(super) shell: Shell,
-}
-
-fn parse_size(text: &str) -> Result<(u32, u32), String> {
-    let (most, area) = (FilmSettings::LARGEST_SIDE, FilmSettings::LARGEST_AREA);
-    let (width, height) = pair(text, ['x', 'X']).ok_or("write width and height in pixels, as in 1280x720")?;
-    if [width, height].iter().any(|side| !(1..=most).contains(side)) {
-        return Err(format!("each side must be from 1 to {most} pixels"));
-    }
-    if u64::from(width) * u64::from(height) > area {
-        return Err(format!("a picture has at most {area} pixels"));
-    }
-    Ok((width, height))
-}
-
-fn parse_sheet(text: &str) -> Result<(u32, u32), String> {
-    let most = Sheet::LARGEST_COUNT;
-    let sheet = pair(text, ['x', 'X'])
-        .filter(|(columns, rows)| (1..=most).contains(columns) && (1..=most).contains(rows));
-    sheet.ok_or_else(|| format!("write columns and rows, each from 1 to {most}, as in 6x4"))
-}
-
-fn parse_movie(text: &str) -> Result<PathBuf, String> {
-    Maker::of(Path::new(text)).map(|_| PathBuf::from(text))
-}
-
-fn parse_threads(text: &str) -> Result<u16, String> {
-    const MOST: u16 = 1024;
-    let count = text.trim().parse().ok().filter(|count| (1..=MOST).contains(count));
-    count.ok_or_else(|| format!("write a number of threads from 1 to {MOST}"))
-}
-
-fn parse_index(text: &str) -> Result<u32, String> {
-    text.trim().parse().map_err(|_| format!("write a whole number from 0 to {}, as 12", u32::MAX))
-}
-
-fn parse_samples(text: &str) -> Result<Override, String> {
-    parse_count("sampling.samples", text)
-}
-
-fn parse_depth(text: &str) -> Result<Override, String> {
-    parse_count("quality.depth", text)
-}
-
-/// Reads a whole number for a path; which are too small or too large the scene says.
-fn parse_count(path: &str, text: &str) -> Result<Override, String> {
-    let count = parse_index(text)?;
-    format!("{path}={count}").parse().map_err(|error: OverrideError| error.to_string())
-}
-
-fn parse_effect(text: &str) -> Result<Effect, String> {
-    let name = |effect: Effect| effect.name().to_lowercase().replace(' ', "-");
-    let named = text.trim().to_lowercase().replace([' ', '_'], "-");
-    let names = || Effect::ALL.map(name).join(", ");
-    Effect::ALL
-        .into_iter()
-        .find(|effect| name(*effect) == named)
-        .ok_or_else(|| format!("the effects are {}", names()))
-}
-
-/// Reads two whole numbers with a separator between them.
-fn pair<const SIGNS: usize>(text: &str, between: [char; SIGNS]) -> Option<(u32, u32)> {
-    let (first, second) = text.split_once(between)?;
-    Some((first.trim().parse().ok()?, second.trim().parse().ok()?))
-}
-
-fn parse_cutoff(text: &str) -> Result<f32, String> {
-    let steps = text.trim().parse::<f32>().ok();
-    let steps = steps.filter(|steps| (0.0..=Quality::LARGEST_CUTOFF).contains(steps));
-    steps.ok_or_else(|| format!("write a number of steps from 0 to {}", Quality::LARGEST_CUTOFF))
-}
-
-fn parse_max_error(text: &str) -> Result<f32, String> {
-    let most = Sampling::LARGEST_ERROR;
-    let error = text.trim().parse::<f32>().ok().filter(|error| *error > 0.0 && *error <= most);
-    error.ok_or_else(|| format!("write a number of steps above 0, up to {most}, as 0.5"))
-}
-
-fn parse_duration(text: &str) -> Result<Duration, String> {
-    const LONGEST: f64 = 1e9;
-    let text = text.trim();
-    let units = [("ms", 1e-3), ("min", 60.0), ("s", 1.0), ("m", 60.0), ("h", 3600.0)];
-    let unit = units.into_iter().find_map(|(unit, seconds)| Some((text.strip_suffix(unit)?, seconds)));
-    let (number, unit) = unit.unwrap_or((text, 1.0));
-    let seconds = number.trim().parse::<f64>().ok().map(|number| number * unit);
-    let seconds = seconds.filter(|seconds| *seconds > 0.0 && *seconds <= LONGEST);
-    seconds.map(Duration::from_secs_f64).ok_or_else(|| "write a time above 0, as 90s, 10m or 1.5h".to_owned())
-}
-
-fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
-    pair(text, [',']).ok_or_else(|| "write column and row, from 0 at the top left, as in 480,270".to_owned())
 }

@@ -27,6 +27,7 @@ mod settings;
 mod settings_file;
 mod sheet;
 mod stream;
+mod values;
 mod verify;
 mod warnings;
 mod watch;

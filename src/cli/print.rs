@@ -64,6 +64,12 @@ fn escaped(text: &str, escape: impl Fn(char) -> String) -> Cow<'_, str> {
     Cow::Owned(escaped)
 }
 
+/// Prints a JSON value in a line for the program that follows this one.
+pub(super) fn error_json(value: &Value) {
+    let line = format!("{value}\n");
+    write_at_once(&escaped(&line, |character| format!("\\u{:04x}", u32::from(character))));
+}
+
 /// Prints a line for the person at the terminal, or the log.
 pub(super) fn error_line(text: &str) {
     write_at_once(&format!("{}\n", Printable(text)));

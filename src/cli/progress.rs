@@ -1,11 +1,15 @@
-//! Progress: a bar on a terminal, plain lines elsewhere.
+//! Progress: a bar on a terminal, plain lines elsewhere, and objects for machines.
 
 use std::cell::Cell;
 use std::io::{IsTerminal, stderr};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::json;
 
+use rayreel::sequence::Shot;
+
+use super::args::ProgressName;
 use super::print;
 use super::report::{ShotReport, in_millions};
 
@@ -18,6 +22,9 @@ pub(super) struct Progress {
 enum Display {
     Bar(ProgressBar),
     Lines(LinePace),
+    /// An object in a line for every frame.
+    Json,
+    Nothing,
 }
 
 /// The time between lines.
@@ -29,18 +36,28 @@ struct LinePace {
 }
 
 impl Progress {
-    pub(super) fn start(total: usize) -> Self {
-        let display = match LinePace::of(stderr().is_terminal(), print::is_dumb()) {
-            Some(pace) => Display::Lines(pace),
-            None => Display::Bar(bar(total)),
+    pub(super) fn start(total: usize, how: ProgressName) -> Self {
+        let display = match (how, LinePace::of(stderr().is_terminal(), print::is_dumb())) {
+            (ProgressName::Json, _) => Display::Json,
+            (ProgressName::None, _) => Display::Nothing,
+            (ProgressName::Auto, Some(pace)) => Display::Lines(pace),
+            (ProgressName::Auto, None) => Display::Bar(bar(total)),
         };
         Self { total, display }
     }
 
     /// Reports a shot that was done already, the `count`-th so far.
-    pub(super) fn kept(&self, count: usize) {
-        if let Display::Bar(bar) = &self.display {
-            bar.set_position(count as u64);
+    pub(super) fn kept(&self, shot: &Shot, count: usize) {
+        match &self.display {
+            Display::Bar(bar) => bar.set_position(count as u64),
+            Display::Json => print::error_json(&json!({
+                "frame": shot.frame,
+                "time": shot.time.seconds(),
+                "kept": true,
+                "done": count,
+                "total": self.total,
+            })),
+            Display::Lines(_) | Display::Nothing => {}
         }
     }
 
@@ -60,7 +77,14 @@ impl Progress {
                     shot.seconds()
                 ));
             }
-            Display::Lines(_) => {}
+            Display::Json => {
+                let mut told = shot.to_json();
+                told["kept"] = json!(false);
+                told["done"] = json!(count);
+                told["total"] = json!(self.total);
+                print::error_json(&told);
+            }
+            Display::Lines(_) | Display::Nothing => {}
         }
     }
 }

@@ -86,7 +86,9 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
     }
     if let Some(movie) = &arguments.movie {
         movie::make(movie, &settings, engine.timeline().rate)?;
-        print::error_line(&format!("the movie is in {}", movie.display()));
+        if !arguments.quiet {
+            print::error_line(&format!("the movie is in {}", movie.display()));
+        }
     }
     Ok(())
 }
@@ -117,6 +119,8 @@ fn tell(
     let sources = sources_for(report, arguments);
     if !arguments.json {
         report.warnings.tell(sources.as_ref());
+    }
+    if !arguments.json && !arguments.quiet {
         if !report.shots.is_empty() {
             print::error_line(&report.plan());
         }
@@ -157,7 +161,7 @@ fn render_all(
     cancelled: &AtomicBool,
     report: &mut RenderReport,
 ) -> Result<(), Failure> {
-    let progress = Progress::start(settings.count());
+    let progress = Progress::start(settings.count(), settings.progress);
     let unwritten = VecDeque::new();
     let mut reporter =
         Reporter { settings, choice, report, progress, unwritten, noted: Ok(()), refused: None };
@@ -191,7 +195,7 @@ impl SequenceObserver for Reporter<'_> {
         self.report.warnings.look(engine, &shot.moment());
         self.choice.keep(engine, shot);
         self.report.kept.push(shot.frame);
-        self.progress.kept(self.report.done());
+        self.progress.kept(shot, self.report.done());
         Continue(())
     }
 

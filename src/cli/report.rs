@@ -198,7 +198,7 @@ impl ShotReport {
         self.cost.rays.total() as f64 / self.cost.trace.as_secs_f64().max(1e-9)
     }
 
-    fn to_json(&self) -> Value {
+    pub(super) fn to_json(&self) -> Value {
         let RayCounts { camera, shadow, reflection, refraction } = self.cost.rays;
         let TreeEnds { depth, cutoff } = self.cost.ends;
         let Escalations { ambiguous, contested, rough, overflowed } = self.cost.escalations;

@@ -11,7 +11,7 @@ use rayreel::sequence::{Existing, RenderOrder, Shot};
 use rayreel::time::{FrameList, Timeline};
 use rayreel::{Engine, Time};
 
-use super::args::{Format, RenderArguments};
+use super::args::{Format, ProgressName, RenderArguments};
 
 /// The pictures to make.
 #[derive(Clone, Debug)]
@@ -33,6 +33,7 @@ pub(super) struct RenderSettings {
     pub(super) sheet: Option<(u32, u32)>,
     /// How frames are written to standard output, if they are.
     pub(super) stream: Option<VideoFormat>,
+    pub(super) progress: ProgressName,
     pub(super) size: Option<(u32, u32)>,
     pub(super) threads: Option<usize>,
 }
@@ -71,7 +72,8 @@ impl RenderSettings {
         let size = arguments.size.or(fitting);
         let existing = if arguments.overwrite { Existing::Overwrite } else { Existing::Keep };
         let (order, threads) = (arguments.order.into(), arguments.threads.map(usize::from));
-        Ok(Self { selection, order, sequence, existing, sheet, stream, size, threads })
+        let progress = if arguments.quiet { ProgressName::None } else { arguments.progress };
+        Ok(Self { selection, order, sequence, existing, sheet, stream, progress, size, threads })
     }
 }
 

@@ -26,7 +26,7 @@ pub(super) fn render(
     cancelled: &AtomicBool,
     report: &mut RenderReport,
 ) -> Result<(), Failure> {
-    let progress = Progress::start(settings.count());
+    let progress = Progress::start(settings.count(), settings.progress);
     for shot in settings.shots() {
         choice.begin(engine, &shot);
         let Some(film) = engine.render_encoded_unless(shot.time, cancelled)? else {

@@ -22,7 +22,7 @@ pub(super) fn render(
     cancelled: &AtomicBool,
     report: &mut RenderReport,
 ) -> Result<(), Failure> {
-    let progress = Progress::start(settings.count());
+    let progress = Progress::start(settings.count(), settings.progress);
     let mut stream = VideoStream::new(stdout().lock(), format, engine.timeline().rate);
     for shot in settings.shots() {
         choice.begin(engine, &shot);

@@ -318,3 +318,29 @@ fn movies_have_every_frame() {
     }
     assert!(crate::files(folder).iter().all(|name| !name.starts_with('.')));
 }
+
+#[test]
+fn programs_and_people_hear_what_they_want_to() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_film(folder, 1.0, |film| film);
+    let run = |more: &[&str]| {
+        let output = rayreel(folder, ["render", "film.ron", "--out", "out"].iter().chain(more));
+        assert!(output.status.success());
+        text(&output.stderr)
+    };
+    assert_eq!(run(&["--frames=0", "--quiet"]), "");
+    let lines = run(&["--progress", "json"]);
+    let objects: Vec<Value> = lines
+        .lines()
+        .filter(|line| line.starts_with('{'))
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
+    assert_eq!(objects.len(), 4, "{lines}");
+    for (index, object) in objects.iter().enumerate() {
+        assert_eq!((&object["frame"], &object["total"]), (&index.into(), &4.into()));
+        assert_eq!((&object["done"], &object["kept"]), (&(index + 1).into(), &(index == 0).into()));
+        assert!(index == 0 || object["seconds"]["trace"].is_f64() && object["rays"]["camera"] == 32 * 18);
+    }
+    assert!(run(&["--progress", "none", "--overwrite"]).lines().count() == 2);
+}

@@ -1,0 +1,101 @@
+//! Values of options, as they are typed: what they mean, or what would be right.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use rayreel::Effect;
+use rayreel::components::{FilmSettings, Quality, Sampling};
+use rayreel::output::Sheet;
+use rayreel::scene::{Override, OverrideError};
+
+use super::movie::Maker;
+
+pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let (most, area) = (FilmSettings::LARGEST_SIDE, FilmSettings::LARGEST_AREA);
+    let (width, height) = pair(text, ['x', 'X']).ok_or("write width and height in pixels, as in 1280x720")?;
+    if [width, height].iter().any(|side| !(1..=most).contains(side)) {
+        return Err(format!("each side must be from 1 to {most} pixels"));
+    }
+    if u64::from(width) * u64::from(height) > area {
+        return Err(format!("a picture has at most {area} pixels"));
+    }
+    Ok((width, height))
+}
+
+pub(super) fn parse_sheet(text: &str) -> Result<(u32, u32), String> {
+    let most = Sheet::LARGEST_COUNT;
+    let sheet = pair(text, ['x', 'X'])
+        .filter(|(columns, rows)| (1..=most).contains(columns) && (1..=most).contains(rows));
+    sheet.ok_or_else(|| format!("write columns and rows, each from 1 to {most}, as in 6x4"))
+}
+
+pub(super) fn parse_movie(text: &str) -> Result<PathBuf, String> {
+    Maker::of(Path::new(text)).map(|_| PathBuf::from(text))
+}
+
+pub(super) fn parse_threads(text: &str) -> Result<u16, String> {
+    const MOST: u16 = 1024;
+    let count = text.trim().parse().ok().filter(|count| (1..=MOST).contains(count));
+    count.ok_or_else(|| format!("write a number of threads from 1 to {MOST}"))
+}
+
+pub(super) fn parse_index(text: &str) -> Result<u32, String> {
+    text.trim().parse().map_err(|_| format!("write a whole number from 0 to {}, as 12", u32::MAX))
+}
+
+pub(super) fn parse_samples(text: &str) -> Result<Override, String> {
+    parse_count("sampling.samples", text)
+}
+
+pub(super) fn parse_depth(text: &str) -> Result<Override, String> {
+    parse_count("quality.depth", text)
+}
+
+/// Reads a whole number for a path; which are too small or too large the scene says.
+pub(super) fn parse_count(path: &str, text: &str) -> Result<Override, String> {
+    let count = parse_index(text)?;
+    format!("{path}={count}").parse().map_err(|error: OverrideError| error.to_string())
+}
+
+pub(super) fn parse_effect(text: &str) -> Result<Effect, String> {
+    let name = |effect: Effect| effect.name().to_lowercase().replace(' ', "-");
+    let named = text.trim().to_lowercase().replace([' ', '_'], "-");
+    let names = || Effect::ALL.map(name).join(", ");
+    Effect::ALL
+        .into_iter()
+        .find(|effect| name(*effect) == named)
+        .ok_or_else(|| format!("the effects are {}", names()))
+}
+
+/// Reads two whole numbers with a separator between them.
+fn pair<const SIGNS: usize>(text: &str, between: [char; SIGNS]) -> Option<(u32, u32)> {
+    let (first, second) = text.split_once(between)?;
+    Some((first.trim().parse().ok()?, second.trim().parse().ok()?))
+}
+
+pub(super) fn parse_cutoff(text: &str) -> Result<f32, String> {
+    let steps = text.trim().parse::<f32>().ok();
+    let steps = steps.filter(|steps| (0.0..=Quality::LARGEST_CUTOFF).contains(steps));
+    steps.ok_or_else(|| format!("write a number of steps from 0 to {}", Quality::LARGEST_CUTOFF))
+}
+
+pub(super) fn parse_max_error(text: &str) -> Result<f32, String> {
+    let most = Sampling::LARGEST_ERROR;
+    let error = text.trim().parse::<f32>().ok().filter(|error| *error > 0.0 && *error <= most);
+    error.ok_or_else(|| format!("write a number of steps above 0, up to {most}, as 0.5"))
+}
+
+pub(super) fn parse_duration(text: &str) -> Result<Duration, String> {
+    const LONGEST: f64 = 1e9;
+    let text = text.trim();
+    let units = [("ms", 1e-3), ("min", 60.0), ("s", 1.0), ("m", 60.0), ("h", 3600.0)];
+    let unit = units.into_iter().find_map(|(unit, seconds)| Some((text.strip_suffix(unit)?, seconds)));
+    let (number, unit) = unit.unwrap_or((text, 1.0));
+    let seconds = number.trim().parse::<f64>().ok().map(|number| number * unit);
+    let seconds = seconds.filter(|seconds| *seconds > 0.0 && *seconds <= LONGEST);
+    seconds.map(Duration::from_secs_f64).ok_or_else(|| "write a time above 0, as 90s, 10m or 1.5h".to_owned())
+}
+
+pub(super) fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
+    pair(text, [',']).ok_or_else(|| "write column and row, from 0 at the top left, as in 480,270".to_owned())
+}
