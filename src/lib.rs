@@ -9,7 +9,7 @@
 //! ```text
 //! RON text -> scene::document -> scene::spawn -> hecs World
 //!    each frame: stepped systems -> animate(t) -> scripts -> pure systems -> propagate -> prepare -> trace -> Film
-//!    Film -> output (frame files), or live (a preview in the browser)
+//!    Film -> output (frame files; sequence decides which are to be rendered), or live (a preview in the browser)
 //! ```
 //!
 //! # A picture in a few lines

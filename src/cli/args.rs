@@ -255,7 +255,7 @@ pub(super) enum Format {
     Png,
     /// Portable pixmap, uncompressed
     Ppm,
-    /// On standard output: YUV4MPEG2, uncompressed video that says its size and rate
+    /// On standard output: YUV4MPEG2, uncompressed video that says its size and rate; its colours are those of BT.709, 4:4:4
     Y4m,
     /// On standard output: red, green and blue of pixel after pixel, and nothing else
     Raw,

@@ -117,7 +117,11 @@ fn a_job_description_has_a_task_a_shard_and_verifies_them() {
         let arguments = action["args"].as_array().unwrap().iter();
         let put_in =
             |word: &Value| word.as_str().unwrap().replace("{{Task.Param.Shard}}", &shard.to_string()).into();
-        std::iter::once(action["command"].clone()).chain(arguments.map(put_in)).collect()
+        let words: Vec<Value> = arguments.map(put_in).collect();
+        // Sessions have working directories of their own.
+        assert_eq!((&action["command"], &words[0]), (&"sh".into(), &"-c".into()));
+        assert_eq!(Path::new(words[2].as_str().unwrap()), folder.canonicalize().unwrap());
+        words[3..].to_vec()
     };
     (0..4).for_each(|shard| run(folder, &words(&render, shard)));
     run(folder, &words(&verify, 0));

@@ -64,7 +64,7 @@ impl Farm {
             )
             .into());
         }
-        let name = engine_name(&arguments.scene)?;
+        let name = job_name(&arguments.scene)?;
         Ok(Self {
             scene: in_words(&arguments.scene)?,
             out: in_words(settings.sequence.directory())?,
@@ -145,7 +145,7 @@ fn in_words(path: &Path) -> anyhow::Result<String> {
 }
 
 /// Returns a name that every scheduler takes: small letters, digits and hyphens.
-fn engine_name(scene: &Path) -> anyhow::Result<String> {
+fn job_name(scene: &Path) -> anyhow::Result<String> {
     let stem = PathBuf::from(scene.file_stem().context("the scene has no name")?);
     let letters = stem.to_string_lossy().to_lowercase();
     let name: String =
@@ -193,7 +193,7 @@ mod tests {
             ("\u{e9}.ron", "rayreel"),
             ("-a-.ron", "rayreel-a"),
         ] {
-            assert_eq!(engine_name(Path::new(scene)).unwrap(), name);
+            assert_eq!(job_name(Path::new(scene)).unwrap(), name);
         }
     }
 }

@@ -2,22 +2,24 @@
 //!
 //! The template is JSON, which is YAML, too.
 
-use anyhow::bail;
+use anyhow::{Context, bail};
 use serde_json::{Value, json};
 
-use super::Farm;
+use super::{Farm, in_words};
 
 /// Returns the job template (specification of 2023-09).
 pub(super) fn template(farm: &Farm) -> anyhow::Result<String> {
-    let words = farm.render("").into_iter().chain(farm.verify());
+    let here = std::env::current_dir().context("the working directory is gone")?;
+    let here = in_words(&here)?;
+    let words = farm.render("").into_iter().chain(farm.verify()).chain([here.clone()]);
     // What is in double braces the scheduler replaces.
     if let Some(word) = words.into_iter().find(|word| word.contains("{{")) {
         bail!("`{word}` has `{{{{` in it, which Open Job Description takes for a parameter");
     }
     let range = format!("0-{}", farm.shards - 1);
-    let mut verify = step("Verify", &farm.verify());
+    let mut verify = step("Verify", &here, farm.verify());
     verify["dependencies"] = json!([{ "dependsOn": "Render" }]);
-    let mut shards = step("Render", &farm.render("{{Task.Param.Shard}}"));
+    let mut shards = step("Render", &here, farm.render("{{Task.Param.Shard}}"));
     shards["parameterSpace"] =
         json!({ "taskParameterDefinitions": [{ "name": "Shard", "type": "INT", "range": range }] });
     let template = json!({
@@ -29,7 +31,9 @@ pub(super) fn template(farm: &Farm) -> anyhow::Result<String> {
     Ok(format!("{}\n", serde_json::to_string_pretty(&template)?))
 }
 
-fn step(name: &str, words: &[String]) -> Value {
-    let (command, arguments) = words.split_first().map_or(("", &[][..]), |(first, rest)| (first, rest));
-    json!({ "name": name, "script": { "actions": { "onRun": { "command": command, "args": arguments } } } })
+/// Returns a step that runs a command in a folder: sessions have working directories of their own.
+fn step(name: &str, folder: &str, words: Vec<String>) -> Value {
+    let fixed = ["-c", "cd -- \"$0\" && exec \"$@\"", folder].map(str::to_owned);
+    let arguments: Vec<String> = fixed.into_iter().chain(words).collect();
+    json!({ "name": name, "script": { "actions": { "onRun": { "command": "sh", "args": arguments } } } })
 }
