@@ -59,6 +59,8 @@ pub(super) enum Command {
     New(NewArguments),
     /// Print completions for a shell
     Completions(CompletionsArguments),
+    /// Print a manual page
+    Man(ManArguments),
 }
 
 #[derive(Debug, Args)]
@@ -513,6 +515,15 @@ pub(super) enum SchedulerName {
 pub(super) struct NewArguments {
     /// The file to write; it must not exist
     pub(super) file: PathBuf,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  rayreel man > rayreel.1
+  rayreel man render | man -l -")]
+pub(super) struct ManArguments {
+    /// The command that the page is of; without it, of all
+    pub(super) command: Option<String>,
 }
 
 #[derive(Debug, Args)]

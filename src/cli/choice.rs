@@ -3,6 +3,8 @@
 //!
 //! What is chosen is written beside the frames, and read back by `--settings`: the same pictures then come without a clock.
 
+use std::collections::BTreeSet;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -11,13 +13,14 @@ use anyhow::{Context, anyhow};
 
 use rayreel::accuracy::{Deadline, FewSamples, FrameSamples, Ladder, Pilot};
 use rayreel::components::Sampling;
+use rayreel::output::folder_of;
 use rayreel::sequence::Shot;
 use rayreel::{Engine, Knobs};
 
 use super::args::RenderArguments;
 use super::exit::Failure;
 use super::settings::RenderSettings;
-use super::settings_file::{FrameSettings, SettingsFile};
+use super::settings_file::{FrameSettings, Picture, SettingsFile};
 
 /// The samples of frames.
 pub(super) struct Choice {
@@ -50,8 +53,8 @@ struct Record {
     written: Instant,
     /// Whether each frame has a file of its own. Of a sheet there is all or nothing.
     is_of_files: bool,
-    /// How many frames were noted.
-    frames: usize,
+    /// The pictures that were noted.
+    noted: BTreeSet<Picture>,
     /// The frames that are not as good as they were to be, as far as their pixels tell.
     worse: Vec<(String, f64)>,
 }
@@ -142,7 +145,9 @@ impl Choice {
 
     /// Writes what was chosen beside the frames. Returns what is to be told of it, if anything was.
     pub(super) fn finish(mut self) -> anyhow::Result<Option<Chosen>> {
-        let Some(mut record) = self.record.take().filter(|record| record.frames > 0) else { return Ok(None) };
+        let Some(mut record) = self.record.take().filter(|record| !record.noted.is_empty()) else {
+            return Ok(None);
+        };
         record.write(self.pilot)?;
         let took = self.start.elapsed();
         let missed = match &self.by {
@@ -153,7 +158,7 @@ impl Choice {
             )),
             _ => record.worse(),
         };
-        Ok(Some(Chosen { file: record.file, frames: record.frames, pilot: self.pilot, missed }))
+        Ok(Some(Chosen { file: record.file, frames: record.noted.len(), pilot: self.pilot, missed }))
     }
 }
 
@@ -170,7 +175,8 @@ impl Record {
         };
         let (scene, written) = (scene.to_owned(), Instant::now());
         let is_of_files = settings.sheet.is_none();
-        Ok(Self { file, settings: known, scene, written, is_of_files, frames: 0, worse: Vec::new() })
+        let noted = BTreeSet::new();
+        Ok(Self { file, settings: known, scene, written, is_of_files, noted, worse: Vec::new() })
     }
 
     fn note(&mut self, engine: &Engine, shot: &Shot, took: Duration) {
@@ -179,7 +185,7 @@ impl Record {
         if let Some(error) = report.error.filter(|error| max_error > 0.0 && *error > f64::from(max_error)) {
             self.worse.push((shot.moment(), error));
         }
-        self.frames += 1;
+        self.noted.insert(Picture::of_shot(shot));
         self.settings.put(FrameSettings {
             frame: shot.frame,
             time: shot.time.seconds(),
@@ -194,7 +200,7 @@ impl Record {
     /// Notes the samples of a frame that was done already, unless more is known of it.
     fn note_kept(&mut self, engine: &Engine, shot: &Shot) {
         let Knobs { samples: Some(samples), max_error: Some(max_error), .. } = engine.knobs() else { return };
-        self.frames += 1;
+        self.noted.insert(Picture::of_shot(shot));
         if self.settings.samples_of(shot).is_none() {
             self.settings.put(FrameSettings {
                 frame: shot.frame,
@@ -208,8 +214,15 @@ impl Record {
         }
     }
 
+    /// Writes what is known, with what other processes have written of other frames meanwhile.
     fn write(&mut self, pilot: Duration) -> anyhow::Result<()> {
         self.written = Instant::now();
+        // Others wait with their own until this is there. Where folders have no locks, nobody does.
+        let folder = File::open(folder_of(&self.file));
+        let _lock = folder.and_then(|folder| folder.lock().map(|()| folder)).ok();
+        if self.file.exists() {
+            self.settings.put_others(SettingsFile::read(&self.file)?, &self.noted);
+        }
         self.settings.write(&self.file, &self.scene, pilot.as_secs_f64())
     }
 

@@ -14,6 +14,7 @@ mod explain;
 mod farm;
 mod instructions;
 mod interrupt;
+mod man;
 mod manifest;
 mod movie;
 mod new;
@@ -74,6 +75,7 @@ fn run_command(command: Command, interruption: &Interruption) -> Result<(), Fail
         Command::Verify(arguments) => verify::run(&arguments, interruption),
         Command::Farm(arguments) => farm::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
+        Command::Man(arguments) => man::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
     }
 }

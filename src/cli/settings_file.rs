@@ -1,6 +1,6 @@
 //! The file of the samples that were chosen for frames, beside them: with it they are rendered again without a clock.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
@@ -20,7 +20,7 @@ pub(super) struct SettingsFile {
 
 /// Which picture it is: a frame by its number, or a moment by the bits of its time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Picture {
+pub(super) enum Picture {
     Frame(u32),
     Moment(u64),
 }
@@ -80,13 +80,18 @@ impl SettingsFile {
 
     /// Returns the samples of a shot.
     pub(super) fn samples_of(&self, shot: &Shot) -> Option<FrameSamples> {
-        let frame = self.frames.get(&Picture::of(shot.frame, shot.time.seconds()))?;
+        let frame = self.frames.get(&Picture::of_shot(shot))?;
         Some(FrameSamples { samples: frame.samples, max_error: frame.max_error })
     }
 
     /// Puts a frame in, in the place of what is known of it.
     pub(super) fn put(&mut self, frame: FrameSettings) {
         self.frames.insert(frame.picture(), frame);
+    }
+
+    /// Puts in what another has of all pictures but these.
+    pub(super) fn put_others(&mut self, other: Self, own: &BTreeSet<Picture>) {
+        self.frames.extend(other.frames.into_iter().filter(|(picture, _)| !own.contains(picture)));
     }
 
     /// Writes it, whole or not at all.
@@ -108,6 +113,11 @@ impl FrameSettings {
 }
 
 impl Picture {
+    /// Returns that of a shot.
+    pub(super) fn of_shot(shot: &Shot) -> Self {
+        Self::of(shot.frame, shot.time.seconds())
+    }
+
     fn of(frame: Option<u32>, time: f64) -> Self {
         frame.map_or(Self::Moment(time.to_bits()), Self::Frame)
     }

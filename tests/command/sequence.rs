@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::{pictures, rayreel, text, told};
+use crate::{RAYREEL, command, output_of, pictures, rayreel, text, told};
 
 /// A film of three shots, of which the last is lit by a lamp of its own, and cut to so many seconds.
 fn film(duration: f64, edit: impl Fn(String) -> String) -> String {
@@ -219,6 +219,27 @@ fn chosen_samples_are_part_of_what_is_verified() {
     assert_eq!(verify(folder, &[])["whole"], true);
     assert_eq!(render(folder, &["--samples", "16", "--frames=2"]).0, [2]);
     assert_eq!(verify(folder, &[])["to_render"], "0-1,3");
+}
+
+/// Each writes beside the frames what it chose, and none loses what the others did.
+#[test]
+fn shards_side_by_side_keep_each_others_samples() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_film(folder, 3.0, |film| film);
+    for _ in 0..4 {
+        let shards = ["0/3", "1/3", "2/3"].map(|shard| {
+            let arguments =
+                ["render", "film.ron", "--out", "out", "--overwrite", "--max-error=2", "--shard", shard];
+            command(RAYREEL, folder).args(arguments).spawn().unwrap()
+        });
+        for shard in shards {
+            let output = output_of(shard);
+            assert!(output.status.success(), "{}", text(&output.stderr));
+        }
+        assert_eq!(verify(folder, &[])["whole"], true);
+        fs::remove_file(folder.join("out/film.settings.json")).unwrap();
+    }
 }
 
 #[test]

@@ -315,3 +315,22 @@ fn even_a_kill_leaves_no_torn_frame_file() {
         image::open(out.join(&name)).unwrap_or_else(|error| panic!("{name}: {error}"));
     }
 }
+
+#[test]
+fn every_command_has_a_manual_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = |command: &[&str]| {
+        let output = rayreel(folder.path(), [&["man"], command].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let all = page(&[]);
+    assert!(all.contains(".TH rayreel 1"), "{all}");
+    for command in ["render", "verify", "farm", "watch", "check", "explain", "accuracy", "probe", "new"] {
+        let name = format!("rayreel\\-{command}");
+        assert!(all.contains(&name), "{command}: {all}");
+        assert!(page(&[command]).contains(&name), "{command}");
+    }
+    let unknown = rayreel(folder.path(), ["man", "rendre"]);
+    assert!(text(&unknown.stderr).contains("there is no command `rendre`"));
+}
