@@ -58,15 +58,6 @@ impl FoundFrame {
             Self::Torn("its pixels are not those that were written".to_owned())
         }
     }
-
-    /// Returns columns and rows, of what is whole.
-    #[must_use]
-    pub fn size(&self) -> Option<(u32, u32)> {
-        match self {
-            Self::Missing | Self::Torn(_) => None,
-            Self::Unknown { size } | Self::Whole { size, .. } => Some(*size),
-        }
-    }
 }
 
 /// Reads a frame's pixels, whatever it was rendered from.

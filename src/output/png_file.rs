@@ -10,8 +10,8 @@ use png::{
 use super::picture::Picture;
 use super::provenance::Provenance;
 
-/// The exponent of a file without the chunk `sRGB`'s meaning: the specification's (W3C, "Portable Network Graphics", third edition, 2025,
-/// section 11.3.2.5) for readers that do not know it.
+/// What a file of sRGB says of its gamma, for readers that do not know the chunk `sRGB` (W3C, "Portable Network Graphics", third edition,
+/// 2025, section 11.3.2.5).
 const GAMMA: u32 = 45_455;
 
 /// Returns the bytes of a file, whose colours are marked as sRGB: a pixel's bytes are the file's own colours.
