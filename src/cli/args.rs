@@ -10,7 +10,7 @@ use rayreel::live::HostName;
 use rayreel::scene::Override;
 use rayreel::sequence::{RenderOrder, Shard};
 use rayreel::time::FrameList;
-use rayreel::trace::Precision;
+use rayreel::trace::{Passes, Precision};
 use rayreel::{Effect, Time};
 
 use super::values::{
@@ -76,6 +76,7 @@ pub(super) enum Command {
   rayreel render scenes/first_light.ron --shard 0/4
   rayreel render scenes/first_light.ron --movie first_light.mp4
   rayreel render scenes/first_light.ron --out - | ffplay -
+  rayreel render scenes/first_light.ron --format exr --passes depth,normal,id
   rayreel render scenes/first_light.ron --json > report.json
 
 Frames that are done are kept: those whose files are whole, and were rendered from just what would be
@@ -149,6 +150,10 @@ pub(super) struct RenderArguments {
     /// The files' format, or that of standard output [default: png, and y4m there]
     #[arg(long, value_enum)]
     pub(super) format: Option<Format>,
+    /// What an OpenEXR file tells of each pixel besides its light, from the ray through its middle: depth, normal, id, albedo,
+    /// position; several with commas between them [default of the format then: exr]
+    #[arg(long, value_name = "PASSES")]
+    pub(super) passes: Option<Passes>,
     /// Make a movie of the frames, too, once all are there: .mp4, .mov, .mkv or .webm by ffmpeg, or .gif or .apng
     #[arg(long, value_name = "FILE", value_parser = parse_movie, conflicts_with_all = ["at", "sheet", "shard"])]
     pub(super) movie: Option<PathBuf>,
@@ -251,12 +256,18 @@ impl From<OrderName> for RenderOrder {
     }
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Format {
-    /// Lossless, compressed
+    /// Lossless, compressed, 8 bits a channel
     Png,
-    /// Portable pixmap, uncompressed
+    /// The same with 16 bits a channel, for grading
+    Png16,
+    /// Portable pixmap, uncompressed, 8 bits a channel
     Ppm,
+    /// Portable float map: linear light in 32 bits a channel, uncompressed
+    Pfm,
+    /// OpenEXR: linear light in 32 bits a channel, and what --passes asks for, compressed without loss
+    Exr,
     /// On standard output: YUV4MPEG2, uncompressed video that says its size and rate; its colours are those of BT.709, 4:4:4
     Y4m,
     /// On standard output: red, green and blue of pixel after pixel, and nothing else
@@ -286,7 +297,7 @@ pub(super) struct WatchArguments {
     /// The first frame to show [default: 0]
     #[arg(long, value_name = "INDEX", value_parser = parse_index, allow_hyphen_values = true)]
     pub(super) frame: Option<u32>,
-    /// Write the current frame to this file, .png or .ppm, after every edit
+    /// Write the current frame to this file, .png, .ppm, .pfm or .exr, after every edit
     #[arg(long, value_name = "FILE")]
     pub(super) out: Option<PathBuf>,
     /// Look at the files ten times a second, where the system does not tell of changes: in network folders

@@ -114,6 +114,9 @@ fn picture_arguments(arguments: &RenderArguments, samples: Option<PathBuf>) -> O
     if let Some(format) = arguments.format {
         add("format", name(format.to_possible_value()?));
     }
+    if let Some(passes) = arguments.passes {
+        add("passes", passes.to_string());
+    }
     if let Some(cutoff) = arguments.cutoff {
         add("cutoff", cutoff.to_string());
     }
@@ -174,7 +177,8 @@ mod tests {
         let arguments = parsed(&[
             "--size=64x48",
             "--precision=textbook-f32",
-            "--format=ppm",
+            "--format=exr",
+            "--passes=id,depth",
             "--cutoff=0.25",
             "--samples=4",
             "--set=camera.fov=-5e1",
@@ -190,6 +194,7 @@ mod tests {
         let again = parsed(&words.iter().map(String::as_str).collect::<Vec<_>>());
         assert_eq!(picture_arguments(&again, None).unwrap(), words);
         assert_eq!((again.size, again.cutoff, again.draft), (Some((64, 48)), Some(0.25), true));
+        assert_eq!((again.format, again.passes), (arguments.format, arguments.passes));
         assert_eq!(again.overrides.all(), arguments.overrides.all());
         assert_eq!(again.overrides.without, arguments.overrides.without);
         assert_eq!((again.threads, again.json, again.frames), (None, false, None));

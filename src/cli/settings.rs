@@ -138,16 +138,33 @@ impl Selection {
 /// Returns the format of files, and that of standard output if frames go there.
 fn formats(arguments: &RenderArguments) -> anyhow::Result<(FrameFormat, Option<VideoFormat>)> {
     let is_stream = arguments.out.as_deref() == Some(Path::new("-"));
-    if !is_stream {
-        return match arguments.format {
-            None | Some(Format::Png) => Ok((FrameFormat::Png, None)),
-            Some(Format::Ppm) => Ok((FrameFormat::Ppm, None)),
-            Some(Format::Y4m | Format::Raw) => bail!("y4m and raw are for standard output: add --out -"),
-        };
+    if is_stream { format_of_stream(arguments) } else { Ok((format_of_files(arguments)?, None)) }
+}
+
+fn format_of_files(arguments: &RenderArguments) -> anyhow::Result<FrameFormat> {
+    let passes = arguments.passes.unwrap_or_default();
+    let format = match arguments.format {
+        None if !passes.is_empty() => FrameFormat::Exr(passes),
+        None | Some(Format::Png) => FrameFormat::Png,
+        Some(Format::Png16) => FrameFormat::Png16,
+        Some(Format::Ppm) => FrameFormat::Ppm,
+        Some(Format::Pfm) => FrameFormat::Pfm,
+        Some(Format::Exr) => FrameFormat::Exr(passes),
+        Some(Format::Y4m | Format::Raw) => bail!("y4m and raw are for standard output: add --out -"),
+    };
+    ensure!(format.passes() == passes, "--passes are for --format exr: other files have no room for them");
+    let of_bytes = [(arguments.sheet.is_some(), "--sheet"), (arguments.movie.is_some(), "--movie")];
+    if let Some((_, option)) = of_bytes.into_iter().find(|(is_given, _)| *is_given && format.is_linear()) {
+        bail!("{option} is made of colours in 8 bits: it takes --format png or ppm");
     }
+    Ok(format)
+}
+
+fn format_of_stream(arguments: &RenderArguments) -> anyhow::Result<(FrameFormat, Option<VideoFormat>)> {
     let others = [
         (arguments.json, "--json writes to standard output, too"),
         (arguments.sheet.is_some(), "--sheet makes one file"),
+        (arguments.passes.is_some(), "--passes are for files"),
         (arguments.draft, "--draft makes files in a folder of their own"),
         (arguments.movie.is_some(), "--movie is made of files"),
         (arguments.max_error.is_some(), "--max-error writes beside the frames what it chose"),
@@ -159,9 +176,9 @@ fn formats(arguments: &RenderArguments) -> anyhow::Result<(FrameFormat, Option<V
     match arguments.format {
         None | Some(Format::Y4m) => Ok((FrameFormat::Png, Some(VideoFormat::Y4m))),
         Some(Format::Raw) => Ok((FrameFormat::Png, Some(VideoFormat::Raw))),
-        Some(Format::Png | Format::Ppm) => {
+        Some(Format::Png | Format::Png16 | Format::Ppm | Format::Pfm | Format::Exr) => {
             bail!(
-                "png and ppm are files: standard output takes --format y4m or raw; `--out ./-` is a folder of that name"
+                "png, ppm, pfm and exr are files: standard output takes --format y4m or raw; `--out ./-` is a folder of that name"
             )
         }
     }

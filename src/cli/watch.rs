@@ -10,6 +10,7 @@ use anyhow::{Context, bail};
 
 use rayreel::live::{Event, Server, Session, SessionSettings, Shown, Times, Watching};
 use rayreel::output::{self, FrameFormat};
+use rayreel::trace::Passes;
 
 use super::args::WatchArguments;
 use super::exit::Failure;
@@ -123,8 +124,9 @@ impl Teller {
 
 fn format_of(path: &std::path::Path) -> anyhow::Result<FrameFormat> {
     let ending = path.extension().and_then(|ending| ending.to_str());
-    match [FrameFormat::Png, FrameFormat::Ppm].into_iter().find(|format| ending == Some(format.extension())) {
+    let formats = [FrameFormat::Png, FrameFormat::Ppm, FrameFormat::Pfm, FrameFormat::Exr(Passes::default())];
+    match formats.into_iter().find(|format| ending == Some(format.extension())) {
         Some(format) => Ok(format),
-        None => bail!("--out {}: the file must end in .png or .ppm", path.display()),
+        None => bail!("--out {}: the file must end in .png, .ppm, .pfm or .exr", path.display()),
     }
 }

@@ -56,6 +56,25 @@ impl Transfer {
         self.channels(Rgb::from_array(pixel.to_array().map(clamped)))
     }
 
+    /// Returns the output values of a linear pixel in 16 bits, from 0 to 65535: 257 times those in 8 bits, and as much finer. Values
+    /// outside 0..=1 are clamped.
+    #[must_use]
+    pub fn encode_16(self, pixel: Rgb) -> [u16; 3] {
+        pixel.to_array().map(|channel| {
+            let value = match self {
+                Self::Classic => f64::from(clamped(channel)),
+                Self::Srgb => linear_to_srgb(f64::from(clamped(channel))),
+            };
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "it is from 0 to 65535"
+            )]
+            let code = (65_535.0 * value + 0.5) as u16;
+            code
+        })
+    }
+
     /// Returns the output bytes of a linear pixel. Values outside 0..=1 are clamped.
     #[must_use]
     pub fn encode(self, pixel: Rgb) -> [u8; 3] {
@@ -202,6 +221,19 @@ mod tests {
                 assert_eq!(transfer.encode(linear), [byte; 3], "{transfer:?}");
             }
         }
+    }
+
+    #[test]
+    fn sixteen_bits_are_nearest_to_the_light() {
+        for byte in 0..=255_u8 {
+            for transfer in [Transfer::Classic, Transfer::Srgb] {
+                let linear = transfer.decode([byte.into(); 3]);
+                // That the light of a byte is rounded to `f32` does not show.
+                assert_eq!(transfer.encode_16(linear), [u16::from(byte) * 257; 3], "{transfer:?}");
+            }
+        }
+        let code = |value: f32| Transfer::Classic.encode_16(Rgb::splat(value))[0];
+        assert_eq!([-1.0, 0.5, 0.25, 7.0, f32::NAN].map(code), [0, 32_768, 16_384, 65_535, 0]);
     }
 
     #[test]

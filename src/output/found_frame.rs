@@ -4,9 +4,11 @@ use std::fs::{self, File};
 use std::io::{self, BufReader, Cursor, ErrorKind};
 use std::path::Path;
 
+use png::BitDepth;
+
 use super::picture::Picture;
 use super::provenance::{PixelFingerprint, Provenance};
-use super::{FrameFormat, png_file, ppm_file};
+use super::{FrameFormat, exr_file, pfm_file, png_file, ppm_file};
 use crate::trace::EncodedFilm;
 
 /// What is found where a frame's file should be.
@@ -45,14 +47,14 @@ impl FoundFrame {
     /// Looks at the bytes of a file.
     #[must_use]
     pub fn of(bytes: &[u8], format: FrameFormat) -> Self {
-        let Picture { size, rgb, provenance } = match decode(bytes, format) {
+        let Picture { size, bytes, provenance } = match decode(bytes, format) {
             Ok(picture) => picture,
             Err(reason) => return Self::Torn(reason),
         };
         let Some(Ok(provenance)) = provenance.map(|text| text.parse::<Provenance>()) else {
             return Self::Unknown { size };
         };
-        if PixelFingerprint::of(&rgb, size) == provenance.pixels {
+        if PixelFingerprint::of(&bytes, size) == provenance.pixels {
             Self::Whole { provenance, size }
         } else {
             Self::Torn("its pixels are not those that were written".to_owned())
@@ -60,22 +62,28 @@ impl FoundFrame {
     }
 }
 
-/// Reads a frame's pixels, whatever it was rendered from.
+/// Reads a frame's output bytes, whatever it was rendered from.
 ///
 /// # Errors
 ///
-/// If there is no file, or if it is not whole: in words.
+/// If there is no file, if it is not whole, or if its format has no such bytes: in words.
 pub fn read_frame(path: &Path, format: FrameFormat) -> Result<EncodedFilm, String> {
     let bytes = read(path).map_err(|error| error.to_string())?;
-    let Picture { size: (width, height), rgb, .. } = decode(&bytes, format)?;
-    EncodedFilm::from_bytes(width, height, &rgb)
+    if format.is_linear() {
+        return Err("it does not have 8 bits a channel".to_owned());
+    }
+    let Picture { size: (width, height), bytes, .. } = decode(&bytes, format)?;
+    EncodedFilm::from_bytes(width, height, &bytes)
         .ok_or_else(|| "its size is not that of its pixels".to_owned())
 }
 
 fn decode(bytes: &[u8], format: FrameFormat) -> Result<Picture, String> {
     match format {
-        FrameFormat::Png => png_file::decode(&mut Cursor::new(bytes)),
+        FrameFormat::Png => png_file::decode(&mut Cursor::new(bytes), BitDepth::Eight),
+        FrameFormat::Png16 => png_file::decode(&mut Cursor::new(bytes), BitDepth::Sixteen),
         FrameFormat::Ppm => ppm_file::decode(bytes),
+        FrameFormat::Pfm => pfm_file::decode(bytes),
+        FrameFormat::Exr(passes) => exr_file::decode(bytes, passes),
     }
 }
 
@@ -84,8 +92,10 @@ fn decode(bytes: &[u8], format: FrameFormat) -> Result<Picture, String> {
 pub fn frame_size(path: &Path, format: FrameFormat) -> Option<(u32, u32)> {
     let mut file = BufReader::new(File::open(path).ok()?);
     match format {
-        FrameFormat::Png => png_file::size(&mut file),
+        FrameFormat::Png | FrameFormat::Png16 => png_file::size(&mut file),
         FrameFormat::Ppm => ppm_file::size(&mut file),
+        FrameFormat::Pfm => pfm_file::size(&mut file),
+        FrameFormat::Exr(_) => exr_file::size(file),
     }
 }
 
@@ -102,27 +112,39 @@ fn read(path: &Path) -> io::Result<Vec<u8>> {
 mod tests {
     use super::*;
     use crate::color::{Rgb, Transfer};
-    use crate::output::frame_file::encode_pixels;
-    use crate::trace::Film;
+    use crate::output::frame_file::encode_frame;
+    use crate::output::{FramePixels, LinearFrame};
+    use crate::trace::{Film, Pass, PassPixel};
 
-    const FORMATS: [FrameFormat; 2] = [FrameFormat::Png, FrameFormat::Ppm];
+    fn formats() -> [FrameFormat; 6] {
+        let exr = |passes: &[Pass]| FrameFormat::Exr(passes.iter().copied().collect());
+        [FrameFormat::Png, FrameFormat::Png16, FrameFormat::Ppm, FrameFormat::Pfm, exr(&[]), exr(&Pass::ALL)]
+    }
 
     fn frame(format: FrameFormat, seed: u8) -> Vec<u8> {
         let pixels = (0..35_u8).map(|index| Rgb::splat(f32::from(index.wrapping_mul(seed)) / 255.0));
-        let film = Film::from_pixels(7, 5, pixels).encoded(Transfer::Classic);
+        let film = Film::from_pixels(7, 5, pixels);
+        let pass = |index: u8| PassPixel {
+            depth: f32::from(index),
+            normal: [f32::from(index); 3],
+            id: index.into(),
+            ..PassPixel::NOTHING
+        };
+        let passes = (0..35_u8).map(pass).collect();
+        let pixels = FramePixels::Linear(LinearFrame { film, transfer: Transfer::Classic, passes });
         let frame = format!("{seed:032x}").parse().unwrap();
-        encode_pixels(film.bytes(), (7, 5), format, Some(frame)).unwrap().concat()
+        encode_frame(&pixels, format, Some(frame)).unwrap().concat()
     }
 
     #[test]
     fn whole_frames_are_known() {
-        for format in FORMATS {
+        for format in formats() {
             let FoundFrame::Whole { provenance, size } = FoundFrame::of(&frame(format, 3), format) else {
-                panic!("{format:?} is not whole");
+                panic!("{format:?} is not whole: {:?}", FoundFrame::of(&frame(format, 3), format));
             };
             assert_eq!((size, provenance.frame.to_string()), ((7, 5), format!("{:032x}", 3)));
         }
-        for format in FORMATS {
+        for format in formats().into_iter().filter(|format| format.passes().is_empty()) {
             let film = Film::new(7, 5);
             let bytes = crate::output::encode(&film, Transfer::Srgb, format).unwrap();
             assert_eq!(FoundFrame::of(&bytes, format), FoundFrame::Unknown { size: (7, 5) });
@@ -130,13 +152,32 @@ mod tests {
     }
 
     #[test]
+    fn frames_of_another_format_are_none() {
+        for (index, format) in formats().into_iter().enumerate() {
+            for (other_index, other) in formats().into_iter().enumerate() {
+                let found = FoundFrame::of(&frame(format, 3), other);
+                assert_eq!(
+                    matches!(found, FoundFrame::Torn(_)),
+                    index != other_index,
+                    "{format:?} as {other:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
     fn no_torn_frame_is_whole() {
-        for format in FORMATS {
+        for format in formats() {
             let bytes = frame(format, 3);
             let whole = FoundFrame::of(&bytes, format);
             for end in 0..bytes.len() {
                 let cut = FoundFrame::of(&bytes[..end], format);
-                assert!(matches!(cut, FoundFrame::Torn(_)), "{format:?} cut at {end}: {cut:?}");
+                let is_told = match format {
+                    // What a file tells of itself comes last.
+                    FrameFormat::Pfm => !matches!(cut, FoundFrame::Whole { .. }),
+                    _ => matches!(cut, FoundFrame::Torn(_)),
+                };
+                assert!(is_told, "{format:?} cut at {end}: {cut:?}");
             }
             for place in 0..bytes.len() {
                 for bit in 0..8 {
@@ -148,9 +189,9 @@ mod tests {
                 }
             }
             let longer = [&bytes[..], b"x"].concat();
-            assert!(matches!(FoundFrame::of(&longer, format), FoundFrame::Torn(_)));
+            assert!(matches!(FoundFrame::of(&longer, format), FoundFrame::Torn(_)), "{format:?}");
             let zeros = vec![0; bytes.len()];
-            assert!(matches!(FoundFrame::of(&zeros, format), FoundFrame::Torn(_)));
+            assert!(matches!(FoundFrame::of(&zeros, format), FoundFrame::Torn(_)), "{format:?}");
         }
     }
 

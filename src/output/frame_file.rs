@@ -4,12 +4,13 @@ use std::borrow::Cow;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use png::Filter;
+use png::{BitDepth, Filter};
 
+use super::frame_pixels::{FramePixels, LinearFrame};
 use super::provenance::{PixelFingerprint, Provenance};
-use super::{png_file, ppm_file, whole_file};
+use super::{exr_file, pfm_file, png_file, ppm_file, whole_file};
 use crate::color::Transfer;
-use crate::trace::{Film, FrameFingerprint};
+use crate::trace::{Film, FrameFingerprint, Passes};
 
 /// The file format of frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -17,8 +18,14 @@ pub enum FrameFormat {
     /// Lossless and compressed, 8 bits a channel.
     #[default]
     Png,
+    /// Lossless and compressed, 16 bits a channel.
+    Png16,
     /// Portable pixmap, binary (P6): uncompressed, 8 bits a channel.
     Ppm,
+    /// Portable float map: uncompressed, linear light, 32 bits a channel.
+    Pfm,
+    /// OpenEXR: compressed without loss, linear light, 32 bits a channel; and such passes.
+    Exr(Passes),
 }
 
 impl FrameFormat {
@@ -26,8 +33,25 @@ impl FrameFormat {
     #[must_use]
     pub fn extension(self) -> &'static str {
         match self {
-            Self::Png => "png",
+            Self::Png | Self::Png16 => "png",
             Self::Ppm => "ppm",
+            Self::Pfm => "pfm",
+            Self::Exr(_) => "exr",
+        }
+    }
+
+    /// Returns whether it is made of linear light: output bytes are not enough for it.
+    #[must_use]
+    pub fn is_linear(self) -> bool {
+        !matches!(self, Self::Png | Self::Ppm)
+    }
+
+    /// Returns the passes that it has.
+    #[must_use]
+    pub fn passes(self) -> Passes {
+        match self {
+            Self::Exr(passes) => passes,
+            Self::Png | Self::Png16 | Self::Ppm | Self::Pfm => Passes::default(),
         }
     }
 }
@@ -49,8 +73,22 @@ pub enum WriteError {
         /// The frame file.
         path: PathBuf,
         /// The encoder's error.
-        source: png::EncodingError,
+        source: EncodeError,
     },
+}
+
+/// The reason why there are no bytes of a frame file.
+#[derive(Debug, thiserror::Error)]
+pub enum EncodeError {
+    /// The PNG encoder refused, as it does a picture without pixels.
+    #[error(transparent)]
+    Png(#[from] png::EncodingError),
+    /// The OpenEXR encoder refused.
+    #[error(transparent)]
+    Exr(#[from] exr::error::Error),
+    /// The format is made of linear light, and there are only output bytes.
+    #[error("its format is made of linear light, of which only rounded bytes are left")]
+    NoLight,
 }
 
 /// Returns the bytes of a frame file.
@@ -58,9 +96,17 @@ pub enum WriteError {
 /// # Errors
 ///
 /// If the encoder refuses the film's size.
-pub fn encode(film: &Film, transfer: Transfer, format: FrameFormat) -> Result<Vec<u8>, png::EncodingError> {
-    let film = film.encoded(transfer);
-    encode_pixels(film.bytes(), (film.width(), film.height()), format, None).map(|parts| parts.concat())
+pub fn encode(film: &Film, transfer: Transfer, format: FrameFormat) -> Result<Vec<u8>, EncodeError> {
+    encode_frame(&pixels_of(film, transfer, format), format, None).map(|parts| parts.concat())
+}
+
+/// Returns a film's pixels for a format, without passes.
+fn pixels_of(film: &Film, transfer: Transfer, format: FrameFormat) -> FramePixels {
+    if format.is_linear() {
+        FramePixels::Linear(LinearFrame { film: film.clone(), transfer, passes: Vec::new() })
+    } else {
+        FramePixels::Encoded(film.encoded(transfer))
+    }
 }
 
 /// Returns a PNG file that takes less time to write and to read, and some more space: for an interactive reader. Runs on the
@@ -69,24 +115,37 @@ pub fn encode(film: &Film, transfer: Transfer, format: FrameFormat) -> Result<Ve
 /// # Errors
 ///
 /// If the encoder refuses the film's size.
-pub fn encode_quickly(film: &Film, transfer: Transfer) -> Result<Vec<u8>, png::EncodingError> {
-    png_file::encode(film.encoded(transfer).bytes(), (film.width(), film.height()), Filter::Sub, None)
+pub fn encode_quickly(film: &Film, transfer: Transfer) -> Result<Vec<u8>, EncodeError> {
+    let (film, size) = (film.encoded(transfer), (film.width(), film.height()));
+    Ok(png_file::encode(film.bytes(), BitDepth::Eight, size, Filter::Sub, None)?)
 }
 
-/// Returns the bytes of a file of these pixels, red, green and blue of one after the other, row by row from the top: in two parts. If
-/// it is a frame, the file says which.
-pub(super) fn encode_pixels(
-    rgb: &[u8],
-    size: (u32, u32),
+/// Returns the bytes of a file of these pixels, in parts. If it is a frame, the file says which.
+pub(super) fn encode_frame(
+    pixels: &FramePixels,
     format: FrameFormat,
     frame: Option<FrameFingerprint>,
-) -> Result<[Cow<'_, [u8]>; 2], png::EncodingError> {
-    let provenance = frame.map(|frame| Provenance { frame, pixels: PixelFingerprint::of(rgb, size) });
+) -> Result<[Cow<'_, [u8]>; 3], EncodeError> {
+    let size = pixels.size();
+    let told =
+        |bytes: &[u8]| frame.map(|frame| Provenance { frame, pixels: PixelFingerprint::of(bytes, size) });
+    let light = || pixels.linear().ok_or(EncodeError::NoLight);
+    let png =
+        |bytes: &[u8], depth| png_file::encode(bytes, depth, size, Filter::Adaptive, told(bytes).as_ref());
+    let whole = |bytes: Vec<u8>| [bytes.into(), Cow::default(), Cow::default()];
     Ok(match format {
-        FrameFormat::Png => {
-            [png_file::encode(rgb, size, Filter::Adaptive, provenance.as_ref())?.into(), Cow::default()]
+        FrameFormat::Png => whole(png(&pixels.encoded(), BitDepth::Eight)?),
+        FrameFormat::Png16 => whole(png(&light()?.encoded_16(), BitDepth::Sixteen)?),
+        FrameFormat::Ppm => {
+            let bytes = pixels.encoded();
+            [ppm_file::header(size, told(&bytes).as_ref()).into_bytes().into(), bytes, Cow::default()]
         }
-        FrameFormat::Ppm => [ppm_file::header(size, provenance.as_ref()).into_bytes().into(), rgb.into()],
+        FrameFormat::Pfm => {
+            let bytes = pfm_file::pixels(&light()?.film);
+            let trailer = pfm_file::trailer(told(&bytes).as_ref());
+            [pfm_file::header(size).into_bytes().into(), bytes.into(), trailer.into_bytes().into()]
+        }
+        FrameFormat::Exr(passes) => whole(exr_file::encode(light()?, passes, frame)?),
     })
 }
 
@@ -96,33 +155,25 @@ pub(super) fn encode_pixels(
 ///
 /// If the file system or the encoder refuses; nothing is left behind.
 pub fn write(path: &Path, film: &Film, transfer: Transfer, format: FrameFormat) -> Result<(), WriteError> {
-    let film = film.encoded(transfer);
-    write_pixels(path, film.bytes(), (film.width(), film.height()), format)
+    write_pixels(path, &pixels_of(film, transfer, format), format)
 }
 
 /// Writes a frame file of pixels as [`write`] does.
-pub(super) fn write_pixels(
-    path: &Path,
-    rgb: &[u8],
-    size: (u32, u32),
-    format: FrameFormat,
-) -> Result<(), WriteError> {
-    put(path, rgb, size, format, None)?;
+pub(super) fn write_pixels(path: &Path, pixels: &FramePixels, format: FrameFormat) -> Result<(), WriteError> {
+    put(path, pixels, format, None)?;
     settle(path)
 }
 
 /// Writes as [`write_pixels`] does, but if the machine fails, the file may be absent as long as it is not [settled](settle).
 pub(super) fn put(
     path: &Path,
-    rgb: &[u8],
-    size: (u32, u32),
+    pixels: &FramePixels,
     format: FrameFormat,
     frame: Option<FrameFingerprint>,
 ) -> Result<(), WriteError> {
-    let encoded = encode_pixels(rgb, size, format, frame);
+    let encoded = encode_frame(pixels, format, frame);
     let parts = encoded.map_err(|source| WriteError::Encoding { path: path.to_owned(), source })?;
-    let [first, second] = &parts;
-    whole_file::put(path, &[first, second])
+    whole_file::put(path, &parts.each_ref().map(|part| &**part))
         .map_err(|source| WriteError::File { path: path.to_owned(), source })
 }
 

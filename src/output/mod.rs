@@ -3,10 +3,13 @@
 //! Files are whole or absent: each is written under a temporary name beside its place, and renamed when every byte is on the
 //! disk. Each frame file says which picture it is and which pixels it has, so that what is there can be told from what should be.
 
+mod exr_file;
 mod found_frame;
 mod frame_file;
+mod frame_pixels;
 mod label;
 mod loops;
+mod pfm_file;
 mod picture;
 mod png_file;
 mod ppm_file;
@@ -18,7 +21,10 @@ mod whole_file;
 mod writer;
 
 pub use found_frame::{FoundFrame, frame_size, read_frame};
-pub use frame_file::{FrameFormat, WriteError, encode, encode_quickly, write, write_bytes, write_new};
+pub use frame_file::{
+    EncodeError, FrameFormat, WriteError, encode, encode_quickly, write, write_bytes, write_new,
+};
+pub use frame_pixels::{FramePixels, LinearFrame};
 pub use loops::{LoopError, LoopFormat, LoopWriter};
 pub use provenance::{NoProvenance, PixelFingerprint, Provenance};
 pub use sequence::Sequence;

@@ -1,4 +1,4 @@
-//! PNG files, 8 bits a channel.
+//! PNG files, 8 or 16 bits a channel.
 
 use std::io::{BufRead, Seek, SeekFrom};
 
@@ -14,9 +14,11 @@ use super::provenance::Provenance;
 /// 2025, section 11.3.2.5).
 const GAMMA: u32 = 45_455;
 
-/// Returns the bytes of a file, whose colours are marked as sRGB: a pixel's bytes are the file's own colours.
+/// Returns the bytes of a file of these channels, in 16 bits the more significant byte first. Its colours are marked as sRGB: a pixel's
+/// bytes are the file's own colours.
 pub(super) fn encode(
-    rgb: &[u8],
+    channels: &[u8],
+    depth: BitDepth,
     (width, height): (u32, u32),
     filter: Filter,
     provenance: Option<&Provenance>,
@@ -24,7 +26,7 @@ pub(super) fn encode(
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, width, height);
     encoder.set_color(ColorType::Rgb);
-    encoder.set_depth(BitDepth::Eight);
+    encoder.set_depth(depth);
     encoder.set_compression(Compression::Fast);
     encoder.set_filter(filter);
     encoder.set_source_gamma(ScaledFloat::from_scaled(GAMMA));
@@ -33,7 +35,7 @@ pub(super) fn encode(
         encoder.add_text_chunk(Provenance::KEYWORD.to_owned(), provenance.to_string())?;
     }
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(rgb)?;
+    writer.write_image_data(channels)?;
     writer.finish()?;
     Ok(bytes)
 }
@@ -44,17 +46,17 @@ pub(super) fn size(file: &mut (impl BufRead + Seek)) -> Option<(u32, u32)> {
 }
 
 /// Reads a file to its last byte, and checks all of them. Returns why it is not whole, in words.
-pub(super) fn decode(file: &mut (impl BufRead + Seek)) -> Result<Picture, String> {
+pub(super) fn decode(file: &mut (impl BufRead + Seek), depth: BitDepth) -> Result<Picture, String> {
     let mut options = DecodeOptions::default();
     options.set_ignore_adler32(false);
     options.set_skip_ancillary_crc_failures(false);
     let in_words = |error: png::DecodingError| error.to_string();
     let mut reader = Decoder::new_with_options(&mut *file, options).read_info().map_err(in_words)?;
-    if reader.output_color_type() != (ColorType::Rgb, BitDepth::Eight) {
-        return Err("it does not have 8 bits of red, green and blue in each pixel".to_owned());
+    if reader.output_color_type() != (ColorType::Rgb, depth) {
+        return Err(format!("it does not have {} bits of red, green and blue in each pixel", depth as u8));
     }
-    let mut rgb = vec![0; reader.output_buffer_size().ok_or("it is too large")?];
-    reader.next_frame(&mut rgb).map_err(in_words)?;
+    let mut bytes = vec![0; reader.output_buffer_size().ok_or("it is too large")?];
+    reader.next_frame(&mut bytes).map_err(in_words)?;
     reader.finish().map_err(in_words)?;
     let info = reader.info();
     let texts = info.uncompressed_latin1_text.iter();
@@ -67,5 +69,5 @@ pub(super) fn decode(file: &mut (impl BufRead + Seek)) -> Result<Picture, String
     if place != end {
         return Err("there is more after its end".to_owned());
     }
-    Ok(Picture { size, rgb, provenance })
+    Ok(Picture { size, bytes, provenance })
 }

@@ -56,5 +56,5 @@ pub(super) fn decode(mut bytes: &[u8]) -> Result<Picture, String> {
     if bytes.len() as u64 != count {
         return Err(format!("it has {} bytes of pixels instead of {count}", bytes.len()));
     }
-    Ok(Picture { size, rgb: bytes.to_vec(), provenance })
+    Ok(Picture { size, bytes: bytes.to_vec(), provenance })
 }

@@ -129,7 +129,9 @@ impl Sheet {
     ///
     /// If the file system or the encoder refuses; nothing is left behind.
     pub fn write(&self, path: &Path, format: FrameFormat) -> Result<(), WriteError> {
-        write_pixels(path, self.pixels.as_flattened(), (self.width, self.height()), format)
+        let bytes = self.pixels.as_flattened();
+        let film = EncodedFilm::from_bytes(self.width, self.height(), bytes).expect("its rows are whole");
+        write_pixels(path, &film.into(), format)
     }
 
     /// Returns the left and top of the next tile.

@@ -6,8 +6,8 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::frame_file;
-use super::{FrameFormat, WriteError};
-use crate::trace::{EncodedFilm, FrameFingerprint};
+use super::{FrameFormat, FramePixels, WriteError};
+use crate::trace::FrameFingerprint;
 
 /// A thread that writes one frame while the next is rendered. At most two films wait.
 #[derive(Debug)]
@@ -33,7 +33,7 @@ pub struct WrittenFrame {
 struct Job {
     ticket: usize,
     path: PathBuf,
-    film: EncodedFilm,
+    pixels: FramePixels,
     format: FrameFormat,
     frame: Option<FrameFingerprint>,
 }
@@ -48,18 +48,18 @@ impl FrameWriter {
         Self { jobs: Some(jobs), written, thread: Some(thread) }
     }
 
-    /// Submits a film, and what identifies the picture, if it is to say so in its file; waits while too many are queued.
+    /// Submits a frame, and what identifies the picture, if it is to say so in its file; waits while too many are queued.
     pub fn submit(
         &self,
         ticket: usize,
         path: PathBuf,
-        film: EncodedFilm,
+        pixels: impl Into<FramePixels>,
         format: FrameFormat,
         frame: Option<FrameFingerprint>,
     ) {
         if let Some(jobs) = &self.jobs {
             // The thread ends only after the sender is dropped.
-            let _ = jobs.send(Job { ticket, path, film, format, frame });
+            let _ = jobs.send(Job { ticket, path, pixels: pixels.into(), format, frame });
         }
     }
 
@@ -90,9 +90,9 @@ impl Drop for FrameWriter {
 /// one's.
 fn run(jobs: &Receiver<Job>, done: &Sender<WrittenFrame>) {
     let mut next = jobs.recv().ok();
-    while let Some(Job { ticket, path, film, format, frame }) = next {
+    while let Some(Job { ticket, path, pixels, format, frame }) = next {
         let start = Instant::now();
-        let put = frame_file::put(&path, film.bytes(), (film.width(), film.height()), format, frame);
+        let put = frame_file::put(&path, &pixels, format, frame);
         next = jobs.try_recv().ok();
         let goes_on = next.as_ref().is_some_and(|job| job.path.parent() == path.parent());
         let result = if goes_on { put } else { put.and(frame_file::settle(&path)) };

@@ -9,8 +9,12 @@ use std::time::Duration;
 
 use super::Shot;
 use crate::engine::{Engine, EngineError};
-use crate::output::{FoundFrame, FrameWriter, Sequence, WriteError, WrittenFrame, remove_leftovers};
+use crate::output::{
+    FoundFrame, FrameFormat, FramePixels, FrameWriter, LinearFrame, Sequence, WriteError, WrittenFrame,
+    remove_leftovers,
+};
 use crate::time::FrameList;
+use crate::trace::PassPixel;
 
 /// What becomes of frames that are there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -174,8 +178,8 @@ impl Engine {
                     break;
                 }
             }
-            let film = match self.render_encoded_unless(shot.time, cancelled) {
-                Ok(Some(film)) => film,
+            let pixels = match self.pixels_unless(&shot, sequence.format(), cancelled) {
+                Ok(Some(pixels)) => pixels,
                 stopped => {
                     rendered = stopped.map(drop);
                     break;
@@ -183,7 +187,7 @@ impl Engine {
             };
             let flow = observer.rendered(self, &shot);
             let fingerprint = self.report().fingerprint;
-            writer.submit(submitted.len(), path, film, sequence.format(), fingerprint);
+            writer.submit(submitted.len(), path, pixels, sequence.format(), fingerprint);
             submitted.push(shot);
             let mut all_good = true;
             for written in writer.written() {
@@ -197,6 +201,27 @@ impl Engine {
             settle(written, &submitted, observer);
         }
         rendered
+    }
+
+    /// Renders a shot's pixels for a format, unless `cancelled` becomes true meanwhile.
+    fn pixels_unless(
+        &mut self,
+        shot: &Shot,
+        format: FrameFormat,
+        cancelled: &AtomicBool,
+    ) -> Result<Option<FramePixels>, EngineError> {
+        if !format.is_linear() {
+            return Ok(self.render_encoded_unless(shot.time, cancelled)?.map(FramePixels::Encoded));
+        }
+        let Some(film) = self.render_unless(shot.time, cancelled)? else { return Ok(None) };
+        let passes = match format.passes().is_empty() {
+            true => Vec::new(),
+            false => {
+                self.passes_at(shot.time)?.unwrap_or_else(|| vec![PassPixel::NOTHING; film.pixels().len()])
+            }
+        };
+        let transfer = self.film_settings().transfer;
+        Ok(Some(FramePixels::Linear(LinearFrame { film, transfer, passes })))
     }
 
     /// Returns whether a shot's file is whole, and the same as would be rendered.

@@ -53,6 +53,10 @@
 //! not show, by a guaranteed bound (what is cut in a sample adds up to less than the scene's cut-off), at the last
 //! generation, and at 4096 rays; rays beyond the last two see the background untraced. How many it was is in [`TreeEnds`].
 //!
+//! # What pixels meet first
+//!
+//! Beside light, depth, normal, position and the like can be told of the ray through each pixel's middle (`passes`), for other programs.
+//!
 //! # What identifies a picture
 //!
 //! Everything that the kernel receives for a frame, and nothing else, has a fingerprint (`frame_fingerprint`): frames of equal
@@ -74,6 +78,7 @@ mod light;
 #[doc(hidden)]
 pub mod math;
 mod packet;
+mod passes;
 mod query;
 mod rays;
 #[doc(hidden)]
@@ -95,6 +100,7 @@ pub use film::{EncodedFilm, Film};
 pub(crate) use frame_fingerprint::{FrameConstants, FrameHasher};
 pub use frame_fingerprint::{FrameFingerprint, NotAFingerprint, SEMANTICS};
 pub use math::Sampling;
+pub use passes::{Pass, PassPixel, Passes, UnknownPass};
 pub use query::Escalations;
 pub use scene::{Camera, Precision};
 

@@ -281,9 +281,111 @@ fn standard_output_takes_video() {
     assert!(!folder.join("-").exists());
     for (more, told) in [
         (&["--out", "-", "--json"][..], "frames cannot go to standard output: --json"),
-        (&["--out", "-", "--format", "png"], "png and ppm are files"),
+        (&["--out", "-", "--format", "png"], "are files: standard output takes"),
         (&["--format", "y4m"], "add --out -"),
         (&["--movie", "a.txt"], "a movie ends in .mp4"),
+    ] {
+        let output = rayreel(folder, ["render", "film.ron"].iter().chain(more));
+        assert!(!output.status.success());
+        assert!(text(&output.stderr).contains(told), "{more:?}: {}", text(&output.stderr));
+    }
+}
+
+/// Who has seen enough ends it, and that is no failure.
+#[test]
+fn a_reader_of_standard_output_may_go() {
+    use std::io::Read;
+    use std::process::{Command, Stdio};
+
+    let folder = tempfile::tempdir().unwrap();
+    write_film(folder.path(), 1.0, |film| film);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rayreel"));
+    command.current_dir(folder.path()).args(["render", "film.ron", "--out", "-", "--size", "640x360"]);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut beginning = [0; 9];
+    child.stdout.take().unwrap().read_exact(&mut beginning).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(&beginning, b"YUV4MPEG2");
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let told = text(&output.stderr);
+    assert!(!told.contains("error") && !told.contains("panicked"), "{told}");
+}
+
+/// Nobody can make a folder there, not even who may do everything.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_folder_that_cannot_be_written_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    write_film(folder.path(), 1.0, |film| film);
+    for out in ["/sys/kernel/rayreel", "/proc/rayreel"] {
+        let output = rayreel(folder.path(), ["render", "film.ron", "--out", out]);
+        assert_eq!(output.status.code(), Some(1), "{out}");
+        assert!(
+            text(&output.stderr).contains(&format!("cannot make the folder `{out}`")),
+            "{}",
+            text(&output.stderr)
+        );
+    }
+}
+
+/// Every format has the light that the library makes, as exactly as it has room for.
+#[test]
+fn every_format_has_the_same_light() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_film(folder, 1.0, |film| film);
+    let mut engine = rayreel::Engine::load(folder.join("film.ron")).unwrap();
+    let film = engine.render_frame(1).unwrap();
+    let transfer = engine.film_settings().transfer;
+    for format in ["png16", "pfm", "exr"] {
+        render(folder, &["--format", format]);
+        assert_eq!(verify(folder, &[])["whole"], true, "{format}");
+        assert_eq!(render(folder, &["--format", format]), (vec![], all(0..4)), "{format}");
+    }
+    let sixteen = image::open(folder.join("out/film.0001.png")).unwrap();
+    assert_eq!(sixteen.color(), image::ColorType::Rgb16);
+    let values = film.pixels().iter().flat_map(|pixel| transfer.encode_16(*pixel));
+    assert_eq!(sixteen.into_rgb16().into_raw(), values.collect::<Vec<u16>>());
+
+    let light: Vec<u8> =
+        film.pixels().iter().flat_map(rayreel::Rgb::to_array).flat_map(f32::to_le_bytes).collect();
+    let pfm = fs::read(folder.join("out/film.0001.pfm")).unwrap();
+    let pixels = pfm.strip_prefix(b"PF\n32 18\n-1.0\n").unwrap();
+    let rows: Vec<u8> = pixels[..light.len()].chunks(32 * 12).rev().flatten().copied().collect();
+    assert_eq!(rows, light);
+
+    let Some(exr) = planes_by_ffmpeg(&folder.join("out/film.0001.exr")) else { return };
+    assert!(exr == planes(&film));
+    render(folder, &["--passes", "depth,normal,id,albedo,position", "--frames", "1"]);
+    assert!(planes_by_ffmpeg(&folder.join("out/film.0001.exr")).unwrap() == planes(&film));
+}
+
+/// Returns the green, the blue and the red of all pixels, as another program reads a file. `None` without that program.
+fn planes_by_ffmpeg(file: &Path) -> Option<Vec<u8>> {
+    let mut command = std::process::Command::new("ffmpeg");
+    let command = command.args(["-v", "error", "-i"]).arg(file);
+    let read = command.args(["-pix_fmt", "gbrpf32le", "-f", "rawvideo", "-"]).output().ok()?;
+    assert!(read.status.success() && read.stderr.is_empty(), "{}", text(&read.stderr));
+    Some(read.stdout)
+}
+
+fn planes(film: &rayreel::trace::Film) -> Vec<u8> {
+    let plane =
+        |channel: usize| film.pixels().iter().flat_map(move |pixel| pixel.to_array()[channel].to_le_bytes());
+    [1, 2, 0].into_iter().flat_map(plane).collect()
+}
+
+#[test]
+fn what_a_format_has_no_room_for_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_film(folder, 1.0, |film| film);
+    for (more, told) in [
+        (&["--format", "png", "--passes", "depth"][..], "--passes are for --format exr"),
+        (&["--passes", "deep"], "there is no pass `deep`"),
+        (&["--format", "exr", "--movie", "a.gif"], "--movie is made of colours in 8 bits"),
+        (&["--format", "png16", "--sheet", "2x2"], "--sheet is made of colours in 8 bits"),
+        (&["--out", "-", "--passes", "id"], "--passes are for files"),
     ] {
         let output = rayreel(folder, ["render", "film.ron"].iter().chain(more));
         assert!(!output.status.success());

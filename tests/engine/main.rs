@@ -9,6 +9,7 @@ mod encoded_films;
 mod every_channel;
 mod faults;
 mod own_systems;
+mod passes;
 mod prepared_changes;
 mod reload;
 mod scripts;

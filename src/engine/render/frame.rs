@@ -225,7 +225,7 @@ impl Engine {
     }
 
     /// Returns the instants at which a frame is drawn: its moment, or several while the shutter is open.
-    fn instants(&mut self, time: Time) -> Vec<Time> {
+    pub(super) fn instants(&mut self, time: Time) -> Vec<Time> {
         let shutter = self.shutter(time);
         self.instants_of(shutter, time)
     }
@@ -251,7 +251,7 @@ impl Engine {
     /// Visits the instants of the frame at `time`, and calls `each` with the prepared data of each, the effects that it needs, and its
     /// index, as long as it wants. The film and the samples are those of the first instant throughout.
     /// Returns whether the world was brought to each of them: `cancelled` may have become true meanwhile.
-    fn seek_all(
+    pub(super) fn seek_all(
         &mut self,
         time: Time,
         instants: &[Time],
@@ -390,7 +390,7 @@ impl Engine {
 }
 
 /// What comes after an instant of a frame.
-enum Then {
+pub(super) enum Then {
     /// The next one, if there is one.
     GoOn,
     /// All of them again.

@@ -1,7 +1,8 @@
-//! Pictures of a moment: full frames, and drafts that precede them.
+//! Pictures of a moment: full frames, drafts that precede them, and what pixels meet first.
 
 mod draft;
 mod fingerprint;
 mod frame;
+mod passes;
 
 pub use draft::Draft;

@@ -16,6 +16,7 @@ mod scratch;
 mod textbook;
 
 pub use cast::{CastHit, CastRay};
+pub(crate) use closest_hit::with_intersector;
 pub(crate) use crossings::{Crossed, Crossing, Look};
 pub use escalations::Escalations;
 pub(crate) use guaranteed::NEAR;

@@ -19,8 +19,8 @@ pub(crate) struct Rank(u32);
 
 impl Rank {
     /// Returns it as a number.
-    pub(super) fn number(self) -> u64 {
-        self.0.into()
+    pub(crate) fn number(self) -> u32 {
+        self.0
     }
 }
 

@@ -182,7 +182,7 @@ impl PreparedScene {
     pub(crate) fn write_surroundings(&self, bytes: &mut Bytes) {
         bytes.count(self.lights.len() as u64);
         for light in &self.lights {
-            light.write(bytes, |shape| self.order().rank(shape).number());
+            light.write(bytes, |shape| self.order().rank(shape).number().into());
         }
         bytes.colors([self.ambient, self.fog.color]);
         self.background.write(bytes);

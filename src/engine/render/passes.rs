@@ -1,0 +1,43 @@
+//! What pixels meet first, beside pictures of light.
+
+use std::sync::atomic::AtomicBool;
+
+use super::frame::Then;
+use crate::engine::engine::{Engine, EngineError};
+use crate::time::Time;
+use crate::trace::PassPixel;
+
+impl Engine {
+    /// Returns what the ray through the middle of each pixel meets first, row by row from the top, on the current rayon pool's threads:
+    /// at the moment or, while the shutter is open, at its first instant. The [report](Engine::report) and the plan stay those of the
+    /// last picture. `None` without a camera.
+    ///
+    /// ```
+    /// use rayreel::components::{Camera, FilmSettings, Material, Shape, Transform};
+    /// use rayreel::{Engine, Rgb, Time, World};
+    ///
+    /// let mut world = World::new();
+    /// let clay = Material { k_a: 0.5, k_d: 0.5, color: Rgb::ONE, ambient_color: None };
+    /// world.spawn((Shape::Sphere { radius: 1.0 }, clay, Transform::default()));
+    /// world.spawn((Camera::default(),));
+    /// world.spawn((FilmSettings { width: 3, height: 3, ..FilmSettings::default() },));
+    /// let passes = Engine::new(world).passes_at(Time::ZERO)?.unwrap();
+    /// assert_eq!((passes[4].depth, passes[4].normal, passes[4].id), (4.0, [0.0, 0.0, -1.0], 1));
+    /// # Ok::<(), rayreel::EngineError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn passes_at(&mut self, time: Time) -> Result<Option<Vec<PassPixel>>, EngineError> {
+        let instants = self.instants(time);
+        let (report, plan) = (std::mem::take(&mut self.report), self.plan.take());
+        let mut passes = None;
+        let sought = self.seek_all(time, &instants, &AtomicBool::new(false), |preparation, _, _| {
+            passes = Some(preparation.scene().passes(preparation.camera()));
+            Then::Stop
+        });
+        (self.report, self.plan) = (report, plan);
+        sought.map(|_| passes)
+    }
+}

@@ -1,0 +1,192 @@
+//! OpenEXR files: linear light in 32 bits a channel, and passes, compressed without loss.
+//!
+//! An attribute of every file has the digest of all its bytes, with zeros in the place of the digest itself. The format checks but a part
+//! of them, and decoders are not safe from what is torn, so that none sees a byte before all are known to be right.
+
+use std::io::{Cursor, Read};
+
+use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
+use exr::meta::attribute::{AttributeValue, Chromaticities, Text};
+use exr::meta::header::LayerAttributes;
+use exr::prelude::{Compression, LineOrder, ReadChannels, ReadLayers, Vec2, WritableImage, read};
+
+use super::frame_pixels::LinearFrame;
+use super::picture::Picture;
+use super::provenance::{PixelFingerprint, Provenance};
+use crate::trace::{FrameFingerprint, Pass, PassPixel, Passes};
+
+/// The attribute that has the digest of the file.
+const DIGEST: &str = "rayreelDigest";
+/// Digits of a digest that is not known yet.
+const NO_DIGEST: [u8; 32] = [b'0'; 32];
+
+/// Returns the channels of a frame, as they are called in files.
+fn channels(frame: &LinearFrame, passes: Passes) -> Vec<(&'static str, FlatSamples)> {
+    let light = |channel: usize| {
+        let values = frame.film.pixels().iter().map(|pixel| pixel.to_array()[channel]);
+        FlatSamples::F32(values.collect())
+    };
+    let told = |value: &dyn Fn(&PassPixel) -> f32| FlatSamples::F32(frame.passes.iter().map(value).collect());
+    let mut channels = vec![("R", light(0)), ("G", light(1)), ("B", light(2))];
+    for pass in Pass::ALL.into_iter().filter(|pass| passes.contains(*pass)) {
+        match pass {
+            Pass::Depth => channels.push(("Z", told(&|pixel| pixel.depth))),
+            Pass::Id => {
+                channels.push(("id", FlatSamples::U32(frame.passes.iter().map(|pixel| pixel.id).collect())));
+            }
+            Pass::Normal => {
+                let names = ["normal.X", "normal.Y", "normal.Z"].into_iter().enumerate();
+                channels.extend(names.map(|(axis, name)| (name, told(&|pixel| pixel.normal[axis]))));
+            }
+            Pass::Albedo => {
+                let names = ["albedo.R", "albedo.G", "albedo.B"].into_iter().enumerate();
+                channels
+                    .extend(names.map(|(axis, name)| (name, told(&|pixel| pixel.albedo.to_array()[axis]))));
+            }
+            Pass::Position => {
+                let names = ["position.X", "position.Y", "position.Z"].into_iter().enumerate();
+                channels.extend(names.map(|(axis, name)| (name, told(&|pixel| pixel.position[axis]))));
+            }
+        }
+    }
+    // As they are in files.
+    channels.sort_by_key(|(name, _)| *name);
+    channels
+}
+
+/// Returns the bytes of a file. If it is a frame, the file says which.
+pub(super) fn encode(
+    frame: &LinearFrame,
+    passes: Passes,
+    fingerprint: Option<FrameFingerprint>,
+) -> Result<Vec<u8>, exr::error::Error> {
+    let (width, height) = (frame.film.width(), frame.film.height());
+    let channels = channels(frame, passes);
+    let provenance = fingerprint.map(|frame| {
+        let samples = channels.iter().map(|(_, samples)| samples);
+        Provenance { frame, pixels: PixelFingerprint::of(&bytes_of(samples), (width, height)) }
+    });
+    let list = channels.into_iter().map(|(name, samples)| AnyChannel::new(name, samples)).collect();
+    let encoding = Encoding {
+        compression: Compression::ZIP16,
+        line_order: LineOrder::Increasing,
+        ..Encoding::SMALL_LOSSLESS
+    };
+    let size = Vec2(width as usize, height as usize);
+    let mut attributes =
+        LayerAttributes { software_name: Some(Text::from("rayreel")), ..LayerAttributes::default() };
+    let mut tell = |name, text: &str| {
+        attributes.other.insert(Text::from(name), AttributeValue::Text(Text::from(text)));
+    };
+    tell(DIGEST, &String::from_utf8_lossy(&NO_DIGEST));
+    if let Some(provenance) = provenance {
+        tell(Provenance::KEYWORD, &provenance.to_string());
+    }
+    let layer = Layer::new(size, attributes, encoding, AnyChannels { list });
+    let mut image = Image::from_layer(layer);
+    // Those of sRGB and of BT.709, as scenes have them.
+    image.attributes.chromaticities = Some(Chromaticities {
+        red: Vec2(0.64, 0.33),
+        green: Vec2(0.3, 0.6),
+        blue: Vec2(0.15, 0.06),
+        white: Vec2(0.3127, 0.329),
+    });
+    let mut bytes = Vec::new();
+    image.write().non_parallel().to_buffered(Cursor::new(&mut bytes))?;
+    if let Some(place) = after(&bytes, &DIGEST_BEGINS) {
+        let digest = digest(&bytes);
+        bytes[place..][..digest.len()].copy_from_slice(&digest);
+    }
+    Ok(bytes)
+}
+
+/// Reads a file to its last byte. Returns why it is not whole, in words.
+pub(super) fn decode(bytes: &[u8], passes: Passes) -> Result<Picture, String> {
+    ensure_unchanged(bytes)?;
+    let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
+    let reader = reader.all_attributes().pedantic().non_parallel();
+    let image = reader.from_buffered(Cursor::new(bytes)).map_err(|error| error.to_string())?;
+    let layer = image.layer_data;
+    let list = &layer.channel_data.list;
+    let (names, expected) = (list.iter().map(|channel| channel.name.to_string()), names_of(passes));
+    if !names.eq(expected.iter().copied()) {
+        return Err(format!("it does not have the channels {}", expected.join(", ")));
+    }
+    let provenance = match layer.attributes.other.get(&Text::from(Provenance::KEYWORD)) {
+        Some(AttributeValue::Text(text)) => Some(text.to_string()),
+        _ => None,
+    };
+    let size = size(Cursor::new(bytes)).ok_or("its header has no size")?;
+    Ok(Picture { size, bytes: bytes_of(list.iter().map(|channel| &channel.sample_data)), provenance })
+}
+
+/// Returns an error unless bytes are just those that were written here.
+fn ensure_unchanged(bytes: &[u8]) -> Result<(), String> {
+    if !bytes.starts_with(&MAGIC) {
+        return Err("it is not an OpenEXR file".to_owned());
+    }
+    let place = after(bytes, &DIGEST_BEGINS)
+        .ok_or("it has no digest of its bytes, so that they cannot be checked")?;
+    let told = bytes.get(place..place + NO_DIGEST.len()).ok_or("its header ends early")?;
+    let mut blank = bytes.to_vec();
+    blank[place..][..NO_DIGEST.len()].copy_from_slice(&NO_DIGEST);
+    let is_unchanged = told == digest(&blank);
+    is_unchanged.then_some(()).ok_or_else(|| "its bytes are not those that were written".to_owned())
+}
+
+/// Returns columns and rows, from the beginning of a file.
+pub(super) fn size(file: impl Read) -> Option<(u32, u32)> {
+    /// More than all attributes take.
+    const BEGINNING: u64 = 8192;
+    let mut bytes = Vec::new();
+    file.take(BEGINNING).read_to_end(&mut bytes).ok()?;
+    let place = after(&bytes, &WINDOW_BEGINS).filter(|_| bytes.starts_with(&MAGIC))?;
+    let (corners, _) = bytes[place..].as_chunks::<4>();
+    let [left, top, right, bottom] = *corners.first_chunk()?;
+    let [left, top, right, bottom] =
+        [left, top, right, bottom].map(|corner| i64::from(i32::from_le_bytes(corner)));
+    let side = |first: i64, last: i64| u32::try_from(last - first + 1).ok();
+    Some((side(left, right)?, side(top, bottom)?))
+}
+
+/// What every file begins with.
+const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+/// The name, the type and the length of attributes.
+const DIGEST_BEGINS: [&[u8]; 3] = [DIGEST.as_bytes(), b"\0string\0", &[32, 0, 0, 0]];
+const WINDOW_BEGINS: [&[u8]; 3] = [b"dataWindow", b"\0box2i\0", &[16, 0, 0, 0]];
+
+/// Returns the first place in bytes that is after these.
+fn after(bytes: &[u8], these: &[&[u8]]) -> Option<usize> {
+    let these = these.concat();
+    bytes.windows(these.len()).position(|window| window == these).map(|place| place + these.len())
+}
+
+/// Returns the names of the channels, in the order of a file.
+fn names_of(passes: Passes) -> Vec<&'static str> {
+    let nothing = LinearFrame {
+        film: crate::trace::Film::new(0, 0),
+        transfer: crate::color::Transfer::default(),
+        passes: Vec::new(),
+    };
+    channels(&nothing, passes).into_iter().map(|(name, _)| name).collect()
+}
+
+/// Returns the bytes of samples, channel after channel, the least significant first.
+fn bytes_of<'a>(channels: impl Iterator<Item = &'a FlatSamples>) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for samples in channels {
+        match samples {
+            FlatSamples::F16(values) => bytes.extend(values.iter().flat_map(|value| value.to_le_bytes())),
+            FlatSamples::F32(values) => bytes.extend(values.iter().flat_map(|value| value.to_le_bytes())),
+            FlatSamples::U32(values) => bytes.extend(values.iter().flat_map(|value| value.to_le_bytes())),
+        }
+    }
+    bytes
+}
+
+/// Returns the digits of the digest of these bytes.
+fn digest(bytes: &[u8]) -> [u8; 32] {
+    let mut digits = NO_DIGEST;
+    digits.copy_from_slice(&blake3::hash(bytes).to_hex().as_bytes()[..NO_DIGEST.len()]);
+    digits
+}

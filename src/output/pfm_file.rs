@@ -1,0 +1,75 @@
+//! PFM files: linear light in 32 bits a channel, uncompressed.
+
+use std::io::{BufRead, Read};
+
+use super::picture::Picture;
+use super::provenance::Provenance;
+use crate::color::Rgb;
+use crate::trace::Film;
+
+/// What says that there are three channels.
+const COLOR: &str = "PF";
+/// What says that the least significant byte is first, and that values are as they are.
+const LITTLE_ENDIAN: &str = "-1.0";
+
+/// Returns what comes before the pixels.
+pub(super) fn header((width, height): (u32, u32)) -> String {
+    format!("{COLOR}\n{width} {height}\n{LITTLE_ENDIAN}\n")
+}
+
+/// Returns the bytes of the pixels: the lowest row first.
+pub(super) fn pixels(film: &Film) -> Vec<u8> {
+    let rows = film.pixels().chunks(film.width().max(1) as usize).rev();
+    rows.flatten().flat_map(Rgb::to_array).flat_map(f32::to_le_bytes).collect()
+}
+
+/// Returns what comes after the pixels, where readers do not look: the format has no room for comments.
+pub(super) fn trailer(provenance: Option<&Provenance>) -> String {
+    provenance.map(|provenance| format!("{} {provenance}\n", Provenance::KEYWORD)).unwrap_or_default()
+}
+
+/// Reads what stands before the pixels, as it is written here.
+fn read_size(file: &mut impl BufRead) -> Result<(u32, u32), String> {
+    /// The longest line there is.
+    const LONGEST: u64 = 40;
+    let mut line = || {
+        let mut line = Vec::new();
+        file.take(LONGEST).read_until(b'\n', &mut line).map_err(|error| error.to_string())?;
+        let line = line.strip_suffix(b"\n").ok_or("its header ends early")?;
+        String::from_utf8(line.to_vec()).map_err(|_| "its header is not text".to_owned())
+    };
+    if line()? != COLOR {
+        return Err("it is not a portable float map with three channels".to_owned());
+    }
+    let sizes = line()?;
+    let side = |text: &str| text.parse::<u32>().map_err(|_| "its size is not a number");
+    let (width, height) = sizes.split_once(' ').ok_or("its header has no size")?;
+    let size = (side(width)?, side(height)?);
+    if line()? != LITTLE_ENDIAN {
+        return Err("its numbers are not written as they are, the least significant byte first".to_owned());
+    }
+    Ok(size)
+}
+
+/// Returns columns and rows, from the beginning of a file.
+pub(super) fn size(file: &mut impl BufRead) -> Option<(u32, u32)> {
+    read_size(file).ok()
+}
+
+/// Reads a file as it is written here. Returns why it is not whole, in words.
+pub(super) fn decode(mut bytes: &[u8]) -> Result<Picture, String> {
+    let size = read_size(&mut bytes)?;
+    let count = u128::from(size.0) * u128::from(size.1) * 12;
+    let is_all = usize::try_from(count).ok().filter(|count| *count <= bytes.len());
+    let count = is_all.ok_or_else(|| format!("it has {} bytes of pixels instead of {count}", bytes.len()))?;
+    let (pixels, trailer) = bytes.split_at(count);
+    let own = |text: &str| {
+        let text = text.strip_prefix(Provenance::KEYWORD)?.strip_prefix(' ')?.strip_suffix('\n')?;
+        Some(text.to_owned())
+    };
+    let provenance = std::str::from_utf8(trailer).ok().and_then(own);
+    if provenance.is_none() && !trailer.is_empty() {
+        return Err("there is more after its end".to_owned());
+    }
+    Ok(Picture { size, bytes: pixels.to_vec(), provenance })
+}

@@ -1,0 +1,181 @@
+//! What the ray through the middle of each pixel meets first: depth, normal, position and the like, to be put together with the picture
+//! by other programs.
+//!
+//! They are answers of the guaranteed search, rounded once to the `f32` of a file, and never means: between two shapes there is no
+//! third, and no depth where nothing is. So neither a lens nor an open shutter blurs them.
+
+use std::fmt;
+use std::str::FromStr;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::color::Rgb;
+use crate::trace::query::{Scratch, with_intersector};
+use crate::trace::scene::{Camera, PreparedScene};
+
+/// What can be told of each pixel besides its light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Pass {
+    /// How far from the eye the ray through the pixel's middle meets something, along the ray, in scene units; infinite where it meets
+    /// nothing.
+    Depth,
+    /// The unit normal there, on the side that is seen; 0 where there is nothing.
+    Normal,
+    /// Which shape it is: its place among the document's, counted from 1; 0 where there is nothing.
+    Id,
+    /// Which share of light its surface scatters, by channel, in linear light: k_d times its colour; 0 where there is nothing.
+    Albedo,
+    /// The point that is met, in the world; 0 where there is nothing.
+    Position,
+}
+
+impl Pass {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Depth, Self::Normal, Self::Id, Self::Albedo, Self::Position];
+
+    /// Returns its name, as it is typed.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Depth => "depth",
+            Self::Normal => "normal",
+            Self::Id => "id",
+            Self::Albedo => "albedo",
+            Self::Position => "position",
+        }
+    }
+}
+
+/// A set of passes.
+///
+/// ```
+/// use rayreel::trace::{Pass, Passes};
+///
+/// let passes: Passes = "normal,depth".parse()?;
+/// assert!(passes.contains(Pass::Depth) && !passes.contains(Pass::Id));
+/// assert_eq!(passes.to_string(), "depth,normal");
+/// # Ok::<(), rayreel::trace::UnknownPass>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Passes(u8);
+
+impl Passes {
+    /// Returns whether a pass is among them.
+    #[must_use]
+    pub fn contains(self, pass: Pass) -> bool {
+        self.0 & (1 << pass as u8) != 0
+    }
+
+    /// Returns whether there are none.
+    #[must_use]
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+}
+
+impl FromIterator<Pass> for Passes {
+    fn from_iter<I: IntoIterator<Item = Pass>>(passes: I) -> Self {
+        Self(passes.into_iter().fold(0, |bits, pass| bits | 1 << pass as u8))
+    }
+}
+
+/// Says that a name is none of a pass.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no pass `{0}`: there are depth, normal, id, albedo and position, with commas between them")]
+pub struct UnknownPass(String);
+
+impl FromStr for Passes {
+    type Err = UnknownPass;
+
+    fn from_str(text: &str) -> Result<Self, UnknownPass> {
+        let named = |name: &str| Pass::ALL.into_iter().find(|pass| pass.name() == name);
+        text.split(',')
+            .map(str::trim)
+            .map(|name| named(name).ok_or_else(|| UnknownPass(name.to_owned())))
+            .collect()
+    }
+}
+
+impl fmt::Display for Passes {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names: Vec<&str> =
+            Pass::ALL.into_iter().filter(|pass| self.contains(*pass)).map(Pass::name).collect();
+        formatter.write_str(&names.join(","))
+    }
+}
+
+/// What is told of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PassPixel {
+    /// See [`Pass::Depth`].
+    pub depth: f32,
+    /// See [`Pass::Normal`].
+    pub normal: [f32; 3],
+    /// See [`Pass::Id`].
+    pub id: u32,
+    /// See [`Pass::Albedo`].
+    pub albedo: Rgb,
+    /// See [`Pass::Position`].
+    pub position: [f32; 3],
+}
+
+impl PassPixel {
+    /// Where nothing is.
+    pub const NOTHING: Self =
+        Self { depth: f32::INFINITY, normal: [0.0; 3], id: 0, albedo: Rgb::ZERO, position: [0.0; 3] };
+}
+
+impl PreparedScene {
+    /// Returns what the ray through the middle of each pixel meets first, row by row from the top, on the current rayon pool's threads.
+    pub(crate) fn passes(&self, camera: &Camera) -> Vec<PassPixel> {
+        let (columns, rows) = camera.resolution();
+        with_intersector!(self, shapes => {
+            let pixel = |scratch: &mut Scratch<'_>, (i, j)| {
+                let ray = camera.ray(i, j)?;
+                scratch.tied_hits.clear();
+                scratch.ties.clear();
+                let closest = self.closest(shapes, &ray, scratch)?;
+                let surface = self.surface(shapes, &ray, &closest, scratch);
+                let (_, albedo) = self.material(surface.hit.id).colors_at(surface.point, surface.normal);
+                // Adding zero makes negative zeros positive.
+                let rounded = |vector: DVec3| (vector + DVec3::ZERO).to_array().map(to_f32);
+                Some(PassPixel {
+                    depth: to_f32(surface.distance(&ray)),
+                    normal: rounded(surface.facing_normal()),
+                    id: self.order().rank(surface.hit.id).number() + 1,
+                    albedo,
+                    position: rounded(surface.point),
+                })
+            };
+            let row = |scratch: &mut Scratch<'_>, j| {
+                (0..columns).map(|i| pixel(scratch, (i, j)).unwrap_or(PassPixel::NOTHING)).collect::<Vec<_>>()
+            };
+            (0..rows).into_par_iter().map_init(Scratch::default, row).flatten_iter().collect()
+        })
+    }
+}
+
+/// Rounds to the nearest `f32`; what is too large for one becomes infinite.
+#[expect(clippy::cast_possible_truncation, reason = "rounding to f32 is the point")]
+fn to_f32(number: f64) -> f32 {
+    number as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sets_are_read_as_they_are_written() {
+        for bits in 1..32_u8 {
+            let passes: Passes =
+                Pass::ALL.into_iter().filter(|pass| bits & (1 << *pass as u8) != 0).collect();
+            assert_eq!(passes.to_string().parse(), Ok(passes));
+        }
+        assert_eq!("depth, id".parse(), Ok([Pass::Depth, Pass::Id].into_iter().collect::<Passes>()));
+        for wrong in ["", "deep", "depth,", "depth;id"] {
+            assert!(wrong.parse::<Passes>().is_err(), "{wrong}");
+        }
+    }
+}
