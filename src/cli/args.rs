@@ -7,6 +7,7 @@ use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
 use rayreel::live::HostName;
+use rayreel::output::FrameNames;
 use rayreel::scene::Override;
 use rayreel::sequence::{RenderOrder, Shard};
 use rayreel::time::FrameList;
@@ -31,7 +32,13 @@ use super::values::{
   rayreel render ball.ron --sheet 6x4      24 of its frames in one picture
   rayreel explain ball.ron                 tell which effects it calls for, and what they cost
   rayreel accuracy ball.ron                measure what each setting costs, and what it is worth
-  rayreel probe ball.ron --pixel 320,180   tell what that pixel sees, and why it has its colour")]
+  rayreel probe ball.ron --pixel 320,180   tell what that pixel sees, and why it has its colour
+
+Exit codes:
+  0    it is done; of `verify`, all frames are whole and up to date; of `check`, no scene has a mistake
+  1    something is wrong, and told on standard error
+  2    the arguments are not understood
+  129  SIGHUP, 130 Ctrl-C or SIGINT, 143 SIGTERM: it was ended, and what is written is whole")]
 pub(super) struct Arguments {
     #[command(subcommand)]
     pub(super) command: Command,
@@ -88,7 +95,7 @@ alone or with the others, with one thread or many. Ctrl-C keeps the frames that 
 the one being rendered, and exits with 130 (SIGTERM with 143, SIGHUP with 129); of a sheet it leaves
 nothing. What a killed process left half-written in the folder is removed.")]
 pub(super) struct RenderArguments {
-    /// The scene file
+    /// The scene file; - is standard input
     pub(super) scene: PathBuf,
     /// Only these frames: single ones, ranges and ranges with a stride, as in 10-20,30,40-80x5,90-
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
@@ -111,6 +118,10 @@ pub(super) struct RenderArguments {
     /// The folder for the frame files; - is standard output, for programs that read video [default: out/<scene>]
     #[arg(long, value_name = "FOLDER")]
     pub(super) out: Option<PathBuf>,
+    /// The names of the frame files without their endings, as shot_#### or shot_%04d: the number's digits are written there
+    /// [default: <scene>.####]
+    #[arg(long, value_name = "PATTERN", conflicts_with_all = ["at", "sheet"])]
+    pub(super) name: Option<FrameNames>,
     /// Pixels, instead of the scene's own, as in 1280x720
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, allow_hyphen_values = true)]
     pub(super) size: Option<(u32, u32)>,

@@ -109,6 +109,9 @@ fn picture_arguments(arguments: &RenderArguments, samples: Option<PathBuf>) -> O
     if let Some((width, height)) = arguments.size {
         add("size", format!("{width}x{height}"));
     }
+    if let Some(names) = &arguments.name {
+        add("name", names.to_string());
+    }
     let name = |value: clap::builder::PossibleValue| value.get_name().to_owned();
     add("precision", name(arguments.precision.to_possible_value()?));
     if let Some(format) = arguments.format {
@@ -176,6 +179,7 @@ mod tests {
     fn what_pictures_depend_on_is_written_and_read_back() {
         let arguments = parsed(&[
             "--size=64x48",
+            "--name=shot_%05d",
             "--precision=textbook-f32",
             "--format=exr",
             "--passes=id,depth",
@@ -194,6 +198,7 @@ mod tests {
         let again = parsed(&words.iter().map(String::as_str).collect::<Vec<_>>());
         assert_eq!(picture_arguments(&again, None).unwrap(), words);
         assert_eq!((again.size, again.cutoff, again.draft), (Some((64, 48)), Some(0.25), true));
+        assert_eq!(again.name, arguments.name);
         assert_eq!((again.format, again.passes), (arguments.format, arguments.passes));
         assert_eq!(again.overrides.all(), arguments.overrides.all());
         assert_eq!(again.overrides.without, arguments.overrides.without);

@@ -48,7 +48,8 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
         .context("cannot start the rendering threads")?;
     let chosen = pool.install(|| Choice::new(arguments, &mut engine, &settings, (start, cancelled)))?;
     let Some(mut choice) = chosen else { return Err(interruption.failure()) };
-    if settings.are_frames() {
+    // What comes from a stream cannot be read again.
+    if settings.are_frames() && arguments.scene.is_file() {
         manifest::write(arguments, &settings)?;
     }
     let mut report = RenderReport::new(arguments, &engine, loaded, pool.current_num_threads());
@@ -82,7 +83,7 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
         return Err(anyhow!("not all frames were written").into());
     }
     if settings.are_frames() {
-        clear_up(&engine, &settings, arguments.clean)?;
+        clear_up(&engine, &settings, arguments)?;
     }
     if let Some(movie) = &arguments.movie {
         movie::make(movie, &settings, engine.timeline().rate)?;
@@ -137,6 +138,9 @@ fn tell(
             if let Some(missed) = missed {
                 print::error_line(&format!("warning: {missed}"));
             }
+        }
+        if let Some(slow) = report.slow_frames() {
+            print::error_line(&slow);
         }
         print::error_line(&report.summary(settings));
     }
@@ -222,10 +226,10 @@ impl SequenceObserver for Reporter<'_> {
 
 /// Names files in the folder that look like frames of the sequence and are none, and removes those that it has written itself, if that
 /// is wanted.
-fn clear_up(engine: &Engine, settings: &RenderSettings, clean: bool) -> anyhow::Result<()> {
+fn clear_up(engine: &Engine, settings: &RenderSettings, arguments: &RenderArguments) -> anyhow::Result<()> {
     /// The most files that are named.
     const MOST: usize = 5;
-    let (film, sequence) = (engine.film_settings(), &settings.sequence);
+    let (film, sequence, clean) = (engine.film_settings(), &settings.sequence, arguments.clean);
     let surplus = find_surplus(sequence, engine.timeline().frame_count(), (film.width, film.height))
         .with_context(|| format!("cannot read the folder `{}`", sequence.directory().display()))?;
     let (mut removed, mut left) = (0, Vec::new());
@@ -239,7 +243,7 @@ fn clear_up(engine: &Engine, settings: &RenderSettings, clean: bool) -> anyhow::
             left.push(surplus);
         }
     }
-    if removed > 0 {
+    if removed > 0 && !arguments.quiet {
         print::error_line(&format!(
             "removed {}",
             in_files(removed, "that was no frame", "that were no frames")

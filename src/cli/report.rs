@@ -128,6 +128,20 @@ impl RenderReport {
         format!("needed: {names}; {others} left out (`rayreel explain` says why)")
     }
 
+    /// Names the frames that took much longer than most, the slowest first. `None` if none did.
+    pub(super) fn slow_frames(&self) -> Option<String> {
+        /// The most that are named.
+        const MOST: usize = 3;
+        let mut shots: Vec<&ShotReport> = self.shots.iter().collect();
+        shots.sort_by(|one, other| other.seconds().total_cmp(&one.seconds()));
+        let median = shots.get(shots.len() / 2)?.seconds();
+        let slow = shots.iter().take(MOST).filter(|shot| is_slow(shot.seconds(), median));
+        let slow: Vec<String> =
+            slow.map(|shot| format!("{} ({:.1} s)", shot.name(), shot.seconds())).collect();
+        (!slow.is_empty())
+            .then(|| format!("slowest, where half take {median:.1} s or less: {}", slow.join(", ")))
+    }
+
     /// Summarises the rendering in one line.
     pub(super) fn summary(&self, settings: &RenderSettings) -> String {
         let frames = match self.shots.len() {
@@ -226,6 +240,11 @@ impl ShotReport {
     }
 }
 
+/// Returns whether a frame takes so much longer than half of all that one would want to know: twice, and a second more.
+fn is_slow(seconds: f64, median: f64) -> bool {
+    seconds > 2.0 * median && seconds > median + 1.0
+}
+
 /// Writes a count as `12.3 M`, or in thousands where that reads better.
 pub(super) fn in_millions(count: f64) -> String {
     if count < 1e6 { format!("{:.0} k", count / 1e3) } else { format!("{:.1} M", count / 1e6) }
@@ -237,4 +256,16 @@ fn peak_memory() -> Option<u64> {
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(kibibytes * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_slow_beside_the_others() {
+        assert!(is_slow(3.1, 1.5) && is_slow(1.1, 0.01));
+        // Twice as long is nothing that one would notice, or not even that.
+        assert!(!is_slow(0.9, 0.01) && !is_slow(10.0, 6.0) && !is_slow(1.0, 1.0));
+    }
 }

@@ -52,7 +52,10 @@ impl RenderSettings {
             directory.push("draft");
         }
         let (format, stream) = formats(arguments)?;
-        let sequence = Sequence::new(directory, name, last, format);
+        let mut sequence = Sequence::new(directory, name, last, format);
+        if let Some(names) = &arguments.name {
+            sequence = sequence.with_names(names.clone());
+        }
         let selection = match arguments.at {
             Some(time) => Selection::Moment(time),
             None => {
@@ -211,8 +214,11 @@ pub(super) fn set_cutoff(engine: &mut Engine, cutoff: f32) {
     }
 }
 
-/// Returns the file's name without its ending.
+/// Returns the file's name without its ending; that of standard input is `stdin`.
 fn scene_name(path: &Path) -> anyhow::Result<&OsStr> {
+    if path == Path::new("-") {
+        return Ok(OsStr::new("stdin"));
+    }
     path.file_stem().with_context(|| format!("`{}` does not name a file", path.display()))
 }
 

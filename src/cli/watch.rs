@@ -1,12 +1,12 @@
 //! `rayreel watch`
 
 use std::mem::ManuallyDrop;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 
 use rayreel::live::{Event, Server, Session, SessionSettings, Shown, Times, Watching};
 use rayreel::output::{self, FrameFormat};
@@ -22,6 +22,9 @@ use super::report::in_millions;
 const ATTENTION: Duration = Duration::from_millis(50);
 
 pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Result<(), Failure> {
+    if arguments.scene.as_path() == Path::new("-") {
+        return Err(anyhow!("a scene from standard input cannot be read again: name a file to watch").into());
+    }
     let interrupted = interruption.deferred();
     let mut teller = Teller::new(arguments)?;
     let (sender, events) = channel();

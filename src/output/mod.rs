@@ -27,7 +27,7 @@ pub use frame_file::{
 pub use frame_pixels::{FramePixels, LinearFrame};
 pub use loops::{LoopError, LoopFormat, LoopWriter};
 pub use provenance::{NoProvenance, PixelFingerprint, Provenance};
-pub use sequence::Sequence;
+pub use sequence::{FrameNames, NotAPattern, Sequence};
 pub use sheet::{Sheet, SheetTooLarge};
 pub use video_stream::{VideoFormat, VideoStream};
 pub use whole_file::{folder_of, remove_leftovers};

@@ -1,44 +1,130 @@
 //! The file names of a sequence's frames.
 
 use std::ffi::{OsStr, OsString};
+use std::fmt;
 use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use super::FrameFormat;
 use crate::time::Time;
 
-/// The names of a sequence's frame files: `directory/name.0042.png`.
+/// The fewest digits of numbers, unless frames are named otherwise.
+const USUAL_DIGITS: usize = 4;
+
+/// The names of a sequence's files: `directory/name.0042.png` for frames, unless they are named otherwise.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sequence {
     directory: PathBuf,
     /// As the system has it: two names that differ in bytes that are not text are two names.
     name: OsString,
-    digits: usize,
+    frames: FrameNames,
     format: FrameFormat,
+}
+
+/// How frames are named, but for the endings of their files: something before the number, its digits, and something after it.
+///
+/// ```
+/// use rayreel::output::FrameNames;
+///
+/// let names: FrameNames = "shot_####_left".parse()?;
+/// assert_eq!(names, "shot_%04d_left".parse()?);
+/// # Ok::<(), rayreel::output::NotAPattern>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FrameNames {
+    before: OsString,
+    /// The fewest.
+    digits: usize,
+    after: String,
+}
+
+/// Says that a text does not tell how frames are named.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NotAPattern {
+    /// It has no place for a number, or several.
+    #[error("it takes one place for the frame's number, as #### or %04d")]
+    Number,
+    /// The number would have too many digits.
+    #[error("a frame's number has 10 digits at most")]
+    Digits,
+    /// It would lead to other folders.
+    #[error("it is the name of a file: folders are for --out")]
+    Folder,
+}
+
+impl FromStr for FrameNames {
+    type Err = NotAPattern;
+
+    fn from_str(text: &str) -> Result<Self, NotAPattern> {
+        const MOST: usize = 10;
+        if text.contains(['/', '\\']) {
+            return Err(NotAPattern::Folder);
+        }
+        let start = text.find(['#', '%']).ok_or(NotAPattern::Number)?;
+        let (before, rest) = text.split_at(start);
+        let (digits, after) = if let Some(place) = rest.strip_prefix('%') {
+            let (digits, after) = place.split_once('d').ok_or(NotAPattern::Number)?;
+            match (digits, digits.strip_prefix('0')) {
+                ("", _) => (1, after),
+                (_, Some(digits)) => (digits.parse().map_err(|_| NotAPattern::Number)?, after),
+                _ => return Err(NotAPattern::Number),
+            }
+        } else {
+            let after = rest.trim_start_matches('#');
+            (rest.len() - after.len(), after)
+        };
+        match (after.contains(['#', '%']), digits) {
+            (true, _) | (_, 0) => Err(NotAPattern::Number),
+            (_, digits) if digits > MOST => Err(NotAPattern::Digits),
+            _ => Ok(Self { before: before.into(), digits, after: after.to_owned() }),
+        }
+    }
+}
+
+impl fmt::Display for FrameNames {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{}{}{}", self.before.to_string_lossy(), "#".repeat(self.digits), self.after)
+    }
 }
 
 impl Sequence {
     /// Creates the names of a sequence in a directory. Numbers have four digits, or as many as the `last` frame needs.
     #[must_use]
     pub fn new(directory: PathBuf, name: impl Into<OsString>, last: u32, format: FrameFormat) -> Self {
-        Self { directory, name: name.into(), digits: last.to_string().len().max(4), format }
+        let name: OsString = name.into();
+        let mut before = name.clone();
+        before.push(".");
+        let frames =
+            FrameNames { before, digits: last.to_string().len().max(USUAL_DIGITS), after: String::new() };
+        Self { directory, name, frames, format }
+    }
+
+    /// Returns the same with other names for frames.
+    #[must_use]
+    pub fn with_names(self, frames: FrameNames) -> Self {
+        Self { frames, ..self }
     }
 
     /// Returns the file of frame `index`.
     #[must_use]
     pub fn frame(&self, index: u32) -> PathBuf {
-        self.file(&format!("{index:0digits$}", digits = self.digits))
+        let FrameNames { before, digits, after } = &self.frames;
+        let mut name = before.clone();
+        name.push(format!("{index:0digits$}{after}.{}", self.format.extension()));
+        self.directory.join(name)
     }
 
     /// Returns the number of the frame whose file has this name. `None` if no frame's has.
     #[must_use]
     pub fn frame_of(&self, file_name: &OsStr) -> Option<u32> {
-        let name = file_name.as_encoded_bytes().strip_prefix(self.name.as_encoded_bytes())?;
-        let digits =
-            std::str::from_utf8(name).ok()?.strip_prefix('.')?.strip_suffix(self.format.extension())?;
-        let digits = digits.strip_suffix('.')?;
-        let is_number = digits.len() >= 4 && digits.bytes().all(|byte| byte.is_ascii_digit());
+        let FrameNames { before, digits: fewest, after } = &self.frames;
+        let name = file_name.as_encoded_bytes().strip_prefix(before.as_encoded_bytes())?;
+        let name = std::str::from_utf8(name).ok()?.strip_suffix(self.format.extension())?;
+        let digits = name.strip_suffix('.')?.strip_suffix(after.as_str())?;
+        let is_long = digits.len() >= USUAL_DIGITS.min(*fewest);
+        let is_number = is_long && digits.bytes().all(|byte| byte.is_ascii_digit());
         digits.parse().ok().filter(|_| is_number)
     }
 
@@ -140,6 +226,45 @@ mod tests {
         );
         let gone = Sequence::new(folder.path().join("none"), "a", 9, FrameFormat::Png);
         assert_eq!(gone.present().unwrap(), []);
+    }
+
+    #[test]
+    fn frames_may_be_named_otherwise() {
+        let named = |names: &str| {
+            let sequence = Sequence::new(PathBuf::from("out"), "sun", 95, FrameFormat::Png);
+            sequence.with_names(names.parse().unwrap())
+        };
+        for (names, file) in [
+            ("a_##_b", "out/a_07_b.png"),
+            ("a%03d", "out/a007.png"),
+            ("%d", "out/7.png"),
+            ("#", "out/7.png"),
+            ("a.######", "out/a.000007.png"),
+        ] {
+            let sequence = named(names);
+            assert_eq!(sequence.frame(7), PathBuf::from(file));
+            for index in [0, 7, 123, 4_000_000_000] {
+                let file = sequence.frame(index);
+                assert_eq!(sequence.frame_of(file.file_name().unwrap()), Some(index), "{names}");
+            }
+            assert_eq!(sequence.sheet(), PathBuf::from("out/sun.sheet.png"));
+            let names: FrameNames = names.parse().unwrap();
+            assert_eq!(names.to_string().parse(), Ok(names));
+        }
+        for (wrong, why) in [
+            ("", NotAPattern::Number),
+            ("a", NotAPattern::Number),
+            ("##_##", NotAPattern::Number),
+            ("%04d%d", NotAPattern::Number),
+            ("%4d", NotAPattern::Number),
+            ("%00d", NotAPattern::Number),
+            ("%04x", NotAPattern::Number),
+            ("%011d", NotAPattern::Digits),
+            ("../####", NotAPattern::Folder),
+            ("a\\####", NotAPattern::Folder),
+        ] {
+            assert_eq!(wrong.parse::<FrameNames>(), Err(why), "{wrong}");
+        }
     }
 
     #[test]

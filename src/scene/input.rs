@@ -59,14 +59,21 @@ pub fn open(path: &Path, offered: Offered, most: u64) -> Result<Take<File>, Inpu
     Ok(file.take(if metadata.len() == 0 { 0 } else { limit }))
 }
 
-/// Reads the bytes of a file, as opened by [`open`].
+/// The name of standard input where a stream is accepted: no file, even if there is one of that name.
+const STANDARD_INPUT: &str = "-";
+
+/// Reads the bytes of a file, as opened by [`open`], or of standard input.
 ///
 /// # Errors
 ///
 /// As [`open`], and if it has become too large, or reading fails.
 pub(crate) fn read(path: &Path, offered: Offered, most: u64) -> Result<Vec<u8>, InputError> {
     let mut bytes = Vec::new();
-    open(path, offered, most)?.read_to_end(&mut bytes)?;
+    if offered == Offered::Accepted && path == Path::new(STANDARD_INPUT) {
+        io::stdin().lock().take(most.saturating_add(1)).read_to_end(&mut bytes)?;
+    } else {
+        open(path, offered, most)?.read_to_end(&mut bytes)?;
+    }
     if bytes.len() as u64 > most { Err(InputError::TooLarge(most)) } else { Ok(bytes) }
 }
 

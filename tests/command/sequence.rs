@@ -376,6 +376,24 @@ fn planes(film: &rayreel::trace::Film) -> Vec<u8> {
 }
 
 #[test]
+fn frames_are_named_as_one_likes() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_film(folder, 1.0, |film| film);
+    let named = &["--name", "shot_%03d_left"];
+    assert_eq!(render(folder, named), (all(0..4), vec![]));
+    assert!(folder.join("out/shot_003_left.png").is_file());
+    assert_eq!(verify(folder, &[])["whole"], true);
+    fs::copy(folder.join("out/shot_003_left.png"), folder.join("out/shot_004_left.png")).unwrap();
+    assert_eq!(verify(folder, &[])["surplus"].as_array().unwrap().len(), 1);
+    assert_eq!(render(folder, &[&named[..], &["--clean"]].concat()), (vec![], all(0..4)));
+    assert!(!folder.join("out/shot_004_left.png").exists());
+    let output = rayreel(folder, ["render", "film.ron", "--name", "shot"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("one place for the frame's number"), "{}", text(&output.stderr));
+}
+
+#[test]
 fn what_a_format_has_no_room_for_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();

@@ -64,6 +64,9 @@ impl Farm {
             )
             .into());
         }
+        if arguments.scene.as_path() == Path::new("-") {
+            return Err(anyhow!("jobs read the scene later, and not from standard input: name a file").into());
+        }
         let name = job_name(&arguments.scene)?;
         Ok(Self {
             scene: in_words(&arguments.scene)?,

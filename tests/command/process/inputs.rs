@@ -71,6 +71,8 @@ fn standard_input_is_read_where_it_is_offered() {
     let scene = format!("({CAMERA})");
     for (arguments, input) in [
         (&["check", "/dev/stdin"][..], scene.as_str()),
+        (&["check", "-"], &scene),
+        (&["render", "-", "--frames", "0", "--size", "16x9"], &scene),
         (&["probe", "/dev/stdin", "--pixel", "0,0"], &scene),
         (&["probe", FIRST_LIGHT, "--rays", "-"], "0,0,0,0,0,1"),
         (&["probe", FIRST_LIGHT, "--rays", "/dev/stdin"], "0,0,0,0,0,1"),
