@@ -20,36 +20,50 @@ const DIGEST: &str = "rayreelDigest";
 /// Digits of a digest that is not known yet.
 const NO_DIGEST: [u8; 32] = [b'0'; 32];
 
-/// Returns the channels of a frame, as they are called in files.
-fn channels(frame: &LinearFrame, passes: Passes) -> Vec<(&'static str, FlatSamples)> {
-    let light = |channel: usize| {
-        let values = frame.film.pixels().iter().map(|pixel| pixel.to_array()[channel]);
-        FlatSamples::F32(values.collect())
-    };
-    let told = |value: &dyn Fn(&PassPixel) -> f32| FlatSamples::F32(frame.passes.iter().map(value).collect());
-    let mut channels = vec![("R", light(0)), ("G", light(1)), ("B", light(2))];
-    for pass in Pass::ALL.into_iter().filter(|pass| passes.contains(*pass)) {
-        match pass {
-            Pass::Depth => channels.push(("Z", told(&|pixel| pixel.depth))),
-            Pass::Id => {
-                channels.push(("id", FlatSamples::U32(frame.passes.iter().map(|pixel| pixel.id).collect())));
-            }
-            Pass::Normal => {
-                let names = ["normal.X", "normal.Y", "normal.Z"].into_iter().enumerate();
-                channels.extend(names.map(|(axis, name)| (name, told(&|pixel| pixel.normal[axis]))));
-            }
-            Pass::Albedo => {
-                let names = ["albedo.R", "albedo.G", "albedo.B"].into_iter().enumerate();
-                channels
-                    .extend(names.map(|(axis, name)| (name, told(&|pixel| pixel.albedo.to_array()[axis]))));
-            }
-            Pass::Position => {
-                let names = ["position.X", "position.Y", "position.Z"].into_iter().enumerate();
-                channels.extend(names.map(|(axis, name)| (name, told(&|pixel| pixel.position[axis]))));
-            }
-        }
+/// The names of the channels of light.
+const LIGHT: [&str; 3] = ["R", "G", "B"];
+
+/// Returns the names of a pass's channels.
+fn names_of(pass: Pass) -> &'static [&'static str] {
+    match pass {
+        Pass::Depth => &["Z"],
+        Pass::Normal => &["normal.X", "normal.Y", "normal.Z"],
+        Pass::Id => &["id"],
+        Pass::Albedo => &["albedo.R", "albedo.G", "albedo.B"],
+        Pass::Position => &["position.X", "position.Y", "position.Z"],
     }
-    // As they are in files.
+}
+
+/// Returns the names of all channels, in the order of a file.
+fn names(passes: Passes) -> Vec<&'static str> {
+    let passes = Pass::ALL.into_iter().filter(|pass| passes.contains(*pass));
+    let mut names: Vec<_> = LIGHT.into_iter().chain(passes.flat_map(names_of).copied()).collect();
+    names.sort_unstable();
+    names
+}
+
+/// Returns the samples of a pass's channels, by their names.
+fn samples_of(pass: Pass, pixels: &[PassPixel]) -> impl Iterator<Item = (&'static str, FlatSamples)> {
+    names_of(pass).iter().enumerate().map(move |(axis, name)| {
+        let told = |value: &dyn Fn(&PassPixel) -> f32| FlatSamples::F32(pixels.iter().map(value).collect());
+        let samples = match pass {
+            Pass::Depth => told(&|pixel| pixel.depth),
+            Pass::Normal => told(&|pixel| pixel.normal[axis]),
+            Pass::Id => FlatSamples::U32(pixels.iter().map(|pixel| pixel.id).collect()),
+            Pass::Albedo => told(&|pixel| pixel.albedo[axis]),
+            Pass::Position => told(&|pixel| pixel.position[axis]),
+        };
+        (*name, samples)
+    })
+}
+
+/// Returns the channels of a frame, in the order of a file.
+fn channels(frame: &LinearFrame, passes: Passes) -> Vec<(&'static str, FlatSamples)> {
+    let light = LIGHT.into_iter().enumerate().map(|(channel, name)| {
+        (name, FlatSamples::F32(frame.film.pixels().iter().map(|pixel| pixel[channel]).collect()))
+    });
+    let passes = Pass::ALL.into_iter().filter(|pass| passes.contains(*pass));
+    let mut channels: Vec<_> = light.chain(passes.flat_map(|pass| samples_of(pass, &frame.passes))).collect();
     channels.sort_by_key(|(name, _)| *name);
     channels
 }
@@ -94,7 +108,7 @@ pub(super) fn encode(
     let mut bytes = Vec::new();
     image.write().non_parallel().to_buffered(Cursor::new(&mut bytes))?;
     if let Some(place) = after(&bytes, &DIGEST_BEGINS) {
-        let digest = digest(&bytes);
+        let digest = digest(&bytes, place);
         bytes[place..][..digest.len()].copy_from_slice(&digest);
     }
     Ok(bytes)
@@ -108,8 +122,8 @@ pub(super) fn decode(bytes: &[u8], passes: Passes) -> Result<Picture, String> {
     let image = reader.from_buffered(Cursor::new(bytes)).map_err(|error| error.to_string())?;
     let layer = image.layer_data;
     let list = &layer.channel_data.list;
-    let (names, expected) = (list.iter().map(|channel| channel.name.to_string()), names_of(passes));
-    if !names.eq(expected.iter().copied()) {
+    let (found, expected) = (list.iter().map(|channel| channel.name.to_string()), names(passes));
+    if !found.eq(expected.iter().copied()) {
         return Err(format!("it does not have the channels {}", expected.join(", ")));
     }
     let provenance = match layer.attributes.other.get(&Text::from(Provenance::KEYWORD)) {
@@ -128,9 +142,7 @@ fn ensure_unchanged(bytes: &[u8]) -> Result<(), String> {
     let place = after(bytes, &DIGEST_BEGINS)
         .ok_or("it has no digest of its bytes, so that they cannot be checked")?;
     let told = bytes.get(place..place + NO_DIGEST.len()).ok_or("its header ends early")?;
-    let mut blank = bytes.to_vec();
-    blank[place..][..NO_DIGEST.len()].copy_from_slice(&NO_DIGEST);
-    let is_unchanged = told == digest(&blank);
+    let is_unchanged = told == digest(bytes, place);
     is_unchanged.then_some(()).ok_or_else(|| "its bytes are not those that were written".to_owned())
 }
 
@@ -161,16 +173,6 @@ fn after(bytes: &[u8], these: &[&[u8]]) -> Option<usize> {
     bytes.windows(these.len()).position(|window| window == these).map(|place| place + these.len())
 }
 
-/// Returns the names of the channels, in the order of a file.
-fn names_of(passes: Passes) -> Vec<&'static str> {
-    let nothing = LinearFrame {
-        film: crate::trace::Film::new(0, 0),
-        transfer: crate::color::Transfer::default(),
-        passes: Vec::new(),
-    };
-    channels(&nothing, passes).into_iter().map(|(name, _)| name).collect()
-}
-
 /// Returns the bytes of samples, channel after channel, the least significant first.
 fn bytes_of<'a>(channels: impl Iterator<Item = &'a FlatSamples>) -> Vec<u8> {
     let mut bytes = Vec::new();
@@ -184,9 +186,12 @@ fn bytes_of<'a>(channels: impl Iterator<Item = &'a FlatSamples>) -> Vec<u8> {
     bytes
 }
 
-/// Returns the digits of the digest of these bytes.
-fn digest(bytes: &[u8]) -> [u8; 32] {
+/// Returns the digits of the digest of these bytes, whose own place in them counts as zeros.
+fn digest(bytes: &[u8], place: usize) -> [u8; 32] {
+    let mut hasher = blake3::Hasher::new();
+    let (before, after) = (&bytes[..place], &bytes[place + NO_DIGEST.len()..]);
+    hasher.update(before).update(&NO_DIGEST).update(after);
     let mut digits = NO_DIGEST;
-    digits.copy_from_slice(&blake3::hash(bytes).to_hex().as_bytes()[..NO_DIGEST.len()]);
+    digits.copy_from_slice(&hasher.finalize().to_hex().as_bytes()[..NO_DIGEST.len()]);
     digits
 }

@@ -12,6 +12,7 @@ mod loops;
 mod pfm_file;
 mod picture;
 mod png_file;
+mod portable_map;
 mod ppm_file;
 mod provenance;
 mod sequence;

@@ -1,8 +1,9 @@
 //! PFM files: linear light in 32 bits a channel, uncompressed.
 
-use std::io::{BufRead, Read};
+use std::io::BufRead;
 
 use super::picture::Picture;
+use super::portable_map::{read_line, side};
 use super::provenance::Provenance;
 use crate::color::Rgb;
 use crate::trace::Film;
@@ -30,19 +31,11 @@ pub(super) fn trailer(provenance: Option<&Provenance>) -> String {
 
 /// Reads what stands before the pixels, as it is written here.
 fn read_size(file: &mut impl BufRead) -> Result<(u32, u32), String> {
-    /// The longest line there is.
-    const LONGEST: u64 = 40;
-    let mut line = || {
-        let mut line = Vec::new();
-        file.take(LONGEST).read_until(b'\n', &mut line).map_err(|error| error.to_string())?;
-        let line = line.strip_suffix(b"\n").ok_or("its header ends early")?;
-        String::from_utf8(line.to_vec()).map_err(|_| "its header is not text".to_owned())
-    };
+    let mut line = || read_line(file);
     if line()? != COLOR {
         return Err("it is not a portable float map with three channels".to_owned());
     }
     let sizes = line()?;
-    let side = |text: &str| text.parse::<u32>().map_err(|_| "its size is not a number");
     let (width, height) = sizes.split_once(' ').ok_or("its header has no size")?;
     let size = (side(width)?, side(height)?);
     if line()? != LITTLE_ENDIAN {

@@ -1,8 +1,9 @@
 //! PPM files: binary, 8 bits a channel.
 
-use std::io::{BufRead, Read};
+use std::io::BufRead;
 
 use super::picture::Picture;
+use super::portable_map::{read_line, side};
 use super::provenance::Provenance;
 
 /// Returns what comes before the pixels.
@@ -19,14 +20,7 @@ struct Header {
 
 /// Reads what stands before the pixels, as it is written here.
 fn read_header(file: &mut impl BufRead) -> Result<Header, String> {
-    /// The longest line there is.
-    const LONGEST: u64 = 200;
-    let mut line = || {
-        let mut line = Vec::new();
-        file.take(LONGEST).read_until(b'\n', &mut line).map_err(|error| error.to_string())?;
-        let line = line.strip_suffix(b"\n").ok_or("its header ends early")?;
-        String::from_utf8(line.to_vec()).map_err(|_| "its header is not text".to_owned())
-    };
+    let mut line = || read_line(file);
     if line()? != "P6" {
         return Err("it is not a binary portable pixmap".to_owned());
     }
@@ -40,7 +34,6 @@ fn read_header(file: &mut impl BufRead) -> Result<Header, String> {
     let [width, height, "255"] = parts[..] else {
         return Err("its header has no size, or not 8 bits a channel".to_owned());
     };
-    let side = |text: &str| text.parse::<u32>().map_err(|_| "its size is not a number");
     Ok(Header { size: (side(width)?, side(height)?), provenance })
 }
 

@@ -1,8 +1,8 @@
 //! What the ray through the middle of each pixel meets first: depth, normal, position and the like, to be put together with the picture
 //! by other programs.
 //!
-//! They are answers of the guaranteed search, rounded once to the `f32` of a file, and never means: between two shapes there is no
-//! third, and no depth where nothing is. So neither a lens nor an open shutter blurs them.
+//! They are answers of the search that pictures are made by, at the scene's precision, rounded to the `f32` of a file, and never means:
+//! between two shapes there is no third, and no depth where nothing is. So neither a lens nor an open shutter blurs them.
 
 use std::fmt;
 use std::str::FromStr;

@@ -281,7 +281,10 @@ fn standard_output_takes_video() {
     assert!(!folder.join("-").exists());
     for (more, told) in [
         (&["--out", "-", "--json"][..], "frames cannot go to standard output: --json"),
-        (&["--out", "-", "--format", "png"], "are files: standard output takes"),
+        (
+            &["--out", "-", "--format", "png"],
+            "png, ppm, pfm and exr are files: standard output takes --format y4m or raw",
+        ),
         (&["--format", "y4m"], "add --out -"),
         (&["--movie", "a.txt"], "a movie ends in .mp4"),
     ] {
