@@ -70,7 +70,7 @@ pub struct Sampling {
     /// pixel, which is their mean. With a `max_error`, the most that a pixel gets; 1 sets no limit then.
     pub samples: u32,
     /// The error that the picture is meant to have, as the root of the mean square over its pixels, in steps of 8-bit output,
-    /// 0..=[`Self::LARGEST_ERROR`]. Samples go where they are needed, at least 8 to each pixel and 4 to each of its instants, unless
+    /// 0..=[`Self::LARGEST_ERROR`]. Samples go where they are needed, at least 2 to each pixel and to each of its instants, unless
     /// fewer in all pixels are enough, until the estimate of the picture's error, which
     /// [`FrameReport::error`](crate::FrameReport::error) tells, is below this. 0 gives all pixels as many.
     pub max_error: f32,

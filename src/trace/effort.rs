@@ -22,6 +22,7 @@ pub struct Effort {
 pub(crate) struct StageCounts {
     pub(crate) camera_rays: u64,
     pub(crate) closest_hits: u64,
+    pub(crate) coverage: u64,
     pub(crate) surfaces: u64,
     pub(crate) direct_light: u64,
     pub(crate) shadows: u64,
@@ -84,6 +85,7 @@ impl AddAssign for StageCounts {
     fn add_assign(&mut self, other: Self) {
         self.camera_rays += other.camera_rays;
         self.closest_hits += other.closest_hits;
+        self.coverage += other.coverage;
         self.surfaces += other.surfaces;
         self.direct_light += other.direct_light;
         self.shadows += other.shadows;

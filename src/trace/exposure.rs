@@ -11,12 +11,12 @@ use crate::color::{Encoding, Linear, Rgb};
 use crate::trace::adaptive::{Adaptive, ErrorTarget, PixelErrors, Portion, Rounds, RowSums};
 use crate::trace::effects::Effects;
 use crate::trace::effort::Effort;
-use crate::trace::film::Film;
+use crate::trace::film::{AlphaFilm, Film};
 use crate::trace::light::RenderContext;
 use crate::trace::math::{Colors, Numbers, Sampling, SimdLevel, Vectors};
 use crate::trace::query::{Intersector, Textbook};
 use crate::trace::scene::{Camera, Precision, PreparedScene, SIDE};
-use crate::trace::stages::{ActiveLanes, PACKETS, TILE, Tile, TileBuffers, render_sample};
+use crate::trace::stages::{PACKETS, TILE, Tile, TileBuffers, TileLanes, render_sample};
 use crate::trace::tile_light::{NO_SUMS, TileLight, TileSums, means};
 use crate::trace::work_queue::WorkQueue;
 
@@ -65,7 +65,7 @@ struct ExposedTile {
     tile: Tile,
     samples: u32,
     /// The pixels that get more.
-    active: ActiveLanes,
+    active: TileLanes,
 }
 
 /// What has come to the pixels so far.
@@ -84,6 +84,27 @@ struct Sums {
     all: Vec<Vectors>,
     /// Of the first half of the first round's samples, for adaptive sampling; else none.
     first_half: Vec<Colors>,
+    /// Of the samples in which the pixel is covered, if the picture is to have alpha; else none.
+    covered: Vec<Vectors>,
+    /// How many those are.
+    covered_counts: Vec<Numbers>,
+}
+
+/// Which samples a picture gets, and what is kept of them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SamplePlan {
+    pub(crate) rounds: Rounds,
+    /// How good the picture is meant to be, if that ends its rounds.
+    pub(crate) target: Option<ErrorTarget>,
+    /// Whether it is to have alpha: it is then without the background.
+    pub(crate) alpha: bool,
+}
+
+/// A finished picture.
+pub(crate) struct Developed<Pixel> {
+    pub(crate) film: Film<Pixel>,
+    /// If it was to have any.
+    pub(crate) alpha: Option<Film<f32>>,
 }
 
 /// The memory of a picture's samples, for the next one: it costs more to get it anew from the system than to use it.
@@ -95,18 +116,29 @@ pub(crate) struct SampleMemory {
 
 impl Sums {
     /// Makes them those of so many tiles without samples.
-    fn clear(&mut self, tiles: usize, is_adaptive: bool) {
+    fn clear(&mut self, tiles: usize, plan: &SamplePlan) {
+        let packets = |asked| if asked { tiles * PACKETS } else { 0 };
         self.all.clear();
-        self.all.resize(tiles * PACKETS, NO_SUMS);
+        self.all.resize(packets(true), NO_SUMS);
         self.first_half.clear();
-        self.first_half.resize(if is_adaptive { tiles * PACKETS } else { 0 }, Colors::splat(Rgb::ZERO));
+        self.first_half.resize(packets(plan.target.is_some()), Colors::splat(Rgb::ZERO));
+        self.covered.clear();
+        self.covered.resize(packets(plan.alpha), NO_SUMS);
+        self.covered_counts.clear();
+        self.covered_counts.resize(packets(plan.alpha), Numbers::splat(0.0));
     }
 
     /// Goes through those of all tiles.
     fn tiles_mut(&mut self) -> impl Iterator<Item = TileSums<'_>> {
         let mut first_half = self.first_half.chunks_mut(PACKETS);
-        let all = self.all.chunks_mut(PACKETS);
-        all.map(move |all| TileSums { all, first_half: first_half.next().unwrap_or_default() })
+        let mut covered = self.covered.chunks_mut(PACKETS);
+        let mut covered_counts = self.covered_counts.chunks_mut(PACKETS);
+        self.all.chunks_mut(PACKETS).map(move |all| TileSums {
+            all,
+            first_half: first_half.next().unwrap_or_default(),
+            covered: covered.next().unwrap_or_default(),
+            covered_counts: covered_counts.next().unwrap_or_default(),
+        })
     }
 }
 
@@ -115,16 +147,17 @@ impl Exposure {
     #[doc(hidden)]
     #[must_use]
     pub fn new(resolution: (u32, u32), samples: u32) -> Self {
-        Self::encoded(Linear, resolution, Rounds::single(samples, 1), None, SampleMemory::default())
+        let plan = SamplePlan { rounds: Rounds::single(samples, 1), target: None, alpha: false };
+        Self::encoded(Linear, resolution, plan, SampleMemory::default())
     }
 
-    /// What there is so far: pixels are means of the samples that they have. Where they have none, another picture of the same
-    /// is seen, of any size.
+    /// What there is so far, with its background: pixels are means of the samples that they have. Where they have none, another picture of
+    /// the same is seen, of any size.
     #[must_use]
     pub fn develop_over(&self, beneath: &Film) -> Film {
         let mut film = match &self.pixels {
             Pixels::Picture(film) => film.clone().unwrap_or_else(|| Film::new(self.width, self.height)),
-            Pixels::Sums(sums) => self.develop_sums(sums).0,
+            Pixels::Sums(sums) => self.develop_sums(&sums.all).0,
         };
         let nearest = |place: u32, count: u32, of: u32| {
             let nearest = u64::from(place) * u64::from(of) / u64::from(count);
@@ -143,28 +176,27 @@ impl Exposure {
 }
 
 impl<E: Encoding> Exposure<E> {
-    /// Of no light so far, to have samples in these rounds, until it is as good as it is meant to be, if that is said. Pixels are encoded
-    /// in the end. It uses the memory of another.
+    /// Of no light so far, to have such samples. Pixels are encoded in the end. It uses the memory of another.
     pub(crate) fn encoded(
         encoding: E,
         (columns, height): (u32, u32),
-        rounds: Rounds,
-        target: Option<ErrorTarget>,
+        plan: SamplePlan,
         SampleMemory { mut sums, errors }: SampleMemory,
     ) -> Self {
         let tiles: Vec<ExposedTile> = (0..height)
             .step_by(TILE as usize)
             .flat_map(|j| (0..columns).step_by(TILE as usize).map(move |i| (i, j)))
             .map(|(i, j)| Tile { i, j, width: TILE.min(columns - i), height: TILE.min(height - j) })
-            .map(|tile| ExposedTile { tile, samples: 0, active: ActiveLanes::ALL })
+            .map(|tile| ExposedTile { tile, samples: 0, active: TileLanes::ALL })
             .collect();
-        let pixels = if rounds.samples() == 1 {
+        let rounds = plan.rounds;
+        let pixels = if rounds.samples() == 1 && !plan.alpha {
             Pixels::Picture(None)
         } else {
-            sums.clear(tiles.len(), target.is_some());
+            sums.clear(tiles.len(), &plan);
             Pixels::Sums(sums)
         };
-        let adaptive = target.map(|target| Adaptive::new((columns, height), target, errors));
+        let adaptive = plan.target.map(|target| Adaptive::new((columns, height), target, errors));
         let effort = Effort::default();
         Self { width: columns, height, rounds, adaptive, tiles, encoding, pixels, effort }
     }
@@ -243,7 +275,7 @@ impl<E: Encoding> Exposure<E> {
                     .tile
                     .active_lanes(|i, j| adaptive.left_with(j as usize * width + i as usize).is_none())
             } else {
-                ActiveLanes::NONE
+                TileLanes::NONE
             };
         });
         true
@@ -272,32 +304,34 @@ impl<E: Encoding> Exposure<E> {
     #[doc(hidden)]
     #[must_use]
     pub fn develop(self) -> (Film<E::Pixel>, Effort) {
-        let (film, effort, _) = self.finish();
+        let (Developed { film, .. }, effort, _) = self.finish();
         (film, effort)
     }
 
     /// Returns the picture, what it took, and the memory of its samples.
-    pub(crate) fn finish(mut self) -> (Film<E::Pixel>, Effort, SampleMemory) {
+    pub(crate) fn finish(mut self) -> (Developed<E::Pixel>, Effort, SampleMemory) {
         let mut effort = self.effort;
         match std::mem::replace(&mut self.pixels, Pixels::Picture(None)) {
             Pixels::Picture(film) => {
                 let film = film.unwrap_or_else(|| Film::black(self.encoding, self.width, self.height));
-                (film, effort, SampleMemory::default())
+                (Developed { film, alpha: None }, effort, SampleMemory::default())
             }
             Pixels::Sums(sums) => {
-                let (film, overflowed) = self.develop_sums(&sums);
+                let has_alpha = !sums.covered.is_empty();
+                let (film, overflowed) = self.develop_sums(if has_alpha { &sums.covered } else { &sums.all });
                 effort.escalations.overflowed += overflowed;
+                let alpha = has_alpha.then(|| self.develop_alpha(&sums.covered_counts));
                 let errors = self.adaptive.map(Adaptive::into_memory).unwrap_or_default();
-                (film, effort, SampleMemory { sums, errors })
+                (Developed { film, alpha }, effort, SampleMemory { sums, errors })
             }
         }
     }
 
     /// Returns the means of what samples add up to, and how many had overflowed.
-    fn develop_sums(&self, sums: &Sums) -> (Film<E::Pixel>, u64) {
+    fn develop_sums(&self, sums: &[Vectors]) -> (Film<E::Pixel>, u64) {
         let mut film = Film::black(self.encoding, self.width, self.height);
         let stored: Vec<_> = film.tiles_mut(self.encoding).collect();
-        let tiles = stored.into_par_iter().zip(sums.all.par_chunks(PACKETS)).zip(&self.tiles);
+        let tiles = stored.into_par_iter().zip(sums.par_chunks(PACKETS)).zip(&self.tiles);
         let overflowed = tiles.map(|((mut stored, sums), exposed)| {
             let counts = self.sample_counts(exposed);
             dispatch!(SimdLevel::best().level(), simd => {
@@ -305,11 +339,31 @@ impl<E: Encoding> Exposure<E> {
                 for ((pixels, sums), counts) in pixels.iter_mut().zip(sums).zip(&counts) {
                     *pixels = means(simd, sums, counts);
                 }
-                stored.add(simd, &exposed.tile, &pixels)
+                stored.add(simd, &exposed.tile, &pixels, TileLanes::NONE)
             })
         });
         let overflowed = overflowed.sum();
         (film, overflowed)
+    }
+
+    /// Returns which share of each pixel's samples is covered.
+    fn develop_alpha(&self, covered_counts: &[Numbers]) -> Film<f32> {
+        let mut alpha = Film::zeros(self.width, self.height);
+        let across = self.width.div_ceil(TILE).max(1) as usize;
+        let tiles = self.tiles.par_chunks(across).zip(covered_counts.par_chunks(across * PACKETS));
+        alpha.bands_mut().zip(tiles).for_each(|(band, (tiles, covered_counts))| {
+            for (exposed, covered) in tiles.iter().zip(covered_counts.chunks(PACKETS)) {
+                let (Tile { i, width, height, .. }, counts) = (exposed.tile, self.sample_counts(exposed));
+                let rows = band.chunks_mut(self.width as usize).take(height as usize);
+                for (row, alpha) in rows.enumerate() {
+                    for (column, alpha) in alpha[i as usize..(i + width) as usize].iter_mut().enumerate() {
+                        let (packet, lane) = Tile::lane_of(column, row);
+                        *alpha = AlphaFilm::share(covered[packet].get(lane), counts[packet].get(lane));
+                    }
+                }
+            }
+        });
+        alpha
     }
 
     /// Returns how many samples each pixel of a tile has, at least one.
@@ -413,6 +467,7 @@ fn add_to_tile(
     buffers: &mut TileBuffers<'_>,
 ) -> Effort {
     let mut effort = Effort::default();
+    buffers.ask_for_coverage(light.asks_for_coverage());
     if exposed.active.are_none() {
         exposed.samples = portion.after();
     }
@@ -429,7 +484,7 @@ fn add_to_tile(
             if sample < portion.halfway {
                 light.add_to_first_half(simd, buffers.pixels());
             }
-            light.add(simd, &exposed.tile, buffers.pixels())
+            light.add(simd, &exposed.tile, buffers.pixels(), buffers.covered())
         });
         exposed.samples += 1;
         effort += traced;

@@ -20,6 +20,19 @@ pub struct Film<Pixel = Rgb> {
 /// One frame's pixels as output bytes, encoded by a [`Transfer`].
 pub type EncodedFilm = Film<[u8; 3]>;
 
+/// One frame's pixels to be put over another picture: what the scene covers, without the background beyond it.
+///
+/// Light is premultiplied: over a picture b the result is `light + (1 - alpha) b`, pixel by pixel, in linear light (Porter and Duff,
+/// "Compositing Digital Images", SIGGRAPH 1984, section 3).
+#[derive(Clone, Debug, PartialEq)]
+pub struct AlphaFilm {
+    /// The mean over each pixel's samples of the light of what is covered, 0 where nothing is.
+    pub light: Film,
+    /// Which share of the pixel's samples is covered, from 0 to 1. Those are the ones whose camera rays meet something, or go through fog
+    /// or through what absorbs light. The background in mirrors and behind glass is covered by these.
+    pub alpha: Film<f32>,
+}
+
 impl Film {
     /// Creates a black film.
     #[must_use]
@@ -86,6 +99,36 @@ impl EncodedFilm {
     #[must_use]
     pub fn bytes(&self) -> &[u8] {
         self.pixels.as_flattened()
+    }
+}
+
+impl AlphaFilm {
+    /// Creates a film that covers nothing.
+    pub(crate) fn empty(width: u32, height: u32) -> Self {
+        Self { light: Film::new(width, height), alpha: Film::zeros(width, height) }
+    }
+
+    /// Returns which share of so many samples some are.
+    #[expect(clippy::cast_possible_truncation, reason = "rounding to f32 is the point")]
+    pub(crate) fn share(covered: f64, samples: f64) -> f32 {
+        (covered / samples) as f32
+    }
+}
+
+impl Film<f32> {
+    /// Creates a film of zeros.
+    pub(crate) fn zeros(width: u32, height: u32) -> Self {
+        Self { width, height, pixels: vec![0.0; width as usize * height as usize] }
+    }
+
+    /// Creates a film of the numbers of all pixels, row by row from the top.
+    pub(crate) fn from_numbers(width: u32, height: u32, pixels: Vec<f32>) -> Self {
+        Self { width, height, pixels }
+    }
+
+    /// Divides the film into rows of tiles.
+    pub(crate) fn bands_mut(&mut self) -> impl IndexedParallelIterator<Item = &mut [f32]> {
+        self.pixels.par_chunks_mut((self.width * TILE).max(1) as usize)
     }
 }
 

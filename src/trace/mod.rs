@@ -94,9 +94,9 @@ mod work_queue;
 
 pub(crate) use adaptive::{Convergence, ErrorTarget, Rounds};
 pub use effort::{RayCounts, TreeEnds};
-pub(crate) use exposure::SampleMemory;
+pub(crate) use exposure::{Developed, SampleMemory, SamplePlan};
 pub use exposure::{Exposure, Signals};
-pub use film::{EncodedFilm, Film};
+pub use film::{AlphaFilm, EncodedFilm, Film};
 pub(crate) use frame_fingerprint::{FrameConstants, FrameHasher};
 pub use frame_fingerprint::{FrameFingerprint, NotAFingerprint, SEMANTICS};
 pub use math::Sampling;

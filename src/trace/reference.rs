@@ -4,9 +4,10 @@
 use glam::DVec3;
 
 use crate::color::Rgb;
-use crate::trace::adaptive::{Adaptive, ErrorTarget, PixelErrors, Rounds, RowSums};
+use crate::trace::adaptive::{Adaptive, PixelErrors, Rounds, RowSums};
 use crate::trace::effects::{Effects, Lighting};
-use crate::trace::film::Film;
+use crate::trace::exposure::SamplePlan;
+use crate::trace::film::{AlphaFilm, Film};
 use crate::trace::light::{
     Budget, LARGEST_TREE, LightScratch, LitPoint, MediumStack, PathState, Proposal, RenderContext, SampleId,
     SecondaryRays, ShadowRay, TreeRay, ambient, filtered_and_absorbed, held, propose, secondary_rays,
@@ -103,6 +104,15 @@ impl RayTree {
     pub fn color(&self) -> Rgb {
         self.rays.iter().fold(Rgb::ZERO, |sum, traced| sum + traced.contribution())
     }
+
+    /// Returns whether the scene covers the pixel in this sample: what the camera ray sees is not the background as it is.
+    #[must_use]
+    pub fn is_covered(&self) -> bool {
+        let sees_background = |traced: &TracedRay| {
+            traced.passage == Passage::CLEAR && matches!(traced.end, RayEnd::Background(_))
+        };
+        !self.rays.first().is_some_and(sees_background)
+    }
 }
 
 impl TracedRay {
@@ -152,17 +162,21 @@ impl<'a> Reference<'a> {
     pub(crate) fn add(&mut self, sums: &mut ReferenceSums, instant: u32) {
         let (columns, rows) = self.context.camera.resolution();
         let pixels = (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j)));
-        let ReferenceSums { sums, first_half, rounds, adaptive, .. } = sums;
+        let ReferenceSums { sums, first_half, covered, rounds, adaptive, .. } = sums;
         let portion = rounds.portion(instant);
-        let sums = sums.iter_mut().zip(first_half).enumerate();
-        for ((i, j), (index, (sum, first_half))) in pixels.zip(sums) {
+        let sums = sums.iter_mut().zip(first_half).zip(covered).enumerate();
+        for ((i, j), (index, ((sum, first_half), covered))) in pixels.zip(sums) {
             if adaptive.as_ref().is_some_and(|adaptive| adaptive.left_with(index).is_some()) {
                 continue;
             }
             for sample in portion.from..portion.to {
                 let tree = self.sample(i, j, sample);
-                let color = tree.map_or_else(|| self.context.nowhere(), |tree| tree.color());
+                let color = tree.as_ref().map_or_else(|| self.context.nowhere(), RayTree::color);
                 sum.add(color);
+                if tree.is_some_and(|tree| tree.is_covered()) {
+                    covered.light.add(color);
+                    covered.count += 1;
+                }
                 if sample < portion.halfway {
                     *first_half += color;
                 }
@@ -247,18 +261,21 @@ pub(crate) struct ReferenceSums {
     sums: Vec<PixelSum>,
     /// What the first half of the first round's samples add up to, for adaptive sampling.
     first_half: Vec<Rgb>,
+    /// What the samples add up to in which the pixel is covered.
+    covered: Vec<Covered>,
     rounds: Rounds,
     adaptive: Option<Adaptive>,
 }
 
 impl ReferenceSums {
-    /// Of no light so far, to have samples in these rounds, until the picture is as good as it is meant to be, if that is said.
+    /// Of no light so far, to have such samples. Alpha can be had in any case.
     #[must_use]
-    pub(crate) fn new(resolution: (u32, u32), rounds: Rounds, target: Option<ErrorTarget>) -> Self {
+    pub(crate) fn new(resolution: (u32, u32), SamplePlan { rounds, target, .. }: SamplePlan) -> Self {
         let (columns, rows) = resolution;
         let sums = vec![PixelSum::default(); columns as usize * rows as usize];
         let adaptive = target.map(|target| Adaptive::new(resolution, target, PixelErrors::default()));
-        Self { resolution, first_half: vec![Rgb::ZERO; sums.len()], sums, rounds, adaptive }
+        let (first_half, covered) = (vec![Rgb::ZERO; sums.len()], vec![Covered::default(); sums.len()]);
+        Self { resolution, sums, first_half, covered, rounds, adaptive }
     }
 
     /// Goes on to the next round, if the picture is not yet as good as it is meant to be. Returns whether there is one.
@@ -276,9 +293,27 @@ impl ReferenceSums {
     #[must_use]
     pub(crate) fn develop(&self) -> Film {
         let (columns, rows) = self.resolution;
-        let samples = |pixel| self.adaptive.as_ref().and_then(|adaptive| adaptive.left_with(pixel));
-        let mean = |(pixel, sum): (usize, &PixelSum)| sum.mean(samples(pixel).unwrap_or(self.rounds.taken()));
+        let mean = |(pixel, sum): (usize, &PixelSum)| sum.mean(self.samples(pixel));
         Film::from_pixels(columns, rows, self.sums.iter().enumerate().map(mean))
+    }
+
+    /// The picture without its background.
+    #[must_use]
+    pub(crate) fn develop_with_alpha(&self) -> AlphaFilm {
+        let (columns, rows) = self.resolution;
+        let covered = self.covered.iter().enumerate();
+        let light = covered.clone().map(|(pixel, covered)| covered.light.mean(self.samples(pixel)));
+        let share = |(pixel, covered): (usize, &Covered)| {
+            AlphaFilm::share(f64::from(covered.count), f64::from(self.samples(pixel)))
+        };
+        let alpha = Film::from_numbers(columns, rows, covered.map(share).collect());
+        AlphaFilm { light: Film::from_pixels(columns, rows, light), alpha }
+    }
+
+    /// How many samples a pixel has.
+    fn samples(&self, pixel: usize) -> u32 {
+        let left_with = self.adaptive.as_ref().and_then(|adaptive| adaptive.left_with(pixel));
+        left_with.unwrap_or(self.rounds.taken())
     }
 }
 
@@ -301,7 +336,8 @@ impl RowSums for ReferenceSums {
 /// A picture of one moment, pixel after pixel, and in a pixel sample after sample.
 #[must_use]
 pub fn render(scene: &PreparedScene, camera: &Camera, sampling: Sampling) -> Film {
-    let mut sums = ReferenceSums::new(camera.resolution(), Rounds::single(sampling.samples, 1), None);
+    let plan = SamplePlan { rounds: Rounds::single(sampling.samples, 1), target: None, alpha: false };
+    let mut sums = ReferenceSums::new(camera.resolution(), plan);
     Reference::new(scene, camera, sampling, Effects::ALL).add(&mut sums, 0);
     sums.develop()
 }
@@ -414,6 +450,14 @@ fn visibility(
         Some(id) => Err(id),
         None => Ok(filtered_and_absorbed(scene, geometry, shadow_ray, own_shape, seen, scratch)),
     }
+}
+
+/// What the samples of a pixel add up to in which it is covered.
+#[derive(Clone, Copy, Debug, Default)]
+struct Covered {
+    light: PixelSum,
+    /// How many they are.
+    count: u32,
 }
 
 /// What the samples of a pixel add up to. In `f64`, so that the mean of equal samples is exactly their value, and that of

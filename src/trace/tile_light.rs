@@ -1,18 +1,25 @@
 //! Where a tile's samples are added to those that came before.
 
-use fearless_simd::prelude::*;
+use fearless_simd::{f32x16, prelude::*};
 use glam::DVec3;
 
 use crate::color::{Encoding, Rgb};
 use crate::trace::film::FilmTile;
-use crate::trace::math::{Colors, Numbers, Vectors};
+use crate::trace::math::{Colors, Numbers, Vectors, mask16};
 use crate::trace::scene::Square;
-use crate::trace::stages::{PACKETS, Tile};
+use crate::trace::stages::{PACKETS, Tile, TileLanes};
 
 /// The light of a tile's pixels so far.
 pub(crate) trait TileLight: Send {
-    /// Adds a sample of each pixel, given packet by packet of the camera rays. Says how many pixels have overflowed.
-    fn add<S: Simd>(&mut self, simd: S, tile: &Tile, samples: &[Colors; PACKETS]) -> u64;
+    /// Returns whether it asks which pixels the scene covers.
+    #[inline(always)]
+    fn asks_for_coverage(&self) -> bool {
+        false
+    }
+
+    /// Adds a sample of each pixel, given packet by packet of the camera rays, with the pixels that are covered in it if that was asked
+    /// for. Says how many pixels have overflowed.
+    fn add<S: Simd>(&mut self, simd: S, tile: &Tile, samples: &[Colors; PACKETS], covered: TileLanes) -> u64;
 
     /// Adds it to the first half of the first round's samples, where somebody wants to know those.
     #[inline(always)]
@@ -22,7 +29,7 @@ pub(crate) trait TileLight: Send {
 /// The only sample of each pixel is what is seen.
 impl<E: Encoding> TileLight for FilmTile<'_, E> {
     #[inline(always)]
-    fn add<S: Simd>(&mut self, simd: S, tile: &Tile, samples: &[Colors; PACKETS]) -> u64 {
+    fn add<S: Simd>(&mut self, simd: S, tile: &Tile, samples: &[Colors; PACKETS], _: TileLanes) -> u64 {
         let mut overflowed = 0;
         for (packet, samples) in samples.iter().enumerate() {
             if let Some(Square { first: (i, j), size }) = tile.square(packet) {
@@ -41,6 +48,10 @@ pub(crate) struct TileSums<'a> {
     pub(crate) all: &'a mut [Vectors],
     /// Of the first half of those of the first round, in `f32`; empty where nobody wants to know.
     pub(crate) first_half: &'a mut [Colors],
+    /// Of all samples in which the pixel is covered; empty where nobody wants to know, as the next.
+    pub(crate) covered: &'a mut [Vectors],
+    /// How many those are.
+    pub(crate) covered_counts: &'a mut [Numbers],
 }
 
 /// The sums of a packet without samples.
@@ -48,14 +59,21 @@ pub(crate) const NO_SUMS: Vectors = Vectors::splat(DVec3::ZERO);
 
 impl TileLight for TileSums<'_> {
     #[inline(always)]
-    fn add<S: Simd>(&mut self, simd: S, _: &Tile, samples: &[Colors; PACKETS]) -> u64 {
+    fn asks_for_coverage(&self) -> bool {
+        !self.covered.is_empty()
+    }
+
+    #[inline(always)]
+    fn add<S: Simd>(&mut self, simd: S, _: &Tile, samples: &[Colors; PACKETS], covered: TileLanes) -> u64 {
         for (sums, samples) in self.all.iter_mut().zip(samples) {
-            for (channel, samples) in samples.load(simd).into_iter().enumerate() {
-                let (first, second) = samples.widen();
-                let sums = sums.axis_mut(channel);
-                sums.store(0, sums.load(simd, 0) + first);
-                sums.store(1, sums.load(simd, 1) + second);
-            }
+            add_colors(simd, sums, samples.load(simd));
+        }
+        let of_covered = self.covered.iter_mut().zip(&mut *self.covered_counts).zip(samples);
+        for (packet, ((sums, counts), samples)) in of_covered.enumerate() {
+            let lanes = mask16(simd, covered.of_packet(packet));
+            let [none, one] = [0.0, 1.0].map(|number| f32x16::splat(simd, number));
+            add_colors(simd, sums, samples.load(simd).map(|channel| lanes.select(channel, none)));
+            add_numbers(simd, counts, lanes.select(one, none));
         }
         0
     }
@@ -67,6 +85,21 @@ impl TileLight for TileSums<'_> {
             sums.store([r0 + r1, g0 + g1, b0 + b1]);
         }
     }
+}
+
+/// Adds a sample of each pixel of a packet.
+#[inline(always)]
+fn add_colors<S: Simd>(simd: S, sums: &mut Vectors, samples: [f32x16<S>; 3]) {
+    for (channel, samples) in samples.into_iter().enumerate() {
+        add_numbers(simd, sums.axis_mut(channel), samples);
+    }
+}
+
+#[inline(always)]
+fn add_numbers<S: Simd>(simd: S, sums: &mut Numbers, numbers: f32x16<S>) {
+    let (first, second) = numbers.widen();
+    sums.store(0, sums.load(simd, 0) + first);
+    sums.store(1, sums.load(simd, 1) + second);
 }
 
 /// Returns the means of what samples of a packet's pixels add up to, so many of each.

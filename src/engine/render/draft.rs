@@ -10,7 +10,7 @@ use crate::engine::engine::{Engine, EngineError};
 use crate::engine::report::FrameReport;
 use crate::systems::FrameSettings;
 use crate::time::Time;
-use crate::trace::{Exposure, Film, Lighting, Signals};
+use crate::trace::{Developed, Exposure, Film, Lighting, Signals};
 
 /// The reductions of a quick picture, which also has one sample per pixel, at the frame's own moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,14 +90,14 @@ impl Engine {
         if !whole {
             return Ok(None);
         }
-        Ok(begun.take().map(|exposure| self.develop(exposure)))
+        Ok(begun.take().map(|exposure| self.develop(exposure).film))
     }
 
-    /// Finishes a picture; the report describes it.
-    pub(in crate::engine) fn develop<E: Encoding>(&mut self, exposure: Exposure<E>) -> Film<E::Pixel> {
+    /// Finishes a picture, and its alpha if it was to have any; the report describes it.
+    pub(in crate::engine) fn develop<E: Encoding>(&mut self, exposure: Exposure<E>) -> Developed<E::Pixel> {
         let start = Instant::now();
         let error = exposure.estimated_error();
-        let (film, effort, memory) = exposure.finish();
+        let (developed, effort, memory) = exposure.finish();
         self.report = FrameReport {
             trace: self.report.trace + start.elapsed(),
             rays: effort.rays,
@@ -107,7 +107,7 @@ impl Engine {
             ..self.report
         };
         self.sample_memory = memory;
-        film
+        developed
     }
 }
 

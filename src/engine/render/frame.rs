@@ -17,8 +17,8 @@ use crate::systems::{
 use crate::time::Time;
 use crate::trace::reference::{Reference, ReferenceSums};
 use crate::trace::{
-    BvhUpdate, Effects, EncodedFilm, ErrorTarget, Exposure, Film, FrameFingerprint, Rounds, SampleMemory,
-    SceneChanges, Signals,
+    AlphaFilm, BvhUpdate, Developed, Effects, EncodedFilm, Exposure, Film, FrameFingerprint, Rounds,
+    SampleMemory, SamplePlan, SceneChanges, Signals,
 };
 
 /// A signal that is never set.
@@ -83,7 +83,8 @@ impl Engine {
         signals: Signals<'_>,
         visit: &mut dyn FnMut(&Exposure) -> ControlFlow<()>,
     ) -> Result<Option<Film>, EngineError> {
-        self.expose(Linear, time, begun, signals, visit)
+        let exposed = self.expose((Linear, false), time, begun, signals, visit)?;
+        Ok(exposed.map(|exposed| exposed.film))
     }
 
     /// Renders a moment as output bytes, by the film settings' transfer, unless `cancelled` becomes true meanwhile; then there is no
@@ -99,18 +100,46 @@ impl Engine {
         cancelled: &AtomicBool,
     ) -> Result<Option<EncodedFilm>, EngineError> {
         let transfer = self.film_settings().transfer;
-        self.expose(transfer, time, &mut None, Signals::unless(cancelled), &mut |_| Continue(()))
+        let signals = Signals::unless(cancelled);
+        let exposed = self.expose((transfer, false), time, &mut None, signals, &mut |_| Continue(()))?;
+        Ok(exposed.map(|exposed| exposed.film))
     }
 
-    /// Renders a moment in portions, as [`render_on`](Engine::render_on) does.
+    /// Renders a moment without its background, unless `cancelled` becomes true meanwhile; then there is no film. How many samples pixels
+    /// get does not depend on that: where errors decide, they are those of the picture with its background.
+    ///
+    /// ```
+    /// use std::sync::atomic::AtomicBool;
+    /// use rayreel::{Engine, Time, World};
+    ///
+    /// let never = AtomicBool::new(false);
+    /// let picture = Engine::new(World::new()).render_alpha_unless(Time::ZERO, &never)?.unwrap();
+    /// assert!(picture.alpha.pixels().iter().all(|alpha| *alpha == 0.0));
+    /// # Ok::<(), rayreel::EngineError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn render_alpha_unless(
+        &mut self,
+        time: Time,
+        cancelled: &AtomicBool,
+    ) -> Result<Option<AlphaFilm>, EngineError> {
+        let signals = Signals::unless(cancelled);
+        let exposed = self.expose((Linear, true), time, &mut None, signals, &mut |_| Continue(()))?;
+        Ok(exposed.and_then(|exposed| Some(AlphaFilm { light: exposed.film, alpha: exposed.alpha? })))
+    }
+
+    /// Renders a moment in portions, as [`render_on`](Engine::render_on) does: with its background, or with alpha.
     fn expose<E: Encoding>(
         &mut self,
-        encoding: E,
+        (encoding, alpha): (E, bool),
         time: Time,
         begun: &mut Option<Exposure<E>>,
         signals: Signals<'_>,
         visit: &mut dyn FnMut(&Exposure<E>) -> ControlFlow<()>,
-    ) -> Result<Option<Film<E::Pixel>>, EngineError> {
+    ) -> Result<Option<Developed<E::Pixel>>, EngineError> {
         let instants = self.instants(time);
         let (mut traced, mut whole) = (Duration::ZERO, true);
         let mut memory = std::mem::take(&mut self.sample_memory);
@@ -124,9 +153,8 @@ impl Engine {
             hashed.note(preparation, time, instant);
             hashing += start.elapsed();
             let exposure = begun.get_or_insert_with(|| {
-                let (rounds, target) = rounds(preparation, count);
-                let memory = std::mem::take(&mut memory);
-                Exposure::encoded(encoding, camera.resolution(), rounds, target, memory)
+                let plan = SamplePlan { alpha, ..sample_plan(preparation, count) };
+                Exposure::encoded(encoding, camera.resolution(), plan, std::mem::take(&mut memory))
             });
             whole = add_all(signals, visit, exposure, |exposure| {
                 let start = Instant::now();
@@ -150,12 +178,13 @@ impl Engine {
         let FilmSettings { width, height, .. } = self.film_settings();
         let exposure = begun.take();
         let nothing = || {
-            Exposure::encoded(encoding, (width, height), Rounds::single(1, 1), None, SampleMemory::default())
+            let plan = SamplePlan { rounds: Rounds::single(1, 1), target: None, alpha };
+            Exposure::encoded(encoding, (width, height), plan, SampleMemory::default())
         };
         let exposure = exposure.unwrap_or_else(nothing);
-        let film = self.develop(exposure);
+        let developed = self.develop(exposure);
         self.report.fingerprint = Some(hashed.finish());
-        Ok(Some(film))
+        Ok(Some(developed))
     }
 
     /// Renders a moment by the reference path, which tests every ray against every shape: slow, single-threaded, and the same
@@ -165,17 +194,34 @@ impl Engine {
     ///
     /// As [`Engine::render_frame`].
     pub fn render_reference(&mut self, time: Time) -> Result<Film, EngineError> {
+        let FilmSettings { width, height, .. } = self.film_settings();
+        let sums = self.reference_sums(time)?;
+        Ok(sums.map_or_else(|| Film::new(width, height), |sums| sums.develop()))
+    }
+
+    /// Renders a moment without its background by the reference path.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn render_alpha_reference(&mut self, time: Time) -> Result<AlphaFilm, EngineError> {
+        let FilmSettings { width, height, .. } = self.film_settings();
+        let sums = self.reference_sums(time)?;
+        Ok(sums.map_or_else(|| AlphaFilm::empty(width, height), |sums| sums.develop_with_alpha()))
+    }
+
+    /// Takes all samples of a moment by the reference path. `None` without a camera.
+    fn reference_sums(&mut self, time: Time) -> Result<Option<ReferenceSums>, EngineError> {
         let instants = self.instants(time);
         let (mut sums, count, left) = (None, count_of(&instants), self.effects_left());
         self.seek_all(time, &instants, &NEVER, |preparation, _, instant| {
             let (scene, camera) = (preparation.scene(), preparation.camera());
-            let (rounds, target) = rounds(preparation, count);
-            let sums = sums.get_or_insert_with(|| ReferenceSums::new(camera.resolution(), rounds, target));
+            let plan = sample_plan(preparation, count);
+            let sums = sums.get_or_insert_with(|| ReferenceSums::new(camera.resolution(), plan));
             Reference::new(scene, camera, preparation.sampling(time), left).add(sums, instant);
             if instant + 1 == count && sums.next_round() { Then::Again } else { Then::GoOn }
         })?;
-        let FilmSettings { width, height, .. } = self.film_settings();
-        Ok(sums.map_or_else(|| Film::new(width, height), |sums| sums.develop()))
+        Ok(sums)
     }
 
     /// Returns what identifies the picture of a moment: that of the [report](FrameReport::fingerprint) if it were rendered. The world is
@@ -404,12 +450,13 @@ fn count_of(instants: &[Time]) -> u32 {
     u32::try_from(instants.len()).unwrap_or(u32::MAX)
 }
 
-/// Returns the rounds in which a picture at so many instants gets its samples, and how good it is meant to be, if that is said.
-fn rounds(preparation: &Preparation, instants: u32) -> (Rounds, Option<ErrorTarget>) {
+/// Returns the samples that a picture at so many instants gets. It has its background.
+fn sample_plan(preparation: &Preparation, instants: u32) -> SamplePlan {
     let samples = preparation.samples();
     let target = preparation.error_target(instants);
-    match target {
-        Some(_) => (Rounds::doubling(samples, instants), target),
-        None => (Rounds::single(samples, instants), None),
-    }
+    let rounds = match target {
+        Some(_) => Rounds::doubling(samples, instants),
+        None => Rounds::single(samples, instants),
+    };
+    SamplePlan { rounds, target, alpha: false }
 }

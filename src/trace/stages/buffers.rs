@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::answers::AnswerPacket;
 use super::generation::{Generation, UntracedRay};
 use super::spread_tile::SpreadTile;
-use super::tile::PACKETS;
+use super::tile::{PACKETS, TileLanes};
 use super::trees::Trees;
 use super::wave::Wave;
 use crate::color::Rgb;
@@ -59,6 +59,8 @@ pub(crate) struct TileBuffers<'a> {
     pub(super) packet_scratch: PacketScratch,
     /// By packet of the camera rays: what has come to their pixels.
     pub(super) pixels: Box<[Colors; PACKETS]>,
+    /// The pixels that the scene covers, if anybody asks.
+    pub(super) covered: Option<TileLanes>,
     pub(super) rays_traced: RayCounts,
     pub(super) trees_ended: TreeEnds,
     pub(super) entered: StageCounts,
@@ -88,6 +90,7 @@ impl<'a> TileBuffers<'a> {
             scratch: LightScratch::new(cancelled),
             packet_scratch: PacketScratch::default(),
             pixels: Box::new([Colors::splat(Rgb::ZERO); PACKETS]),
+            covered: None,
             rays_traced: RayCounts::default(),
             trees_ended: TreeEnds::default(),
             entered: StageCounts::default(),
@@ -98,6 +101,7 @@ impl<'a> TileBuffers<'a> {
     pub(super) fn begin(&mut self, context: &RenderContext<'_>) {
         self.wave.count = 0;
         self.pixels.fill(Colors::splat(Rgb::ZERO));
+        self.covered = self.covered.map(|_| TileLanes::NONE);
         if context.effects.mirrors() {
             self.next.clear();
             self.beyond.clear();
@@ -121,9 +125,20 @@ impl<'a> TileBuffers<'a> {
         self.scratch.search.is_cancelled()
     }
 
+    /// Has samples tell which pixels the scene covers, or not.
+    pub(crate) fn ask_for_coverage(&mut self, asked: bool) {
+        self.covered = asked.then_some(TileLanes::NONE);
+    }
+
     /// What the last sample brought, packet by packet of the camera rays.
     pub(crate) fn pixels(&self) -> &[Colors; PACKETS] {
         &self.pixels
+    }
+
+    /// The pixels that the scene covers in the last sample, if that was asked for: those whose camera rays meet something, or lose light
+    /// on their way.
+    pub(crate) fn covered(&self) -> TileLanes {
+        self.covered.unwrap_or(TileLanes::NONE)
     }
 
     /// What all samples since the last call took.

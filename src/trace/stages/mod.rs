@@ -8,13 +8,15 @@
 //!                     +------------------------ the next wave --------------------+
 //! ```
 //!
-//! Tiles in which nothing can be seen go through none of them: see [`empty_tiles`].
+//! Where somebody asks, [`coverage`] notes which camera rays meet something. Tiles in which nothing can be seen go through no stage:
+//! see [`empty_tiles`].
 
 mod answers;
 mod buffers;
 mod camera_rays;
 mod clear_shadows;
 mod closest_hits;
+mod coverage;
 mod direct_light;
 mod empty_tiles;
 mod generation;
@@ -32,4 +34,4 @@ mod wave;
 
 pub(crate) use buffers::TileBuffers;
 pub(crate) use sample::render_sample;
-pub(crate) use tile::{ActiveLanes, PACKETS, TILE, Tile};
+pub(crate) use tile::{PACKETS, TILE, Tile, TileLanes};

@@ -3,13 +3,14 @@
 use super::buffers::TileBuffers;
 use super::camera_rays::camera_rays;
 use super::closest_hits::closest_hits;
+use super::coverage::note_coverage;
 use super::direct_light::direct_light;
 use super::empty_tiles::fill_empty_tile;
 use super::next_rays::{fill_wave, give_up, next_rays};
 use super::select::select;
 use super::sums::add_to_pixels;
 use super::surfaces::surfaces;
-use super::tile::{ActiveLanes, Sample, Tile};
+use super::tile::{Sample, Tile, TileLanes};
 use crate::trace::light::RenderContext;
 use crate::trace::query::Intersector;
 
@@ -21,7 +22,7 @@ use crate::trace::query::Intersector;
 pub(crate) fn render_sample(
     context: &RenderContext<'_>,
     shapes: &impl Intersector,
-    (tile, active, index): (Tile, ActiveLanes, u32),
+    (tile, active, index): (Tile, TileLanes, u32),
     buffers: &mut TileBuffers<'_>,
 ) -> bool {
     let sample = Sample { context, tile, active, index };
@@ -31,6 +32,7 @@ pub(crate) fn render_sample(
     }
     camera_rays(&sample, buffers);
     closest_hits(context, shapes, buffers);
+    note_coverage(context, buffers);
     shade_wave(&sample, shapes, buffers);
     let mut generations = context.generations() - 1;
     while context.effects.mirrors() && !buffers.next.is_empty() && !buffers.is_cancelled() {
@@ -115,10 +117,10 @@ mod tests {
         let cancelled = AtomicBool::new(false);
         let mut buffers = TileBuffers::new(&cancelled);
         let tile = Tile { i: 0, j: 0, width: 8, height: 8 };
-        assert!(render_sample(&context, scene.geometry(), (tile, ActiveLanes::ALL, 0), &mut buffers));
+        assert!(render_sample(&context, scene.geometry(), (tile, TileLanes::ALL, 0), &mut buffers));
         assert!(buffers.wave.count > 0);
         cancelled.store(true, Ordering::Relaxed);
-        assert!(!render_sample(&context, scene.geometry(), (tile, ActiveLanes::ALL, 0), &mut buffers));
+        assert!(!render_sample(&context, scene.geometry(), (tile, TileLanes::ALL, 0), &mut buffers));
         assert_eq!(buffers.wave.count, 0);
     }
 

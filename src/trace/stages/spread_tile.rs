@@ -1,6 +1,6 @@
 //! What all samples of a tile's pixels have in common.
 
-use super::tile::{ActiveLanes, PACKETS, PIXELS, Tile};
+use super::tile::{PACKETS, PIXELS, Tile, TileLanes};
 use crate::trace::light::RenderContext;
 use crate::trace::math::{LANES, lanes};
 use crate::trace::packet::LensCandidates;
@@ -11,7 +11,7 @@ use crate::trace::scene::{Precision, SpreadKeys, Square};
 #[derive(Debug)]
 pub(super) struct SpreadTile {
     /// For which tile that is known, and which of its pixels.
-    known: Option<(Tile, ActiveLanes)>,
+    known: Option<(Tile, TileLanes)>,
     /// How many packets of rays there are.
     pub(super) count: usize,
     /// By packet: its pixels' indices in the tile.
@@ -36,7 +36,7 @@ impl SpreadTile {
     pub(super) fn find(
         &mut self,
         context: &RenderContext<'_>,
-        (tile, active): (Tile, ActiveLanes),
+        (tile, active): (Tile, TileLanes),
         search: &mut Scratch<'_>,
     ) {
         if self.known.replace((tile, active)) == Some((tile, active)) {

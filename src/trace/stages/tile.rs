@@ -1,7 +1,7 @@
 //! Tiles of a picture, and samples of their pixels.
 
 use crate::trace::light::RenderContext;
-use crate::trace::math::LANES;
+use crate::trace::math::{LANES, WHOLE};
 use crate::trace::scene::{SIDE, Square};
 
 /// Pixels along a tile's side.
@@ -44,8 +44,8 @@ impl Tile {
     }
 
     /// Returns the lanes of the pixels, given by their columns and rows in the picture, of which something is true.
-    pub(crate) fn active_lanes(&self, is_active: impl Fn(u32, u32) -> bool) -> ActiveLanes {
-        let mut active = ActiveLanes([0; PACKETS]);
+    pub(crate) fn active_lanes(&self, is_active: impl Fn(u32, u32) -> bool) -> TileLanes {
+        let mut active = TileLanes([0; PACKETS]);
         for j in 0..self.height {
             for i in (0..self.width).filter(|i| is_active(self.i + i, self.j + j)) {
                 let (packet, lane) = Self::lane_of(i as usize, j as usize);
@@ -66,26 +66,32 @@ impl Tile {
     }
 }
 
-/// By packet of a tile's camera rays: the lanes of pixels that get samples, as bits.
+/// Some of a tile's pixels: by packet of its camera rays, their lanes as bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct ActiveLanes([u16; PACKETS]);
+pub(crate) struct TileLanes([u16; PACKETS]);
 
-impl ActiveLanes {
-    /// All that a tile has.
+impl TileLanes {
+    /// All of them.
     pub(crate) const ALL: Self = Self([u16::MAX; PACKETS]);
 
     /// None of them.
     pub(crate) const NONE: Self = Self([0; PACKETS]);
 
-    /// Returns whether no pixel gets any.
+    /// Returns whether there are none.
     pub(crate) fn are_none(&self) -> bool {
         *self == Self::NONE
     }
 
     /// Returns those of a packet, as a bit mask.
     #[inline(always)]
-    pub(super) fn of_packet(&self, packet: usize) -> u32 {
+    pub(crate) fn of_packet(&self, packet: usize) -> u32 {
         self.0[packet].into()
+    }
+
+    /// Adds those of a packet in some lanes.
+    #[inline(always)]
+    pub(super) fn add(&mut self, packet: usize, lanes: u32) {
+        self.0[packet] |= u16::try_from(lanes & WHOLE).unwrap_or(u16::MAX);
     }
 }
 
@@ -115,7 +121,7 @@ pub(super) struct Sample<'a> {
     pub(super) context: &'a RenderContext<'a>,
     pub(super) tile: Tile,
     /// Which of its pixels get the sample.
-    pub(super) active: ActiveLanes,
+    pub(super) active: TileLanes,
     /// Index of the sample in each of its pixels.
     pub(super) index: u32,
 }

@@ -1,0 +1,31 @@
+//! Which pixels a scene covers, for pictures that are put over others.
+
+use fearless_simd::dispatch;
+
+use super::buffers::TileBuffers;
+use super::tile::PACKETS;
+use crate::trace::light::{Absorbers, RenderContext};
+use crate::trace::math::{LANES, lanes};
+
+/// Notes the pixels whose camera rays, the wave, meet something or lose light on their way, if anybody asks. The others see nothing but
+/// the background, as it is.
+pub(super) fn note_coverage(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
+    let TileBuffers { wave, hits, scratch, covered: Some(covered), entered, .. } = buffers else { return };
+    entered.coverage += 1;
+    dispatch!(context.scene.simd.level(), simd => {
+        for packet in 0..wave.count {
+            let asked = wave.rays[packet].lanes;
+            let paths = (&wave.paths[packet], &scratch.media);
+            let absorbers = Absorbers::of(context.scene, context.effects, paths, asked);
+            let met = asked & (hits[packet].ids.lanes(simd) | absorbers.lanes);
+            if let Some(home) = wave.home(packet) {
+                covered.add(home, met);
+                continue;
+            }
+            for lane in lanes(met) {
+                let pixel = wave.pixels[packet][lane] as usize;
+                covered.add(pixel / LANES % PACKETS, 1 << (pixel % LANES));
+            }
+        }
+    });
+}

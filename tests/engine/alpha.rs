@@ -1,0 +1,124 @@
+//! Pictures without their backgrounds, held against the reference path and against pictures with them.
+
+use std::sync::atomic::AtomicBool;
+
+use rayreel::components::{FilmSettings, Sampling};
+use rayreel::scene::Scene;
+use rayreel::trace::{AlphaFilm, SimdLevel};
+use rayreel::{Engine, Rgb, Time};
+
+const SIZE: (u32, u32) = (45, 27);
+
+/// A shipped scene at a small size, with so many samples, or as many as an error takes.
+fn engine(scene: &str, samples: u32, max_error: f32) -> Engine {
+    let path = format!("{}/scenes/{scene}.ron", env!("CARGO_MANIFEST_DIR"));
+    let mut engine = Engine::load(path).unwrap();
+    for film in engine.world_mut().query_mut::<&mut FilmSettings>() {
+        (film.width, film.height) = SIZE;
+    }
+    for sampling in engine.world_mut().query_mut::<&mut Sampling>() {
+        *sampling = Sampling { samples, max_error, ..*sampling };
+    }
+    engine
+}
+
+fn render(engine: &mut Engine, time: Time) -> AlphaFilm {
+    engine.render_alpha_unless(time, &AtomicBool::new(false)).unwrap().unwrap()
+}
+
+#[test]
+fn alpha_is_that_of_the_reference_path() {
+    for scene in ["first_light", "glass_marbles", "fairground", "foggy_avenue", "box_field"] {
+        for (samples, max_error, full) in [(1, 0.0, true), (3, 0.0, false), (32, 2.0, false)] {
+            let mut engine = engine(scene, samples, max_error);
+            engine.set_full(full);
+            let time = "0.7".parse().unwrap();
+            let film = render(&mut engine, time);
+            let expected = engine.render_alpha_reference(time).unwrap();
+            assert!(film == expected, "{scene}, {samples} samples, error {max_error}");
+        }
+    }
+}
+
+#[test]
+fn what_is_covered_and_the_background_are_the_picture() {
+    for (samples, max_error) in [(1, 0.0), (5, 0.0), (64, 1.0)] {
+        let mut engine = engine("first_light", samples, max_error);
+        let picture = engine.render_at(Time::ZERO).unwrap();
+        let report = *engine.report();
+        let AlphaFilm { light, alpha } = render(&mut engine, Time::ZERO);
+        assert_eq!((engine.report().rays, engine.report().error), (report.rays, report.error));
+        assert_eq!(engine.report().fingerprint, report.fingerprint);
+        let background = picture.pixel(0, 0);
+        let (mut none, mut partly, mut whole) = (0, 0, 0);
+        for ((picture, light), alpha) in picture.pixels().iter().zip(light.pixels()).zip(alpha.pixels()) {
+            match *alpha {
+                0.0 => {
+                    assert_eq!((*picture, *light), (background, Rgb::ZERO));
+                    none += 1;
+                }
+                1.0 => {
+                    assert_eq!(picture, light);
+                    whole += 1;
+                }
+                share => {
+                    let over = light + (1.0 - share) * background;
+                    assert!((over - picture).abs().max_element() < 1e-6, "{over} {picture}");
+                    partly += 1;
+                }
+            }
+        }
+        assert!(none > 200 && whole > 500, "{none} {partly} {whole}");
+        assert_eq!(partly > 30, samples > 1, "{none} {partly} {whole}");
+    }
+}
+
+/// Before a sky of two colours: clear glass, that may tint what is behind it, and a mirror.
+const GLASS: &str = r#"
+    Scene(
+        film: (width: 45, height: 27),
+        camera: (position: (0, 0, -8), target: (0, 0, 0), fov: 40),
+        background: (bottom: (255, 172, 84), top: (52, 82, 160)),
+        materials: {
+            "clear": (refractive: (k_t: 1, ior: 1)),
+            "tinted": (refractive: (k_t: 1, ior: 1.5, absorption: (0.5, 0, 0))),
+            "mirror": (reflective: (k_r: 1)),
+        },
+        entities: [
+            (name: "left", shape: Sphere(radius: 1), material: "clear", transform: (translation: (-2.5, 0, 0))),
+            (name: "middle", shape: Sphere(radius: 1), material: "tinted"),
+            (name: "right", shape: Sphere(radius: 1), material: "mirror", transform: (translation: (2.5, 0, 0))),
+        ],
+    )"#;
+
+/// Mirrors and glass show the background, and cover it; so does fog.
+#[test]
+fn what_meets_something_covers_the_background() {
+    let fog = render(&mut engine("foggy_avenue", 2, 0.0), Time::ZERO);
+    assert!(fog.alpha.pixels().iter().all(|alpha| *alpha == 1.0));
+    let scene = Scene::from_text("glass.ron", GLASS.to_owned()).unwrap_or_else(|error| panic!("{error}"));
+    let mut glass = Engine::from_scene(scene);
+    let AlphaFilm { alpha, .. } = render(&mut glass, Time::ZERO);
+    let (passes, mut met) = (glass.passes_at(Time::ZERO).unwrap().unwrap(), 0);
+    for (alpha, pass) in alpha.pixels().iter().zip(passes) {
+        let is_met = pass.id > 0;
+        assert_eq!(*alpha, f32::from(u8::from(is_met)));
+        met += u32::from(is_met);
+    }
+    assert!(met > 100 && met < SIZE.0 * SIZE.1, "{met}");
+}
+
+#[test]
+fn threads_and_vectors_change_no_bit() {
+    let time = "0.7".parse().unwrap();
+    let picture = render(&mut engine("fairground", 16, 1.0), time);
+    for threads in [1, 3] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        assert!(pool.install(|| render(&mut engine("fairground", 16, 1.0), time)) == picture);
+    }
+    for (name, level) in SimdLevel::all() {
+        let mut engine = engine("fairground", 16, 1.0);
+        engine.set_simd_level(level);
+        assert!(render(&mut engine, time) == picture, "{name}");
+    }
+}
