@@ -205,7 +205,7 @@ mod encode {
 
     #[divan::bench(args = SCENES)]
     fn png(bencher: Bencher<'_, '_>, name: &str) {
-        measure(bencher, name, |film, transfer| encode_as(film, transfer, FrameFormat::Png));
+        measure(bencher, name, |film, transfer| encode_as(film, transfer, FrameFormat::default()));
     }
 
     #[divan::bench(args = SCENES)]

@@ -83,7 +83,7 @@ pub(super) enum Command {
   rayreel render scenes/first_light.ron --shard 0/4
   rayreel render scenes/first_light.ron --movie first_light.mp4
   rayreel render scenes/first_light.ron --out - | ffplay -
-  rayreel render scenes/first_light.ron --format exr --passes depth,normal,id
+  rayreel render scenes/first_light.ron --format exr --alpha --passes depth,normal,id
   rayreel render scenes/first_light.ron --json > report.json
 
 Frames that are done are kept: those whose files are whole, and were rendered from just what would be
@@ -165,6 +165,10 @@ pub(super) struct RenderArguments {
     /// position; several with commas between them [default of the format then: exr]
     #[arg(long, value_name = "PASSES")]
     pub(super) passes: Option<Passes>,
+    /// Leave the background out, and tell which share of each pixel the scene covers, to put frames over other pictures: png, png16
+    /// or exr
+    #[arg(long)]
+    pub(super) alpha: bool,
     /// Make a movie of the frames, too, once all are there: .mp4, .mov, .mkv or .webm by ffmpeg, or .gif or .apng
     #[arg(long, value_name = "FILE", value_parser = parse_movie, conflicts_with_all = ["at", "sheet", "shard"])]
     pub(super) movie: Option<PathBuf>,

@@ -136,9 +136,8 @@ fn picture_arguments(arguments: &RenderArguments, samples: Option<PathBuf>) -> O
     for effect in &arguments.overrides.without {
         add("without", effect.name().to_owned());
     }
-    if arguments.draft {
-        words.push("--draft".to_owned());
-    }
+    let flags = [(arguments.alpha, "--alpha"), (arguments.draft, "--draft")];
+    words.extend(flags.into_iter().filter(|(is_given, _)| *is_given).map(|(_, flag)| flag.to_owned()));
     Some(words)
 }
 
@@ -189,6 +188,7 @@ mod tests {
             "--set=materials.clay.color=(255, 0, 0)",
             "--without=shadows",
             "--without=depth of field",
+            "--alpha",
             "--draft",
             "--threads=1",
             "--frames=3-5",
@@ -199,7 +199,7 @@ mod tests {
         assert_eq!(picture_arguments(&again, None).unwrap(), words);
         assert_eq!((again.size, again.cutoff, again.draft), (Some((64, 48)), Some(0.25), true));
         assert_eq!(again.name, arguments.name);
-        assert_eq!((again.format, again.passes), (arguments.format, arguments.passes));
+        assert_eq!((again.format, again.passes, again.alpha), (arguments.format, arguments.passes, true));
         assert_eq!(again.overrides.all(), arguments.overrides.all());
         assert_eq!(again.overrides.without, arguments.overrides.without);
         assert_eq!((again.threads, again.json, again.frames), (None, false, None));

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail, ensure};
 
 use rayreel::components::{FilmSettings, Quality};
-use rayreel::output::{FrameFormat, Sequence, Sheet, VideoFormat};
+use rayreel::output::{Channels, FrameFormat, Sequence, Sheet, VideoFormat};
 use rayreel::sequence::{Existing, RenderOrder, Shot};
 use rayreel::time::{FrameList, Timeline};
 use rayreel::{Engine, Time};
@@ -146,19 +146,24 @@ fn formats(arguments: &RenderArguments) -> anyhow::Result<(FrameFormat, Option<V
 
 fn format_of_files(arguments: &RenderArguments) -> anyhow::Result<FrameFormat> {
     let passes = arguments.passes.unwrap_or_default();
+    let channels = if arguments.alpha { Channels::Rgba } else { Channels::Rgb };
     let format = match arguments.format {
-        None if !passes.is_empty() => FrameFormat::Exr(passes),
-        None | Some(Format::Png) => FrameFormat::Png,
-        Some(Format::Png16) => FrameFormat::Png16,
+        None if !passes.is_empty() => FrameFormat::Exr(channels, passes),
+        None | Some(Format::Png) => FrameFormat::Png(channels),
+        Some(Format::Png16) => FrameFormat::Png16(channels),
         Some(Format::Ppm) => FrameFormat::Ppm,
         Some(Format::Pfm) => FrameFormat::Pfm,
-        Some(Format::Exr) => FrameFormat::Exr(passes),
+        Some(Format::Exr) => FrameFormat::Exr(channels, passes),
         Some(Format::Y4m | Format::Raw) => bail!("y4m and raw are for standard output: add --out -"),
     };
     ensure!(format.passes() == passes, "--passes are for --format exr: other files have no room for them");
+    ensure!(
+        format.channels() == channels,
+        "--alpha is for --format png, png16 or exr: other files have no room for it"
+    );
     let of_bytes = [(arguments.sheet.is_some(), "--sheet"), (arguments.movie.is_some(), "--movie")];
     if let Some((_, option)) = of_bytes.into_iter().find(|(is_given, _)| *is_given && format.is_linear()) {
-        bail!("{option} is made of colours in 8 bits: it takes --format png or ppm");
+        bail!("{option} is made of colours in 8 bits: it takes --format png or ppm, without --alpha");
     }
     Ok(format)
 }
@@ -168,6 +173,7 @@ fn format_of_stream(arguments: &RenderArguments) -> anyhow::Result<(FrameFormat,
         (arguments.json, "--json writes to standard output, too"),
         (arguments.sheet.is_some(), "--sheet makes one file"),
         (arguments.passes.is_some(), "--passes are for files"),
+        (arguments.alpha, "--alpha is for files"),
         (arguments.draft, "--draft makes files in a folder of their own"),
         (arguments.movie.is_some(), "--movie is made of files"),
         (arguments.max_error.is_some(), "--max-error writes beside the frames what it chose"),
@@ -177,8 +183,8 @@ fn format_of_stream(arguments: &RenderArguments) -> anyhow::Result<(FrameFormat,
         bail!("frames cannot go to standard output: {reason}; name a folder with --out");
     }
     match arguments.format {
-        None | Some(Format::Y4m) => Ok((FrameFormat::Png, Some(VideoFormat::Y4m))),
-        Some(Format::Raw) => Ok((FrameFormat::Png, Some(VideoFormat::Raw))),
+        None | Some(Format::Y4m) => Ok((FrameFormat::default(), Some(VideoFormat::Y4m))),
+        Some(Format::Raw) => Ok((FrameFormat::default(), Some(VideoFormat::Raw))),
         Some(Format::Png | Format::Png16 | Format::Ppm | Format::Pfm | Format::Exr) => {
             bail!(
                 "png, ppm, pfm and exr are files: standard output takes --format y4m or raw; `--out ./-` is a folder of that name"

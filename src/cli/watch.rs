@@ -9,7 +9,7 @@ use std::time::Duration;
 use anyhow::{Context, anyhow, bail};
 
 use rayreel::live::{Event, Server, Session, SessionSettings, Shown, Times, Watching};
-use rayreel::output::{self, FrameFormat};
+use rayreel::output::{self, Channels, FrameFormat};
 use rayreel::trace::Passes;
 
 use super::args::WatchArguments;
@@ -127,7 +127,12 @@ impl Teller {
 
 fn format_of(path: &std::path::Path) -> anyhow::Result<FrameFormat> {
     let ending = path.extension().and_then(|ending| ending.to_str());
-    let formats = [FrameFormat::Png, FrameFormat::Ppm, FrameFormat::Pfm, FrameFormat::Exr(Passes::default())];
+    let formats = [
+        FrameFormat::default(),
+        FrameFormat::Ppm,
+        FrameFormat::Pfm,
+        FrameFormat::Exr(Channels::Rgb, Passes::default()),
+    ];
     match formats.into_iter().find(|format| ending == Some(format.extension())) {
         Some(format) => Ok(format),
         None => bail!("--out {}: the file must end in .png, .ppm, .pfm or .exr", path.display()),

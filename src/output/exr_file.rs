@@ -9,7 +9,9 @@ use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
 use exr::meta::attribute::{AttributeValue, Chromaticities, Text};
 use exr::meta::header::LayerAttributes;
 use exr::prelude::{Compression, LineOrder, ReadChannels, ReadLayers, Vec2, WritableImage, read};
+use rayon::iter::ParallelIterator;
 
+use super::frame_file::Channels;
 use super::frame_pixels::LinearFrame;
 use super::picture::Picture;
 use super::provenance::{PixelFingerprint, Provenance};
@@ -22,6 +24,8 @@ const NO_DIGEST: [u8; 32] = [b'0'; 32];
 
 /// The names of the channels of light.
 const LIGHT: [&str; 3] = ["R", "G", "B"];
+/// The name of the channel of alpha.
+const ALPHA: &str = "A";
 
 /// Returns the names of a pass's channels.
 fn names_of(pass: Pass) -> &'static [&'static str] {
@@ -35,9 +39,11 @@ fn names_of(pass: Pass) -> &'static [&'static str] {
 }
 
 /// Returns the names of all channels, in the order of a file.
-fn names(passes: Passes) -> Vec<&'static str> {
+fn names((channels, passes): (Channels, Passes)) -> Vec<&'static str> {
     let passes = Pass::ALL.into_iter().filter(|pass| passes.contains(*pass));
-    let mut names: Vec<_> = LIGHT.into_iter().chain(passes.flat_map(names_of).copied()).collect();
+    let alpha = (channels == Channels::Rgba).then_some(ALPHA);
+    let mut names: Vec<_> =
+        LIGHT.into_iter().chain(alpha).chain(passes.flat_map(names_of).copied()).collect();
     names.sort_unstable();
     names
 }
@@ -58,24 +64,26 @@ fn samples_of(pass: Pass, pixels: &[PassPixel]) -> impl Iterator<Item = (&'stati
 }
 
 /// Returns the channels of a frame, in the order of a file.
-fn channels(frame: &LinearFrame, passes: Passes) -> Vec<(&'static str, FlatSamples)> {
+fn samples(frame: &LinearFrame, (channels, passes): (Channels, Passes)) -> Vec<(&'static str, FlatSamples)> {
     let light = LIGHT.into_iter().enumerate().map(|(channel, name)| {
         (name, FlatSamples::F32(frame.film.pixels().iter().map(|pixel| pixel[channel]).collect()))
     });
+    let alpha = (channels == Channels::Rgba).then(|| (ALPHA, FlatSamples::F32(frame.alpha().collect())));
     let passes = Pass::ALL.into_iter().filter(|pass| passes.contains(*pass));
-    let mut channels: Vec<_> = light.chain(passes.flat_map(|pass| samples_of(pass, &frame.passes))).collect();
-    channels.sort_by_key(|(name, _)| *name);
-    channels
+    let passes = passes.flat_map(|pass| samples_of(pass, &frame.passes));
+    let mut samples: Vec<_> = light.chain(alpha).chain(passes).collect();
+    samples.sort_by_key(|(name, _)| *name);
+    samples
 }
 
 /// Returns the bytes of a file. If it is a frame, the file says which.
 pub(super) fn encode(
     frame: &LinearFrame,
-    passes: Passes,
+    kind: (Channels, Passes),
     fingerprint: Option<FrameFingerprint>,
 ) -> Result<Vec<u8>, exr::error::Error> {
     let (width, height) = (frame.film.width(), frame.film.height());
-    let channels = channels(frame, passes);
+    let channels = samples(frame, kind);
     let provenance = fingerprint.map(|frame| {
         let samples = channels.iter().map(|(_, samples)| samples);
         Provenance { frame, pixels: PixelFingerprint::of(&bytes_of(samples), (width, height)) }
@@ -115,14 +123,14 @@ pub(super) fn encode(
 }
 
 /// Reads a file to its last byte. Returns why it is not whole, in words.
-pub(super) fn decode(bytes: &[u8], passes: Passes) -> Result<Picture, String> {
+pub(super) fn decode(bytes: &[u8], kind: (Channels, Passes)) -> Result<Picture, String> {
     ensure_unchanged(bytes)?;
     let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
     let reader = reader.all_attributes().pedantic().non_parallel();
     let image = reader.from_buffered(Cursor::new(bytes)).map_err(|error| error.to_string())?;
     let layer = image.layer_data;
     let list = &layer.channel_data.list;
-    let (found, expected) = (list.iter().map(|channel| channel.name.to_string()), names(passes));
+    let (found, expected) = (list.iter().map(|channel| channel.name.to_string()), names(kind));
     if !found.eq(expected.iter().copied()) {
         return Err(format!("it does not have the channels {}", expected.join(", ")));
     }

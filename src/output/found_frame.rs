@@ -70,7 +70,7 @@ impl FoundFrame {
 pub fn read_frame(path: &Path, format: FrameFormat) -> Result<EncodedFilm, String> {
     let bytes = read(path).map_err(|error| error.to_string())?;
     if format.is_linear() {
-        return Err("it does not have 8 bits a channel".to_owned());
+        return Err("it does not have 8 bits of red, green and blue in each pixel".to_owned());
     }
     let Picture { size: (width, height), bytes, .. } = decode(&bytes, format)?;
     EncodedFilm::from_bytes(width, height, &bytes)
@@ -79,11 +79,13 @@ pub fn read_frame(path: &Path, format: FrameFormat) -> Result<EncodedFilm, Strin
 
 fn decode(bytes: &[u8], format: FrameFormat) -> Result<Picture, String> {
     match format {
-        FrameFormat::Png => png_file::decode(&mut Cursor::new(bytes), BitDepth::Eight),
-        FrameFormat::Png16 => png_file::decode(&mut Cursor::new(bytes), BitDepth::Sixteen),
+        FrameFormat::Png(channels) => png_file::decode(&mut Cursor::new(bytes), (channels, BitDepth::Eight)),
+        FrameFormat::Png16(channels) => {
+            png_file::decode(&mut Cursor::new(bytes), (channels, BitDepth::Sixteen))
+        }
         FrameFormat::Ppm => ppm_file::decode(bytes),
         FrameFormat::Pfm => pfm_file::decode(bytes),
-        FrameFormat::Exr(passes) => exr_file::decode(bytes, passes),
+        FrameFormat::Exr(channels, passes) => exr_file::decode(bytes, (channels, passes)),
     }
 }
 
@@ -92,10 +94,10 @@ fn decode(bytes: &[u8], format: FrameFormat) -> Result<Picture, String> {
 pub fn frame_size(path: &Path, format: FrameFormat) -> Option<(u32, u32)> {
     let mut file = BufReader::new(File::open(path).ok()?);
     match format {
-        FrameFormat::Png | FrameFormat::Png16 => png_file::size(&mut file),
+        FrameFormat::Png(_) | FrameFormat::Png16(_) => png_file::size(&mut file),
         FrameFormat::Ppm => ppm_file::size(&mut file),
         FrameFormat::Pfm => pfm_file::size(&mut file),
-        FrameFormat::Exr(_) => exr_file::size(file),
+        FrameFormat::Exr(..) => exr_file::size(file),
     }
 }
 
@@ -113,12 +115,23 @@ mod tests {
     use super::*;
     use crate::color::{Rgb, Transfer};
     use crate::output::frame_file::encode_frame;
-    use crate::output::{FramePixels, LinearFrame};
+    use crate::output::{Channels, FramePixels, LinearFrame};
     use crate::trace::{Film, Pass, PassPixel};
 
-    fn formats() -> [FrameFormat; 6] {
-        let exr = |passes: &[Pass]| FrameFormat::Exr(passes.iter().copied().collect());
-        [FrameFormat::Png, FrameFormat::Png16, FrameFormat::Ppm, FrameFormat::Pfm, exr(&[]), exr(&Pass::ALL)]
+    fn formats() -> [FrameFormat; 10] {
+        let exr = |channels, passes: &[Pass]| FrameFormat::Exr(channels, passes.iter().copied().collect());
+        [
+            FrameFormat::Png(Channels::Rgb),
+            FrameFormat::Png(Channels::Rgba),
+            FrameFormat::Png16(Channels::Rgb),
+            FrameFormat::Png16(Channels::Rgba),
+            FrameFormat::Ppm,
+            FrameFormat::Pfm,
+            exr(Channels::Rgb, &[]),
+            exr(Channels::Rgba, &[]),
+            exr(Channels::Rgb, &Pass::ALL),
+            exr(Channels::Rgba, &Pass::ALL),
+        ]
     }
 
     fn frame(format: FrameFormat, seed: u8) -> Vec<u8> {
@@ -131,7 +144,8 @@ mod tests {
             ..PassPixel::NOTHING
         };
         let passes = (0..35_u8).map(pass).collect();
-        let pixels = FramePixels::Linear(LinearFrame { film, transfer: Transfer::Classic, passes });
+        let alpha = Some(Film::from_numbers(7, 5, (0..35_u8).map(|index| f32::from(index) / 34.0).collect()));
+        let pixels = FramePixels::Linear(LinearFrame { film, alpha, transfer: Transfer::Classic, passes });
         let frame = format!("{seed:032x}").parse().unwrap();
         encode_frame(&pixels, format, Some(frame)).unwrap().concat()
     }
@@ -207,7 +221,7 @@ mod tests {
     #[test]
     fn what_is_no_file_is_named() {
         let folder = tempfile::tempdir().unwrap();
-        let at = |name: &str| FoundFrame::at(&folder.path().join(name), FrameFormat::Png);
+        let at = |name: &str| FoundFrame::at(&folder.path().join(name), FrameFormat::default());
         assert_eq!(at("none.png"), FoundFrame::Missing);
         fs::create_dir(folder.path().join("folder.png")).unwrap();
         assert_eq!(at("folder.png"), FoundFrame::Torn("it is not a regular file".to_owned()));

@@ -13,19 +13,34 @@ use crate::color::Transfer;
 use crate::trace::{Film, FrameFingerprint, Passes};
 
 /// The file format of frames.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameFormat {
     /// Lossless and compressed, 8 bits a channel.
-    #[default]
-    Png,
+    Png(Channels),
     /// Lossless and compressed, 16 bits a channel.
-    Png16,
+    Png16(Channels),
     /// Portable pixmap, binary (P6): uncompressed, 8 bits a channel.
     Ppm,
     /// Portable float map: uncompressed, linear light, 32 bits a channel.
     Pfm,
     /// OpenEXR: compressed without loss, linear light, 32 bits a channel; and such passes.
-    Exr(Passes),
+    Exr(Channels, Passes),
+}
+
+/// What a file says of each pixel's light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channels {
+    /// Red, green and blue, with the background.
+    Rgb,
+    /// Red, green, blue and alpha, without the background. In OpenEXR light is premultiplied, in PNG it is not, as these formats want it.
+    Rgba,
+}
+
+/// [PNG](FrameFormat::default()) without alpha.
+impl Default for FrameFormat {
+    fn default() -> Self {
+        Self::Png(Channels::Rgb)
+    }
 }
 
 impl FrameFormat {
@@ -33,25 +48,34 @@ impl FrameFormat {
     #[must_use]
     pub fn extension(self) -> &'static str {
         match self {
-            Self::Png | Self::Png16 => "png",
+            Self::Png(_) | Self::Png16(_) => "png",
             Self::Ppm => "ppm",
             Self::Pfm => "pfm",
-            Self::Exr(_) => "exr",
+            Self::Exr(..) => "exr",
         }
     }
 
     /// Returns whether it is made of linear light: output bytes are not enough for it.
     #[must_use]
     pub fn is_linear(self) -> bool {
-        !matches!(self, Self::Png | Self::Ppm)
+        !matches!(self, Self::Png(Channels::Rgb) | Self::Ppm)
+    }
+
+    /// Returns what it says of each pixel's light.
+    #[must_use]
+    pub fn channels(self) -> Channels {
+        match self {
+            Self::Png(channels) | Self::Png16(channels) | Self::Exr(channels, _) => channels,
+            Self::Ppm | Self::Pfm => Channels::Rgb,
+        }
     }
 
     /// Returns the passes that it has.
     #[must_use]
     pub fn passes(self) -> Passes {
         match self {
-            Self::Exr(passes) => passes,
-            Self::Png | Self::Png16 | Self::Ppm | Self::Pfm => Passes::default(),
+            Self::Exr(_, passes) => passes,
+            Self::Png(_) | Self::Png16(_) | Self::Ppm | Self::Pfm => Passes::default(),
         }
     }
 }
@@ -100,10 +124,10 @@ pub fn encode(film: &Film, transfer: Transfer, format: FrameFormat) -> Result<Ve
     encode_frame(&pixels_of(film, transfer, format), format, None).map(|parts| parts.concat())
 }
 
-/// Returns a film's pixels for a format, without passes.
+/// Returns a film's pixels for a format, without passes. All of each pixel is covered.
 fn pixels_of(film: &Film, transfer: Transfer, format: FrameFormat) -> FramePixels {
     if format.is_linear() {
-        FramePixels::Linear(LinearFrame { film: film.clone(), transfer, passes: Vec::new() })
+        FramePixels::Linear(LinearFrame { film: film.clone(), alpha: None, transfer, passes: Vec::new() })
     } else {
         FramePixels::Encoded(film.encoded(transfer))
     }
@@ -117,7 +141,8 @@ fn pixels_of(film: &Film, transfer: Transfer, format: FrameFormat) -> FramePixel
 /// If the encoder refuses the film's size.
 pub fn encode_quickly(film: &Film, transfer: Transfer) -> Result<Vec<u8>, EncodeError> {
     let (film, size) = (film.encoded(transfer), (film.width(), film.height()));
-    Ok(png_file::encode(film.bytes(), BitDepth::Eight, size, Filter::Sub, None)?)
+    let kind = (Channels::Rgb, BitDepth::Eight);
+    Ok(png_file::encode(film.bytes(), kind, size, Filter::Sub, None)?)
 }
 
 /// Returns the bytes of a file of these pixels, in parts. If it is a frame, the file says which.
@@ -131,11 +156,16 @@ pub(super) fn encode_frame(
         |bytes: &[u8]| frame.map(|frame| Provenance { frame, pixels: PixelFingerprint::of(bytes, size) });
     let light = || pixels.linear().ok_or(EncodeError::NoLight);
     let png =
-        |bytes: &[u8], depth| png_file::encode(bytes, depth, size, Filter::Adaptive, told(bytes).as_ref());
+        |bytes: &[u8], kind| png_file::encode(bytes, kind, size, Filter::Adaptive, told(bytes).as_ref());
     let whole = |bytes: Vec<u8>| [bytes.into(), Cow::default(), Cow::default()];
     Ok(match format {
-        FrameFormat::Png => whole(png(&pixels.encoded(), BitDepth::Eight)?),
-        FrameFormat::Png16 => whole(png(&light()?.encoded_16(), BitDepth::Sixteen)?),
+        FrameFormat::Png(Channels::Rgb) => whole(png(&pixels.encoded(), (Channels::Rgb, BitDepth::Eight))?),
+        FrameFormat::Png(Channels::Rgba) => {
+            whole(png(&light()?.encoded_with_alpha(), (Channels::Rgba, BitDepth::Eight))?)
+        }
+        FrameFormat::Png16(channels) => {
+            whole(png(&light()?.encoded_16(channels), (channels, BitDepth::Sixteen))?)
+        }
         FrameFormat::Ppm => {
             let bytes = pixels.encoded();
             [ppm_file::header(size, told(&bytes).as_ref()).into_bytes().into(), bytes, Cow::default()]
@@ -145,7 +175,7 @@ pub(super) fn encode_frame(
             let trailer = pfm_file::trailer(told(&bytes).as_ref());
             [pfm_file::header(size).into_bytes().into(), bytes.into(), trailer.into_bytes().into()]
         }
-        FrameFormat::Exr(passes) => whole(exr_file::encode(light()?, passes, frame)?),
+        FrameFormat::Exr(channels, passes) => whole(exr_file::encode(light()?, (channels, passes), frame)?),
     })
 }
 
@@ -213,7 +243,7 @@ mod tests {
         // A directory stands where the file should go.
         let path = directory.path().join("frame.png");
         fs::create_dir(&path).unwrap();
-        assert!(write(&path, &film, Transfer::Classic, FrameFormat::Png).is_err());
+        assert!(write(&path, &film, Transfer::Classic, FrameFormat::default()).is_err());
         assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 1);
         let missing = directory.path().join("no/such/frame.ppm");
         let error = write(&missing, &film, Transfer::Classic, FrameFormat::Ppm).unwrap_err().to_string();
@@ -223,8 +253,8 @@ mod tests {
     #[test]
     fn both_formats_hold_the_same_pixels() {
         let film = Film::new(5, 2);
-        let png =
-            image::load_from_memory(&encode(&film, Transfer::Classic, FrameFormat::Png).unwrap()).unwrap();
+        let png = image::load_from_memory(&encode(&film, Transfer::Classic, FrameFormat::default()).unwrap())
+            .unwrap();
         let ppm =
             image::load_from_memory(&encode(&film, Transfer::Classic, FrameFormat::Ppm).unwrap()).unwrap();
         assert_eq!(png.to_rgb8(), ppm.to_rgb8());

@@ -4,7 +4,8 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-use crate::color::Transfer;
+use super::frame_file::Channels;
+use crate::color::{Rgb, Transfer};
 use crate::trace::{EncodedFilm, Film, PassPixel};
 
 /// A frame's pixels, as formats want them.
@@ -19,8 +20,10 @@ pub enum FramePixels {
 /// A frame in linear light.
 #[derive(Clone, Debug)]
 pub struct LinearFrame {
-    /// The light.
+    /// The light; where there is alpha, premultiplied and without the background.
     pub film: Film,
+    /// Which share of each pixel the scene covers; without it, all of it.
+    pub alpha: Option<Film<f32>>,
     /// How it becomes output values, in formats that have those.
     pub transfer: Transfer,
     /// What each pixel meets first, row by row from the top, if a format with passes is to be made of it; or else empty.
@@ -57,15 +60,83 @@ impl FramePixels {
 }
 
 impl LinearFrame {
-    /// Returns the output values in 16 bits, the more significant byte first.
-    pub(super) fn encoded_16(&self) -> Vec<u8> {
-        let values = self.film.pixels().par_iter().map(|pixel| self.transfer.encode_16(*pixel));
-        values.flat_map_iter(|pixel| pixel.into_iter().flat_map(u16::to_be_bytes)).collect()
+    /// Returns the output bytes with alpha, not premultiplied.
+    pub(super) fn encoded_with_alpha(&self) -> Vec<u8> {
+        let values = self.straight().map(|(color, alpha)| {
+            let [red, green, blue] = self.transfer.encode(color);
+            let [alpha, ..] = Transfer::Classic.encode(Rgb::splat(alpha));
+            [red, green, blue, alpha]
+        });
+        values.flatten_iter().collect()
+    }
+
+    /// Returns the output values in 16 bits, the more significant byte first; with alpha they are not premultiplied.
+    pub(super) fn encoded_16(&self, channels: Channels) -> Vec<u8> {
+        let count = match channels {
+            Channels::Rgb => 3,
+            Channels::Rgba => 4,
+        };
+        let values = self.straight().map(|(color, alpha)| {
+            let [red, green, blue] = self.transfer.encode_16(color);
+            let [alpha, ..] = Transfer::Classic.encode_16(Rgb::splat(alpha));
+            [red, green, blue, alpha]
+        });
+        let bytes = |pixel: [u16; 4]| pixel.into_iter().take(count).flat_map(u16::to_be_bytes);
+        values.flat_map_iter(bytes).collect()
+    }
+
+    /// Goes through the alpha of all pixels.
+    pub(super) fn alpha(&self) -> impl IndexedParallelIterator<Item = f32> {
+        let alpha = self.alpha.as_ref().map(Film::pixels);
+        (0..self.film.pixels().len())
+            .into_par_iter()
+            .map(move |pixel| alpha.map_or(1.0, |alpha| alpha[pixel]))
+    }
+
+    /// Goes through the light of what is covered in each pixel, as if all of the pixel were, and its alpha.
+    fn straight(&self) -> impl IndexedParallelIterator<Item = (Rgb, f32)> {
+        let pixels = self.film.pixels().par_iter().zip(self.alpha());
+        pixels.map(|(light, alpha)| match alpha {
+            0.0 => (Rgb::ZERO, 0.0),
+            1.0 => (*light, 1.0),
+            _ => ((light.as_dvec3() / f64::from(alpha)).as_vec3(), alpha),
+        })
     }
 }
 
 impl From<EncodedFilm> for FramePixels {
     fn from(film: EncodedFilm) -> Self {
         Self::Encoded(film)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn covered_light_is_that_of_the_whole_pixel() {
+        let light = [Rgb::ZERO, Rgb::new(0.25, 0.125, 0.0), Rgb::new(0.2, 0.4, 1.0), Rgb::splat(0.75)];
+        let frame = |alpha| LinearFrame {
+            film: Film::from_pixels(4, 1, light.into_iter()),
+            alpha,
+            transfer: Transfer::Classic,
+            passes: Vec::new(),
+        };
+        let partly = frame(Some(Film::from_numbers(4, 1, vec![0.0, 0.5, 1.0, 0.6])));
+        let bytes = [0, 0, 0, 0, 128, 64, 0, 128, 51, 102, 255, 255, 255, 255, 255, 153];
+        assert_eq!(partly.encoded_with_alpha(), bytes);
+        let words = |frame: &LinearFrame, channels| {
+            let bytes = frame.encoded_16(channels);
+            let (words, _) = bytes.as_chunks::<2>();
+            words.iter().map(|word| u16::from_be_bytes(*word)).collect::<Vec<_>>()
+        };
+        let words_with_alpha = words(&partly, Channels::Rgba);
+        assert_eq!(words_with_alpha[..8], [0, 0, 0, 0, 32_768, 16_384, 0, 32_768]);
+        assert_eq!(words_with_alpha[8..], [13_107, 26_214, 65_535, 65_535, 65_535, 65_535, 65_535, 39_321]);
+        // Without alpha, all of each pixel is covered.
+        let whole = frame(None);
+        assert_eq!(whole.encoded_with_alpha()[4..8], [64, 32, 0, 255]);
+        assert_eq!(words(&whole, Channels::Rgb)[3..6], [16_384, 8192, 0]);
     }
 }

@@ -23,7 +23,7 @@ mod writer;
 
 pub use found_frame::{FoundFrame, frame_size, read_frame};
 pub use frame_file::{
-    EncodeError, FrameFormat, WriteError, encode, encode_quickly, write, write_bytes, write_new,
+    Channels, EncodeError, FrameFormat, WriteError, encode, encode_quickly, write, write_bytes, write_new,
 };
 pub use frame_pixels::{FramePixels, LinearFrame};
 pub use loops::{LoopError, LoopFormat, LoopWriter};

@@ -7,6 +7,7 @@ use png::{
     SrgbRenderingIntent,
 };
 
+use super::frame_file::Channels;
 use super::picture::Picture;
 use super::provenance::Provenance;
 
@@ -17,15 +18,15 @@ const GAMMA: u32 = 45_455;
 /// Returns the bytes of a file of these channels, in 16 bits the more significant byte first. Its colours are marked as sRGB: a pixel's
 /// bytes are the file's own colours.
 pub(super) fn encode(
-    channels: &[u8],
-    depth: BitDepth,
+    bytes_of_channels: &[u8],
+    (channels, depth): (Channels, BitDepth),
     (width, height): (u32, u32),
     filter: Filter,
     provenance: Option<&Provenance>,
 ) -> Result<Vec<u8>, png::EncodingError> {
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, width, height);
-    encoder.set_color(ColorType::Rgb);
+    encoder.set_color(color_type(channels));
     encoder.set_depth(depth);
     encoder.set_compression(Compression::Fast);
     encoder.set_filter(filter);
@@ -35,9 +36,16 @@ pub(super) fn encode(
         encoder.add_text_chunk(Provenance::KEYWORD.to_owned(), provenance.to_string())?;
     }
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(channels)?;
+    writer.write_image_data(bytes_of_channels)?;
     writer.finish()?;
     Ok(bytes)
+}
+
+fn color_type(channels: Channels) -> ColorType {
+    match channels {
+        Channels::Rgb => ColorType::Rgb,
+        Channels::Rgba => ColorType::Rgba,
+    }
 }
 
 /// Returns columns and rows, from the beginning of a file.
@@ -46,14 +54,21 @@ pub(super) fn size(file: &mut (impl BufRead + Seek)) -> Option<(u32, u32)> {
 }
 
 /// Reads a file to its last byte, and checks all of them. Returns why it is not whole, in words.
-pub(super) fn decode(file: &mut (impl BufRead + Seek), depth: BitDepth) -> Result<Picture, String> {
+pub(super) fn decode(
+    file: &mut (impl BufRead + Seek),
+    (channels, depth): (Channels, BitDepth),
+) -> Result<Picture, String> {
     let mut options = DecodeOptions::default();
     options.set_ignore_adler32(false);
     options.set_skip_ancillary_crc_failures(false);
     let in_words = |error: png::DecodingError| error.to_string();
     let mut reader = Decoder::new_with_options(&mut *file, options).read_info().map_err(in_words)?;
-    if reader.output_color_type() != (ColorType::Rgb, depth) {
-        return Err(format!("it does not have {} bits of red, green and blue in each pixel", depth as u8));
+    if reader.output_color_type() != (color_type(channels), depth) {
+        let names = match channels {
+            Channels::Rgb => "red, green and blue",
+            Channels::Rgba => "red, green, blue and alpha",
+        };
+        return Err(format!("it does not have {} bits of {names} in each pixel", depth as u8));
     }
     let mut bytes = vec![0; reader.output_buffer_size().ok_or("it is too large")?];
     reader.next_frame(&mut bytes).map_err(in_words)?;

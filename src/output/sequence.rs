@@ -209,7 +209,7 @@ mod tests {
     #[test]
     fn frames_are_known_by_their_names() {
         let folder = tempfile::tempdir().unwrap();
-        let sequence = Sequence::new(folder.path().to_owned(), "a.b", 95, FrameFormat::Png);
+        let sequence = Sequence::new(folder.path().to_owned(), "a.b", 95, FrameFormat::default());
         assert_eq!(sequence.present().unwrap(), []);
         for name in
             ["a.b.0003.png", "a.b.00012.png", "a.b.003.png", "a.b.0004.ppm", "a.0001.png", "a.b.at-1s.png"]
@@ -224,14 +224,14 @@ mod tests {
                 _ => (12, folder.path().join("a.b.00012.png")),
             })
         );
-        let gone = Sequence::new(folder.path().join("none"), "a", 9, FrameFormat::Png);
+        let gone = Sequence::new(folder.path().join("none"), "a", 9, FrameFormat::default());
         assert_eq!(gone.present().unwrap(), []);
     }
 
     #[test]
     fn frames_may_be_named_otherwise() {
         let named = |names: &str| {
-            let sequence = Sequence::new(PathBuf::from("out"), "sun", 95, FrameFormat::Png);
+            let sequence = Sequence::new(PathBuf::from("out"), "sun", 95, FrameFormat::default());
             sequence.with_names(names.parse().unwrap())
         };
         for (names, file) in [
@@ -269,7 +269,7 @@ mod tests {
 
     #[test]
     fn numbers_have_four_digits_or_as_many_as_the_last_needs() {
-        let sequence = |last| Sequence::new(PathBuf::from("out"), "sun", last, FrameFormat::Png);
+        let sequence = |last| Sequence::new(PathBuf::from("out"), "sun", last, FrameFormat::default());
         assert_eq!(sequence(95).frame(7), PathBuf::from("out/sun.0007.png"));
         assert_eq!(sequence(123_456).frame(7), PathBuf::from("out/sun.000007.png"));
         assert_eq!(sequence(95).moment("1.5s".parse().unwrap()), PathBuf::from("out/sun.at-1.5s.png"));

@@ -10,11 +10,11 @@ use std::time::Duration;
 use super::Shot;
 use crate::engine::{Engine, EngineError};
 use crate::output::{
-    FoundFrame, FrameFormat, FramePixels, FrameWriter, LinearFrame, Sequence, WriteError, WrittenFrame,
-    remove_leftovers,
+    Channels, FoundFrame, FrameFormat, FramePixels, FrameWriter, LinearFrame, Sequence, WriteError,
+    WrittenFrame, remove_leftovers,
 };
 use crate::time::FrameList;
-use crate::trace::PassPixel;
+use crate::trace::{AlphaFilm, PassPixel};
 
 /// What becomes of frames that are there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -100,7 +100,7 @@ impl Engine {
     ///
     /// let mut engine = Engine::load("scenes/first_light.ron")?;
     /// let count = engine.timeline().frame_count();
-    /// let sequence = Sequence::new("out".into(), "first_light", count - 1, FrameFormat::Png);
+    /// let sequence = Sequence::new("out".into(), "first_light", count - 1, FrameFormat::default());
     /// let report = engine.render_sequence(&FrameList::all(count), &sequence, |progress| {
     ///     println!("{} of {}", progress.done, progress.total);
     ///     Continue(())
@@ -213,7 +213,14 @@ impl Engine {
         if !format.is_linear() {
             return Ok(self.render_encoded_unless(shot.time, cancelled)?.map(FramePixels::Encoded));
         }
-        let Some(film) = self.render_unless(shot.time, cancelled)? else { return Ok(None) };
+        let exposed = match format.channels() {
+            Channels::Rgb => self.render_unless(shot.time, cancelled)?.map(|film| (film, None)),
+            Channels::Rgba => {
+                let exposed = self.render_alpha_unless(shot.time, cancelled)?;
+                exposed.map(|AlphaFilm { light, alpha }| (light, Some(alpha)))
+            }
+        };
+        let Some((film, alpha)) = exposed else { return Ok(None) };
         let passes = match format.passes().is_empty() {
             true => Vec::new(),
             false => {
@@ -221,7 +228,7 @@ impl Engine {
             }
         };
         let transfer = self.film_settings().transfer;
-        Ok(Some(FramePixels::Linear(LinearFrame { film, transfer, passes })))
+        Ok(Some(FramePixels::Linear(LinearFrame { film, alpha, transfer, passes })))
     }
 
     /// Returns whether a shot's file is whole, and the same as would be rendered.

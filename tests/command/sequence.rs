@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
+use rayreel::color::Transfer;
+use rayreel::trace::AlphaFilm;
 use serde_json::Value;
 
 use crate::{RAYREEL, command, output_of, pictures, rayreel, text, told};
@@ -357,17 +359,64 @@ fn every_format_has_the_same_light() {
     let rows: Vec<u8> = pixels[..light.len()].chunks(32 * 12).rev().flatten().copied().collect();
     assert_eq!(rows, light);
 
-    let Some(exr) = planes_by_ffmpeg(&folder.join("out/film.0001.exr")) else { return };
+    let Some(exr) = planes_by_ffmpeg(&folder.join("out/film.0001.exr"), "gbrpf32le") else { return };
     assert!(exr == planes(&film));
     render(folder, &["--passes", "depth,normal,id,albedo,position", "--frames", "1"]);
-    assert!(planes_by_ffmpeg(&folder.join("out/film.0001.exr")).unwrap() == planes(&film));
+    assert!(planes_by_ffmpeg(&folder.join("out/film.0001.exr"), "gbrpf32le").unwrap() == planes(&film));
 }
 
-/// Returns the green, the blue and the red of all pixels, as another program reads a file. `None` without that program.
-fn planes_by_ffmpeg(file: &Path) -> Option<Vec<u8>> {
+/// Frames without their backgrounds have what the library makes, as each format wants it: premultiplied or not.
+#[test]
+fn frames_with_alpha_leave_the_background_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_film(folder, 1.0, |film| film.replace("Scene(", "Scene(sampling: (samples: 4),"));
+    let mut engine = rayreel::Engine::load(folder.join("film.ron")).unwrap();
+    let (time, never) = (engine.timeline().time_of(1), std::sync::atomic::AtomicBool::new(false));
+    let AlphaFilm { light, alpha } = engine.render_alpha_unless(time, &never).unwrap().unwrap();
+    let transfer = engine.film_settings().transfer;
+    let partly = alpha.pixels().iter().filter(|alpha| **alpha > 0.0 && **alpha < 1.0).count();
+    assert!(partly > 5 && alpha.pixels().contains(&0.0) && alpha.pixels().contains(&1.0), "{partly}");
+
+    render(folder, &[]);
+    for format in [&["--format", "exr"][..], &["--format", "png16"], &[]] {
+        let options = [&["--alpha"], format].concat();
+        assert_eq!(render(folder, &options), (all(0..4), vec![]), "{options:?}");
+        assert_eq!(render(folder, &options), (vec![], all(0..4)), "{options:?}");
+        assert_eq!(verify(folder, &[])["whole"], true, "{options:?}");
+        let image = image::open(folder.join("out/film.0001.png")).unwrap();
+        let expected = light.pixels().iter().zip(alpha.pixels()).map(|(light, alpha)| {
+            (if *alpha > 0.0 { (light.as_dvec3() / f64::from(*alpha)).as_vec3() } else { *light }, *alpha)
+        });
+        match format {
+            ["--format", "png16"] => {
+                let share = |alpha: f32| Transfer::Classic.encode_16(rayreel::Rgb::splat(alpha))[0];
+                let values = expected
+                    .flat_map(|(color, alpha)| transfer.encode_16(color).into_iter().chain([share(alpha)]));
+                assert_eq!(image.color(), image::ColorType::Rgba16);
+                assert_eq!(image.into_rgba16().into_raw(), values.collect::<Vec<u16>>());
+            }
+            [] => {
+                let share = |alpha: f32| Transfer::Classic.encode(rayreel::Rgb::splat(alpha))[0];
+                let values = expected
+                    .flat_map(|(color, alpha)| transfer.encode(color).into_iter().chain([share(alpha)]));
+                assert_eq!(image.color(), image::ColorType::Rgba8);
+                assert_eq!(image.into_rgba8().into_raw(), values.collect::<Vec<u8>>());
+            }
+            _ => {}
+        }
+    }
+    let Some(exr) = planes_by_ffmpeg(&folder.join("out/film.0001.exr"), "gbrapf32le") else { return };
+    let alpha = alpha.pixels().iter().flat_map(|alpha| alpha.to_le_bytes());
+    assert!(exr == planes(&light).into_iter().chain(alpha).collect::<Vec<u8>>());
+}
+
+/// Returns the green, the blue, the red and, if it is asked for, the alpha of all pixels, as another program reads a file. `None` without
+/// that program.
+fn planes_by_ffmpeg(file: &Path, planes: &str) -> Option<Vec<u8>> {
     let mut command = std::process::Command::new("ffmpeg");
     let command = command.args(["-v", "error", "-i"]).arg(file);
-    let read = command.args(["-pix_fmt", "gbrpf32le", "-f", "rawvideo", "-"]).output().ok()?;
+    let read = command.args(["-pix_fmt", planes, "-f", "rawvideo", "-"]).output().ok()?;
     assert!(read.status.success() && read.stderr.is_empty(), "{}", text(&read.stderr));
     Some(read.stdout)
 }
@@ -407,6 +456,10 @@ fn what_a_format_has_no_room_for_is_refused() {
         (&["--format", "exr", "--movie", "a.gif"], "--movie is made of colours in 8 bits"),
         (&["--format", "png16", "--sheet", "2x2"], "--sheet is made of colours in 8 bits"),
         (&["--out", "-", "--passes", "id"], "--passes are for files"),
+        (&["--alpha", "--format", "ppm"], "--alpha is for --format png, png16 or exr"),
+        (&["--alpha", "--movie", "a.gif"], "--movie is made of colours in 8 bits"),
+        (&["--alpha", "--sheet", "2x2"], "without --alpha"),
+        (&["--alpha", "--out", "-"], "--alpha is for files"),
     ] {
         let output = rayreel(folder, ["render", "film.ron"].iter().chain(more));
         assert!(!output.status.success());

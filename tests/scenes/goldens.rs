@@ -46,7 +46,7 @@ fn frames(engine: &Engine) -> [u32; 3] {
 }
 
 fn picture(engine: &Engine, film: &Film) -> RgbImage {
-    let bytes = encode(film, engine.film_settings().transfer, FrameFormat::Png).unwrap();
+    let bytes = encode(film, engine.film_settings().transfer, FrameFormat::default()).unwrap();
     image::load_from_memory(&bytes).unwrap().to_rgb8()
 }
 
@@ -97,13 +97,13 @@ fn mismatches(name: &str, mut engine: Engine, frames: &[u32]) -> Vec<String> {
         let actual = picture(&engine, &film);
         let name = format!("{name}.{frame:04}");
         let golden = root().join(format!("tests/goldens/{name}.png"));
-        let found = FoundFrame::at(&golden, FrameFormat::Png);
+        let found = FoundFrame::at(&golden, FrameFormat::default());
         let fingerprint = engine.report().fingerprint.unwrap();
         let is_same =
             matches!(found, FoundFrame::Whole { provenance, .. } if provenance.frame == fingerprint);
         if bless && !is_same {
             let (writer, film) = (FrameWriter::start(), film.encoded(engine.film_settings().transfer));
-            writer.submit(0, golden.clone(), film, FrameFormat::Png, Some(fingerprint));
+            writer.submit(0, golden.clone(), film, FrameFormat::default(), Some(fingerprint));
             assert!(writer.finish().into_iter().all(|written| written.result.is_ok()));
         } else if is_same && image::open(&golden).unwrap().to_rgb8() != actual {
             wrong.push(format!("{name}: the same numbers make another picture: raise `trace::SEMANTICS`"));

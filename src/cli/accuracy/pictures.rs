@@ -9,7 +9,7 @@ use rayreel::trace::Film;
 
 /// Returns a film as the address of a PNG.
 pub(super) fn address(film: &Film, transfer: Transfer) -> anyhow::Result<String> {
-    let bytes = encode(film, transfer, FrameFormat::Png)?;
+    let bytes = encode(film, transfer, FrameFormat::default())?;
     Ok(format!("data:image/png;base64,{}", STANDARD.encode(bytes)))
 }
 
