@@ -178,6 +178,9 @@ pub(super) struct RenderArguments {
     /// Tell nothing but warnings and errors
     #[arg(short, long, conflicts_with = "progress")]
     pub(super) quiet: bool,
+    /// Tell of every frame what it took, that it is kept, or why its file is not
+    #[arg(short, long, conflicts_with_all = ["progress", "quiet"])]
+    pub(super) verbose: bool,
     /// Print a report as one JSON object at the end: for every frame the seconds of each phase, the rays of each kind, the effects
     /// that were needed and how often plain arithmetic was not exact enough; and the most memory that was used
     #[arg(long)]
@@ -245,10 +248,10 @@ impl From<PrecisionName> for Precision {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum ProgressName {
-    /// A bar on a terminal, and a line for every frame elsewhere
+    /// A bar on a terminal; elsewhere a line for every frame, and one every ten seconds while a frame takes long
     Auto,
-    /// A JSON object in a line of standard error for every frame: its number, file, seconds, rays and error, whether it was there already
-    /// and how many are done of how many
+    /// A JSON object in a line of standard error for every frame, its event `kept` or `rendered`: its number, file, seconds, rays and
+    /// error, and how many are done of how many; and while a frame takes long one a second, `rendering`, with the share that is done
     Json,
     /// Not at all
     None,

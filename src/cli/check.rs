@@ -60,7 +60,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
         }
     }
     if arguments.json {
-        print::json(&Value::Array(results))?;
+        print::json(Value::Array(results))?;
     }
     if good { Ok(()) } else { Err(Failure::Reported) }
 }

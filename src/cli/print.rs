@@ -27,9 +27,28 @@ pub(super) fn result_line(text: &str) -> anyhow::Result<()> {
     result(&format!("{}\n", Printable(text)))
 }
 
-/// Writes a JSON value.
-pub(super) fn json(value: &Value) -> anyhow::Result<()> {
-    json_part(&format!("{value:#}\n")).map(|_| ())
+/// The version of what is said in JSON, in every object that stands alone. It is raised when a field goes or means something else; others
+/// may come at any time.
+const JSON_VERSION: u32 = 1;
+
+/// Writes a JSON value: an object, or a list of them.
+pub(super) fn json(value: Value) -> anyhow::Result<()> {
+    json_part(&format!("{:#}\n", versioned(value))).map(|_| ())
+}
+
+fn versioned(mut value: Value) -> Value {
+    match &mut value {
+        Value::Object(object) => {
+            object.insert("json_version".to_owned(), JSON_VERSION.into());
+        }
+        Value::Array(objects) => {
+            for object in objects {
+                *object = versioned(object.take());
+            }
+        }
+        _ => {}
+    }
+    value
 }
 
 /// Writes some JSON values like [`result_part`]. Characters that a terminal would obey are in their texts only, where they may be
@@ -65,8 +84,8 @@ fn escaped(text: &str, escape: impl Fn(char) -> String) -> Cow<'_, str> {
 }
 
 /// Prints a JSON value in a line for the program that follows this one.
-pub(super) fn error_json(value: &Value) {
-    let line = format!("{value}\n");
+pub(super) fn error_json(value: Value) {
+    let line = format!("{}\n", versioned(value));
     write_at_once(&escaped(&line, |character| format!("\\u{:04x}", u32::from(character))));
 }
 
@@ -119,4 +138,18 @@ fn error_word() -> &'static str {
 /// Returns `warning:`, as bold and yellow as may be.
 fn warning_word() -> &'static str {
     if is_colorful() { "\u{1b}[1m\u{1b}[93mwarning\u{1b}[0m\u{1b}[1m:\u{1b}[0m" } else { "warning:" }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn objects_have_a_version_and_nothing_else_has() {
+        let objects = json!([{ "a": { "b": 1 } }, 2, "text"]);
+        let version = json!({ "a": { "b": 1 }, "json_version": JSON_VERSION });
+        assert_eq!(versioned(objects), json!([version, 2, "text"]));
+    }
 }

@@ -2,26 +2,32 @@
 
 use std::cell::Cell;
 use std::io::{IsTerminal, stderr};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
-use rayreel::sequence::Shot;
+use rayreel::sequence::{FrameVerdict, Shot};
+use rayreel::trace::ExposureProgress;
 
-use super::args::ProgressName;
 use super::print;
 use super::report::{ShotReport, in_millions};
+use super::settings::{RenderSettings, Telling};
 
-/// Reports frames as they are done.
+/// Reports frames as they are done, and how far those are that take long.
 pub(super) struct Progress {
-    total: usize,
     display: Display,
+    times: FrameTimes,
+    /// The frame in hand, if it takes long.
+    slow: Option<SlowFrame>,
 }
 
 enum Display {
     Bar(ProgressBar),
     Lines(LinePace),
+    /// Lines for every frame, of all that is known of it.
+    Details(LinePace),
     /// An object in a line for every frame.
     Json,
     Nothing,
@@ -35,57 +41,174 @@ struct LinePace {
     last: Cell<Option<Instant>>,
 }
 
+/// How long frames take.
+#[derive(Debug)]
+struct FrameTimes {
+    /// How many there are, and how many are done.
+    total: usize,
+    done: usize,
+    /// How many of these were rendered, and in how many seconds.
+    rendered: usize,
+    seconds: f64,
+}
+
+/// A frame that takes long.
+#[derive(Clone, Copy, Debug)]
+struct SlowFrame {
+    shot: Shot,
+    begun: Instant,
+    /// How far it is.
+    progress: ExposureProgress,
+}
+
 impl Progress {
-    pub(super) fn start(total: usize, how: ProgressName) -> Self {
-        let display = match (how, LinePace::of(stderr().is_terminal(), print::is_dumb())) {
-            (ProgressName::Json, _) => Display::Json,
-            (ProgressName::None, _) => Display::Nothing,
-            (ProgressName::Auto, Some(pace)) => Display::Lines(pace),
-            (ProgressName::Auto, None) => Display::Bar(bar(total)),
+    pub(super) fn start(settings: &RenderSettings) -> Self {
+        let total = settings.count();
+        let lines = LinePace::of(stderr().is_terminal(), print::is_dumb());
+        let display = match (settings.progress, lines) {
+            (Telling::Json, _) => Display::Json,
+            (Telling::Nothing, _) => Display::Nothing,
+            (Telling::Details, _) => Display::Details(LinePace::new(Duration::ZERO)),
+            (Telling::Auto, Some(pace)) => Display::Lines(pace),
+            (Telling::Auto, None) => Display::Bar(bar(total)),
         };
-        Self { total, display }
+        let progress = Self { display, times: FrameTimes::new(total), slow: None };
+        progress.draw("");
+        progress
     }
 
-    /// Reports a shot that was done already, the `count`-th so far.
-    pub(super) fn kept(&self, shot: &Shot, count: usize) {
+    /// Reports a shot whose file was done already.
+    pub(super) fn kept(&mut self, shot: &Shot, file: &Path) {
+        self.times.done += 1;
+        let FrameTimes { total, done, .. } = self.times;
         match &self.display {
-            Display::Bar(bar) => bar.set_position(count as u64),
-            Display::Json => print::error_json(&json!({
+            Display::Bar(_) => self.draw(""),
+            Display::Details(_) => print::error_line(&format!("{done}/{total} {}: kept", file.display())),
+            Display::Json => print::error_json(json!({
+                "event": "kept",
                 "frame": shot.frame,
                 "time": shot.time.seconds(),
-                "kept": true,
-                "done": count,
-                "total": self.total,
+                "file": file.display().to_string(),
+                "done": done,
+                "total": total,
             })),
             Display::Lines(_) | Display::Nothing => {}
         }
     }
 
-    /// Reports a finished shot, the `count`-th so far.
-    pub(super) fn done(&self, shot: &ShotReport, count: usize) {
-        let rate = in_millions(shot.rays_per_second());
+    /// Reports a file that is rendered again, and what is wrong with it.
+    pub(super) fn stale(&self, file: &Path, verdict: &FrameVerdict) {
+        if let Display::Details(_) = self.display {
+            print::error_line(&format!("{} is rendered again: {verdict}", file.display()));
+        }
+    }
+
+    /// Reports how far a shot is that takes long.
+    pub(super) fn rendering(&mut self, shot: &Shot, progress: ExposureProgress) {
+        let now = Instant::now();
+        let begun = self.slow.filter(|slow| slow.shot == *shot).map_or(now, |slow| slow.begun);
+        self.slow = Some(SlowFrame { shot: *shot, begun, progress });
         match &self.display {
-            Display::Bar(bar) => {
-                bar.set_message(format!("{rate} rays/s"));
-                bar.set_position(count as u64);
+            Display::Bar(_) => self.draw(""),
+            Display::Lines(pace) | Display::Details(pace) if pace.is_due_within(now) => {
+                print::error_line(&format!("{}: {}", shot.moment(), so_far(&progress)));
             }
-            Display::Lines(pace) if pace.is_due(Instant::now(), count == self.total) => {
-                print::error_line(&format!(
-                    "{count}/{} {}: {:.3} s, {rate} rays/s",
-                    self.total,
-                    shot.name(),
-                    shot.seconds()
-                ));
+            Display::Json => print::error_json(json!({
+                "event": "rendering",
+                "frame": shot.frame,
+                "time": shot.time.seconds(),
+                "share": progress.share,
+                "samples_per_pixel": progress.samples,
+                "done": self.times.done,
+                "total": self.times.total,
+            })),
+            Display::Lines(_) | Display::Details(_) | Display::Nothing => {}
+        }
+    }
+
+    /// Reports a finished shot.
+    pub(super) fn done(&mut self, report: &ShotReport) {
+        self.times.note(report.seconds());
+        self.slow = self.slow.filter(|slow| !report.is_of(&slow.shot));
+        let rate = format!("{} rays/s", in_millions(report.rays_per_second()));
+        let FrameTimes { total, done, .. } = self.times;
+        let line = || format!("{done}/{total} {}: {:.3} s, {rate}", report.name(), report.seconds());
+        match &self.display {
+            Display::Bar(_) => self.draw(&rate),
+            Display::Lines(pace) if pace.is_due(Instant::now(), done == total) => print::error_line(&line()),
+            Display::Details(_) => {
+                print::error_line(&line());
+                print::error_line(&format!("  {}", report.details()));
             }
             Display::Json => {
-                let mut told = shot.to_json();
-                told["kept"] = json!(false);
-                told["done"] = json!(count);
-                told["total"] = json!(self.total);
-                print::error_json(&told);
+                let mut told = report.to_json();
+                told["event"] = json!("rendered");
+                told["done"] = json!(done);
+                told["total"] = json!(total);
+                print::error_json(told);
             }
             Display::Lines(_) | Display::Nothing => {}
         }
+    }
+
+    /// Draws the bar, if there is one. The rate is that of the last frame.
+    fn draw(&self, rate: &str) {
+        let Display::Bar(bar) = &self.display else { return };
+        let FrameTimes { total, done, .. } = self.times;
+        let slow = self.slow.map(|SlowFrame { shot, begun, progress }| (shot, begun.elapsed(), progress));
+        let share = slow.and_then(|(.., progress)| progress.share).unwrap_or(0.0);
+        bar.set_position(steps(done as f64 + share));
+        let in_hand = slow.map(|(_, taken, progress)| (taken.as_secs_f64(), progress.share));
+        let left = self.times.left(in_hand);
+        let words = [
+            Some(format!("{done}/{total} frames")),
+            slow.map(|(shot, _, progress)| format!("{}: {}", shot.moment(), so_far(&progress))),
+            (!rate.is_empty()).then(|| rate.to_owned()),
+            left.map(|seconds| format!("{} left", in_hours(seconds))),
+        ];
+        bar.set_message(words.into_iter().flatten().collect::<Vec<_>>().join("  "));
+    }
+}
+
+impl FrameTimes {
+    fn new(total: usize) -> Self {
+        Self { total, done: 0, rendered: 0, seconds: 0.0 }
+    }
+
+    /// Notes a frame that was rendered.
+    fn note(&mut self, seconds: f64) {
+        self.done += 1;
+        self.rendered += 1;
+        self.seconds += seconds;
+    }
+
+    /// Returns how many seconds are left if the others take as long as those so far. `None` before there is one: how long the rest of a
+    /// first frame takes cannot be told from its beginning. Of the frame in hand: how long it has taken, and which share is done.
+    fn left(&self, in_hand: Option<(f64, Option<f64>)>) -> Option<f64> {
+        let mean = (self.rendered > 0).then(|| self.seconds / self.rendered as f64)?;
+        let all = mean * (self.total - self.done) as f64;
+        let gone = in_hand.map_or(0.0, |(taken, share)| share.map_or(taken.min(mean), |share| share * mean));
+        Some(all - gone)
+    }
+}
+
+/// Says how far a frame is.
+fn so_far(progress: &ExposureProgress) -> String {
+    match progress.share {
+        Some(share) => format!("{:.0} %", (100.0 * share).floor()),
+        None => format!("{:.1} samples a pixel so far", progress.samples),
+    }
+}
+
+/// Writes a time as `12 s`, `2:05` or `1:02:05`.
+fn in_hours(seconds: f64) -> String {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it saturates")]
+    let seconds = seconds.ceil() as u64;
+    let (hours, minutes) = (seconds / 3600, seconds / 60 % 60);
+    match (hours, minutes) {
+        (0, 0) => format!("{seconds} s"),
+        (0, _) => format!("{minutes}:{:02}", seconds % 60),
+        _ => format!("{hours}:{minutes:02}:{:02}", seconds % 60),
     }
 }
 
@@ -114,19 +237,32 @@ pub(super) fn plain_bar(total: usize) -> ProgressBar {
 const FILLING: &str = "█▉▊▋▌▍▎▏ ";
 
 fn bar(total: usize) -> ProgressBar {
-    let bar = ProgressBar::new(total as u64);
-    let template = "{bar:32} {pos}/{len} frames  {msg}  {eta} left";
-    if let Ok(style) = ProgressStyle::with_template(template) {
+    let bar = ProgressBar::new(steps(total as f64));
+    if let Ok(style) = ProgressStyle::with_template("{bar:32} {msg}") {
         bar.set_style(style.progress_chars(FILLING));
     }
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
 }
 
+/// Returns the place of a bar at a number of frames.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of frames")]
+fn steps(frames: f64) -> u64 {
+    /// How many steps a frame is.
+    const STEPS: f64 = 1000.0;
+    (STEPS * frames) as u64
+}
+
 impl LinePace {
     /// The time between lines where they would scroll everything else away: on a terminal that can draw no bar. A log has a line
     /// for every frame.
     const ON_DUMB_TERMINALS: Duration = Duration::from_secs(2);
+    /// The time between lines about one frame.
+    const WITHIN_FRAMES: Duration = Duration::from_secs(10);
+
+    fn new(apart: Duration) -> Self {
+        Self { apart, last: Cell::new(None) }
+    }
 
     /// Returns the pace of lines. `None` where a bar can be drawn.
     fn of(is_terminal: bool, is_dumb: bool) -> Option<Self> {
@@ -135,12 +271,24 @@ impl LinePace {
             (true, true) => Self::ON_DUMB_TERMINALS,
             (false, _) => Duration::ZERO,
         };
-        Some(Self { apart, last: Cell::new(None) })
+        Some(Self::new(apart))
     }
 
+    /// Returns whether a line is due about a finished frame, and notes that it comes.
     fn is_due(&self, now: Instant, is_end: bool) -> bool {
-        let is_early = self.last.get().is_some_and(|last| now.duration_since(last) < self.apart);
-        let is_due = is_end || !is_early;
+        self.is_after(now, if is_end { Duration::ZERO } else { self.apart })
+    }
+
+    /// Returns whether a line is due about a frame that is not finished, and notes that it comes.
+    fn is_due_within(&self, now: Instant) -> bool {
+        if self.last.get().is_none() {
+            self.last.set(Some(now));
+        }
+        self.is_after(now, Self::WITHIN_FRAMES)
+    }
+
+    fn is_after(&self, now: Instant, apart: Duration) -> bool {
+        let is_due = self.last.get().is_none_or(|last| now.duration_since(last) >= apart);
         if is_due {
             self.last.set(Some(now));
         }
@@ -164,5 +312,35 @@ mod tests {
         assert_eq!(told(true, false), None);
         assert_eq!(told(true, true), Some(3));
         assert_eq!((told(false, false), told(false, true)), (Some(7), Some(7)));
+    }
+
+    #[test]
+    fn slow_frames_have_a_line_now_and_then() {
+        let start = Instant::now();
+        let pace = LinePace::new(Duration::ZERO);
+        let is_due = |second: u64| pace.is_due_within(start + Duration::from_secs(second));
+        assert_eq!((1..=32).filter(|second| is_due(*second)).collect::<Vec<_>>(), [11, 21, 31]);
+        assert!(pace.is_due(start + Duration::from_secs(32), false) && !is_due(33));
+    }
+
+    #[test]
+    fn the_time_left_is_that_of_frames_like_those_before() {
+        let mut times = FrameTimes::new(10);
+        assert_eq!((times.left(None), times.left(Some((5.0, Some(0.9))))), (None, None));
+        // Frames that were there already say nothing.
+        times.done = 2;
+        assert_eq!(times.left(None), None);
+        times.note(3.0);
+        times.note(5.0);
+        assert_eq!(times.left(None), Some(24.0));
+        assert_eq!(times.left(Some((1.0, Some(0.5)))), Some(22.0));
+        // Where nobody knows how far it is, it takes as long as the others at least.
+        assert_eq!((times.left(Some((1.0, None))), times.left(Some((9.0, None)))), (Some(23.0), Some(20.0)));
+    }
+
+    #[test]
+    fn times_are_written_as_on_a_clock() {
+        let written = [0.0, 0.2, 59.9, 60.0, 125.0, 3599.1, 3725.0].map(in_hours);
+        assert_eq!(written, ["0 s", "1 s", "1:00", "1:00", "2:05", "1:00:00", "1:02:05"]);
     }
 }

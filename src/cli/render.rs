@@ -9,8 +9,9 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, anyhow};
 
 use rayreel::output::{FoundFrame, WriteError, remove_leftovers};
-use rayreel::scene::Sources;
-use rayreel::sequence::{SequenceObserver, Shot, Surplus, find_surplus};
+use rayreel::scene::{Sources, input::is_stream};
+use rayreel::sequence::{FrameVerdict, SequenceObserver, Shot, Surplus, find_surplus};
+use rayreel::trace::ExposureProgress;
 use rayreel::{Engine, Scene};
 
 use super::args::RenderArguments;
@@ -49,7 +50,7 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
     let chosen = pool.install(|| Choice::new(arguments, &mut engine, &settings, (start, cancelled)))?;
     let Some(mut choice) = chosen else { return Err(interruption.failure()) };
     // What comes from a stream cannot be read again.
-    if settings.are_frames() && arguments.scene.is_file() {
+    if settings.are_frames() && !is_stream(&arguments.scene) {
         manifest::write(arguments, &settings)?;
     }
     let mut report = RenderReport::new(arguments, &engine, loaded, pool.current_num_threads());
@@ -145,14 +146,14 @@ fn tell(
         print::error_line(&report.summary(settings));
     }
     if arguments.json {
-        print::json(&report.to_json(sources.as_ref()))?;
+        print::json(report.to_json(sources.as_ref()))?;
     }
     Ok(())
 }
 
 /// Reads the scene's texts again if there are warnings to look up in them. Mostly there are none, so that the texts are not kept.
 fn sources_for(report: &RenderReport, arguments: &RenderArguments) -> Option<Sources> {
-    if report.warnings.is_empty() || !arguments.scene.is_file() {
+    if report.warnings.is_empty() || is_stream(&arguments.scene) {
         return None;
     }
     Scene::load_overridden(&arguments.scene, &arguments.overrides.all()).ok().map(|(_, sources)| sources)
@@ -165,7 +166,7 @@ fn render_all(
     cancelled: &AtomicBool,
     report: &mut RenderReport,
 ) -> Result<(), Failure> {
-    let progress = Progress::start(settings.count(), settings.progress);
+    let progress = Progress::start(settings);
     let unwritten = VecDeque::new();
     let mut reporter =
         Reporter { settings, choice, report, progress, unwritten, noted: Ok(()), refused: None };
@@ -199,8 +200,16 @@ impl SequenceObserver for Reporter<'_> {
         self.report.warnings.look(engine, &shot.moment());
         self.choice.keep(engine, shot);
         self.report.kept.push(shot.frame);
-        self.progress.kept(shot, self.report.done());
+        self.progress.kept(shot, &shot.file(&self.settings.sequence));
         Continue(())
+    }
+
+    fn stale(&mut self, shot: &Shot, verdict: &FrameVerdict) {
+        self.progress.stale(&shot.file(&self.settings.sequence), verdict);
+    }
+
+    fn rendering(&mut self, shot: &Shot, progress: ExposureProgress) {
+        self.progress.rendering(shot, progress);
     }
 
     fn rendered(&mut self, engine: &Engine, shot: &Shot) -> ControlFlow<()> {
@@ -214,7 +223,7 @@ impl SequenceObserver for Reporter<'_> {
     fn written(&mut self, _: &Shot, duration: Duration) {
         let Some(shot) = self.unwritten.pop_front() else { return };
         let shot = shot.written(duration);
-        self.progress.done(&shot, self.report.done() + 1);
+        self.progress.done(&shot);
         self.report.shots.push(shot);
     }
 

@@ -198,6 +198,29 @@ impl ShotReport {
         }
     }
 
+    /// Returns whether it is of this shot.
+    pub(super) fn is_of(&self, shot: &Shot) -> bool {
+        (self.frame, self.cost.time) == (shot.frame, shot.time)
+    }
+
+    /// Tells what the frame took.
+    pub(super) fn details(&self) -> String {
+        let FrameReport { animate, prepare, trace, rays, error, .. } = &self.cost;
+        let phases = [("animate", animate), ("prepare", prepare), ("trace", trace), ("write", &self.write)];
+        let phases = phases.map(|(name, time)| format!("{name} {:.3} s", time.as_secs_f64())).join(", ");
+        let kinds = [
+            (rays.camera, "camera"),
+            (rays.shadow, "shadow"),
+            (rays.reflection, "reflected"),
+            (rays.refraction, "refracted"),
+        ];
+        let kinds = kinds.into_iter().filter(|(count, _)| *count > 0);
+        let kinds = kinds.map(|(count, name)| format!("{} {name}", in_millions(count as f64)));
+        let rays = kinds.collect::<Vec<_>>().join(", ");
+        let error = error.map_or_else(String::new, |error| format!("; off by about {error:.2}"));
+        format!("{phases}; rays: {rays}{error}")
+    }
+
     /// Returns the report with the time of writing.
     pub(super) fn written(&self, write: Duration) -> Self {
         Self { write, ..self.clone() }

@@ -7,6 +7,7 @@ use anyhow::{Context, bail, ensure};
 
 use rayreel::components::{FilmSettings, Quality};
 use rayreel::output::{Channels, FrameFormat, Sequence, Sheet, VideoFormat};
+use rayreel::scene::input::is_stream;
 use rayreel::sequence::{Existing, RenderOrder, Shot};
 use rayreel::time::{FrameList, Timeline};
 use rayreel::{Engine, Time};
@@ -33,7 +34,7 @@ pub(super) struct RenderSettings {
     pub(super) sheet: Option<(u32, u32)>,
     /// How frames are written to standard output, if they are.
     pub(super) stream: Option<VideoFormat>,
-    pub(super) progress: ProgressName,
+    pub(super) progress: Telling,
     pub(super) size: Option<(u32, u32)>,
     pub(super) threads: Option<usize>,
 }
@@ -75,8 +76,29 @@ impl RenderSettings {
         let size = arguments.size.or(fitting);
         let existing = if arguments.overwrite { Existing::Overwrite } else { Existing::Keep };
         let (order, threads) = (arguments.order.into(), arguments.threads.map(usize::from));
-        let progress = if arguments.quiet { ProgressName::None } else { arguments.progress };
+        let progress = Telling::new(arguments);
         Ok(Self { selection, order, sequence, existing, sheet, stream, progress, size, threads })
+    }
+}
+
+/// What is told of frames as they are done.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Telling {
+    Auto,
+    Details,
+    Json,
+    Nothing,
+}
+
+impl Telling {
+    fn new(arguments: &RenderArguments) -> Self {
+        match arguments.progress {
+            _ if arguments.quiet => Self::Nothing,
+            _ if arguments.verbose => Self::Details,
+            ProgressName::Auto => Self::Auto,
+            ProgressName::Json => Self::Json,
+            ProgressName::None => Self::Nothing,
+        }
     }
 }
 
@@ -222,7 +244,7 @@ pub(super) fn set_cutoff(engine: &mut Engine, cutoff: f32) {
 
 /// Returns the file's name without its ending; that of standard input is `stdin`.
 fn scene_name(path: &Path) -> anyhow::Result<&OsStr> {
-    if path == Path::new("-") {
+    if is_stream(path) {
         return Ok(OsStr::new("stdin"));
     }
     path.file_stem().with_context(|| format!("`{}` does not name a file", path.display()))

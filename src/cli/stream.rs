@@ -22,11 +22,12 @@ pub(super) fn render(
     cancelled: &AtomicBool,
     report: &mut RenderReport,
 ) -> Result<(), Failure> {
-    let progress = Progress::start(settings.count(), settings.progress);
+    let mut progress = Progress::start(settings);
     let mut stream = VideoStream::new(stdout().lock(), format, engine.timeline().rate);
     for shot in settings.shots() {
         choice.begin(engine, &shot);
-        let Some(film) = engine.render_encoded_unless(shot.time, cancelled)? else { return Ok(()) };
+        let film = engine.render_shot(&shot, cancelled, &mut |so_far| progress.rendering(&shot, so_far))?;
+        let Some(film) = film else { return Ok(()) };
         choice.end(engine, &shot)?;
         report.warnings.look(engine, &shot.moment());
         match stream.add(&film) {
@@ -37,7 +38,7 @@ pub(super) fn render(
             written => written.context("cannot write to standard output")?,
         }
         let shot = ShotReport::new(&shot, None, engine);
-        progress.done(&shot, report.shots.len() + 1);
+        progress.done(&shot);
         report.shots.push(shot);
     }
     Ok(())

@@ -53,7 +53,7 @@ pub(super) fn run(arguments: &VerifyArguments, interruption: &Interruption) -> R
         return Err(interruption.failure());
     }
     if arguments.json {
-        print::json(&to_json(&verdict, &rendered.scene.display().to_string()))?;
+        print::json(to_json(&verdict, &rendered.scene.display().to_string()))?;
     } else {
         tell(&verdict, arguments, &rendered.scene)?;
     }

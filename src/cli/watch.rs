@@ -1,7 +1,7 @@
 //! `rayreel watch`
 
 use std::mem::ManuallyDrop;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
@@ -10,6 +10,7 @@ use anyhow::{Context, anyhow, bail};
 
 use rayreel::live::{Event, Server, Session, SessionSettings, Shown, Times, Watching};
 use rayreel::output::{self, Channels, FrameFormat};
+use rayreel::scene::input::is_stream;
 use rayreel::trace::Passes;
 
 use super::args::WatchArguments;
@@ -22,7 +23,7 @@ use super::report::in_millions;
 const ATTENTION: Duration = Duration::from_millis(50);
 
 pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Result<(), Failure> {
-    if arguments.scene.as_path() == Path::new("-") {
+    if is_stream(&arguments.scene) {
         return Err(anyhow!("a scene from standard input cannot be read again: name a file to watch").into());
     }
     let interrupted = interruption.deferred();

@@ -45,7 +45,7 @@ pub fn open(path: &Path, offered: Offered, most: u64) -> Result<Take<File>, Inpu
         return Err(io::Error::from(io::ErrorKind::IsADirectory).into());
     }
     if !metadata.is_file() {
-        let accepted = offered == Offered::Accepted && is_offered(path);
+        let accepted = offered == Offered::Accepted && is_stream(path);
         return if accepted { Ok(File::open(path)?.take(limit)) } else { Err(InputError::NotAFile) };
     }
     if metadata.len() > most {
@@ -77,10 +77,14 @@ pub(crate) fn read(path: &Path, offered: Offered, most: u64) -> Result<Vec<u8>, 
     if bytes.len() as u64 > most { Err(InputError::TooLarge(most)) } else { Ok(bytes) }
 }
 
-/// Returns whether a path is one of the names that shells give to streams that are already open.
-fn is_offered(path: &Path) -> bool {
+/// Returns whether a path names a stream that the program was started with: `-`, or one of the names that shells give to those. It can
+/// be read only once, and by nobody else.
+#[must_use]
+pub fn is_stream(path: &Path) -> bool {
+    let streams = [STANDARD_INPUT, "/dev/stdin"];
     let folders = ["/dev/fd", "/proc/self/fd"];
-    path == Path::new("/dev/stdin") || folders.iter().any(|folder| path.parent() == Some(Path::new(folder)))
+    streams.iter().any(|stream| path == Path::new(stream))
+        || folders.iter().any(|folder| path.parent() == Some(Path::new(folder)))
 }
 
 #[cfg(test)]

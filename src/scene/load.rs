@@ -26,7 +26,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Reads a scene file, and what it includes.
+    /// Reads a scene file, or standard input by the name of `-`, and what it includes.
     ///
     /// # Errors
     ///

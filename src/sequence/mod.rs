@@ -9,6 +9,7 @@
 //! Shot -> is it done? -> engine -> EncodedFilm -> output::FrameWriter -> frame file, with its provenance
 //! ```
 
+mod heartbeat;
 mod order;
 mod render;
 mod shot;

@@ -7,14 +7,15 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use super::Shot;
+use super::heartbeat::Heartbeat;
+use super::{FrameVerdict, Shot};
 use crate::engine::{Engine, EngineError};
 use crate::output::{
     Channels, FoundFrame, FrameFormat, FramePixels, FrameWriter, LinearFrame, Sequence, WriteError,
     WrittenFrame, remove_leftovers,
 };
 use crate::time::FrameList;
-use crate::trace::{AlphaFilm, PassPixel};
+use crate::trace::{AlphaFilm, EncodedFilm, Exposure, ExposureProgress, PassPixel, Signals};
 
 /// What becomes of frames that are there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,6 +36,12 @@ pub trait SequenceObserver {
     fn kept(&mut self, _: &Engine, _: &Shot) -> ControlFlow<()> {
         Continue(())
     }
+
+    /// There is a file of it that cannot be kept; and what is wrong with it.
+    fn stale(&mut self, _: &Shot, _: &FrameVerdict) {}
+
+    /// It takes longer than a second, and is so far. Comes once a second.
+    fn rendering(&mut self, _: &Shot, _: ExposureProgress) {}
 
     /// It is rendered, as the engine's report tells, and will be written in parallel. What breaks here ends the sequence after it.
     fn rendered(&mut self, _: &Engine, _: &Shot) -> ControlFlow<()> {
@@ -165,20 +172,28 @@ impl Engine {
             }
             observer.begin(self, &shot);
             let path = shot.file(sequence);
-            match self.is_done(&shot, &path, (sequence, existing)) {
-                Ok(false) => {}
-                Ok(true) => {
+            match self.verdict(&shot, &path, (sequence, existing)) {
+                Ok(FrameVerdict::Missing) => {}
+                Ok(FrameVerdict::Whole) => {
                     if observer.kept(self, &shot).is_break() {
                         break;
                     }
                     continue;
                 }
+                Ok(verdict) => observer.stale(&shot, &verdict),
                 Err(error) => {
                     rendered = Err(error);
                     break;
                 }
             }
-            let pixels = match self.pixels_unless(&shot, sequence.format(), cancelled) {
+            let mut all_good = true;
+            let mut tell = |progress| {
+                for written in writer.written() {
+                    all_good &= settle(written, &submitted, observer);
+                }
+                observer.rendering(&shot, progress);
+            };
+            let pixels = match self.pixels_unless(&shot, sequence.format(), cancelled, &mut tell) {
                 Ok(Some(pixels)) => pixels,
                 stopped => {
                     rendered = stopped.map(drop);
@@ -189,7 +204,6 @@ impl Engine {
             let fingerprint = self.report().fingerprint;
             writer.submit(submitted.len(), path, pixels, sequence.format(), fingerprint);
             submitted.push(shot);
-            let mut all_good = true;
             for written in writer.written() {
                 all_good &= settle(written, &submitted, observer);
             }
@@ -203,20 +217,53 @@ impl Engine {
         rendered
     }
 
-    /// Renders a shot's pixels for a format, unless `cancelled` becomes true meanwhile.
+    /// Renders a shot as output bytes, unless `cancelled` becomes true meanwhile. If it takes longer than a second, it is told once a
+    /// second how far it is.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn render_shot(
+        &mut self,
+        shot: &Shot,
+        cancelled: &AtomicBool,
+        tell: &mut dyn FnMut(ExposureProgress),
+    ) -> Result<Option<EncodedFilm>, EngineError> {
+        let heartbeat = Heartbeat::start();
+        let pause = || heartbeat.is_due();
+        self.render_encoded_on(shot.time, Signals { cancelled, pause: &pause }, &mut |exposure| {
+            heartbeat.begin();
+            tell(exposure.progress());
+            Continue(())
+        })
+    }
+
+    /// Renders a shot's pixels for a format, unless `cancelled` becomes true meanwhile, and tells how far they are as [`Engine::render_shot`] does.
     fn pixels_unless(
         &mut self,
         shot: &Shot,
         format: FrameFormat,
         cancelled: &AtomicBool,
+        tell: &mut dyn FnMut(ExposureProgress),
     ) -> Result<Option<FramePixels>, EngineError> {
         if !format.is_linear() {
-            return Ok(self.render_encoded_unless(shot.time, cancelled)?.map(FramePixels::Encoded));
+            return Ok(self.render_shot(shot, cancelled, tell)?.map(FramePixels::Encoded));
         }
+        let heartbeat = Heartbeat::start();
+        let pause = || heartbeat.is_due();
+        let signals = Signals { cancelled, pause: &pause };
+        let mut visit = |exposure: &Exposure| {
+            heartbeat.begin();
+            tell(exposure.progress());
+            Continue(())
+        };
         let exposed = match format.channels() {
-            Channels::Rgb => self.render_unless(shot.time, cancelled)?.map(|film| (film, None)),
+            Channels::Rgb => {
+                let film = self.render_on(shot.time, &mut None, signals, &mut visit)?;
+                film.map(|film| (film, None))
+            }
             Channels::Rgba => {
-                let exposed = self.render_alpha_unless(shot.time, cancelled)?;
+                let exposed = self.render_alpha_on(shot.time, signals, &mut visit)?;
                 exposed.map(|AlphaFilm { light, alpha }| (light, Some(alpha)))
             }
         };
@@ -231,19 +278,16 @@ impl Engine {
         Ok(Some(FramePixels::Linear(LinearFrame { film, alpha, transfer, passes })))
     }
 
-    /// Returns whether a shot's file is whole, and the same as would be rendered.
-    fn is_done(
+    /// Returns what there is of a shot. What is to be overwritten counts as missing.
+    fn verdict(
         &mut self,
         shot: &Shot,
         path: &Path,
         (sequence, existing): (&Sequence, Existing),
-    ) -> Result<bool, EngineError> {
-        if existing == Existing::Overwrite {
-            return Ok(false);
-        }
-        match FoundFrame::at(path, sequence.format()) {
-            FoundFrame::Whole { provenance, .. } => Ok(provenance.frame == self.fingerprint_at(shot.time)?),
-            FoundFrame::Missing | FoundFrame::Torn(_) | FoundFrame::Unknown { .. } => Ok(false),
+    ) -> Result<FrameVerdict, EngineError> {
+        match existing {
+            Existing::Overwrite => Ok(FrameVerdict::Missing),
+            Existing::Keep => self.judge(shot, FoundFrame::at(path, sequence.format())),
         }
     }
 }

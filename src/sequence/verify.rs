@@ -1,5 +1,6 @@
 //! Whether what is in a folder is a sequence: every file is read to its last byte and held against the scene.
 
+use std::fmt;
 use std::io;
 use std::ops::ControlFlow;
 
@@ -92,17 +93,7 @@ impl Engine {
                 if begin(self, shot).is_break() {
                     break 'all;
                 }
-                let of_frame = match found {
-                    FoundFrame::Missing => FrameVerdict::Missing,
-                    FoundFrame::Torn(reason) => FrameVerdict::Torn(reason),
-                    FoundFrame::Unknown { .. } => FrameVerdict::Unknown,
-                    FoundFrame::Whole { provenance, .. } => {
-                        match provenance.frame == self.fingerprint_at(shot.time)? {
-                            true => FrameVerdict::Whole,
-                            false => FrameVerdict::Stale,
-                        }
-                    }
-                };
+                let of_frame = self.judge(shot, found)?;
                 verdict.frames.extend(shot.frame.map(|frame| (frame, of_frame)));
             }
         }
@@ -118,5 +109,33 @@ impl Engine {
             })
             .collect();
         Ok(verdict)
+    }
+
+    /// Holds what was found of a shot against what would be rendered now.
+    pub(super) fn judge(&mut self, shot: &Shot, found: FoundFrame) -> Result<FrameVerdict, EngineError> {
+        Ok(match found {
+            FoundFrame::Missing => FrameVerdict::Missing,
+            FoundFrame::Torn(reason) => FrameVerdict::Torn(reason),
+            FoundFrame::Unknown { .. } => FrameVerdict::Unknown,
+            FoundFrame::Whole { provenance, .. } => {
+                match provenance.frame == self.fingerprint_at(shot.time)? {
+                    true => FrameVerdict::Whole,
+                    false => FrameVerdict::Stale,
+                }
+            }
+        })
+    }
+}
+
+/// In words, as what is wrong with a file.
+impl fmt::Display for FrameVerdict {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::Whole => "it is whole and up to date",
+            Self::Missing => "there is no file",
+            Self::Torn(reason) => reason,
+            Self::Stale => "it is not what would be rendered now",
+            Self::Unknown => "it does not say what it was rendered from",
+        })
     }
 }

@@ -59,6 +59,15 @@ pub struct Exposure<E: Encoding = Linear> {
     effort: Effort,
 }
 
+/// How far a picture is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExposureProgress {
+    /// How many samples pixels have so far, in the mean.
+    pub samples: f64,
+    /// Which part of all that is, from 0 to 1; `None` where pixels get as many as they need, so that nobody knows.
+    pub share: Option<f64>,
+}
+
 /// A tile, and how many samples of each of its pixels have come that still gets some.
 #[derive(Clone, Copy, Debug)]
 struct ExposedTile {
@@ -286,18 +295,25 @@ impl<E: Encoding> Exposure<E> {
         self.adaptive.as_ref()?.error()
     }
 
-    /// Returns which part of its samples is there, 0 to 1; of a picture whose pixels get as many as they need, how many there are as a
-    /// multiple of the least that all get.
+    /// Returns how far it is.
     #[must_use]
-    pub fn share(&self) -> f64 {
+    pub fn progress(&self) -> ExposureProgress {
+        let pixels = f64::from(self.width) * f64::from(self.height);
         if self.adaptive.is_some() {
-            let pixels = f64::from(self.width) * f64::from(self.height);
-            return self.effort.rays.camera as f64 / (pixels * f64::from(self.rounds.least()));
+            return ExposureProgress { samples: self.effort.rays.camera as f64 / pixels, share: None };
         }
         let area = |tile: Tile| f64::from(tile.width * tile.height);
         let there: f64 =
             self.tiles.iter().map(|exposed| area(exposed.tile) * f64::from(exposed.samples)).sum();
-        there / (f64::from(self.width) * f64::from(self.height) * f64::from(self.rounds.samples()))
+        let samples = there / pixels;
+        ExposureProgress { samples, share: Some(samples / f64::from(self.rounds.samples())) }
+    }
+
+    /// Returns which part of its samples is there, 0 to 1; of a picture whose pixels get as many as they need, how many there are as a
+    /// multiple of the least that all get.
+    pub(crate) fn share(&self) -> f64 {
+        let ExposureProgress { samples, share } = self.progress();
+        share.unwrap_or_else(|| samples / f64::from(self.rounds.least()))
     }
 
     /// Returns the picture, and what it took.

@@ -95,7 +95,7 @@ mod work_queue;
 pub(crate) use adaptive::{Convergence, ErrorTarget, Rounds};
 pub use effort::{RayCounts, TreeEnds};
 pub(crate) use exposure::{Developed, SampleMemory, SamplePlan};
-pub use exposure::{Exposure, Signals};
+pub use exposure::{Exposure, ExposureProgress, Signals};
 pub use film::{AlphaFilm, EncodedFilm, Film};
 pub(crate) use frame_fingerprint::{FrameConstants, FrameHasher};
 pub use frame_fingerprint::{FrameFingerprint, NotAFingerprint, SEMANTICS};

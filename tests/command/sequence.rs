@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::ops::ControlFlow::Continue;
 use std::path::Path;
 
 use rayreel::color::Transfer;
-use rayreel::trace::AlphaFilm;
+use rayreel::trace::{AlphaFilm, Signals};
 use serde_json::Value;
 
 use crate::{RAYREEL, command, output_of, pictures, rayreel, text, told};
@@ -373,7 +374,8 @@ fn frames_with_alpha_leave_the_background_out() {
     write_film(folder, 1.0, |film| film.replace("Scene(", "Scene(sampling: (samples: 4),"));
     let mut engine = rayreel::Engine::load(folder.join("film.ron")).unwrap();
     let (time, never) = (engine.timeline().time_of(1), std::sync::atomic::AtomicBool::new(false));
-    let AlphaFilm { light, alpha } = engine.render_alpha_unless(time, &never).unwrap().unwrap();
+    let AlphaFilm { light, alpha } =
+        engine.render_alpha_on(time, Signals::unless(&never), &mut |_| Continue(())).unwrap().unwrap();
     let transfer = engine.film_settings().transfer;
     let partly = alpha.pixels().iter().filter(|alpha| **alpha > 0.0 && **alpha < 1.0).count();
     assert!(partly > 5 && alpha.pixels().contains(&0.0) && alpha.pixels().contains(&1.0), "{partly}");
@@ -536,8 +538,52 @@ fn programs_and_people_hear_what_they_want_to() {
     assert_eq!(objects.len(), 4, "{lines}");
     for (index, object) in objects.iter().enumerate() {
         assert_eq!((&object["frame"], &object["total"]), (&index.into(), &4.into()));
-        assert_eq!((&object["done"], &object["kept"]), (&(index + 1).into(), &(index == 0).into()));
+        let event = if index == 0 { "kept" } else { "rendered" };
+        assert_eq!((&object["done"], &object["event"]), (&(index + 1).into(), &event.into()));
         assert!(index == 0 || object["seconds"]["trace"].is_f64() && object["rays"]["camera"] == 32 * 18);
     }
     assert!(run(&["--progress", "none", "--overwrite"]).lines().count() == 2);
+    run(&["--frames=2", "--size=16x9", "--quiet"]);
+    fs::write(folder.join("out/film.0003.png"), "").unwrap();
+    let details = run(&["-v"]);
+    let lines: Vec<&str> = details.lines().collect();
+    assert_eq!(lines[..2], ["1/4 out/film.0000.png: kept", "2/4 out/film.0001.png: kept"], "{details}");
+    assert!(lines.contains(&"out/film.0002.png is rendered again: it is not what would be rendered now"));
+    assert!(lines.iter().any(|line| line.starts_with("out/film.0003.png is rendered again: ")), "{details}");
+    assert!(lines.iter().any(|line| line.starts_with("4/4 out/film.0003.png: ")), "{details}");
+    let about = |line: &&&str| line.starts_with("  animate ") && line.contains("; rays: 1 k camera");
+    assert_eq!(lines.iter().filter(about).count(), 2, "{details}");
+}
+
+/// A frame that takes very long tells how far it is, until one has seen enough.
+#[cfg(unix)]
+#[test]
+fn a_slow_frame_tells_how_far_it_is() {
+    use std::io::{BufRead, BufReader};
+
+    let folder = tempfile::tempdir().unwrap();
+    write_film(folder.path(), 1.0, |film| film);
+    for (more, expected) in
+        [(&["--samples=65536"][..], true), (&["--samples=65536", "--set=sampling.max_error=0.001"], false)]
+    {
+        let mut child = command(RAYREEL, folder.path());
+        child.args(["render", "film.ron", "--frames=1", "--size=1280x720", "--progress=json"]).args(more);
+        let mut child = child.spawn().unwrap();
+        let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+        let told: Vec<Value> =
+            lines.by_ref().take(2).map(|line| serde_json::from_str(&line.unwrap()).unwrap()).collect();
+        crate::signal(&child, "INT");
+        let rest: Vec<String> = lines.map(Result::unwrap).collect();
+        assert_eq!(output_of(child).status.code(), Some(130), "{rest:?}");
+        for event in &told {
+            assert_eq!((&event["event"], &event["frame"]), (&"rendering".into(), &1.into()), "{event}");
+            assert!(event["samples_per_pixel"].as_f64().unwrap() > 0.0, "{event}");
+            assert_eq!(
+                event["share"].as_f64().is_some_and(|share| share > 0.0 && share < 1.0),
+                expected,
+                "{event}"
+            );
+        }
+        assert!(told[0]["samples_per_pixel"].as_f64() <= told[1]["samples_per_pixel"].as_f64(), "{told:?}");
+    }
 }

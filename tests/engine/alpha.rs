@@ -1,10 +1,11 @@
 //! Pictures without their backgrounds, held against the reference path and against pictures with them.
 
+use std::ops::ControlFlow::Continue;
 use std::sync::atomic::AtomicBool;
 
 use rayreel::components::{FilmSettings, Sampling};
 use rayreel::scene::Scene;
-use rayreel::trace::{AlphaFilm, SimdLevel};
+use rayreel::trace::{AlphaFilm, Signals, SimdLevel};
 use rayreel::{Engine, Rgb, Time};
 
 const SIZE: (u32, u32) = (45, 27);
@@ -23,7 +24,8 @@ fn engine(scene: &str, samples: u32, max_error: f32) -> Engine {
 }
 
 fn render(engine: &mut Engine, time: Time) -> AlphaFilm {
-    engine.render_alpha_unless(time, &AtomicBool::new(false)).unwrap().unwrap()
+    let never = AtomicBool::new(false);
+    engine.render_alpha_on(time, Signals::unless(&never), &mut |_| Continue(())).unwrap().unwrap()
 }
 
 #[test]

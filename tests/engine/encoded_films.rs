@@ -1,8 +1,10 @@
 //! Films of output bytes: those of linear light, encoded.
 
+use std::ops::ControlFlow::Continue;
 use std::sync::atomic::AtomicBool;
 
 use rayreel::color::Transfer;
+use rayreel::trace::Signals;
 use rayreel::{Engine, Film, Scene, Time};
 
 /// A scene with these film settings and samples, in which light goes from none to more than a film holds.
@@ -51,7 +53,10 @@ fn bytes_stored_while_tracing_are_those_of_linear_light() {
                     let time: Time = time.parse().unwrap();
                     let [linear, encoded] = &mut engines;
                     let linear = linear.render_unless(time, &never).unwrap().unwrap();
-                    let encoded = encoded.render_encoded_unless(time, &never).unwrap().unwrap();
+                    let encoded = encoded
+                        .render_encoded_on(time, Signals::unless(&never), &mut |_| Continue(()))
+                        .unwrap()
+                        .unwrap();
                     assert_eq!((encoded.width(), encoded.height()), (linear.width(), linear.height()));
                     let plain = bytes(&linear, transfer);
                     let ranges = plain.contains(&255) && plain.iter().any(|byte| (1..255).contains(byte));
@@ -68,10 +73,18 @@ fn bytes_stored_while_tracing_are_those_of_linear_light() {
 fn no_bytes_are_returned_of_a_frame_that_was_cancelled() {
     let cancelled = AtomicBool::new(true);
     let mut engine = engine("width: 64, height: 48", "");
-    assert!(engine.render_encoded_unless(Time::ZERO, &cancelled).unwrap().is_none());
+    assert!(
+        engine
+            .render_encoded_on(Time::ZERO, Signals::unless(&cancelled), &mut |_| Continue(()))
+            .unwrap()
+            .is_none()
+    );
     let never = AtomicBool::new(false);
     let film = engine.render_unless(Time::ZERO, &never).unwrap().unwrap();
     let transfer = engine.film_settings().transfer;
-    let encoded = engine.render_encoded_unless(Time::ZERO, &never).unwrap().unwrap();
+    let encoded = engine
+        .render_encoded_on(Time::ZERO, Signals::unless(&never), &mut |_| Continue(()))
+        .unwrap()
+        .unwrap();
     assert!(encoded.bytes() == bytes(&film, transfer));
 }

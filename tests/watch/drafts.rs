@@ -91,7 +91,7 @@ fn a_picture_made_in_pieces_has_the_bits_and_the_rays_of_one_made_at_once() {
                 if let Some(film) = film {
                     break film;
                 }
-                shares.extend(begun.as_ref().map(rayreel::trace::Exposure::share));
+                shares.extend(begun.as_ref().and_then(|begun| begun.progress().share));
             };
             assert!(film == once && pieces > 2, "{samples} {instants} {rest}: {pieces}");
             assert_eq!(engine.report().rays, report.rays, "{samples} {instants} {rest}");

@@ -102,7 +102,7 @@ fn tell(measured: &Measured, arguments: &AccuracyArguments, engine: &Engine) -> 
         write_file(file, &data::csv(&measured.report)?)?;
     }
     if arguments.json {
-        print::json(&data::json(measured))?;
+        print::json(data::json(measured))?;
     } else {
         print::result(&table::draw(measured))?;
     }

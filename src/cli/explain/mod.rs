@@ -47,7 +47,7 @@ pub(super) fn run(arguments: &ExplainArguments) -> Result<(), Failure> {
         .context("cannot start the rendering threads")?;
     let explanation = pool.install(|| Explanation::of(arguments, &mut engine, &frames, &mut counter))?;
     if arguments.json {
-        print::json(&explanation.json())?;
+        print::json(explanation.json())?;
     } else {
         print::result(&explanation.text())?;
     }

@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, anyhow, bail, ensure};
 use clap::Parser;
 
+use rayreel::scene::input::is_stream;
 use rayreel::time::FrameList;
 
 use super::args::{Arguments, Command, FarmArguments, RenderArguments, SchedulerName};
@@ -54,6 +55,9 @@ struct Farm {
 impl Farm {
     /// Checks all that jobs would stumble over: the scene, the options, and the number of shards.
     fn new(arguments: &FarmArguments) -> Result<Self, Failure> {
+        if is_stream(&arguments.scene) {
+            return Err(anyhow!("jobs read the scene later, and not from standard input: name a file").into());
+        }
         let rendered = render_arguments(arguments)?;
         let mut engine = load(&rendered.scene, &rendered.overrides)?;
         let settings = set_up(&mut engine, &rendered)?;
@@ -63,9 +67,6 @@ impl Farm {
                 "{shards} shards of {frames} frames leave some without any: write at most {frames}"
             )
             .into());
-        }
-        if arguments.scene.as_path() == Path::new("-") {
-            return Err(anyhow!("jobs read the scene later, and not from standard input: name a file").into());
         }
         let name = job_name(&arguments.scene)?;
         Ok(Self {

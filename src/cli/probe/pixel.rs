@@ -48,7 +48,7 @@ pub(super) fn run(at: &At<'_>, engine: &Engine, json: bool) -> Result<(), Failur
     let lines = EntityLines::of(engine.world(), at.sources, &entities);
     let explanation = PixelExplanation { at, engine, probe, lines };
     if json {
-        print::json(&explanation.json())?;
+        print::json(explanation.json())?;
     } else {
         print::result(&explanation.text())?;
     }

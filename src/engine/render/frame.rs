@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::draft::add_all;
 use super::fingerprint::HashedInstants;
-use crate::color::{Encoding, Linear};
+use crate::color::{Encoding, Linear, Transfer};
 use crate::components::{Animated, FilmSettings, Sampling};
 use crate::engine::engine::{Engine, EngineError};
 use crate::engine::report::FrameReport;
@@ -87,33 +87,35 @@ impl Engine {
         Ok(exposed.map(|exposed| exposed.film))
     }
 
-    /// Renders a moment as output bytes, by the film settings' transfer, unless `cancelled` becomes true meanwhile; then there is no
-    /// film. They are those of [`render_unless`](Engine::render_unless)'s film, [encoded](Film::encoded), and take less time and
-    /// memory.
+    /// Renders a moment as output bytes, by the film settings' transfer, in portions as [`render_on`](Engine::render_on) does. They are
+    /// those of its film, [encoded](Film::encoded), and take less time and memory.
     ///
     /// # Errors
     ///
     /// As [`Engine::render_frame`].
-    pub fn render_encoded_unless(
+    pub fn render_encoded_on(
         &mut self,
         time: Time,
-        cancelled: &AtomicBool,
+        signals: Signals<'_>,
+        visit: &mut dyn FnMut(&Exposure<Transfer>) -> ControlFlow<()>,
     ) -> Result<Option<EncodedFilm>, EngineError> {
         let transfer = self.film_settings().transfer;
-        let signals = Signals::unless(cancelled);
-        let exposed = self.expose((transfer, false), time, &mut None, signals, &mut |_| Continue(()))?;
+        let exposed = self.expose((transfer, false), time, &mut None, signals, visit)?;
         Ok(exposed.map(|exposed| exposed.film))
     }
 
-    /// Renders a moment without its background, unless `cancelled` becomes true meanwhile; then there is no film. How many samples pixels
-    /// get does not depend on that: where errors decide, they are those of the picture with its background.
+    /// Renders a moment without its background, in portions as [`render_on`](Engine::render_on) does. How many samples pixels get does
+    /// not depend on that: where errors decide, they are those of the picture with its background.
     ///
     /// ```
+    /// use std::ops::ControlFlow::Continue;
     /// use std::sync::atomic::AtomicBool;
+    /// use rayreel::trace::Signals;
     /// use rayreel::{Engine, Time, World};
     ///
     /// let never = AtomicBool::new(false);
-    /// let picture = Engine::new(World::new()).render_alpha_unless(Time::ZERO, &never)?.unwrap();
+    /// let mut engine = Engine::new(World::new());
+    /// let picture = engine.render_alpha_on(Time::ZERO, Signals::unless(&never), &mut |_| Continue(()))?.unwrap();
     /// assert!(picture.alpha.pixels().iter().all(|alpha| *alpha == 0.0));
     /// # Ok::<(), rayreel::EngineError>(())
     /// ```
@@ -121,13 +123,13 @@ impl Engine {
     /// # Errors
     ///
     /// As [`Engine::render_frame`].
-    pub fn render_alpha_unless(
+    pub fn render_alpha_on(
         &mut self,
         time: Time,
-        cancelled: &AtomicBool,
+        signals: Signals<'_>,
+        visit: &mut dyn FnMut(&Exposure) -> ControlFlow<()>,
     ) -> Result<Option<AlphaFilm>, EngineError> {
-        let signals = Signals::unless(cancelled);
-        let exposed = self.expose((Linear, true), time, &mut None, signals, &mut |_| Continue(()))?;
+        let exposed = self.expose((Linear, true), time, &mut None, signals, visit)?;
         Ok(exposed.and_then(|exposed| Some(AlphaFilm { light: exposed.film, alpha: exposed.alpha? })))
     }
 

@@ -85,6 +85,27 @@ fn standard_input_is_read_where_it_is_offered() {
     }
 }
 
+/// They would read it again, or later.
+#[test]
+fn streams_are_neither_watched_nor_farmed() {
+    let folder = tempfile::tempdir().unwrap();
+    for stream in ["-", "/dev/stdin", "/dev/fd/0"] {
+        for (arguments, told) in [
+            (&["watch", stream][..], "cannot be read again"),
+            (&["farm", "slurm", stream, "--shards", "2"], "jobs read the scene later"),
+        ] {
+            let mut child =
+                command(RAYREEL, folder.path()).args(arguments).stdin(Stdio::piped()).spawn().unwrap();
+            // As long as it is there, there may be more to read.
+            let stdin = child.stdin.take();
+            let output = output_of(child);
+            drop(stdin);
+            assert_eq!(output.status.code(), Some(1), "{arguments:?}");
+            assert!(text(&output.stderr).contains(told), "{arguments:?}: {}", text(&output.stderr));
+        }
+    }
+}
+
 #[test]
 fn the_watcher_reads_no_more_than_the_loader() {
     let folder = folder_with_a_pipe();

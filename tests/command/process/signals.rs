@@ -1,6 +1,5 @@
 //! Signals, and those that are ignored.
 
-use std::io::{BufRead, BufReader};
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::{Child, Output, Stdio};
@@ -79,31 +78,18 @@ fn nohup_lets_it_live() {
 #[test]
 fn reading_ends_at_once() {
     let folder = tempfile::tempdir().unwrap();
-    for arguments in [
-        &["render"][..],
-        &["check"],
-        &["explain"],
-        &["probe", "--pixel", "0,0"],
-        &["watch"],
-        &["watch", "--poll"],
-    ] {
+    for arguments in [&["render"][..], &["check"], &["explain"], &["probe", "--pixel", "0,0"]] {
         let mut reads = command(RAYREEL, folder.path());
         reads.args(arguments).arg("/dev/stdin").stdin(Stdio::piped());
         let mut child = reads.spawn().unwrap();
         // As long as it is there, there may be more to read.
         let stdin = child.stdin.take();
-        let watches = arguments[0] == "watch";
-        if watches {
-            let mut address = String::new();
-            BufReader::new(child.stdout.take().unwrap()).read_line(&mut address).unwrap();
-            assert!(address.contains("http://"), "{address}");
-        }
         sleep(Duration::from_millis(300));
         signal(&child, "TERM");
         let output = output_of(child);
         drop(stdin);
         // On a machine that is busy it may not have come as far as listening.
-        let ended = output.status.code() == Some(143) || !watches && output.status.signal() == Some(15);
+        let ended = output.status.code() == Some(143) || output.status.signal() == Some(15);
         assert!(ended, "{arguments:?}: {:?} {}", output.status, text(&output.stderr));
     }
 }
