@@ -270,9 +270,10 @@ impl Engine {
         let Some((film, alpha)) = exposed else { return Ok(None) };
         let passes = match format.passes().is_empty() {
             true => Vec::new(),
-            false => {
-                self.passes_at(shot.time)?.unwrap_or_else(|| vec![PassPixel::NOTHING; film.pixels().len()])
-            }
+            false => match self.passes_unless(shot.time, cancelled)? {
+                None if cancelled.load(Ordering::Relaxed) => return Ok(None),
+                passes => passes.unwrap_or_else(|| vec![PassPixel::NOTHING; film.pixels().len()]),
+            },
         };
         let transfer = self.film_settings().transfer;
         Ok(Some(FramePixels::Linear(LinearFrame { film, alpha, transfer, passes })))

@@ -6,6 +6,7 @@
 
 use std::fmt;
 use std::str::FromStr;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -128,7 +129,8 @@ impl PassPixel {
 
 impl PreparedScene {
     /// Returns what the ray through the middle of each pixel meets first, row by row from the top, on the current rayon pool's threads.
-    pub(crate) fn passes(&self, camera: &Camera) -> Vec<PassPixel> {
+    /// `None` if `cancelled` became true meanwhile.
+    pub(crate) fn passes(&self, camera: &Camera, cancelled: &AtomicBool) -> Option<Vec<PassPixel>> {
         let (columns, rows) = camera.resolution();
         with_intersector!(self, shapes => {
             let pixel = |scratch: &mut Scratch<'_>, (i, j)| {
@@ -149,9 +151,12 @@ impl PreparedScene {
                 })
             };
             let row = |scratch: &mut Scratch<'_>, j| {
-                (0..columns).map(|i| pixel(scratch, (i, j)).unwrap_or(PassPixel::NOTHING)).collect::<Vec<_>>()
+                let row = (0..columns).map(|i| pixel(scratch, (i, j)).unwrap_or(PassPixel::NOTHING));
+                (!cancelled.load(Ordering::Relaxed)).then(|| row.collect::<Vec<_>>())
             };
-            (0..rows).into_par_iter().map_init(Scratch::default, row).flatten_iter().collect()
+            let rows = (0..rows).into_par_iter().map_init(|| Scratch::new(cancelled), row);
+            let rows: Option<Vec<_>> = rows.collect();
+            rows.filter(|_| !cancelled.load(Ordering::Relaxed)).map(|rows| rows.concat())
         })
     }
 }

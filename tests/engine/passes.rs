@@ -1,8 +1,10 @@
 //! What pixels meet first, held against the reference path.
 
+use std::sync::atomic::AtomicBool;
+
 use rayreel::components::{FilmSettings, Sampling};
 use rayreel::trace::reference::RayEnd;
-use rayreel::{Engine, Time};
+use rayreel::{Engine, FrameReport, Time};
 
 #[test]
 fn passes_are_what_the_reference_path_meets() {
@@ -17,8 +19,11 @@ fn passes_are_what_the_reference_path_meets() {
         }
         let film = engine.render_at(Time::ZERO).unwrap();
         let report = *engine.report();
-        let passes = engine.passes_at(Time::ZERO).unwrap().unwrap();
-        assert_eq!((passes.len(), *engine.report()), (film.pixels().len(), report));
+        assert_eq!(engine.passes_unless(Time::ZERO, &AtomicBool::new(true)).unwrap(), None);
+        let passes = engine.passes_unless(Time::ZERO, &AtomicBool::new(false)).unwrap().unwrap();
+        let told = *engine.report();
+        assert!(told.trace > report.trace);
+        assert_eq!((passes.len(), told), (film.pixels().len(), FrameReport { trace: told.trace, ..report }));
         let mut met = 0;
         for (index, pass) in (0..).zip(&passes) {
             let probe = engine.probe(index % 24, index / 24).unwrap();

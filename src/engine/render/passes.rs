@@ -1,6 +1,7 @@
 //! What pixels meet first, beside pictures of light.
 
 use std::sync::atomic::AtomicBool;
+use std::time::Instant;
 
 use super::frame::Then;
 use crate::engine::engine::{Engine, EngineError};
@@ -10,9 +11,11 @@ use crate::trace::PassPixel;
 impl Engine {
     /// Returns what the ray through the middle of each pixel meets first, row by row from the top, on the current rayon pool's threads:
     /// at the moment or, while the shutter is open, at its first instant. The [report](Engine::report) and the plan stay those of the
-    /// last picture. `None` without a camera.
+    /// last picture; the time that this takes is added to that of tracing. `None` without a camera, and if `cancelled` became true
+    /// meanwhile.
     ///
     /// ```
+    /// use std::sync::atomic::AtomicBool;
     /// use rayreel::components::{Camera, FilmSettings, Material, Shape, Transform};
     /// use rayreel::{Engine, Rgb, Time, World};
     ///
@@ -21,7 +24,8 @@ impl Engine {
     /// world.spawn((Shape::Sphere { radius: 1.0 }, clay, Transform::default()));
     /// world.spawn((Camera::default(),));
     /// world.spawn((FilmSettings { width: 3, height: 3, ..FilmSettings::default() },));
-    /// let passes = Engine::new(world).passes_at(Time::ZERO)?.unwrap();
+    /// let never = AtomicBool::new(false);
+    /// let passes = Engine::new(world).passes_unless(Time::ZERO, &never)?.unwrap();
     /// assert_eq!((passes[4].depth, passes[4].normal, passes[4].id), (4.0, [0.0, 0.0, -1.0], 1));
     /// # Ok::<(), rayreel::EngineError>(())
     /// ```
@@ -29,15 +33,21 @@ impl Engine {
     /// # Errors
     ///
     /// As [`Engine::render_frame`].
-    pub fn passes_at(&mut self, time: Time) -> Result<Option<Vec<PassPixel>>, EngineError> {
+    pub fn passes_unless(
+        &mut self,
+        time: Time,
+        cancelled: &AtomicBool,
+    ) -> Result<Option<Vec<PassPixel>>, EngineError> {
+        let start = Instant::now();
         let instants = self.instants(time);
         let (report, plan) = (std::mem::take(&mut self.report), self.plan.take());
         let mut passes = None;
-        let sought = self.seek_all(time, &instants, &AtomicBool::new(false), |preparation, _, _| {
-            passes = Some(preparation.scene().passes(preparation.camera()));
+        let sought = self.seek_all(time, &instants, cancelled, |preparation, _, _| {
+            passes = preparation.scene().passes(preparation.camera(), cancelled);
             Then::Stop
         });
         (self.report, self.plan) = (report, plan);
+        self.report.trace += start.elapsed();
         sought.map(|_| passes)
     }
 }
