@@ -17,7 +17,7 @@ use crate::trace::math::{Colors, Numbers, Sampling, SimdLevel, Vectors};
 use crate::trace::query::{Intersector, Textbook};
 use crate::trace::scene::{Camera, Precision, PreparedScene, SIDE};
 use crate::trace::stages::{PACKETS, TILE, Tile, TileBuffers, TileLanes, render_sample};
-use crate::trace::tile_light::{NO_SUMS, TileLight, TileSums, means};
+use crate::trace::tile_light::{NO_SUMS, TileLight, TileSamples, TileSums, means};
 use crate::trace::work_queue::WorkQueue;
 
 /// What may end tracing before all is traced.
@@ -355,7 +355,8 @@ impl<E: Encoding> Exposure<E> {
                 for ((pixels, sums), counts) in pixels.iter_mut().zip(sums).zip(&counts) {
                     *pixels = means(simd, sums, counts);
                 }
-                stored.add(simd, &exposed.tile, &pixels, TileLanes::NONE)
+                let (light, active, covered) = (&pixels, TileLanes::ALL, TileLanes::NONE);
+                stored.add(simd, &exposed.tile, &TileSamples { light, active, covered })
             })
         });
         let overflowed = overflowed.sum();
@@ -425,14 +426,12 @@ impl RowsOfTiles<'_> {
 
 impl RowSums for RowsOfTiles<'_> {
     fn all(&self, row: usize, mut sums: [&mut [f32]; 3]) {
+        #[expect(clippy::cast_possible_truncation, reason = "for an estimate")]
+        let rounded = |exact: f64| exact as f32;
         for (column, packet, lane) in self.parts(row) {
             for (channel, sums) in sums.iter_mut().enumerate() {
                 let exact = self.sums.all[packet].axis(channel).starting_at(lane);
-                for (sum, exact) in sums[column..].iter_mut().zip(exact).take(SIDE as usize) {
-                    #[expect(clippy::cast_possible_truncation, reason = "for an estimate")]
-                    let rounded = *exact as f32;
-                    *sum = rounded;
-                }
+                put_part(&mut sums[column..], exact, rounded);
             }
         }
     }
@@ -441,10 +440,20 @@ impl RowSums for RowsOfTiles<'_> {
         for (column, packet, lane) in self.parts(row) {
             for (channel, sums) in sums.iter_mut().enumerate() {
                 let found = self.sums.first_half[packet].starting_at(channel, lane);
-                let sums = sums[column..].iter_mut();
-                sums.zip(found).take(SIDE as usize).for_each(|(sum, found)| *sum = *found);
+                put_part(&mut sums[column..], found, |sum| sum);
             }
         }
+    }
+}
+
+/// Puts a packet's numbers of the four pixels that it has in a row in their places, as far as the row goes.
+#[inline(always)]
+fn put_part<T: Copy>(row: &mut [f32], found: &[T], number: impl Fn(T) -> f32) {
+    const LENGTH: usize = SIDE as usize;
+    if let (Some(row), Some(found)) = (row.first_chunk_mut::<LENGTH>(), found.first_chunk::<LENGTH>()) {
+        *row = found.map(number);
+    } else {
+        row.iter_mut().zip(found).for_each(|(place, found)| *place = number(*found));
     }
 }
 
@@ -500,7 +509,8 @@ fn add_to_tile(
             if sample < portion.halfway {
                 light.add_to_first_half(simd, buffers.pixels());
             }
-            light.add(simd, &exposed.tile, buffers.pixels(), buffers.covered())
+            let (active, covered) = (exposed.active, buffers.covered());
+            light.add(simd, &exposed.tile, &TileSamples { light: buffers.pixels(), active, covered })
         });
         exposed.samples += 1;
         effort += traced;

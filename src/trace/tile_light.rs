@@ -9,6 +9,16 @@ use crate::trace::math::{Colors, Numbers, Vectors, mask16};
 use crate::trace::scene::Square;
 use crate::trace::stages::{PACKETS, Tile, TileLanes};
 
+/// A sample of a tile's pixels.
+pub(crate) struct TileSamples<'a> {
+    /// Packet by packet of the camera rays: what it brings.
+    pub(crate) light: &'a [Colors; PACKETS],
+    /// The pixels that get it; to the others it brings nothing.
+    pub(crate) active: TileLanes,
+    /// The pixels that the scene covers in it, if that was asked for.
+    pub(crate) covered: TileLanes,
+}
+
 /// The light of a tile's pixels so far.
 pub(crate) trait TileLight: Send {
     /// Returns whether it asks which pixels the scene covers.
@@ -17,9 +27,8 @@ pub(crate) trait TileLight: Send {
         false
     }
 
-    /// Adds a sample of each pixel, given packet by packet of the camera rays, with the pixels that are covered in it if that was asked
-    /// for. Says how many pixels have overflowed.
-    fn add<S: Simd>(&mut self, simd: S, tile: &Tile, samples: &[Colors; PACKETS], covered: TileLanes) -> u64;
+    /// Adds a sample of pixels. Says how many have overflowed.
+    fn add<S: Simd>(&mut self, simd: S, tile: &Tile, samples: &TileSamples<'_>) -> u64;
 
     /// Adds it to the first half of the first round's samples, where somebody wants to know those.
     #[inline(always)]
@@ -29,9 +38,9 @@ pub(crate) trait TileLight: Send {
 /// The only sample of each pixel is what is seen.
 impl<E: Encoding> TileLight for FilmTile<'_, E> {
     #[inline(always)]
-    fn add<S: Simd>(&mut self, simd: S, tile: &Tile, samples: &[Colors; PACKETS], _: TileLanes) -> u64 {
+    fn add<S: Simd>(&mut self, simd: S, tile: &Tile, samples: &TileSamples<'_>) -> u64 {
         let mut overflowed = 0;
-        for (packet, samples) in samples.iter().enumerate() {
+        for (packet, samples) in samples.light.iter().enumerate() {
             if let Some(Square { first: (i, j), size }) = tile.square(packet) {
                 overflowed += self.store(simd, (i - tile.i, j - tile.j), size, samples);
             }
@@ -64,15 +73,17 @@ impl TileLight for TileSums<'_> {
     }
 
     #[inline(always)]
-    fn add<S: Simd>(&mut self, simd: S, _: &Tile, samples: &[Colors; PACKETS], covered: TileLanes) -> u64 {
-        for (sums, samples) in self.all.iter_mut().zip(samples) {
-            add_colors(simd, sums, samples.load(simd));
+    fn add<S: Simd>(&mut self, simd: S, _: &Tile, samples: &TileSamples<'_>) -> u64 {
+        for (packet, (sums, light)) in self.all.iter_mut().zip(samples.light).enumerate() {
+            if samples.active.of_packet(packet) != 0 {
+                add_colors(simd, sums, light.load(simd));
+            }
         }
-        let of_covered = self.covered.iter_mut().zip(&mut *self.covered_counts).zip(samples);
-        for (packet, ((sums, counts), samples)) in of_covered.enumerate() {
-            let lanes = mask16(simd, covered.of_packet(packet));
+        let of_covered = self.covered.iter_mut().zip(&mut *self.covered_counts).zip(samples.light);
+        for (packet, ((sums, counts), light)) in of_covered.enumerate() {
+            let lanes = mask16(simd, samples.covered.of_packet(packet));
             let [none, one] = [0.0, 1.0].map(|number| f32x16::splat(simd, number));
-            add_colors(simd, sums, samples.load(simd).map(|channel| lanes.select(channel, none)));
+            add_colors(simd, sums, light.load(simd).map(|channel| lanes.select(channel, none)));
             add_numbers(simd, counts, lanes.select(one, none));
         }
         0

@@ -1,5 +1,7 @@
 //! What is known of every pixel's error, and how it is found: pass by pass over rows, and each in vectors.
 
+use std::ops::Range;
+
 use fearless_simd::dispatch;
 use rayon::prelude::*;
 
@@ -8,6 +10,7 @@ use super::output_curve::OutputCurve;
 use super::rows::{Rows, parts_mut};
 use super::{RowSums, single};
 use crate::trace::math::SimdLevel;
+use crate::trace::stages::TILE;
 
 /// What is known of every pixel's error.
 #[derive(Clone, Debug, Default)]
@@ -79,25 +82,30 @@ impl PixelErrors {
         let sums = rows.map_init(
             || vec![0.0; 4 * width],
             |scratch, (row, ((mut before, [spread, _]), samples))| {
-                if samples.iter().all(|samples| *samples > 0) {
-                    return 0.0;
-                }
                 let [red, green, blue, squares] = parts_mut(scratch, width);
                 all.all(row, [&mut *red, &mut *green, &mut *blue]);
                 if falls.is_none() {
                     all.first_half(row, before.each_mut().map(|channel| &mut **channel));
                 }
-                dispatch!(SimdLevel::best().level(), _simd => {
-                    for channel in [&mut *red, &mut *green, &mut *blue] {
-                        divide(channel, halves.old + halves.new);
-                    }
-                    if falls.is_none() {
-                        before.iter_mut().for_each(|channel| divide(channel, halves.old));
-                    }
-                    let now = [&*red, &*green, &*blue];
-                    square_differences(curve, halves, (now, samples), before, squares);
-                    note_differences((halves, falls), (squares, samples), spread)
-                })
+                let mut sum = 0.0;
+                for span in active_spans(samples) {
+                    let now = [&mut *red, &mut *green, &mut *blue].map(|channel| &mut channel[span.clone()]);
+                    let mut before = before.each_mut().map(|channel| &mut channel[span.clone()]);
+                    let (samples, spread) = (&samples[span.clone()], &mut spread[span.clone()]);
+                    let squares = &mut squares[span];
+                    sum += dispatch!(SimdLevel::best().level(), _simd => {
+                        let now = now.map(|channel| {
+                            divide(channel, halves.old + halves.new);
+                            &*channel
+                        });
+                        if falls.is_none() {
+                            before.iter_mut().for_each(|channel| divide(channel, halves.old));
+                        }
+                        square_differences(curve, halves, (now, samples), before, squares);
+                        note_differences((halves, falls), (squares, samples), spread)
+                    });
+                }
+                sum
             },
         );
         // In order, whatever the threads do.
@@ -114,18 +122,20 @@ impl PixelErrors {
         rows.for_each_init(
             || vec![0.0; 3 * width + 4],
             |scratch, (row, ([_, stored], samples))| {
-                if samples.iter().all(|samples| *samples > 0) {
-                    return;
+                for span in active_spans(samples) {
+                    // With the pixels beside it.
+                    let span = span.start.saturating_sub(1)..width.min(span.end + 1);
+                    let (squares, extremes) = scratch.split_at_mut(span.len());
+                    let (samples, stored) = (&samples[span.clone()], &mut stored[span.clone()]);
+                    dispatch!(SimdLevel::best().level(), _simd => {
+                        squares.fill(0.0);
+                        for (channel, mean) in means.row(row).into_iter().enumerate() {
+                            let around = means.around(row).map(|row| &row[channel][span.clone()]);
+                            add_missed(curve, missed, (&mean[span.clone()], around), extremes, squares);
+                        }
+                        note_missed(missed, (squares, samples), stored);
+                    });
                 }
-                dispatch!(SimdLevel::best().level(), _simd => {
-                    let (squares, extremes) = scratch.split_at_mut(width);
-                    squares.fill(0.0);
-                    for (channel, mean) in means.row(row).into_iter().enumerate() {
-                        let around = means.around(row).map(|row| row[channel]);
-                        add_missed(curve, missed, (mean, around), extremes, squares);
-                    }
-                    note_missed(missed, (squares, samples), stored);
-                });
             },
         );
     }
@@ -188,6 +198,26 @@ impl PixelErrors {
             .par_iter_mut()
             .for_each(|samples| *samples = if *samples == 0 { taken } else { *samples });
     }
+}
+
+/// Goes through the stretches of a row in which pixels get more samples: as many columns as a tile, or several times as many.
+fn active_spans(samples: &[u32]) -> impl Iterator<Item = Range<usize>> {
+    const LENGTH: usize = TILE as usize;
+    let is_active = |place: usize| {
+        let end = samples.len().min(place + LENGTH);
+        samples.get(place..end).is_some_and(|samples| samples.contains(&0))
+    };
+    let mut place = 0;
+    std::iter::from_fn(move || {
+        while place < samples.len() && !is_active(place) {
+            place += LENGTH;
+        }
+        let start = place;
+        while is_active(place) {
+            place += LENGTH;
+        }
+        (start < place).then(|| start..samples.len().min(place))
+    })
 }
 
 /// How many rows' needs are added up before they are put together with others.
@@ -315,4 +345,23 @@ fn add_neighbours<'a>(
 #[inline(always)]
 fn beside(numbers: &[f32], column: usize) -> [f32; 3] {
     [numbers[column], numbers[column + 1], numbers[column + 2]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spans_have_all_pixels_that_get_more() {
+        let spans = |width: usize, active: &[usize]| {
+            let mut samples = vec![2; width];
+            active.iter().for_each(|pixel| samples[*pixel] = 0);
+            active_spans(&samples).map(|span| (span.start, span.end)).collect::<Vec<_>>()
+        };
+        assert_eq!(spans(40, &[]), []);
+        assert_eq!(spans(5, &[4]), [(0, 5)]);
+        assert_eq!(spans(40, &[15, 39]), [(0, 16), (32, 40)]);
+        assert_eq!(spans(64, &[0, 16, 47]), [(0, 48)]);
+        assert_eq!(spans(64, &(0..64).collect::<Vec<_>>()), [(0, 64)]);
+    }
 }
