@@ -17,6 +17,7 @@ mod knob;
 mod ladder;
 mod measure;
 mod output_values;
+mod overestimate;
 mod pilot;
 mod report;
 mod resample;

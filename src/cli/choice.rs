@@ -12,10 +12,10 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, anyhow};
 
 use rayreel::accuracy::{Deadline, FewSamples, FrameSamples, Ladder, Pilot};
-use rayreel::components::Sampling;
+use rayreel::components::{FilmSettings, Sampling};
 use rayreel::output::folder_of;
 use rayreel::sequence::Shot;
-use rayreel::{Engine, Knobs};
+use rayreel::{Engine, FrameReport};
 
 use super::args::RenderArguments;
 use super::exit::Failure;
@@ -32,6 +32,8 @@ pub(super) struct Choice {
     start: Instant,
     /// When the frame in hand was begun.
     begun: Instant,
+    /// Its samples, if they are not the scene's own.
+    samples: Option<FrameSamples>,
 }
 
 /// Who chooses.
@@ -102,31 +104,38 @@ impl Choice {
             By::Error(_) | By::Deadline(..) => Some(Record::new(settings, &arguments.scene)?),
             By::Scene | By::Settings(_) => None,
         };
-        Ok(Some(Self { by, record, pilot: begun.elapsed(), start, begun }))
+        Ok(Some(Self { by, record, pilot: begun.elapsed(), start, begun, samples: None }))
     }
 
     /// Sets the engine up for a frame.
     pub(super) fn begin(&mut self, engine: &mut Engine, shot: &Shot) {
         self.begun = Instant::now();
-        let samples = match &mut self.by {
+        self.samples = match &mut self.by {
             By::Scene => None,
             By::Error(samples) => Some(*samples),
             By::Deadline(deadline, _) => Some(deadline.next(self.start.elapsed())),
             By::Settings(settings) => settings.samples_of(shot),
         };
-        if let Some(samples) = samples {
+        if let Some(samples) = self.samples {
             engine.set_knobs(samples.knobs());
         }
     }
 
     /// Notes that it was done already.
-    pub(super) fn keep(&mut self, engine: &Engine, shot: &Shot) {
+    pub(super) fn keep(&mut self, shot: &Shot) {
         if let By::Deadline(deadline, _) = &mut self.by {
             deadline.skip();
         }
         if let Some(record) = &mut self.record {
-            record.note_kept(engine, shot);
+            record.note_kept(self.samples, shot);
         }
+    }
+
+    /// Returns the report of the frame, with what is known of estimates like that of its error.
+    pub(super) fn report(&self, engine: &Engine) -> FrameReport {
+        let report = *engine.report();
+        let error = report.error.map(|error| self.samples.map_or(error, |samples| samples.error(error)));
+        FrameReport { error, ..report }
     }
 
     /// Notes what became of it.
@@ -135,8 +144,10 @@ impl Choice {
         if let By::Deadline(deadline, _) = &mut self.by {
             deadline.note(took);
         }
+        let report = self.report(engine);
         let Some(record) = &mut self.record else { return Ok(()) };
-        record.note(engine, shot, took);
+        let (film, Some(samples)) = (engine.film_settings(), self.samples) else { return Ok(()) };
+        record.note((film, &report), samples, shot, took);
         /// Long sequences may come to an end that nobody has foreseen.
         const EVERY: Duration = Duration::from_secs(2);
         let is_due = record.is_of_files && record.written.elapsed() > EVERY;
@@ -179,9 +190,13 @@ impl Record {
         Ok(Self { file, settings: known, scene, written, is_of_files, noted, worse: Vec::new() })
     }
 
-    fn note(&mut self, engine: &Engine, shot: &Shot, took: Duration) {
-        let Knobs { samples: Some(samples), max_error: Some(max_error), .. } = engine.knobs() else { return };
-        let (film, report) = (engine.film_settings(), engine.report());
+    fn note(
+        &mut self,
+        (film, report): (FilmSettings, &FrameReport),
+        FrameSamples { samples, max_error, overestimate }: FrameSamples,
+        shot: &Shot,
+        took: Duration,
+    ) {
         if let Some(error) = report.error.filter(|error| max_error > 0.0 && *error > f64::from(max_error)) {
             self.worse.push((shot.moment(), error));
         }
@@ -191,6 +206,7 @@ impl Record {
             time: shot.time.seconds(),
             samples,
             max_error,
+            overestimate,
             estimated_error: report.error,
             samples_per_pixel: report.rays.camera as f64 / (f64::from(film.width) * f64::from(film.height)),
             seconds: took.as_secs_f64(),
@@ -198,8 +214,8 @@ impl Record {
     }
 
     /// Notes the samples of a frame that was done already, unless more is known of it.
-    fn note_kept(&mut self, engine: &Engine, shot: &Shot) {
-        let Knobs { samples: Some(samples), max_error: Some(max_error), .. } = engine.knobs() else { return };
+    fn note_kept(&mut self, samples: Option<FrameSamples>, shot: &Shot) {
+        let Some(FrameSamples { samples, max_error, overestimate }) = samples else { return };
         self.noted.insert(Picture::of_shot(shot));
         if self.settings.samples_of(shot).is_none() {
             self.settings.put(FrameSettings {
@@ -207,6 +223,7 @@ impl Record {
                 time: shot.time.seconds(),
                 samples,
                 max_error,
+                overestimate,
                 estimated_error: None,
                 samples_per_pixel: 0.0,
                 seconds: 0.0,
@@ -283,7 +300,7 @@ fn for_error(
         )
         .into());
     };
-    Ok(Some(chosen))
+    Ok(few.calibrate(engine, chosen, cancelled)?)
 }
 
 /// Plans a sequence within a time. `None` if it was cancelled.

@@ -198,7 +198,7 @@ impl SequenceObserver for Reporter<'_> {
 
     fn kept(&mut self, engine: &Engine, shot: &Shot) -> ControlFlow<()> {
         self.report.warnings.look(engine, &shot.moment());
-        self.choice.keep(engine, shot);
+        self.choice.keep(shot);
         self.report.kept.push(shot.frame);
         self.progress.kept(shot, &shot.file(&self.settings.sequence));
         Continue(())
@@ -216,7 +216,8 @@ impl SequenceObserver for Reporter<'_> {
         self.noted = self.choice.end(engine, shot);
         self.report.warnings.look(engine, &shot.moment());
         let path = shot.file(&self.settings.sequence);
-        self.unwritten.push_back(ShotReport::new(shot, Some(path), engine));
+        let report = self.choice.report(engine);
+        self.unwritten.push_back(ShotReport::new(shot, Some(path), engine, report));
         if self.noted.is_ok() { Continue(()) } else { Break(()) }
     }
 

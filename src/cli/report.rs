@@ -183,10 +183,10 @@ impl SheetReport {
 }
 
 impl ShotReport {
-    /// Reports the engine's last frame. On a sheet it has no file of its own.
-    pub(super) fn new(shot: &Shot, path: Option<PathBuf>, engine: &Engine) -> Self {
+    /// Reports the engine's last frame, which took as much as `cost`. On a sheet it has no file of its own.
+    pub(super) fn new(shot: &Shot, path: Option<PathBuf>, engine: &Engine, cost: FrameReport) -> Self {
         let needed = engine.plan().into_iter().flat_map(Plan::needed).collect();
-        Self { frame: shot.frame, path, cost: *engine.report(), needed, write: Duration::ZERO }
+        Self { frame: shot.frame, path, cost, needed, write: Duration::ZERO }
     }
 
     /// Returns the frame's file or, on a sheet, its number.
