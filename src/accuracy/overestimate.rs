@@ -70,7 +70,7 @@ impl Search {
     const NEAR: f64 = 0.95;
     /// The least and the most: a frame that is unlike those of the pilot is not to be off by much more.
     const LEAST: f64 = 0.5;
-    const MOST: f64 = 1.5;
+    const MOST: f64 = 1.125;
 
     fn new(asked: f64, uncertain: f64) -> Self {
         let tolerated = asked / uncertain;
@@ -89,7 +89,8 @@ impl Search {
         } else {
             self.bad = Some(tried);
         }
-        let by = self.wanted / found.max(1e-9);
+        // Into the middle of what is near enough.
+        let by = Self::NEAR.sqrt() * self.wanted / found.max(1e-9);
         let next = match (self.good, self.bad) {
             (Some(good), Some(bad)) => (f64::from(good) * f64::from(bad)).sqrt(),
             (Some(good), None) => f64::from(good) * by.max(1.05),
@@ -125,16 +126,16 @@ mod tests {
 
     #[test]
     fn errors_are_turned_up_as_far_as_they_may_be() {
-        // Errors of 2 are wanted where 3.125 are asked for, twice by a factor of 1.25; what is estimated is a quarter too large.
-        let (found, tries) = search(3.125, |tried| 1.6 * f64::from(tried));
-        assert!((found - 1.25).abs() < 1e-6 && tries == 2, "{found} {tries}");
+        // Errors of 2 are wanted where 3.125 are asked for, twice by a factor of 1.25; what is estimated is a tenth too large.
+        let (found, tries) = search(3.125, |tried| 2.0 / 1.1 * f64::from(tried));
+        assert!(found < 1.1 && found > 0.95 * 1.1 && tries == 2, "{found} {tries}");
         // What is larger than 2.5 is turned down as far as it should be.
         let (found, _) = search(3.125, |tried| 2.6 * f64::from(tried));
         assert!(2.6 * found < 2.0 && found > 0.7, "{found}");
         // What is near enough is left alone, and nothing is turned up without end.
         assert_eq!(search(3.125, |_| 2.4), (1.0, 1));
         assert_eq!(search(3.125, |_| 1.95), (1.0, 1));
-        assert_eq!(search(3.125, |_| 0.1).0, 1.5);
+        assert_eq!(search(3.125, |_| 0.1).0, 1.125);
         assert_eq!(search(3.125, |tried| if tried > 1.0 { 2.1 } else { 1.0 }).0, 1.0);
     }
 
@@ -143,7 +144,7 @@ mod tests {
         for wanted in [0.01, 1.0, 200.0] {
             for error in [0.0, 1e-30, 0.5, 1.0, 1e30, f64::INFINITY, f64::NAN] {
                 let (found, tries) = search(wanted, |_| error);
-                assert!((0.5..=1.5).contains(&found) && tries <= Search::TRIES + 1, "{found} {tries}");
+                assert!((0.5..=1.125).contains(&found) && tries <= Search::TRIES + 1, "{found} {tries}");
             }
         }
     }
