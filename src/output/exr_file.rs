@@ -11,7 +11,7 @@ use exr::meta::header::LayerAttributes;
 use exr::prelude::{Compression, LineOrder, ReadChannels, ReadLayers, Vec2, WritableImage, read};
 use rayon::iter::ParallelIterator;
 
-use super::frame_file::Channels;
+use super::channels::Channels;
 use super::frame_pixels::LinearFrame;
 use super::picture::Picture;
 use super::provenance::{PixelFingerprint, Provenance};

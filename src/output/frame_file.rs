@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use png::{BitDepth, Filter};
 
+use super::channels::Channels;
 use super::frame_pixels::{FramePixels, LinearFrame};
 use super::provenance::{PixelFingerprint, Provenance};
 use super::{exr_file, pfm_file, png_file, ppm_file, whole_file};
@@ -25,15 +26,6 @@ pub enum FrameFormat {
     Pfm,
     /// OpenEXR: compressed without loss, linear light, 32 bits a channel; and such passes.
     Exr(Channels, Passes),
-}
-
-/// What a file says of each pixel's light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Channels {
-    /// Red, green and blue, with the background.
-    Rgb,
-    /// Red, green, blue and alpha, without the background. In OpenEXR light is premultiplied, in PNG it is not, as these formats want it.
-    Rgba,
 }
 
 /// [PNG](FrameFormat::default()) without alpha.

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-use super::frame_file::Channels;
+use super::channels::Channels;
 use crate::color::{Rgb, Transfer};
 use crate::trace::{EncodedFilm, Film, PassPixel};
 

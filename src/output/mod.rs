@@ -3,6 +3,7 @@
 //! Files are whole or absent: each is written under a temporary name beside its place, and renamed when every byte is on the
 //! disk. Each frame file says which picture it is and which pixels it has, so that what is there can be told from what should be.
 
+mod channels;
 mod exr_file;
 mod found_frame;
 mod frame_file;
@@ -21,9 +22,10 @@ mod video_stream;
 mod whole_file;
 mod writer;
 
+pub use channels::Channels;
 pub use found_frame::{FoundFrame, frame_size, read_frame};
 pub use frame_file::{
-    Channels, EncodeError, FrameFormat, WriteError, encode, encode_quickly, write, write_bytes, write_new,
+    EncodeError, FrameFormat, WriteError, encode, encode_quickly, write, write_bytes, write_new,
 };
 pub use frame_pixels::{FramePixels, LinearFrame};
 pub use loops::{LoopError, LoopFormat, LoopWriter};

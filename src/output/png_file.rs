@@ -7,7 +7,7 @@ use png::{
     SrgbRenderingIntent,
 };
 
-use super::frame_file::Channels;
+use super::channels::Channels;
 use super::picture::Picture;
 use super::provenance::Provenance;
 
