@@ -28,7 +28,7 @@ pub enum FrameFormat {
     Exr(Channels, Passes),
 }
 
-/// [PNG](FrameFormat::default()) without alpha.
+/// [PNG](FrameFormat::Png) without alpha.
 impl Default for FrameFormat {
     fn default() -> Self {
         Self::Png(Channels::Rgb)
