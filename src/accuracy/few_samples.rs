@@ -3,8 +3,8 @@
 use std::f64::consts::SQRT_2;
 use std::sync::atomic::AtomicBool;
 
+use super::calibration::{SmallPicture, calibrated};
 use super::estimate::pair;
-use super::overestimate::{SmallPicture, calibrated};
 use super::stop::{Stop, render, unless_cancelled};
 use super::{FrameSamples, Pilot};
 use crate::engine::{Engine, EngineError};

@@ -6,6 +6,7 @@
 //! Pictures are compared by what is shown, output values from 0 to 255 before they are rounded to bytes: light that is clamped in both
 //! makes no difference, and a thousandth of a step does.
 
+mod calibration;
 mod converged;
 mod deadline;
 mod estimate;
@@ -17,7 +18,6 @@ mod knob;
 mod ladder;
 mod measure;
 mod output_values;
-mod overestimate;
 mod pilot;
 mod report;
 mod resample;

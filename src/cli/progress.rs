@@ -5,7 +5,7 @@ use std::io::{IsTerminal, stderr};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{FormattedDuration, ProgressBar, ProgressStyle};
 use serde_json::json;
 
 use rayreel::sequence::{FrameVerdict, Shot};
@@ -97,7 +97,7 @@ impl Progress {
     }
 
     /// Reports a file that is rendered again, and what is wrong with it.
-    pub(super) fn stale(&self, file: &Path, verdict: &FrameVerdict) {
+    pub(super) fn rejected(&self, file: &Path, verdict: &FrameVerdict) {
         if let Display::Details(_) = self.display {
             print::error_line(&format!("{} is rendered again: {verdict}", file.display()));
         }
@@ -164,7 +164,7 @@ impl Progress {
             Some(format!("{done}/{total} frames")),
             slow.map(|(shot, _, progress)| format!("{}: {}", shot.moment(), so_far(&progress))),
             (!rate.is_empty()).then(|| rate.to_owned()),
-            left.map(|seconds| format!("{} left", in_hours(seconds))),
+            left.map(|left| format!("{} left", FormattedDuration(left))),
         ];
         bar.set_message(words.into_iter().flatten().collect::<Vec<_>>().join("  "));
     }
@@ -182,13 +182,13 @@ impl FrameTimes {
         self.seconds += seconds;
     }
 
-    /// Returns how many seconds are left if the others take as long as those so far. `None` before there is one: how long the rest of a
+    /// Returns what is left if the others take as long as those so far. `None` before there is one: how long the rest of a
     /// first frame takes cannot be told from its beginning. Of the frame in hand: how long it has taken, and which share is done.
-    fn left(&self, in_hand: Option<(f64, Option<f64>)>) -> Option<f64> {
+    fn left(&self, in_hand: Option<(f64, Option<f64>)>) -> Option<Duration> {
         let mean = (self.rendered > 0).then(|| self.seconds / self.rendered as f64)?;
         let all = mean * (self.total - self.done) as f64;
         let gone = in_hand.map_or(0.0, |(taken, share)| share.map_or(taken.min(mean), |share| share * mean));
-        Some(all - gone)
+        Some(Duration::try_from_secs_f64(all - gone).unwrap_or(Duration::MAX))
     }
 }
 
@@ -197,18 +197,6 @@ fn so_far(progress: &ExposureProgress) -> String {
     match progress.share {
         Some(share) => format!("{:.0} %", (100.0 * share).floor()),
         None => format!("{:.1} samples a pixel so far", progress.samples),
-    }
-}
-
-/// Writes a time as `12 s`, `2:05` or `1:02:05`.
-fn in_hours(seconds: f64) -> String {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it saturates")]
-    let seconds = seconds.ceil() as u64;
-    let (hours, minutes) = (seconds / 3600, seconds / 60 % 60);
-    match (hours, minutes) {
-        (0, 0) => format!("{seconds} s"),
-        (0, _) => format!("{minutes}:{:02}", seconds % 60),
-        _ => format!("{hours}:{minutes:02}:{:02}", seconds % 60),
     }
 }
 
@@ -332,15 +320,10 @@ mod tests {
         assert_eq!(times.left(None), None);
         times.note(3.0);
         times.note(5.0);
-        assert_eq!(times.left(None), Some(24.0));
-        assert_eq!(times.left(Some((1.0, Some(0.5)))), Some(22.0));
+        let seconds = |in_hand| times.left(in_hand).map(|left| left.as_secs_f64());
+        assert_eq!(seconds(None), Some(24.0));
+        assert_eq!(seconds(Some((1.0, Some(0.5)))), Some(22.0));
         // Where nobody knows how far it is, it takes as long as the others at least.
-        assert_eq!((times.left(Some((1.0, None))), times.left(Some((9.0, None)))), (Some(23.0), Some(20.0)));
-    }
-
-    #[test]
-    fn times_are_written_as_on_a_clock() {
-        let written = [0.0, 0.2, 59.9, 60.0, 125.0, 3599.1, 3725.0].map(in_hours);
-        assert_eq!(written, ["0 s", "1 s", "1:00", "1:00", "2:05", "1:00:00", "1:02:05"]);
+        assert_eq!((seconds(Some((1.0, None))), seconds(Some((9.0, None)))), (Some(23.0), Some(20.0)));
     }
 }

@@ -204,8 +204,8 @@ impl SequenceObserver for Reporter<'_> {
         Continue(())
     }
 
-    fn stale(&mut self, shot: &Shot, verdict: &FrameVerdict) {
-        self.progress.stale(&shot.file(&self.settings.sequence), verdict);
+    fn rejected(&mut self, shot: &Shot, verdict: &FrameVerdict) {
+        self.progress.rejected(&shot.file(&self.settings.sequence), verdict);
     }
 
     fn rendering(&mut self, shot: &Shot, progress: ExposureProgress) {

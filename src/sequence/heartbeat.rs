@@ -1,12 +1,31 @@
-//! When to look at a picture in the making.
+//! Pictures in the making, looked at once a second.
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::ops::ControlFlow::{self, Continue};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
+
+use crate::trace::{ExposureProgress, Signals};
+
+/// Has a picture rendered, by a function of its signals and of what hears at every pause that these ask for how far it is, and tells so:
+/// once a second.
+pub(super) fn watched<T>(
+    cancelled: &AtomicBool,
+    tell: &mut dyn FnMut(ExposureProgress),
+    render: impl FnOnce(Signals<'_>, &mut dyn FnMut(ExposureProgress) -> ControlFlow<()>) -> T,
+) -> T {
+    let heartbeat = Heartbeat::start();
+    let pause = || heartbeat.is_due();
+    render(Signals { cancelled, pause: &pause }, &mut |so_far| {
+        heartbeat.begin();
+        tell(so_far);
+        Continue(())
+    })
+}
 
 /// Says once a second that it is time to look at a picture in the making: seldom enough to cost nothing, as threads wait for each other
 /// then.
 #[derive(Debug)]
-pub(super) struct Heartbeat {
+struct Heartbeat {
     start: Instant,
     /// In milliseconds from the start.
     next: AtomicU64,
@@ -16,19 +35,19 @@ impl Heartbeat {
     const PERIOD: Duration = Duration::from_secs(1);
 
     /// Begins the first second.
-    pub(super) fn start() -> Self {
+    fn start() -> Self {
         let heartbeat = Self { start: Instant::now(), next: AtomicU64::new(0) };
         heartbeat.begin();
         heartbeat
     }
 
     /// Returns whether the second is over. It stays so until another one begins.
-    pub(super) fn is_due(&self) -> bool {
+    fn is_due(&self) -> bool {
         self.elapsed() >= self.next.load(Ordering::Relaxed)
     }
 
     /// Begins another second.
-    pub(super) fn begin(&self) {
+    fn begin(&self) {
         let period = u64::try_from(Self::PERIOD.as_millis()).unwrap_or(u64::MAX);
         self.next.store(self.elapsed() + period, Ordering::Relaxed);
     }

@@ -6,7 +6,7 @@
 //! in the same place.
 //!
 //! ```text
-//! Shot -> is it done? -> engine -> EncodedFilm -> output::FrameWriter -> frame file, with its provenance
+//! Shot -> is it done? -> engine -> output::FramePixels -> output::FrameWriter -> frame file, with its provenance
 //! ```
 
 mod heartbeat;

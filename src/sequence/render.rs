@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use super::heartbeat::Heartbeat;
+use super::heartbeat::watched;
 use super::{FrameVerdict, Shot};
 use crate::engine::{Engine, EngineError};
 use crate::output::{
@@ -15,7 +15,7 @@ use crate::output::{
     WrittenFrame, remove_leftovers,
 };
 use crate::time::FrameList;
-use crate::trace::{AlphaFilm, EncodedFilm, Exposure, ExposureProgress, PassPixel, Signals};
+use crate::trace::{AlphaFilm, EncodedFilm, Exposure, ExposureProgress, PassPixel};
 
 /// What becomes of frames that are there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -38,7 +38,7 @@ pub trait SequenceObserver {
     }
 
     /// There is a file of it that cannot be kept; and what is wrong with it.
-    fn stale(&mut self, _: &Shot, _: &FrameVerdict) {}
+    fn rejected(&mut self, _: &Shot, _: &FrameVerdict) {}
 
     /// It takes longer than a second, and is so far. Comes once a second.
     fn rendering(&mut self, _: &Shot, _: ExposureProgress) {}
@@ -180,7 +180,7 @@ impl Engine {
                     }
                     continue;
                 }
-                Ok(verdict) => observer.stale(&shot, &verdict),
+                Ok(verdict) => observer.rejected(&shot, &verdict),
                 Err(error) => {
                     rendered = Err(error);
                     break;
@@ -229,16 +229,13 @@ impl Engine {
         cancelled: &AtomicBool,
         tell: &mut dyn FnMut(ExposureProgress),
     ) -> Result<Option<EncodedFilm>, EngineError> {
-        let heartbeat = Heartbeat::start();
-        let pause = || heartbeat.is_due();
-        self.render_encoded_on(shot.time, Signals { cancelled, pause: &pause }, &mut |exposure| {
-            heartbeat.begin();
-            tell(exposure.progress());
-            Continue(())
+        watched(cancelled, tell, |signals, look| {
+            self.render_encoded_on(shot.time, signals, &mut |exposure| look(exposure.progress()))
         })
     }
 
-    /// Renders a shot's pixels for a format, unless `cancelled` becomes true meanwhile, and tells how far they are as [`Engine::render_shot`] does.
+    /// Renders a shot's pixels for a format, unless `cancelled` becomes true meanwhile, and tells how far they are as
+    /// [`Engine::render_shot`] does.
     fn pixels_unless(
         &mut self,
         shot: &Shot,
@@ -249,24 +246,19 @@ impl Engine {
         if !format.is_linear() {
             return Ok(self.render_shot(shot, cancelled, tell)?.map(FramePixels::Encoded));
         }
-        let heartbeat = Heartbeat::start();
-        let pause = || heartbeat.is_due();
-        let signals = Signals { cancelled, pause: &pause };
-        let mut visit = |exposure: &Exposure| {
-            heartbeat.begin();
-            tell(exposure.progress());
-            Continue(())
-        };
-        let exposed = match format.channels() {
-            Channels::Rgb => {
-                let film = self.render_on(shot.time, &mut None, signals, &mut visit)?;
-                film.map(|film| (film, None))
+        let exposed = watched(cancelled, tell, |signals, look| {
+            let mut visit = |exposure: &Exposure| look(exposure.progress());
+            match format.channels() {
+                Channels::Rgb => {
+                    let film = self.render_on(shot.time, &mut None, signals, &mut visit)?;
+                    Ok::<_, EngineError>(film.map(|film| (film, None)))
+                }
+                Channels::Rgba => {
+                    let exposed = self.render_alpha_on(shot.time, signals, &mut visit)?;
+                    Ok(exposed.map(|AlphaFilm { light, alpha }| (light, Some(alpha))))
+                }
             }
-            Channels::Rgba => {
-                let exposed = self.render_alpha_on(shot.time, signals, &mut visit)?;
-                exposed.map(|AlphaFilm { light, alpha }| (light, Some(alpha)))
-            }
-        };
+        })?;
         let Some((film, alpha)) = exposed else { return Ok(None) };
         let passes = match format.passes().is_empty() {
             true => Vec::new(),

@@ -57,6 +57,13 @@ fn verify(folder: &Path, options: &[&str]) -> Value {
     verdict
 }
 
+/// `render` must fail with these options, and say why.
+fn assert_refused(folder: &Path, options: &[&str], why: &str) {
+    let output = rayreel(folder, ["render", "film.ron"].iter().chain(options));
+    assert!(!output.status.success());
+    assert!(text(&output.stderr).contains(why), "{options:?}: {}", text(&output.stderr));
+}
+
 fn all(range: std::ops::Range<u64>) -> Vec<u64> {
     range.collect()
 }
@@ -291,9 +298,7 @@ fn standard_output_takes_video() {
         (&["--format", "y4m"], "add --out -"),
         (&["--movie", "a.txt"], "a movie ends in .mp4"),
     ] {
-        let output = rayreel(folder, ["render", "film.ron"].iter().chain(more));
-        assert!(!output.status.success());
-        assert!(text(&output.stderr).contains(told), "{more:?}: {}", text(&output.stderr));
+        assert_refused(folder, more, told);
     }
 }
 
@@ -463,9 +468,7 @@ fn what_a_format_has_no_room_for_is_refused() {
         (&["--alpha", "--sheet", "2x2"], "without --alpha"),
         (&["--alpha", "--out", "-"], "--alpha is for files"),
     ] {
-        let output = rayreel(folder, ["render", "film.ron"].iter().chain(more));
-        assert!(!output.status.success());
-        assert!(text(&output.stderr).contains(told), "{more:?}: {}", text(&output.stderr));
+        assert_refused(folder, more, told);
     }
 }
 

@@ -1,4 +1,4 @@
-//! By how much pictures that tell how good they are err on the safe side, found out by a scene's own frames.
+//! How far pictures that tell how good they are err on the safe side, found out by a scene's own frames.
 
 use std::sync::atomic::AtomicBool;
 
@@ -100,7 +100,7 @@ impl Search {
         let next = next.clamp(Self::LEAST, Self::MOST) as f32;
         let is_near = found <= self.wanted && found >= Self::NEAR * self.wanted;
         let is_known = self.good == Some(next) || self.bad == Some(next);
-        // Nobody knows how good what was never good enough is; so the last step is not tried.
+        // One more, where none was small enough.
         let is_over = self.tries == Self::TRIES && self.good.is_some() || self.tries > Self::TRIES;
         self.next = (!is_near && !is_known && !is_over).then_some(next);
     }
