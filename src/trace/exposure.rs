@@ -1,6 +1,7 @@
 //! The fast path: tiles over all threads.
 
 use std::fmt;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -8,7 +9,7 @@ use fearless_simd::dispatch;
 use rayon::prelude::*;
 
 use crate::color::{Encoding, Linear, Rgb};
-use crate::trace::adaptive::{Adaptive, ErrorTarget, PixelErrors, Portion, Rounds, RowSums};
+use crate::trace::adaptive::{Adaptive, BAND, BandSums, ErrorTarget, PixelErrors, Portion, Rounds};
 use crate::trace::effects::Effects;
 use crate::trace::effort::Effort;
 use crate::trace::film::{AlphaFilm, Film};
@@ -129,7 +130,7 @@ impl Sums {
         let packets = |asked| if asked { tiles * PACKETS } else { 0 };
         self.all.clear();
         self.all.resize(packets(true), NO_SUMS);
-        self.first_half.clear();
+        // The first sample is put there.
         self.first_half.resize(packets(plan.target.is_some()), Colors::splat(Rgb::ZERO));
         self.covered.clear();
         self.covered.resize(packets(plan.alpha), NO_SUMS);
@@ -271,7 +272,7 @@ impl<E: Encoding> Exposure<E> {
         let (Some(adaptive), Pixels::Sums(sums)) = (&mut self.adaptive, &self.pixels) else {
             return false;
         };
-        let sums = RowsOfTiles { width: self.width, tiles: &self.tiles, sums };
+        let sums = BandsOfTiles { width: self.width, tiles: &self.tiles, sums };
         if !adaptive.judge(&self.rounds, &sums) {
             return false;
         }
@@ -349,8 +350,8 @@ impl<E: Encoding> Exposure<E> {
         let stored: Vec<_> = film.tiles_mut(self.encoding).collect();
         let tiles = stored.into_par_iter().zip(sums.par_chunks(PACKETS)).zip(&self.tiles);
         let overflowed = tiles.map(|((mut stored, sums), exposed)| {
-            let counts = self.sample_counts(exposed);
             dispatch!(SimdLevel::best().level(), simd => {
+                let counts = self.sample_counts(exposed);
                 let mut pixels = [Colors::splat(Rgb::ZERO); PACKETS];
                 for ((pixels, sums), counts) in pixels.iter_mut().zip(sums).zip(&counts) {
                     *pixels = means(simd, sums, counts);
@@ -384,76 +385,98 @@ impl<E: Encoding> Exposure<E> {
     }
 
     /// Returns how many samples each pixel of a tile has, at least one.
+    #[inline(always)]
     fn sample_counts(&self, ExposedTile { tile, samples, .. }: &ExposedTile) -> [Numbers; PACKETS] {
-        let mut counts = [Numbers::splat(f64::from((*samples).max(1))); PACKETS];
+        const LENGTH: usize = SIDE as usize;
+        let all = (*samples).max(1);
+        let mut counts = [Numbers::splat(f64::from(all)); PACKETS];
         let Some(adaptive) = &self.adaptive else { return counts };
         for row in 0..tile.height {
-            let left_with = adaptive.row_left_with(tile.j + row)[tile.i as usize..].iter();
-            let left_with = left_with.take(tile.width as usize).enumerate();
-            for (column, samples) in left_with.filter(|(_, samples)| **samples > 0) {
-                let (packet, lane) = Tile::lane_of(column, row as usize);
-                counts[packet].set(lane, f64::from(*samples));
+            let left_with = &adaptive.row_left_with(tile.j + row)[tile.i as usize..][..tile.width as usize];
+            let (packet, lane) = Tile::lane_of(0, row as usize);
+            for (left_with, counts) in left_with.chunks(LENGTH).zip(&mut counts[packet..]) {
+                for (column, samples) in left_with.iter().enumerate() {
+                    counts.set(lane + column, f64::from(if *samples > 0 { *samples } else { all }));
+                }
             }
         }
         counts
     }
 }
 
-/// What the samples of pixels add up to, tile by tile, for a row at a time.
-struct RowsOfTiles<'a> {
+/// What the samples of pixels add up to, tile by tile, for a band at a time.
+struct BandsOfTiles<'a> {
     width: u32,
     tiles: &'a [ExposedTile],
     sums: &'a Sums,
 }
 
-impl RowsOfTiles<'_> {
-    /// Goes through a row's parts of four pixels, where tiles have some that get more: the index of their first column, and the packet of
-    /// the picture and the lane that it has.
+impl BandsOfTiles<'_> {
+    /// Goes through the packets in a band, where tiles have pixels that get more: their first and last column, and their index in the picture.
     #[inline(always)]
-    fn parts(&self, row: usize) -> impl Iterator<Item = (usize, usize, usize)> {
+    fn packets(&self, band: usize) -> impl Iterator<Item = (Range<usize>, usize)> {
         const LENGTH: usize = TILE as usize;
         let across = self.width.div_ceil(TILE) as usize;
+        let row = band * BAND;
         let first = row / LENGTH * across;
         let tiles = self.tiles[first..first + across].iter().enumerate();
         tiles.filter(|(_, exposed)| !exposed.active.are_none()).flat_map(move |(tile, exposed)| {
-            (0..exposed.tile.width as usize).step_by(SIDE as usize).map(move |i| {
-                let (packet, lane) = Tile::lane_of(i, row % LENGTH);
-                (tile * LENGTH + i, (first + tile) * PACKETS + packet, lane)
+            let columns = exposed.tile.width as usize;
+            (0..columns).step_by(SIDE as usize).map(move |column| {
+                let (packet, _) = Tile::lane_of(column, row % LENGTH);
+                let last = columns.min(column + SIDE as usize);
+                (tile * LENGTH + column..tile * LENGTH + last, (first + tile) * PACKETS + packet)
             })
         })
     }
 }
 
-impl RowSums for RowsOfTiles<'_> {
-    fn all(&self, row: usize, mut sums: [&mut [f32]; 3]) {
+impl BandSums for BandsOfTiles<'_> {
+    fn all(&self, band: usize, rows: &mut [[&mut [f32]; 3]]) {
         #[expect(clippy::cast_possible_truncation, reason = "for an estimate")]
         let rounded = |exact: f64| exact as f32;
-        for (column, packet, lane) in self.parts(row) {
-            for (channel, sums) in sums.iter_mut().enumerate() {
-                let exact = self.sums.all[packet].axis(channel).starting_at(lane);
-                put_part(&mut sums[column..], exact, rounded);
+        dispatch!(SimdLevel::best().level(), _simd => {
+            for (columns, packet) in self.packets(band) {
+                let sums = &self.sums.all[packet];
+                for channel in 0..3 {
+                    let row = |row: usize| sums.axis(channel).starting_at(row * SIDE as usize);
+                    put_packet(rows, (channel, &columns), row, rounded);
+                }
             }
-        }
+        });
     }
 
-    fn first_half(&self, row: usize, mut sums: [&mut [f32]; 3]) {
-        for (column, packet, lane) in self.parts(row) {
-            for (channel, sums) in sums.iter_mut().enumerate() {
-                let found = self.sums.first_half[packet].starting_at(channel, lane);
-                put_part(&mut sums[column..], found, |sum| sum);
+    fn first_half(&self, band: usize, rows: &mut [[&mut [f32]; 3]]) {
+        dispatch!(SimdLevel::best().level(), _simd => {
+            for (columns, packet) in self.packets(band) {
+                let sums = &self.sums.first_half[packet];
+                for channel in 0..3 {
+                    let row = |row: usize| sums.starting_at(channel, row * SIDE as usize);
+                    put_packet(rows, (channel, &columns), row, |sum| sum);
+                }
             }
-        }
+        });
     }
 }
 
-/// Puts a packet's numbers of the four pixels that it has in a row in their places, as far as the row goes.
+/// Puts a channel of a packet's pixels in its columns of rows.
 #[inline(always)]
-fn put_part<T: Copy>(row: &mut [f32], found: &[T], number: impl Fn(T) -> f32) {
+fn put_packet<'a, T: Copy + 'a>(
+    rows: &mut [[&mut [f32]; 3]],
+    (channel, columns): (usize, &Range<usize>),
+    of_row: impl Fn(usize) -> &'a [T],
+    number: impl Fn(T) -> f32,
+) {
     const LENGTH: usize = SIDE as usize;
-    if let (Some(row), Some(found)) = (row.first_chunk_mut::<LENGTH>(), found.first_chunk::<LENGTH>()) {
-        *row = found.map(number);
-    } else {
-        row.iter_mut().zip(found).for_each(|(place, found)| *place = number(*found));
+    for (index, row) in rows.iter_mut().enumerate() {
+        let (places, found) = (&mut row[channel][columns.clone()], of_row(index));
+        if let (Some(places), Some(found)) =
+            (places.first_chunk_mut::<LENGTH>(), found.first_chunk::<LENGTH>())
+        {
+            *places = found.map(&number);
+        } else {
+            places.iter_mut().zip(found).for_each(|(place, found)| *place = number(*found));
+        }
     }
 }
 
@@ -507,7 +530,7 @@ fn add_to_tile(
         }
         effort.escalations.overflowed += dispatch!(context.scene.simd.level(), simd => {
             if sample < portion.halfway {
-                light.add_to_first_half(simd, buffers.pixels());
+                light.add_to_first_half(simd, buffers.pixels(), exposed.samples == 0);
             }
             let (active, covered) = (exposed.active, buffers.covered());
             light.add(simd, &exposed.tile, &TileSamples { light: buffers.pixels(), active, covered })

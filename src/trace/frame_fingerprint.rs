@@ -18,7 +18,7 @@ use crate::trace::scene::{Camera, PreparedScene};
 
 /// The version of what prepared numbers mean. A change after which the same numbers make another picture must raise it: frames
 /// that were written before are then stale.
-pub const SEMANTICS: u32 = 1;
+pub const SEMANTICS: u32 = 2;
 
 /// What identifies a picture: pictures of equal fingerprints have equal pixels.
 ///

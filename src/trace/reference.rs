@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use crate::color::Rgb;
-use crate::trace::adaptive::{Adaptive, PixelErrors, Rounds, RowSums};
+use crate::trace::adaptive::{Adaptive, BAND, BandSums, PixelErrors, Rounds};
 use crate::trace::effects::{Effects, Lighting};
 use crate::trace::exposure::SamplePlan;
 use crate::trace::film::{AlphaFilm, Film};
@@ -317,18 +317,22 @@ impl ReferenceSums {
     }
 }
 
-impl RowSums for ReferenceSums {
-    fn all(&self, row: usize, sums: [&mut [f32]; 3]) {
-        let of_row = &self.sums[row * self.resolution.0 as usize..];
-        for (channel, sums) in sums.into_iter().enumerate() {
-            sums.iter_mut().zip(of_row).for_each(|(sum, exact)| *sum = exact.0.as_vec3()[channel]);
+impl BandSums for ReferenceSums {
+    fn all(&self, band: usize, rows: &mut [[&mut [f32]; 3]]) {
+        let of_rows = self.sums.chunks(self.resolution.0 as usize).skip(band * BAND);
+        for (row, sums) in rows.iter_mut().zip(of_rows) {
+            for (channel, row) in row.iter_mut().enumerate() {
+                row.iter_mut().zip(sums).for_each(|(sum, exact)| *sum = exact.0.as_vec3()[channel]);
+            }
         }
     }
 
-    fn first_half(&self, row: usize, sums: [&mut [f32]; 3]) {
-        let of_row = &self.first_half[row * self.resolution.0 as usize..];
-        for (channel, sums) in sums.into_iter().enumerate() {
-            sums.iter_mut().zip(of_row).for_each(|(sum, color)| *sum = color[channel]);
+    fn first_half(&self, band: usize, rows: &mut [[&mut [f32]; 3]]) {
+        let of_rows = self.first_half.chunks(self.resolution.0 as usize).skip(band * BAND);
+        for (row, sums) in rows.iter_mut().zip(of_rows) {
+            for (channel, row) in row.iter_mut().enumerate() {
+                row.iter_mut().zip(sums).for_each(|(sum, color)| *sum = color[channel]);
+            }
         }
     }
 }

@@ -30,9 +30,9 @@ pub(crate) trait TileLight: Send {
     /// Adds a sample of pixels. Says how many have overflowed.
     fn add<S: Simd>(&mut self, simd: S, tile: &Tile, samples: &TileSamples<'_>) -> u64;
 
-    /// Adds it to the first half of the first round's samples, where somebody wants to know those.
+    /// Adds it to the first half of the first round's samples, where somebody wants to know those, or is the first of them.
     #[inline(always)]
-    fn add_to_first_half<S: Simd>(&mut self, _: S, _: &[Colors; PACKETS]) {}
+    fn add_to_first_half<S: Simd>(&mut self, _: S, _: &[Colors; PACKETS], _is_first: bool) {}
 }
 
 /// The only sample of each pixel is what is seen.
@@ -90,7 +90,11 @@ impl TileLight for TileSums<'_> {
     }
 
     #[inline(always)]
-    fn add_to_first_half<S: Simd>(&mut self, simd: S, samples: &[Colors; PACKETS]) {
+    fn add_to_first_half<S: Simd>(&mut self, simd: S, samples: &[Colors; PACKETS], is_first: bool) {
+        if is_first {
+            self.first_half.iter_mut().zip(samples).for_each(|(sums, samples)| *sums = *samples);
+            return;
+        }
         for (sums, samples) in self.first_half.iter_mut().zip(samples) {
             let ([r0, g0, b0], [r1, g1, b1]) = (sums.load(simd), samples.load(simd));
             sums.store([r0 + r1, g0 + g1, b0 + b1]);

@@ -27,7 +27,7 @@ mod rows;
 use std::ops::Range;
 
 use crate::color::Transfer;
-use crate::trace::scene::{Camera, PreparedScene};
+use crate::trace::scene::{Camera, PreparedScene, SIDE};
 use output_curve::OutputCurve;
 pub(crate) use pixel_errors::PixelErrors;
 use pixel_errors::{Halves, Missed};
@@ -72,14 +72,18 @@ impl Convergence {
 /// Which part of the target is aimed at: estimates scatter, and pixels whose estimate is too low by chance get no more samples.
 const AIM: f64 = 0.94;
 
-/// What pixels' samples add up to, for a row at a time and by channel. Where pixels get no more, it may be anything.
-pub(crate) trait RowSums: Sync {
+/// What pixels' samples add up to, for a band of the picture at a time: of each of its rows, by channel. Where pixels get no more, it may be
+/// anything.
+pub(crate) trait BandSums: Sync {
     /// Tells the sums of all samples so far, rounded.
-    fn all(&self, row: usize, sums: [&mut [f32]; 3]);
+    fn all(&self, band: usize, rows: &mut [[&mut [f32]; 3]]);
 
     /// Tells the sums of the first half of the first round's samples, added up in `f32`.
-    fn first_half(&self, row: usize, sums: [&mut [f32]; 3]);
+    fn first_half(&self, band: usize, rows: &mut [[&mut [f32]; 3]]);
 }
+
+/// The rows of a band: as many as packets of camera rays have. Bands are counted from the top; the last may have fewer.
+pub(crate) const BAND: usize = SIDE as usize;
 
 /// How good a picture is so far, and which of its pixels get more samples.
 #[derive(Clone, Debug)]
@@ -132,7 +136,7 @@ impl Adaptive {
     }
 
     /// Looks at all pixels after a round. Returns whether another is needed: pixels that get nothing from it are noted.
-    pub(crate) fn judge(&mut self, rounds: &Rounds, sums: &impl RowSums) -> bool {
+    pub(crate) fn judge(&mut self, rounds: &Rounds, sums: &impl BandSums) -> bool {
         let (first_half, taken) = (rounds.first_half_taken(), rounds.taken());
         // With a single sample nothing is known.
         if taken > first_half {
@@ -160,11 +164,11 @@ impl Adaptive {
     /// After the first round that is known better as a whole, from the mean square of half of all differences. With e^2 the square of the
     /// error of one half, that of both together is q e^2, where q is what doubling brings; so the errors of the halves have the product
     /// (2 q - 1) e^2 on average, and the square of half their difference is (1 - q) e^2.
-    fn estimate(&mut self, is_first: bool, halves: &Halves, sums: &impl RowSums) {
+    fn estimate(&mut self, is_first: bool, halves: &Halves, sums: &impl BandSums) {
         let per_doubling = self.target.convergence.of_doubling();
         if is_first {
-            let spread = self.pixels.estimate(self.curve, halves, None, sums);
-            self.square = Some(per_doubling / (1.0 - per_doubling) * spread);
+            self.pixels.estimate(self.curve, halves, None, sums);
+            self.square = Some(per_doubling / (1.0 - per_doubling) * self.mean_of_pixels());
         } else {
             self.pixels.estimate(self.curve, halves, Some(per_doubling), sums);
             self.suspect(halves.old + halves.new);
@@ -174,7 +178,11 @@ impl Adaptive {
 
     /// Returns the mean of the square errors that are known of each pixel.
     fn square_of_pixels(&self) -> f64 {
-        self.scale() * self.pixels.sum() / self.pixels.count() as f64
+        self.scale() * self.mean_of_pixels()
+    }
+
+    fn mean_of_pixels(&self) -> f64 {
+        self.pixels.sum() / self.pixels.count() as f64
     }
 
     /// Estimates what the samples of pixels may have missed that get more, and have so many now.

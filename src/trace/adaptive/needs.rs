@@ -54,9 +54,14 @@ impl SquaresByNeed {
     #[inline(always)]
     pub(super) fn add(&mut self, [spread, missed]: [&[f32]; 2], needs: &[f32], samples: &[u32]) {
         for (((spread, missed), need), samples) in spread.iter().zip(missed).zip(needs).zip(samples) {
+            let square = spread + missed;
+            if square == 0.0 {
+                // Many have none, and would wait for each other.
+                continue;
+            }
             let bin = (Need::of(*need).0 as usize).min(BINS - 1);
             let sum = if *samples == 0 { &mut self.of[bin] } else { &mut self.left };
-            *sum += f64::from(spread + missed);
+            *sum += f64::from(square);
         }
     }
 

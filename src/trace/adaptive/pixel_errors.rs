@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::needs::{Need, SquaresByNeed};
 use super::output_curve::OutputCurve;
 use super::rows::{Rows, parts_mut};
-use super::{RowSums, single};
+use super::{BAND, BandSums, single};
 use crate::trace::math::SimdLevel;
 use crate::trace::stages::TILE;
 
@@ -21,6 +21,8 @@ pub(crate) struct PixelErrors {
     /// The estimate of the square of its error from how far halves are apart, and that of what its samples may have missed, as its
     /// neighbours have it. Neither is scaled.
     squares: Rows<2>,
+    /// The sums of both, over all pixels.
+    sums: [f64; 2],
     /// How many samples each was left with; 0 while it gets more.
     samples: Vec<u32>,
     /// How urgently each needs more.
@@ -42,14 +44,15 @@ pub(super) struct Missed {
 }
 
 impl PixelErrors {
-    /// Makes it what is known before the first sample of a picture of this size, in the same memory.
+    /// Makes it what is known before the first sample of a picture of this size, in the same memory: what the first round finds of all
+    /// pixels may be anything before.
     pub(super) fn clear(&mut self, size @ (width, height): (usize, usize)) {
         self.size = size;
-        self.means.clear(size);
-        self.squares.clear(size);
+        self.means.resize(size);
+        self.squares.resize(size);
+        self.sums = [0.0; 2];
         self.samples.clear();
         self.samples.resize(width * height, 0);
-        self.needs.clear();
         self.needs.resize(width * height, 0.0);
     }
 
@@ -68,49 +71,37 @@ impl PixelErrors {
     }
 
     /// Estimates errors from how far halves are apart, where there are new samples. Of estimates from the rounds before half is kept, times
-    /// `falls`; in the first round there are none. Returns the mean square of half of all differences.
+    /// `falls`; in the first round there are none.
     pub(super) fn estimate(
         &mut self,
         curve: OutputCurve,
         halves: &Halves,
         falls: Option<f64>,
-        all: &impl RowSums,
-    ) -> f64 {
-        let (count, (width, _)) = (self.count(), self.size);
-        let samples = self.samples.par_chunks_exact(width);
-        let rows = self.means.par_iter_mut().zip(self.squares.par_iter_mut()).zip(samples).enumerate();
-        let sums = rows.map_init(
-            || vec![0.0; 4 * width],
-            |scratch, (row, ((mut before, [spread, _]), samples))| {
-                let [red, green, blue, squares] = parts_mut(scratch, width);
-                all.all(row, [&mut *red, &mut *green, &mut *blue]);
+        all: &impl BandSums,
+    ) {
+        let (width, _) = self.size;
+        let samples = self.samples.par_chunks(width * BAND);
+        let known = self.means.par_bands_mut(BAND).zip(self.squares.par_bands_mut(BAND));
+        let sums = known.zip(samples).enumerate().map_init(
+            || vec![0.0; (3 * BAND + 1) * width],
+            |scratch, (band, ((mut before, mut estimates), samples))| {
+                let (squares, now) = scratch.split_at_mut(width);
+                let mut now: Vec<_> =
+                    now.chunks_exact_mut(3 * width).map(|row| parts_mut::<3>(row, width)).collect();
+                all.all(band, &mut now[..before.len()]);
                 if falls.is_none() {
-                    all.first_half(row, before.each_mut().map(|channel| &mut **channel));
+                    all.first_half(band, &mut before);
                 }
-                let mut sum = 0.0;
-                for span in active_spans(samples) {
-                    let now = [&mut *red, &mut *green, &mut *blue].map(|channel| &mut channel[span.clone()]);
-                    let mut before = before.each_mut().map(|channel| &mut channel[span.clone()]);
-                    let (samples, spread) = (&samples[span.clone()], &mut spread[span.clone()]);
-                    let squares = &mut squares[span];
-                    sum += dispatch!(SimdLevel::best().level(), _simd => {
-                        let now = now.map(|channel| {
-                            divide(channel, halves.old + halves.new);
-                            &*channel
-                        });
-                        if falls.is_none() {
-                            before.iter_mut().for_each(|channel| divide(channel, halves.old));
-                        }
-                        square_differences(curve, halves, (now, samples), before, squares);
-                        note_differences((halves, falls), (squares, samples), spread)
-                    });
-                }
-                sum
+                let rows = now.iter_mut().zip(&mut before).zip(&mut estimates);
+                let rows = rows.zip(samples.chunks_exact(width));
+                let sums = rows.map(|(((now, before), [spread, _]), samples)| {
+                    estimate_row((curve, halves, falls), (now, before), samples, (&mut *squares, spread));
+                    sum(spread)
+                });
+                sums.sum()
             },
         );
-        // In order, whatever the threads do.
-        let sums: Vec<f64> = sums.collect();
-        sums.iter().sum::<f64>() / count as f64
+        self.sums[0] = in_order(sums);
     }
 
     /// Estimates what the samples of pixels that get more may have missed.
@@ -119,7 +110,7 @@ impl PixelErrors {
         let samples = self.samples.par_chunks_exact(width);
         let rows = self.squares.par_iter_mut().zip(samples).enumerate();
         let means = &self.means;
-        rows.for_each_init(
+        let sums = rows.map_init(
             || vec![0.0; 3 * width + 4],
             |scratch, (row, ([_, stored], samples))| {
                 for span in active_spans(samples) {
@@ -136,17 +127,15 @@ impl PixelErrors {
                         note_missed(missed, (squares, samples), stored);
                     });
                 }
+                sum(stored)
             },
         );
+        self.sums[1] = in_order(sums);
     }
 
     /// Returns the sum of the square errors of all pixels.
     pub(super) fn sum(&self) -> f64 {
-        let rows = (0..self.size.1).into_par_iter().map(|row| {
-            let [spread, missed] = self.squares.row(row);
-            spread.iter().zip(missed).map(|(spread, missed)| f64::from(spread + missed)).sum::<f64>()
-        });
-        rows.collect::<Vec<f64>>().iter().sum()
+        self.sums.iter().sum()
     }
 
     /// Finds how urgently each pixel that gets samples needs more: its square error and that of its neighbourhood, half each. Returns
@@ -181,13 +170,15 @@ impl PixelErrors {
         let (width, _) = self.size;
         let rows = self.samples.par_chunks_exact_mut(width).zip(self.needs.par_chunks_exact(width));
         let any = rows.map(|(samples, needs)| {
-            let mut any = false;
-            for (samples, need) in samples.iter_mut().zip(needs) {
-                let leaves = *samples == 0 && Need::of(*need) < least;
-                *samples = if leaves { taken } else { *samples };
-                any |= *samples == 0;
-            }
-            any
+            dispatch!(SimdLevel::best().level(), _simd => {
+                let mut any = false;
+                for (samples, need) in samples.iter_mut().zip(needs) {
+                    let leaves = *samples == 0 && Need::of(*need) < least;
+                    *samples = if leaves { taken } else { *samples };
+                    any |= *samples == 0;
+                }
+                any
+            })
         });
         any.reduce(|| false, |one, other| one | other)
     }
@@ -205,7 +196,10 @@ fn active_spans(samples: &[u32]) -> impl Iterator<Item = Range<usize>> {
     const LENGTH: usize = TILE as usize;
     let is_active = |place: usize| {
         let end = samples.len().min(place + LENGTH);
-        samples.get(place..end).is_some_and(|samples| samples.contains(&0))
+        // In the first round the first does; where none does, all are looked at together.
+        samples.get(place..end).is_some_and(|samples| {
+            samples.first() == Some(&0) || samples.iter().fold(false, |any, samples| any | (*samples == 0))
+        })
     };
     let mut place = 0;
     std::iter::from_fn(move || {
@@ -220,8 +214,52 @@ fn active_spans(samples: &[u32]) -> impl Iterator<Item = Range<usize>> {
     })
 }
 
+/// Adds up numbers, whatever threads found them, in their order.
+fn in_order(numbers: impl IndexedParallelIterator<Item = f64>) -> f64 {
+    numbers.collect::<Vec<_>>().iter().sum()
+}
+
+/// Adds up numbers, every sixteenth together first.
+fn sum(numbers: &[f32]) -> f64 {
+    let (numbers, rest) = numbers.as_chunks::<16>();
+    let rest: f64 = rest.iter().copied().map(f64::from).sum();
+    dispatch!(SimdLevel::best().level(), _simd => {
+        let mut sums = [0.0; 16];
+        for numbers in numbers {
+            sums.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += f64::from(*number));
+        }
+        rest + sums.iter().sum::<f64>()
+    })
+}
+
 /// How many rows' needs are added up before they are put together with others.
 const ROWS: usize = 16;
+
+/// Estimates errors of a row's pixels.
+fn estimate_row(
+    (curve, halves, falls): (OutputCurve, &Halves, Option<f64>),
+    (now, before): (&mut [&mut [f32]; 3], &mut [&mut [f32]; 3]),
+    samples: &[u32],
+    (squares, spread): (&mut [f32], &mut [f32]),
+) {
+    for span in active_spans(samples) {
+        let now = now.each_mut().map(|channel| &mut channel[span.clone()]);
+        let mut before = before.each_mut().map(|channel| &mut channel[span.clone()]);
+        let (samples, spread) = (&samples[span.clone()], &mut spread[span.clone()]);
+        let squares = &mut squares[span];
+        dispatch!(SimdLevel::best().level(), _simd => {
+            let now = now.map(|channel| {
+                divide(channel, halves.old + halves.new);
+                &*channel
+            });
+            if falls.is_none() {
+                before.iter_mut().for_each(|channel| divide(channel, halves.old));
+            }
+            square_differences(curve, halves, (now, samples), before, squares);
+            note_differences((halves, falls), (squares, samples), spread);
+        });
+    }
+}
 
 /// Makes means of sums of so many samples.
 #[inline(always)]
@@ -253,24 +291,27 @@ fn square_differences(
     }
 }
 
-/// Brings estimates up to date. Returns the sum of the squares of half of all differences.
+/// Brings estimates up to date.
 #[inline(always)]
 fn note_differences(
     (halves, falls): (&Halves, Option<f64>),
     (squares, samples): (&[f32], &[u32]),
     spread: &mut [f32],
-) -> f64 {
+) {
     let (old, new) = (f64::from(halves.old), f64::from(halves.new));
     // A quarter, where both are as many; and the mean of the channels.
     let share = single(old * new / ((old + new) * (old + new)) / 3.0);
-    let (of_new, of_kept) = falls.map_or((1.0, 0.0), |falls| (0.5, single(0.5 * falls)));
-    let mut sum = 0.0;
-    for ((square, samples), spread) in squares.iter().zip(samples).zip(spread) {
-        let square = if *samples == 0 { share * square } else { 0.0 };
-        sum += f64::from(square);
-        *spread = if *samples == 0 { of_new * square + of_kept * *spread } else { *spread };
+    let pixels = squares.iter().zip(samples).zip(spread);
+    match falls {
+        None => pixels.for_each(|((square, _), spread)| *spread = share * square),
+        Some(falls) => {
+            let of_kept = single(0.5 * falls);
+            for ((square, samples), spread) in pixels {
+                let both = 0.5 * share * square + of_kept * *spread;
+                *spread = if *samples == 0 { both } else { *spread };
+            }
+        }
     }
-    sum
 }
 
 /// Adds the squares of what a channel's means would change by if a part more of the farthest of their neighbours were in them.

@@ -10,10 +10,9 @@ pub(super) struct Rows<const COUNT: usize> {
 }
 
 impl<const COUNT: usize> Rows<COUNT> {
-    /// Makes them zeros of so many pixels.
-    pub(super) fn clear(&mut self, (width, height): (usize, usize)) {
+    /// Makes them those of so many pixels, which may be anything.
+    pub(super) fn resize(&mut self, (width, height): (usize, usize)) {
         self.width = width;
-        self.numbers.clear();
         self.numbers.resize(COUNT * width * height, 0.0);
     }
 
@@ -28,6 +27,16 @@ impl<const COUNT: usize> Rows<COUNT> {
         let length = COUNT * self.width;
         let range = row.saturating_sub(1) * length..self.numbers.len().min((row + 2) * length);
         self.numbers[range].chunks_exact(length).map(parts)
+    }
+
+    /// Goes through bands of so many rows over all threads; the last may have fewer.
+    pub(super) fn par_bands_mut(
+        &mut self,
+        rows: usize,
+    ) -> impl IndexedParallelIterator<Item = Vec<[&mut [f32]; COUNT]>> {
+        let width = self.width;
+        let bands = self.numbers.par_chunks_mut(COUNT * width * rows);
+        bands.map(move |band| band.chunks_exact_mut(COUNT * width).map(|row| parts_mut(row, width)).collect())
     }
 
     /// Goes through all rows over all threads.

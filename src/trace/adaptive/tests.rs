@@ -16,20 +16,22 @@ struct Sums<'a> {
     first_half: &'a [f64],
 }
 
-fn fill(all: &[f64], row: usize, sums: [&mut [f32]; 3]) {
-    for sums in sums {
-        let all = &all[row * SIZE.0 as usize..];
-        sums.iter_mut().zip(all).for_each(|(sum, exact)| *sum = single(*exact));
+fn fill(all: &[f64], band: usize, rows: &mut [[&mut [f32]; 3]]) {
+    let of_rows = all.chunks(SIZE.0 as usize).skip(band * BAND);
+    for (row, all) in rows.iter_mut().zip(of_rows) {
+        for sums in row {
+            sums.iter_mut().zip(all).for_each(|(sum, exact)| *sum = single(*exact));
+        }
     }
 }
 
-impl RowSums for Sums<'_> {
-    fn all(&self, row: usize, sums: [&mut [f32]; 3]) {
-        fill(self.all, row, sums);
+impl BandSums for Sums<'_> {
+    fn all(&self, band: usize, rows: &mut [[&mut [f32]; 3]]) {
+        fill(self.all, band, rows);
     }
 
-    fn first_half(&self, row: usize, sums: [&mut [f32]; 3]) {
-        fill(self.first_half, row, sums);
+    fn first_half(&self, band: usize, rows: &mut [[&mut [f32]; 3]]) {
+        fill(self.first_half, band, rows);
     }
 }
 
@@ -39,8 +41,17 @@ fn rendered(
     most: u32,
     sample: impl Fn(usize, u32) -> f64,
 ) -> (Vec<f64>, Vec<u32>, Adaptive) {
-    let (mut rounds, mut adaptive) =
-        (Rounds::doubling(most, 1), Adaptive::new(SIZE, target, PixelErrors::default()));
+    rendered_in(PixelErrors::default(), target, most, sample)
+}
+
+/// The same, in the memory of another picture.
+fn rendered_in(
+    memory: PixelErrors,
+    target: ErrorTarget,
+    most: u32,
+    sample: impl Fn(usize, u32) -> f64,
+) -> (Vec<f64>, Vec<u32>, Adaptive) {
+    let (mut rounds, mut adaptive) = (Rounds::doubling(most, 1), Adaptive::new(SIZE, target, memory));
     let (mut sums, mut first_half) = (vec![0.0; COUNT], vec![0.0; COUNT]);
     loop {
         let portion = rounds.portion(0);
@@ -148,6 +159,21 @@ fn what_cannot_be_had_ends_with_all_samples() {
             }
         }
         assert!(adaptive.error().unwrap() > 1e-6);
+    }
+}
+
+#[test]
+fn nothing_is_left_of_the_picture_before() {
+    let wild = |pixel: usize, index: u32| {
+        let bits = (u32::try_from(pixel).unwrap() ^ index.rotate_left(7)).wrapping_mul(2_654_435_769);
+        if bits.is_multiple_of(5) { f64::INFINITY } else { f64::from(bits >> 20) }
+    };
+    for convergence in [Convergence::Edges, Convergence::Effects] {
+        let (.., before) = rendered(target(1e-3, convergence), 16, wild);
+        let goal = target(1.0, convergence);
+        let (_, counts, fresh) = rendered(goal, 65_536, edge);
+        let (_, again, reused) = rendered_in(before.into_memory(), goal, 65_536, edge);
+        assert!(counts == again && fresh.error() == reused.error());
     }
 }
 
