@@ -32,8 +32,9 @@ pub struct Thoroughness {
 impl Thoroughness {
     /// Takes minutes.
     pub const THOROUGH: Self = Self { rounds: 5, samples: 64, pictures: 4, factor: 4 };
-    /// Takes seconds.
-    pub const QUICK: Self = Self { rounds: 3, samples: 8, pictures: 4, factor: 2 };
+    /// Takes seconds. Ranges of two measurements with so many rounds have nothing in common in 3 % of all cases by mere chance; with one round
+    /// less, in 10 %.
+    pub const QUICK: Self = Self { rounds: 4, samples: 8, pictures: 4, factor: 2 };
 }
 
 /// What is to be measured.
