@@ -130,7 +130,7 @@ impl Sums {
         let packets = |asked| if asked { tiles * PACKETS } else { 0 };
         self.all.clear();
         self.all.resize(packets(true), NO_SUMS);
-        // The first sample is put there.
+        // Whatever is there, the first sample takes its place.
         self.first_half.resize(packets(plan.target.is_some()), Colors::splat(Rgb::ZERO));
         self.covered.clear();
         self.covered.resize(packets(plan.alpha), NO_SUMS);
@@ -412,7 +412,7 @@ struct BandsOfTiles<'a> {
 }
 
 impl BandsOfTiles<'_> {
-    /// Goes through the packets in a band, where tiles have pixels that get more: their first and last column, and their index in the picture.
+    /// Goes through the packets in a band, where tiles have pixels that get more: their columns, and their index in the picture.
     #[inline(always)]
     fn packets(&self, band: usize) -> impl Iterator<Item = (Range<usize>, usize)> {
         const LENGTH: usize = TILE as usize;

@@ -30,7 +30,8 @@ pub(crate) trait TileLight: Send {
     /// Adds a sample of pixels. Says how many have overflowed.
     fn add<S: Simd>(&mut self, simd: S, tile: &Tile, samples: &TileSamples<'_>) -> u64;
 
-    /// Adds it to the first half of the first round's samples, where somebody wants to know those, or is the first of them.
+    /// Adds it to the first half of the first round's samples, where somebody wants to know those; the first of all
+    /// takes the place of what is there.
     #[inline(always)]
     fn add_to_first_half<S: Simd>(&mut self, _: S, _: &[Colors; PACKETS], _is_first: bool) {}
 }
