@@ -7,6 +7,9 @@ mod choice;
 mod explain;
 mod explain_path;
 mod farm;
+#[cfg(unix)]
+#[path = "../signals/ignored.rs"]
+mod ignored;
 mod overrides;
 mod probe;
 #[cfg(unix)]

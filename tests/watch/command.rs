@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 use crate::AT_MOST;
+use crate::ignored::interruption;
 use crate::session::scene;
 
 fn watch(folder: &Path, arguments: &[&str]) -> Command {
@@ -42,11 +43,14 @@ fn pixels(picture: &Path) -> Option<Vec<u8>> {
     Some(image::open(picture).ok()?.to_rgb8().into_raw())
 }
 
-/// Ends it by SIGTERM: SIGINT may be ignored here, as in the background of a shell.
+/// Ends it as Ctrl-C does.
 #[cfg(unix)]
-fn end(child: Child) -> Output {
-    Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
-    child.wait_with_output().unwrap()
+fn interrupt(child: Child) -> Output {
+    let (signal, code) = interruption();
+    Command::new("kill").args(["-s", signal, &child.id().to_string()]).status().unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(code), "{}", String::from_utf8_lossy(&output.stderr));
+    output
 }
 
 #[cfg(unix)]
@@ -75,9 +79,8 @@ fn the_terminal_tells_and_the_current_frame_is_written() {
         sleep(Duration::from_millis(500));
         assert!(pixels(&path.join("now.ppm")) == second);
 
-        let output = end(child);
+        let output = interrupt(child);
         let told = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(143), "{told}");
         for expected in
             ["ball.ron: read in", "ball.ron: frame 3: animate", "ball.ron:8:", "the last good scene stays"]
         {
@@ -123,7 +126,7 @@ fn files_that_cannot_be_read_for_a_while_are_read_later_without_another_save() {
         assert!(pixels(&path.join("now.ppm")) == first);
         limit("1000");
         until("the second frame", || pixels(&path.join("now.ppm")) == second);
-        let told = String::from_utf8(end(child).stderr).unwrap();
+        let told = String::from_utf8(interrupt(child).stderr).unwrap();
         assert_eq!(told.matches("Too many open files").count(), 1, "{told}");
     }
 }
@@ -146,7 +149,7 @@ fn any_free_port_is_taken_for_0_and_other_names_are_allowed() {
         assert!(answer.starts_with(&format!("HTTP/1.1 {status} ")), "{host}: {answer}");
         assert_eq!(answer.contains("--allow-host"), status == "403", "{answer}");
     }
-    end(child);
+    interrupt(child);
 }
 
 /// What is said of arguments that cannot be, and that it ends with an error.

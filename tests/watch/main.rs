@@ -9,6 +9,9 @@ use std::time::Duration;
 mod command;
 mod drafts;
 mod editors;
+#[cfg(unix)]
+#[path = "../signals/ignored.rs"]
+mod ignored;
 mod ladder;
 mod saves;
 mod session;

@@ -6,6 +6,7 @@ use std::process::{Child, Output, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
+use crate::ignored::is_ignored_here;
 use crate::{FIRST_LIGHT, RAYREEL, command, files, output_of, pictures, signal, text, until};
 
 const FRAMES: usize = 24;
@@ -21,14 +22,6 @@ fn start_rendering(folder: &Path, ignored: &str) -> Child {
     let out = folder.join("out");
     until("the first frame", || files(&out).iter().any(|name| name.ends_with(".png")));
     child
-}
-
-/// Was a signal ignored when the tests were started? Shells do so with what runs in the background.
-fn is_ignored_here(number: u32) -> bool {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let mask =
-        status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
-    mask.is_some_and(|mask| mask >> (number - 1) & 1 == 1)
 }
 
 #[test]

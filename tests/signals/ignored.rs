@@ -1,0 +1,14 @@
+//! Signals that were ignored when the tests were started, as shells do with what runs in the background.
+
+/// Returns whether a signal was.
+pub(crate) fn is_ignored_here(number: u32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask =
+        status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (number - 1) & 1 == 1)
+}
+
+/// Returns the signal that ends what is started here, and the exit code that it brings: that of Ctrl-C, unless it is ignored.
+pub(crate) fn interruption() -> (&'static str, i32) {
+    if is_ignored_here(2) { ("TERM", 143) } else { ("INT", 130) }
+}
