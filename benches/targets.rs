@@ -13,10 +13,9 @@
 )]
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use rayreel::accuracy::{Converged, FewSamples, FilmError, FrameSamples, Pilot, Spread};
+use rayreel::accuracy::{Converged, FilmError, FrameSamples, Spread};
 use rayreel::components::{FilmSettings, Sampling};
 use rayreel::{Engine, Knobs, Time};
 
@@ -35,10 +34,10 @@ fn main() {
     let wanted: Vec<String> =
         std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
     println!(
-        "| scene | error asked for | settings | errors found, frame by frame | reference's | time / that of the quickest that is as good in all \
+        "| scene | error asked for | errors found, frame by frame | reference's | time / that of the quickest that is as good in all \
          frames | in the middle one |"
     );
-    println!("|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|");
     let is_wanted = |scene: &&str| wanted.is_empty() || wanted.iter().any(|name| name == *scene);
     let gains: Vec<(&str, String)> =
         SCENES.into_iter().filter(is_wanted).map(|scene| (scene, measure(scene))).collect();
@@ -60,36 +59,18 @@ fn measure(scene: &str) -> String {
     let last = timeline.frame_count() - 1;
     let frames: Vec<Time> = (0..FRAMES).map(|frame| timeline.time_of(last * frame / (FRAMES - 1))).collect();
     let references: Vec<Converged> = frames.iter().map(|frame| reference(&mut engine, *frame)).collect();
-    let all = timeline.frame_count() as usize;
-    let pilot =
-        Pilot::new(all, |frame| timeline.time_of(u32::try_from(frame).expect("frames are counted so")));
     let uncertainty = references.iter().map(|reference| reference.rms).fold(0.0, f64::max);
     let middle = FRAMES as usize / 2;
     for asked in ERRORS {
-        let few = FewSamples::estimate(&mut engine, &pilot, asked.into(), &AtomicBool::new(false))
-            .expect("shipped scenes can be rendered")
-            .expect("nobody cancels");
-        let chosen =
-            few.samples_for(asked, Sampling::LARGEST_COUNT).expect("so many samples are always enough");
-        let chosen = few
-            .calibrate(&mut engine, chosen, &AtomicBool::new(false))
-            .expect("shipped scenes can be rendered")
-            .expect("nobody cancels");
+        let chosen = FrameSamples::for_error(asked, Sampling::LARGEST_COUNT);
         let found: Vec<f64> = frames
             .iter()
             .zip(&references)
             .map(|(frame, reference)| error(&mut engine, *frame, chosen, reference))
             .collect();
         let [all, one] = price(&mut engine, &frames, (chosen, asked), &references);
-        let settings = match chosen.max_error {
-            0.0 => format!("{} samples", chosen.samples),
-            error => format!("max error {error}, overestimated by {:.2}", chosen.overestimate),
-        };
         let found: Vec<String> = found.iter().map(|error| format!("{error:.2}")).collect();
-        println!(
-            "| {scene} | {asked} | {settings} | {} | {uncertainty:.2} | {all:.2} | {one:.2} |",
-            found.join(", ")
-        );
+        println!("| {scene} | {asked} | {} | {uncertainty:.2} | {all:.2} | {one:.2} |", found.join(", "));
     }
     gains(&mut engine, frames[middle], &references[middle])
 }

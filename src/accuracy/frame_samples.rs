@@ -10,34 +10,25 @@ pub struct FrameSamples {
     pub samples: u32,
     /// The error that the picture may have, 0 for as many samples everywhere.
     pub max_error: f32,
-    /// By what factor such a picture of the scene overestimates its error. With it the error becomes [`Sampling::max_error`].
-    pub overestimate: f32,
 }
 
 impl FrameSamples {
     /// Returns them as knobs.
     #[must_use]
     pub fn knobs(self) -> Knobs {
-        let max_error = (self.max_error * self.overestimate).min(Sampling::LARGEST_ERROR);
-        Knobs { samples: Some(self.samples), max_error: Some(max_error), ..Knobs::default() }
+        Knobs { samples: Some(self.samples), max_error: Some(self.max_error), ..Knobs::default() }
     }
 
     /// Returns this many samples in all pixels.
     #[must_use]
     pub fn everywhere(samples: u32) -> Self {
-        Self { samples, max_error: 0.0, overestimate: 1.0 }
-    }
-
-    /// Returns the error of a picture that estimates it as this.
-    #[must_use]
-    pub fn error(self, estimated: f64) -> f64 {
-        estimated / f64::from(self.overestimate)
+        Self { samples, max_error: 0.0 }
     }
 
     /// Returns as many samples as it takes for an error, of this many at most.
     #[must_use]
     pub fn for_error(max_error: f32, samples: u32) -> Self {
-        Self { samples, max_error, overestimate: 1.0 }
+        Self { samples, max_error }
     }
 
     /// Returns the samples at a height of the ladder: 1, 2 and 4 for all pixels at 0, 1 and 2, and from 3 on an error of 16 steps that
@@ -72,12 +63,5 @@ mod tests {
         assert_eq!(FrameSamples::at_height(2.9), FrameSamples::everywhere(4));
         assert_eq!(FrameSamples::at_height(3.0), FrameSamples::for_error(16.0, Sampling::LARGEST_COUNT));
         assert_eq!(FrameSamples::at_height(7.0).max_error, 1.0);
-    }
-
-    #[test]
-    fn what_is_overestimated_is_turned_up() {
-        let samples = FrameSamples { overestimate: 1.25, ..FrameSamples::for_error(2.0, 64) };
-        assert_eq!(samples.knobs().max_error, Some(2.5));
-        assert_eq!(samples.error(2.5), 2.0);
     }
 }

@@ -6,11 +6,9 @@
 //! Pictures are compared by what is shown, output values from 0 to 255 before they are rounded to bytes: light that is clamped in both
 //! makes no difference, and a thousandth of a step does.
 
-mod calibration;
 mod converged;
 mod deadline;
 mod estimate;
-mod few_samples;
 mod film_error;
 mod fit;
 mod frame_samples;
@@ -28,7 +26,6 @@ mod stop;
 pub use converged::Converged;
 pub use deadline::Deadline;
 pub use estimate::{Estimate, estimate};
-pub use few_samples::FewSamples;
 pub use film_error::FilmError;
 pub use fit::PowerLaw;
 pub use frame_samples::FrameSamples;

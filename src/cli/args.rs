@@ -144,9 +144,8 @@ pub(super) struct RenderArguments {
     /// the 255 steps of a colour. 0 follows them all [default: the scene's own]
     #[arg(long, value_name = "STEPS", value_parser = parse_cutoff, allow_hyphen_values = true)]
     pub(super) cutoff: Option<f32>,
-    /// Give every pixel as many samples as it takes for every frame to be off by no more than so many of the 255 steps of a colour, as
-    /// the root of the mean square over its pixels; a single one where that is enough for all. --samples is the most that a pixel
-    /// gets [default of that: 65536]
+    /// Add samples where they are needed until the estimated RMS error of each frame is at most this many 8-bit levels; a frame depends
+    /// on no other frame. --samples is the most that a pixel gets [default of that: 65536]
     #[arg(long, value_name = "STEPS", value_parser = parse_max_error, allow_hyphen_values = true, conflicts_with_all = ["deadline", "settings", "draft"])]
     pub(super) max_error: Option<f32>,
     /// Give frames as many samples as there is time for, so that all are rendered within it, as 90s, 10m or 1.5h

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, anyhow};
 
-use rayreel::accuracy::{Deadline, FewSamples, FrameSamples, Ladder, Pilot};
+use rayreel::accuracy::{Deadline, FrameSamples, Ladder, Pilot};
 use rayreel::components::{FilmSettings, Sampling};
 use rayreel::output::folder_of;
 use rayreel::sequence::Shot;
@@ -90,7 +90,7 @@ impl Choice {
         ensure_unset(arguments)?;
         let by = if let Some(error) = arguments.max_error {
             let samples = arguments.overrides.samples().unwrap_or(Sampling::LARGEST_COUNT);
-            for_error(engine, settings, (error, samples), cancelled)?.map(By::Error)
+            Some(By::Error(FrameSamples::for_error(error, samples)))
         } else if let Some(within) = arguments.deadline {
             let deadline = deadline(engine, settings, (within, start), cancelled)?;
             deadline.map(|deadline| By::Deadline(Box::new(deadline), within))
@@ -131,20 +131,13 @@ impl Choice {
         }
     }
 
-    /// Returns the report of the frame, with what is known of estimates like that of its error.
-    pub(super) fn report(&self, engine: &Engine) -> FrameReport {
-        let report = *engine.report();
-        let error = report.error.map(|error| self.samples.map_or(error, |samples| samples.error(error)));
-        FrameReport { error, ..report }
-    }
-
     /// Notes what became of it.
     pub(super) fn end(&mut self, engine: &Engine, shot: &Shot) -> anyhow::Result<()> {
         let took = self.begun.elapsed();
         if let By::Deadline(deadline, _) = &mut self.by {
             deadline.note(took);
         }
-        let report = self.report(engine);
+        let report = *engine.report();
         let Some(record) = &mut self.record else { return Ok(()) };
         let (film, Some(samples)) = (engine.film_settings(), self.samples) else { return Ok(()) };
         record.note((film, &report), samples, shot, took);
@@ -193,11 +186,12 @@ impl Record {
     fn note(
         &mut self,
         (film, report): (FilmSettings, &FrameReport),
-        FrameSamples { samples, max_error, overestimate }: FrameSamples,
+        FrameSamples { samples, max_error }: FrameSamples,
         shot: &Shot,
         took: Duration,
     ) {
-        if let Some(error) = report.error.filter(|error| max_error > 0.0 && *error > f64::from(max_error)) {
+        let error = report.error.map(|error| error.rms);
+        if let Some(error) = error.filter(|error| max_error > 0.0 && *error > f64::from(max_error)) {
             self.worse.push((shot.moment(), error));
         }
         self.noted.insert(Picture::of_shot(shot));
@@ -206,8 +200,7 @@ impl Record {
             time: shot.time.seconds(),
             samples,
             max_error,
-            overestimate,
-            estimated_error: report.error,
+            estimated_error: error,
             samples_per_pixel: report.rays.camera as f64 / (f64::from(film.width) * f64::from(film.height)),
             seconds: took.as_secs_f64(),
         });
@@ -215,7 +208,7 @@ impl Record {
 
     /// Notes the samples of a frame that was done already, unless more is known of it.
     fn note_kept(&mut self, samples: Option<FrameSamples>, shot: &Shot) {
-        let Some(FrameSamples { samples, max_error, overestimate }) = samples else { return };
+        let Some(FrameSamples { samples, max_error }) = samples else { return };
         self.noted.insert(Picture::of_shot(shot));
         if self.settings.samples_of(shot).is_none() {
             self.settings.put(FrameSettings {
@@ -223,7 +216,6 @@ impl Record {
                 time: shot.time.seconds(),
                 samples,
                 max_error,
-                overestimate,
                 estimated_error: None,
                 samples_per_pixel: 0.0,
                 seconds: 0.0,
@@ -281,26 +273,6 @@ fn read(file: &Path, settings: &RenderSettings) -> anyhow::Result<SettingsFile> 
         Some(shot) => Err(anyhow!("`{}` has no settings for {}", file.display(), shot.moment())),
         None => Ok(known),
     }
-}
-
-/// Returns the samples for an error. `None` if it was cancelled.
-fn for_error(
-    engine: &mut Engine,
-    settings: &RenderSettings,
-    (error, samples): (f32, u32),
-    cancelled: &AtomicBool,
-) -> Result<Option<FrameSamples>, Failure> {
-    let Some(few) = FewSamples::estimate(engine, &pilot(settings), error.into(), cancelled)? else {
-        return Ok(None);
-    };
-    let Some(chosen) = few.samples_for(error, samples) else {
-        let certain = (100.0 * few.certain_error(samples)).ceil() / 100.0;
-        return Err(anyhow!(
-            "an error of {error} cannot be had with at most {samples} samples per pixel; about {certain:.2} can, as in --max-error {certain:.2}"
-        )
-        .into());
-    };
-    Ok(few.calibrate(engine, chosen, cancelled)?)
 }
 
 /// Plans a sequence within a time. `None` if it was cancelled.

@@ -216,7 +216,7 @@ impl SequenceObserver for Reporter<'_> {
         self.noted = self.choice.end(engine, shot);
         self.report.warnings.look(engine, &shot.moment());
         let path = shot.file(&self.settings.sequence);
-        let report = self.choice.report(engine);
+        let report = *engine.report();
         self.unwritten.push_back(ShotReport::new(shot, Some(path), engine, report));
         if self.noted.is_ok() { Continue(()) } else { Break(()) }
     }

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use rayreel::scene::Sources;
 use rayreel::sequence::Shot;
-use rayreel::trace::{Escalations, RayCounts, TreeEnds};
+use rayreel::trace::{Escalations, EstimatedError, RayCounts, TreeEnds};
 use rayreel::{Effect, Engine, FrameReport, Plan};
 
 use super::args::RenderArguments;
@@ -217,7 +217,9 @@ impl ShotReport {
         let kinds = kinds.into_iter().filter(|(count, _)| *count > 0);
         let kinds = kinds.map(|(count, name)| format!("{} {name}", in_millions(count as f64)));
         let rays = kinds.collect::<Vec<_>>().join(", ");
-        let error = error.map_or_else(String::new, |error| format!("; off by about {error:.2}"));
+        let error = error.map_or_else(String::new, |EstimatedError { rms, deviation }| {
+            format!("; off by about {rms:.2} (± {deviation:.2})")
+        });
         format!("{phases}; rays: {rays}{error}")
     }
 
@@ -255,7 +257,8 @@ impl ShotReport {
                 "reflection": reflection,
                 "refraction": refraction,
             },
-            "estimated_error": self.cost.error,
+            "estimated_error": self.cost.error.map(|error| error.rms),
+            "estimated_error_deviation": self.cost.error.map(|error| error.deviation),
             "needed": self.needed.iter().map(|effect| effect.name()).collect::<Vec<_>>(),
             "not_followed": { "depth": depth, "cutoff": cutoff },
             "guards": { "open": ambiguous, "contested": contested, "rough": rough, "overflowed": overflowed },

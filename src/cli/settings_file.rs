@@ -34,9 +34,6 @@ pub(super) struct FrameSettings {
     pub(super) time: f64,
     pub(super) samples: u32,
     pub(super) max_error: f32,
-    /// By what factor the picture overestimates its error.
-    #[serde(default = "exact")]
-    pub(super) overestimate: f32,
     /// In steps of 8 bits; `null` where all pixels have so few samples that they do not tell.
     #[serde(default)]
     pub(super) estimated_error: Option<f64>,
@@ -44,10 +41,6 @@ pub(super) struct FrameSettings {
     pub(super) samples_per_pixel: f64,
     #[serde(default)]
     pub(super) seconds: f64,
-}
-
-fn exact() -> f32 {
-    1.0
 }
 
 /// What stands in the file.
@@ -70,7 +63,7 @@ impl SettingsFile {
         let content: Content = serde_json::from_str(&text).with_context(|| {
             format!("`{name}` is not a file of settings, as render --max-error and --deadline write it")
         })?;
-        for FrameSettings { time, samples, max_error, overestimate, .. } in &content.frames {
+        for FrameSettings { time, samples, max_error, .. } in &content.frames {
             let most = Sampling::LARGEST_COUNT;
             ensure!(
                 (1..=most).contains(samples),
@@ -81,10 +74,6 @@ impl SettingsFile {
                 (0.0..=most).contains(max_error),
                 "`{name}` has a `max_error` of {max_error} at {time} s: write 0 to {most}"
             );
-            ensure!(
-                (0.1..=10.0).contains(overestimate),
-                "`{name}` has an `overestimate` of {overestimate} at {time} s: write 0.1 to 10"
-            );
         }
         Ok(Self { frames: content.frames.into_iter().map(|frame| (frame.picture(), frame)).collect() })
     }
@@ -92,8 +81,8 @@ impl SettingsFile {
     /// Returns the samples of a shot.
     pub(super) fn samples_of(&self, shot: &Shot) -> Option<FrameSamples> {
         let frame = self.frames.get(&Picture::of_shot(shot))?;
-        let FrameSettings { samples, max_error, overestimate, .. } = *frame;
-        Some(FrameSamples { samples, max_error, overestimate })
+        let FrameSettings { samples, max_error, .. } = *frame;
+        Some(FrameSamples { samples, max_error })
     }
 
     /// Puts a frame in, in the place of what is known of it.

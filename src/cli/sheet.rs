@@ -34,7 +34,7 @@ pub(super) fn render(
         choice.end(engine, &shot)?;
         report.warnings.look(engine, &shot.moment());
         sheet.add(&film, shot.frame.unwrap_or(0), shot.time);
-        let shot = ShotReport::new(&shot, None, engine, choice.report(engine));
+        let shot = ShotReport::new(&shot, None, engine, *engine.report());
         progress.done(&shot);
         report.shots.push(shot);
     }

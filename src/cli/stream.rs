@@ -37,7 +37,7 @@ pub(super) fn render(
             }
             written => written.context("cannot write to standard output")?,
         }
-        let shot = ShotReport::new(&shot, None, engine, choice.report(engine));
+        let shot = ShotReport::new(&shot, None, engine, *engine.report());
         progress.done(&shot);
         report.shots.push(shot);
     }

@@ -69,17 +69,16 @@ pub struct Sampling {
     /// Samples per pixel, 1..=[`Self::LARGEST_COUNT`]. A single sample is in the pixel's centre; several are spread over the
     /// pixel, which is their mean. With a `max_error`, the most that a pixel gets; 1 sets no limit then.
     pub samples: u32,
-    /// The error that the picture is meant to have, as the root of the mean square over its pixels, in steps of 8-bit output,
-    /// 0..=[`Self::LARGEST_ERROR`]. Samples go where they are needed, at least 2 to each pixel and to each of its instants, unless
-    /// fewer in all pixels are enough, until the estimate of the picture's error, which
-    /// [`FrameReport::error`](crate::FrameReport::error) tells, is below this. 0 gives all pixels as many.
+    /// The target for the picture's RMS error over pixels and channels, in steps of 8-bit output, 0..=[`Self::LARGEST_ERROR`]. Samples are
+    /// added where they are needed until the estimate of the error, [`FrameReport::error`](crate::FrameReport::error), meets it. 0
+    /// gives all pixels the same number.
     pub max_error: f32,
     /// The seed: another seed gives other samples.
     pub seed: u64,
     /// How the samples of different frames are related.
     pub noise: Noise,
     /// The most instants at which the scene is drawn while the shutter is open, 1..=[`Self::LARGEST_INSTANTS`]; there are never
-    /// more instants than samples. See [`Camera::shutter`](super::Camera::shutter).
+    /// more instants than samples. With a `max_error` their number follows from it, up to 256. See [`Camera::shutter`](super::Camera::shutter).
     pub instants: u32,
 }
 

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use crate::time::Time;
-use crate::trace::{Escalations, FrameFingerprint, RayCounts, TreeEnds};
+use crate::trace::{Escalations, EstimatedError, FrameFingerprint, RayCounts, TreeEnds};
 
 /// The cost of the last frame, phase by phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,9 +24,9 @@ pub struct FrameReport {
     pub fingerprint: Option<FrameFingerprint>,
     /// The number of rays.
     pub rays: RayCounts,
-    /// The estimate of the picture's error, where it has been told how large that may be: see
+    /// The estimate of the picture's error, if it has a target: see
     /// [`Sampling::max_error`](crate::components::Sampling::max_error).
-    pub error: Option<f64>,
+    pub error: Option<EstimatedError>,
     /// The number of rays not traced, though a surface sent them on.
     pub ends: TreeEnds,
     /// How often arithmetic had to be escalated.

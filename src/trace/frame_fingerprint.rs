@@ -20,6 +20,9 @@ use crate::trace::scene::{Camera, PreparedScene};
 /// that were written before are then stale.
 pub const SEMANTICS: u32 = 2;
 
+/// The version of how samples are chosen for an error: the same for frames that have a target alone.
+const ADAPTIVE_SEMANTICS: u32 = 2;
+
 /// What identifies a picture: pictures of equal fingerprints have equal pixels.
 ///
 /// ```
@@ -92,6 +95,9 @@ impl FrameHasher {
         });
         bytes.count(*samples);
         bytes.number(target.map_or(0.0, |target| target.rms));
+        if target.is_some() {
+            bytes.count(ADAPTIVE_SEMANTICS);
+        }
         bytes.count(*lighting as u64);
         bytes.count(*instants);
         Self(bytes)

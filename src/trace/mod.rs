@@ -90,12 +90,15 @@ mod stages;
 #[cfg(test)]
 mod tests;
 mod tile_light;
+mod tile_work;
+mod visibility;
 mod work_queue;
 
-pub(crate) use adaptive::{Convergence, ErrorTarget, Rounds};
+pub use adaptive::EstimatedError;
+pub(crate) use adaptive::{Convergence, ErrorTarget, InstantOrder, block};
 pub use effort::{RayCounts, TreeEnds};
 pub(crate) use exposure::{Developed, SampleMemory, SamplePlan};
-pub use exposure::{Exposure, ExposureProgress, Signals};
+pub use exposure::{Exposure, ExposureProgress};
 pub use film::{AlphaFilm, EncodedFilm, Film};
 pub(crate) use frame_fingerprint::{FrameConstants, FrameHasher};
 pub use frame_fingerprint::{FrameFingerprint, NotAFingerprint, SEMANTICS};
@@ -103,6 +106,7 @@ pub use math::Sampling;
 pub use passes::{Pass, PassPixel, Passes, UnknownPass};
 pub use query::Escalations;
 pub use scene::{Camera, Precision};
+pub use tile_work::Signals;
 
 // What tests, benchmarks and explanations of pixels ask of the kernel itself: no part of the library's face.
 #[doc(hidden)]

@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use crate::color::Rgb;
-use crate::trace::adaptive::{Adaptive, BAND, BandSums, PixelErrors, Rounds};
+use crate::trace::adaptive::{Adaptive, PixelMemory, PixelSums, SampleSums, block};
 use crate::trace::effects::{Effects, Lighting};
 use crate::trace::exposure::SamplePlan;
 use crate::trace::film::{AlphaFilm, Film};
@@ -12,10 +12,12 @@ use crate::trace::light::{
     Budget, LARGEST_TREE, LightScratch, LitPoint, MediumStack, PathState, Proposal, RenderContext, SampleId,
     SecondaryRays, ShadowRay, TreeRay, ambient, filtered_and_absorbed, held, propose, secondary_rays,
 };
-use crate::trace::math::Sampling;
+use crate::trace::math::{LANES, Sampling};
 use crate::trace::query::{Look, Scratch, SurfacePoint, closest};
 use crate::trace::rays::{Ray, RayView, ShapeId};
 use crate::trace::scene::{Camera, Light, Passage, PreparedScene};
+use crate::trace::stages::{Portion, TILE, Tile};
+use crate::trace::visibility::reference_features;
 
 /// All rays of one sample of a pixel, breadth first.
 #[derive(Clone, Debug, PartialEq)]
@@ -161,26 +163,36 @@ impl<'a> Reference<'a> {
     /// Adds the present round's samples of an instant to the sums, which are in rows from the top.
     pub(crate) fn add(&mut self, sums: &mut ReferenceSums, instant: u32) {
         let (columns, rows) = self.context.camera.resolution();
-        let pixels = (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j)));
-        let ReferenceSums { sums, first_half, covered, rounds, adaptive, .. } = sums;
-        let portion = rounds.portion(instant);
-        let sums = sums.iter_mut().zip(first_half).zip(covered).enumerate();
-        for ((i, j), (index, ((sum, first_half), covered))) in pixels.zip(sums) {
-            if adaptive.as_ref().is_some_and(|adaptive| adaptive.left_with(index).is_some()) {
-                continue;
+        let mut portions = Vec::new();
+        for (i, j) in tiles(columns, rows) {
+            let tile = Tile { i, j, width: TILE.min(columns - i), height: TILE.min(rows - j) };
+            sums.portions(&tile, instant, &mut portions);
+            if let Some(adaptive) = sums.adaptive.as_mut().filter(|adaptive| adaptive.wants_features()) {
+                let found =
+                    reference_features(self.context.scene, self.context.camera, &tile, adaptive.is_open());
+                adaptive.note_features(&tile, &found);
             }
-            for sample in portion.from..portion.to {
-                let tree = self.sample(i, j, sample);
-                let color = tree.as_ref().map_or_else(|| self.context.nowhere(), RayTree::color);
-                sum.add(color);
-                if tree.is_some_and(|tree| tree.is_covered()) {
-                    covered.light.add(color);
-                    covered.count += 1;
-                }
-                if sample < portion.halfway {
-                    *first_half += color;
+            for portion in &portions {
+                let (column, row) = tile.pixel(portion.pixel);
+                let pixel = row as usize * columns as usize + column as usize;
+                for sample in (0..portion.count).map(|number| portion.first + number * portion.stride) {
+                    let tree = self.sample(column, row, sample);
+                    let color = tree.as_ref().map_or_else(|| self.context.nowhere(), RayTree::color);
+                    sums.pixels[pixel].add(color, tree.is_some_and(|tree| tree.is_covered()));
                 }
             }
+        }
+    }
+
+    /// Searches the features of all pixels at an instant.
+    pub(crate) fn search(&self, sums: &mut ReferenceSums) {
+        let (columns, rows) = self.context.camera.resolution();
+        let Some(adaptive) = &mut sums.adaptive else { return };
+        for (i, j) in tiles(columns, rows) {
+            let tile = Tile { i, j, width: TILE.min(columns - i), height: TILE.min(rows - j) };
+            let found =
+                reference_features(self.context.scene, self.context.camera, &tile, adaptive.is_open());
+            adaptive.note_features(&tile, &found);
         }
     }
 
@@ -235,6 +247,13 @@ impl<'a> Reference<'a> {
     }
 }
 
+/// Iterates over the first pixels of tiles.
+fn tiles(columns: u32, rows: u32) -> impl Iterator<Item = (u32, u32)> {
+    (0..rows)
+        .step_by(TILE as usize)
+        .flat_map(move |j| (0..columns).step_by(TILE as usize).map(move |i| (i, j)))
+}
+
 /// A ray to be traced, where it comes from, and the index of the ray that it continues.
 type Queued = (RayKind, Option<usize>, TreeRay);
 
@@ -258,81 +277,81 @@ fn negligible(
 /// The samples of all pixels so far.
 pub(crate) struct ReferenceSums {
     resolution: (u32, u32),
-    sums: Vec<PixelSum>,
-    /// What the first half of the first round's samples add up to, for adaptive sampling.
-    first_half: Vec<Rgb>,
-    /// What the samples add up to in which the pixel is covered.
-    covered: Vec<Covered>,
-    rounds: Rounds,
+    pixels: Vec<PixelSum>,
+    plan: SamplePlan,
     adaptive: Option<Adaptive>,
 }
 
 impl ReferenceSums {
-    /// Of no light so far, to have such samples. Alpha can be had in any case.
+    /// Creates sums without samples. Alpha can be had in any case.
     #[must_use]
-    pub(crate) fn new(resolution: (u32, u32), SamplePlan { rounds, target, .. }: SamplePlan) -> Self {
+    pub(crate) fn new(resolution: (u32, u32), plan: SamplePlan) -> Self {
         let (columns, rows) = resolution;
-        let sums = vec![PixelSum::default(); columns as usize * rows as usize];
-        let adaptive = target.map(|target| Adaptive::new(resolution, target, PixelErrors::default()));
-        let (first_half, covered) = (vec![Rgb::ZERO; sums.len()], vec![Covered::default(); sums.len()]);
-        Self { resolution, sums, first_half, covered, rounds, adaptive }
+        let pixels = vec![PixelSum::default(); columns as usize * rows as usize];
+        Self { resolution, pixels, plan, adaptive: plan.adaptive(resolution, PixelMemory::default()) }
     }
 
-    /// Goes on to the next round, if the picture is not yet as good as it is meant to be. Returns whether there is one.
+    /// Returns the instants that this round's samples belong to, in the order of time.
+    pub(crate) fn instants(&self) -> Vec<u32> {
+        self.adaptive.as_ref().map_or_else(|| (0..self.plan.instants).collect(), Adaptive::instants)
+    }
+
+    /// Starts the next round, if the picture's error is not yet as small as it is meant to be. Returns whether there is one.
     pub(crate) fn next_round(&mut self) -> bool {
         let Some(mut adaptive) = self.adaptive.take() else { return false };
-        let goes_on = adaptive.judge(&self.rounds, &*self);
+        let goes_on = adaptive.judge(&*self);
         self.adaptive = Some(adaptive);
-        if goes_on {
-            self.rounds.advance();
-        }
         goes_on
+    }
+
+    /// Collects the samples that a tile's pixels take at an instant in this round.
+    fn portions(&self, tile: &Tile, instant: u32, portions: &mut Vec<Portion>) {
+        if let Some(adaptive) = &self.adaptive {
+            adaptive.portions(tile, instant, portions);
+            return;
+        }
+        let samples = block(self.plan.samples, self.plan.instants, instant);
+        let (first, count) = (samples.start, samples.end - samples.start);
+        portions.clear();
+        for (row, column) in (0..tile.height).flat_map(|row| (0..tile.width).map(move |column| (row, column)))
+        {
+            let (packet, lane) = Tile::lane_of(column as usize, row as usize);
+            let pixel = u32::try_from(packet * LANES + lane).unwrap_or(0);
+            portions.push(Portion { pixel, first, stride: 1, count });
+        }
     }
 
     /// The picture.
     #[must_use]
     pub(crate) fn develop(&self) -> Film {
         let (columns, rows) = self.resolution;
-        let mean = |(pixel, sum): (usize, &PixelSum)| sum.mean(self.samples(pixel));
-        Film::from_pixels(columns, rows, self.sums.iter().enumerate().map(mean))
+        Film::from_pixels(columns, rows, self.pixels.iter().map(|pixel| pixel.mean(pixel.all)))
     }
 
     /// The picture without its background.
     #[must_use]
     pub(crate) fn develop_with_alpha(&self) -> AlphaFilm {
         let (columns, rows) = self.resolution;
-        let covered = self.covered.iter().enumerate();
-        let light = covered.clone().map(|(pixel, covered)| covered.light.mean(self.samples(pixel)));
-        let share = |(pixel, covered): (usize, &Covered)| {
-            AlphaFilm::share(f64::from(covered.count), f64::from(self.samples(pixel)))
+        let light = self.pixels.iter().map(|pixel| pixel.mean(pixel.covered));
+        let share = |pixel: &PixelSum| {
+            AlphaFilm::share(f64::from(pixel.covered_count), f64::from(pixel.count.max(1)))
         };
-        let alpha = Film::from_numbers(columns, rows, covered.map(share).collect());
+        let alpha = Film::from_numbers(columns, rows, self.pixels.iter().map(share).collect());
         AlphaFilm { light: Film::from_pixels(columns, rows, light), alpha }
-    }
-
-    /// How many samples a pixel has.
-    fn samples(&self, pixel: usize) -> u32 {
-        let left_with = self.adaptive.as_ref().and_then(|adaptive| adaptive.left_with(pixel));
-        left_with.unwrap_or(self.rounds.taken())
     }
 }
 
-impl BandSums for ReferenceSums {
-    fn all(&self, band: usize, rows: &mut [[&mut [f32]; 3]]) {
-        let of_rows = self.sums.chunks(self.resolution.0 as usize).skip(band * BAND);
-        for (row, sums) in rows.iter_mut().zip(of_rows) {
-            for (channel, row) in row.iter_mut().enumerate() {
-                row.iter_mut().zip(sums).for_each(|(sum, exact)| *sum = exact.0.as_vec3()[channel]);
-            }
-        }
+impl SampleSums for ReferenceSums {
+    fn have_alpha(&self) -> bool {
+        self.plan.alpha
     }
 
-    fn first_half(&self, band: usize, rows: &mut [[&mut [f32]; 3]]) {
-        let of_rows = self.first_half.chunks(self.resolution.0 as usize).skip(band * BAND);
-        for (row, sums) in rows.iter_mut().zip(of_rows) {
-            for (channel, row) in row.iter_mut().enumerate() {
-                row.iter_mut().zip(sums).for_each(|(sum, color)| *sum = color[channel]);
-            }
+    fn of(&self, column: usize, row: usize) -> PixelSums {
+        let pixel = &self.pixels[row * self.resolution.0 as usize + column];
+        PixelSums {
+            all: pixel.all.to_array(),
+            squares: pixel.squares.to_array(),
+            covered: self.plan.alpha.then_some(pixel.covered_count.into()),
         }
     }
 }
@@ -340,8 +359,7 @@ impl BandSums for ReferenceSums {
 /// A picture of one moment, pixel after pixel, and in a pixel sample after sample.
 #[must_use]
 pub fn render(scene: &PreparedScene, camera: &Camera, sampling: Sampling) -> Film {
-    let plan = SamplePlan { rounds: Rounds::single(sampling.samples, 1), target: None, alpha: false };
-    let mut sums = ReferenceSums::new(camera.resolution(), plan);
+    let mut sums = ReferenceSums::new(camera.resolution(), SamplePlan::uniform(sampling.samples, 1));
     Reference::new(scene, camera, sampling, Effects::ALL).add(&mut sums, 0);
     sums.develop()
 }
@@ -456,28 +474,32 @@ fn visibility(
     }
 }
 
-/// What the samples of a pixel add up to in which it is covered.
+/// The sums of a pixel's samples. In `f64`, so that the mean of equal samples is exactly their value, and that of 2^16 samples is as good as
+/// that of two.
 #[derive(Clone, Copy, Debug, Default)]
-struct Covered {
-    light: PixelSum,
-    /// How many they are.
+struct PixelSum {
+    all: DVec3,
+    squares: DVec3,
     count: u32,
+    /// Of the samples in which the pixel is covered.
+    covered: DVec3,
+    covered_count: u32,
 }
 
-/// What the samples of a pixel add up to. In `f64`, so that the mean of equal samples is exactly their value, and that of
-/// 2^16 samples is as good as that of two.
-#[derive(Clone, Copy, Debug, Default)]
-struct PixelSum(DVec3);
-
 impl PixelSum {
-    #[inline]
-    fn add(&mut self, sample: Rgb) {
-        self.0 += sample.as_dvec3();
+    fn add(&mut self, sample: Rgb, is_covered: bool) {
+        let sample = sample.as_dvec3();
+        self.all += sample;
+        self.squares += sample * sample;
+        self.count += 1;
+        if is_covered {
+            self.covered += sample;
+            self.covered_count += 1;
+        }
     }
 
     /// Divided by the number of samples, and rounded to `f32` once.
-    #[inline]
-    fn mean(self, samples: u32) -> Rgb {
-        (self.0 / f64::from(samples)).as_vec3()
+    fn mean(&self, sum: DVec3) -> Rgb {
+        (sum / f64::from(self.count.max(1))).as_vec3()
     }
 }

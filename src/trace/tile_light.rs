@@ -5,17 +5,17 @@ use glam::DVec3;
 
 use crate::color::{Encoding, Rgb};
 use crate::trace::film::FilmTile;
-use crate::trace::math::{Colors, Numbers, Vectors, mask16};
+use crate::trace::math::{Colors, LANES, Numbers, Vectors, mask16};
 use crate::trace::scene::Square;
-use crate::trace::stages::{PACKETS, Tile, TileLanes};
+use crate::trace::stages::{PACKETS, Slots, Tile, TileLanes};
 
 /// A sample of a tile's pixels.
 pub(crate) struct TileSamples<'a> {
     /// Packet by packet of the camera rays: what it brings.
     pub(crate) light: &'a [Colors; PACKETS],
-    /// The pixels that get it; to the others it brings nothing.
-    pub(crate) active: TileLanes,
-    /// The pixels that the scene covers in it, if that was asked for.
+    /// The samples that it is of; to other pixels it brings nothing.
+    pub(crate) slots: &'a Slots,
+    /// The slots that the scene covers, if that was asked for.
     pub(crate) covered: TileLanes,
 }
 
@@ -29,11 +29,6 @@ pub(crate) trait TileLight: Send {
 
     /// Adds a sample of pixels. Says how many have overflowed.
     fn add<S: Simd>(&mut self, simd: S, tile: &Tile, samples: &TileSamples<'_>) -> u64;
-
-    /// Adds it to the first half of the first round's samples, where somebody wants to know those; the first of all
-    /// takes the place of what is there.
-    #[inline(always)]
-    fn add_to_first_half<S: Simd>(&mut self, _: S, _: &[Colors; PACKETS], _is_first: bool) {}
 }
 
 /// The only sample of each pixel is what is seen.
@@ -56,8 +51,9 @@ impl<E: Encoding> TileLight for FilmTile<'_, E> {
 pub(crate) struct TileSums<'a> {
     /// Of all samples.
     pub(crate) all: &'a mut [Vectors],
-    /// Of the first half of those of the first round, in `f32`; empty where nobody wants to know.
-    pub(crate) first_half: &'a mut [Colors],
+    /// Of their squares, and how many there are, where pixels take different numbers of samples; else empty.
+    pub(crate) squares: &'a mut [Vectors],
+    pub(crate) counts: &'a mut [Numbers],
     /// Of all samples in which the pixel is covered; empty where nobody wants to know, as the next.
     pub(crate) covered: &'a mut [Vectors],
     /// How many those are.
@@ -75,30 +71,54 @@ impl TileLight for TileSums<'_> {
 
     #[inline(always)]
     fn add<S: Simd>(&mut self, simd: S, _: &Tile, samples: &TileSamples<'_>) -> u64 {
-        for (packet, (sums, light)) in self.all.iter_mut().zip(samples.light).enumerate() {
-            if samples.active.of_packet(packet) != 0 {
-                add_colors(simd, sums, light.load(simd));
+        let TileSamples { light, slots, covered } = *samples;
+        if !slots.in_place {
+            self.add_scattered(samples);
+            return 0;
+        }
+        for packet in (0..PACKETS).filter(|packet| slots.lanes[*packet] != 0) {
+            let colors = light[packet].load(simd);
+            add_colors(simd, &mut self.all[packet], colors);
+            if let Some(squares) = self.squares.get_mut(packet) {
+                add_squares(simd, squares, colors);
+                let [none, one] = [0.0, 1.0].map(|number| f32x16::splat(simd, number));
+                let lanes = mask16(simd, slots.lanes[packet]);
+                add_numbers(simd, &mut self.counts[packet], lanes.select(one, none));
             }
         }
         let of_covered = self.covered.iter_mut().zip(&mut *self.covered_counts).zip(samples.light);
         for (packet, ((sums, counts), light)) in of_covered.enumerate() {
-            let lanes = mask16(simd, samples.covered.of_packet(packet));
+            let lanes = mask16(simd, covered.of_packet(packet));
             let [none, one] = [0.0, 1.0].map(|number| f32x16::splat(simd, number));
             add_colors(simd, sums, light.load(simd).map(|channel| lanes.select(channel, none)));
             add_numbers(simd, counts, lanes.select(one, none));
         }
         0
     }
+}
 
-    #[inline(always)]
-    fn add_to_first_half<S: Simd>(&mut self, simd: S, samples: &[Colors; PACKETS], is_first: bool) {
-        if is_first {
-            self.first_half.iter_mut().zip(samples).for_each(|(sums, samples)| *sums = *samples);
-            return;
-        }
-        for (sums, samples) in self.first_half.iter_mut().zip(samples) {
-            let ([r0, g0, b0], [r1, g1, b1]) = (sums.load(simd), samples.load(simd));
-            sums.store([r0 + r1, g0 + g1, b0 + b1]);
+impl TileSums<'_> {
+    /// Adds samples whose slots are compacted, each to its pixel, in the order of slots.
+    fn add_scattered(&mut self, TileSamples { light, slots, covered }: &TileSamples<'_>) {
+        for (packet, lane, pixel) in slots.iter() {
+            let (home, place) = (pixel / LANES, pixel % LANES);
+            let color = light[packet].get(lane).as_dvec3();
+            let add = |sums: &mut [Vectors], color: DVec3| {
+                if let Some(sums) = sums.get_mut(home) {
+                    sums.set(place, sums.get(place) + color);
+                }
+            };
+            add(self.all, color);
+            add(self.squares, color * color);
+            if let Some(counts) = self.counts.get_mut(home) {
+                counts.set(place, counts.get(place) + 1.0);
+            }
+            if covered.of_packet(packet) & (1 << lane) != 0 {
+                add(self.covered, color);
+                if let Some(counts) = self.covered_counts.get_mut(home) {
+                    counts.set(place, counts.get(place) + 1.0);
+                }
+            }
         }
     }
 }
@@ -108,6 +128,16 @@ impl TileLight for TileSums<'_> {
 fn add_colors<S: Simd>(simd: S, sums: &mut Vectors, samples: [f32x16<S>; 3]) {
     for (channel, samples) in samples.into_iter().enumerate() {
         add_numbers(simd, sums.axis_mut(channel), samples);
+    }
+}
+
+/// Adds the squares of a sample of each pixel of a packet.
+#[inline(always)]
+fn add_squares<S: Simd>(simd: S, sums: &mut Vectors, samples: [f32x16<S>; 3]) {
+    for (channel, samples) in samples.into_iter().enumerate() {
+        let (sums, (first, second)) = (sums.axis_mut(channel), samples.widen());
+        sums.store(0, sums.load(simd, 0) + first * first);
+        sums.store(1, sums.load(simd, 1) + second * second);
     }
 }
 

@@ -7,28 +7,33 @@ use crate::trace::{FrameConstants, FrameFingerprint, FrameHasher, Lighting};
 /// The fingerprint of a frame of which some instants are known.
 pub(super) struct HashedInstants {
     lighting: Lighting,
-    count: u32,
+    /// The instants that identify the frame, and how many of them are known.
+    instants: Vec<u32>,
+    known: usize,
     hasher: Option<FrameHasher>,
-    /// The next instant.
-    next: u32,
 }
 
 impl HashedInstants {
-    /// Returns that of a frame of so many instants before the first, with the most that is asked of lights.
-    pub(super) fn new(lighting: Lighting, count: u32) -> Self {
-        Self { lighting, count, hasher: None, next: 0 }
+    /// Creates the fingerprint of a frame that these instants identify, with the most that is asked of lights.
+    pub(super) fn new(lighting: Lighting, instants: Vec<u32>) -> Self {
+        Self { lighting, instants, known: 0, hasher: None }
+    }
+
+    /// Returns the instants that identify the frame.
+    pub(super) fn instants(&self) -> &[u32] {
+        &self.instants
     }
 
     /// Notes an instant of the frame at `time`, unless it is known.
     pub(super) fn note(&mut self, preparation: &Preparation, time: Time, instant: u32) {
-        if instant != self.next {
+        if self.instants.get(self.known) != Some(&instant) {
             return;
         }
-        self.next += 1;
+        self.known += 1;
         let sampling = preparation.sampling(time);
-        let (lighting, instants) = (self.lighting, self.count);
+        let (lighting, instants) = (self.lighting, u32::try_from(self.instants.len()).unwrap_or(u32::MAX));
         let hasher = self.hasher.get_or_insert_with(|| {
-            let (transfer, target) = (preparation.film().transfer, preparation.error_target(instants));
+            let (transfer, target) = (preparation.film().transfer, preparation.error_target(instants > 1));
             FrameHasher::new(&FrameConstants { transfer, sampling, target, lighting, instants })
         });
         hasher.add(preparation.scene(), preparation.camera(), sampling);

@@ -1,5 +1,6 @@
 //! Renders frames: instant after instant while the shutter is open.
 
+use std::collections::VecDeque;
 use std::ops::ControlFlow::{self, Continue};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -17,8 +18,8 @@ use crate::systems::{
 use crate::time::Time;
 use crate::trace::reference::{Reference, ReferenceSums};
 use crate::trace::{
-    AlphaFilm, BvhUpdate, Developed, Effects, EncodedFilm, Exposure, Film, FrameFingerprint, Rounds,
-    SampleMemory, SamplePlan, SceneChanges, Signals,
+    AlphaFilm, BvhUpdate, Developed, Effects, EncodedFilm, Exposure, Film, FrameFingerprint, InstantOrder,
+    SampleMemory, SamplePlan, SceneChanges, Signals, block,
 };
 
 /// A signal that is never set.
@@ -104,8 +105,8 @@ impl Engine {
         Ok(exposed.map(|exposed| exposed.film))
     }
 
-    /// Renders a moment without its background, in portions as [`render_on`](Engine::render_on) does. How many samples pixels get does
-    /// not depend on that: where errors decide, they are those of the picture with its background.
+    /// Renders a moment without its background, in portions as [`render_on`](Engine::render_on) does. With a target, the error of alpha counts
+    /// as that of light does.
     ///
     /// ```
     /// use std::ops::ControlFlow::Continue;
@@ -146,32 +147,59 @@ impl Engine {
         let (mut traced, mut whole) = (Duration::ZERO, true);
         let mut memory = std::mem::take(&mut self.sample_memory);
         let count = count_of(&instants);
-        let mut hashed = HashedInstants::new(self.effects_left().lighting, count);
+        let first = begun.as_ref().map_or_else(|| self.first_instants(&instants), Exposure::instants);
+        let mut hashed = HashedInstants::new(self.effects_left().lighting, self.hashed_instants(&instants));
+        let is_fresh = begun.is_none();
+        if hashed.instants() != first {
+            let instants_to_hash = hashed.instants().to_vec();
+            self.seek_all(
+                time,
+                (&instants, instants_to_hash),
+                signals.cancelled,
+                |preparation, _, instant| {
+                    hashed.note(preparation, time, instant);
+                    let (scene, camera) = (preparation.scene(), preparation.camera());
+                    let exposure = begun.get_or_insert_with(|| {
+                        let plan = SamplePlan { alpha, ..sample_plan(preparation, count) };
+                        Exposure::encoded(encoding, camera.resolution(), plan, std::mem::take(&mut memory))
+                    });
+                    if is_fresh {
+                        exposure.search(scene, camera, signals.cancelled);
+                    }
+                    Then::GoOn
+                },
+            )?;
+        }
         let mut hashing = Duration::ZERO;
-        let sought = self.seek_all(time, &instants, signals.cancelled, |preparation, effects, instant| {
-            let (scene, camera) = (preparation.scene(), preparation.camera());
-            let sampling = preparation.sampling(time);
-            let start = Instant::now();
-            hashed.note(preparation, time, instant);
-            hashing += start.elapsed();
-            let exposure = begun.get_or_insert_with(|| {
-                let plan = SamplePlan { alpha, ..sample_plan(preparation, count) };
-                Exposure::encoded(encoding, camera.resolution(), plan, std::mem::take(&mut memory))
-            });
-            whole = add_all(signals, visit, exposure, |exposure| {
+        let sought =
+            self.seek_all(time, (&instants, first), signals.cancelled, |preparation, effects, instant| {
+                let (scene, camera) = (preparation.scene(), preparation.camera());
+                let sampling = preparation.sampling(time);
                 let start = Instant::now();
-                let whole = exposure.add(scene, camera, sampling, instant, effects, signals);
+                hashed.note(preparation, time, instant);
+                hashing += start.elapsed();
+                let exposure = begun.get_or_insert_with(|| {
+                    let plan = SamplePlan { alpha, ..sample_plan(preparation, count) };
+                    Exposure::encoded(encoding, camera.resolution(), plan, std::mem::take(&mut memory))
+                });
+                whole = add_all(signals, visit, exposure, |exposure| {
+                    let start = Instant::now();
+                    let whole = exposure.add(scene, camera, sampling, instant, effects, signals);
+                    traced += start.elapsed();
+                    whole
+                });
+                if !whole {
+                    return Then::Stop;
+                }
+                let start = Instant::now();
+                let next = match exposure.is_round_done() {
+                    false => Then::GoOn,
+                    true if exposure.next_round() => Then::Visit(exposure.instants()),
+                    true => Then::Stop,
+                };
                 traced += start.elapsed();
-                whole
-            });
-            if !whole {
-                return Then::Stop;
-            }
-            let start = Instant::now();
-            let again = instant + 1 == count && exposure.next_round();
-            traced += start.elapsed();
-            if again { Then::Again } else { Then::GoOn }
-        })?;
+                next
+            })?;
         self.report.trace = traced;
         self.report.prepare += hashing;
         if !(whole && sought) {
@@ -180,7 +208,7 @@ impl Engine {
         let FilmSettings { width, height, .. } = self.film_settings();
         let exposure = begun.take();
         let nothing = || {
-            let plan = SamplePlan { rounds: Rounds::single(1, 1), target: None, alpha };
+            let plan = SamplePlan { alpha, ..SamplePlan::uniform(1, 1) };
             Exposure::encoded(encoding, (width, height), plan, SampleMemory::default())
         };
         let exposure = exposure.unwrap_or_else(nothing);
@@ -197,7 +225,7 @@ impl Engine {
     /// As [`Engine::render_frame`].
     pub fn render_reference(&mut self, time: Time) -> Result<Film, EngineError> {
         let FilmSettings { width, height, .. } = self.film_settings();
-        let sums = self.reference_sums(time)?;
+        let sums = self.reference_sums(time, false)?;
         Ok(sums.map_or_else(|| Film::new(width, height), |sums| sums.develop()))
     }
 
@@ -208,20 +236,41 @@ impl Engine {
     /// As [`Engine::render_frame`].
     pub fn render_alpha_reference(&mut self, time: Time) -> Result<AlphaFilm, EngineError> {
         let FilmSettings { width, height, .. } = self.film_settings();
-        let sums = self.reference_sums(time)?;
+        let sums = self.reference_sums(time, true)?;
         Ok(sums.map_or_else(|| AlphaFilm::empty(width, height), |sums| sums.develop_with_alpha()))
     }
 
-    /// Takes all samples of a moment by the reference path. `None` without a camera.
-    fn reference_sums(&mut self, time: Time) -> Result<Option<ReferenceSums>, EngineError> {
+    /// Takes all samples of a moment by the reference path, whose alpha counts or not. `None` without a camera.
+    fn reference_sums(&mut self, time: Time, alpha: bool) -> Result<Option<ReferenceSums>, EngineError> {
         let instants = self.instants(time);
         let (mut sums, count, left) = (None, count_of(&instants), self.effects_left());
-        self.seek_all(time, &instants, &NEVER, |preparation, _, instant| {
+        let first = self.first_instants(&instants);
+        let mut rest = first.len();
+        let hashed = self.hashed_instants(&instants);
+        if hashed != first {
+            self.seek_all(time, (&instants, hashed), &NEVER, |preparation, _, _| {
+                let (scene, camera) = (preparation.scene(), preparation.camera());
+                let plan = SamplePlan { alpha, ..sample_plan(preparation, count) };
+                let sums = sums.get_or_insert_with(|| ReferenceSums::new(camera.resolution(), plan));
+                Reference::new(scene, camera, preparation.sampling(time), left).search(sums);
+                Then::GoOn
+            })?;
+        }
+        self.seek_all(time, (&instants, first), &NEVER, |preparation, _, instant| {
             let (scene, camera) = (preparation.scene(), preparation.camera());
-            let plan = sample_plan(preparation, count);
+            let plan = SamplePlan { alpha, ..sample_plan(preparation, count) };
             let sums = sums.get_or_insert_with(|| ReferenceSums::new(camera.resolution(), plan));
             Reference::new(scene, camera, preparation.sampling(time), left).add(sums, instant);
-            if instant + 1 == count && sums.next_round() { Then::Again } else { Then::GoOn }
+            rest -= 1;
+            if rest > 0 {
+                return Then::GoOn;
+            }
+            if !sums.next_round() {
+                return Then::Stop;
+            }
+            let next = sums.instants();
+            rest = next.len();
+            Then::Visit(next)
         })?;
         Ok(sums)
     }
@@ -234,8 +283,9 @@ impl Engine {
     /// As [`Engine::render_frame`].
     pub fn fingerprint_at(&mut self, time: Time) -> Result<FrameFingerprint, EngineError> {
         let instants = self.instants(time);
-        let mut hashed = HashedInstants::new(self.effects_left().lighting, count_of(&instants));
-        self.seek_all(time, &instants, &NEVER, |preparation, _, instant| {
+        let to_hash = self.hashed_instants(&instants);
+        let mut hashed = HashedInstants::new(self.effects_left().lighting, to_hash.clone());
+        self.seek_all(time, (&instants, to_hash), &NEVER, |preparation, _, instant| {
             hashed.note(preparation, time, instant);
             Then::GoOn
         })?;
@@ -249,7 +299,8 @@ impl Engine {
     /// As [`Engine::render_frame`].
     pub fn plan_at(&mut self, time: Time) -> Result<Option<&Plan>, EngineError> {
         let instants = self.instants(time);
-        self.seek_all(time, &instants, &NEVER, |_, _, _| Then::GoOn)?;
+        let first = self.hashed_instants(&instants);
+        self.seek_all(time, (&instants, first), &NEVER, |_, _, _| Then::GoOn)?;
         Ok(self.plan.as_ref())
     }
 
@@ -259,17 +310,11 @@ impl Engine {
         self.shutters.get_or_insert_with(|| Shutters::of(&self.world)).at(time, &self.knobs)
     }
 
-    /// Returns how many samples each pixel of the last frame has or, where pixels get as many as they need, the least that all of them
-    /// get.
+    /// Returns the number of samples of each pixel of the last frame; 1, the least, where pixels take as many as they need.
     #[must_use]
     pub fn least_samples(&self) -> u32 {
-        let (time, sampling) = (self.report.time, self.knobs.sampling(sampling_settings(&self.world)));
-        let Some(samples) = self.sampling().map(|sampling| sampling.samples).filter(|_| self.is_adaptive())
-        else {
-            return self.sampling().map_or(sampling.samples, |sampling| sampling.samples);
-        };
-        let shutter = Shutters::of(&self.world).at(time, &self.knobs);
-        Rounds::doubling(samples, count_of(&self.instants_of(shutter, time))).least()
+        let own = || self.knobs.sampling(sampling_settings(&self.world)).samples;
+        if self.is_adaptive() { 1 } else { self.sampling().map_or_else(own, |sampling| sampling.samples) }
     }
 
     /// Returns the instants at which a frame is drawn: its moment, or several while the shutter is open.
@@ -284,10 +329,28 @@ impl Engine {
         match shutter {
             _ if single => vec![time],
             Shutter::Open(open, count) if self.full || self.may_move() => {
+                let count = if self.is_adaptive() { InstantOrder::MOST } else { count };
                 self.timeline.instants(time, open, count)
             }
             _ => vec![time],
         }
+    }
+
+    /// Returns the instants of a frame that its first round visits.
+    fn first_instants(&self, instants: &[Time]) -> Vec<u32> {
+        if instants.len() > 1 && self.is_adaptive() {
+            return InstantOrder::new(true).first();
+        }
+        (0..count_of(instants)).collect()
+    }
+
+    /// Returns the instants of a frame that identify it: all, or as many of a frame with adaptive samples as scenes have by default.
+    fn hashed_instants(&self, instants: &[Time]) -> Vec<u32> {
+        if instants.len() > 1 && self.is_adaptive() {
+            let count = Sampling::default().instants;
+            return InstantOrder::new(true).instants(0..count);
+        }
+        (0..count_of(instants)).collect()
     }
 
     /// Returns whether there is anything that could move.
@@ -296,25 +359,26 @@ impl Engine {
         !self.systems.is_empty() || self.world.archetypes().any(animated)
     }
 
-    /// Visits the instants of the frame at `time`, and calls `each` with the prepared data of each, the effects that it needs, and its
-    /// index, as long as it wants. The film and the samples are those of the first instant throughout.
-    /// Returns whether the world was brought to each of them: `cancelled` may have become true meanwhile.
+    /// Visits instants of the frame at `time`, by their indices, and calls `each` with the prepared data of each, the effects that it needs,
+    /// and its index, which decides what follows. The film and the samples are those of the first instant throughout.
+    /// Returns `false` if cancelled.
     pub(super) fn seek_all(
         &mut self,
         time: Time,
-        instants: &[Time],
+        (instants, first): (&[Time], Vec<u32>),
         cancelled: &AtomicBool,
         mut each: impl FnMut(&Preparation, Effects, u32) -> Then,
     ) -> Result<bool, EngineError> {
         self.report = FrameReport { time, ..FrameReport::default() };
         let mut plan: Option<Plan> = None;
         let (mut moves, mut exposure) = (false, None);
-        let mut next = (0..count_of(instants)).zip(instants);
-        while let Some((index, instant)) = next.next() {
+        let (mut next, mut is_first) = (VecDeque::from(first), true);
+        while let Some(index) = next.pop_front() {
+            let Some(instant) = instants.get(index as usize) else { continue };
             let Some(changed) = self.bring(*instant, cancelled)? else { return Ok(false) };
             let Some(own) = self.turn_knobs(&mut exposure) else { continue };
             let Some(shown) = self.shown() else { continue };
-            moves |= index > 0 && !changed.is_empty();
+            moves |= !std::mem::take(&mut is_first) && !changed.is_empty();
             let now = shown.plan(&self.world);
             let mut effects = if self.full { Effects::ALL } else { now.effects() };
             effects.lighting = effects.lighting.min(self.effects_left().lighting);
@@ -324,7 +388,7 @@ impl Engine {
             }
             let mut then = each(&shown, effects, index);
             // A single instant is there already.
-            while instants.len() == 1 && matches!(then, Then::Again) {
+            while instants.len() == 1 && matches!(then, Then::Visit(_)) {
                 then = each(&shown, effects, index);
             }
             if let Some(preparation) = &mut self.preparation {
@@ -332,7 +396,7 @@ impl Engine {
             }
             match then {
                 Then::GoOn => {}
-                Then::Again => next = (0..count_of(instants)).zip(instants),
+                Then::Visit(instants) => next = instants.into(),
                 Then::Stop => break,
             }
         }
@@ -393,12 +457,18 @@ impl Engine {
     pub fn seek_sample(&mut self, time: Time, index: u32) -> Result<(), EngineError> {
         let instants = self.instants(time);
         self.report = FrameReport { time, ..FrameReport::default() };
-        let mut exposure = None;
+        let (mut exposure, count) = (None, count_of(&instants));
+        let is_adaptive = self.is_adaptive() && count > 1;
+        let wanted = is_adaptive.then(|| InstantOrder::new(true).instants(index..index + 1));
         for (at, instant) in (0..).zip(&instants) {
             self.bring(*instant, &NEVER)?;
             self.turn_knobs(&mut exposure);
             let Some(preparation) = &self.preparation else { continue };
-            if index < Rounds::single(preparation.samples(), count_of(&instants)).portion(at).to {
+            let belongs = match &wanted {
+                Some(wanted) => wanted.contains(&at),
+                None => block(preparation.samples(), count, at).contains(&index),
+            };
+            if belongs {
                 break;
             }
         }
@@ -441,8 +511,8 @@ impl Engine {
 pub(super) enum Then {
     /// The next one, if there is one.
     GoOn,
-    /// All of them again.
-    Again,
+    /// These, in turn.
+    Visit(Vec<u32>),
     /// Nothing.
     Stop,
 }
@@ -455,10 +525,7 @@ fn count_of(instants: &[Time]) -> u32 {
 /// Returns the samples that a picture at so many instants gets. It has its background.
 fn sample_plan(preparation: &Preparation, instants: u32) -> SamplePlan {
     let samples = preparation.samples();
-    let target = preparation.error_target(instants);
-    let rounds = match target {
-        Some(_) => Rounds::doubling(samples, instants),
-        None => Rounds::single(samples, instants),
-    };
-    SamplePlan { rounds, target, alpha: false }
+    let target = preparation.error_target(instants > 1);
+    let starts_wide = preparation.camera().has_lens();
+    SamplePlan { target, starts_wide, ..SamplePlan::uniform(samples, instants) }
 }

@@ -42,7 +42,7 @@ impl Engine {
         let instants = self.instants(time);
         let (report, plan) = (std::mem::take(&mut self.report), self.plan.take());
         let mut passes = None;
-        let sought = self.seek_all(time, &instants, cancelled, |preparation, _, _| {
+        let sought = self.seek_all(time, (&instants, vec![0]), cancelled, |preparation, _, _| {
             passes = preparation.scene().passes(preparation.camera(), cancelled);
             Then::Stop
         });

@@ -1,49 +1,57 @@
-//! Adaptive sampling: samples go to the pixels that need them, until the picture is as good as it is meant to be.
+//! Adaptive sampling: pixels get samples until the estimated RMS error of the picture is at most a target.
 //!
-//! Samples come in `rounds`. After each, every pixel that got some has two means, of the samples from before and of those
-//! that are new, as many; those of the first round are halved. Half their difference, in output values, estimates the error of the mean of
-//! both, more closely as it is known how errors fall with the number n of samples: as n^-3/4 where an edge runs through a pixel, and as
-//! n^-1/2 where much is sampled, as lights, a lens or a shutter (see `math/sampling`). What is known from the rounds before counts half.
+//! ```text
+//! take a first sample of every pixel (four where a lens or a shutter is open)
+//! loop:
+//!     estimate the square error of every pixel
+//!     stop when their mean is at most the target's square
+//!     find the least gain, square error per sample, that reaches the target when every pixel above it is doubled   (`needs`)
+//!     double the samples of the pixels above it, and audit some of the others
+//! ```
 //!
-//! Where all samples of a pixel agree, they may have missed something: beside an edge, a part of less than 1/n may be on its other side.
-//! On average that adds 1/n of the square error of half such a part.
+//! A frame decides by itself alone; nothing depends on threads, tiles or other frames. Estimates that follow from a pixel's own samples are
+//! biased where samples decide who gets more: pixels whose samples agree by chance would be given up. So:
 //!
-//! The mean square of all pixels' errors is the picture's. To lower it with the fewest samples, those pixels get more whose square
-//! error per sample is largest: at the best division it is the same everywhere that has any. How large it may be left is found from the
-//! histogram of all pixels, by following what each of them would become with more samples. Where one pixel's estimate is too low by
-//! chance, its neighbours' help: they count half.
-//!
-//! All of that is done between rounds, for the picture as a whole, in an order that does not depend on threads. So the picture does not
-//! either, and the reference path makes the same.
-//!
-//! For independent samples the best division is that of Neyman, "On the Two Different Aspects of the Representative Method" (1934).
+//! 1. **Geometry** finds the pixels that more than one surface can show in ([`visibility`](super::visibility)). They carry the error that
+//!    their contrast and the size of the smallest feature leave possible, whatever their samples say (`evidence`).
+//! 2. **The variance of single samples**, not the difference of two halves, says how much a pixel varies: halves of well-spread
+//!    samples often agree at an edge, single samples on both sides never do.
+//! 3. **Pooled halves** say how errors fall with the number of samples. With e² the square error of the mean of n samples and q e² that of
+//!    2 n, the square of half the difference between the halves is (1 - q) e² on average. Summed over all pixels of a class, which were not
+//!    chosen by it, it corrects the scale of the class's estimates.
+//! 4. **An audit** takes samples of some plain pixels that nothing calls for, one of each 4 by 4 at first and others in every round. Their
+//!    variance stands for that of their neighbourhood: it finds reflections, penumbrae and sparks that no sample has met, and enters the
+//!    picture's error.
 
+mod evidence;
+mod instants;
 mod needs;
 mod output_curve;
-mod pixel_errors;
-mod rounds;
-mod rows;
 
-use std::ops::Range;
+use rayon::prelude::*;
 
 use crate::color::Transfer;
-use crate::trace::scene::{Camera, PreparedScene, SIDE};
+use crate::trace::math::LANES;
+use crate::trace::scene::{Camera, PreparedScene};
+use crate::trace::stages::{Portion, TILE, TILE_PIXELS, Tile};
+use crate::trace::visibility::{Covering, Feature, TileFeatures};
+pub(crate) use evidence::PixelSums;
+use evidence::{CLASSES, Class, FEWEST, Neighbours, Pixel};
+pub(crate) use instants::{InstantOrder, block};
+use needs::{Gain, SquaresByGain};
 use output_curve::OutputCurve;
-pub(crate) use pixel_errors::PixelErrors;
-use pixel_errors::{Halves, Missed};
-pub(crate) use rounds::{Portion, Rounds};
 
-/// How good a picture is meant to be.
+/// The error that a picture may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ErrorTarget {
-    /// The root of the mean square of all errors, in output values: steps of 8 bits. Greater than 0.
+    /// The root of the mean square over pixels and channels, in output values: steps of 8 bits. Greater than 0.
     pub(crate) rms: f64,
     /// How light becomes output values.
     pub(crate) transfer: Transfer,
     pub(crate) convergence: Convergence,
 }
 
-/// How fast errors fall with the number n of samples, before it is seen.
+/// How fast errors fall with the number n of samples, before it is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Convergence {
     /// As n^-3/4.
@@ -53,14 +61,14 @@ pub(crate) enum Convergence {
 }
 
 impl Convergence {
-    /// Returns that of a picture of a scene through a camera, at so many instants.
-    pub(crate) fn of(scene: &PreparedScene, camera: &Camera, instants: u32) -> Self {
+    /// Returns the convergence of a picture of a scene through a camera, whose shutter may be open.
+    pub(crate) fn of(scene: &PreparedScene, camera: &Camera, is_open: bool) -> Self {
         let has_effects =
-            instants > 1 || camera.has_lens() || scene.lights.iter().any(|light| light.source.is_extended());
+            is_open || camera.has_lens() || scene.lights.iter().any(|light| light.source.is_extended());
         if has_effects { Self::Effects } else { Self::Edges }
     }
 
-    /// By what the square of an error is multiplied when the number of samples is doubled.
+    /// By what a square error is multiplied when the number of samples is doubled.
     fn of_doubling(self) -> f64 {
         match self {
             Self::Edges => 0.353_553_390_593_273_8,
@@ -69,133 +77,400 @@ impl Convergence {
     }
 }
 
-/// Which part of the target is aimed at: estimates scatter, and pixels whose estimate is too low by chance get no more samples.
-const AIM: f64 = 0.94;
-
-/// What pixels' samples add up to, for a band of the picture at a time: of each of its rows, by channel. Where pixels get no more, it may be
-/// anything.
-pub(crate) trait BandSums: Sync {
-    /// Tells the sums of all samples so far, rounded.
-    fn all(&self, band: usize, rows: &mut [[&mut [f32]; 3]]);
-
-    /// Tells the sums of the first half of the first round's samples, added up in `f32`.
-    fn first_half(&self, band: usize, rows: &mut [[&mut [f32]; 3]]);
+/// The estimate of a picture's error, in output values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EstimatedError {
+    /// The root of the mean square over pixels and channels.
+    pub rms: f64,
+    /// Its standard deviation: how far the estimate may be off.
+    pub deviation: f64,
 }
 
-/// The rows of a band: as many as packets of camera rays have. Bands are counted from the top; the last may have fewer.
-pub(crate) const BAND: usize = SIDE as usize;
+/// The part of the target that is aimed at: estimates scatter.
+const AIM: f64 = 0.85;
+/// One of so many plain pixels is audited first, and one of so many in every later round.
+const AUDITED: [u32; 2] = [16, 32];
+/// The rows whose squares are summed together.
+const BAND: usize = 32;
+/// The weight of what is known of a class beforehand, in pixels.
+const PRIOR: f64 = 8.0;
+/// The weight of the whole picture's audit in every tile's, in pixels.
+const SHARED: f64 = 4.0;
 
-/// How good a picture is so far, and which of its pixels get more samples.
+/// Sums of samples, pixel by pixel.
+pub(crate) trait SampleSums: Sync {
+    /// Returns whether the picture has alpha.
+    fn have_alpha(&self) -> bool;
+
+    /// Returns the sums of the pixel in a column and a row.
+    fn of(&self, column: usize, row: usize) -> PixelSums;
+}
+
+/// The memory of a picture's pixels.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PixelMemory {
+    pixels: Vec<Pixel>,
+}
+
+/// The samples of a picture's pixels: how many each has, and which are next.
 #[derive(Clone, Debug)]
 pub(crate) struct Adaptive {
     target: ErrorTarget,
     curve: OutputCurve,
-    pixels: PixelErrors,
-    /// The estimate of the square of the picture's error.
-    square: Option<f64>,
+    size: (usize, usize),
+    /// The most samples of a pixel.
+    most: u32,
+    order: InstantOrder,
+    round: u32,
+    pixels: Vec<Pixel>,
+    /// By class: by what estimates are multiplied.
+    scales: [Scale; CLASSES],
+    error: Option<EstimatedError>,
+}
+
+/// How a class's estimates are corrected.
+#[derive(Clone, Copy, Debug)]
+struct Scale {
+    factor: f64,
+    /// By what a square error is multiplied when the number of samples is doubled.
+    falls: f64,
+    /// The relative variance of the factor.
+    uncertain: f64,
+}
+
+/// Sums over the pixels of a class whose samples were doubled.
+#[derive(Clone, Copy, Debug, Default)]
+struct Halves {
+    pixels: f64,
+    model: f64,
+    apart: f64,
+    apart_squared: f64,
+    /// Of the pixels that were doubled before, too: then and now.
+    earlier: f64,
+    later: f64,
 }
 
 impl Adaptive {
-    /// Returns what is known before the first sample, in the memory of what was known of another picture.
-    pub(crate) fn new((columns, rows): (u32, u32), target: ErrorTarget, mut pixels: PixelErrors) -> Self {
-        pixels.clear((columns.max(1) as usize, rows.max(1) as usize));
-        Self { target, curve: OutputCurve::of(target.transfer), pixels, square: None }
+    /// Creates the state before the first sample, in the memory of another picture.
+    pub(crate) fn new(
+        (columns, rows): (u32, u32),
+        (most, order, starts_wide): (u32, InstantOrder, bool),
+        target: ErrorTarget,
+        PixelMemory { mut pixels }: PixelMemory,
+    ) -> Self {
+        let size = (columns.max(1) as usize, rows.max(1) as usize);
+        let wide = starts_wide || order.count() > 1;
+        let goal = (if wide { FEWEST } else { 1 }).min(most);
+        pixels.clear();
+        pixels.resize(size.0 * size.1, Pixel { goal, apart: -1.0, audited: wide, ..Pixel::default() });
+        let falls = [0.5, target.convergence.of_doubling(), 0.5];
+        let scales = falls.map(|falls| Scale { factor: 1.0, falls, uncertain: 0.25 });
+        let curve = OutputCurve::of(target.transfer);
+        Self { target, curve, size, most, order, round: 0, pixels, scales, error: None }
     }
 
     /// Returns the memory.
-    pub(crate) fn into_memory(self) -> PixelErrors {
-        self.pixels
+    pub(crate) fn into_memory(self) -> PixelMemory {
+        PixelMemory { pixels: self.pixels }
     }
 
-    /// Returns the number of samples that a pixel was left with; `None` if it gets more.
-    pub(crate) fn left_with(&self, pixel: usize) -> Option<u32> {
-        Some(self.pixels.samples(pixel)).filter(|samples| *samples > 0)
+    /// Returns the estimate of the picture's error; `None` before it is known.
+    pub(crate) fn error(&self) -> Option<EstimatedError> {
+        self.error
     }
 
-    /// Returns the numbers of samples that a row's pixels were left with; 0 if they get more.
-    pub(crate) fn row_left_with(&self, row: u32) -> &[u32] {
-        self.pixels.row(row as usize)
+    /// Returns whether geometry is to be searched for the features of pixels in this round: while it shows new instants.
+    pub(crate) fn wants_features(&self) -> bool {
+        self.round == 0 || (self.order.count() > 1 && self.pixels_most() <= self.order.count())
     }
 
-    /// Returns whether any pixel in these columns and rows gets more samples.
-    pub(crate) fn any_gets_more(&self, columns: Range<u32>, rows: Range<u32>) -> bool {
-        let columns = columns.start as usize..columns.end as usize;
-        rows.into_iter().any(|row| self.pixels.row(row as usize)[columns.clone()].contains(&0))
+    fn pixels_most(&self) -> u32 {
+        self.pixels.iter().map(|pixel| pixel.goal).max().unwrap_or(0)
     }
 
-    /// Returns the estimate of the picture's error, in output values; `None` before two samples.
-    pub(crate) fn error(&self) -> Option<f64> {
-        self.square.map(f64::sqrt)
+    /// Returns whether the shutter is open: shapes may move through pixels.
+    pub(crate) fn is_open(&self) -> bool {
+        self.order.count() > 1
     }
 
-    /// By what the square of half a pixel's difference is multiplied: with e^2 the square of the error of one half, that is e^2 / 2 if the
-    /// halves are independent, and that of both together e^2 times what doubling brings. As halves complete each other, it is less; but
-    /// pixels that are left are those that seem good.
-    fn scale(&self) -> f64 {
-        2.0 * self.target.convergence.of_doubling()
+    /// Returns the instants that this round's samples belong to, in the order of time.
+    pub(crate) fn instants(&self) -> Vec<u32> {
+        let active = self.pixels.iter().filter(|pixel| pixel.goal > pixel.taken);
+        let range = active.fold(None, |range: Option<(u32, u32)>, pixel| {
+            let (from, to) = range.unwrap_or((pixel.taken, pixel.goal));
+            Some((from.min(pixel.taken), to.max(pixel.goal)))
+        });
+        range.map_or_else(Vec::new, |(from, to)| self.order.instants(from..to))
     }
 
-    /// Looks at all pixels after a round. Returns whether another is needed: pixels that get nothing from it are noted.
-    pub(crate) fn judge(&mut self, rounds: &Rounds, sums: &impl BandSums) -> bool {
-        let (first_half, taken) = (rounds.first_half_taken(), rounds.taken());
-        // With a single sample nothing is known.
-        if taken > first_half {
-            self.estimate(rounds.is_first(), &Halves { old: first_half, new: taken - first_half }, sums);
+    /// Collects the samples that a tile's pixels take at an instant in this round.
+    pub(crate) fn portions(&self, tile: &Tile, instant: u32, portions: &mut Vec<Portion>) {
+        portions.clear();
+        let sample = self.order.sample_of(instant);
+        for index in 0..TILE_PIXELS {
+            #[expect(clippy::cast_possible_truncation, reason = "a tile's pixels")]
+            let index = index as u32;
+            let (column, row) = tile.pixel(index);
+            if column < tile.i + tile.width && row < tile.j + tile.height {
+                let pixel = &self.pixels[row as usize * self.size.0 + column as usize];
+                if pixel.goal > pixel.taken {
+                    portions.extend(self.order.portion(index, pixel.taken..pixel.goal, sample));
+                }
+            }
         }
+    }
+
+    /// Notes the features of a tile's pixels at an instant.
+    pub(crate) fn note_features(&mut self, tile: &Tile, found: &TileFeatures) {
+        for row in 0..tile.height {
+            for column in 0..tile.width {
+                let (packet, lane) = Tile::lane_of(column as usize, row as usize);
+                let place = (tile.j + row) as usize * self.size.0 + (tile.i + column) as usize;
+                let (feature, cover) = found.of(packet * LANES + lane);
+                let pixel = &mut self.pixels[place];
+                let before = pixel.feature;
+                // What covers a pixel at one instant and not at another moves through it.
+                let id = |cover: Option<Covering>| cover.map(|(id, _)| id);
+                if let Some(other) = pixel.cover.filter(|other| id(*other) != id(cover)) {
+                    let radiance =
+                        other.into_iter().chain(cover).map(|(_, radiance)| radiance).fold(0.0, f32::max);
+                    pixel.feature.join(Feature { area: 1.0, radiance });
+                }
+                pixel.feature.join(feature);
+                pixel.cover = Some(cover);
+                if pixel.feature != before {
+                    // Its estimate was that of another kind of pixel.
+                    pixel.known = 0;
+                }
+            }
+        }
+    }
+
+    /// Estimates errors after a round, and chooses the samples of the next one. Returns `false` if the picture is done.
+    pub(crate) fn judge(&mut self, sums: &impl SampleSums) -> bool {
+        let (width, curve) = (self.size.0, self.curve);
+        let (edges, alpha) = (self.target.convergence == Convergence::Edges, sums.have_alpha());
+        // Update pixels, and remember how far their halves were apart before.
+        let doubled: Vec<Vec<(usize, f32)>> = self
+            .pixels
+            .par_chunks_mut(width)
+            .enumerate()
+            .map(|(row, pixels)| {
+                let mut doubled = Vec::new();
+                for (column, pixel) in
+                    pixels.iter_mut().enumerate().filter(|(_, pixel)| pixel.goal > pixel.taken)
+                {
+                    let before = pixel.apart;
+                    pixel.update(curve, &sums.of(column, row));
+                    if pixel.apart >= 0.0 {
+                        doubled.push((column, before));
+                    }
+                }
+                doubled
+            })
+            .collect();
+        let around = self.audited_variance();
+        let squares: Vec<Vec<f32>> = (0..self.size.1)
+            .into_par_iter()
+            .map(|row| {
+                let tiles = &around[row / TILE as usize * width.div_ceil(TILE as usize)..];
+                let pixels = self.pixels[row * width..][..width].iter().enumerate();
+                let model = |(column, pixel): (usize, &Pixel)| {
+                    let neighbours = match pixel.class() {
+                        Class::Plain => {
+                            let variance = tiles[column / TILE as usize];
+                            Neighbours { least: pixel.mean, most: pixel.mean, variance }
+                        }
+                        Class::Edge | Class::Small => self.neighbours(column, row),
+                    };
+                    pixel.model(curve, edges, alpha, &neighbours)
+                };
+                pixels.map(model).collect()
+            })
+            .collect();
+        self.measure_scales(&doubled, &squares);
+        let factors = self.scales.map(|scale| evidence::single(scale.factor));
+        let (most, gained): (u32, Vec<SquaresByGain>) = {
+            let most = self.most;
+            let bands = self.pixels.par_chunks_mut(width * BAND).zip(squares.par_chunks(BAND));
+            let sums = bands.map(|(pixels, squares)| {
+                let mut sums = SquaresByGain::default();
+                for (pixel, square) in pixels.iter_mut().zip(squares.iter().flatten()) {
+                    let square = square * factors[pixel.class() as usize];
+                    // The scale is that of this round's pixels: others keep what they had, unless their neighbours show more.
+                    let is_known =
+                        pixel.class() != Class::Plain && pixel.taken >= FEWEST && pixel.known == pixel.taken;
+                    pixel.square =
+                        if is_known { pixel.square.max(square.min(2.0 * pixel.square)) } else { square };
+                    pixel.known = pixel.taken;
+                    sums.add(pixel.square, pixel.taken, pixel.taken < most);
+                }
+                sums
+            });
+            (most, sums.collect())
+        };
+        self.note_error();
+        let count = self.pixels.len() as f64;
         let aim = AIM * self.target.rms;
-        if rounds.is_last() || self.error().is_some_and(|error| error <= aim) {
-            self.pixels.leave_all(taken);
+        let reached = self.error.is_some_and(|error| error.rms <= aim);
+        if reached && self.round > 0 {
             return false;
         }
-        if rounds.is_first() {
-            self.suspect(taken);
-        }
-        let most = aim * aim / self.scale() * self.pixels.count() as f64;
-        let least = self.pixels.needs().least_for(most, self.target.convergence);
-        let goes_on = self.pixels.leave(taken, least);
-        if !goes_on {
-            self.square = Some(self.square_of_pixels());
-        }
-        goes_on
-    }
-
-    /// Estimates the errors of the pixels that had samples in this round, and that of the picture.
-    ///
-    /// After the first round that is known better as a whole, from the mean square of half of all differences. With e^2 the square of the
-    /// error of one half, that of both together is q e^2, where q is what doubling brings; so the errors of the halves have the product
-    /// (2 q - 1) e^2 on average, and the square of half their difference is (1 - q) e^2.
-    fn estimate(&mut self, is_first: bool, halves: &Halves, sums: &impl BandSums) {
-        let per_doubling = self.target.convergence.of_doubling();
-        if is_first {
-            self.pixels.estimate(self.curve, halves, None, sums);
-            self.square = Some(per_doubling / (1.0 - per_doubling) * self.mean_of_pixels());
+        let mut gains = SquaresByGain::default();
+        gained.iter().for_each(|row| gains += row);
+        let least = if reached {
+            Gain::BEYOND
         } else {
-            self.pixels.estimate(self.curve, halves, Some(per_doubling), sums);
-            self.suspect(halves.old + halves.new);
-            self.square = Some(self.square_of_pixels());
+            gains.least_for(aim * aim * count, self.scales[Class::Edge as usize].falls)
+        };
+        let (round, part) = (self.round, AUDITED[usize::from(self.round > 0)]);
+        self.round += 1;
+        let rows = self.pixels.par_chunks_mut(width).enumerate();
+        let active: Vec<bool> = rows
+            .map(|(row, pixels)| {
+                let mut any = false;
+                for (column, pixel) in pixels.iter_mut().enumerate().filter(|(_, pixel)| pixel.taken < most) {
+                    let gains = pixel.square > 0.0 && Gain::of(pixel.square, pixel.taken) >= least;
+                    let audits = !gains
+                        && pixel.class() == Class::Plain
+                        && !pixel.audited
+                        && is_audited((column, row), round, part);
+                    if gains || audits {
+                        pixel.goal = (2 * pixel.taken).max(FEWEST).min(most);
+                        pixel.audited |= audits;
+                        // An audit alone is no reason for another round, but for the first.
+                        any |= gains || round == 0;
+                    }
+                }
+                any
+            })
+            .collect();
+        if active.contains(&true) {
+            return true;
+        }
+        self.pixels.par_iter_mut().for_each(|pixel| pixel.goal = pixel.taken);
+        false
+    }
+
+    /// Returns the variance of one sample of audited pixels around each tile, tile by tile.
+    fn audited_variance(&self) -> Vec<f32> {
+        let (width, height) = self.size;
+        let across = width.div_ceil(TILE as usize);
+        let down = height.div_ceil(TILE as usize);
+        let mut tiles = vec![(0.0_f64, 0.0_f64); across * down];
+        for (row, pixels) in self.pixels.chunks(width).enumerate() {
+            for (column, pixel) in pixels.iter().enumerate() {
+                if pixel.audited && pixel.taken >= FEWEST && pixel.class() == Class::Plain {
+                    let tile = &mut tiles[row / TILE as usize * across + column / TILE as usize];
+                    (tile.0, tile.1) = (tile.0 + f64::from(pixel.variance), tile.1 + 1.0);
+                }
+            }
+        }
+        let all = tiles.iter().fold((0.0, 0.0), |all, tile| (all.0 + tile.0, all.1 + tile.1));
+        let mean = if all.1 > 0.0 { all.0 / all.1 } else { 0.0 };
+        let around = |tile: usize| {
+            let (i, j) = (tile % across, tile / across);
+            let (mut sum, mut count) = (SHARED * mean, SHARED);
+            for row in j.saturating_sub(1)..down.min(j + 2) {
+                for tile in &tiles[row * across..][i.saturating_sub(1)..across.min(i + 2)] {
+                    (sum, count) = (sum + tile.0, count + tile.1);
+                }
+            }
+            evidence::single(sum / count)
+        };
+        (0..tiles.len()).map(around).collect()
+    }
+
+    /// Returns the extremes around a pixel.
+    fn neighbours(&self, column: usize, row: usize) -> Neighbours {
+        let (width, height) = self.size;
+        let mut found = Neighbours { least: [f32::INFINITY; 3], most: [f32::NEG_INFINITY; 3], variance: 0.0 };
+        let mut count = 0.0;
+        for row in row.saturating_sub(1)..height.min(row + 2) {
+            for pixel in &self.pixels[row * width..][column.saturating_sub(1)..width.min(column + 2)] {
+                if pixel.class() != Class::Plain && pixel.taken > 1 {
+                    (found.variance, count) = (found.variance + pixel.variance, count + 1.0);
+                }
+                for (channel, mean) in pixel.mean.iter().enumerate() {
+                    let (least, most) = (&mut found.least[channel], &mut found.most[channel]);
+                    *least = if mean < least { *mean } else { *least };
+                    *most = if mean > most { *mean } else { *most };
+                }
+            }
+        }
+        found.variance /= f32::max(count, 1.0);
+        found
+    }
+
+    /// Corrects the scales of classes by how far the halves of their pixels are apart.
+    fn measure_scales(&mut self, doubled: &[Vec<(usize, f32)>], squares: &[Vec<f32>]) {
+        let mut halves = [Halves::default(); CLASSES];
+        for (row, doubled) in doubled.iter().enumerate() {
+            for (column, before) in doubled {
+                let pixel = &self.pixels[row * self.size.0 + column];
+                let (class, apart) = (&mut halves[pixel.class() as usize], f64::from(pixel.apart));
+                class.pixels += 1.0;
+                class.model += f64::from(squares[row][*column]);
+                class.apart += apart;
+                class.apart_squared += apart * apart;
+                if *before >= 0.0 {
+                    class.earlier += f64::from(*before);
+                    class.later += apart;
+                }
+            }
+        }
+        for (scale, halves) in self.scales.iter_mut().zip(halves).filter(|(_, halves)| halves.pixels > 0.0) {
+            let prior = PRIOR * halves.earlier / halves.pixels;
+            if halves.earlier > 0.0 {
+                let measured = (halves.later + prior * scale.falls) / (halves.earlier + prior);
+                scale.falls = measured.clamp(0.2, 0.5);
+            }
+            let measured = scale.falls / (1.0 - scale.falls) * halves.apart;
+            let prior = PRIOR * halves.model / halves.pixels;
+            if halves.model > 0.0 {
+                scale.factor = ((measured + prior * scale.factor) / (halves.model + prior)).clamp(0.125, 8.0);
+            }
+            if halves.apart > 0.0 {
+                // The square of a normal number has twice the variance of its square.
+                scale.uncertain = (halves.apart_squared / (halves.apart * halves.apart)).min(0.25);
+            }
         }
     }
 
-    /// Returns the mean of the square errors that are known of each pixel.
-    fn square_of_pixels(&self) -> f64 {
-        self.scale() * self.mean_of_pixels()
-    }
-
-    fn mean_of_pixels(&self) -> f64 {
-        self.pixels.sum() / self.pixels.count() as f64
-    }
-
-    /// Estimates what the samples of pixels may have missed that get more, and have so many now.
-    fn suspect(&mut self, taken: u32) {
-        // Half of the largest part that may be missed, and the share of pixels in which one is.
-        let (part, often) = (0.5 / f64::from(taken), 1.0 / (f64::from(taken) * self.scale()));
-        self.pixels.suspect(self.curve, &Missed { often, part });
+    /// Notes the picture's error.
+    fn note_error(&mut self) {
+        let mut sums = [(0.0, 0.0_f64); CLASSES];
+        for row in self.pixels.chunks(self.size.0) {
+            for pixel in row {
+                let (class, square) = (&mut sums[pixel.class() as usize], f64::from(pixel.square));
+                (class.0, class.1) = (class.0 + square, class.1.max(square));
+            }
+        }
+        let square = sums.iter().map(|(sum, _)| sum).sum::<f64>() / self.pixels.len() as f64;
+        let variance: f64 =
+            self.scales.iter().zip(&sums).map(|(scale, (sum, _))| scale.uncertain * sum * sum).sum();
+        let rms = square.sqrt();
+        let deviation =
+            if rms > 0.0 { variance.sqrt() / self.pixels.len() as f64 / (2.0 * rms) } else { 0.0 };
+        self.error = Some(EstimatedError { rms, deviation });
     }
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "an estimate")]
-fn single(number: f64) -> f32 {
-    number as f32
+/// Returns whether a pixel is audited after a round: at first one of each 4 by 4 pixels, then others.
+fn is_audited((column, row): (usize, usize), round: u32, part: u32) -> bool {
+    #[expect(clippy::cast_possible_truncation, reason = "a film's columns and rows")]
+    let (column, row) = (column as u32, row as u32);
+    let mixed = |number: u32| {
+        let number = (number ^ number >> 16).wrapping_mul(0x7feb_352d);
+        let number = (number ^ number >> 15).wrapping_mul(0x846c_a68b);
+        number ^ number >> 16
+    };
+    let block = mixed((column / 4) ^ mixed((row / 4) ^ mixed(round)));
+    if round == 0 {
+        block % part == column % 4 + 4 * (row % 4)
+    } else {
+        mixed(block ^ mixed(column ^ row << 16)) % part == 0
+    }
 }
 
 #[cfg(test)]

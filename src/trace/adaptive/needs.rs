@@ -1,12 +1,10 @@
-//! How urgently pixels need samples, and whose needs are met.
+//! The gain that another sample of a pixel promises, and the least gain for which samples are taken.
 
 use std::ops::AddAssign;
 
-use super::Convergence;
-
-/// How urgently a pixel needs more samples, by powers of two and eighths of them: the bin of a histogram.
+/// The gain of a sample: the square error of a pixel per sample that it has, by powers of two and eighths of them. The bin of a histogram.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Need(u32);
+pub(super) struct Gain(u32);
 
 /// Bins of a power of two.
 const OCTAVE: u32 = 8;
@@ -15,80 +13,69 @@ const SHIFT: u32 = f32::MANTISSA_DIGITS - 1 - OCTAVE.ilog2();
 /// One for each number.
 const BINS: usize = (f32::INFINITY.to_bits() >> SHIFT) as usize + 1;
 
-impl Need {
-    /// Returns that of a square error, which is not negative.
-    #[inline(always)]
-    pub(super) fn of(square: f32) -> Self {
-        Self(square.to_bits() >> SHIFT)
-    }
-}
+impl Gain {
+    /// No pixel has more.
+    pub(super) const BEYOND: Self = Self(u32::MAX);
 
-impl Convergence {
-    /// By how many bins the square of an error per sample goes down when the number of samples is doubled.
-    fn bins_of_doubling(self) -> usize {
-        OCTAVE as usize * 2
-            + match self {
-                Self::Edges => OCTAVE as usize / 2,
-                Self::Effects => 0,
-            }
+    /// Returns the gain of a pixel with a square error, 0 or more, and a number of samples.
+    #[inline(always)]
+    pub(super) fn of(square: f32, samples: u32) -> Self {
+        #[expect(clippy::cast_precision_loss, reason = "an estimate")]
+        Self((square / samples.max(1) as f32).to_bits() >> SHIFT)
     }
 }
 
 /// The sums of pixels' square errors.
 #[derive(Clone, Debug)]
-pub(super) struct SquaresByNeed {
-    /// Of those that get no more samples.
+pub(super) struct SquaresByGain {
+    /// Of pixels that have all the samples that they may have.
     left: f64,
-    /// Of the others, by their need.
+    /// Of the others, by their gain.
     of: Vec<f64>,
 }
 
-impl Default for SquaresByNeed {
+impl Default for SquaresByGain {
     fn default() -> Self {
         Self { left: 0.0, of: vec![0.0; BINS] }
     }
 }
 
-impl SquaresByNeed {
-    /// Adds pixels.
+impl SquaresByGain {
+    /// Adds a pixel.
     #[inline(always)]
-    pub(super) fn add(&mut self, [spread, missed]: [&[f32]; 2], needs: &[f32], samples: &[u32]) {
-        for (((spread, missed), need), samples) in spread.iter().zip(missed).zip(needs).zip(samples) {
-            let square = spread + missed;
-            if square == 0.0 {
-                // Many have none, and would wait for each other.
-                continue;
-            }
-            let bin = (Need::of(*need).0 as usize).min(BINS - 1);
-            let sum = if *samples == 0 { &mut self.of[bin] } else { &mut self.left };
-            *sum += f64::from(square);
-        }
+    pub(super) fn add(&mut self, square: f32, samples: u32, may_get_more: bool) {
+        let bin = (Gain::of(square, samples).0 as usize).min(BINS - 1);
+        *(if may_get_more { &mut self.of[bin] } else { &mut self.left }) += f64::from(square);
     }
 
-    /// Returns the least need that must be met for the sum of all to become `most` at last, and as little of it as can be told.
-    pub(super) fn least_for(&self, most: f64, convergence: Convergence) -> Need {
-        // It falls as less is left.
+    /// Returns the least gain for which samples must be taken for the sum of all squares to become `most`, where doubling the samples of a
+    /// pixel multiplies its square error by `falls`.
+    ///
+    /// For independent samples, taking them where their gain is largest is the best division: Neyman, "On the Two Different Aspects of the
+    /// Representative Method" (1934).
+    pub(super) fn least_for(&self, most: f64, falls: f64) -> Gain {
         let (mut enough, mut too_much) = (1, BINS);
         while enough + 1 < too_much {
             let middle = usize::midpoint(enough, too_much);
-            if self.becomes(middle, convergence) <= most { enough = middle } else { too_much = middle }
+            if self.becomes(middle, falls) <= most { enough = middle } else { too_much = middle }
         }
-        Need(u32::try_from(enough).unwrap_or(u32::MAX))
+        Gain(u32::try_from(enough).unwrap_or(u32::MAX))
     }
 
-    /// Returns what the sum becomes if needs from one on are met, by doubling samples as often as it takes.
-    fn becomes(&self, least: usize, convergence: Convergence) -> f64 {
-        let (per_doubling, bins) = (convergence.of_doubling(), convergence.bins_of_doubling());
+    /// Returns the sum if samples are doubled as often as it takes for all gains to be less.
+    fn becomes(&self, least: usize, falls: f64) -> f64 {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "8 to 24")]
+        let bins = libm::round(f64::from(OCTAVE) * libm::log2(2.0 / falls)) as usize;
         let mut sum = self.left;
         for (bin, square) in self.of.iter().enumerate().filter(|(_, square)| **square > 0.0) {
             let doublings = (bin + bins).saturating_sub(least) / bins;
-            sum += square * (0..doublings).fold(1.0, |factor, _| factor * per_doubling);
+            sum += square * (0..doublings).fold(1.0, |factor, _| factor * falls);
         }
         sum
     }
 }
 
-impl AddAssign<&Self> for SquaresByNeed {
+impl AddAssign<&Self> for SquaresByGain {
     fn add_assign(&mut self, other: &Self) {
         self.left += other.left;
         self.of.iter_mut().zip(&other.of).for_each(|(sum, other)| *sum += other);

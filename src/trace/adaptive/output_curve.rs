@@ -37,6 +37,17 @@ impl OutputCurve {
     }
 }
 
+impl OutputCurve {
+    /// Returns the variance in output values, of one sample, around a mean of `count` samples of light: as far as the mean's deviation
+    /// shows, where output values are clamped.
+    #[inline(always)]
+    pub(super) fn variance(&self, mean: f32, square: f32, count: f32) -> f32 {
+        let deviation = (square / count).sqrt();
+        let apart = 0.5 * (self.value(mean + deviation) - self.value(mean - deviation));
+        apart * apart * count
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -17,7 +17,7 @@ use glam::DVec3;
 
 use crate::color::{Rgb, to_f32};
 use crate::trace::math::{Colors, LANES, WHOLE, bits16};
-use crate::trace::scene::{LightSource, PreparedScene};
+use crate::trace::scene::{LightSource, PreparedScene, SurfaceMaterial};
 
 /// How much light rays can bring, and how little is left out.
 #[derive(Clone, Debug)]
@@ -149,6 +149,20 @@ impl Budget {
         self.least -= spent;
         count
     }
+}
+
+/// Bounds the radiance, in any channel, of a surface's own light and of a single bounce off it.
+pub(crate) fn most_radiance(scene: &PreparedScene, material: &SurfaceMaterial) -> f32 {
+    let lights = all_lights(scene);
+    let transmitted = material.refraction.map_or(0.0, |refraction| refraction.transmitted);
+    let second = material.checker.as_deref();
+    let ambient = second.map_or(material.ambient, |second| material.ambient.max(second.ambient));
+    let diffuse = second.map_or(material.diffuse, |second| material.diffuse.max(second.diffuse));
+    let own = ambient.as_dvec3() * scene.ambient.as_dvec3()
+        + (diffuse.as_dvec3() + f64::from(material.specular)) * lights;
+    let followed =
+        f64::from(material.reflected + transmitted) * scene.background.brightest().as_dvec3().max(DVec3::ONE);
+    to_f32((own + followed).max_element().min(f64::from(f32::MAX)))
 }
 
 /// The intensities of all lights where they are strongest.

@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 
 use super::direct::{light_dimension, light_point};
 use crate::trace::math::{
-    F64s3, PixelSamples, SampleKeys, Scaled, Vectors, add, bits, dot_lanes as dot, half_lanes, lanes,
+    F64s3, LANES, PixelSamples, SampleKeys, Scaled, Vectors, add, bits, dot_lanes as dot, half_lanes, lanes,
     on_disc, scaled_lanes, select3, splat, splat3, subtract, times,
 };
 use crate::trace::scene::{Light, LightSource};
@@ -13,27 +13,26 @@ use crate::trace::scene::{Light, LightSource};
 #[derive(Clone, Debug)]
 pub(crate) struct LightPlaces {
     keys: SampleKeys,
-    /// The first of the places, by its number.
-    first: u32,
+    /// The index of the first place in each lane.
+    first: [u32; LANES],
 }
 
 impl LightPlaces {
     /// For no points.
-    pub(crate) const NONE: Self = Self { keys: SampleKeys::NONE, first: 0 };
+    pub(crate) const NONE: Self = Self { keys: SampleKeys::NONE, first: [0; LANES] };
 
-    /// Chooses the sequences of light number `index` for points in some lanes, which sample `of_pixel` of their pixels asks for.
-    /// `asker` says of which pixel that is, and of which place in its tree of rays.
+    /// Chooses the sequences of light number `index` for points in some lanes. `asker` returns the pixel of a lane, the index of its
+    /// sample, and the place in the sample's tree of rays.
     #[inline(always)]
     pub(crate) fn choose(
         &mut self,
         (index, light): (usize, &Light),
-        of_pixel: u32,
         asked: u32,
-        asker: impl Fn(usize) -> (PixelSamples, u64),
+        asker: impl Fn(usize) -> (PixelSamples, u32, u64),
     ) {
-        self.first = light_point(light, of_pixel, 0);
         for lane in lanes(asked) {
-            let (samples, path) = asker(lane);
+            let (samples, of_pixel, path) = asker(lane);
+            self.first[lane] = light_point(light, of_pixel, 0);
             self.keys.set(lane, &samples, light_dimension(index, path));
         }
     }
@@ -49,7 +48,7 @@ impl LightPlaces {
         (asked, sample): (u32, u32),
         places: &mut Vectors,
     ) {
-        let squares = self.keys.pairs(simd, self.first.wrapping_add(sample));
+        let squares = self.keys.pairs(simd, &self.first.map(|first| first.wrapping_add(sample)));
         let mut unusual = 0;
         for half in 0..2 {
             let square = [squares[0].load(simd, half), squares[1].load(simd, half)];

@@ -20,7 +20,7 @@ mod shading_packet;
 mod transmission;
 
 pub(crate) use context::RenderContext;
-pub(crate) use contribution::{Brightest, Budget};
+pub(crate) use contribution::{Brightest, Budget, most_radiance};
 pub use dielectric::Boundary;
 pub(crate) use direct::{LitPoint, Proposal, SampleId, ShadowRay, propose};
 pub(crate) use direct_packet::propose_lanes;

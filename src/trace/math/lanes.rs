@@ -56,12 +56,6 @@ impl Numbers {
         self.0[lane / HALF % 2][lane % HALF]
     }
 
-    /// Returns the numbers from a lane on, as far as its half of them goes.
-    #[inline(always)]
-    pub(crate) fn starting_at(&self, lane: usize) -> &[f64] {
-        &self.0[lane / HALF % 2][lane % HALF..]
-    }
-
     /// Sets the number in a lane.
     #[inline(always)]
     pub(crate) fn set(&mut self, lane: usize, number: f64) {
@@ -154,12 +148,6 @@ impl Colors {
     pub(crate) fn get(&self, lane: usize) -> Rgb {
         let lane = lane % LANES;
         Rgb::new(self.0[0][lane], self.0[1][lane], self.0[2][lane])
-    }
-
-    /// Returns a channel of the colours from a lane on.
-    #[inline(always)]
-    pub(crate) fn starting_at(&self, channel: usize, lane: usize) -> &[f32] {
-        &self.0[channel][lane % LANES..]
     }
 
     /// Sets the colour in a lane.

@@ -37,6 +37,7 @@ pub(crate) use lanes::{
 pub use root::Root;
 pub(crate) use sample_keys::SampleKeys;
 pub(crate) use sampling::on_disc;
+pub(crate) use sampling::stratum;
 pub use sampling::{Dimension, PixelSamples, Sampling, disc};
 pub(crate) use scaling::scaled;
 pub use simd_level::SimdLevel;

@@ -39,10 +39,10 @@ impl SampleKeys {
         }
     }
 
-    /// Returns two numbers in 0..1 in every lane: point `index` of each sequence.
+    /// Returns two numbers in 0..1 in every lane: a point of each lane's sequence, by its index.
     #[inline(always)]
-    pub(crate) fn pairs<S: Simd>(&self, simd: S, index: u32) -> [Numbers; 2] {
-        let digits = u32x16::splat(simd, index.reverse_bits());
+    pub(crate) fn pairs<S: Simd>(&self, simd: S, indices: &[u32; LANES]) -> [Numbers; 2] {
+        let digits = reversed(simd, u32x16::load_array_ref(simd, indices));
         let index = reversed(simd, self.order.scrambled(simd, digits));
         let second = pascal(simd, index);
         [units(simd, self.first.scrambled(simd, index)), units(simd, self.second.scrambled(simd, second))]
@@ -114,12 +114,15 @@ mod tests {
                     1 => Dimension::Lens,
                     _ => Dimension::Light { light: lane, path: u64::from(lane) * 7 },
                 };
+                let indices =
+                    std::array::from_fn(|lane| if lane % 5 == 0 { index } else { index ^ 1 << lane });
                 let samples = |lane: u32| PixelSamples::new(u64::from(index) * 3, lane * 5, index % 77);
                 for (lane, number) in (0..LANES).zip(0..) {
                     keys.set(lane, &samples(number), dimension(number));
                 }
-                let [first, second] = dispatch!(level.level(), simd => keys.pairs(simd, index));
+                let [first, second] = dispatch!(level.level(), simd => keys.pairs(simd, &indices));
                 for (lane, number) in (0..LANES).zip(0..) {
+                    let index = indices[lane];
                     let found = [first.get(lane), second.get(lane)];
                     assert_eq!(
                         found,

@@ -141,6 +141,16 @@ impl Key {
     }
 }
 
+/// Returns the stratum, of 2^`bits`, of the one-dimensional point `index` of a sequence that all pixels share: any 2^m points that start at a
+/// multiple of 2^m, m up to `bits`, have one in each of 2^m equal ranges of strata. Points repeat after 2^`bits`.
+#[must_use]
+pub(crate) fn stratum(index: u32, bits: u32) -> u32 {
+    // The index is the point's digits in reverse: van der Corput's sequence.
+    let repeated = index & ((1 << bits) - 1);
+    let digits = Key(mixed(0, 3)).scrambled(repeated).reverse_bits();
+    if bits == 0 { 0 } else { digits >> (32 - bits) }
+}
+
 /// From the unit square to the unit disc around 0, keeping areas in proportion and neighbours together: the concentric map
 /// of Shirley and Chiu, "A Low Distortion Map Between Disk and Square", Journal of Graphics Tools 2(3), 1997.
 #[must_use]

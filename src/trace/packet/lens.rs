@@ -203,7 +203,7 @@ mod tests {
                     let mut keys = SpreadKeys::NONE;
                     let pixels = std::array::from_fn(|lane| square.pixel(lane));
                     keys.find(sampling.seed, (&pixels, square.lanes()), true);
-                    dispatch!(level.level(), simd => camera.spread_rays(simd, sampling, &keys, index, rays));
+                    dispatch!(level.level(), simd => camera.spread_rays(simd, sampling, &keys, &[index; LANES], rays));
                     all += rays.lanes.count_ones() as usize;
                 }
                 let packet_scratch = &mut PacketScratch::default();

@@ -58,6 +58,23 @@ impl CheckerPattern {
         each(*size);
     }
 
+    /// Returns whether points of one plane, or of one face of a box, lie on one square.
+    pub(crate) fn holds(&self, points: [DVec3; 4]) -> bool {
+        let own = points.map(|point| self.inverse * (point - self.translation));
+        let one = |place: &dyn Fn(DVec3) -> f64| {
+            let squares = own.map(|point| (place(point) / self.size).floor());
+            squares.iter().all(|square| *square == squares[0])
+        };
+        match &self.surface {
+            Checkered::Plane(axes) => axes.iter().all(|axis| one(&|point| point.dot(*axis))),
+            Checkered::Box(half) => {
+                let least = own.into_iter().fold(DVec3::INFINITY, DVec3::min);
+                let across = (own.into_iter().fold(DVec3::NEG_INFINITY, DVec3::max) - least).min_position();
+                (0..3).filter(|axis| *axis != across).all(|axis| one(&|point| point[axis] + half[axis]))
+            }
+        }
+    }
+
     /// Returns whether the point is on a square of the second colours.
     pub(crate) fn is_second(&self, point: DVec3, normal: DVec3) -> bool {
         let own = self.inverse * (point - self.translation);

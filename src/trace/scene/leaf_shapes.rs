@@ -53,7 +53,7 @@ impl LeafShapes {
     }
 
     /// Returns the shapes of all leaves, in their order.
-    pub(super) fn ids(&self) -> impl ExactSizeIterator<Item = ShapeId> {
+    pub(crate) fn ids(&self) -> impl ExactSizeIterator<Item = ShapeId> {
         self.0.iter().map(|shape| shape.id)
     }
 

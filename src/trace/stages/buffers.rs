@@ -15,7 +15,7 @@ use crate::trace::effort::{Effort, RayCounts, StageCounts, TreeEnds};
 use crate::trace::light::{Budget, LightPlaces, LightScratch, ProposalPacket, RenderContext};
 use crate::trace::math::{Colors, Vectors};
 use crate::trace::packet::{Candidates, PacketScratch};
-use crate::trace::query::{HitPacket, SurfacePacket};
+use crate::trace::query::{HitPacket, Scratch, SurfacePacket};
 use crate::trace::rays::ShapeId;
 
 /// What a tile's rays, generation by generation, leave from stage to stage.
@@ -128,6 +128,11 @@ impl<'a> TileBuffers<'a> {
     /// Has samples tell which pixels the scene covers, or not.
     pub(crate) fn ask_for_coverage(&mut self, asked: bool) {
         self.covered = asked.then_some(TileLanes::NONE);
+    }
+
+    /// Returns the memory of searches.
+    pub(crate) fn search(&mut self) -> &mut Scratch<'a> {
+        &mut self.scratch.search
     }
 
     /// What the last sample brought, packet by packet of the camera rays.

@@ -1,29 +1,28 @@
-//! The first stage: a ray from the camera for each pixel.
+//! The first stage: a camera ray for each slot.
 
 use fearless_simd::{dispatch, prelude::*};
 
 use super::buffers::TileBuffers;
+use super::slots::Sample;
 use super::spread_tile::SpreadTile;
-use super::tile::{PACKETS, PIXELS, Sample};
+use super::tile::{PACKETS, PIXELS};
 use super::wave::{Start, Wave};
 use crate::trace::light::PathPacket;
-use crate::trace::math::{LANES, lanes};
+use crate::trace::math::lanes;
 
-/// Makes the wave of camera rays, in packets of four by four pixels. A camera that is not in a finite place has none: its pixels see
+/// Makes the wave of camera rays. A camera that is not in a finite place has none: its pixels see
 /// the background.
 pub(super) fn camera_rays(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.entered.camera_rays += 1;
-    let Sample { context, tile, active, .. } = *sample;
+    let Sample { context, tile, slots } = *sample;
     let TileBuffers { wave, spread, scratch, .. } = &mut *buffers;
     // A single sample passes through the middle of a lens.
     let pinhole = context.sampling.samples <= 1 || !context.camera.has_lens();
     wave.start = if pinhole { Start::Eye(context.camera.position()) } else { Start::Lens };
     if context.sampling.samples > 1 {
-        spread.find(context, (tile, active), &mut scratch.search);
-        (wave.count, *wave.pixels) = (spread.count, *spread.pixels);
-    } else {
-        (wave.count, *wave.pixels) = (PACKETS, PIXELS);
+        spread.find(context, (tile, slots), &mut scratch.search);
     }
+    (wave.count, *wave.slots) = (slots.count, PIXELS);
     dispatch!(context.scene.simd.level(), simd => make_rays(simd, sample, spread, wave));
     for packet in 0..buffers.wave.count {
         if buffers.is_cancelled() {
@@ -39,11 +38,17 @@ pub(super) fn camera_rays(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
 /// Makes the rays through the centres of pixels, or those of one of several samples. Packets beyond the wave's have none.
 #[inline(always)]
 fn make_rays<S: Simd>(simd: S, sample: &Sample<'_>, spread: &SpreadTile, wave: &mut Wave) {
-    let Sample { context, tile, index, .. } = *sample;
+    let Sample { context, tile, slots } = *sample;
     for packet in 0..PACKETS {
         let rays = &mut wave.rays[packet];
         if context.sampling.samples > 1 {
-            context.camera.spread_rays(simd, context.sampling, &spread.keys[packet], index, rays);
+            context.camera.spread_rays(
+                simd,
+                context.sampling,
+                &spread.keys[packet],
+                &slots.samples[packet],
+                rays,
+            );
         } else {
             match tile.square(packet) {
                 Some(square) => context.pixel_centers.rays(simd, &square, rays),
@@ -55,16 +60,10 @@ fn make_rays<S: Simd>(simd: S, sample: &Sample<'_>, spread: &SpreadTile, wave: &
 
 /// Notes what the rays of a packet carry, and what pixels see that have none.
 fn start(sample: &Sample<'_>, packet: usize, buffers: &mut TileBuffers<'_>) {
-    let TileBuffers { wave, spread, scratch, pixels, .. } = buffers;
+    let TileBuffers { wave, scratch, pixels, .. } = buffers;
     let rays = &wave.rays[packet];
-    let asked = if sample.context.sampling.samples > 1 {
-        spread.keys[packet].lanes()
-    } else {
-        sample.tile.square(packet).map_or(0, |square| square.lanes())
-    };
-    for lane in lanes(asked & !rays.lanes) {
-        let pixel = wave.pixels[packet][lane] as usize;
-        pixels[pixel / LANES % PACKETS].set(pixel % LANES, sample.context.nowhere());
+    for lane in lanes(sample.slots.lanes[packet] & !rays.lanes) {
+        pixels[packet].set(lane, sample.context.nowhere());
     }
     let paths = &mut wave.paths[packet];
     *paths = PathPacket::AT_CAMERA;

@@ -8,7 +8,7 @@
 use fearless_simd::{dispatch, f32x16, prelude::*};
 
 use super::buffers::TileBuffers;
-use super::tile::Sample;
+use super::slots::Sample;
 use crate::color::Rgb;
 use crate::trace::light::{MediumStack, PathPacket, ProposalPacket, filtered_along, transmittances};
 use crate::trace::math::{lanes, mask16};

@@ -23,8 +23,8 @@ pub(super) fn note_coverage(context: &RenderContext<'_>, buffers: &mut TileBuffe
                 continue;
             }
             for lane in lanes(met) {
-                let pixel = wave.pixels[packet][lane] as usize;
-                covered.add(pixel / LANES % PACKETS, 1 << (pixel % LANES));
+                let slot = wave.slots[packet][lane] as usize;
+                covered.add(slot / LANES % PACKETS, 1 << (slot % LANES));
             }
         }
     });

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::buffers::TileBuffers;
 use super::shadows::shadows;
-use super::tile::Sample;
+use super::slots::Sample;
 use crate::trace::light::{LitPacket, ProposalPacket, SampleId, propose_lanes};
 use crate::trace::math::{Colors, PixelSamples, Vectors, mask, mask16};
 use crate::trace::query::Intersector;
@@ -45,11 +45,12 @@ fn choose_places(sample: &Sample<'_>, light: (usize, &Light), buffers: &mut Tile
     let TileBuffers { wave, surfaces, light_places, .. } = buffers;
     for packet in 0..wave.count {
         let asker = |lane: usize| {
-            let (i, j) = sample.tile.pixel(wave.pixels[packet][lane]);
+            let slot = wave.slots[packet][lane];
+            let (i, j) = sample.tile.pixel(sample.slots.pixel(slot));
             let samples = PixelSamples::new(sample.context.sampling.seed, i, j);
-            (samples, wave.paths[packet].places[lane])
+            (samples, sample.slots.sample(slot), wave.paths[packet].places[lane])
         };
-        light_places[packet].choose(light, sample.index, surfaces[packet].lanes, asker);
+        light_places[packet].choose(light, surfaces[packet].lanes, asker);
     }
 }
 
@@ -62,11 +63,14 @@ fn propose_all(
 ) {
     let context = sample.context;
     let TileBuffers { wave, hits, surfaces, answers, light_places, proposals, .. } = buffers;
-    let (seed, of_pixel) = (context.sampling.seed, sample.index);
+    let seed = context.sampling.seed;
     dispatch!(context.scene.simd.level(), simd => {
         for packet in 0..wave.count {
-            let pixels = &wave.pixels[packet];
-            let asker = |lane: usize| SampleId { seed, pixel: sample.tile.pixel(pixels[lane]), sample: of_pixel };
+            let asker = |lane: usize| {
+                let slot = wave.slots[packet][lane];
+                let pixel = sample.tile.pixel(sample.slots.pixel(slot));
+                SampleId { seed, pixel, sample: sample.slots.sample(slot) }
+            };
             let lit = LitPacket {
                 rays: &wave.rays[packet],
                 paths: &wave.paths[packet],

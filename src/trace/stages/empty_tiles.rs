@@ -10,7 +10,8 @@ use fearless_simd::{dispatch, prelude::*};
 use glam::DVec3;
 
 use super::buffers::TileBuffers;
-use super::tile::{PACKETS, Sample, Tile};
+use super::slots::Sample;
+use super::tile::{PACKETS, Tile};
 use crate::color::Rgb;
 use crate::trace::bvh::{Depth, FrustumVisitor, LeafBox, LeafId, SlopeRange};
 use crate::trace::light::RenderContext;

@@ -7,7 +7,7 @@ use crate::trace::light::BranchPacket;
 use crate::trace::math::{LANES, lanes};
 use crate::trace::rays::Ties;
 
-/// Rays that surfaces send on, in packets with gaps. A packet has no more than one ray of a pixel, and packets are in the order in which
+/// Rays that surfaces send on, in packets with gaps. A packet has no more than one ray of a slot, and packets are in the order in which
 /// light is added up: mirrored rays before refracted ones that continue the same rays.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Generation {
@@ -22,8 +22,8 @@ pub(super) struct Generation {
 #[derive(Clone, Debug)]
 pub(super) struct SentPacket {
     pub(super) branches: BranchPacket,
-    /// The indices of their pixels in the tile.
-    pub(super) pixels: [u32; LANES],
+    /// The slots of the camera rays that they continue.
+    pub(super) slots: [u32; LANES],
     /// Whether they are mirrored; else they are refracted.
     pub(super) mirrored: bool,
 }
@@ -33,8 +33,8 @@ pub(super) struct SentPacket {
 pub(super) struct UntracedRay {
     pub(super) direction: DVec3,
     pub(super) throughput: Rgb,
-    /// Index of the pixel in the tile.
-    pub(super) pixel: u32,
+    /// The slot of the camera ray that it continues.
+    pub(super) slot: u32,
 }
 
 impl Generation {
@@ -48,15 +48,15 @@ impl Generation {
         self.used == 0
     }
 
-    /// Adds a packet without rays, for these pixels, and returns its number.
-    pub(super) fn add(&mut self, pixels: &[u32; LANES], mirrored: bool) -> usize {
+    /// Adds a packet without rays, for these slots, and returns its number.
+    pub(super) fn add(&mut self, slots: &[u32; LANES], mirrored: bool) -> usize {
         if self.used == self.packets.len() {
             let branches = BranchPacket::EMPTY;
-            self.packets.push(SentPacket { branches, pixels: *pixels, mirrored });
+            self.packets.push(SentPacket { branches, slots: *slots, mirrored });
         }
         let added = &mut self.packets[self.used];
         added.branches.rays.clear();
-        (added.pixels, added.mirrored) = (*pixels, mirrored);
+        (added.slots, added.mirrored) = (*slots, mirrored);
         self.used += 1;
         self.used - 1
     }
@@ -91,11 +91,11 @@ impl Generation {
 impl SentPacket {
     /// Notes that the rays in some lanes are not traced any more, and takes them out.
     pub(super) fn give_up(&mut self, lanes_beyond: u32, beyond: &mut Vec<UntracedRay>) {
-        let Self { branches: BranchPacket { rays, paths }, pixels, .. } = self;
+        let Self { branches: BranchPacket { rays, paths }, slots, .. } = self;
         beyond.extend(lanes(rays.lanes & lanes_beyond).map(|lane| UntracedRay {
             direction: rays.directions.get(lane),
             throughput: paths.throughputs.get(lane),
-            pixel: pixels[lane],
+            slot: slots[lane],
         }));
         rays.keep(!lanes_beyond);
     }

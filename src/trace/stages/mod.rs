@@ -25,6 +25,7 @@ mod packing;
 mod sample;
 mod select;
 mod shadows;
+mod slots;
 mod spread_tile;
 mod sums;
 mod surfaces;
@@ -34,4 +35,5 @@ mod wave;
 
 pub(crate) use buffers::TileBuffers;
 pub(crate) use sample::render_sample;
-pub(crate) use tile::{PACKETS, TILE, Tile, TileLanes};
+pub(crate) use slots::{Portion, Slots};
+pub(crate) use tile::{PACKETS, TILE, TILE_PIXELS, Tile, TileLanes};

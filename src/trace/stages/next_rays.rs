@@ -20,8 +20,8 @@ pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'
             continue;
         }
         let clear = if context.effects.media() { continues & answers[packet].clear } else { 0 };
-        let mirrored = next.add(&wave.pixels[packet], true);
-        let refracted = (clear != 0).then(|| next.add(&wave.pixels[packet], false));
+        let mirrored = next.add(&wave.slots[packet], true);
+        let refracted = (clear != 0).then(|| next.add(&wave.slots[packet], false));
         let (rays, paths) = (&wave.rays[packet], &wave.paths[packet]);
         let media = (scene, &mut scratch.media);
         let branches = next.branches_mut(mirrored, refracted);
@@ -55,9 +55,9 @@ pub(super) fn fill_wave(buffers: &mut TileBuffers<'_>) -> bool {
 /// Lets rays that are not traced see the background.
 pub(super) fn give_up(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { beyond, pixels, trees_ended, .. } = buffers;
-    for UntracedRay { direction, throughput, pixel } in beyond.iter() {
+    for UntracedRay { direction, throughput, slot } in beyond.iter() {
         let light = *throughput * context.scene.background.towards(*direction);
-        let (packet, lane) = (*pixel as usize / LANES, *pixel as usize % LANES);
+        let (packet, lane) = (*slot as usize / LANES, *slot as usize % LANES);
         pixels[packet].set(lane, pixels[packet].get(lane) + light);
     }
     trees_ended.depth += beyond.len() as u64;

@@ -23,7 +23,7 @@ pub(super) fn fill(wave: &mut Wave, generation: &mut Generation) -> bool {
         }
         taken += 1;
         if sent.branches.rays.lanes.count_ones() >= FEW {
-            wave.add(&sent.branches, &sent.pixels);
+            wave.add(&sent.branches, &sent.slots);
             shared.note(sent, wave.count);
         } else {
             shared.add(sent, wave);
@@ -39,7 +39,7 @@ struct SharedPackets {
     filled: [usize; PACKETS],
     /// Packets before this one are full.
     first: usize,
-    /// By pixel: behind which packet of the wave its next ray goes, counted from 1.
+    /// By slot: behind which packet of the wave its next ray goes, counted from 1.
     behind: [u8; TILE_PIXELS],
 }
 
@@ -52,23 +52,23 @@ impl Default for SharedPackets {
 impl SharedPackets {
     /// Notes that a whole packet is the last of so many.
     fn note(&mut self, sent: &SentPacket, count: usize) {
-        for pixel in sent.pixels {
-            self.behind[pixel as usize % TILE_PIXELS] = byte(count);
+        for slot in sent.slots {
+            self.behind[slot as usize % TILE_PIXELS] = byte(count);
         }
     }
 
     /// Adds the rays of a packet to others, where there is room for one more packet.
     fn add(&mut self, sent: &SentPacket, wave: &mut Wave) {
         for lane in lanes(sent.branches.rays.lanes) {
-            let pixel = sent.pixels[lane];
-            let behind = &mut self.behind[pixel as usize % TILE_PIXELS];
+            let slot = sent.slots[lane];
+            let behind = &mut self.behind[slot as usize % TILE_PIXELS];
             let from = self.first.max(usize::from(*behind));
             let open = (from..wave.count).find(|packet| self.filled[*packet] < LANES);
             let packet = open.unwrap_or_else(|| {
                 self.filled[wave.count] = 0;
                 wave.add_empty()
             });
-            wave.copy((packet, self.filled[packet]), (&sent.branches, lane), pixel);
+            wave.copy((packet, self.filled[packet]), (&sent.branches, lane), slot);
             self.filled[packet] += 1;
             *behind = byte(packet + 1);
             while self.first < wave.count && self.filled[self.first] == LANES {
@@ -113,7 +113,7 @@ mod tests {
     fn rays_of(wave: &Wave) -> Vec<Vec<(u32, f64)>> {
         let rays = |packet: usize| {
             lanes(wave.rays[packet].lanes)
-                .map(move |lane| (wave.pixels[packet][lane], wave.rays[packet].origins.get(lane).x))
+                .map(move |lane| (wave.slots[packet][lane], wave.rays[packet].origins.get(lane).x))
         };
         (0..wave.count).map(|packet| rays(packet).collect()).collect()
     }

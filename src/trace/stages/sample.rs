@@ -8,24 +8,25 @@ use super::direct_light::direct_light;
 use super::empty_tiles::fill_empty_tile;
 use super::next_rays::{fill_wave, give_up, next_rays};
 use super::select::select;
+use super::slots::{Sample, Slots};
 use super::sums::add_to_pixels;
 use super::surfaces::surfaces;
-use super::tile::{Sample, Tile, TileLanes};
+use super::tile::Tile;
 use crate::trace::light::RenderContext;
 use crate::trace::query::Intersector;
 
-/// Traces one sample of the active pixels of a tile: what it brings is in the buffers afterwards. Says whether that is all: once nobody
-/// waits for it any more, it is left as it is. Every search looks for that, and so do stages that may take long.
+/// Traces the samples in a tile's slots into `buffers`. Returns `false` if cancelled; the buffers are then incomplete. Every search looks
+/// for cancellation, and so do long stages.
 ///
-/// A pixel's rays are traced, and their light is added up, generation by generation, and nothing recurses. Stages that no
-/// effect needs are not entered.
+/// The rays of all slots are traced, and their light is summed, bounce by bounce, without recursion. Stages that no effect needs are
+/// skipped.
 pub(crate) fn render_sample(
     context: &RenderContext<'_>,
     shapes: &impl Intersector,
-    (tile, active, index): (Tile, TileLanes, u32),
+    (tile, slots): (Tile, &Slots),
     buffers: &mut TileBuffers<'_>,
 ) -> bool {
-    let sample = Sample { context, tile, active, index };
+    let sample = Sample { context, tile, slots };
     buffers.begin(context);
     if fill_empty_tile(&sample, buffers) {
         return !buffers.is_cancelled();
@@ -117,10 +118,12 @@ mod tests {
         let cancelled = AtomicBool::new(false);
         let mut buffers = TileBuffers::new(&cancelled);
         let tile = Tile { i: 0, j: 0, width: 8, height: 8 };
-        assert!(render_sample(&context, scene.geometry(), (tile, TileLanes::ALL, 0), &mut buffers));
+        let mut slots = Slots::default();
+        slots.set_everywhere(&tile, 0);
+        assert!(render_sample(&context, scene.geometry(), (tile, &slots), &mut buffers));
         assert!(buffers.wave.count > 0);
         cancelled.store(true, Ordering::Relaxed);
-        assert!(!render_sample(&context, scene.geometry(), (tile, TileLanes::ALL, 0), &mut buffers));
+        assert!(!render_sample(&context, scene.geometry(), (tile, &slots), &mut buffers));
         assert_eq!(buffers.wave.count, 0);
     }
 

@@ -52,7 +52,7 @@ fn select_trees(context: &RenderContext<'_>, generations: u32, buffers: &mut Til
         let mut traced = 0_u32;
         if generations > 0 {
             for lane in lanes(sent.branches.rays.lanes) {
-                let size = &mut trees.sizes[sent.pixels[lane] as usize % TILE_PIXELS];
+                let size = &mut trees.sizes[sent.slots[lane] as usize % TILE_PIXELS];
                 if *size < LARGEST_TREE {
                     *size += 1;
                     traced |= 1 << lane;

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::buffers::TileBuffers;
 use super::clear_shadows::weaken;
-use super::tile::Sample;
+use super::slots::Sample;
 use crate::trace::light::visibility;
 use crate::trace::math::{HALF, lanes};
 use crate::trace::packet::{LightBox, LitPoints, Occluders, Occlusion, ShadowPacket, WaysToLight, occluded};

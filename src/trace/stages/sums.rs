@@ -121,8 +121,8 @@ fn add<S: Simd>(
     let mut brought = Colors::splat(Rgb::ZERO);
     brought.store(light);
     for lane in lanes(rays) {
-        let pixel = wave.pixels[packet][lane] as usize;
-        let (packet, place) = (pixel / LANES % PACKETS, pixel % LANES);
+        let slot = wave.slots[packet][lane] as usize;
+        let (packet, place) = (slot / LANES % PACKETS, slot % LANES);
         pixels[packet].set(place, pixels[packet].get(place) + brought.get(lane));
     }
 }

@@ -1,6 +1,5 @@
 //! Tiles of a picture, and samples of their pixels.
 
-use crate::trace::light::RenderContext;
 use crate::trace::math::{LANES, WHOLE};
 use crate::trace::scene::{SIDE, Square};
 
@@ -15,7 +14,7 @@ const _: () = assert!(
 );
 
 /// How many pixels a tile has at most.
-pub(super) const TILE_PIXELS: usize = PACKETS * LANES;
+pub(crate) const TILE_PIXELS: usize = PACKETS * LANES;
 
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,7 +31,7 @@ pub(crate) struct Tile {
 
 impl Tile {
     /// Returns column and row of a pixel by its index: pixels are counted packet by packet, and in those lane by lane.
-    pub(super) fn pixel(&self, index: u32) -> (u32, u32) {
+    pub(crate) fn pixel(&self, index: u32) -> (u32, u32) {
         let (column, row) = place(index / PACKET);
         (self.i + column + index % SIDE, self.j + row + index % PACKET / SIDE)
     }
@@ -41,18 +40,6 @@ impl Tile {
     pub(crate) fn lane_of(column: usize, row: usize) -> (usize, usize) {
         let (side, packets) = (SIDE as usize, (TILE / SIDE) as usize);
         (row / side * packets + column / side, row % side * side + column % side)
-    }
-
-    /// Returns the lanes of the pixels, given by their columns and rows in the picture, of which something is true.
-    pub(crate) fn active_lanes(&self, is_active: impl Fn(u32, u32) -> bool) -> TileLanes {
-        let mut active = TileLanes([0; PACKETS]);
-        for j in 0..self.height {
-            for i in (0..self.width).filter(|i| is_active(self.i + i, self.j + j)) {
-                let (packet, lane) = Self::lane_of(i as usize, j as usize);
-                active.0[packet] |= 1 << lane;
-            }
-        }
-        active
     }
 
     /// Returns the pixels of a packet; `None` where the tile has none.
@@ -71,16 +58,8 @@ impl Tile {
 pub(crate) struct TileLanes([u16; PACKETS]);
 
 impl TileLanes {
-    /// All of them.
-    pub(crate) const ALL: Self = Self([u16::MAX; PACKETS]);
-
     /// None of them.
     pub(crate) const NONE: Self = Self([0; PACKETS]);
-
-    /// Returns whether there are none.
-    pub(crate) fn are_none(&self) -> bool {
-        *self == Self::NONE
-    }
 
     /// Returns those of a packet, as a bit mask.
     #[inline(always)]
@@ -114,14 +93,4 @@ pub(super) const PIXELS: [[u32; LANES]; PACKETS] = {
 #[inline]
 fn place(packet: u32) -> (u32, u32) {
     (packet % (TILE / SIDE) * SIDE, packet / (TILE / SIDE) * SIDE)
-}
-
-/// What is the same for all rays of a tile's sample.
-pub(super) struct Sample<'a> {
-    pub(super) context: &'a RenderContext<'a>,
-    pub(super) tile: Tile,
-    /// Which of its pixels get the sample.
-    pub(super) active: TileLanes,
-    /// Index of the sample in each of its pixels.
-    pub(super) index: u32,
 }

@@ -76,7 +76,7 @@ impl Trees {
         ends.clear();
         ends.resize(TILE_PIXELS, 0);
         for sent in packets {
-            rays(sent).for_each(|lane| ends[sent.pixels[lane] as usize % TILE_PIXELS] += 1);
+            rays(sent).for_each(|lane| ends[sent.slots[lane] as usize % TILE_PIXELS] += 1);
         }
         // Where they start, at first.
         let mut count = 0;
@@ -87,7 +87,7 @@ impl Trees {
         weighed.resize(count, (0.0, 0));
         for (packet, (sent, mosts)) in packets.iter().zip(&*mosts).enumerate() {
             for lane in rays(sent) {
-                let end = &mut ends[sent.pixels[lane] as usize % TILE_PIXELS];
+                let end = &mut ends[sent.slots[lane] as usize % TILE_PIXELS];
                 weighed[*end] = (mosts[lane], packet * LANES + lane);
                 *end += 1;
             }
@@ -132,7 +132,7 @@ mod tests {
                         let throughput = Rgb::splat(libm::exp10f(digits[lane]));
                         let state = PathState { throughput, ..PathState::at_camera(MediumStack::NONE) };
                         sent.branches.set(lane, &TreeRay { ray: Ray::new(DVec3::ZERO, DVec3::X).unwrap(), state });
-                        by_pixel[sent.pixels[lane] as usize].push((brightest.most(throughput, 0), number * LANES + lane));
+                        by_pixel[sent.slots[lane] as usize].push((brightest.most(throughput, 0), number * LANES + lane));
                     }
                 }
                 trees.weigh(SimdLevel::best(), &brightest, generation.packets(), 0);

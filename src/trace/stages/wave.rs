@@ -7,7 +7,7 @@ use crate::trace::light::{BranchPacket, PathPacket};
 use crate::trace::math::LANES;
 use crate::trace::rays::RayPacket;
 
-/// Rays in packets, which have one ray of a pixel at most, and are in the order in which their light is added up. A generation of more
+/// Rays in packets, which have one ray of a slot at most, and are in the order in which their light is added up. A generation of more
 /// rays is taken in parts, so that memory does not grow with it.
 #[derive(Clone, Debug)]
 pub(super) struct Wave {
@@ -16,8 +16,8 @@ pub(super) struct Wave {
     pub(super) rays: Box<[RayPacket; PACKETS]>,
     /// What they carry.
     pub(super) paths: Box<[PathPacket; PACKETS]>,
-    /// The indices of their pixels in the tile.
-    pub(super) pixels: Box<[[u32; LANES]; PACKETS]>,
+    /// The slots of the camera rays that they continue.
+    pub(super) slots: Box<[[u32; LANES]; PACKETS]>,
     pub(super) start: Start,
 }
 
@@ -38,7 +38,7 @@ impl Wave {
             count: 0,
             rays: Box::new([const { RayPacket::EMPTY }; PACKETS]),
             paths: Box::new([const { PathPacket::AT_CAMERA }; PACKETS]),
-            pixels: Box::new([[0; LANES]; PACKETS]),
+            slots: Box::new([[0; LANES]; PACKETS]),
             start: Start::Anywhere,
         }
     }
@@ -48,11 +48,11 @@ impl Wave {
         (self.count, self.start) = (0, Start::Anywhere);
     }
 
-    /// Adds a packet of rays for these pixels.
-    pub(super) fn add(&mut self, branches: &BranchPacket, pixels: &[u32; LANES]) {
+    /// Adds a packet of rays for these slots.
+    pub(super) fn add(&mut self, branches: &BranchPacket, slots: &[u32; LANES]) {
         self.rays[self.count].clone_from(&branches.rays);
         self.paths[self.count].clone_from(&branches.paths);
-        self.pixels[self.count] = *pixels;
+        self.slots[self.count] = *slots;
         self.count += 1;
     }
 
@@ -63,25 +63,25 @@ impl Wave {
         self.count - 1
     }
 
-    /// Copies a ray for a pixel into a lane of a packet that has none there.
+    /// Copies a ray for a slot into a lane of a packet that has none there.
     #[inline(always)]
     pub(super) fn copy(
         &mut self,
         (packet, lane): (usize, usize),
         (from, from_lane): (&BranchPacket, usize),
-        pixel: u32,
+        slot: u32,
     ) {
         self.rays[packet].copy(lane, &from.rays, from_lane);
         self.paths[packet].set(lane, &from.paths.get(from_lane));
-        self.pixels[packet][lane] = pixel;
+        self.slots[packet][lane] = slot;
     }
 
-    /// Returns the packet of camera rays in whose pixels, lane by lane, the rays of a packet are.
+    /// Returns the packet of camera rays that the rays of a packet continue lane by lane.
     #[inline(always)]
     pub(super) fn home(&self, packet: usize) -> Option<usize> {
-        let pixels = &self.pixels[packet];
-        let home = pixels[0] as usize / LANES % PACKETS;
-        (*pixels == PIXELS[home]).then_some(home)
+        let slots = &self.slots[packet];
+        let home = slots[0] as usize / LANES % PACKETS;
+        (*slots == PIXELS[home]).then_some(home)
     }
 
     /// Returns how many rays there are.

@@ -124,7 +124,7 @@ impl Camera {
 
     /// From the eye to a place on the screen, in columns from the centre of the first and rows from the centre of the first.
     #[inline]
-    fn through(&self, column: f64, row: f64) -> DVec3 {
+    pub(crate) fn through(&self, column: f64, row: f64) -> DVec3 {
         self.right * self.across(column) + self.up * self.upwards(row) + self.forward
     }
 
@@ -181,6 +181,20 @@ impl Camera {
         let [right, up] = disc(samples.pair(Dimension::Lens, index)).map(|place| lens.radius * place);
         let place = self.right * right + self.up * up;
         Ray::new(self.eye + place, towards * lens.focus - place)
+    }
+
+    /// Returns how the direction from the eye changes from one column to the next, and from one row to the next.
+    pub(crate) fn steps(&self) -> [DVec3; 2] {
+        let pitch = |size: f64, pixels: u32| if pixels > 1 { size / f64::from(pixels - 1) } else { size };
+        [self.right * pitch(self.width, self.columns), self.up * -pitch(self.height, self.rows)]
+    }
+
+    /// Returns the largest radius, in units of `pitch`, of the disc of the screen that the lens sees a point through, over a range of
+    /// inverse depths in distances of the screen; 0 without a lens.
+    pub(crate) fn confusion(&self, depths: [f64; 2], pitch: f64) -> f64 {
+        let Some(Lens { radius, focus }) = self.lens else { return 0.0 };
+        let apart = depths.map(|depth| (depth - 1.0 / focus).abs());
+        radius * apart[0].max(apart[1]) / pitch
     }
 
     /// Where rays come together, and how far from there they may start.

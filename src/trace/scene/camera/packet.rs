@@ -140,21 +140,21 @@ impl SpreadKeys {
         }
     }
 
-    /// Returns the lanes that have a pixel, as a bit mask.
-    pub(crate) fn lanes(&self) -> u32 {
-        self.lanes
+    /// Chooses the lanes that have a pixel, among those that were found.
+    pub(crate) fn set_lanes(&mut self, lanes: u32) {
+        self.lanes = lanes;
     }
 }
 
 impl Camera {
-    /// Puts the rays of sample `index` of several into the lanes: [`Camera::spread_ray`] of each pixel.
+    /// Puts the rays of pixels' samples into the lanes, each lane's by its index: [`Camera::spread_ray`] of each pixel.
     #[inline(always)]
     pub(crate) fn spread_rays<S: Simd>(
         &self,
         simd: S,
         sampling: Sampling,
         keys: &SpreadKeys,
-        index: u32,
+        indices: &[u32; LANES],
         rays: &mut RayPacket,
     ) {
         rays.clear();
@@ -162,8 +162,8 @@ impl Camera {
         if asked == 0 {
             return;
         }
-        let on_screen = keys.on_screen.pairs(simd, index);
-        let on_lens = self.lens.map(|lens| (lens, keys.on_lens.pairs(simd, index)));
+        let on_screen = keys.on_screen.pairs(simd, indices);
+        let on_lens = self.lens.map(|lens| (lens, keys.on_lens.pairs(simd, indices)));
         let mut unusual = 0;
         for half in 0..2 {
             let column = keys.columns.load(simd, half) + (on_screen[0].load(simd, half) - 0.5);
@@ -184,7 +184,7 @@ impl Camera {
         rays.lanes = asked & !unusual;
         for lane in lanes(unusual) {
             let (i, j) = keys.pixels[lane];
-            if let Some(ray) = self.spread_ray(sampling, i, j, index) {
+            if let Some(ray) = self.spread_ray(sampling, i, j, indices[lane]) {
                 rays.set(lane, &ray);
             }
         }
@@ -257,6 +257,7 @@ mod tests {
             cameras.into_iter().flat_map(|camera| (0..40).map(move |index| (camera, index)))
         {
             let sampling = Sampling { samples: 64, seed: 5 };
+            let indices = std::array::from_fn(|lane| index + u32::from(lane % 3 == 1));
             let (columns, rows) = camera.resolution();
             for (name, level) in SimdLevel::all() {
                 for (i, j) in [(0, 0), (4, 4), (20, 8)] {
@@ -265,8 +266,8 @@ mod tests {
                     let (mut rays, mut keys) = (RayPacket::EMPTY, SpreadKeys::NONE);
                     let pixels = std::array::from_fn(|lane| square.pixel(lane));
                     keys.find(sampling.seed, (&pixels, square.lanes()), camera.has_lens());
-                    dispatch!(level.level(), simd => camera.spread_rays(simd, sampling, &keys, index, &mut rays));
-                    for lane in 0..LANES {
+                    dispatch!(level.level(), simd => camera.spread_rays(simd, sampling, &keys, &indices, &mut rays));
+                    for (lane, index) in indices.into_iter().enumerate() {
                         let (i, j) = square.pixel(lane);
                         let ray =
                             if square.has(lane) { camera.spread_ray(sampling, i, j, index) } else { None };

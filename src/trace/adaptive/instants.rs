@@ -1,0 +1,105 @@
+//! The instants of an open shutter that samples belong to.
+
+use std::ops::Range;
+
+use super::evidence::FEWEST;
+use crate::trace::math::stratum;
+use crate::trace::stages::Portion;
+
+/// The number of instants, a power of two, that adaptive frames divide an open shutter into. Few are visited: sample s belongs to stratum
+/// number `stratum(s)`, so that the first 2^m samples belong to 2^m instants spread evenly over the exposure, and twice as many samples
+/// add the instants in between.
+const BITS: u32 = 8;
+
+/// The order in which samples visit the instants of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct InstantOrder {
+    bits: u32,
+}
+
+impl InstantOrder {
+    /// The most instants.
+    pub(crate) const MOST: u32 = 1 << BITS;
+
+    /// Creates the order of a frame with one instant, or with all of them.
+    pub(crate) fn new(is_open: bool) -> Self {
+        Self { bits: if is_open { BITS } else { 0 } }
+    }
+
+    /// Returns the number of instants.
+    pub(crate) fn count(self) -> u32 {
+        1 << self.bits
+    }
+
+    /// Returns the instants that a range of samples belongs to, in the order of time.
+    pub(crate) fn instants(self, samples: Range<u32>) -> Vec<u32> {
+        let mut instants: Vec<u32> =
+            samples.take(self.count() as usize).map(|sample| stratum(sample, self.bits)).collect();
+        instants.sort_unstable();
+        instants
+    }
+
+    /// Returns the instants of the first round.
+    pub(crate) fn first(self) -> Vec<u32> {
+        self.instants(0..FEWEST)
+    }
+
+    /// Returns those of a pixel's samples that belong to an instant, given by one of its samples.
+    pub(super) fn portion(self, pixel: u32, samples: Range<u32>, sample: u32) -> Option<Portion> {
+        let stride = self.count();
+        let first = samples.start + (sample.wrapping_sub(samples.start) & (stride - 1));
+        let count = samples.end.saturating_sub(first).div_ceil(stride);
+        (count > 0).then_some(Portion { pixel, first, stride, count })
+    }
+
+    /// Returns one of the samples that belong to an instant.
+    pub(super) fn sample_of(self, instant: u32) -> u32 {
+        (0..self.count()).find(|sample| stratum(*sample, self.bits) == instant).unwrap_or(0)
+    }
+}
+
+/// Returns the samples of an instant where all pixels take the same number: sample s of n belongs to instant floor(s count / n).
+pub(crate) fn block(samples: u32, count: u32, instant: u32) -> Range<u32> {
+    let start = |instant: u32| {
+        let start = (u64::from(instant) * u64::from(samples)).div_ceil(u64::from(count.max(1)));
+        u32::try_from(start).unwrap_or(samples).min(samples)
+    };
+    start(instant)..start(instant + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_sample_belongs_to_one_instant() {
+        for is_open in [false, true] {
+            let order = InstantOrder::new(is_open);
+            for samples in [0..1, 0..4, 4..8, 3..700, 256..512] {
+                let mut taken = Vec::new();
+                for instant in order.instants(samples.clone()) {
+                    if let Some(Portion { first, stride, count, .. }) =
+                        order.portion(0, samples.clone(), order.sample_of(instant))
+                    {
+                        taken.extend((0..count).map(|number| first + number * stride));
+                    }
+                }
+                taken.sort_unstable();
+                assert!(taken.into_iter().eq(samples));
+            }
+        }
+        for (samples, count) in [(1, 1), (64, 16), (100, 16), (7, 7)] {
+            let all = (0..count).flat_map(|instant| block(samples, count, instant));
+            assert!(all.eq(0..samples));
+        }
+    }
+
+    #[test]
+    fn powers_of_two_are_spread_evenly() {
+        let order = InstantOrder::new(true);
+        for bits in 0..=BITS {
+            let strata = order.instants(0..1 << bits).into_iter().map(|instant| instant >> (BITS - bits));
+            assert!(strata.eq(0..1 << bits));
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! The slots of a tile's camera rays: one sample of one pixel in each lane of its packets.
+//!
+//! Where most pixels take a sample, slots lie where their pixels do. Where few pixels take several, slots are compacted: the samples of a
+//! pixel lie side by side, in as few packets as hold them, so that packets are full and their rays close together.
+
+use super::tile::{PACKETS, PIXELS, TILE_PIXELS, Tile};
+use crate::trace::light::RenderContext;
+use crate::trace::math::LANES;
+
+/// The input that all stages share.
+pub(super) struct Sample<'a> {
+    pub(super) context: &'a RenderContext<'a>,
+    pub(super) tile: Tile,
+    /// The samples of its pixels.
+    pub(super) slots: &'a Slots,
+}
+
+/// The samples that a pixel still takes at one instant: `first`, `first + stride`, and so on, `count` of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Portion {
+    /// The pixel's index in its tile.
+    pub(crate) pixel: u32,
+    pub(crate) first: u32,
+    pub(crate) stride: u32,
+    pub(crate) count: u32,
+}
+
+/// A sample of a pixel for each lane of a tile's packets.
+#[derive(Clone, Debug)]
+pub(crate) struct Slots {
+    /// The number of packets in use.
+    pub(crate) count: usize,
+    /// By packet and lane: the pixel's index in the tile.
+    pub(crate) pixels: Box<[[u32; LANES]; PACKETS]>,
+    /// By packet and lane: the index of the sample in its pixel.
+    pub(crate) samples: Box<[[u32; LANES]; PACKETS]>,
+    /// By packet: the lanes in use, as a bit mask.
+    pub(crate) lanes: [u32; PACKETS],
+    /// Whether every slot has the index of its pixel.
+    pub(crate) in_place: bool,
+}
+
+impl Default for Slots {
+    fn default() -> Self {
+        Self {
+            count: PACKETS,
+            pixels: Box::new(PIXELS),
+            samples: Box::new([[0; LANES]; PACKETS]),
+            lanes: [0; PACKETS],
+            in_place: true,
+        }
+    }
+}
+
+impl Slots {
+    /// Sets one sample of every pixel of a tile.
+    pub(crate) fn set_everywhere(&mut self, tile: &Tile, sample: u32) {
+        (self.count, *self.pixels, self.in_place) = (PACKETS, PIXELS, true);
+        self.samples.fill([sample; LANES]);
+        self.lanes = std::array::from_fn(|packet| tile.square(packet).map_or(0, |square| square.lanes()));
+    }
+
+    /// Sets batch number `batch` of pixels' samples. Returns `false` if there is none. All batches of the same portions have the same
+    /// pixels in the same slots.
+    pub(crate) fn set_batch(&mut self, portions: &[Portion], batch: u32) -> bool {
+        let at_once = u32::try_from(TILE_PIXELS / portions.len().max(1)).unwrap_or(1).max(1);
+        let Some(from) = batch.checked_mul(at_once) else { return false };
+        if !portions.iter().any(|portion| portion.count > from) {
+            return false;
+        }
+        self.in_place = at_once == 1 && !are_sparse(portions);
+        self.lanes = [0; PACKETS];
+        for (place, portion) in portions.iter().enumerate() {
+            for number in 0..at_once {
+                let slot =
+                    if self.in_place { portion.pixel } else { to_u32(place) * at_once + number } as usize;
+                let (packet, lane) = (slot / LANES % PACKETS, slot % LANES);
+                self.pixels[packet][lane] = portion.pixel;
+                self.samples[packet][lane] = portion.first + portion.stride.wrapping_mul(from + number);
+                self.lanes[packet] |= u32::from(from + number < portion.count) << lane;
+            }
+        }
+        self.count = if self.in_place {
+            *self.pixels = PIXELS;
+            PACKETS
+        } else {
+            (portions.len() * at_once as usize).div_ceil(LANES)
+        };
+        true
+    }
+
+    /// Iterates over the slots in use: packet, lane, and the pixel's index in the tile.
+    #[inline(always)]
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (usize, usize, usize)> {
+        (0..self.count).flat_map(move |packet| {
+            crate::trace::math::lanes(self.lanes[packet])
+                .map(move |lane| (packet, lane, self.pixels[packet][lane] as usize))
+        })
+    }
+
+    /// Returns the pixel's index in the tile of a slot, given by its index.
+    #[inline(always)]
+    pub(super) fn pixel(&self, slot: u32) -> u32 {
+        self.pixels[slot as usize / LANES % PACKETS][slot as usize % LANES]
+    }
+
+    /// Returns the sample's index in its pixel of a slot, given by its index.
+    #[inline(always)]
+    pub(super) fn sample(&self, slot: u32) -> u32 {
+        self.samples[slot as usize / LANES % PACKETS][slot as usize % LANES]
+    }
+}
+
+/// Returns whether compaction saves at least a quarter of the packets: with fewer saved, rays side by side in the picture are worth more,
+/// as they hit the same shapes.
+fn are_sparse(portions: &[Portion]) -> bool {
+    let mut used = [false; PACKETS];
+    portions.iter().for_each(|portion| used[portion.pixel as usize / LANES % PACKETS] = true);
+    let packets = used.into_iter().filter(|used| *used).count();
+    4 * portions.len().div_ceil(LANES) <= 3 * packets
+}
+
+fn to_u32(index: usize) -> u32 {
+    u32::try_from(index).unwrap_or(u32::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// Collects the samples that all batches take, pixel by pixel in the order of slots.
+    fn taken(portions: &[Portion]) -> Vec<Vec<u32>> {
+        let (mut slots, mut taken) = (Slots::default(), vec![Vec::new(); TILE_PIXELS]);
+        for batch in 0.. {
+            if !slots.set_batch(portions, batch) {
+                break;
+            }
+            for (packet, lane, pixel) in slots.iter() {
+                assert!(!slots.in_place || packet * LANES + lane == pixel);
+                taken[pixel].push(slots.samples[packet][lane]);
+            }
+        }
+        taken
+    }
+
+    proptest! {
+        #[test]
+        fn every_sample_of_every_portion_is_taken_once_in_order(
+            counts in prop::collection::vec((0_u32..1000, 1_u32..300, prop_oneof![0_u32..3, 0_u32..40]), 0..=TILE_PIXELS),
+            keep in 1_usize..9,
+        ) {
+            let portions: Vec<Portion> = (0..)
+                .zip(&counts)
+                .step_by(keep)
+                .map(|(pixel, (first, stride, count))| Portion { pixel, first: *first, stride: *stride, count: *count })
+                .collect();
+            let mut expected = vec![Vec::new(); TILE_PIXELS];
+            for Portion { pixel, first, stride, count } in &portions {
+                expected[*pixel as usize] = (0..*count).map(|number| first + number * stride).collect();
+            }
+            prop_assert_eq!(taken(&portions), expected);
+        }
+    }
+
+    #[test]
+    fn few_pixels_fill_packets_and_many_stay_in_place() {
+        let portions = |pixels: &[u32]| -> Vec<Portion> {
+            pixels.iter().map(|pixel| Portion { pixel: *pixel, first: 4, stride: 1, count: 4 }).collect()
+        };
+        let mut slots = Slots::default();
+        assert!(slots.set_batch(&portions(&[3, 200]), 0));
+        assert_eq!((slots.count, slots.lanes[0], slots.in_place), (16, 0xf, false));
+        assert!(slots.set_batch(&portions(&(0..250).collect::<Vec<_>>()), 3) && slots.in_place);
+        let every_other: Vec<u32> = (0..256).filter(|pixel| pixel % 32 < 18).collect();
+        assert!(slots.set_batch(&portions(&every_other), 0));
+        assert_eq!((slots.count, slots.in_place), (9, false));
+    }
+}

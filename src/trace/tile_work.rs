@@ -1,0 +1,167 @@
+//! The samples of tiles, over all threads.
+
+use std::fmt;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use fearless_simd::dispatch;
+
+use super::adaptive::Adaptive;
+use super::effort::Effort;
+use super::light::RenderContext;
+use super::query::Intersector;
+use super::stages::{Portion, Slots, Tile, TileBuffers, render_sample};
+use super::tile_light::{TileLight, TileSamples};
+use super::visibility::{self, FeatureScratch, TileFeatures};
+use super::work_queue::WorkQueue;
+
+/// What may end tracing before all is traced.
+#[derive(Clone, Copy)]
+pub struct Signals<'a> {
+    /// Once it is true tracing ends at once: samples of tiles that are in hand are lost. It must stay true until then.
+    pub cancelled: &'a AtomicBool,
+    /// Asked from time to time: is it time to see what there is? Samples in hand are finished.
+    pub pause: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl<'a> Signals<'a> {
+    /// Nothing else but `cancelled`.
+    #[must_use]
+    pub fn unless(cancelled: &'a AtomicBool) -> Self {
+        Self { cancelled, pause: &|| false }
+    }
+}
+
+impl fmt::Debug for Signals<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.debug_struct("Signals").field("cancelled", self.cancelled).finish_non_exhaustive()
+    }
+}
+
+/// A tile, and how much of it is done.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ExposedTile {
+    pub(super) tile: Tile,
+    /// The samples of every pixel so far or, where pixels take different numbers, the batches of the instant in hand.
+    pub(super) batches: u32,
+    /// Whether it has any sample.
+    pub(super) is_seen: bool,
+}
+
+/// Samples to be added to tiles.
+pub(super) struct Work<'a, I> {
+    pub(super) context: &'a RenderContext<'a>,
+    pub(super) shapes: &'a I,
+    pub(super) signals: Signals<'a>,
+    /// The samples of every pixel, unless pixels take different numbers.
+    pub(super) everywhere: Range<u32>,
+    pub(super) adaptive: Option<&'a Adaptive>,
+    pub(super) instant: u32,
+    pub(super) finds_features: bool,
+}
+
+/// The features that were found, tile by tile.
+pub(super) type Found = Vec<(Tile, Box<TileFeatures>)>;
+
+impl<I: Intersector> Work<'_, I> {
+    /// Adds samples of all tiles over all threads. Returns what they took, whether all are there, and the features that were found.
+    pub(super) fn add<'t, L: TileLight>(
+        &self,
+        tiles: impl Iterator<Item = (&'t mut ExposedTile, L)> + Send,
+        count: usize,
+    ) -> (Effort, bool, Found) {
+        let threads = rayon::current_num_threads();
+        let queue = WorkQueue::new(tiles, count, threads);
+        let total = Mutex::new((Effort::default(), true, Found::new()));
+        let work = || {
+            let (mut share, mut memory) = (Vec::new(), None);
+            let (mut effort, mut whole, mut found) = (Effort::default(), true, Found::new());
+            while queue.take_share(&mut share) {
+                let memory = memory.get_or_insert_with(|| WorkMemory::new(self.signals.cancelled));
+                for (exposed, mut light) in share.drain(..) {
+                    whole &= self.add_to_tile(exposed, &mut light, memory, (&mut effort, &mut found));
+                }
+            }
+            let mut total = total.lock().unwrap_or_else(PoisonError::into_inner);
+            total.0 += effort;
+            total.1 &= whole;
+            total.2.append(&mut found);
+        };
+        rayon::scope(|scope| (0..threads).for_each(|_| scope.spawn(|_| work())));
+        total.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Adds samples of a tile. Returns whether all are there.
+    fn add_to_tile(
+        &self,
+        exposed: &mut ExposedTile,
+        light: &mut impl TileLight,
+        WorkMemory { buffers, slots, portions, features }: &mut WorkMemory<'_>,
+        (effort, found): (&mut Effort, &mut Found),
+    ) -> bool {
+        let Self { context, adaptive, .. } = *self;
+        let tile = exposed.tile;
+        buffers.ask_for_coverage(light.asks_for_coverage());
+        if let Some(adaptive) = adaptive {
+            adaptive.portions(&tile, self.instant, portions);
+            if self.finds_features && exposed.batches == 0 {
+                let tile_features = visibility::features(
+                    context.scene,
+                    context.camera,
+                    (&tile, adaptive.is_open()),
+                    (features, buffers.search()),
+                );
+                if !self.signals.cancelled.load(Ordering::Relaxed) {
+                    found.push((tile, Box::new(tile_features)));
+                }
+            }
+        }
+        loop {
+            let more = if adaptive.is_some() {
+                slots.set_batch(portions, exposed.batches)
+            } else {
+                let sample = self.everywhere.start.max(exposed.batches);
+                slots.set_everywhere(&tile, sample);
+                sample < self.everywhere.end
+            };
+            if !more {
+                return true;
+            }
+            if self.signals.cancelled.load(Ordering::Relaxed) || (self.signals.pause)() {
+                return false;
+            }
+            let whole = render_sample(context, self.shapes, (tile, slots), buffers);
+            let traced = buffers.take_effort();
+            if !whole {
+                return false;
+            }
+            effort.escalations.overflowed += dispatch!(context.scene.simd.level(), simd => {
+                let samples = TileSamples { light: buffers.pixels(), slots, covered: buffers.covered() };
+                light.add(simd, &tile, &samples)
+            });
+            exposed.batches += 1;
+            exposed.is_seen = true;
+            *effort += traced;
+        }
+    }
+}
+
+/// The working memory of a thread.
+struct WorkMemory<'a> {
+    buffers: TileBuffers<'a>,
+    slots: Slots,
+    portions: Vec<Portion>,
+    features: FeatureScratch,
+}
+
+impl<'a> WorkMemory<'a> {
+    fn new(cancelled: &'a AtomicBool) -> Self {
+        Self {
+            buffers: TileBuffers::new(cancelled),
+            slots: Slots::default(),
+            portions: Vec::new(),
+            features: FeatureScratch::default(),
+        }
+    }
+}

@@ -1,0 +1,374 @@
+//! The outline of a shape on the screen, and its inverse depth, as functions of the place in a tile.
+//!
+//! A camera ray through place (x, y), in pixels from the middle of a tile, has the direction d = d0 + x du + y dv, not normalised; u = 1/t is
+//! its inverse depth. All shapes are convex, so that each is seen through the places where a few functions are positive:
+//!
+//! - a sphere of centre L, seen from the eye, and radius r: r² d·d - (L x d)², the quarter of the discriminant without its cancellation, and L·d;
+//! - a box: n·d for the normal n of the plane through the eye and each edge between a face that faces the eye and one that does not;
+//! - a plane: its inverse depth, which is linear.
+//!
+//! Bounds of a quadratic function over a pixel's square follow from its value, its gradient and its second derivatives in the middle. Inverse depth is linear on every flat face, and on a sphere the sum of a linear function
+//! and the root of the first one above. Images of spheres and boxes are taken back to the sphere and the box: t stays the same.
+
+use std::f64::consts::TAU;
+
+use glam::{DMat3, DVec2, DVec3};
+
+use crate::trace::scene::ShapeRef;
+use crate::trace::shapes::{AlignedBox, Bounds, Sphere};
+use crate::trace::stages::TILE;
+
+/// Half of the side of a tile, in pixels, and a little more.
+const HALF_TILE: f64 = TILE as f64 / 2.0 + 1e-6;
+
+/// The camera rays of a tile.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rays {
+    pub(super) eye: DVec3,
+    /// The direction through the middle of the tile.
+    pub(super) middle: DVec3,
+    /// The change of the direction from one column to the next, and from one row to the next.
+    pub(super) steps: [DVec3; 2],
+}
+
+/// A quadratic function of the place: constant + linear·place + xx x² + xy x y + yy y².
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Quadratic {
+    constant: f64,
+    linear: DVec2,
+    /// The coefficients of x², x y and y².
+    quadratic: [f64; 3],
+}
+
+/// The inverse depth of a shape.
+#[derive(Clone, Debug)]
+enum InverseDepth {
+    /// (b + sign sqrt(q)) / c.
+    Sphere { b: Quadratic, q: Quadratic, c: f64 },
+    /// Of a convex solid seen from outside: the least of its faces'.
+    Nearest(Vec<Quadratic>),
+    /// Of one seen from inside: the greatest of its faces'.
+    Farthest(Vec<Quadratic>),
+}
+
+/// A shape as seen through a tile.
+#[derive(Clone, Debug)]
+pub(super) struct Outline {
+    /// Positive inside.
+    inside: Vec<Quadratic>,
+    depth: InverseDepth,
+    /// The area that it covers on the screen, or its least width times a pixel, whichever is less, in pixels.
+    pub(super) area: f64,
+}
+
+/// How a shape lies to a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cover {
+    /// Whether it covers the whole pixel.
+    pub(super) whole: bool,
+    /// Bounds of its inverse depth over the pixel.
+    pub(super) depth: [f64; 2],
+    /// Whether a single face is seen.
+    pub(super) one_face: bool,
+}
+
+impl Quadratic {
+    fn linear(of: impl Fn(DVec3) -> f64, rays: &Rays) -> Self {
+        let [right, down] = rays.steps;
+        Self { constant: of(rays.middle), linear: DVec2::new(of(right), of(down)), quadratic: [0.0; 3] }
+    }
+
+    /// Bounds over the square of this half side around a place.
+    #[inline(always)]
+    fn bounds(&self, place: DVec2, half: f64) -> [f64; 2] {
+        /// More than rounding adds to a sum of a dozen terms, relative to the largest of them.
+        const ROUNDING: f64 = 1e-13;
+        let [xx, xy, yy] = self.quadratic;
+        let DVec2 { x, y } = place;
+        let value =
+            self.constant + x * self.linear.x + y * self.linear.y + (xx * x * x + xy * x * y + yy * y * y);
+        let slope =
+            (self.linear.x + 2.0 * xx * x + xy * y).abs() + (self.linear.y + xy * x + 2.0 * yy * y).abs();
+        let bend = xx.abs() + xy.abs() + yy.abs();
+        let reach = x.abs().max(y.abs()) + half;
+        let size =
+            self.constant.abs() + reach * (self.linear.x.abs() + self.linear.y.abs()) + reach * reach * bend;
+        // A concave function lies below its tangents.
+        let is_concave = xx <= 0.0 && yy <= 0.0 && 4.0 * xx * yy >= xy * xy;
+        let (around, bend) = (slope * half + size * ROUNDING, bend * half * half);
+        [value - around - bend, value + around + if is_concave { 0.0 } else { bend }]
+    }
+}
+
+impl Outline {
+    /// Finds the outline of a shape. `None` if no ray of the tile can hit it; with `Err` nothing is known of it: the eye is on its surface, or
+    /// numbers are too large.
+    pub(super) fn of(shape: ShapeRef<'_>, rays: &Rays) -> Result<Option<Self>, Unknown> {
+        let found = match shape {
+            ShapeRef::Plane(plane) => {
+                let (normal, height) = (plane.normal(), plane.normal().dot(rays.eye - plane.point()));
+                if height == 0.0 {
+                    return Ok(None);
+                }
+                let depth = Quadratic::linear(|direction| -normal.dot(direction) / height, rays);
+                Some(Self {
+                    inside: vec![depth],
+                    depth: InverseDepth::Nearest(vec![depth]),
+                    area: f64::INFINITY,
+                })
+            }
+            ShapeRef::Sphere(Sphere { center, radius }) => Self::of_sphere(&rays.seen_from(*center), *radius),
+            ShapeRef::AlignedBox(AlignedBox { min, max }) => {
+                Self::of_box(&rays.seen_from(min.midpoint(*max)), (*max - *min) / 2.0)
+            }
+            ShapeRef::SphereImage(image) => {
+                let (center, back) = image.back();
+                Self::of_sphere(&rays.seen_from(center).mapped(back), image.radius())
+            }
+            ShapeRef::BoxImage(image) => {
+                let forward = image.forward();
+                let back = forward.matrix3.inverse();
+                Self::of_box(&rays.seen_from(forward.translation).mapped(&back), image.half())
+            }
+        };
+        match found {
+            Some(outline) if !outline.is_finite() => Err(Unknown),
+            Some(outline) => Ok(Some(outline)),
+            None => Err(Unknown),
+        }
+    }
+
+    fn is_finite(&self) -> bool {
+        let finite = |function: &Quadratic| {
+            function.constant.is_finite()
+                && function.linear.is_finite()
+                && function.quadratic.iter().all(|term| term.is_finite())
+        };
+        let depths = match &self.depth {
+            InverseDepth::Sphere { b, q, c } => c.is_finite() && finite(b) && finite(q),
+            InverseDepth::Nearest(faces) | InverseDepth::Farthest(faces) => faces.iter().all(finite),
+        };
+        depths && self.inside.iter().all(finite)
+    }
+
+    /// The outline of a sphere around the origin.
+    fn of_sphere(rays: &Rays, radius: f64) -> Option<Self> {
+        let (to_center, square) = (-rays.eye, radius * radius);
+        let [x, y, z] = [rays.middle, rays.steps[0], rays.steps[1]];
+        let crossed = [x, y, z].map(|direction| to_center.cross(direction));
+        let product =
+            |i: usize, j: usize| square * [x, y, z][i].dot([x, y, z][j]) - crossed[i].dot(crossed[j]);
+        let q = Quadratic {
+            constant: product(0, 0),
+            linear: DVec2::new(2.0 * product(0, 1), 2.0 * product(0, 2)),
+            quadratic: [product(1, 1), 2.0 * product(1, 2), product(2, 2)],
+        };
+        let b = Quadratic::linear(|direction| to_center.dot(direction), rays);
+        let c = to_center.length_squared() - square;
+        /// Nearer to the surface the eye counts as on it.
+        const NEAR: f64 = 1e-9;
+        if c.abs() < NEAR * square {
+            return None;
+        }
+        let inside = if c > 0.0 { vec![q, b] } else { Vec::new() };
+        let area = if c > 0.0 { q.area() } else { f64::INFINITY };
+        Some(Self { inside, depth: InverseDepth::Sphere { b, q, c }, area })
+    }
+
+    /// The outline of a box around the origin, along the axes.
+    fn of_box(rays: &Rays, half: DVec3) -> Option<Self> {
+        let eye = rays.eye;
+        // By axis and side: how far the eye is outside of the face.
+        let outside = |axis: usize, side: f64| side * eye[axis] - half[axis];
+        let sides = [-1.0, 1.0];
+        let all = (0..3).flat_map(|axis| sides.map(|side| (axis, side)));
+        let face = |(axis, side): (usize, f64)| {
+            let height = outside(axis, side);
+            Quadratic::linear(move |direction| -side * direction[axis] / height, rays)
+        };
+        if all.clone().all(|(axis, side)| outside(axis, side) < 0.0) {
+            let depth = InverseDepth::Farthest(all.map(face).collect());
+            return Some(Self { inside: Vec::new(), depth, area: f64::INFINITY });
+        }
+        let facing = |axis: usize, side: f64| outside(axis, side) > 0.0;
+        let faces: Vec<Quadratic> = all.filter(|(axis, side)| facing(*axis, *side)).map(face).collect();
+        if faces.is_empty() {
+            return None;
+        }
+        let mut inside = Vec::with_capacity(6);
+        for along in 0..3 {
+            let (first, second) = ((along + 1) % 3, (along + 2) % 3);
+            for (one, other) in sides.into_iter().flat_map(|one| sides.map(|other| (one, other))) {
+                if facing(first, one) == facing(second, other) {
+                    continue;
+                }
+                let mut end = DVec3::ZERO;
+                (end[first], end[second], end[along]) =
+                    (one * half[first], other * half[second], half[along]);
+                let start = end - eye - DVec3::AXES[along] * (2.0 * half[along]);
+                let normal = start.cross(end - eye);
+                let normal = normal * (-eye).dot(normal).signum();
+                inside.push(Quadratic::linear(|direction| normal.dot(direction), rays));
+            }
+        }
+        let area = rays.projected_area(half);
+        Some(Self { inside, depth: InverseDepth::Nearest(faces), area })
+    }
+
+    /// Finds how the shape lies to a pixel: the square of this half side around a place. `None` if it is not seen there.
+    #[inline(always)]
+    pub(super) fn cover(&self, place: DVec2, half: f64) -> Option<Cover> {
+        let mut whole = true;
+        for function in &self.inside {
+            let [least, most] = function.bounds(place, half);
+            if most <= 0.0 {
+                return None;
+            }
+            whole &= least > 0.0;
+        }
+        let (depth, one_face) = self.depth.bounds(place, half);
+        (depth[1] > 0.0).then_some(Cover { whole, depth, one_face })
+    }
+
+    /// Returns where the ray through a place hits the shape.
+    pub(super) fn point(&self, rays: &Rays, place: DVec2) -> DVec3 {
+        let direction = rays.middle + rays.steps[0] * place.x + rays.steps[1] * place.y;
+        rays.eye + direction / self.depth.bounds(place, 0.0).0[0]
+    }
+}
+
+impl InverseDepth {
+    /// Bounds over a pixel, and whether a single face is seen there.
+    #[inline(always)]
+    fn bounds(&self, place: DVec2, half: f64) -> ([f64; 2], bool) {
+        match self {
+            Self::Sphere { b, q, c } => {
+                let (b, q) =
+                    (b.bounds(place, half), q.bounds(place, half).map(|bound| bound.max(0.0).sqrt()));
+                let bounds = if *c > 0.0 {
+                    [(b[0] + q[0]) / c, (b[1] + q[1]) / c]
+                } else {
+                    [(q[0] - b[1]) / -c, (q[1] - b[0]) / -c]
+                };
+                (bounds, true)
+            }
+            Self::Nearest(faces) => {
+                let mut bounds = [f64::INFINITY; 2];
+                let mut others = f64::INFINITY;
+                for [least, most] in faces.iter().map(|face| face.bounds(place, half)) {
+                    if most < bounds[1] {
+                        others = others.min(bounds[0]);
+                        bounds[1] = most;
+                        bounds[0] = bounds[0].min(least);
+                        others = if bounds[0] == least { others } else { f64::NEG_INFINITY };
+                    } else {
+                        others = others.min(least);
+                        bounds[0] = bounds[0].min(least);
+                    }
+                }
+                (bounds, bounds[1] < others)
+            }
+            Self::Farthest(faces) => {
+                let mut bounds = [f64::NEG_INFINITY; 2];
+                let (mut best, mut second) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+                for [least, most] in faces.iter().map(|face| face.bounds(place, half)) {
+                    if least > best {
+                        second = second.max(bounds[1]);
+                        best = least;
+                    } else {
+                        second = second.max(most);
+                    }
+                    bounds = [bounds[0].max(least), bounds[1].max(most)];
+                }
+                (bounds, best > second)
+            }
+        }
+    }
+}
+
+/// Says that nothing is known of an outline.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Unknown;
+
+impl Quadratic {
+    /// Returns the area of the ellipse in which it is positive; infinite if it is none.
+    fn area(&self) -> f64 {
+        let [xx, xy, yy] = self.quadratic;
+        let determinant = 4.0 * xx * yy - xy * xy;
+        if !(xx < 0.0 && determinant > 0.0) {
+            return f64::INFINITY;
+        }
+        let DVec2 { x, y } = self.linear;
+        let middle = DVec2::new(xy * y - 2.0 * yy * x, xy * x - 2.0 * xx * y) / determinant;
+        let top = self.constant + 0.5 * self.linear.dot(middle);
+        TAU * top.max(0.0) / determinant.sqrt()
+    }
+}
+
+impl Rays {
+    /// Returns whether a ray of the tile may meet a box: `false` only if all lie on the same side of a plane through the eye, along an axis. The
+    /// tree's frusta, which are rounded outwards, accept all of those boxes.
+    pub(super) fn may_meet(&self, bounds: &Bounds) -> bool {
+        let axis = self.middle.abs().max_position();
+        let (sign, reach) = (self.middle[axis].signum(), HALF_TILE);
+        let corners = [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)]
+            .map(|(x, y)| self.middle + self.steps[0] * (x * reach) + self.steps[1] * (y * reach));
+        if corners.iter().any(|corner| corner[axis] * sign <= 0.0) {
+            return true;
+        }
+        let (min, max) = (bounds.min - self.eye, bounds.max - self.eye);
+        let (near, far) = if sign > 0.0 { (min[axis], max[axis]) } else { (-max[axis], -min[axis]) };
+        if far < 0.0 {
+            return false;
+        }
+        let near = near.max(0.0);
+        [(axis + 1) % 3, (axis + 2) % 3].into_iter().all(|across| {
+            let slopes = corners.map(|corner| corner[across] / (corner[axis] * sign));
+            let low = slopes.into_iter().fold(f64::INFINITY, f64::min);
+            let high = slopes.into_iter().fold(f64::NEG_INFINITY, f64::max);
+            min[across] <= (high * near).max(high * far) && max[across] >= (low * near).min(low * far)
+        })
+    }
+
+    /// The same rays, with the origin at a point.
+    fn seen_from(&self, point: DVec3) -> Self {
+        Self { eye: self.eye - point, ..*self }
+    }
+
+    fn mapped(&self, map: &DMat3) -> Self {
+        Self { eye: *map * self.eye, middle: *map * self.middle, steps: self.steps.map(|step| *map * step) }
+    }
+
+    /// Returns the area that a box around the origin covers on the screen, or its least width if that is less: near the middle of the tile,
+    /// where it is long.
+    fn projected_area(&self, half: DVec3) -> f64 {
+        let to_screen = DMat3::from_cols(self.middle, self.steps[0], self.steps[1]).inverse();
+        // Of the axis line through the box along its longest side, the point next to the ray through the middle.
+        let longest = half.max_position();
+        let (axis, ray) = (DVec3::AXES[longest], self.middle);
+        let (across, along) = (axis.dot(ray), ray.dot(ray));
+        let apart = along - across * across;
+        let nearest = if apart > 1e-12 * along {
+            (along * axis.dot(self.eye) - across * ray.dot(self.eye)) / apart
+        } else {
+            0.0
+        };
+        let point = axis * nearest.clamp(-half[longest], half[longest]) - self.eye;
+        let [depth, x, y] = (to_screen * point).to_array();
+        if !(depth > 0.0 && x.is_finite() && y.is_finite()) {
+            return f64::INFINITY;
+        }
+        let edges = [0, 1, 2].map(|side| {
+            let [deeper, right, down] = (to_screen * (DVec3::AXES[side] * half[side])).to_array();
+            DVec2::new(right - x / depth * deeper, down - y / depth * deeper) / depth
+        });
+        let crossed = |one: usize, other: usize| edges[one].perp_dot(edges[other]).abs();
+        let area = 4.0 * (crossed(0, 1) + crossed(1, 2) + crossed(2, 0));
+        let width = |side: usize| {
+            let length = edges[side].length();
+            let across = crossed(side, (side + 1) % 3) + crossed(side, (side + 2) % 3);
+            if length > 0.0 { 2.0 * across / length } else { f64::INFINITY }
+        };
+        area.min(width(0)).min(width(1)).min(width(2))
+    }
+}
