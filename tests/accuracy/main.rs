@@ -1,0 +1,96 @@
+//! Error targets on scenes that are hard to sample, held against long references.
+
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+mod hard_scenes;
+
+use std::ops::ControlFlow::Continue;
+use std::sync::atomic::AtomicBool;
+
+use hard_scenes::{HardScene, hard_scenes};
+use rayreel::accuracy::FilmError;
+use rayreel::trace::{EstimatedError, Film, Signals};
+use rayreel::{Engine, Knobs, Rgb, Scene, Time};
+
+fn engine(scene: &HardScene) -> Engine {
+    Engine::from_scene(Scene::from_text(scene.name, scene.text.clone()).unwrap())
+}
+
+fn moment() -> Time {
+    "0.25".parse().unwrap()
+}
+
+/// Renders a picture with these settings: its alpha, as light, where that is what is hard.
+fn render(engine: &mut Engine, knobs: Knobs, alpha: bool) -> Film {
+    engine.set_knobs(knobs);
+    if !alpha {
+        return engine.render_at(moment()).unwrap();
+    }
+    let never = AtomicBool::new(false);
+    let picture =
+        engine.render_alpha_on(moment(), Signals::unless(&never), &mut |_| Continue(())).unwrap().unwrap();
+    let transfer = engine.film_settings().transfer;
+    let light = |alpha: &f32| transfer.decode([255.0 * f64::from(*alpha); 3]);
+    let pixels: Vec<Rgb> = picture.alpha.pixels().iter().map(light).collect();
+    Film::from_pixels(picture.alpha.width(), picture.alpha.height(), pixels.into_iter())
+}
+
+/// Returns the true error of a picture for a target, and the estimate.
+fn errors(engine: &mut Engine, alpha: bool, reference: &Film, target: f32) -> (f64, EstimatedError) {
+    let knobs = Knobs { samples: Some(65_536), max_error: Some(target), ..Knobs::default() };
+    let film = render(engine, knobs, alpha);
+    let found = FilmError::between(&film, reference, engine.film_settings().transfer).rms;
+    (found, engine.report().error.unwrap())
+}
+
+#[test]
+fn targets_are_met_where_geometry_shows_what_is_hard() {
+    let named = |name: &str| hard_scenes().into_iter().find(|scene| scene.name == name).unwrap();
+    for name in ["stars", "dust", "wires", "thick wires", "needles", "far checker", "busy", "black on black"]
+    {
+        let scene = named(name);
+        let mut engine = engine(&scene);
+        let long = Knobs { samples: Some(2048), max_error: Some(0.0), seed: Some(99), ..Knobs::default() };
+        let reference = render(&mut engine, long, scene.alpha);
+        for target in [4.0, 2.0] {
+            let (found, estimate) = errors(&mut engine, scene.alpha, &reference, target);
+            // The reference is off, too.
+            let most = 1.1 * f64::from(target);
+            assert!(found <= most, "{name}: {found:.2} for {target}, estimated {estimate:?}");
+            assert!(estimate.rms <= f64::from(target), "{name}: {estimate:?}");
+        }
+    }
+}
+
+/// What no geometry and no sample of the first rounds shows does not show in estimates either; audits bring most of it back.
+#[test]
+fn estimates_are_near_the_truth_where_audits_find_what_is_hard() {
+    for scene in hard_scenes() {
+        if !["glass", "mirrors", "penumbrae", "beyond white"].contains(&scene.name) {
+            continue;
+        }
+        let mut engine = engine(&scene);
+        let long = Knobs { samples: Some(2048), max_error: Some(0.0), seed: Some(99), ..Knobs::default() };
+        let reference = render(&mut engine, long, false);
+        for target in [4.0, 2.0] {
+            let (found, estimate) = errors(&mut engine, false, &reference, target);
+            let most = f64::from(target).max(estimate.rms + 2.0 * estimate.deviation);
+            assert!(found <= 1.1 * most, "{}: {found:.2} for {target}, {estimate:?}", scene.name);
+        }
+    }
+}
+
+/// A frame has the same bits alone and after others.
+#[test]
+fn frames_with_a_target_depend_on_no_other_frame() {
+    for scene in hard_scenes().into_iter().filter(|scene| ["fast ball", "stars"].contains(&scene.name)) {
+        let knobs = Knobs { samples: Some(64), max_error: Some(2.0), ..Knobs::default() };
+        let mut alone = engine(&scene);
+        let mut after = engine(&scene);
+        for frame in [0, 3, 7] {
+            after.set_knobs(knobs);
+            let _ = after.render_frame(frame).unwrap();
+        }
+        assert!(render(&mut alone, knobs, false) == render(&mut after, knobs, false), "{}", scene.name);
+    }
+}
