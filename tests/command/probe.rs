@@ -481,3 +481,17 @@ fn a_reader_that_goes_away_ends_it_quietly() {
     assert_eq!((child.wait().unwrap().code(), errors.as_str()), (Some(0), ""));
     assert!(!feeder.join().unwrap(), "all was read before the end was noticed");
 }
+
+#[test]
+fn scene_and_rays_cannot_both_come_from_standard_input() {
+    let scene = fs::read_to_string(root().join("scenes/first_light.ron")).unwrap();
+    for arguments in [&["-", "--rays", "-"][..], &["--rays", "-", "--json", "-"]] {
+        let output = probe(arguments, &scene);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}");
+        assert_eq!(text(&output.stdout), "", "{arguments:?}");
+        assert_eq!(
+            text(&output.stderr),
+            "error: both the scene and the rays are to be read from standard input: name a file for one of them\n"
+        );
+    }
+}

@@ -16,6 +16,13 @@ use super::exit::Failure;
 use super::settings::{require_frame, resize};
 
 pub(super) fn run(arguments: &ProbeArguments) -> Result<(), Failure> {
+    if arguments.scene.as_os_str() == "-"
+        && arguments.rays.as_deref().is_some_and(|rays| rays.as_os_str() == "-")
+    {
+        let message =
+            "both the scene and the rays are to be read from standard input: name a file for one of them";
+        return Err(anyhow::anyhow!(message).into());
+    }
     // Read once: it may be a pipe, and lines are looked up in it later.
     let (scene, sources) = Scene::load_overridden(&arguments.scene, &arguments.overrides.all())?;
     let file = arguments.scene.display().to_string();
