@@ -19,13 +19,24 @@ pub struct Channel {
     pub property: Property,
     /// How it moves: of the property's [`kind`](Property::kind), or nothing moves.
     pub motion: Motion,
+    /// The first neighbouring rotation keys written further apart than half a turn, between which it turns the short way.
+    pub short_turn: Option<ShortTurn>,
+}
+
+/// Two neighbouring rotation keys whose angles, as written, differ by more than half a turn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShortTurn {
+    /// The times of the keys; seconds.
+    pub times: [f64; 2],
+    /// The angles; degrees.
+    pub angles: [f64; 2],
 }
 
 impl Channel {
     /// Creates a channel for a property and its motion.
     #[must_use]
     pub fn new(property: Property, motion: impl Into<Motion>) -> Self {
-        Self { property, motion: motion.into() }
+        Self { property, motion: motion.into(), short_turn: None }
     }
 }
 

@@ -29,7 +29,7 @@ mod shape;
 mod table;
 mod transform;
 
-pub use animated::{Animated, Channel, Motion, ScriptId};
+pub use animated::{Animated, Channel, Motion, ScriptId, ShortTurn};
 pub use camera::{Camera, Follow, Lens, LookAt, Projection, Shot, Shots, View};
 pub use identity::{Name, Order};
 pub use light::{AreaShape, Falloff, Light, LightKind};

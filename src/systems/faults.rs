@@ -8,6 +8,8 @@ use std::fmt;
 
 use hecs::Entity;
 
+use crate::components::ShortTurn;
+
 /// A reason why an entity does not appear as specified.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fault {
@@ -28,6 +30,8 @@ pub enum Consequence {
     NoLight,
     /// The picture shows the background alone.
     NothingSeen,
+    /// It turns the short way between two keys, not as far as they are written.
+    ShortTurn,
     /// The picture is mirrored, or squeezed to nothing.
     Distorted,
     /// It is drawn with another number, or as if the part were missing.
@@ -84,6 +88,8 @@ pub enum FaultCause {
     },
     /// An entity that it refers to does not exist, or has no position.
     Missing(&'static str),
+    /// Two neighbouring rotation keys are written further apart than half a turn.
+    ShortTurn(ShortTurn),
 }
 
 impl Fault {
@@ -111,6 +117,18 @@ impl Fault {
             ),
             FaultCause::OutOfRange { range, .. } => format!("keep it {range}"),
             FaultCause::Missing(_) => "refer to an entity that exists".to_owned(),
+            FaultCause::ShortTurn(ShortTurn { angles: [from, to], .. }) => {
+                let steps = ((to - from).abs() / 180.0).floor() + 1.0;
+                let angle = |step: f64| brief(from + (to - from) * step / steps);
+                let between = match steps {
+                    2.0 => format!("a key at {}", angle(1.0)),
+                    3.0 => format!("keys at {} and {}", angle(1.0), angle(2.0)),
+                    _ => format!("keys at {}, {} and so on", angle(1.0), angle(2.0)),
+                };
+                format!(
+                    "add {between} degrees between them: neighbouring keys may be up to 180 degrees apart"
+                )
+            }
         }
     }
 }
@@ -122,6 +140,7 @@ impl fmt::Display for Fault {
             Consequence::NotDrawn => write!(formatter, "is not drawn: {}", self.cause),
             Consequence::NoLight => write!(formatter, "gives no light: {}", self.cause),
             Consequence::NothingSeen => write!(formatter, "sees nothing: {}", self.cause),
+            Consequence::ShortTurn => write!(formatter, "turns the short way: {}", self.cause),
             Consequence::Distorted => write!(formatter, "shows a distorted picture: {}", self.cause),
             Consequence::Instead(instead) => {
                 write!(formatter, "is not as it says: {}, and ", self.cause)?;
@@ -157,6 +176,13 @@ impl fmt::Display for FaultCause {
                 brief(*edge),
                 brief(*coordinate),
                 brief(coordinate.abs().next_up() - coordinate.abs())
+            ),
+            Self::ShortTurn(ShortTurn { times, angles }) => write!(
+                formatter,
+                "its rotation keys at {} s and {} s are {} degrees apart",
+                brief(times[0]),
+                brief(times[1]),
+                brief((angles[1] - angles[0]).abs())
             ),
             Self::Missing(what) => write!(formatter, "the entity that it {what} does not exist"),
         }

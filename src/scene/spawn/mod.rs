@@ -10,9 +10,9 @@ use hecs::{Entity, EntityBuilder, World};
 
 use self::entities::{Links, Surface, surface};
 use super::document::{
-    AnimationDocument, BackgroundDocument, CameraDocument, FilmDocument, NoiseDocument, QualityDocument,
-    RotationDocument, SamplingDocument, ScaleDocument, SceneDocument, ShotDocument, TimelineDocument,
-    TrackDocument, TracksDocument, TransferDocument, Triple,
+    AnimationDocument, BackgroundDocument, CameraDocument, EasingDocument, FilmDocument, KeyDocument,
+    NoiseDocument, QualityDocument, RotationDocument, SamplingDocument, ScaleDocument, SceneDocument,
+    ShotDocument, TimelineDocument, TrackDocument, TracksDocument, TransferDocument, Triple,
 };
 use super::files::Merged;
 use super::paths::motion_along;
@@ -21,7 +21,8 @@ use crate::animation::{Interpolate, Notation, Playback, Rotation, Track};
 use crate::color::{Rgb, Transfer};
 use crate::components::{
     Ambient, Animated, Background, Camera, Channel, FilmSettings, Fog, Follow, Lens, LookAt, Motion, Name,
-    Noise, Parent, Projection, Quality, Sampling, ScriptId, Shot, Shots, Transform, View, WorldTransform,
+    Noise, Parent, Projection, Quality, Sampling, ScriptId, ShortTurn, Shot, Shots, Transform, View,
+    WorldTransform,
 };
 use crate::time::{FrameRate, Timeline};
 
@@ -256,7 +257,38 @@ fn animated(
 
 fn channel(animation: &AnimationDocument, transfer: Transfer) -> Option<Channel> {
     let motion = motion(animation, transfer)?;
-    Some(Channel { property: animation.channel.0, motion })
+    let short_turn = match &animation.track {
+        TracksDocument::Rotation(TrackDocument::Keys(keys)) => short_turn(keys),
+        _ => None,
+    };
+    Some(Channel { property: animation.channel.0, motion, short_turn })
+}
+
+/// Returns the first neighbouring keys whose angles, as written in the same notation, differ by more than half a turn.
+fn short_turn(keys: &[KeyDocument<RotationDocument>]) -> Option<ShortTurn> {
+    let turning = keys.windows(2).filter(|pair| pair[0].easing != EasingDocument::Hold);
+    turning
+        .flat_map(|pair| written_angles(pair[0].value, pair[1].value).map(move |angles| (pair, angles)))
+        .find_map(|(pair, angles)| {
+            let times = [pair[0].time, pair[1].time];
+            ((angles[1] - angles[0]).abs() > 180.0).then_some(ShortTurn { times, angles })
+        })
+}
+
+/// Returns the pairs of angles that two rotations written in the same notation have.
+fn written_angles(from: RotationDocument, to: RotationDocument) -> impl Iterator<Item = [f64; 2]> {
+    let pairs = match (from, to) {
+        (RotationDocument::Euler(x, y, z), RotationDocument::Euler(to_x, to_y, to_z)) => {
+            [Some([x, to_x]), Some([y, to_y]), Some([z, to_z])]
+        }
+        (RotationDocument::AxisAngle(axis, angle), RotationDocument::AxisAngle(to_axis, to_angle))
+            if axis == to_axis =>
+        {
+            [Some([angle, to_angle]), None, None]
+        }
+        _ => [None; 3],
+    };
+    pairs.into_iter().flatten()
 }
 
 fn motion(animation: &AnimationDocument, transfer: Transfer) -> Option<Motion> {

@@ -13,8 +13,8 @@ use super::settings::first_entity;
 use super::shape::prepared_shape;
 use crate::color::Rgb;
 use crate::components::{
-    Ambient, AreaShape, Background, Camera, FilmSettings, Fog, Follow, Light, LightKind, LookAt, Material,
-    Order, Projection, Quality, Refractive, Sampling, Shape, Shots, Specular, Transform, View,
+    Ambient, Animated, AreaShape, Background, Camera, FilmSettings, Fog, Follow, Light, LightKind, LookAt,
+    Material, Order, Projection, Quality, Refractive, Sampling, Shape, Shots, Specular, Transform, View,
     WorldTransform,
 };
 use crate::systems::{Consequence, Fault, FaultCause, Instead};
@@ -41,6 +41,7 @@ impl Preparation {
         light_faults(world, &mut faults);
         camera_faults(world, self, &mut faults);
         setting_faults(world, &mut faults);
+        turn_faults(world, &mut faults);
         let order = |fault: &Fault| world.get::<&Order>(fault.entity).map_or(u64::MAX, |order| order.0);
         faults.sort_by_key(|fault| (order(fault), fault.entity.id()));
         faults
@@ -261,6 +262,15 @@ fn projection_fault(projection: Projection) -> Option<(FaultCause, f64)> {
 }
 
 /// Finds the faults of the settings of the whole scene.
+/// Reports rotation tracks that turn the short way between keys written further apart.
+fn turn_faults(world: &World, faults: &mut Vec<Fault>) {
+    let mut query = world.query::<(Entity, &Animated)>();
+    faults.extend(query.iter().filter_map(|(entity, Animated(channels))| {
+        let short_turn = channels.iter().find_map(|channel| channel.short_turn)?;
+        Some(Fault { entity, consequence: Consequence::ShortTurn, cause: FaultCause::ShortTurn(short_turn) })
+    }));
+}
+
 fn setting_faults(world: &World, faults: &mut Vec<Fault>) {
     let mut check = |fault: Option<Fault>| faults.extend(fault);
     check(setting(world, |checked, Ambient(intensity)| checked.color("ambient light", *intensity)));
