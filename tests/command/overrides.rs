@@ -167,3 +167,15 @@ fn what_is_no_value_and_no_effect_is_wrong_usage() {
     assert_eq!(output.status.code(), Some(1));
     assert!(text(&output.stderr).contains("sampling: (samples: 0)"), "{}", text(&output.stderr));
 }
+
+#[test]
+fn names_with_dots_are_answered_with_the_form_that_works() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write(folder, &[("name: \"ball\"", "name: \"Sphere.001\"")]);
+    let output = rayreel(folder, ["check", "a.ron", "--set", "entities.Sphere.001.shape.radius=2"]);
+    let help = text(&output.stderr);
+    assert!(help.contains("'entities.\"Sphere.001\"...'"), "{help}");
+    let changed = frame(folder, &["--set", "entities.\"Sphere.001\".shape.radius=2"]);
+    assert_ne!(changed, frame(folder, &[]));
+}

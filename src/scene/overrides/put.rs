@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::{NAMED, Override};
 use crate::scene::quote::short;
 use crate::scene::spans::{Bracket, bracket, root};
-use crate::scene::suggest::remedy;
+use crate::scene::suggest::{listed, remedy};
 
 /// The reason why a value has no place in a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,7 +29,19 @@ impl NoPlace {
         match self {
             Self::Unknown { kind, list, name, known } => {
                 let known: Vec<&str> = known.iter().map(String::as_str).collect();
-                (format!("there is no {kind} called `{}`", short(name)), remedy(name, &known, list))
+                // Without quotes, a name ends at its first dot.
+                let cut =
+                    known.iter().find(|known| known.split_once('.').is_some_and(|(start, _)| start == name));
+                let help = match cut {
+                    Some(whole) => {
+                        format!(
+                            "put a name with dots in quotes, and all in others for the shell: '{list}.\"{}\"...'",
+                            short(whole)
+                        )
+                    }
+                    None => remedy(name, &known, list),
+                };
+                (format!("there is no {kind} called `{}`", short(name)), help)
             }
             Self::NoParts { message, help } => (message.clone(), help.clone()),
         }
@@ -54,6 +66,13 @@ pub(in crate::scene) fn put(text: &str, overriding: &Override) -> Result<String,
             Some(found) => found,
             None if depth == 0 && overriding.is_named() => {
                 return Err(unknown(path, Vec::new(), named_kind(path).unwrap_or_default()));
+            }
+            None if depth == 0
+                && step == "camera"
+                && path.len() > 1
+                && parts.find(text, "cameras", false).is_some() =>
+            {
+                return Err(parts.many_cameras(text, &path[1..]));
             }
             None if parts.takes_field(step) => return Ok(parts.with_field(text, &path[depth..], value)),
             None => return Err(parts.unknown(text, &path[..=depth], kind)),
@@ -100,10 +119,35 @@ impl Bracket {
         }
     }
 
+    /// Reports that the scene has `cameras` instead of `camera`, and how to refer to one of them.
+    fn many_cameras(&self, text: &str, path: &[String]) -> NoPlace {
+        let cameras = self.find(text, "cameras", false).and_then(|list| bracket(text, list.start));
+        let names = cameras.map_or_else(Vec::new, |cameras| cameras.names(text));
+        let first = names.first().map_or("main", String::as_str);
+        let example = Override {
+            path: [&["cameras".to_owned(), first.to_owned()], path].concat(),
+            value: "..".to_owned(),
+        };
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        NoPlace::NoParts {
+            message: "the scene has `cameras` and no `camera`".to_owned(),
+            help: format!(
+                "name one of them, as in {}; the cameras are {}",
+                short(&example.to_string()),
+                listed(&names)
+            ),
+        }
+    }
+
+    /// Returns the names of the entries of a map.
+    fn names(&self, text: &str) -> Vec<String> {
+        self.members.iter().filter_map(|member| quoted(&text[member.name.clone()?])).collect()
+    }
+
     /// Tells what there is in the place of the last step of a path; `kind` is what has names here.
     fn unknown(&self, text: &str, path: &[String], kind: Option<&'static str>) -> NoPlace {
         let names: Vec<String> = match self.opening {
-            b'{' => self.members.iter().filter_map(|member| quoted(&text[member.name.clone()?])).collect(),
+            b'{' => self.names(text),
             _ => self.members.iter().filter_map(|member| own_name(text, &member.value)).collect(),
         };
         if let Some(kind) = kind {
@@ -227,6 +271,18 @@ Scene( // a scene
         assert_eq!(
             told("cameras.side.fov=40"),
             "there is no camera called `side`: there are no cameras here"
+        );
+        let many = put(
+            "(cameras: {\"near 1.5\": (fov: 40), \"far\": (fov: 30)})",
+            &"camera.fov=50".parse().unwrap(),
+        );
+        assert_eq!(
+            many.unwrap_err().tell(),
+            (
+                "the scene has `cameras` and no `camera`".to_owned(),
+                "name one of them, as in cameras.\"near 1.5\".fov=..; the cameras are `near 1.5`, `far`"
+                    .to_owned()
+            )
         );
         assert_eq!(
             told("film.width.pixels=1"),
