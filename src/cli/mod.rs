@@ -37,6 +37,7 @@ mod write_file;
 use std::process::ExitCode;
 
 use clap::Parser;
+use clap::error::{ContextKind, ContextValue};
 
 use rayreel::scene::Printable;
 
@@ -46,7 +47,9 @@ use interrupt::Interruption;
 
 /// Runs the command that was typed.
 pub(crate) fn run() -> ExitCode {
-    let arguments = Arguments::try_parse().unwrap_or_else(|_| Arguments::parse_from(printable_arguments()));
+    let arguments = Arguments::try_parse()
+        .or_else(|_| Arguments::try_parse_from(printable_arguments()))
+        .unwrap_or_else(|error| shortened(error).exit());
     let result = Interruption::listen()
         .map_err(Failure::from)
         .and_then(|interruption| run_command(arguments.command, &interruption));
@@ -62,6 +65,21 @@ pub(crate) fn run() -> ExitCode {
 /// Returns the arguments as messages may show them: names of files may hold anything.
 fn printable_arguments() -> impl Iterator<Item = String> {
     std::env::args_os().map(|argument| Printable(&argument.to_string_lossy()).to_string())
+}
+
+/// Returns an error that quotes no argument at length.
+fn shortened(mut error: clap::Error) -> clap::Error {
+    /// The most characters of an argument, more than in those that people write.
+    const LONGEST: usize = 200;
+    for kind in [ContextKind::InvalidArg, ContextKind::InvalidValue, ContextKind::InvalidSubcommand] {
+        if let Some(ContextValue::String(argument)) = error.get(kind)
+            && let Some((end, _)) = argument.char_indices().nth(LONGEST)
+        {
+            let cut = format!("{}…", &argument[..end]);
+            error.insert(kind, ContextValue::String(cut));
+        }
+    }
+    error
 }
 
 fn run_command(command: Command, interruption: &Interruption) -> Result<(), Failure> {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::files::{Files, SceneFile};
+use super::quote::short;
 use super::spans::{PathStep, locate};
 use super::{Diagnostic, SourcePosition};
 
@@ -127,7 +128,7 @@ impl LoadError {
 impl FaultyFile {
     fn render(&self, color: bool) -> impl Iterator<Item = String> {
         let included = self.included_from.iter().map(|from| format!("included from {from}"));
-        let overridden = self.overridden.iter().map(|value| format!("read with {value}"));
+        let overridden = self.overridden.iter().map(|value| format!("read with {}", short(value)));
         let notes: Vec<String> = included.chain(overridden).collect();
         self.diagnostics
             .iter()

@@ -179,3 +179,39 @@ fn names_with_dots_are_answered_with_the_form_that_works() {
     let changed = frame(folder, &["--set", "entities.\"Sphere.001\".shape.radius=2"]);
     assert_ne!(changed, frame(folder, &[]));
 }
+
+#[test]
+fn long_values_are_shortened_in_every_message() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write(folder, &[]);
+    let long = "a".repeat(100_000);
+    for set in [
+        format!("camera.fov={long}"),
+        format!("camera.fov=[{long}]"),
+        format!("camera.fov=\"{long}\""),
+        format!("camera.{long}=3"),
+        format!("{long}=3"),
+        format!("entities.{long}.shape=3"),
+        format!("entities.lamp.{long}.b=3"),
+        format!("entities.lamp.name.{long}=3"),
+        format!("materials.floor.color={long}"),
+        format!("film.transfer={long}"),
+        format!("camera.fov={0} {0}", &long[..50_000]),
+        format!("\"{long}"),
+        long.clone(),
+    ] {
+        for json in [&[][..], &["--json"]] {
+            let output = rayreel(folder, [&["check", "a.ron", "--set", set.as_str()], json].concat());
+            assert!(!output.status.success());
+            let message = [text(&output.stdout), text(&output.stderr)].concat();
+            assert!(
+                message.len() < 2000,
+                "{} letters for {}: {}",
+                message.len(),
+                &set[..20],
+                &message[..1000]
+            );
+        }
+    }
+}

@@ -3,6 +3,7 @@
 use super::Override;
 use super::put::{NoPlace, put};
 use crate::scene::Diagnostic;
+use crate::scene::quote::short;
 
 /// Values that no file has had a place for yet.
 #[derive(Debug, Default)]
@@ -46,6 +47,7 @@ impl Unplaced {
     pub(in crate::scene) fn mistake(&self) -> Option<Diagnostic> {
         let (value, reason) = self.values.first()?;
         let (message, help) = reason.as_ref()?.tell();
+        let value = short(&value.to_string());
         Some(Diagnostic::new(format!("`{value}`: {message}"), "", Some(help), None))
     }
 }
