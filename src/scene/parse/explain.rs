@@ -74,11 +74,25 @@ impl Case<'_> {
                 let start = tokens(self.text)
                     .map(|token| token.start)
                     .find(|at| self.text[*at..].starts_with('#'))?;
+                if self.text[start..].starts_with("#!") {
+                    return Some(self.of_extensions(start));
+                }
                 let help = "comments start with //";
                 Some(told("a # starts no comment", "not read as a comment", help, start..start + 1))
             }
             _ => self.of_quotes(),
         }
+    }
+
+    /// Explains an attribute, which starts with `#!`, that enables no extension.
+    fn of_extensions(&self, start: usize) -> Diagnostic {
+        let span = start..start + 2;
+        if let Error::NoSuchExtension(name) = self.code {
+            let help = "the extensions are implicit_some, unwrap_newtypes, unwrap_variant_newtypes and explicit_struct_names";
+            return told(format!("there is no extension called `{}`", short(name)), "enabled here", help, span);
+        }
+        let help = "write it with all its brackets, as #![enable(implicit_some)]";
+        told("this is no whole attribute", "begins here", help, span)
     }
 
     /// Explains a text followed directly by something else: a quote is missing, or one is too many.
