@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use clap::builder::NonEmptyStringValueParser;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
@@ -498,13 +499,14 @@ pub(super) struct VerifyArguments {
 
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
-  rayreel farm slurm scenes/first_light.ron --shards 8 | sh
+  rayreel farm slurm scenes/first_light.ron --shards 8 > jobs.sh && sh jobs.sh
   rayreel farm slurm scenes/first_light.ron --shards 8 -- --size 1920x1080 --samples 16
   rayreel farm openjd scenes/first_light.ron --shards 8 > job.json
   rayreel farm kubernetes scenes/first_light.ron --shards 8 --image ours/rayreel --claim frames
 
 The scene and the options are checked first. All machines must see the scene, and the folder of the
-frames, under the same names. Every script ends with a job that verifies the frames.")]
+frames, under the same names. Every script ends with a job that verifies the frames. In a pipe to sh,
+an error of farm leaves an empty script, and sh exits with 0, except after `set -o pipefail`.")]
 pub(super) struct FarmArguments {
     /// Who distributes the work
     pub(super) scheduler: SchedulerName,
@@ -517,10 +519,10 @@ pub(super) struct FarmArguments {
     #[arg(long, value_name = "FOLDER")]
     pub(super) out: Option<PathBuf>,
     /// The container image with rayreel in it, for Kubernetes
-    #[arg(long, value_name = "IMAGE")]
+    #[arg(long, value_name = "IMAGE", value_parser = NonEmptyStringValueParser::new())]
     pub(super) image: Option<String>,
     /// The persistent volume claim with the scene in it, in whose folder jobs run, for Kubernetes
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = NonEmptyStringValueParser::new())]
     pub(super) claim: Option<String>,
     /// Further options of `render`, behind `--`
     #[arg(last = true, value_name = "OPTIONS")]

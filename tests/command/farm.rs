@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use proptest::prelude::*;
 use serde_json::Value;
 
 use crate::{RAYREEL, command, output_of, pictures, rayreel, text, told};
@@ -143,19 +144,21 @@ fn a_kubernetes_job_has_an_index_a_shard() {
     let (spec, container) = (&shards["spec"], &shards["spec"]["template"]["spec"]["containers"][0]);
     assert_eq!((&spec["completionMode"], &spec["completions"]), (&"Indexed".into(), &2.into()));
     for index in ["0", "1"] {
-        let put_in = |word: &Value| word.as_str().unwrap().replace("$(JOB_COMPLETION_INDEX)", index).into();
+        let put_in = |word: &Value| expanded(word.as_str().unwrap(), index).into();
         run(folder, &container["command"].as_array().unwrap().iter().map(put_in).collect::<Vec<Value>>());
     }
-    let script = &verify["spec"]["template"]["spec"]["containers"][0]["command"][2];
-    assert!(
-        script.as_str().unwrap().starts_with("until rayreel verify 'out/it'\\''s a $HOME'; do"),
-        "{script}"
+    let verify = verify["spec"]["template"]["spec"]["containers"][0]["command"].as_array().unwrap();
+    run(
+        folder,
+        &verify[4..].iter().map(|word| expanded(word.as_str().unwrap(), "").into()).collect::<Vec<_>>(),
     );
 }
 
 #[test]
 fn what_jobs_would_stumble_over_is_told_before() {
     let folder = folder();
+    let few = r#"{"frames": [{"frame": 0, "time": 0, "samples": 1, "max_error": 0}]}"#;
+    fs::write(folder.path().join("few.json"), few).unwrap();
     for (more, said) in [
         (&["--shards", "9"][..], "9 shards of 8 frames leave some without any"),
         (&["--shards", "0"], "0 is not in 1..=10000"),
@@ -164,9 +167,233 @@ fn what_jobs_would_stumble_over_is_told_before() {
         (&["--shards", "2", "--", "--deadline", "9s"], "--deadline is not for farms"),
         (&["--shards", "2", "--", "--sise", "8x8"], "unexpected argument '--sise'"),
         (&["--shards", "2", "--", "--set", "camera.fow=3"], "fow"),
+        (&["--shards", "2", "--", "--set", "camera.fov=/*\ntouch spoiled\n*/ 50"], "has a line end"),
+        (&["--shards", "2", "--", "--settings", "none.json"], "cannot read `none.json`"),
+        (&["--shards", "2", "--", "--settings", "few.json"], "has no settings for frame 1"),
+        (&["--shards", "2", "--", "--help"], "--help and --version are not for farms"),
+        (&["--shards", "2", "--out", "-"], "jobs share a folder, and not standard output"),
+        (&["--shards", "2", "--image", ""], "a value is required for '--image <IMAGE>'"),
+        (&["--shards", "2", "--claim", ""], "a value is required for '--claim <NAME>'"),
     ] {
         let output = rayreel(folder.path(), ["farm", "slurm", "it's a $HOME.ron"].iter().chain(more));
         assert!(!output.status.success() && output.stdout.is_empty(), "{more:?}");
-        assert!(text(&output.stderr).contains(said), "{more:?}: {}", text(&output.stderr));
+        let told = text(&output.stderr);
+        assert!(told.contains(said), "{more:?}: {told}");
+        assert!(!told.contains("\\n\\n") && told.matches("error:").count() == 1, "{more:?}: {told}");
+    }
+}
+
+/// A word of a container's command as Kubernetes expands it: `$$` is `$`, and `$(JOB_COMPLETION_INDEX)` the index.
+fn expanded(word: &str, index: &str) -> String {
+    let mut parts = word.split("$$");
+    let first = parts.next().unwrap_or_default().to_owned();
+    let replace = |part: &str| part.replace("$(JOB_COMPLETION_INDEX)", index);
+    parts.fold(replace(&first), |text, part| text + "$" + replace(part).as_str())
+}
+
+/// A path of a log as Slurm expands it: `%%` is `%`, `%a` the index, and a backslash switches that off.
+#[cfg(unix)]
+fn log_path(pattern: &str, index: &str) -> String {
+    assert!(!pattern.contains('\\'), "{pattern}");
+    let mut parts = pattern.split("%%");
+    let first = parts.next().unwrap_or_default().replace("%a", index);
+    parts.fold(first, |text, part| text + "%" + part.replace("%a", index).as_str())
+}
+
+/// Parts of names and values that a shell, YAML or a scheduler reads in its own way.
+#[cfg(unix)]
+const PARTS: [&str; 35] = [
+    "'",
+    "\"",
+    "`touch spoiled`",
+    "$(touch spoiled)",
+    "$",
+    "$$",
+    "$(JOB_COMPLETION_INDEX)",
+    "$((1))",
+    "${HOME}",
+    "SHARD_INDEX",
+    "SLURM_INDEX",
+    "%",
+    "%%",
+    "%a",
+    "\\",
+    "{{",
+    "{{Task.Param.Shard}}",
+    "}}",
+    "\t",
+    ";touch spoiled;",
+    "&",
+    "|",
+    ">spoiled",
+    " ",
+    " #",
+    "!",
+    "*",
+    "?",
+    "~",
+    "-",
+    "--",
+    ": ",
+    "\u{e4}\u{1F600}",
+    "\u{feff}",
+    "\u{ffff}",
+];
+
+/// Parts that no script may hold.
+#[cfg(unix)]
+const REFUSED: [&str; 6] =
+    ["\n", "\r", "\u{1b}[31m", "\ntouch spoiled\n", "\nRENDER\ntouch spoiled\n", "\u{2028}"];
+
+#[cfg(unix)]
+fn odd_text() -> impl Strategy<Value = String> {
+    let part = prop_oneof![
+        40 => proptest::sample::select(&PARTS[..]),
+        1 => proptest::sample::select(&REFUSED[..]),
+    ];
+    proptest::collection::vec(part, 1..5).prop_map(|parts| parts.concat())
+}
+
+/// Records its arguments, each ended by a zero byte, in a file of its own.
+#[cfg(unix)]
+const RECORDER: &str = r#"#!/bin/sh
+printf '%s\0' "$@" > "$RECORDS/rayreel.$$"
+"#;
+
+/// Records its arguments likewise, and runs the job as `SBATCH` does.
+#[cfg(unix)]
+const RECORDING_SBATCH: &str = r#"#!/bin/sh
+printf '%s\0' "$@" > "$RECORDS/sbatch.$$"
+cat > "$RECORDS/job.$$"
+for word in "$@"; do case $word in --array=0-*) last=${word#--array=0-};; esac; done
+for index in $(seq 0 "${last-0}"); do
+    SLURM_ARRAY_JOB_ID=7 SLURM_ARRAY_TASK_ID=$index sh "$RECORDS/job.$$" >&2 || exit
+done
+rm "$RECORDS/job.$$"
+echo 7
+"#;
+
+/// The arguments of all commands of that name that ran, sorted.
+#[cfg(unix)]
+fn recorded(records: &Path, program: &str) -> Vec<Vec<String>> {
+    let mut all = Vec::new();
+    for entry in fs::read_dir(records).unwrap().map(Result::unwrap) {
+        if entry.file_name().to_str().unwrap().starts_with(program) {
+            let words = text(&fs::read(entry.path()).unwrap());
+            all.push(words.split_terminator('\0').map(str::to_owned).collect());
+        }
+    }
+    all.sort();
+    all
+}
+
+/// Documents of YAML as a parser of YAML reads them, where there is one, which must find what a parser of JSON finds.
+#[cfg(unix)]
+fn documents(folder: &Path, manifests: &str) -> Vec<Value> {
+    const READ: &str = "import json, sys, yaml\nprint(json.dumps(list(yaml.safe_load_all(open(sys.argv[1], encoding='utf-8', newline='')))))";
+    let (_, body) = manifests.split_once('\n').unwrap();
+    let as_json: Vec<Value> =
+        body.split("\n---\n").map(|document| serde_json::from_str(document).unwrap()).collect();
+    let file = folder.join("manifests.yaml");
+    fs::write(&file, manifests).unwrap();
+    let has_yaml = |child| output_of(child).status.success();
+    if command("python3", folder).args(["-c", "import yaml"]).spawn().is_ok_and(has_yaml) {
+        let output = output_of(command("python3", folder).args(["-c", READ]).arg(&file).spawn().unwrap());
+        assert!(output.status.success(), "{manifests}{}", text(&output.stderr));
+        assert_eq!(serde_json::from_slice::<Vec<Value>>(&output.stdout).unwrap(), as_json, "{manifests}");
+    } else {
+        println!("there is no yaml for python3: YAML was read as JSON only");
+    }
+    fs::remove_file(&file).unwrap();
+    as_json
+}
+
+#[cfg(unix)]
+fn strings(words: &Value) -> Vec<String> {
+    words.as_array().unwrap().iter().map(|word| word.as_str().unwrap().to_owned()).collect()
+}
+
+#[cfg(unix)]
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Whatever names and values hold, jobs get just these arguments and run nothing else, or nothing is printed.
+    #[test]
+    fn jobs_run_what_was_given_and_nothing_else(name in odd_text(), out in odd_text(), value in odd_text()) {
+        use std::os::unix::fs::PermissionsExt;
+
+        let root = tempfile::tempdir().unwrap();
+        let (folder, records, bin) = (root.path().join("here"), root.path().join("records"), root.path().join("bin"));
+        for folder in [&folder, &records, &bin] {
+            fs::create_dir(folder).unwrap();
+        }
+        for (name, script) in [("rayreel", RECORDER), ("sbatch", RECORDING_SBATCH)] {
+            fs::write(bin.join(name), script).unwrap();
+            fs::set_permissions(bin.join(name), fs::Permissions::from_mode(0o755)).unwrap();
+        }
+        let scene = format!("./{name}.ron");
+        fs::write(folder.join(&scene), SCENE).unwrap();
+        let comment = format!("camera.fov=/*{value}*/ 50");
+        let options = ["--frames=1-4", "--set", &comment];
+        let path = format!("{}:{}", bin.display(), std::env::var("PATH").unwrap());
+        let has = |part: &str| [&name, &out, &value].iter().any(|text| text.contains(part));
+        let is_refused = REFUSED.into_iter().any(has);
+        let out_option = format!("--out={out}");
+        let verified = if out.starts_with('-') { format!("./{out}") } else { out.clone() };
+        let shard = |index: usize| {
+            let words = ["render", &scene, &format!("--out={verified}"), &format!("--shard={index}/2")];
+            words.iter().chain(&options).map(|word| (*word).to_owned()).collect::<Vec<_>>()
+        };
+        let verify = ["verify", &verified, "--frames=1-4"].map(str::to_owned).to_vec();
+
+        for scheduler in ["slurm", "kubernetes", "openjd"] {
+            let farm = ["farm", scheduler, &scene, "--shards=2", &out_option, "--image=i", "--claim=c", "--"];
+            let output = rayreel(&folder, farm.iter().chain(&options));
+            let refused = is_refused || out == "-"
+                || scheduler == "slurm" && out.contains('\\')
+                || scheduler == "openjd" && has("{{");
+            prop_assert_eq!(!output.status.success(), refused, "{}: {}", scheduler, text(&output.stderr));
+            if refused {
+                prop_assert!(output.stdout.is_empty());
+                continue;
+            }
+            let script = text(&output.stdout);
+            let shell = |words: &[String]| {
+                let mut shell = command(&words[0], &folder);
+                shell.args(&words[1..]).env("PATH", &path).env("RECORDS", &records);
+                let output = output_of(shell.spawn().unwrap());
+                assert!(output.status.success(), "{script}{}", text(&output.stderr));
+            };
+            match scheduler {
+                "slurm" => {
+                    shell(&["sh".to_owned(), "-c".to_owned(), script.clone()]);
+                    let logs: Vec<String> = recorded(&records, "sbatch").concat().iter()
+                        .filter_map(|word| word.strip_prefix("--output=").map(|log| log_path(log, "1"))).collect();
+                    prop_assert_eq!(logs.len(), 2);
+                    prop_assert!(logs.iter().all(|log| log.starts_with(&format!("{verified}/rayreel"))), "{:?}", logs);
+                    fs::remove_dir_all(folder.join(&verified)).unwrap();
+                }
+                "kubernetes" => {
+                    let documents = documents(root.path(), &script);
+                    for (document, index) in [(0, "0"), (0, "1"), (1, "")] {
+                        let container = &documents[document]["spec"]["template"]["spec"]["containers"][0];
+                        let words = strings(&container["command"]);
+                        shell(&words.iter().map(|word| expanded(word, index)).collect::<Vec<_>>());
+                    }
+                }
+                _ => {
+                    let template: Value = serde_json::from_str(&script).unwrap();
+                    for (step, index) in [(0, "0"), (0, "1"), (1, "")] {
+                        let action = &template["steps"][step]["script"]["actions"]["onRun"];
+                        let words = [vec![action["command"].as_str().unwrap().to_owned()], strings(&action["args"])].concat();
+                        shell(&words.iter().map(|word| word.replace("{{Task.Param.Shard}}", index)).collect::<Vec<_>>());
+                    }
+                }
+            }
+            prop_assert_eq!(recorded(&records, "rayreel"), vec![shard(0), shard(1), verify.clone()], "{}", script);
+            prop_assert_eq!(fs::read_dir(&folder).unwrap().count(), 1, "{}", script);
+            fs::remove_dir_all(&records).unwrap();
+            fs::create_dir(&records).unwrap();
+        }
     }
 }

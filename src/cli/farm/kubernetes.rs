@@ -1,21 +1,22 @@
-//! Kubernetes: an indexed job, and one that looks at what is there.
+//! Kubernetes: an indexed job, and one that verifies the frames.
 //!
-//! Jobs cannot wait for each other, so that the second one looks again and again until the frames are there, or its time is over.
+//! Jobs cannot wait for each other, so that the second one verifies repeatedly until the frames are there, or its time is over.
 
 use serde_json::{Value, json};
 
-use super::{Farm, line};
+use super::{Farm, document, one_line};
 
 /// Returns both, as documents of JSON, which is YAML, too.
 pub(super) fn manifests(farm: &Farm, image: &str, claim: &str) -> anyhow::Result<String> {
-    /// Seconds between looks, and in all.
-    const PATIENCE: (u32, u32) = (30, 86_400);
-    // Of the words, only this is to be replaced.
-    const INDEX: (&str, &str) = ("SHARD_INDEX", "$(JOB_COMPLETION_INDEX)");
-    let literal = |word: &String| word.replace("$(", "$$(").replace(INDEX.0, INDEX.1);
-    let render: Vec<String> = farm.render(INDEX.0).iter().map(literal).collect();
-    let looks = format!("until {}; do sleep {}; done", line(&farm.verify()), PATIENCE.0);
-    let verify = ["sh", "-c", &looks].map(|word| literal(&word.to_owned()));
+    /// Seconds until the verifying job gives up: a day.
+    const LONGEST_WAIT: u32 = 86_400;
+    let shard = format!("--shard=$(JOB_COMPLETION_INDEX)/{}", farm.shards);
+    let render = farm.render(literal, shard)?;
+    let mut verify = vec!["sh".to_owned(), "-c".to_owned()];
+    verify.push(literal("until \"$@\"; do sleep 30; done")?);
+    verify.push("sh".to_owned());
+    verify.extend(farm.verify(literal)?);
+    let (image, claim) = (one_line(image)?, one_line(claim)?);
     let (render, verify) = (pod(image, claim, &render), pod(image, claim, &verify));
     let shards = json!({
         "apiVersion": "batch/v1",
@@ -25,7 +26,7 @@ pub(super) fn manifests(farm: &Farm, image: &str, claim: &str) -> anyhow::Result
             "completionMode": "Indexed",
             "completions": farm.shards,
             "parallelism": farm.shards,
-            // A shard that dies goes on with the frames that are left.
+            // A shard that is started again renders the frames that are left.
             "backoffLimitPerIndex": 6,
             "template": render,
         },
@@ -34,14 +35,18 @@ pub(super) fn manifests(farm: &Farm, image: &str, claim: &str) -> anyhow::Result
         "apiVersion": "batch/v1",
         "kind": "Job",
         "metadata": { "name": format!("{}-verify", farm.name) },
-        "spec": { "backoffLimit": 0, "activeDeadlineSeconds": PATIENCE.1, "template": verify },
+        "spec": { "backoffLimit": 0, "activeDeadlineSeconds": LONGEST_WAIT, "template": verify },
     });
-    let documents = [shards, verdict].map(|document| serde_json::to_string_pretty(&document));
-    let [shards, verdict] = documents;
     Ok(format!(
-        "# Renders in shards, which share the claim's folder, and waits until all frames are there: kubectl apply -f\n{}\n---\n{}\n",
-        shards?, verdict?
+        "# Renders in shards, which share the claim's folder, and waits until all frames are there: kubectl apply -f\n{}---\n{}",
+        document(&shards)?,
+        document(&verdict)?
     ))
+}
+
+/// Escapes a word of a command: Kubernetes replaces `$(NAME)`, and reads `$$` as `$`.
+fn literal(word: &str) -> anyhow::Result<String> {
+    Ok(one_line(word)?.replace('$', "$$"))
 }
 
 /// Returns a pod that runs a command in the claim's folder.

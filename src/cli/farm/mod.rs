@@ -5,6 +5,7 @@
 
 mod kubernetes;
 mod openjd;
+mod shell;
 mod slurm;
 
 use std::ffi::OsString;
@@ -12,8 +13,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow, bail, ensure};
 use clap::Parser;
+use serde_json::Value;
 
-use rayreel::scene::input::is_stream;
+use rayreel::scene::{input::is_stream, is_printable};
 use rayreel::time::FrameList;
 
 use super::args::{Arguments, Command, FarmArguments, RenderArguments, SchedulerName};
@@ -21,10 +23,11 @@ use super::exit::Failure;
 use super::overrides::load;
 use super::print;
 use super::render::set_up;
+use super::settings_file::SettingsFile;
 
 pub(super) fn run(arguments: &FarmArguments) -> Result<(), Failure> {
     let script = match arguments.scheduler {
-        SchedulerName::Slurm => slurm::script(&Farm::new(arguments)?),
+        SchedulerName::Slurm => slurm::script(&Farm::new(arguments)?)?,
         SchedulerName::Openjd => openjd::template(&Farm::new(arguments)?)?,
         SchedulerName::Kubernetes => {
             let (Some(image), Some(claim)) = (&arguments.image, &arguments.claim) else {
@@ -39,21 +42,23 @@ pub(super) fn run(arguments: &FarmArguments) -> Result<(), Failure> {
     Ok(print::result(&script)?)
 }
 
-/// What is rendered, and by how many.
+/// The sequence to render, and the number of jobs.
 struct Farm {
     /// The scene file, as a job sees it from the folder where it was submitted.
     scene: String,
     /// The folder of the frames, likewise.
     out: String,
-    /// By what the jobs are called.
+    /// The name of the jobs.
     name: String,
     shards: u32,
+    /// The frames to render, if not all.
+    frames: Option<FrameList>,
     /// Further options of `render`.
     options: Vec<String>,
 }
 
 impl Farm {
-    /// Checks all that jobs would stumble over: the scene, the options, and the number of shards.
+    /// Checks everything that would make jobs fail: the scene, the options, and the number of shards.
     fn new(arguments: &FarmArguments) -> Result<Self, Failure> {
         if is_stream(&arguments.scene) {
             return Err(anyhow!("jobs read the scene later, and not from standard input: name a file").into());
@@ -61,6 +66,17 @@ impl Farm {
         let rendered = render_arguments(arguments)?;
         let mut engine = load(&rendered.scene, &rendered.overrides)?;
         let settings = set_up(&mut engine, &rendered)?;
+        if settings.stream.is_some() {
+            return Err(
+                anyhow!("jobs share a folder, and not standard output: name a folder with --out").into()
+            );
+        }
+        if let Some(file) = &rendered.settings {
+            let known = SettingsFile::read(file)?;
+            if let Some(shot) = settings.shots().find(|shot| known.samples_of(shot).is_none()) {
+                return Err(anyhow!("`{}` has no settings for {}", file.display(), shot.moment()).into());
+            }
+        }
         let (frames, shards) = (settings.count(), arguments.shards);
         if shards as usize > frames {
             return Err(anyhow!(
@@ -68,54 +84,51 @@ impl Farm {
             )
             .into());
         }
-        let name = job_name(&arguments.scene)?;
+        let out = in_words(settings.sequence.directory())?;
         Ok(Self {
             scene: in_words(&arguments.scene)?,
-            out: in_words(settings.sequence.directory())?,
-            name,
+            // `verify` would take it for an option.
+            out: if out.starts_with('-') { format!("./{out}") } else { out },
+            name: job_name(&arguments.scene)?,
             shards,
+            frames: rendered.frames,
             options: arguments.options.clone(),
         })
     }
 
-    /// Returns the words of the command of a shard, whose number is put in by the scheduler.
-    fn render(&self, index: &str) -> Vec<String> {
-        let fixed = ["rayreel", "render", &self.scene, "--out", &self.out, "--shard"];
-        let shard = format!("{index}/{}", self.shards);
-        fixed.into_iter().map(str::to_owned).chain([shard]).chain(self.options.iter().cloned()).collect()
+    /// Returns the words of the command of a shard. `literal` makes a word of the scheduler's language, and `shard` is the word of
+    /// the option `--shard`, in which the scheduler puts the index.
+    fn render<W>(&self, literal: impl Fn(&str) -> anyhow::Result<W>, shard: W) -> anyhow::Result<Vec<W>> {
+        let out = format!("--out={}", self.out);
+        let fixed = ["rayreel", "render", &self.scene, &out].map(&literal).into_iter();
+        let options = self.options.iter().map(|option| literal(option));
+        fixed.chain([Ok(shard)]).chain(options).collect()
     }
 
-    /// Returns the words of the command that looks at what is there: at the frames that were asked for.
-    fn verify(&self) -> Vec<String> {
-        let mut words: Vec<String> = ["rayreel", "verify", &self.out].map(str::to_owned).into();
-        words.extend(self.frames().map(|frames| format!("--frames={frames}")));
-        words
-    }
-
-    /// Returns the frames that were asked for, if not all are.
-    fn frames(&self) -> Option<FrameList> {
-        let mut options = self.options.iter();
-        while let Some(option) = options.next() {
-            let list = match option.strip_prefix("--frames") {
-                Some("") => options.next().cloned(),
-                Some(list) => list.strip_prefix('=').map(str::to_owned),
-                None => None,
-            };
-            if let Some(list) = list {
-                return list.parse().ok();
-            }
-        }
-        None
+    /// Returns the words of the command that verifies the frames.
+    fn verify<W>(&self, literal: impl Fn(&str) -> anyhow::Result<W>) -> anyhow::Result<Vec<W>> {
+        let frames = self.frames.as_ref().map(|frames| format!("--frames={frames}"));
+        ["rayreel", "verify", &self.out].into_iter().chain(frames.as_deref()).map(literal).collect()
     }
 }
 
-/// Reads the options behind `--` as `render` would, and refuses those that shards cannot have.
+/// Reads the options after `--` as `render` would, and refuses those that shards cannot have.
 fn render_arguments(arguments: &FarmArguments) -> anyhow::Result<RenderArguments> {
     let mut words: Vec<OsString> = ["rayreel", "render"].map(OsString::from).into();
     words.push(arguments.scene.clone().into());
-    words.extend(arguments.options.iter().map(OsString::from));
-    let parsed =
-        Arguments::try_parse_from(words).map_err(|error| anyhow!("{}", error.render().to_string().trim()))?;
+    for option in &arguments.options {
+        words.push(one_line(option)?.into());
+    }
+    let parsed = Arguments::try_parse_from(words).map_err(|error| {
+        if !error.use_stderr() {
+            return anyhow!("--help and --version are not for farms: try `rayreel render --help`");
+        }
+        // Only the cause: its usage is that of another command.
+        let message = error.to_string();
+        let cause = message.split("\n\n").next().unwrap_or_default().trim_start_matches("error: ");
+        let cause: Vec<&str> = cause.lines().map(str::trim).collect();
+        anyhow!("in the options after `--`, those of `render`: {}", cause.join(" "))
+    })?;
     let Command::Render(mut rendered) = parsed.command else { bail!("these are no options of `render`") };
     for (is_given, option, reason) in [
         (rendered.out.is_some(), "--out", "write it before `--`"),
@@ -138,14 +151,27 @@ fn render_arguments(arguments: &FarmArguments) -> anyhow::Result<RenderArguments
     Ok(rendered)
 }
 
+/// Returns the text of a path.
 fn in_words(path: &Path) -> anyhow::Result<String> {
-    let words = path.to_str().with_context(|| format!("`{}` is no text, as scripts are", path.display()))?;
+    let words = path.to_str();
+    words
+        .map(str::to_owned)
+        .with_context(|| format!("`{}` is not UTF-8 text, as scripts are", path.display()))
+}
+
+/// Returns the text, if a script can hold it: it must be printable and on one line.
+fn one_line(text: &str) -> anyhow::Result<&str> {
     ensure!(
-        !words.contains('\n') && !words.contains('\0'),
-        "`{}` has a line end in its name",
-        path.display()
+        text.chars().all(is_printable),
+        "`{text}` has a line end or a control character, which job scripts cannot hold: write it on one line, without"
     );
-    Ok(words.to_owned())
+    Ok(text)
+}
+
+/// Writes a document of JSON that readers of YAML take, too: they refuse two characters that JSON may hold as they are.
+fn document(value: &Value) -> anyhow::Result<String> {
+    let text = serde_json::to_string_pretty(value)?;
+    Ok(format!("{}\n", text.replace('\u{fffe}', "\\ufffe").replace('\u{ffff}', "\\uffff")))
 }
 
 /// Returns a name that every scheduler takes: small letters, digits and hyphens.
@@ -159,36 +185,9 @@ fn job_name(scene: &Path) -> anyhow::Result<String> {
     Ok(if name.is_empty() { "rayreel".to_owned() } else { format!("rayreel-{name}") })
 }
 
-/// Quotes a word for a POSIX shell.
-fn quoted(word: &str) -> String {
-    let is_plain = |character: char| character.is_ascii_alphanumeric() || "-_./=:,@%+".contains(character);
-    if !word.is_empty() && word.chars().all(is_plain) {
-        return word.to_owned();
-    }
-    format!("'{}'", word.replace('\'', "'\\''"))
-}
-
-/// Quotes words, and puts them in a line.
-fn line(words: &[String]) -> String {
-    words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn words_are_quoted_as_shells_need_it() {
-        for (word, expected) in [
-            ("a/b.ron", "a/b.ron"),
-            ("it's", "'it'\\''s'"),
-            ("", "''"),
-            ("a b", "'a b'"),
-            ("$HOME", "'$HOME'"),
-        ] {
-            assert_eq!(quoted(word), expected);
-        }
-    }
 
     #[test]
     fn names_are_those_that_schedulers_take() {

@@ -1,34 +1,38 @@
-//! Open Job Description, as AWS Deadline Cloud and others take it: a step of shards, and one that looks at what is there.
+//! Open Job Description, as AWS Deadline Cloud and others take it: a step of shards, and one that verifies the frames.
 //!
 //! The template is JSON, which is YAML, too.
 
-use anyhow::{Context, bail};
+use anyhow::{Context, ensure};
 use serde_json::{Value, json};
 
-use super::{Farm, in_words};
+use super::{Farm, document, in_words, one_line};
 
 /// Returns the job template (specification of 2023-09).
 pub(super) fn template(farm: &Farm) -> anyhow::Result<String> {
     let here = std::env::current_dir().context("the working directory is gone")?;
-    let here = in_words(&here)?;
-    let words = farm.render("").into_iter().chain(farm.verify()).chain([here.clone()]);
-    // What is in double braces the scheduler replaces.
-    if let Some(word) = words.into_iter().find(|word| word.contains("{{")) {
-        bail!("`{word}` has `{{{{` in it, which Open Job Description takes for a parameter");
-    }
+    let here = literal(&in_words(&here)?)?;
     let range = format!("0-{}", farm.shards - 1);
-    let mut verify = step("Verify", &here, farm.verify());
+    let mut verify = step("Verify", &here, farm.verify(literal)?);
     verify["dependencies"] = json!([{ "dependsOn": "Render" }]);
-    let mut shards = step("Render", &here, farm.render("{{Task.Param.Shard}}"));
+    let shard = format!("--shard={{{{Task.Param.Shard}}}}/{}", farm.shards);
+    let mut shards = step("Render", &here, farm.render(literal, shard)?);
     shards["parameterSpace"] =
         json!({ "taskParameterDefinitions": [{ "name": "Shard", "type": "INT", "range": range }] });
-    let template = json!({
+    document(&json!({
         "specificationVersion": "jobtemplate-2023-09",
         "name": farm.name,
-        "description": "Renders a sequence in shards, which share a folder, and then looks whether all frames are there.",
+        "description": "Renders a sequence in shards, which share a folder, and then verifies that all frames are there.",
         "steps": [shards, verify],
-    });
-    Ok(format!("{}\n", serde_json::to_string_pretty(&template)?))
+    }))
+}
+
+/// Returns a word in which the scheduler replaces nothing: it replaces what is in double braces, and has no escape for them.
+fn literal(word: &str) -> anyhow::Result<String> {
+    ensure!(
+        !word.contains("{{"),
+        "`{word}` contains `{{{{`, which Open Job Description takes for a parameter: write it without"
+    );
+    Ok(one_line(word)?.to_owned())
 }
 
 /// Returns a step that runs a command in a folder: sessions have working directories of their own.
