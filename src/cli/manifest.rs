@@ -9,6 +9,7 @@ use clap::{Parser, ValueEnum};
 use serde::{Deserialize, Serialize};
 
 use rayreel::output::{folder_of, write_bytes};
+use rayreel::scene::input::{self, Offered};
 
 use super::args::{Arguments, Command, RenderArguments};
 use super::settings::RenderSettings;
@@ -96,8 +97,11 @@ fn find(folder: &Path, scene: Option<&Path>) -> anyhow::Result<PathBuf> {
 }
 
 fn read(file: &Path) -> anyhow::Result<Manifest> {
-    let text = fs::read_to_string(file).with_context(|| format!("cannot read `{}`", file.display()))?;
-    serde_json::from_str(&text)
+    /// Far more than any command line has.
+    const MOST: u64 = 1 << 24;
+    let bytes = input::read(file, Offered::Refused, MOST)
+        .with_context(|| format!("cannot read `{}`", file.display()))?;
+    serde_json::from_slice(&bytes)
         .with_context(|| format!("`{}` is not what `render` writes beside frames", file.display()))
 }
 

@@ -1,7 +1,7 @@
 //! What is found where a frame's file should be. Every byte of it is looked at.
 
 use std::fs::{self, File};
-use std::io::{self, BufReader, Cursor, ErrorKind};
+use std::io::{self, BufRead, BufReader, Cursor, ErrorKind, Read, Seek};
 use std::path::Path;
 
 use png::BitDepth;
@@ -23,6 +23,11 @@ pub enum FoundFrame {
         /// Columns and rows.
         size: (u32, u32),
     },
+    /// A picture of another size than expected, which was not decoded.
+    OtherSize {
+        /// Columns and rows.
+        size: (u32, u32),
+    },
     /// A whole frame.
     Whole {
         /// What it tells of itself.
@@ -36,12 +41,35 @@ impl FoundFrame {
     /// Looks at a file.
     #[must_use]
     pub fn at(path: &Path, format: FrameFormat) -> Self {
-        let bytes = match read(path) {
+        match read(path, u64::MAX) {
+            Ok(bytes) => Self::of(&bytes, format),
+            Err(error) => Self::unread(&error),
+        }
+    }
+
+    /// Looks at the file of a frame of this size. Memory is bounded by that size, whatever the file's header or length promises.
+    #[must_use]
+    pub fn expected_at(path: &Path, format: FrameFormat, size: (u32, u32)) -> Self {
+        /// More bytes than a pixel takes with all passes, which are 15 channels of 4 bytes.
+        const OF_A_PIXEL: u64 = 64;
+        /// More bytes than headers and the overhead of compression take.
+        const OF_THE_REST: u64 = 1 << 20;
+        let most = u64::from(size.0) * u64::from(size.1) * OF_A_PIXEL + OF_THE_REST;
+        let bytes = match read(path, most) {
             Ok(bytes) => bytes,
-            Err(error) if error.kind() == ErrorKind::NotFound => return Self::Missing,
-            Err(error) => return Self::Torn(error.to_string()),
+            Err(error) => return Self::unread(&error),
         };
-        Self::of(&bytes, format)
+        match size_of(Cursor::new(&bytes), format) {
+            Some(found) if found != size => Self::OtherSize { size: found },
+            _ => Self::of(&bytes, format),
+        }
+    }
+
+    fn unread(error: &io::Error) -> Self {
+        match error.kind() {
+            ErrorKind::NotFound => Self::Missing,
+            _ => Self::Torn(error.to_string()),
+        }
     }
 
     /// Looks at the bytes of a file.
@@ -68,7 +96,7 @@ impl FoundFrame {
 ///
 /// If there is no file, if it is not whole, or if its format has no such bytes: in words.
 pub fn read_frame(path: &Path, format: FrameFormat) -> Result<EncodedFilm, String> {
-    let bytes = read(path).map_err(|error| error.to_string())?;
+    let bytes = read(path, u64::MAX).map_err(|error| error.to_string())?;
     if format.is_linear() {
         return Err("it does not have 8 bits of red, green and blue in each pixel".to_owned());
     }
@@ -92,7 +120,13 @@ fn decode(bytes: &[u8], format: FrameFormat) -> Result<Picture, String> {
 /// Returns columns and rows of a frame, from the beginning of its file. `None` if that does not tell.
 #[must_use]
 pub fn frame_size(path: &Path, format: FrameFormat) -> Option<(u32, u32)> {
-    let mut file = BufReader::new(File::open(path).ok()?);
+    if !fs::metadata(path).ok()?.is_file() {
+        return None;
+    }
+    size_of(BufReader::new(File::open(path).ok()?), format)
+}
+
+fn size_of(mut file: impl BufRead + Seek, format: FrameFormat) -> Option<(u32, u32)> {
     match format {
         FrameFormat::Png(_) | FrameFormat::Png16(_) => png_file::size(&mut file),
         FrameFormat::Ppm => ppm_file::size(&mut file),
@@ -101,13 +135,18 @@ pub fn frame_size(path: &Path, format: FrameFormat) -> Option<(u32, u32)> {
     }
 }
 
-/// Reads a regular file; of others, as pipes, nobody knows whether they end.
-fn read(path: &Path) -> io::Result<Vec<u8>> {
-    if fs::metadata(path)?.is_file() {
-        fs::read(path)
-    } else {
-        Err(io::Error::other("it is not a regular file"))
+/// Reads a regular file of at most `most` bytes; others, as pipes, may never end.
+fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let metadata = fs::metadata(path)?;
+    if !metadata.is_file() {
+        return Err(io::Error::other("it is not a regular file"));
     }
+    if metadata.len() > most {
+        return Err(io::Error::other("it is longer than a frame of this size can be"));
+    }
+    let mut bytes = Vec::new();
+    File::open(path)?.take(most).read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 #[cfg(test)]

@@ -67,7 +67,7 @@ const STANDARD_INPUT: &str = "-";
 /// # Errors
 ///
 /// As [`open`], and if it has become too large, or reading fails.
-pub(crate) fn read(path: &Path, offered: Offered, most: u64) -> Result<Vec<u8>, InputError> {
+pub fn read(path: &Path, offered: Offered, most: u64) -> Result<Vec<u8>, InputError> {
     let mut bytes = Vec::new();
     if offered == Offered::Accepted && path == Path::new(STANDARD_INPUT) {
         io::stdin().lock().take(most.saturating_add(1)).read_to_end(&mut bytes)?;

@@ -280,7 +280,11 @@ impl Engine {
     ) -> Result<FrameVerdict, EngineError> {
         match existing {
             Existing::Overwrite => Ok(FrameVerdict::Missing),
-            Existing::Keep => self.judge(shot, FoundFrame::at(path, sequence.format())),
+            Existing::Keep => {
+                let film = self.film_settings();
+                let size = (film.width, film.height);
+                self.judge(shot, FoundFrame::expected_at(path, sequence.format(), size))
+            }
         }
     }
 }

@@ -86,9 +86,12 @@ impl Engine {
         let timeline = self.timeline();
         let count = timeline.frame_count();
         let shots: Vec<Shot> = Shot::frames(&frames.within(count), timeline).collect();
+        let film = self.film_settings();
+        let size = (film.width, film.height);
         let mut verdict = SequenceVerdict::default();
         'all: for shots in shots.chunks(TOGETHER) {
-            let found = shots.par_iter().map(|shot| FoundFrame::at(&shot.file(sequence), sequence.format()));
+            let look = |shot: &Shot| FoundFrame::expected_at(&shot.file(sequence), sequence.format(), size);
+            let found = shots.par_iter().map(look);
             for (shot, found) in shots.iter().zip(found.collect::<Vec<_>>()) {
                 if begin(self, shot).is_break() {
                     break 'all;
@@ -97,9 +100,8 @@ impl Engine {
                 verdict.frames.extend(shot.frame.map(|frame| (frame, of_frame)));
             }
         }
-        let film = self.film_settings();
         let is_asked = |frame: u32| verdict.frames.binary_search_by_key(&frame, |(asked, _)| *asked).is_ok();
-        let surplus = find_surplus(sequence, count, (film.width, film.height))?;
+        let surplus = find_surplus(sequence, count, size)?;
         // Of the frames that were looked at it is known that they are stale.
         verdict.surplus = surplus
             .into_iter()
@@ -117,6 +119,7 @@ impl Engine {
             FoundFrame::Missing => FrameVerdict::Missing,
             FoundFrame::Torn(reason) => FrameVerdict::Torn(reason),
             FoundFrame::Unknown { .. } => FrameVerdict::Unknown,
+            FoundFrame::OtherSize { .. } => FrameVerdict::Stale,
             FoundFrame::Whole { provenance, .. } => {
                 match provenance.frame == self.fingerprint_at(shot.time)? {
                     true => FrameVerdict::Whole,

@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use crate::{FIRST_LIGHT, RAYREEL, command, output_of, rayreel, signal, text};
+use crate::{FIRST_LIGHT, RAYREEL, command, output_of, rayreel, signal, text, told};
 
 const CAMERA: &str = "camera: (position: (0, 0, -5), target: (0, 0, 0))";
 
@@ -124,6 +124,108 @@ fn the_watcher_reads_no_more_than_the_loader() {
             assert!(lines.contains("is not a file"), "{lines}");
             signal(&child, "TERM");
             assert_eq!(output_of(child).status.code(), Some(143));
+        }
+    }
+}
+
+/// What may lie where a file is read.
+#[derive(Clone, Copy, Debug)]
+enum Odd {
+    Pipe,
+    Device,
+    Directory,
+    /// A file without end, as far as memory goes.
+    Long,
+    /// A header of a picture that is too large for memory.
+    Header,
+}
+
+impl Odd {
+    fn put(self, path: &Path) {
+        let bytes = fs::read(path).unwrap();
+        fs::remove_file(path).unwrap();
+        match self {
+            Self::Pipe => assert!(Command::new("mkfifo").arg(path).status().unwrap().success()),
+            Self::Device => std::os::unix::fs::symlink("/dev/zero", path).unwrap(),
+            Self::Directory => fs::create_dir(path).unwrap(),
+            Self::Long => fs::File::create(path).unwrap().set_len(1 << 40).unwrap(),
+            Self::Header => fs::write(path, with_huge_header(&bytes)).unwrap(),
+        }
+    }
+}
+
+/// The same kind of frame with a header of 30000x30000 pixels, and few bytes behind it.
+fn with_huge_header(bytes: &[u8]) -> Vec<u8> {
+    const SIDE: u32 = 30_000;
+    match bytes {
+        [0x89, ..] => {
+            let depth = if bytes[24] == 16 { png::BitDepth::Sixteen } else { png::BitDepth::Eight };
+            let mut huge = Vec::new();
+            let mut encoder = png::Encoder::new(&mut huge, SIDE, SIDE);
+            encoder.set_color(png::ColorType::Rgb);
+            encoder.set_depth(depth);
+            encoder.write_header().unwrap().write_chunk(png::chunk::IDAT, b"x\x9c\x03\0").unwrap();
+            huge
+        }
+        [b'P', b'6', ..] => format!("P6\n{SIDE} {SIDE} 255\n").into_bytes(),
+        [b'P', b'F', ..] => format!("PF\n{SIDE} {SIDE}\n-1.0\n").into_bytes(),
+        _ => {
+            let name = b"dataWindow\0box2i\0\x10\0\0\0";
+            let place = bytes.windows(name.len()).position(|window| window == name).unwrap() + name.len();
+            let corner = [SIDE - 1, SIDE - 1].map(u32::to_le_bytes).concat();
+            [&bytes[..place + 8], &corner, &bytes[place + 16..]].concat()
+        }
+    }
+}
+
+/// Runs `rayreel` with less memory than a huge frame takes.
+fn bounded(folder: &Path, arguments: &[&str]) -> std::process::Output {
+    let limited = "ulimit -v 2000000; exec \"$0\" \"$@\"";
+    output_of(command("sh", folder).args(["-c", limited, RAYREEL]).args(arguments).spawn().unwrap())
+}
+
+#[test]
+fn frames_and_manifests_may_be_anything() {
+    for format in ["png", "png16", "ppm", "pfm", "exr"] {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path();
+        let scene = format!("(timeline: (fps: 2, duration: 1), film: (width: 16, height: 9), {CAMERA})");
+        fs::write(folder.join("a.ron"), scene).unwrap();
+        let render = ["render", "a.ron", "--threads=1", "--format", format];
+        told(folder, render);
+        let (frame, later) =
+            (format!("a.0001.{format}").replace("16", ""), format!("a.0007.{format}").replace("16", ""));
+        for odd in [Odd::Pipe, Odd::Device, Odd::Long, Odd::Header, Odd::Directory] {
+            let what = format!("{odd:?} as {format}");
+            fs::copy(folder.join("out/a").join(&frame), folder.join("out/a").join(&later)).unwrap();
+            odd.put(&folder.join("out/a").join(&frame));
+            odd.put(&folder.join("out/a").join(&later));
+            let verified = bounded(folder, &["verify", "out/a"]);
+            assert_eq!(verified.status.code(), Some(1), "{what}: {}", text(&verified.stderr));
+            assert!(text(&verified.stdout).contains("1 of 2 frames"), "{what}: {}", text(&verified.stdout));
+            let rendered = bounded(folder, &render);
+            let code = if let Odd::Directory = odd { 1 } else { 0 };
+            assert_eq!(rendered.status.code(), Some(code), "{what}: {}", text(&rendered.stderr));
+            if let Odd::Directory = odd {
+                assert!(text(&rendered.stderr).contains(&frame), "{what}: {}", text(&rendered.stderr));
+            } else {
+                fs::remove_file(folder.join("out/a").join(&later)).unwrap();
+            }
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("a.ron"), format!("({CAMERA}, film: (width: 16, height: 9))")).unwrap();
+    let manifest = folder.join("out/a/a.sequence.json");
+    for odd in [Odd::Pipe, Odd::Device, Odd::Long, Odd::Directory] {
+        told(folder, ["render", "a.ron"]);
+        odd.put(&manifest);
+        let verified = bounded(folder, &["verify", "out/a"]);
+        let told = text(&verified.stderr);
+        assert_eq!(verified.status.code(), Some(1), "{odd:?}: {told}");
+        assert!(told.contains("cannot read `out/a/a.sequence.json`"), "{odd:?}: {told}");
+        if !matches!(odd, Odd::Directory) {
+            fs::remove_file(&manifest).unwrap();
         }
     }
 }
