@@ -176,7 +176,7 @@ pub(super) struct RenderArguments {
     #[arg(long, value_enum, default_value_t = ProgressName::Auto)]
     pub(super) progress: ProgressName,
     /// Tell nothing but warnings and errors
-    #[arg(short, long, conflicts_with = "progress")]
+    #[arg(short, long)]
     pub(super) quiet: bool,
     /// Tell of every frame what it took, that it is kept, or why its file is not
     #[arg(short, long, conflicts_with_all = ["progress", "quiet"])]
@@ -251,7 +251,8 @@ pub(super) enum ProgressName {
     /// A bar on a terminal; elsewhere a line for every frame, and one every ten seconds while a frame takes long
     Auto,
     /// A JSON object in a line of standard error for every frame, its event `kept` or `rendered`: its number, file, seconds, rays and
-    /// error, and how many are done of how many; and while a frame takes long one a second, `rendering`, with the share that is done
+    /// error, and how many are done of how many; and while a frame takes long one a second, `rendering`, with the share that is done.
+    /// Warnings, and without --quiet the lines at the end, are objects with a message: `warning` and `note`
     Json,
     /// Not at all
     None,

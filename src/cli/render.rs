@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, anyhow};
+use serde_json::json;
 
 use rayreel::output::{FoundFrame, WriteError, remove_leftovers};
 use rayreel::scene::{Sources, input::is_stream};
@@ -14,7 +15,7 @@ use rayreel::sequence::{FrameVerdict, SequenceObserver, Shot, Surplus, find_surp
 use rayreel::trace::ExposureProgress;
 use rayreel::{Engine, Scene};
 
-use super::args::RenderArguments;
+use super::args::{ProgressName, RenderArguments};
 use super::choice::{Choice, Chosen};
 use super::draft;
 use super::exit::Failure;
@@ -88,9 +89,7 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
     }
     if let Some(movie) = &arguments.movie {
         movie::make(movie, &settings, engine.timeline().rate)?;
-        if !arguments.quiet {
-            print::error_line(&format!("the movie is in {}", movie.display()));
-        }
+        note(arguments, &format!("the movie is in {}", movie.display()));
     }
     Ok(())
 }
@@ -119,36 +118,55 @@ fn tell(
     settings: &RenderSettings,
 ) -> Result<(), Failure> {
     let sources = sources_for(report, arguments);
-    if !arguments.json {
+    if arguments.json {
+        return Ok(print::json(report.to_json(sources.as_ref()))?);
+    }
+    if arguments.progress == ProgressName::Json {
+        report.warnings.tell_events(sources.as_ref());
+    } else {
         report.warnings.tell(sources.as_ref());
     }
-    if !arguments.json && !arguments.quiet {
-        if !report.shots.is_empty() {
-            print::error_line(&report.plan());
-        }
-        if let Some(changed) = report.changed.in_words() {
-            print::error_line(&changed);
-        }
-        if let Some(Chosen { file, frames, pilot, missed }) = &report.chosen {
-            let frames = if *frames == 1 { "frame".to_owned() } else { format!("{frames} frames") };
-            print::error_line(&format!(
-                "the samples are in {}, chosen in {:.2} s; --settings with that file gives the same {frames} again",
-                file.display(),
-                pilot.as_secs_f64()
-            ));
-            if let Some(missed) = missed {
-                print::error_line(&format!("warning: {missed}"));
-            }
-        }
-        if let Some(slow) = report.slow_frames() {
-            print::error_line(&slow);
-        }
-        print::error_line(&report.summary(settings));
+    if !report.shots.is_empty() {
+        note(arguments, &report.plan());
     }
-    if arguments.json {
-        print::json(report.to_json(sources.as_ref()))?;
+    if let Some(changed) = report.changed.in_words() {
+        note(arguments, &changed);
     }
+    if let Some(Chosen { file, frames, pilot, missed }) = &report.chosen {
+        let frames = if *frames == 1 { "frame".to_owned() } else { format!("{frames} frames") };
+        let (file, pilot) = (file.display(), pilot.as_secs_f64());
+        note(
+            arguments,
+            &format!(
+                "the samples are in {file}, chosen in {pilot:.2} s; --settings with that file gives the same {frames} again"
+            ),
+        );
+        if let Some(missed) = missed {
+            warn(arguments, missed);
+        }
+    }
+    if let Some(slow) = report.slow_frames() {
+        note(arguments, &slow);
+    }
+    note(arguments, &report.summary(settings));
     Ok(())
+}
+
+/// Prints a line about the whole run, unless `--quiet` is given: an object where programs read the progress.
+fn note(arguments: &RenderArguments, text: &str) {
+    match arguments.progress {
+        _ if arguments.quiet => {}
+        ProgressName::Json => print::error_json(json!({ "event": "note", "message": text })),
+        ProgressName::Auto | ProgressName::None => print::error_line(text),
+    }
+}
+
+/// Prints a warning, an object where programs read the progress.
+fn warn(arguments: &RenderArguments, text: &str) {
+    match arguments.progress {
+        ProgressName::Json => print::error_json(json!({ "event": "warning", "message": text })),
+        ProgressName::Auto | ProgressName::None => print::error_line(&format!("warning: {text}")),
+    }
 }
 
 /// Reads the scene's texts again if there are warnings to look up in them. Mostly there are none, so that the texts are not kept.
@@ -253,23 +271,24 @@ fn clear_up(engine: &Engine, settings: &RenderSettings, arguments: &RenderArgume
             left.push(surplus);
         }
     }
-    if removed > 0 && !arguments.quiet {
-        print::error_line(&format!(
-            "removed {}",
-            in_files(removed, "that was no frame", "that were no frames")
-        ));
+    if removed > 0 {
+        let files = in_files(removed, "that was no frame", "that were no frames");
+        note(arguments, &format!("removed {files}"));
     }
     for Surplus { path, reason } in left.iter().take(MOST) {
-        print::error_line(&format!("warning: `{}` is no frame of this sequence: {reason}", path.display()));
+        warn(arguments, &format!("`{}` is no frame of this sequence: {reason}", path.display()));
     }
     if left.len() > MOST {
-        print::error_line(&format!("warning: so {}", in_files(left.len() - MOST, "more is", "more are")));
+        warn(arguments, &format!("so {}", in_files(left.len() - MOST, "more is", "more are")));
     }
-    if !left.is_empty() {
-        print::error_line(match clean {
-            false => "  --clean removes what `rayreel` has written of it",
-            true => "  it was not written by `rayreel`, or is torn, and was not removed",
-        });
+    let help = match clean {
+        false => "--clean removes what `rayreel` has written of it",
+        true => "it was not written by `rayreel`, or is torn, and was not removed",
+    };
+    match arguments.progress {
+        _ if left.is_empty() => {}
+        ProgressName::Json => warn(arguments, help),
+        ProgressName::Auto | ProgressName::None => print::error_line(&format!("  {help}")),
     }
     Ok(())
 }

@@ -93,10 +93,10 @@ pub(super) enum Telling {
 impl Telling {
     fn new(arguments: &RenderArguments) -> Self {
         match arguments.progress {
+            ProgressName::Json => Self::Json,
             _ if arguments.quiet => Self::Nothing,
             _ if arguments.verbose => Self::Details,
             ProgressName::Auto => Self::Auto,
-            ProgressName::Json => Self::Json,
             ProgressName::None => Self::Nothing,
         }
     }

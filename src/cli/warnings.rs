@@ -126,6 +126,19 @@ impl Warnings {
         }
     }
 
+    /// Prints the warnings like [`Self::tell`], each as an object for programs that read the progress.
+    pub(super) fn tell_events(&self, sources: Option<&Sources>) {
+        let Value::Array(warnings) = self.to_json(sources) else { return };
+        for mut warning in warnings {
+            warning["event"] = json!("warning");
+            print::error_json(warning);
+        }
+        if !self.others.is_empty() {
+            let message = format!("entities with further faults: {}", self.others.len());
+            print::error_json(json!({ "event": "warning", "message": message }));
+        }
+    }
+
     /// Returns the warnings as JSON.
     pub(super) fn to_json(&self, sources: Option<&Sources>) -> Value {
         let one = |Warning { fault, whose, moment, more }: &Warning| {

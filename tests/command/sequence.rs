@@ -533,12 +533,12 @@ fn programs_and_people_hear_what_they_want_to() {
     };
     assert_eq!(run(&["--frames=0", "--quiet"]), "");
     let lines = run(&["--progress", "json"]);
-    let objects: Vec<Value> = lines
-        .lines()
-        .filter(|line| line.starts_with('{'))
-        .map(|line| serde_json::from_str(line).unwrap())
-        .collect();
-    assert_eq!(objects.len(), 4, "{lines}");
+    let objects: Vec<Value> = lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let (objects, notes) = objects.split_at(4);
+    assert_eq!(notes.len(), 2, "{lines}");
+    for note in notes {
+        assert!(note["event"] == "note" && note["message"].is_string(), "{lines}");
+    }
     for (index, object) in objects.iter().enumerate() {
         assert_eq!((&object["frame"], &object["total"]), (&index.into(), &4.into()));
         let event = if index == 0 { "kept" } else { "rendered" };
@@ -546,6 +546,28 @@ fn programs_and_people_hear_what_they_want_to() {
         assert!(index == 0 || object["seconds"]["trace"].is_f64() && object["rays"]["camera"] == 32 * 18);
     }
     assert!(run(&["--progress", "none", "--overwrite"]).lines().count() == 2);
+    // With everything that is warned of, too.
+    let faulty = r#"(camera: (position: (0, 0, -5), target: (0, 0, 0)), materials: { "m": (k_a: 1) }, film: (width: 16, height: 9),
+        entities: [(name: "far", shape: Box(size: (1, 1, 1)), material: "m", transform: (translation: (1e17, 0, 0)))])"#;
+    fs::write(folder.join("faulty.ron"), faulty).unwrap();
+    fs::create_dir(folder.join("faulty")).unwrap();
+    for surplus in 20..27 {
+        fs::write(folder.join(format!("faulty/faulty.00{surplus}.png")), "").unwrap();
+    }
+    let arguments =
+        ["render", "faulty.ron", "--out=faulty", "--quiet", "--progress=json", "--set=ambient=(0, 0, 0)"];
+    for more in [&[][..], &["--clean"]] {
+        let output = rayreel(folder, arguments.iter().chain(more));
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let lines = text(&output.stderr);
+        let events: Vec<Value> = lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+        assert!(
+            events[0]["event"].is_string() && events.iter().all(|event| event["event"] != "note"),
+            "{lines}"
+        );
+        let warnings = events.iter().filter(|event| event["event"] == "warning");
+        assert_eq!(warnings.count(), 8, "{lines}");
+    }
     run(&["--frames=2", "--size=16x9", "--quiet"]);
     fs::write(folder.join("out/film.0003.png"), "").unwrap();
     let details = run(&["-v"]);
