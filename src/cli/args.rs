@@ -119,7 +119,8 @@ pub(super) struct RenderArguments {
     /// The folder for the frame files; - is standard output, for programs that read video [default: out/<scene>]
     #[arg(long, value_name = "FOLDER")]
     pub(super) out: Option<PathBuf>,
-    /// The names of the frame files without their endings, as shot_#### or shot_%04d: the number's digits are written there
+    /// The names of the frame files without their endings, as shot_#### or shot_%04d: the number's digits are written there; a
+    /// single frame needs no number
     /// [default: <scene>.####]
     #[arg(long, value_name = "PATTERN", conflicts_with_all = ["at", "sheet"])]
     pub(super) name: Option<FrameNames>,

@@ -88,7 +88,7 @@ fn find(folder: &Path, scene: Option<&Path>) -> anyhow::Result<PathBuf> {
     match &files[..] {
         [file] => Ok(file.clone()),
         [] => bail!(
-            "`{}` does not say what its frames were rendered from: it has no file *{ENDING}, which `render` writes{}",
+            "`{}` does not say what its frames were rendered from: it has no file *{ENDING}, which `render` writes{}, except for a scene from standard input: render a scene file",
             folder.display(),
             if scene.is_some() { " for this scene" } else { "" }
         ),
@@ -115,6 +115,10 @@ fn picture_arguments(arguments: &RenderArguments, samples: Option<PathBuf>) -> O
     }
     if let Some(names) = &arguments.name {
         add("name", names.to_string());
+        // The name is that of one frame.
+        if let Some(frames) = arguments.frames.as_ref().filter(|_| !names.have_numbers()) {
+            add("frames", frames.to_string());
+        }
     }
     let name = |value: clap::builder::PossibleValue| value.get_name().to_owned();
     add("precision", name(arguments.precision.to_possible_value()?));

@@ -47,9 +47,18 @@ use interrupt::Interruption;
 
 /// Runs the command that was typed.
 pub(crate) fn run() -> ExitCode {
-    let arguments = Arguments::try_parse()
-        .or_else(|_| Arguments::try_parse_from(printable_arguments()))
-        .unwrap_or_else(|error| shortened(error).exit());
+    let Ok(arguments) =
+        Arguments::try_parse().or_else(|_| match Arguments::try_parse_from(printable_arguments()) {
+            Err(error) => shortened(error).exit(),
+            Ok(_) => Err(()),
+        })
+    else {
+        // They could be read only because others were put in their place.
+        print::error(
+            "an argument has bytes that are not UTF-8, or control characters, where text is needed: write it as text",
+        );
+        return ExitCode::from(2);
+    };
     let result = Interruption::listen()
         .map_err(Failure::from)
         .and_then(|interruption| run_command(arguments.command, &interruption));

@@ -63,6 +63,13 @@ impl RenderSettings {
                 let frames = arguments.frames.clone().unwrap_or_else(|| FrameList::all(last + 1));
                 let frames = frames.within(last + 1);
                 require_frame(frames.last(), timeline)?;
+                if let Some(names) = arguments.name.as_ref().filter(|names| !names.have_numbers()) {
+                    ensure!(
+                        frames.count() == 1,
+                        "`{names}` is the name of one frame, and {} are rendered: write a place for their numbers, as --name={names}####",
+                        frames.count()
+                    );
+                }
                 let most = arguments.sheet.map(|(columns, rows)| columns * rows);
                 let frames = most.map_or_else(|| frames.clone(), |most| frames.spread(most));
                 match arguments.shard.map_or_else(|| Some(frames.clone()), |shard| shard.of(&frames)) {

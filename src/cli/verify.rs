@@ -29,7 +29,12 @@ pub(super) fn run(arguments: &VerifyArguments, interruption: &Interruption) -> R
     let settings = set_up(&mut engine, &rendered)?;
     let timeline = engine.timeline();
     let all = FrameList::all(timeline.frame_count());
-    let frames = arguments.frames.clone().unwrap_or(all).within(timeline.frame_count());
+    let frames = arguments
+        .frames
+        .clone()
+        .or_else(|| rendered.frames.clone())
+        .unwrap_or(all)
+        .within(timeline.frame_count());
     require_frame(frames.last(), timeline)?;
     let samples = match &rendered.settings {
         Some(file) if file.exists() => Some(SettingsFile::read(file)?),

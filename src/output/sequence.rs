@@ -30,12 +30,13 @@ pub struct Sequence {
 ///
 /// let names: FrameNames = "shot_####_left".parse()?;
 /// assert_eq!(names, "shot_%04d_left".parse()?);
+/// assert!(names.have_numbers() && !"hero".parse::<FrameNames>()?.have_numbers());
 /// # Ok::<(), rayreel::output::NotAPattern>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FrameNames {
     before: OsString,
-    /// The fewest.
+    /// The fewest; 0 for the name of a single frame, without a number.
     digits: usize,
     after: String,
 }
@@ -43,7 +44,7 @@ pub struct FrameNames {
 /// Says that a text does not tell how frames are named.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NotAPattern {
-    /// It has no place for a number, or several.
+    /// It is empty, or has several places for a number.
     #[error("it takes one place for the frame's number, as #### or %04d")]
     Number,
     /// The number would have too many digits.
@@ -62,7 +63,11 @@ impl FromStr for FrameNames {
         if text.contains(['/', '\\']) {
             return Err(NotAPattern::Folder);
         }
-        let start = text.find(['#', '%']).ok_or(NotAPattern::Number)?;
+        let Some(start) = text.find(['#', '%']) else {
+            let is_name = !text.is_empty();
+            let name = Self { before: text.into(), digits: 0, after: String::new() };
+            return is_name.then_some(name).ok_or(NotAPattern::Number);
+        };
         let (before, rest) = text.split_at(start);
         let (digits, after) = if let Some(place) = rest.strip_prefix('%') {
             let (digits, after) = place.split_once('d').ok_or(NotAPattern::Number)?;
@@ -80,6 +85,14 @@ impl FromStr for FrameNames {
             (_, digits) if digits > MOST => Err(NotAPattern::Digits),
             _ => Ok(Self { before: before.into(), digits, after: after.to_owned() }),
         }
+    }
+}
+
+impl FrameNames {
+    /// Returns whether each frame has a name of its own, by its number. Otherwise it is the name of a single frame.
+    #[must_use]
+    pub fn have_numbers(&self) -> bool {
+        self.digits > 0
     }
 }
 
@@ -112,7 +125,10 @@ impl Sequence {
     pub fn frame(&self, index: u32) -> PathBuf {
         let FrameNames { before, digits, after } = &self.frames;
         let mut name = before.clone();
-        name.push(format!("{index:0digits$}{after}.{}", self.format.extension()));
+        if self.frames.have_numbers() {
+            name.push(format!("{index:0digits$}"));
+        }
+        name.push(format!("{after}.{}", self.format.extension()));
         self.directory.join(name)
     }
 
@@ -251,9 +267,11 @@ mod tests {
             let names: FrameNames = names.parse().unwrap();
             assert_eq!(names.to_string().parse(), Ok(names));
         }
+        let single = named("hero");
+        assert_eq!(single.frame(7), PathBuf::from("out/hero.png"));
+        assert_eq!(single.frame_of(OsStr::new("hero.png")), None);
         for (wrong, why) in [
             ("", NotAPattern::Number),
-            ("a", NotAPattern::Number),
             ("##_##", NotAPattern::Number),
             ("%04d%d", NotAPattern::Number),
             ("%4d", NotAPattern::Number),

@@ -447,7 +447,7 @@ fn frames_are_named_as_one_likes() {
     assert_eq!(verify(folder, &[])["surplus"].as_array().unwrap().len(), 1);
     assert_eq!(render(folder, &[&named[..], &["--clean"]].concat()), (vec![], all(0..4)));
     assert!(!folder.join("out/shot_004_left.png").exists());
-    let output = rayreel(folder, ["render", "film.ron", "--name", "shot"]);
+    let output = rayreel(folder, ["render", "film.ron", "--name", "shot_##_##"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("one place for the frame's number"), "{}", text(&output.stderr));
 }
@@ -612,4 +612,65 @@ fn a_slow_frame_tells_how_far_it_is() {
         }
         assert!(told[0]["samples_per_pixel"].as_f64() <= told[1]["samples_per_pixel"].as_f64(), "{told:?}");
     }
+}
+
+/// A name without a place for the number is that of a single frame.
+#[test]
+fn a_single_frame_has_the_name_that_is_given() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_film(folder, 1.0, |film| film);
+    let render = |more: &[&str]| {
+        rayreel(folder, ["render", "film.ron", "--out=out", "--name=hero"].iter().chain(more))
+    };
+    for (more, name) in [(&["--frames=2"][..], "hero.png"), (&["--frames=2", "--format=ppm"], "hero.ppm")] {
+        let output = render(more);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        assert!(crate::files(&folder.join("out")).contains(&name.to_owned()));
+        let verified = rayreel(folder, ["verify", "out"]);
+        assert!(verified.status.success(), "{}{}", text(&verified.stdout), text(&verified.stderr));
+        assert!(text(&verified.stdout).contains("1 of 1 frames"), "{}", text(&verified.stdout));
+    }
+    assert!(text(&render(&["--frames=2"]).stderr).contains("1 frame was there already"));
+    let kept = fs::read(folder.join("out/hero.png")).unwrap();
+    for more in [&[][..], &["--frames=0-1"], &["--frames=0-1", "--shard=0/2"]] {
+        let output = render(more);
+        assert_eq!(output.status.code(), Some(1), "{more:?}");
+        let told = text(&output.stderr);
+        assert!(told.contains("--name=hero####"), "{more:?}: {told}");
+    }
+    assert_eq!(fs::read(folder.join("out/hero.png")).unwrap(), kept);
+}
+
+/// What is not text is refused wherever text is read, instead of something else being written in its place.
+#[cfg(unix)]
+#[test]
+fn arguments_that_are_not_text_are_refused() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_film(folder, 1.0, |film| film);
+    for option in [&b"--name=\xff####"[..], b"--set=camera.fov=/*\xff*/ 50", b"--movie=\xff.gif"] {
+        let words = ["render", "film.ron"].map(OsStr::new).into_iter().chain([OsStr::from_bytes(option)]);
+        let output = rayreel(folder, words);
+        assert_eq!(output.status.code(), Some(2), "{option:?}: {}", text(&output.stderr));
+        assert!(text(&output.stderr).contains("not UTF-8"), "{option:?}: {}", text(&output.stderr));
+        assert_eq!(crate::files(folder), ["film.ron"], "{option:?}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn frames_of_a_stream_have_no_scene_to_verify_them_by() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_film(folder, 1.0, |film| film);
+    let scene = fs::File::open(folder.join("film.ron")).unwrap();
+    let mut render = command(RAYREEL, folder);
+    let rendered = output_of(render.args(["render", "-", "--frames=0"]).stdin(scene).spawn().unwrap());
+    assert!(rendered.status.success(), "{}", text(&rendered.stderr));
+    let told = text(&rayreel(folder, ["verify", "out/stdin"]).stderr);
+    assert!(told.contains("from standard input") && told.contains("render a scene file"), "{told}");
 }
