@@ -96,7 +96,7 @@ alone or with the others, with one thread or many. Ctrl-C keeps the frames that 
 the one being rendered, and exits with 130 (SIGTERM with 143, SIGHUP with 129); of a sheet it leaves
 nothing. What a killed process left half-written in the folder is removed.")]
 pub(super) struct RenderArguments {
-    /// The scene file; - is standard input
+    /// The scene file; - is standard input, of at most 1 GiB
     pub(super) scene: PathBuf,
     /// Only these frames: single ones, ranges and ranges with a stride, as in 10-20,30,40-80x5,90-
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
