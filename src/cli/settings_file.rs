@@ -1,7 +1,6 @@
 //! The file of the samples that were chosen for frames, beside them: with it they are rendered again without a clock.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, ensure};
@@ -10,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use rayreel::accuracy::FrameSamples;
 use rayreel::components::Sampling;
 use rayreel::output::write_bytes;
+use rayreel::scene::input::{self, Offered};
 use rayreel::sequence::Shot;
 
 /// The samples of frames, and what came of them.
@@ -59,8 +59,11 @@ impl SettingsFile {
     /// Reads one.
     pub(super) fn read(file: &Path) -> anyhow::Result<Self> {
         let name = file.display();
-        let text = fs::read_to_string(file).with_context(|| format!("cannot read `{name}`"))?;
-        let content: Content = serde_json::from_str(&text).with_context(|| {
+        /// The most bytes, of more frames than a sequence has.
+        const MOST: u64 = 1 << 28;
+        let bytes =
+            input::read(file, Offered::Refused, MOST).with_context(|| format!("cannot read `{name}`"))?;
+        let content: Content = serde_json::from_slice(&bytes).with_context(|| {
             format!("`{name}` is not a file of settings, as render --max-error and --deadline write it")
         })?;
         for FrameSettings { time, samples, max_error, .. } in &content.frames {
