@@ -89,7 +89,12 @@ impl Case<'_> {
         let span = start..start + 2;
         if let Error::NoSuchExtension(name) = self.code {
             let help = "the extensions are implicit_some, unwrap_newtypes, unwrap_variant_newtypes and explicit_struct_names";
-            return told(format!("there is no extension called `{}`", short(name)), "enabled here", help, span);
+            return told(
+                format!("there is no extension called `{}`", short(name)),
+                "enabled here",
+                help,
+                span,
+            );
         }
         let help = "write it with all its brackets, as #![enable(implicit_some)]";
         told("this is no whole attribute", "begins here", help, span)
