@@ -17,7 +17,7 @@ use crate::trace::bvh::{
 };
 use crate::trace::math::{Numbers, bits, half_lanes, half_of, splat};
 use crate::trace::query::NEAR;
-use crate::trace::rays::{FARTHEST_HIT, RayPacket, ShapeId};
+use crate::trace::rays::{RayPacket, ShapeId};
 use crate::trace::scene::PreparedScene;
 
 /// Fewer rays are not worth a walk through the tree.
@@ -163,7 +163,8 @@ impl Search<'_> {
             let Some(answer) = self.asking.ask(simd, shape, (half, lanes)) else { continue };
             let verdicts = answer.verdicts;
             let (t, error) = (verdicts.t, verdicts.error);
-            let hit = verdicts.hit & t.simd_lt(splat(simd, FARTHEST_HIT));
+            // What is infinitely far away is not met.
+            let hit = verdicts.hit & t.simd_lt(splat(simd, f64::INFINITY));
             let beyond = bits(hit & (t - error).simd_gt(farther), half);
             let before = bits(hit & (t + error).simd_lt(nearer), half);
             let (hit, open) = (bits(hit, half), bits(verdicts.open, half));

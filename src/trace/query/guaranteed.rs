@@ -8,7 +8,7 @@ use super::escalations::Escalations;
 use super::hit::Hit;
 use super::intersector::Intersector;
 use crate::trace::math::{Double, Double3, Exact3, Root};
-use crate::trace::rays::{FARTHEST_HIT, Limit, Ray, RayView, ShapeId};
+use crate::trace::rays::{Limit, Ray, RayView, ShapeId};
 use crate::trace::scene::{Geometry, ShapeRef};
 use crate::trace::shapes::{Bounds, ExactHit, Face, Intersection, RefinedHit, Side};
 
@@ -187,7 +187,8 @@ impl Geometry {
                 Root::rounded(self.exactly(id, far, ray)?.t.rounded())
             }
         };
-        (root.t() < FARTHEST_HIT).then_some(Hit { root, id, far })
+        // What is infinitely far away is not met.
+        (root.t() < f64::INFINITY).then_some(Hit { root, id, far })
     }
 
     /// Where the ray first meets the shape, or, if it starts there and goes inwards, where it comes out; without any rounding.

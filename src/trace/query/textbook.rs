@@ -13,7 +13,7 @@ use super::escalations::Escalations;
 use super::hit::Hit;
 use super::intersector::Intersector;
 use crate::trace::math::{Double, Root};
-use crate::trace::rays::{FARTHEST_HIT, Limit, Ray, RayView, ShapeId};
+use crate::trace::rays::{Limit, Ray, RayView, ShapeId};
 use crate::trace::scene::{Geometry, Kind, Location};
 use crate::trace::shapes::RefinedHit;
 
@@ -274,7 +274,7 @@ impl<T: Number> Intersector for Textbook<T> {
             }
         }?;
         let t = t.value();
-        (t < FARTHEST_HIT).then_some(Hit { root: Root::within(t, 0.0), id, far: false })
+        (t < f64::INFINITY).then_some(Hit { root: Root::within(t, 0.0), id, far: false })
     }
 
     #[inline]

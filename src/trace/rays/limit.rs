@@ -2,11 +2,6 @@
 
 use glam::DVec3;
 
-/// 2^560: hits at a `t` from here on count as infinitely far away. Shapes with coordinates up to 1e150 (2^498) are hit far below
-/// it, apart from planes that a ray nearly runs along. Directions are at most 2^401 long, so that no hit is farther than 2^961:
-/// neither its products, which are split into halves, nor the sum with the ray's origin overflow.
-pub(crate) const FARTHEST_HIT: f64 = f64::from_bits((1023 + 560) << 52);
-
 /// How far a shadow ray is followed: as far as the light is.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limit {
