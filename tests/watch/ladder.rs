@@ -112,11 +112,15 @@ fn work_is_left_at_once_for_what_is_asked() {
     }
 }
 
+/// The film of the slow scene: so large that even a fast machine needs steps between the first picture and its full width.
+const SLOW: (u32, u32) = (2560, 1440);
+
 /// Takes some seconds.
 fn slow() -> String {
-    scene(1.0, "").replace("width: 64, height: 36", "width: 1280, height: 720").replacen(
+    let film = format!("width: {}, height: {}", SLOW.0, SLOW.1);
+    scene(1.0, "").replace("width: 64, height: 36", &film).replacen(
         "Scene(",
-        "Scene(sampling: (samples: 32),",
+        "Scene(sampling: (samples: 16),",
         1,
     )
 }
@@ -140,7 +144,7 @@ fn pictures_get_finer_in_steps_up_to_the_full_one() {
         assert!(state.rendering || state.picture.unwrap().full);
     }
     let widths: Vec<u32> = seen.iter().map(|shown| shown.info.width).collect();
-    assert!(widths.is_sorted() && widths[0] < 640 && seen.len() > 3, "{widths:?}");
+    assert!(widths.is_sorted() && widths[0] < SLOW.0 / 2 && seen.len() > 3, "{widths:?}");
     assert!(seen.iter().rev().skip(1).all(|shown| shown.info.coarse && !shown.info.full));
     assert!(
         progress.is_sorted() && progress.iter().any(|share| *share > 0.0 && *share < 1.0),
@@ -149,11 +153,11 @@ fn pictures_get_finer_in_steps_up_to_the_full_one() {
     // Each is nearer to the last.
     let last = &seen.last().unwrap().film;
     let error = |shown: &Shown| {
-        let (film, total) = (&shown.film, 720 * 1280);
+        let (film, total) = (&shown.film, SLOW.0 * SLOW.1);
         let sum: f64 = (0..total)
             .map(|index| {
-                let (i, j) = (index % 1280, index / 1280);
-                let other = film.pixel(i * film.width() / 1280, j * film.height() / 720);
+                let (i, j) = (index % SLOW.0, index / SLOW.0);
+                let other = film.pixel(i * film.width() / SLOW.0, j * film.height() / SLOW.1);
                 f64::from((last.pixel(i, j) - other).abs().element_sum())
             })
             .sum();
