@@ -162,8 +162,14 @@ pub(super) struct RenderArguments {
     /// The files' format, or that of standard output [default: png, and y4m there]
     #[arg(long, value_enum)]
     pub(super) format: Option<Format>,
-    /// What an OpenEXR file tells of each pixel besides its light, from the ray through its middle: depth, normal, id, albedo,
-    /// position; several with commas between them [default of the format then: exr]
+    /// Add passes to OpenEXR files: depth, distance, normal, id, albedo, position, with commas between them [default of the
+    /// format then: exr]
+    ///
+    /// Passes describe the surface that the ray through the middle of each pixel hits first; they are never blurred. depth:
+    /// distance from the eye along the camera's view axis, in scene units (channel Z). distance: distance from the eye along
+    /// the ray. normal: unit normal in world space, on the visible side. id: index of the shape among the shapes drawn in the
+    /// frame, in document order, from 1. albedo: k_d times the surface colour, linear. position: point in world space. The
+    /// background has infinite depth and distance, and 0 in all other passes.
     #[arg(long, value_name = "PASSES")]
     pub(super) passes: Option<Passes>,
     /// Leave the background out, and tell which share of each pixel the scene covers, to put frames over other pictures: png, png16

@@ -19,6 +19,9 @@ use crate::trace::{FrameFingerprint, Pass, PassPixel, Passes};
 
 /// The attribute that has the digest of the file.
 const DIGEST: &str = "rayreelDigest";
+/// The attribute and the value of files whose channel `Z` is the distance along the view axis. Earlier versions wrote distances
+/// along rays into `Z`, without this attribute.
+const DEPTH: (&str, &str) = ("rayreelDepth", "along the view axis");
 /// Digits of a digest that is not known yet.
 const NO_DIGEST: [u8; 32] = [b'0'; 32];
 
@@ -31,6 +34,7 @@ const ALPHA: &str = "A";
 fn names_of(pass: Pass) -> &'static [&'static str] {
     match pass {
         Pass::Depth => &["Z"],
+        Pass::Distance => &["distance"],
         Pass::Normal => &["normal.X", "normal.Y", "normal.Z"],
         Pass::Id => &["id"],
         Pass::Albedo => &["albedo.R", "albedo.G", "albedo.B"],
@@ -54,6 +58,7 @@ fn samples_of(pass: Pass, pixels: &[PassPixel]) -> impl Iterator<Item = (&'stati
         let told = |value: &dyn Fn(&PassPixel) -> f32| FlatSamples::F32(pixels.iter().map(value).collect());
         let samples = match pass {
             Pass::Depth => told(&|pixel| pixel.depth),
+            Pass::Distance => told(&|pixel| pixel.distance),
             Pass::Normal => told(&|pixel| pixel.normal[axis]),
             Pass::Id => FlatSamples::U32(pixels.iter().map(|pixel| pixel.id).collect()),
             Pass::Albedo => told(&|pixel| pixel.albedo[axis]),
@@ -101,6 +106,9 @@ pub(super) fn encode(
         attributes.other.insert(Text::from(name), AttributeValue::Text(Text::from(text)));
     };
     tell(DIGEST, &String::from_utf8_lossy(&NO_DIGEST));
+    if kind.1.contains(Pass::Depth) {
+        tell(DEPTH.0, DEPTH.1);
+    }
     if let Some(provenance) = provenance {
         tell(Provenance::KEYWORD, &provenance.to_string());
     }
@@ -134,10 +142,14 @@ pub(super) fn decode(bytes: &[u8], kind: (Channels, Passes)) -> Result<Picture, 
     if !found.eq(expected.iter().copied()) {
         return Err(format!("it does not have the channels {}", expected.join(", ")));
     }
-    let provenance = match layer.attributes.other.get(&Text::from(Provenance::KEYWORD)) {
+    let attribute = |name| match layer.attributes.other.get(&Text::from(name)) {
         Some(AttributeValue::Text(text)) => Some(text.to_string()),
         _ => None,
     };
+    if kind.1.contains(Pass::Depth) && attribute(DEPTH.0).as_deref() != Some(DEPTH.1) {
+        return Err("an earlier version wrote it, with distances along rays in its channel Z".to_owned());
+    }
+    let provenance = attribute(Provenance::KEYWORD);
     let size = size(Cursor::new(bytes)).ok_or("its header has no size")?;
     Ok(Picture { size, bytes: bytes_of(list.iter().map(|channel| &channel.sample_data)), provenance })
 }
@@ -202,4 +214,27 @@ fn digest(bytes: &[u8], place: usize) -> [u8; 32] {
     let mut digits = NO_DIGEST;
     digits.copy_from_slice(&hasher.finalize().to_hex().as_bytes()[..NO_DIGEST.len()]);
     digits
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::{Rgb, Transfer};
+    use crate::trace::Film;
+
+    #[test]
+    fn distances_in_the_depth_channel_of_earlier_versions_are_refused() {
+        let film = Film::from_pixels(2, 1, [Rgb::ZERO; 2].into_iter());
+        let passes = vec![PassPixel::NOTHING; 2];
+        let frame = LinearFrame { film, alpha: None, transfer: Transfer::Classic, passes };
+        let kind = (Channels::Rgb, Passes::from_iter([Pass::Depth]));
+        let mut bytes = encode(&frame, kind, None).unwrap();
+        assert!(decode(&bytes, kind).is_ok());
+        let attribute = after(&bytes, &[DEPTH.0.as_bytes()]).unwrap();
+        bytes[attribute - 1] = b'X';
+        let place = after(&bytes, &DIGEST_BEGINS).unwrap();
+        let digest = digest(&bytes, place);
+        bytes[place..][..digest.len()].copy_from_slice(&digest);
+        assert!(decode(&bytes, kind).err().is_some_and(|error| error.contains("earlier version")));
+    }
 }

@@ -50,7 +50,7 @@ impl FoundFrame {
     /// Looks at the file of a frame of this size. Memory is bounded by that size, whatever the file's header or length promises.
     #[must_use]
     pub fn expected_at(path: &Path, format: FrameFormat, size: (u32, u32)) -> Self {
-        /// More bytes than a pixel takes with all passes, which are 15 channels of 4 bytes.
+        /// Bytes of a pixel with alpha and all passes: 16 channels of 4 bytes.
         const OF_A_PIXEL: u64 = 64;
         /// More bytes than headers and the overhead of compression take.
         const OF_THE_REST: u64 = 1 << 20;
@@ -178,6 +178,7 @@ mod tests {
         let film = Film::from_pixels(7, 5, pixels);
         let pass = |index: u8| PassPixel {
             depth: f32::from(index),
+            distance: f32::from(index) + 0.5,
             normal: [f32::from(index); 3],
             id: index.into(),
             ..PassPixel::NOTHING

@@ -18,28 +18,33 @@ use crate::trace::scene::{Camera, PreparedScene};
 /// What can be told of each pixel besides its light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Pass {
-    /// How far from the eye the ray through the pixel's middle meets something, along the ray, in scene units; infinite where it meets
-    /// nothing.
+    /// Distance from the eye along the camera's view axis, in scene units: constant on a wall across the view. Infinite in the
+    /// background.
     Depth,
-    /// The unit normal there, on the side that is seen; 0 where there is nothing.
+    /// Distance from the eye along the ray, in scene units. Infinite in the background.
+    Distance,
+    /// Unit normal in world space, on the visible side. 0 in the background.
     Normal,
-    /// Which shape it is: its place among the document's, counted from 1; 0 where there is nothing.
+    /// Index of the shape among the shapes drawn in the frame, in document order, counted from 1. A shape that cannot be drawn in
+    /// a frame, such as one scaled to zero, is not counted in it. 0 in the background.
     Id,
-    /// Which share of light its surface scatters, by channel, in linear light: k_d times its colour; 0 where there is nothing.
+    /// Diffuse albedo, by channel, in linear light: k_d times the colour of the surface. 0 in the background.
     Albedo,
-    /// The point that is met, in the world; 0 where there is nothing.
+    /// Point on the surface, in world space. 0 in the background.
     Position,
 }
 
 impl Pass {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Depth, Self::Normal, Self::Id, Self::Albedo, Self::Position];
+    pub const ALL: [Self; 6] =
+        [Self::Depth, Self::Distance, Self::Normal, Self::Id, Self::Albedo, Self::Position];
 
     /// Returns its name, as it is typed.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Depth => "depth",
+            Self::Distance => "distance",
             Self::Normal => "normal",
             Self::Id => "id",
             Self::Albedo => "albedo",
@@ -81,9 +86,9 @@ impl FromIterator<Pass> for Passes {
     }
 }
 
-/// Says that a name is none of a pass.
+/// A name of no pass.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no pass `{0}`: there are depth, normal, id, albedo and position, with commas between them")]
+#[error("there is no pass `{0}`: choose from {all}, with commas between them", all = Pass::ALL.map(Pass::name).join(", "))]
 pub struct UnknownPass(String);
 
 impl FromStr for Passes {
@@ -111,6 +116,8 @@ impl fmt::Display for Passes {
 pub struct PassPixel {
     /// See [`Pass::Depth`].
     pub depth: f32,
+    /// See [`Pass::Distance`].
+    pub distance: f32,
     /// See [`Pass::Normal`].
     pub normal: [f32; 3],
     /// See [`Pass::Id`].
@@ -122,9 +129,15 @@ pub struct PassPixel {
 }
 
 impl PassPixel {
-    /// Where nothing is.
-    pub const NOTHING: Self =
-        Self { depth: f32::INFINITY, normal: [0.0; 3], id: 0, albedo: Rgb::ZERO, position: [0.0; 3] };
+    /// The background.
+    pub const NOTHING: Self = Self {
+        depth: f32::INFINITY,
+        distance: f32::INFINITY,
+        normal: [0.0; 3],
+        id: 0,
+        albedo: Rgb::ZERO,
+        position: [0.0; 3],
+    };
 }
 
 impl PreparedScene {
@@ -132,6 +145,7 @@ impl PreparedScene {
     /// `None` if `cancelled` became true meanwhile.
     pub(crate) fn passes(&self, camera: &Camera, cancelled: &AtomicBool) -> Option<Vec<PassPixel>> {
         let (columns, rows) = camera.resolution();
+        let [_, _, view_axis] = camera.axes();
         with_intersector!(self, shapes => {
             let pixel = |scratch: &mut Scratch<'_>, (i, j)| {
                 let ray = camera.ray(i, j)?;
@@ -143,7 +157,8 @@ impl PreparedScene {
                 // Adding zero makes negative zeros positive.
                 let rounded = |vector: DVec3| (vector + DVec3::ZERO).to_array().map(to_f32);
                 Some(PassPixel {
-                    depth: to_f32(surface.distance(&ray)),
+                    depth: to_f32(surface.depth(&ray, view_axis)),
+                    distance: to_f32(surface.distance(&ray)),
                     normal: rounded(surface.facing_normal()),
                     id: self.order().rank(surface.hit.id).number() + 1,
                     albedo,
@@ -173,14 +188,15 @@ mod tests {
 
     #[test]
     fn sets_are_read_as_they_are_written() {
-        for bits in 1..32_u8 {
+        for bits in 1..1_u8 << Pass::ALL.len() {
             let passes: Passes =
                 Pass::ALL.into_iter().filter(|pass| bits & (1 << *pass as u8) != 0).collect();
             assert_eq!(passes.to_string().parse(), Ok(passes));
         }
         assert_eq!("depth, id".parse(), Ok([Pass::Depth, Pass::Id].into_iter().collect::<Passes>()));
         for wrong in ["", "deep", "depth,", "depth;id"] {
-            assert!(wrong.parse::<Passes>().is_err(), "{wrong}");
+            let message = wrong.parse::<Passes>().unwrap_err().to_string();
+            assert!(Pass::ALL.iter().all(|pass| message.contains(pass.name())), "{message}");
         }
     }
 }

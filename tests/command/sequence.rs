@@ -367,7 +367,7 @@ fn every_format_has_the_same_light() {
 
     let Some(exr) = planes_by_ffmpeg(&folder.join("out/film.0001.exr"), "gbrpf32le") else { return };
     assert!(exr == planes(&film));
-    render(folder, &["--passes", "depth,normal,id,albedo,position", "--frames", "1"]);
+    render(folder, &["--passes", "depth,distance,normal,id,albedo,position", "--frames", "1"]);
     assert!(planes_by_ffmpeg(&folder.join("out/film.0001.exr"), "gbrpf32le").unwrap() == planes(&film));
 }
 

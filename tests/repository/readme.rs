@@ -2,6 +2,7 @@
 
 use assert_cmd::Command;
 
+use rayreel::trace::Pass;
 use rayreel::{Engine, Scene};
 
 use crate::root;
@@ -39,6 +40,15 @@ fn every_command_and_every_option_of_the_table_is_there() {
         for option in words.iter().filter_map(|word| word.split(' ').next()?.strip_prefix("--")) {
             assert!(help.contains(&format!("--{option}")), "rayreel {command} knows no --{option}");
         }
+    }
+}
+
+#[test]
+fn every_pass_is_documented() {
+    let help = rayreel(&["render", "--help"]);
+    for pass in Pass::ALL.map(Pass::name) {
+        assert!(README.contains(&format!("| `{pass}` | ")), "{pass}");
+        assert!(help.contains(&format!("{pass}:")), "rayreel render --help does not document {pass}");
     }
 }
 

@@ -74,6 +74,12 @@ impl SurfacePoint {
         (self.t * direction.dot(direction).sqrt()).rounded()
     }
 
+    /// Returns the distance from the origin of the ray that found it, along a unit vector.
+    #[must_use]
+    pub fn depth(&self, ray: &Ray, axis: DVec3) -> f64 {
+        (self.t * Double3::from(ray.direction()).dot(Double3::from(axis))).rounded()
+    }
+
     /// What a ray leaves that starts here, on the side that `outward` says.
     #[inline(always)]
     pub(crate) fn departure(&self, outward: bool) -> Departure {
