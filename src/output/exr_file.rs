@@ -19,9 +19,9 @@ use crate::trace::{FrameFingerprint, Pass, PassPixel, Passes};
 
 /// The attribute that has the digest of the file.
 const DIGEST: &str = "rayreelDigest";
-/// The attribute and the value of files whose channel `Z` is the distance along the view axis. Earlier versions wrote distances
-/// along rays into `Z`, without this attribute.
-const DEPTH: (&str, &str) = ("rayreelDepth", "along the view axis");
+/// The comment in files whose channel `Z` is the distance along the view axis. Earlier versions wrote distances along rays into `Z`,
+/// without it.
+const DEPTH: &str = "Z is the distance along the view axis";
 /// Digits of a digest that is not known yet.
 const NO_DIGEST: [u8; 32] = [b'0'; 32];
 
@@ -102,18 +102,15 @@ pub(super) fn encode(
     let size = Vec2(width as usize, height as usize);
     let mut attributes =
         LayerAttributes { software_name: Some(Text::from("rayreel")), ..LayerAttributes::default() };
-    let mut tell = |name, text: &str| {
-        attributes.other.insert(Text::from(name), AttributeValue::Text(Text::from(text)));
-    };
-    tell(DIGEST, &String::from_utf8_lossy(&NO_DIGEST));
     if kind.1.contains(Pass::Depth) {
-        tell(DEPTH.0, DEPTH.1);
+        attributes.comments = Some(Text::from(DEPTH));
     }
-    if let Some(provenance) = provenance {
-        tell(Provenance::KEYWORD, &provenance.to_string());
-    }
+    let attribute = |name, text: &str| (Text::from(name), AttributeValue::Text(Text::from(text)));
+    // Each of the two maps holds one attribute at most: those of one map are written in a random order.
+    attributes.other.extend(provenance.map(|told| attribute(Provenance::KEYWORD, &told.to_string())));
     let layer = Layer::new(size, attributes, encoding, AnyChannels { list });
     let mut image = Image::from_layer(layer);
+    image.attributes.other.extend([attribute(DIGEST, &String::from_utf8_lossy(&NO_DIGEST))]);
     // Those of sRGB and of BT.709, as scenes have them.
     image.attributes.chromaticities = Some(Chromaticities {
         red: Vec2(0.64, 0.33),
@@ -146,7 +143,7 @@ pub(super) fn decode(bytes: &[u8], kind: (Channels, Passes)) -> Result<Picture, 
         Some(AttributeValue::Text(text)) => Some(text.to_string()),
         _ => None,
     };
-    if kind.1.contains(Pass::Depth) && attribute(DEPTH.0).as_deref() != Some(DEPTH.1) {
+    if kind.1.contains(Pass::Depth) && layer.attributes.comments != Some(Text::from(DEPTH)) {
         return Err("an earlier version wrote it, with distances along rays in its channel Z".to_owned());
     }
     let provenance = attribute(Provenance::KEYWORD);
@@ -230,7 +227,7 @@ mod tests {
         let kind = (Channels::Rgb, Passes::from_iter([Pass::Depth]));
         let mut bytes = encode(&frame, kind, None).unwrap();
         assert!(decode(&bytes, kind).is_ok());
-        let attribute = after(&bytes, &[DEPTH.0.as_bytes()]).unwrap();
+        let attribute = after(&bytes, &[DEPTH.as_bytes()]).unwrap();
         bytes[attribute - 1] = b'X';
         let place = after(&bytes, &DIGEST_BEGINS).unwrap();
         let digest = digest(&bytes, place);

@@ -14,6 +14,7 @@ mod overrides;
 mod probe;
 #[cfg(unix)]
 mod process;
+mod reproducible;
 mod rotations;
 mod sequence;
 mod sheet;
