@@ -1,12 +1,13 @@
 //! `rayreel render --movie`: one file of all frames, once they are there.
 
+use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-use anyhow::{Context, anyhow, bail};
+use anyhow::{Context, anyhow, bail, ensure};
 
-use rayreel::output::{LoopFormat, LoopWriter, read_frame, write_bytes};
+use rayreel::output::{LoopFormat, LoopWriter, folder_of, read_frame, write_bytes};
 use rayreel::time::FrameRate;
 use rayreel::trace::EncodedFilm;
 
@@ -41,9 +42,43 @@ impl Maker {
     }
 }
 
+/// Returns an error if a movie cannot be made here, before anything is rendered for it.
+pub(super) fn ensure_possible(movie: &Path) -> anyhow::Result<()> {
+    let maker = Maker::of(movie).map_err(|message| anyhow!(message))?;
+    let folder = folder_of(movie);
+    ensure!(
+        folder.is_dir(),
+        "`{}` cannot be written: there is no folder `{}`; create it first",
+        movie.display(),
+        folder.display()
+    );
+    if matches!(maker, Maker::Ffmpeg(_)) {
+        let mut version = Command::new("ffmpeg");
+        version.arg("-version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        version.status().with_context(|| {
+            format!(
+                "`{}` is made by ffmpeg, which cannot be started: install it, or name a .gif or .apng",
+                movie.display()
+            )
+        })?;
+    }
+    Ok(())
+}
+
+/// Returns the rate at which frames of a timeline play as fast as the timeline: frames that are equally far apart last as long as
+/// their distance.
+fn played(rate: FrameRate, frames: impl Iterator<Item = u32>) -> FrameRate {
+    let frames: Vec<u32> = frames.collect();
+    let mut steps = frames.windows(2).map(|pair| pair[1] - pair[0]);
+    let step = steps.next().filter(|step| steps.all(|other| other == *step)).unwrap_or(1);
+    let (numerator, denominator) = rate.parts();
+    FrameRate::new(numerator, denominator.saturating_mul(step)).unwrap_or(rate)
+}
+
 /// Makes a movie of the frames, which are all there.
 pub(super) fn make(movie: &Path, settings: &RenderSettings, rate: FrameRate) -> anyhow::Result<()> {
     let maker = Maker::of(movie).map_err(|message| anyhow!(message))?;
+    let rate = played(rate, settings.ascending().filter_map(|shot| shot.frame));
     let files: Vec<PathBuf> = settings.ascending().map(|shot| shot.file(&settings.sequence)).collect();
     let frame = |file: &PathBuf| {
         read_frame(file, settings.sequence.format())
@@ -75,8 +110,11 @@ fn encode(
 ) -> anyhow::Result<()> {
     let partial = partial_of(movie)?;
     let arguments = arguments(codec, first, rate);
+    // Otherwise names such as `a:b.mp4` and `-d/a.mp4` would be a protocol and an option.
+    let mut target = OsString::from("file:");
+    target.push(&partial);
     let mut command = Command::new("ffmpeg");
-    command.args(&arguments).arg(&partial);
+    command.args(&arguments).arg(&target);
     let begun = command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
     let child = begun.with_context(|| {
         format!(
@@ -139,7 +177,7 @@ fn arguments(codec: &[&str], first: &EncodedFilm, rate: FrameRate) -> Vec<String
 /// Returns the name of a movie while it is made: hidden, beside its place, and with the same ending.
 fn partial_of(movie: &Path) -> anyhow::Result<PathBuf> {
     let name = movie.file_name().with_context(|| format!("`{}` does not name a file", movie.display()))?;
-    let mut partial = std::ffi::OsString::from(format!(".{}.", std::process::id()));
+    let mut partial = OsString::from(format!(".{}.", std::process::id()));
     partial.push(name);
     Ok(movie.with_file_name(partial))
 }
@@ -172,6 +210,15 @@ mod tests {
         assert_eq!(Maker::of(Path::new("a.GIF")), Ok(Maker::Loop(LoopFormat::Gif)));
         assert_eq!(Maker::of(Path::new("a.b.webm")), Ok(Maker::Ffmpeg(VP9)));
         assert!(Maker::of(Path::new("mp4")).is_err());
+    }
+
+    #[test]
+    fn movies_of_every_nth_frame_last_as_long_as_their_timeline() {
+        let rate = FrameRate::new(60, 1).unwrap();
+        assert_eq!(played(rate, (0..60).step_by(4)).parts(), (60, 4));
+        assert_eq!(played(rate, 7..9).parts(), (60, 1));
+        assert_eq!(played(rate, [0, 1, 5].into_iter()).parts(), (60, 1));
+        assert_eq!(played(rate, [3].into_iter()).parts(), (60, 1));
     }
 
     #[test]

@@ -42,6 +42,9 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
             .with_context(|| format!("cannot make the folder `{}`", directory.display()))?;
         remove_leftovers(directory);
     }
+    if let Some(movie) = &arguments.movie {
+        movie::ensure_possible(movie)?;
+    }
     let cancelled = interruption.deferred();
 
     let pool = rayon::ThreadPoolBuilder::new()

@@ -10,6 +10,7 @@ mod farm;
 #[cfg(unix)]
 #[path = "../signals/ignored.rs"]
 mod ignored;
+mod movies;
 mod overrides;
 mod probe;
 #[cfg(unix)]
