@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, anyhow};
 use serde_json::json;
 
-use rayreel::output::{FoundFrame, WriteError, remove_leftovers};
+use rayreel::output::{FoundFrame, WriteError, frame_size, remove_leftovers};
 use rayreel::scene::{Sources, input::is_stream};
 use rayreel::sequence::{FrameVerdict, SequenceObserver, Shot, Surplus, find_surplus};
 use rayreel::trace::ExposureProgress;
@@ -260,12 +260,22 @@ impl SequenceObserver for Reporter<'_> {
 fn clear_up(engine: &Engine, settings: &RenderSettings, arguments: &RenderArguments) -> anyhow::Result<()> {
     /// The most files that are named.
     const MOST: usize = 5;
+    /// Leftover frames with at most this many pixels, those of 4K, are read to check who wrote them, even if the film is smaller.
+    /// Larger ones could take any amount of memory.
+    const MOST_PIXELS: u64 = 3840 * 2160;
     let (film, sequence, clean) = (engine.film_settings(), &settings.sequence, arguments.clean);
+    let pixels = |(width, height): (u32, u32)| u64::from(width) * u64::from(height);
+    let most_pixels = pixels((film.width, film.height)).max(MOST_PIXELS);
     let surplus = find_surplus(sequence, engine.timeline().frame_count(), (film.width, film.height))
         .with_context(|| format!("cannot read the folder `{}`", sequence.directory().display()))?;
     let (mut removed, mut left) = (0, Vec::new());
     for surplus in surplus {
-        let is_own = || matches!(FoundFrame::at(&surplus.path, sequence.format()), FoundFrame::Whole { .. });
+        let is_own = || {
+            let size =
+                frame_size(&surplus.path, sequence.format()).filter(|size| pixels(*size) <= most_pixels);
+            let found = size.map(|size| FoundFrame::expected_at(&surplus.path, sequence.format(), size));
+            matches!(found, Some(FoundFrame::Whole { .. }))
+        };
         if clean && is_own() {
             fs::remove_file(&surplus.path)
                 .with_context(|| format!("cannot remove `{}`", surplus.path.display()))?;
@@ -286,7 +296,9 @@ fn clear_up(engine: &Engine, settings: &RenderSettings, arguments: &RenderArgume
     }
     let help = match clean {
         false => "--clean removes what `rayreel` has written of it",
-        true => "it was not written by `rayreel`, or is torn, and was not removed",
+        true => {
+            "it was not removed: `rayreel` has not written it, or it is corrupt, or larger than the film and than 3840x2160"
+        }
     };
     match arguments.progress {
         _ if left.is_empty() => {}

@@ -38,15 +38,6 @@ pub enum FoundFrame {
 }
 
 impl FoundFrame {
-    /// Looks at a file.
-    #[must_use]
-    pub fn at(path: &Path, format: FrameFormat) -> Self {
-        match read(path, u64::MAX) {
-            Ok(bytes) => Self::of(&bytes, format),
-            Err(error) => Self::unread(&error),
-        }
-    }
-
     /// Looks at the file of a frame of this size. Memory is bounded by that size, whatever the file's header or length promises.
     #[must_use]
     pub fn expected_at(path: &Path, format: FrameFormat, size: (u32, u32)) -> Self {
@@ -261,7 +252,8 @@ mod tests {
     #[test]
     fn what_is_no_file_is_named() {
         let folder = tempfile::tempdir().unwrap();
-        let at = |name: &str| FoundFrame::at(&folder.path().join(name), FrameFormat::default());
+        let at =
+            |name: &str| FoundFrame::expected_at(&folder.path().join(name), FrameFormat::default(), (4, 4));
         assert_eq!(at("none.png"), FoundFrame::Missing);
         fs::create_dir(folder.path().join("folder.png")).unwrap();
         assert_eq!(at("folder.png"), FoundFrame::Torn("it is not a regular file".to_owned()));

@@ -97,7 +97,7 @@ fn mismatches(name: &str, mut engine: Engine, frames: &[u32]) -> Vec<String> {
         let actual = picture(&engine, &film);
         let name = format!("{name}.{frame:04}");
         let golden = root().join(format!("tests/goldens/{name}.png"));
-        let found = FoundFrame::at(&golden, FrameFormat::default());
+        let found = FoundFrame::expected_at(&golden, FrameFormat::default(), (film.width(), film.height()));
         let fingerprint = engine.report().fingerprint.unwrap();
         let is_same =
             matches!(found, FoundFrame::Whole { provenance, .. } if provenance.frame == fingerprint);

@@ -203,7 +203,7 @@ fn frames_and_manifests_may_be_anything() {
             let verified = bounded(folder, &["verify", "out/a"]);
             assert_eq!(verified.status.code(), Some(1), "{what}: {}", text(&verified.stderr));
             assert!(text(&verified.stdout).contains("1 of 2 frames"), "{what}: {}", text(&verified.stdout));
-            let rendered = bounded(folder, &render);
+            let rendered = bounded(folder, &[&render[..], &["--clean"]].concat());
             let code = if let Odd::Directory = odd { 1 } else { 0 };
             assert_eq!(rendered.status.code(), Some(code), "{what}: {}", text(&rendered.stderr));
             if let Odd::Directory = odd {
