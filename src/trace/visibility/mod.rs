@@ -7,11 +7,13 @@
 //! ```text
 //! for each shape that can be hit through the tile:          (the tree's frustum traversal)
 //!     find its outline: functions that are positive inside  (`outline`)
-//!     for each pixel: covered whole, touched, or missed, and bounds of its inverse depth
-//!     the pixel's cover is the nearest shape that covers it whole
-//! for each shape again, for each pixel:
-//!     touched, and not behind the cover for certain -> feature of the shape's size
-//!     covered, but perhaps not behind the cover     -> edge, where surfaces may cross
+//! for each square of pixels, and for each pixel in it:
+//!     find the shapes that are seen there: whether they cover it whole, and bounds of their inverse depth
+//!     the cover is the nearest shape that covers it whole; remove those that are behind it for certain
+//! for each shape that remains in a pixel:
+//!     it is the cover      -> no feature, unless it shows two faces or squares of a checker
+//!     it covers it whole   -> edge: surfaces may cross
+//!     it covers a part     -> feature of the shape's size
 //! ```
 //!
 //! With a lens every pixel sees a disc of each plane: squares are widened by the circle of confusion. The result depends on the shapes alone,
@@ -89,6 +91,8 @@ struct Seen {
     outline: Outline,
     /// Half of the side of the square that a pixel sees of it.
     half: f64,
+    /// A bound of its radiance.
+    radiance: f32,
 }
 
 /// More shapes are not searched one by one where the tree cannot be.
@@ -185,7 +189,8 @@ fn see(scene: &PreparedScene, camera: &Camera, rays: &Rays, id: ShapeId, seen: &
             outline.area /= 4.0 * half * half;
         }
         if outline.cover(DVec2::ZERO, TILE as f64 / 2.0 + half).is_some() {
-            seen.push(Seen { id, outline, half });
+            let radiance = most_radiance(scene, scene.material(id));
+            seen.push(Seen { id, outline, half, radiance });
         }
     }
     true
@@ -256,90 +261,86 @@ fn visit<S: Simd>(
 /// Shapes of so many pixels are met by first samples of some of their pixels, with which others are compared.
 const LARGE: f64 = 16.0;
 
-/// Decides what each pixel shows of the shapes that are seen through the tile.
+/// Decides what each pixel shows of the shapes that are seen through the tile. Squares of four by four pixels are looked at first: what lies
+/// behind a shape that covers one whole is not looked for in its pixels.
 fn resolve(
     scene: &PreparedScene,
     rays: &Rays,
     (tile, is_open): (&Tile, bool),
     seen: &[Seen],
 ) -> TileFeatures {
+    const BLOCK: f64 = (SIDE as f64 - 1.0) / 2.0;
     let mut found = TileFeatures { features: [Feature::NONE; TILE_PIXELS], covers: [None; TILE_PIXELS] };
-    // Of each pixel: the index of its cover, and that one's bounds of inverse depth.
-    let mut nearest: [(usize, [f64; 2], bool); TILE_PIXELS] = [(usize::MAX, [0.0; 2], true); TILE_PIXELS];
-    for (index, shape) in seen.iter().enumerate() {
-        for_pixels(
-            tile,
-            shape,
-            |_, _| false,
-            |pixel, _, cover| {
-                if cover.whole && cover.depth[0] > nearest[pixel].1[0] {
-                    nearest[pixel] = (index, cover.depth, cover.one_face);
-                }
-            },
-        );
-    }
-    // By packet: the least inverse depth of its pixels' covers.
-    let farthest: [f64; PACKETS] = std::array::from_fn(|packet| {
-        nearest[packet * LANES..][..LANES].iter().map(|(_, depth, _)| depth[0]).fold(f64::INFINITY, f64::min)
-    });
-    for (index, shape) in seen.iter().enumerate() {
-        let material = scene.material(shape.id);
-        let radiance = most_radiance(scene, material);
-        let feature = if is_open || shape.outline.area < LARGE {
-            Feature { area: to_f32(shape.outline.area.min(1.0)), radiance }
-        } else {
-            Feature::EDGE
-        };
-        let hidden = |packet: usize, cover: &Cover| cover.depth[1] < farthest[packet];
-        for_pixels(tile, shape, hidden, |pixel, place, cover| {
-            let (first, depth, one_face) = nearest[pixel];
-            let own = &mut found.features[pixel];
-            if first == index {
-                found.covers[pixel] = Some((shape.id, radiance));
-                let checkered = material.checker.as_deref().is_some_and(|checker| {
-                    let point = |offset: DVec2| shape.outline.point(rays, place + offset * shape.half);
-                    let corners =
-                        [DVec2::NEG_ONE, DVec2::new(1.0, -1.0), DVec2::new(-1.0, 1.0), DVec2::ONE].map(point);
-                    !checker.squares.holds(corners)
-                });
-                if !one_face {
-                    own.join(Feature::EDGE);
-                }
-                if checkered {
-                    own.join(Feature { area: 1.0, radiance });
-                }
-            } else if cover.depth[1] >= depth[0] {
-                own.join(if cover.whole { Feature::EDGE } else { feature });
+    let (mut around, mut covers) = (Vec::with_capacity(seen.len()), Vec::with_capacity(seen.len()));
+    for (packet, square) in (0..PACKETS).filter_map(|packet| Some((packet, tile.square(packet)?))) {
+        let first =
+            DVec2::new(f64::from(square.first.0 - tile.i), f64::from(square.first.1 - tile.j)) - MIDDLE;
+        around.clear();
+        around.extend(seen.iter().filter_map(|shape| shape.cover(first + BLOCK, BLOCK)));
+        keep_visible(&mut around);
+        for lane in lanes(square.lanes()) {
+            let place = first + DVec2::new((lane % SIDE as usize) as f64, (lane / SIDE as usize) as f64);
+            covers.clear();
+            covers.extend(around.iter().filter_map(|(shape, cover)| {
+                let is_decided = cover.whole && cover.one_face;
+                if is_decided { Some((*shape, *cover)) } else { shape.cover(place, 0.0) }
+            }));
+            let nearest = keep_visible(&mut covers);
+            let pixel = packet * LANES + lane;
+            found.covers[pixel] = nearest.map(|shape| (shape.id, shape.radiance));
+            for (shape, cover) in &covers {
+                let feature = match nearest {
+                    Some(nearest) if nearest.id == shape.id => shape.inner_feature(scene, rays, place, cover),
+                    _ if cover.whole => Feature::EDGE,
+                    _ => shape.feature(is_open),
+                };
+                found.features[pixel].join(feature);
             }
-        });
+        }
     }
     found
 }
 
-/// Passes on the pixels of a tile in which a shape is seen: index, place from the tile's middle, and how. Squares of four by four pixels that it
-/// covers whole, or is not seen in, are decided at once. Packets for which `skips` holds are passed over.
-#[inline(always)]
-fn for_pixels(
-    tile: &Tile,
-    shape: &Seen,
-    skips: impl Fn(usize, &Cover) -> bool,
-    mut each: impl FnMut(usize, DVec2, Cover),
-) {
-    const BLOCK: f64 = (SIDE as f64 - 1.0) / 2.0;
-    for (packet, square) in (0..PACKETS).filter_map(|packet| Some((packet, tile.square(packet)?))) {
-        let first =
-            DVec2::new(f64::from(square.first.0 - tile.i), f64::from(square.first.1 - tile.j)) - MIDDLE;
-        let Some(block) = shape.outline.cover(first + BLOCK, shape.half + BLOCK) else { continue };
-        if skips(packet, &block) {
-            continue;
+/// Removes the shapes that lie behind the nearest of those that cover everything, and returns that one.
+fn keep_visible<'a>(covers: &mut Vec<(&'a Seen, Cover)>) -> Option<&'a Seen> {
+    let mut nearest: Option<(&Seen, f64)> = None;
+    for (shape, Cover { depth: [least, _], .. }) in covers.iter().filter(|(_, cover)| cover.whole) {
+        let is_nearer = |(other, depth): (&Seen, f64)| (*least, other.id.0) > (depth, shape.id.0);
+        if *least > 0.0 && nearest.is_none_or(is_nearer) {
+            nearest = Some((shape, *least));
         }
-        for lane in lanes(square.lanes()) {
-            let place = first + DVec2::new((lane % SIDE as usize) as f64, (lane / SIDE as usize) as f64);
-            let decided = block.whole && block.one_face;
-            let cover = if decided { Some(block) } else { shape.outline.cover(place, shape.half) };
-            if let Some(cover) = cover {
-                each(packet * LANES + lane, place, cover);
-            }
+    }
+    let (nearest, depth) = nearest?;
+    covers.retain(|(_, cover)| cover.depth[1] >= depth);
+    Some(nearest)
+}
+
+impl Seen {
+    /// Finds how the shape lies to what reaches so far, in pixels, around a pixel's centre.
+    #[inline(always)]
+    fn cover(&self, place: DVec2, reach: f64) -> Option<(&Self, Cover)> {
+        Some((self, self.outline.cover(place, self.half + reach)?))
+    }
+
+    /// Returns the feature of a pixel that the shape covers in part.
+    fn feature(&self, is_open: bool) -> Feature {
+        if is_open || self.outline.area < LARGE {
+            Feature { area: to_f32(self.outline.area.min(1.0)), radiance: self.radiance }
+        } else {
+            Feature::EDGE
+        }
+    }
+
+    /// Returns the feature of a pixel that the shape covers whole, in front of all others.
+    fn inner_feature(&self, scene: &PreparedScene, rays: &Rays, place: DVec2, cover: &Cover) -> Feature {
+        let is_checkered = scene.material(self.id).checker.as_deref().is_some_and(|checker| {
+            let corners = [DVec2::NEG_ONE, DVec2::new(1.0, -1.0), DVec2::new(-1.0, 1.0), DVec2::ONE];
+            !checker.squares.holds(corners.map(|corner| self.outline.point(rays, place + corner * self.half)))
+        });
+        match (is_checkered, cover.one_face) {
+            (true, _) => Feature { area: 1.0, radiance: self.radiance },
+            (false, true) => Feature::NONE,
+            (false, false) => Feature::EDGE,
         }
     }
 }
