@@ -3,8 +3,12 @@
 //! A signal that was ignored when the program started, as SIGHUP under `nohup`, stays so. Exit codes are as shells have them: 128
 //! and the signal's number.
 
+use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::thread;
+use std::time::Duration;
 
 use anyhow::Context;
 
@@ -68,6 +72,30 @@ impl Interruption {
             }
             raised.store(true, Ordering::SeqCst);
         })
+    }
+}
+
+/// The time between two looks at the flag of an interruption: short enough that nobody notices, and long enough to cost nothing.
+pub(super) const POLL_INTERVAL: Duration = Duration::from_millis(10);
+
+/// Runs a task on a thread of its own, and returns its result. Returns `None` after cancellation; the thread then ends with the process,
+/// as one that waits for the reader of a full pipe cannot be stopped.
+pub(super) fn unless_cancelled<T: Send + 'static>(
+    cancelled: &AtomicBool,
+    task: impl FnOnce() -> T + Send + 'static,
+) -> Option<T> {
+    let (sender, receiver) = channel();
+    let thread = thread::spawn(move || sender.send(task()));
+    loop {
+        match receiver.recv_timeout(POLL_INTERVAL) {
+            Ok(result) => return Some(result),
+            Err(RecvTimeoutError::Timeout) if cancelled.load(Ordering::Relaxed) => return None,
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => match thread.join() {
+                Err(panic) => resume_unwind(panic),
+                Ok(_) => return None,
+            },
+        }
     }
 }
 

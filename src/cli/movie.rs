@@ -1,24 +1,32 @@
 //! `rayreel render --movie`: one file of all frames, once they are there.
 
 use std::ffi::OsString;
-use std::io::Write;
+use std::io::{self, BufWriter, Write};
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 
 use anyhow::{Context, anyhow, bail, ensure};
 
-use rayreel::output::{LoopFormat, LoopWriter, folder_of, read_frame, write_bytes};
+use rayreel::output::{LoopFormat, LoopWriter, PartialFile, folder_of, read_frame, remove_leftovers};
 use rayreel::time::FrameRate;
 use rayreel::trace::EncodedFilm;
 
+use super::interrupt::{POLL_INTERVAL, unless_cancelled};
 use super::settings::RenderSettings;
 
 /// Who makes a movie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Maker {
     Loop(LoopFormat),
-    /// With these arguments for the codec.
-    Ffmpeg(&'static [&'static str]),
+    Ffmpeg {
+        /// The format of the file, by ffmpeg's name.
+        container: &'static str,
+        /// Arguments for the codec.
+        codec: &'static [&'static str],
+    },
 }
 
 /// As good as one sees, in a file that plays everywhere and while it is still being loaded.
@@ -32,8 +40,10 @@ impl Maker {
         match ending.to_ascii_lowercase().as_str() {
             "gif" => Ok(Self::Loop(LoopFormat::Gif)),
             "apng" => Ok(Self::Loop(LoopFormat::Apng)),
-            "mp4" | "mov" | "mkv" => Ok(Self::Ffmpeg(H264)),
-            "webm" => Ok(Self::Ffmpeg(VP9)),
+            "mp4" => Ok(Self::Ffmpeg { container: "mp4", codec: H264 }),
+            "mov" => Ok(Self::Ffmpeg { container: "mov", codec: H264 }),
+            "mkv" => Ok(Self::Ffmpeg { container: "matroska", codec: H264 }),
+            "webm" => Ok(Self::Ffmpeg { container: "webm", codec: VP9 }),
             _ => {
                 Err("a movie ends in .mp4, .mov, .mkv or .webm, made by ffmpeg, or in .gif or .apng"
                     .to_owned())
@@ -42,7 +52,7 @@ impl Maker {
     }
 }
 
-/// Returns an error if a movie cannot be made here, before anything is rendered for it.
+/// Returns an error if a movie cannot be made here, before anything is rendered for it. Removes what killed processes left in its folder.
 pub(super) fn ensure_possible(movie: &Path) -> anyhow::Result<()> {
     let maker = Maker::of(movie).map_err(|message| anyhow!(message))?;
     let folder = folder_of(movie);
@@ -52,7 +62,8 @@ pub(super) fn ensure_possible(movie: &Path) -> anyhow::Result<()> {
         movie.display(),
         folder.display()
     );
-    if matches!(maker, Maker::Ffmpeg(_)) {
+    remove_leftovers(folder);
+    if matches!(maker, Maker::Ffmpeg { .. }) {
         let mut version = Command::new("ffmpeg");
         version.arg("-version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
         version.status().with_context(|| {
@@ -75,60 +86,61 @@ fn played(rate: FrameRate, frames: impl Iterator<Item = u32>) -> FrameRate {
     FrameRate::new(numerator, denominator.saturating_mul(step)).unwrap_or(rate)
 }
 
-/// Makes a movie of the frames, which are all there.
-pub(super) fn make(movie: &Path, settings: &RenderSettings, rate: FrameRate) -> anyhow::Result<()> {
+/// Makes a movie of the frames, which are all there. Returns `false` after cancellation; then nothing is left of it.
+pub(super) fn make(
+    movie: &Path,
+    settings: &RenderSettings,
+    rate: FrameRate,
+    cancelled: &AtomicBool,
+) -> anyhow::Result<bool> {
     let maker = Maker::of(movie).map_err(|message| anyhow!(message))?;
     let rate = played(rate, settings.ascending().filter_map(|shot| shot.frame));
+    let (format, unwritable) = (settings.sequence.format(), format!("cannot write `{}`", movie.display()));
     let files: Vec<PathBuf> = settings.ascending().map(|shot| shot.file(&settings.sequence)).collect();
-    let frame = |file: &PathBuf| {
-        read_frame(file, settings.sequence.format())
+    let count = u32::try_from(files.len()).context("there are too many frames")?;
+    let read = move |file: &PathBuf| {
+        read_frame(file, format)
             .map_err(|reason| anyhow!("cannot read the frame `{}`: {reason}", file.display()))
     };
-    let Some(first) = files.first().map(frame).transpose()? else { bail!("there are no frames for a movie") };
-    let frames = files.iter().map(frame);
-    match maker {
+    let Some(first) = files.first().map(read).transpose()? else { bail!("there are no frames for a movie") };
+    let frames = files.into_iter().map(move |file| read(&file));
+    let partial = PartialFile::create(folder_of(movie)).with_context(|| unwritable.clone())?;
+    let is_whole = match maker {
         Maker::Loop(format) => {
-            let count = u32::try_from(files.len()).context("there are too many frames")?;
-            let (size, mut bytes) = ((first.width(), first.height()), Vec::new());
-            let mut writer = LoopWriter::new(&mut bytes, format, size, (count, rate))?;
-            for film in frames {
-                writer.add(&film?)?;
-            }
-            writer.finish()?;
-            Ok(write_bytes(movie, &bytes)?)
+            let size = (first.width(), first.height());
+            let file = partial.file().try_clone().with_context(|| unwritable.clone())?;
+            let context = unwritable.clone();
+            let encoded = unless_cancelled(cancelled, move || -> anyhow::Result<()> {
+                let mut out = BufWriter::new(file);
+                let mut writer = LoopWriter::new(&mut out, format, size, (count, rate))?;
+                for film in frames {
+                    writer.add(&film?).with_context(|| context.clone())?;
+                }
+                writer.finish().with_context(|| context.clone())?;
+                out.flush().context(context)
+            });
+            encoded.transpose()?.is_some()
         }
-        Maker::Ffmpeg(codec) => encode(movie, codec, (&first, rate), frames),
+        Maker::Ffmpeg { container, codec } => {
+            let mut command = Command::new("ffmpeg");
+            command.args(arguments(codec, &first, rate)).args(["-f", container]);
+            // Otherwise a colon would end the name of a protocol, and a hyphen begin an option.
+            let mut target = OsString::from("file:");
+            target.push(partial.lend().with_context(|| unwritable.clone())?);
+            command.arg(target).stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
+            let child = command.spawn().with_context(|| {
+                format!(
+                    "`{}` is made by ffmpeg, which cannot be started; the frames are there: install it and run the same command again",
+                    movie.display()
+                )
+            })?;
+            encode(child, frames, cancelled)?
+        }
+    };
+    if is_whole {
+        partial.place(movie).context(unwritable)?;
     }
-}
-
-/// Lets ffmpeg encode a movie, which gets its name once it is whole.
-fn encode(
-    movie: &Path,
-    codec: &[&str],
-    (first, rate): (&EncodedFilm, FrameRate),
-    frames: impl Iterator<Item = anyhow::Result<EncodedFilm>>,
-) -> anyhow::Result<()> {
-    let partial = partial_of(movie)?;
-    let arguments = arguments(codec, first, rate);
-    // Otherwise names such as `a:b.mp4` and `-d/a.mp4` would be a protocol and an option.
-    let mut target = OsString::from("file:");
-    target.push(&partial);
-    let mut command = Command::new("ffmpeg");
-    command.args(&arguments).arg(&target);
-    let begun = command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
-    let child = begun.with_context(|| {
-        format!(
-            "`{}` is made by ffmpeg, which cannot be started; the frames are there: install it and run the same command again",
-            movie.display()
-        )
-    })?;
-    let encoded = feed(child, frames).and_then(|()| {
-        std::fs::rename(&partial, movie).with_context(|| format!("cannot write `{}`", movie.display()))
-    });
-    if encoded.is_err() {
-        let _ = std::fs::remove_file(&partial);
-    }
-    encoded
+    Ok(is_whole)
 }
 
 /// Returns ffmpeg's arguments before the file: sRGB in, BT.709 of limited range out, as players expect it, and even sides, for which a
@@ -174,31 +186,50 @@ fn arguments(codec: &[&str], first: &EncodedFilm, rate: FrameRate) -> Vec<String
     all.map(|word| (*word).to_owned()).collect()
 }
 
-/// Returns the name of a movie while it is made: hidden, beside its place, and with the same ending.
-fn partial_of(movie: &Path) -> anyhow::Result<PathBuf> {
-    let name = movie.file_name().with_context(|| format!("`{}` does not name a file", movie.display()))?;
-    let mut partial = OsString::from(format!(".{}.", std::process::id()));
-    partial.push(name);
-    Ok(movie.with_file_name(partial))
+/// Lets ffmpeg encode frames. Returns `false` after cancellation, which ends ffmpeg.
+fn encode(
+    mut child: Child,
+    frames: impl Iterator<Item = anyhow::Result<EncodedFilm>> + Send + 'static,
+    cancelled: &AtomicBool,
+) -> anyhow::Result<bool> {
+    let (input, errors) = (child.stdin.take(), child.stderr.take());
+    let feeder = thread::spawn(move || feed(input, frames));
+    let listener = thread::spawn(move || errors.map(io::read_to_string));
+    let status = loop {
+        let ended = child.try_wait().context("cannot wait for ffmpeg")?;
+        // Ctrl-C in a terminal ends ffmpeg, too, so that its end is looked at first.
+        if cancelled.load(Ordering::Relaxed) {
+            let _ = child.kill();
+            let _ = child.wait();
+            return Ok(false);
+        }
+        match ended {
+            Some(status) if listener.is_finished() && (feeder.is_finished() || !status.success()) => {
+                break status;
+            }
+            _ => thread::sleep(POLL_INTERVAL),
+        }
+    };
+    if !status.success() {
+        let told = listener.join().ok().flatten().and_then(Result::ok).unwrap_or_default();
+        let reason =
+            if told.trim().is_empty() { format!("it ended with {status}") } else { told.trim().to_owned() };
+        bail!("ffmpeg could not make the movie: {reason}");
+    }
+    feeder.join().unwrap_or_else(|panic| resume_unwind(panic))?;
+    Ok(true)
 }
 
-/// Gives frames to ffmpeg, and waits for its end.
-fn feed(mut child: Child, frames: impl Iterator<Item = anyhow::Result<EncodedFilm>>) -> anyhow::Result<()> {
-    let mut fed = Ok(());
-    if let Some(mut input) = child.stdin.take() {
-        for film in frames {
-            fed = film.and_then(|film| input.write_all(film.bytes()).context("ffmpeg takes no more frames"));
-            if fed.is_err() {
-                break;
-            }
-        }
+/// Gives frames to ffmpeg.
+fn feed(
+    input: Option<ChildStdin>,
+    frames: impl Iterator<Item = anyhow::Result<EncodedFilm>>,
+) -> anyhow::Result<()> {
+    let mut input = input.context("ffmpeg has no input")?;
+    for film in frames {
+        input.write_all(film?.bytes()).context("ffmpeg takes no more frames")?;
     }
-    let output = child.wait_with_output().context("cannot wait for ffmpeg")?;
-    if !output.status.success() {
-        let told = String::from_utf8_lossy(&output.stderr);
-        bail!("ffmpeg could not make the movie: {}", told.trim());
-    }
-    fed
+    Ok(())
 }
 
 #[cfg(test)]
@@ -208,7 +239,7 @@ mod tests {
     #[test]
     fn endings_tell_who_makes_a_movie() {
         assert_eq!(Maker::of(Path::new("a.GIF")), Ok(Maker::Loop(LoopFormat::Gif)));
-        assert_eq!(Maker::of(Path::new("a.b.webm")), Ok(Maker::Ffmpeg(VP9)));
+        assert_eq!(Maker::of(Path::new("a.b.webm")), Ok(Maker::Ffmpeg { container: "webm", codec: VP9 }));
         assert!(Maker::of(Path::new("mp4")).is_err());
     }
 

@@ -67,8 +67,9 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
         }
         (None, None) => render_all(&mut engine, (&settings, &mut choice), cancelled, &mut report),
     });
-    // Ctrl-C after the last frame interrupts nothing.
-    let complete = report.unread || report.done() == settings.count();
+    // Ctrl-C after the last frame interrupts nothing. A reader of standard output that ends by the same signal has not seen enough.
+    let unread = report.unread && !cancelled.load(Ordering::Relaxed);
+    let complete = unread || report.done() == settings.count();
     // Of a sheet there is all or nothing.
     let recorded = if complete || settings.sheet.is_none() {
         choice.finish().map(|chosen| report.chosen = chosen)
@@ -91,7 +92,13 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
         clear_up(&engine, &settings, arguments)?;
     }
     if let Some(movie) = &arguments.movie {
-        movie::make(movie, &settings, engine.timeline().rate)?;
+        if !movie::make(movie, &settings, engine.timeline().rate, cancelled)? {
+            note(
+                arguments,
+                "interrupted: the movie was not made; the same command makes it from the frames, which are done",
+            );
+            return Err(interruption.failure());
+        }
         note(arguments, &format!("the movie is in {}", movie.display()));
     }
     Ok(())

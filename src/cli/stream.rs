@@ -10,6 +10,7 @@ use rayreel::output::{VideoFormat, VideoStream};
 
 use super::choice::Choice;
 use super::exit::Failure;
+use super::interrupt::unless_cancelled;
 use super::progress::Progress;
 use super::report::{RenderReport, ShotReport};
 use super::settings::RenderSettings;
@@ -23,14 +24,20 @@ pub(super) fn render(
     report: &mut RenderReport,
 ) -> Result<(), Failure> {
     let mut progress = Progress::start(settings);
-    let mut stream = VideoStream::new(stdout().lock(), format, engine.timeline().rate);
+    let mut stream = VideoStream::new(stdout(), format, engine.timeline().rate);
     for shot in settings.shots() {
         choice.begin(engine, &shot);
         let film = engine.render_shot(&shot, cancelled, &mut |so_far| progress.rendering(&shot, so_far))?;
         let Some(film) = film else { return Ok(()) };
         choice.end(engine, &shot)?;
         report.warnings.look(engine, &shot.moment());
-        match stream.add(&film) {
+        let written = unless_cancelled(cancelled, move || {
+            let written = stream.add(&film);
+            (stream, written)
+        });
+        let Some((next, written)) = written else { return Ok(()) };
+        stream = next;
+        match written {
             Err(error) if error.kind() == ErrorKind::BrokenPipe => {
                 report.unread = true;
                 return Ok(());

@@ -33,5 +33,5 @@ pub use provenance::{NoProvenance, PixelFingerprint, Provenance};
 pub use sequence::{FrameNames, NotAPattern, Sequence};
 pub use sheet::{Sheet, SheetTooLarge};
 pub use video_stream::{VideoFormat, VideoStream};
-pub use whole_file::{folder_of, remove_leftovers};
+pub use whole_file::{PartialFile, folder_of, remove_leftovers};
 pub use writer::{FrameWriter, WrittenFrame};

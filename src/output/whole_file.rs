@@ -25,7 +25,7 @@ pub(super) fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// Writes parts of a file, one after the other, as [`write`] does, but if the machine fails, the name may be lost as long as it is
 /// not [settled](settle).
 pub(super) fn put(path: &Path, parts: &[&[u8]]) -> io::Result<()> {
-    Partial::filled(folder_of(path), parts)?.replace(path)
+    PartialFile::filled(folder_of(path), parts)?.replace(path)
 }
 
 /// Ensures that the name of a file is on the disk, with all others in its folder, where folders can be synced.
@@ -42,7 +42,7 @@ pub(super) fn settle(path: &Path) -> io::Result<()> {
 
 /// Writes a file where there is none.
 pub(super) fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    Partial::filled(folder_of(path), &[bytes])?.link(path)?;
+    PartialFile::filled(folder_of(path), &[bytes])?.link(path)?;
     settle(path)
 }
 
@@ -79,13 +79,14 @@ fn is_partial(entry: &DirEntry) -> bool {
 }
 
 /// A file without a place yet; removed unless it gets one.
-struct Partial {
+#[derive(Debug)]
+pub struct PartialFile {
     path: PathBuf,
     file: File,
     placed: bool,
 }
 
-impl Partial {
+impl PartialFile {
     /// Creates one with these bytes, all of them on the disk.
     fn filled(folder: &Path, parts: &[&[u8]]) -> io::Result<Self> {
         let mut partial = Self::create(folder)?;
@@ -96,7 +97,12 @@ impl Partial {
         Ok(partial)
     }
 
-    fn create(folder: &Path) -> io::Result<Self> {
+    /// Creates an empty one in a folder.
+    ///
+    /// # Errors
+    ///
+    /// If the file system refuses.
+    pub fn create(folder: &Path) -> io::Result<Self> {
         loop {
             let path = folder.join(format!("{PREFIX}{:016x}{SUFFIX}", random()));
             match File::create_new(&path) {
@@ -122,6 +128,36 @@ impl Partial {
         }
     }
 
+    /// Returns the open file.
+    #[must_use]
+    pub fn file(&self) -> &File {
+        &self.file
+    }
+
+    /// Returns the path at which another program may write the file.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be unlocked on Windows, where locks keep other programs out. There, files that others write cannot be
+    /// removed.
+    pub fn lend(&self) -> io::Result<&Path> {
+        if cfg!(windows) {
+            self.file.unlock()?;
+        }
+        Ok(&self.path)
+    }
+
+    /// Gives the file its place, in the same folder, once all of it is on the disk.
+    ///
+    /// # Errors
+    ///
+    /// If the file system refuses; nothing is left behind.
+    pub fn place(self, path: &Path) -> io::Result<()> {
+        self.file.sync_all()?;
+        self.replace(path)?;
+        settle(path)
+    }
+
     fn replace(mut self, path: &Path) -> io::Result<()> {
         fs::rename(&self.path, path)?;
         self.placed = true;
@@ -145,7 +181,7 @@ impl Partial {
     }
 }
 
-impl Drop for Partial {
+impl Drop for PartialFile {
     fn drop(&mut self) {
         if !self.placed {
             let _ = fs::remove_file(&self.path);
@@ -187,8 +223,8 @@ mod tests {
         }
         fs::create_dir(folder.join(".rayreel-00000000000000aa.partial")).unwrap();
         let before = names(folder);
-        let lives = Partial::filled(folder, &[b"half"]).unwrap();
-        let killed = Partial::create(folder).unwrap();
+        let lives = PartialFile::filled(folder, &[b"half"]).unwrap();
+        let killed = PartialFile::create(folder).unwrap();
         // As the system does, and nothing else.
         killed.file.unlock().unwrap();
         std::mem::forget(killed);
@@ -242,7 +278,7 @@ mod tests {
         let path = folder.path().join("scene.ron");
         write_new(&path, b"first").unwrap();
         assert_eq!(write_new(&path, b"second").unwrap_err().kind(), ErrorKind::AlreadyExists);
-        let claim = |path: &Path| Partial::filled(folder_of(path), &[b"third"]).unwrap().claim(path);
+        let claim = |path: &Path| PartialFile::filled(folder_of(path), &[b"third"]).unwrap().claim(path);
         assert_eq!(claim(&path).unwrap_err().kind(), ErrorKind::AlreadyExists);
         assert_eq!(fs::read(&path).unwrap(), b"first");
         claim(&folder.path().join("other.ron")).unwrap();

@@ -6,5 +6,6 @@ mod file_systems;
 mod full;
 mod inputs;
 mod kills;
+mod movies;
 mod signals;
 mod terminal;
