@@ -10,8 +10,10 @@ use std::thread;
 
 use anyhow::{Context, anyhow, bail, ensure};
 
-use rayreel::output::{LoopFormat, LoopWriter, PartialFile, folder_of, read_frame, remove_leftovers};
-use rayreel::time::FrameRate;
+use rayreel::output::{
+    LoopFormat, LoopWriter, PartialFile, folder_of, gif_delays, read_frame, remove_leftovers,
+};
+use rayreel::time::{FrameRate, Timeline};
 use rayreel::trace::EncodedFilm;
 
 use super::interrupt::{POLL_INTERVAL, unless_cancelled};
@@ -76,14 +78,85 @@ pub(super) fn ensure_possible(movie: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Returns the distance of frames, `None` if it is not the same between all of them.
+fn step(frames: &[u32]) -> Option<u32> {
+    let mut steps = frames.windows(2).map(|pair| pair[1] - pair[0]);
+    let step = steps.next().unwrap_or(1);
+    steps.all(|other| other == step).then_some(step)
+}
+
 /// Returns the rate at which frames of a timeline play as fast as the timeline: frames that are equally far apart last as long as
 /// their distance.
-fn played(rate: FrameRate, frames: impl Iterator<Item = u32>) -> FrameRate {
-    let frames: Vec<u32> = frames.collect();
-    let mut steps = frames.windows(2).map(|pair| pair[1] - pair[0]);
-    let step = steps.next().filter(|step| steps.all(|other| other == *step)).unwrap_or(1);
+fn played(rate: FrameRate, frames: &[u32]) -> FrameRate {
     let (numerator, denominator) = rate.parts();
-    FrameRate::new(numerator, denominator.saturating_mul(step)).unwrap_or(rate)
+    FrameRate::new(numerator, denominator.saturating_mul(step(frames).unwrap_or(1))).unwrap_or(rate)
+}
+
+/// Lines about a movie that is not quite what was asked for.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Remarks {
+    pub(super) warnings: Vec<String>,
+    pub(super) notes: Vec<String>,
+}
+
+impl Remarks {
+    /// Looks at a movie of frames of this size.
+    pub(super) fn new(
+        movie: &Path,
+        size: (u32, u32),
+        timeline: Timeline,
+        frames: impl Iterator<Item = u32>,
+    ) -> Self {
+        let frames: Vec<u32> = frames.collect();
+        let mut remarks = Self::default();
+        match Maker::of(movie) {
+            Ok(Maker::Loop(LoopFormat::Gif)) => {
+                let count = u32::try_from(frames.len()).unwrap_or(u32::MAX);
+                let delays = gif_delays(played(timeline.rate, &frames), count);
+                let left_out = delays.iter().filter(|delay| **delay == 0).count();
+                if left_out > 0 {
+                    remarks.warnings.push(format!(
+                        "a GIF shows at most 50 frames a second, and {left_out} of {count} frames are left out; .apng and .mp4 show all of them"
+                    ));
+                }
+            }
+            Ok(Maker::Ffmpeg { .. }) if size != even(size) => {
+                let (width, height) = even(size);
+                remarks.notes.push(format!(
+                    "the movie is {width}x{height}, not {}x{}: its pixel format has even sides, and the last column or row is repeated",
+                    size.0, size.1
+                ));
+            }
+            _ => {}
+        }
+        remarks.notes.extend(Self::of_steps(timeline, &frames));
+        remarks
+    }
+
+    /// Tells of frames that do not last as long as the timeline does.
+    fn of_steps(timeline: Timeline, frames: &[u32]) -> Option<String> {
+        let seconds = |frames: u32| (timeline.time_of(frames).seconds() * 1e3).round() / 1e3;
+        let (count, last) = (timeline.frame_count(), *frames.last()?);
+        let Some(step) = step(frames) else {
+            return Some(format!(
+                "the frames of the movie are not equally far apart, and each is shown for {} s: one range with one stride in --frames plays as fast as the timeline",
+                seconds(1)
+            ));
+        };
+        let beyond = last.saturating_add(step).saturating_sub(count);
+        (beyond > 0).then(|| {
+            format!(
+                "the movie ends {} s after the timeline: each frame is shown for {step} frames of the timeline, which has only {} after the last one",
+                seconds(beyond),
+                count - 1 - last
+            )
+        })
+    }
+}
+
+/// Returns a size with even sides, not smaller.
+fn even((width, height): (u32, u32)) -> (u32, u32) {
+    (width.next_multiple_of(2), height.next_multiple_of(2))
 }
 
 /// Makes a movie of the frames, which are all there. Returns `false` after cancellation; then nothing is left of it.
@@ -94,7 +167,8 @@ pub(super) fn make(
     cancelled: &AtomicBool,
 ) -> anyhow::Result<bool> {
     let maker = Maker::of(movie).map_err(|message| anyhow!(message))?;
-    let rate = played(rate, settings.ascending().filter_map(|shot| shot.frame));
+    let frames: Vec<u32> = settings.ascending().filter_map(|shot| shot.frame).collect();
+    let rate = played(rate, &frames);
     let (format, unwritable) = (settings.sequence.format(), format!("cannot write `{}`", movie.display()));
     let files: Vec<PathBuf> = settings.ascending().map(|shot| shot.file(&settings.sequence)).collect();
     let count = u32::try_from(files.len()).context("there are too many frames")?;
@@ -147,15 +221,17 @@ pub(super) fn make(
 /// last row or column is repeated.
 fn arguments(codec: &[&str], first: &EncodedFilm, rate: FrameRate) -> Vec<String> {
     let (frames, seconds) = rate.parts();
-    let size = format!("{}x{}", first.width(), first.height());
     let rate = format!("{frames}/{seconds}");
     let mut filter = String::new();
-    let odd = [first.width() % 2, first.height() % 2];
-    if odd != [0, 0] {
-        filter += "pad=ceil(iw/2)*2:ceil(ih/2)*2,";
-        filter += &format!("fillborders=right={}:bottom={}:mode=smear,", odd[0], odd[1]);
+    let (width, height) = (first.width(), first.height());
+    let (even_width, even_height) = even((width, height));
+    if (even_width, even_height) != (width, height) {
+        let (right, bottom) = (even_width - width, even_height - height);
+        filter +=
+            &format!("pad={even_width}:{even_height},fillborders=right={right}:bottom={bottom}:mode=smear,");
     }
     filter += "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int,format=yuv420p";
+    let size = format!("{width}x{height}");
     let input = [
         "-y",
         "-loglevel",
@@ -234,6 +310,8 @@ fn feed(
 
 #[cfg(test)]
 mod tests {
+    use rayreel::time::FrameList;
+
     use super::*;
 
     #[test]
@@ -246,10 +324,48 @@ mod tests {
     #[test]
     fn movies_of_every_nth_frame_last_as_long_as_their_timeline() {
         let rate = FrameRate::new(60, 1).unwrap();
-        assert_eq!(played(rate, (0..60).step_by(4)).parts(), (60, 4));
-        assert_eq!(played(rate, 7..9).parts(), (60, 1));
-        assert_eq!(played(rate, [0, 1, 5].into_iter()).parts(), (60, 1));
-        assert_eq!(played(rate, [3].into_iter()).parts(), (60, 1));
+        let every_fourth: Vec<u32> = (0..60).step_by(4).collect();
+        assert_eq!(played(rate, &every_fourth).parts(), (60, 4));
+        assert_eq!(played(rate, &[7, 8]).parts(), (60, 1));
+        assert_eq!(played(rate, &[0, 1, 5]).parts(), (60, 1));
+        assert_eq!(played(rate, &[3]).parts(), (60, 1));
+    }
+
+    #[test]
+    fn movies_that_are_not_what_was_asked_for_say_so() {
+        let told = |movie: &str, size, per_second, frames: &str| {
+            let rate = FrameRate::new(per_second, 1).unwrap();
+            let timeline = Timeline { rate, duration: 1.0 };
+            let frames: FrameList = frames.parse().unwrap();
+            let frames = frames.within(timeline.frame_count());
+            let Remarks { warnings, notes } = Remarks::new(Path::new(movie), size, timeline, frames.frames());
+            [warnings.join("; "), notes.join("; ")]
+        };
+        let nothing = [String::new(), String::new()];
+        for movie in ["a.gif", "a.apng", "a.mp4", "a.webm"] {
+            assert_eq!(told(movie, (32, 18), 50, "0-"), nothing);
+            assert_eq!(told(movie, (32, 18), 60, "0-x2"), nothing);
+            assert_eq!(told(movie, (32, 18), 24, "5"), nothing);
+            // As much of the timeline as is shown is there.
+            assert_eq!(told(movie, (32, 18), 24, "1-10x4"), nothing);
+            assert!(told(movie, (32, 18), 10, "0-x3")[1].starts_with("the movie ends 0.2 s after"));
+            assert!(told(movie, (32, 18), 10, "0-x3")[1].ends_with("which has only 0 after the last one"));
+            let unequal = &told(movie, (32, 18), 10, "0-6x3,7")[1];
+            assert!(unequal.contains("not equally far apart, and each is shown for 0.1 s"), "{unequal}");
+        }
+        for (movie, warns, notes) in [
+            ("a.gif", true, false),
+            ("a.apng", false, false),
+            ("a.mp4", false, true),
+            ("a.webm", false, true),
+        ] {
+            let [warning, _] = told(movie, (32, 18), 60, "0-");
+            assert_eq!(warning.contains("20 of 60 frames are left out"), warns, "{movie}: {warning}");
+            for (odd, even) in [((31, 18), "32x18"), ((32, 17), "32x18"), ((1, 1), "2x2")] {
+                let [_, note] = told(movie, odd, 24, "0-");
+                assert_eq!(note.contains(even), notes, "{movie}: {note}");
+            }
+        }
     }
 
     #[test]

@@ -99,6 +99,11 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
             );
             return Err(interruption.failure());
         }
+        let film = engine.film_settings();
+        let frames = settings.ascending().filter_map(|shot| shot.frame);
+        let remarks = movie::Remarks::new(movie, (film.width, film.height), engine.timeline(), frames);
+        remarks.warnings.iter().for_each(|warning| warn(arguments, warning));
+        remarks.notes.iter().for_each(|remark| note(arguments, remark));
         note(arguments, &format!("the movie is in {}", movie.display()));
     }
     Ok(())

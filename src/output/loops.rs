@@ -13,7 +13,7 @@ use crate::trace::EncodedFilm;
 pub enum LoopFormat {
     /// Lossless.
     Apng,
-    /// 256 colours a frame, of its own, and hundredths of a second.
+    /// 256 colours a frame, of its own, and [hundredths of a second](gif_delays).
     Gif,
 }
 
@@ -38,14 +38,13 @@ pub enum LoopError {
 pub struct LoopWriter<W: Write> {
     encoder: Encoder<W>,
     size: (u32, u32),
-    rate: FrameRate,
     count: u32,
-    written: u32,
+    added: u32,
 }
 
 enum Encoder<W: Write> {
     Apng(Box<png::Writer<W>>),
-    Gif(gif::Encoder<W>),
+    Gif { encoder: gif::Encoder<W>, delays: Vec<u16> },
 }
 
 impl<W: Write> LoopWriter<W> {
@@ -77,33 +76,34 @@ impl<W: Write> LoopWriter<W> {
                 let (width, height) = gif_size(size).ok_or(LoopError::TooLarge)?;
                 let mut encoder = gif::Encoder::new(out, width, height, &[])?;
                 encoder.set_repeat(Repeat::Infinite)?;
-                Encoder::Gif(encoder)
+                Encoder::Gif { encoder, delays: gif_delays(rate, count) }
             }
         };
-        Ok(Self { encoder, size, rate, count, written: 0 })
+        Ok(Self { encoder, size, count, added: 0 })
     }
 
-    /// Adds the next frame.
+    /// Adds the next frame. Those without a [time of their own](gif_delays) are not written.
     ///
     /// # Errors
     ///
     /// If it is not as large as the others or one too many, or if the file cannot be written.
     pub fn add(&mut self, film: &EncodedFilm) -> Result<(), LoopError> {
-        if (film.width(), film.height()) != self.size || self.written == self.count {
+        if (film.width(), film.height()) != self.size || self.added == self.count {
             return Err(LoopError::AnotherSize);
         }
         match &mut self.encoder {
             Encoder::Apng(writer) => writer.write_image_data(film.bytes())?,
-            Encoder::Gif(encoder) => {
+            Encoder::Gif { delays, .. } if delays[self.added as usize] == 0 => {}
+            Encoder::Gif { encoder, delays } => {
                 /// From 1, the best and slowest, to 30.
                 const SPEED: i32 = 10;
                 let (width, height) = gif_size(self.size).ok_or(LoopError::TooLarge)?;
                 let mut frame = gif::Frame::from_rgb_speed(width, height, film.bytes(), SPEED);
-                frame.delay = hundredths(self.rate, self.written);
+                frame.delay = delays[self.added as usize];
                 encoder.write_frame(&frame)?;
             }
         }
-        self.written += 1;
+        self.added += 1;
         Ok(())
     }
 
@@ -115,7 +115,7 @@ impl<W: Write> LoopWriter<W> {
     pub fn finish(self) -> Result<(), LoopError> {
         match self.encoder {
             Encoder::Apng(writer) => writer.finish()?,
-            Encoder::Gif(encoder) => drop(encoder.into_inner()?),
+            Encoder::Gif { encoder, .. } => drop(encoder.into_inner()?),
         }
         Ok(())
     }
@@ -137,12 +137,28 @@ fn delay(rate: FrameRate) -> (u16, u16) {
     }
 }
 
-/// Returns the time of a frame in hundredths of a second, so that all of them are as long together as they should be.
-fn hundredths(rate: FrameRate, index: u32) -> u16 {
+/// Returns the time of each frame of a GIF in hundredths of a second, and 0 for frames that are left out: players show frames of less than
+/// 2 hundredths for 10.
+///
+/// Every other frame begins at its time, and all of them last as long as they should, both to the nearest hundredth.
+#[must_use]
+pub fn gif_delays(rate: FrameRate, count: u32) -> Vec<u16> {
+    const SHORTEST: u64 = 2;
     let (frames, seconds) = rate.parts();
-    let until = |index: u64| (200 * index * u64::from(seconds) + u64::from(frames)) / (2 * u64::from(frames));
-    let index = u64::from(index);
-    u16::try_from(until(index + 1) - until(index)).unwrap_or(u16::MAX)
+    let start = |index: u32| {
+        (200 * u64::from(index) * u64::from(seconds) + u64::from(frames)) / (2 * u64::from(frames))
+    };
+    let end = start(count);
+    let mut delays = vec![0; count as usize];
+    let (mut shown, mut since) = (0, 0);
+    for index in 1..=count {
+        let now = start(index);
+        if index == count || (now >= since + SHORTEST && now + SHORTEST <= end) {
+            delays[shown as usize] = u16::try_from((now - since).max(SHORTEST)).unwrap_or(u16::MAX);
+            (shown, since) = (index, now);
+        }
+    }
+    delays
 }
 
 #[cfg(test)]
@@ -201,8 +217,44 @@ mod tests {
         assert_eq!(delay(FrameRate::new(24, 1).unwrap()), (1, 24));
         assert_eq!(delay(FrameRate::new(30_000, 1001).unwrap()), (1001, 30_000));
         assert_eq!(delay(FrameRate::new(1_000_000, 41_667).unwrap()), (42, 1000));
-        let all: u32 =
-            (0..24).map(|index| u32::from(hundredths(FrameRate::new(24, 1).unwrap(), index))).sum();
-        assert_eq!(all, 100);
+    }
+
+    #[test]
+    fn frames_of_a_gif_begin_on_time_and_none_is_shorter_than_players_show() {
+        for per_second in 24..=240 {
+            let rate = FrameRate::new(per_second, 1).unwrap();
+            let hundredths = |index: u32| (200 * index + per_second) / (2 * per_second);
+            for count in [1, 2, 3, 7, per_second - 1, per_second, per_second + 1, 5 * per_second] {
+                let delays = gif_delays(rate, count);
+                let what = format!("{count} frames at {per_second} a second: {delays:?}");
+                let mut now = 0;
+                for (index, delay) in (0..).zip(&delays).filter(|(_, delay)| **delay != 0) {
+                    assert_eq!(now, hundredths(index), "{what}");
+                    // One more of the frames would be too short, but for the last.
+                    let most = if now + u32::from(*delay) < hundredths(count) { 3 } else { 5 };
+                    assert!((2..=most + 100 / per_second).contains(&u32::from(*delay)), "{what}");
+                    now += u32::from(*delay);
+                }
+                assert_eq!(now, hundredths(count).max(2), "{what}");
+                let are_all_shown = delays.iter().all(|delay| *delay != 0);
+                assert!(are_all_shown || per_second > 50, "{what}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_gif_of_more_frames_than_players_show_lasts_as_long_as_all_of_them() {
+        let (rate, mut bytes) = (FrameRate::new(60, 1).unwrap(), Vec::new());
+        let mut writer = LoopWriter::new(&mut bytes, LoopFormat::Gif, (4, 3), (60, rate)).unwrap();
+        (0..60).for_each(|seed| writer.add(&film(seed)).unwrap());
+        assert!(writer.add(&film(1)).is_err());
+        writer.finish().unwrap();
+        let frames =
+            GifDecoder::new(std::io::Cursor::new(&bytes)).unwrap().into_frames().collect_frames().unwrap();
+        let delays: Vec<u32> = frames.iter().map(|frame| frame.delay().numer_denom_ms().0).collect();
+        assert_eq!(delays.iter().sum::<u32>(), 1000);
+        assert_eq!(delays[..4], [20, 30, 20, 30]);
+        let fourth = frames[3].buffer().get_pixel(1, 1).0;
+        assert_eq!(fourth[..3], film(4).bytes()[15..18]);
     }
 }

@@ -28,7 +28,7 @@ pub use frame_file::{
     EncodeError, FrameFormat, WriteError, encode, encode_quickly, write, write_bytes, write_new,
 };
 pub use frame_pixels::{FramePixels, LinearFrame};
-pub use loops::{LoopError, LoopFormat, LoopWriter};
+pub use loops::{LoopError, LoopFormat, LoopWriter, gif_delays};
 pub use provenance::{NoProvenance, PixelFingerprint, Provenance};
 pub use sequence::{FrameNames, NotAPattern, Sequence};
 pub use sheet::{Sheet, SheetTooLarge};

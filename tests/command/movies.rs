@@ -1,7 +1,8 @@
 //! `render --movie`: refusals before rendering, and names of files.
 
 use std::fs;
-use std::process::Command;
+use std::io::Write;
+use std::process::{Command, Stdio};
 
 use crate::{FIRST_LIGHT, RAYREEL, command, output_of, pictures, text};
 
@@ -37,4 +38,17 @@ fn names_like_protocols_and_options_are_files() {
         assert!(output.status.success(), "{movie}: {}", text(&output.stderr));
         assert!(fs::metadata(folder.join(movie)).unwrap().len() > 0, "{movie}");
     }
+}
+
+#[test]
+fn frames_that_a_gif_leaves_out_are_told_even_quietly() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut rayreel = command(RAYREEL, folder.path());
+    let arguments = ["render", "-", "--out=out", "--movie=a.gif", "--quiet"];
+    let mut child = rayreel.args(arguments).stdin(Stdio::piped()).spawn().unwrap();
+    let scene = b"Scene(timeline: (fps: 60, duration: 0.5), film: (width: 16, height: 9), camera: (position: (0, 0, -5), target: (0, 0, 0)), entities: [])";
+    child.stdin.take().unwrap().write_all(scene).unwrap();
+    let output = output_of(child);
+    let told = text(&output.stderr);
+    assert!(output.status.success() && told.starts_with("warning: a GIF shows at most 50"), "{told}");
 }
