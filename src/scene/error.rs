@@ -15,6 +15,8 @@ pub struct LoadError {
     file: String,
     faulty: Vec<FaultyFile>,
     unlisted: usize,
+    /// The number of mistakes that the labels of equal ones count.
+    repeated: usize,
     files: Vec<PathBuf>,
 }
 
@@ -61,10 +63,12 @@ impl LoadError {
             inclusions.push(inclusions_of(file, &files.files, &inclusions));
         }
         let own = files.files.first();
-        let (file, mut room, mut unlisted) = (own.map(|file| file.name.clone()), Self::MOST, 0);
+        let (file, mut room) = (own.map(|file| file.name.clone()), Self::MOST);
+        let (mut unlisted, mut repeated) = (0, 0);
         let mut faulty = Vec::new();
         for (file, included_from) in files.files.into_iter().zip(inclusions) {
             let SceneFile { name, text, overridden, mistake, problems, .. } = file;
+            repeated += problems.repeated();
             let (located, more) = problems.locate(&text);
             let mut diagnostics: Vec<Diagnostic> = mistake.into_iter().chain(located).collect();
             unlisted += more + diagnostics.len().saturating_sub(room);
@@ -74,7 +78,7 @@ impl LoadError {
                 faulty.push(FaultyFile { name, text, overridden, included_from, diagnostics });
             }
         }
-        Self { file: file.unwrap_or_default(), faulty, unlisted, files: files.paths }
+        Self { file: file.unwrap_or_default(), faulty, unlisted, repeated, files: files.paths }
     }
 
     /// Returns the scene's own file, as it was named.
@@ -89,7 +93,7 @@ impl LoadError {
         &self.files
     }
 
-    /// Returns the mistakes, file by file and in the order of each; of very many only the first.
+    /// Returns the mistakes, file by file and in the order of each; of very many, and of equal ones, only the first.
     pub fn mistakes(&self) -> impl Iterator<Item = Mistake<'_>> {
         self.faulty.iter().flat_map(|file| {
             file.diagnostics.iter().map(|diagnostic| {
@@ -109,7 +113,7 @@ impl LoadError {
     /// Returns the number of mistakes that are not listed.
     #[must_use]
     pub fn unlisted(&self) -> usize {
-        self.unlisted
+        self.unlisted + self.repeated
     }
 
     /// Renders all mistakes as a compiler would, with colours for a terminal or without.

@@ -6,6 +6,7 @@ mod goldens;
 mod includes;
 mod messages;
 mod plain_words;
+mod remedies;
 mod scene_to_world;
 
 use std::fs;

@@ -83,6 +83,14 @@ impl Example {
         self.forms.iter().copied().find(|form| form.split('(').next() == Some(word))
     }
 
+    /// Returns the fields of a form, those of the example first.
+    pub(super) fn ordered(self, word: &str, fields: &[&'static str]) -> Vec<&'static str> {
+        let form = self.form(word).unwrap_or_default();
+        let mut ordered = fields.to_vec();
+        ordered.sort_by_key(|field| form.find(&format!("{field}:")).unwrap_or(form.len()));
+        ordered
+    }
+
     /// Lists the forms, as `Sphere(radius: 1), Plane(normal: (0, 1, 0)) or Box(size: (1, 1, 1))`.
     pub(super) fn listed(self) -> String {
         match self.forms {

@@ -8,10 +8,11 @@ use ron::error::SpannedError;
 use super::around::Around;
 use super::characters::{is_known, strange};
 use super::examples;
-use super::trail::{Asked, Trail};
+use super::trail::{Asked, Content, Trail};
 use super::wanted::{Wanted, counted, is_word};
+use super::whole::read_whole;
 use crate::scene::quote::short;
-use crate::scene::spans::{open_comment, tokens};
+use crate::scene::spans::{bracket, open_comment, root, tokens};
 use crate::scene::suggest::remedy;
 use crate::scene::{Diagnostic, SourcePosition};
 
@@ -20,6 +21,7 @@ pub(super) fn explain(text: &str, error: &SpannedError, trail: &Trail) -> Diagno
     let case = Case { text, code: &error.code, around: Around::error(text, error), open: trail.open() };
     let answered = trail.answered();
     case.of_comments_and_texts()
+        .or_else(|| case.of_extensions())
         .or_else(|| case.of_brackets())
         .or_else(|| case.of_characters())
         .or_else(|| case.of_ranges())
@@ -28,6 +30,9 @@ pub(super) fn explain(text: &str, error: &SpannedError, trail: &Trail) -> Diagno
         .or_else(|| case.of_separators(answered.as_ref()))
         .unwrap_or_else(|| case.of_values())
 }
+
+/// The extension without which names of structures can be left out.
+const EXPLICIT_NAMES: &str = "explicit_struct_names";
 
 /// A mistake with its surroundings.
 struct Case<'a> {
@@ -75,7 +80,7 @@ impl Case<'_> {
                     .map(|token| token.start)
                     .find(|at| self.text[*at..].starts_with('#'))?;
                 if self.text[start..].starts_with("#!") {
-                    return Some(self.of_extensions(start));
+                    return None;
                 }
                 let help = "comments start with //";
                 Some(told("a # starts no comment", "not read as a comment", help, start..start + 1))
@@ -84,20 +89,62 @@ impl Case<'_> {
         }
     }
 
-    /// Explains an attribute, which starts with `#!`, that enables no extension.
-    fn of_extensions(&self, start: usize) -> Diagnostic {
-        let span = start..start + 2;
-        if let Error::NoSuchExtension(name) = self.code {
-            let help = "the extensions are implicit_some, unwrap_newtypes, unwrap_variant_newtypes and explicit_struct_names";
-            return told(
-                format!("there is no extension called `{}`", short(name)),
-                "enabled here",
-                help,
-                span,
-            );
+    /// Explains an attribute, which starts with `#!`, that enables no extension, and the absence of a scene after it.
+    fn of_extensions(&self) -> Option<Diagnostic> {
+        let (start, scene) = (tokens(self.text).next()?.start, root(self.text));
+        let is_cut = tokens(&self.text[scene..]).next().is_none();
+        let is_of_them = matches!(
+            self.code,
+            Error::ExpectedAttribute | Error::ExpectedAttributeEnd | Error::NoSuchExtension(_)
+        );
+        if !self.text[start..].starts_with("#!") || !(is_cut || is_of_them || self.around.found.start < scene)
+        {
+            return None;
         }
-        let help = "write it with all its brackets, as #![enable(implicit_some)]";
-        told("this is no whole attribute", "begins here", help, span)
+        let span = start..start + 2;
+        if is_cut && self.text[..scene].trim_end().ends_with(']') && !is_of_them {
+            let help = "write the scene after it, as ( .. ), with its fields in the brackets";
+            return Some(told("there is no scene after the extensions", "only these are here", help, span));
+        }
+        Some(if let Error::NoSuchExtension(name) = self.code {
+            let help = "the extensions are implicit_some, unwrap_newtypes, unwrap_variant_newtypes and explicit_struct_names";
+            told(format!("there is no extension called `{}`", short(name)), "enabled here", help, span)
+        } else {
+            let help = "write it with all its brackets, as #![enable(implicit_some)]";
+            told("this is no whole attribute", "begins here", help, span)
+        })
+    }
+
+    /// Returns the innermost bracket, whose values have no names, with the names of the fields that they can be. `None` if they cannot.
+    fn with_names(&self) -> Option<String> {
+        /// The longest bracket, in bytes, that is of help as a whole.
+        const LONGEST: usize = 120;
+        let (span, _) = self.around.in_bracket()?;
+        let members = bracket(self.text, span.start)?.members;
+        if members.iter().any(|member| member.name.is_some()) {
+            return None;
+        }
+        let (word, fields) = self.open.iter().rev().find_map(|asked| match asked {
+            Asked::Fields { fields, .. } => Some(("", fields.to_vec())),
+            Asked::Content { of, word, content: Content::Fields(fields) } => {
+                Some((word.as_str(), examples::of(of).ordered(word, fields)))
+            }
+            _ => None,
+        })?;
+        let values: Vec<&str> = members.into_iter().map(|member| &self.text[member.value]).collect();
+        let each: Vec<String> =
+            fields.iter().zip(&values).map(|(field, value)| format!("{field}: {value}")).collect();
+        // Without names and within one bracket, as the numbers of a single field.
+        let as_one = fields.first().map(|field| format!("({field}: ({}))", values.join(", ")));
+        let as_each = (values.len() <= fields.len()).then(|| format!("({})", each.join(", ")));
+        let can_be_read = |named: &String| {
+            let text = [&self.text[..span.start], named, &self.text[span.end..]].concat();
+            read_whole(&text)
+                .err()
+                .is_none_or(|error| Around::error(&text, &error).found.start >= span.start + named.len())
+        };
+        let named = as_each.into_iter().chain(as_one).find(can_be_read)?;
+        (named.len() <= LONGEST && !named.contains('\n')).then(|| format!("{word}{named}"))
     }
 
     /// Explains a text followed directly by something else: a quote is missing, or one is too many.
@@ -168,7 +215,10 @@ impl Case<'_> {
             Error::NoSuchStructField { expected, found, outer } => (
                 format!("unknown field `{}`{}", short(found), of(outer)),
                 "no such field".to_owned(),
-                remedy(found, expected, "fields"),
+                self.with_names().map_or_else(
+                    || remedy(found, expected, "fields"),
+                    |named| format!("write it as {named}"),
+                ),
             ),
             Error::NoSuchEnumVariant { expected, found, outer } => (
                 format!(
@@ -192,7 +242,16 @@ impl Case<'_> {
             Error::ExpectedDifferentStructName { expected, found } => (
                 format!("expected `{expected}`, found `{}`", short(found)),
                 "wrong name".to_owned(),
-                format!("write `{expected}( .. )`, or just `( .. )`"),
+                if self.text[..root(self.text)].contains(EXPLICIT_NAMES) {
+                    format!("write `{expected}( .. )`")
+                } else {
+                    format!("write `{expected}( .. )`, or just `( .. )`")
+                },
+            ),
+            Error::ExpectedStructName(name) => (
+                format!("expected the name `{name}` before its bracket"),
+                format!("found {}", self.around.in_words()),
+                format!("write `{name}( .. )`: {EXPLICIT_NAMES}, above the scene, makes names a must"),
             ),
             Error::Message(message) => {
                 let (message, help) = message.split_once('\n')?;
@@ -276,7 +335,12 @@ impl Case<'_> {
             let help = "a scene is written as ( .. ), with its fields in the brackets";
             return told("this is no scene", format!("found {}", around.in_words()), help, around.value());
         };
-        let Wanted { message, help } = Wanted::of(asked, &self.open, around);
+        let Wanted { message, mut help } = Wanted::of(asked, &self.open, around);
+        if *asked == Asked::FieldName
+            && let Some(named) = self.with_names()
+        {
+            help = format!("write it as {named}");
+        }
         let lacks_bracket =
             matches!(asked, Asked::Content { .. }) && matches!(self.code, Error::ExpectedStructLike);
         match &around.previous {

@@ -16,6 +16,8 @@ use crate::script::ScriptError;
 pub(in crate::scene) struct Problems {
     listed: Vec<Problem>,
     unlisted: usize,
+    /// The number of those that are counted with the last of [`Problems::EQUAL`] equal ones.
+    repeated: usize,
     spawned: SpawnCalls,
 }
 
@@ -67,6 +69,8 @@ struct Problem {
     repeatable: Option<Repeatable>,
     /// The number of times it was found.
     times: usize,
+    /// The number of equal ones that are found elsewhere and not listed.
+    more: usize,
 }
 
 /// A value's place in the document: a path from the scene to it, kept on the stack while the document is walked.
@@ -108,6 +112,9 @@ impl Problems {
     /// The most mistakes that are listed.
     pub(in crate::scene) const MOST: usize = 50;
 
+    /// The most of equal mistakes that are listed.
+    const EQUAL: usize = 3;
+
     /// The label of an unknown name.
     const UNKNOWN: &'static str = "unknown";
 
@@ -118,25 +125,32 @@ impl Problems {
         label: impl Into<String>,
         help: impl Into<String>,
     ) {
-        let (path, label) = (at.path(), label.into());
+        let (path, message, label) = (at.path(), message.into(), label.into());
         let repeatable = self.spawned.repeatable(&path, &label);
-        if self.is_repeated(repeatable.as_ref()) || self.is_unlisted() {
+        if self.is_repeated(repeatable.as_ref(), &message, &label) || self.is_unlisted() {
             return;
         }
-        let (message, help) = (message.into(), Some(help.into()));
+        let help = Some(help.into());
         let (path, inside) = match &repeatable {
             Some(Repeatable { call, .. }) => (SpawnCalls::path(*call), Some(self.spawned.inside(*call))),
             None => (path, None),
         };
-        self.listed.push(Problem { path, inside, message, label, help, repeatable, times: 1 });
+        self.listed.push(Problem { path, inside, message, label, help, repeatable, times: 1, more: 0 });
     }
 
-    /// Counts a mistake again if it was found before; returns whether it was.
-    fn is_repeated(&mut self, repeatable: Option<&Repeatable>) -> bool {
-        let Some(repeatable) = repeatable else { return false };
-        let mut listed = self.listed.iter_mut();
-        let before = listed.find(|problem| problem.repeatable.as_ref() == Some(repeatable));
-        before.map(|problem| problem.times += 1).is_some()
+    /// Counts a mistake again if it was found before, in the same call or often enough elsewhere; returns whether it was.
+    fn is_repeated(&mut self, repeatable: Option<&Repeatable>, message: &str, label: &str) -> bool {
+        let is_same =
+            |problem: &&mut Problem| repeatable.is_some() && problem.repeatable.as_ref() == repeatable;
+        if let Some(same) = self.listed.iter_mut().find(is_same) {
+            same.times += 1;
+            return true;
+        }
+        let is_equal = |problem: &&mut Problem| problem.message == message && problem.label == label;
+        let Some(last) = self.listed.iter_mut().filter(is_equal).nth(Self::EQUAL - 1) else { return false };
+        last.more += 1;
+        self.repeated += 1;
+        true
     }
 
     /// Counts a mistake if the list is full; returns whether it is.
@@ -152,13 +166,13 @@ impl Problems {
         source: Option<Arc<Source>>,
         error: &ScriptError,
     ) {
-        if self.is_unlisted() {
+        let (message, label) = (error.message.clone(), error.label.clone());
+        if self.is_repeated(None, &message, &label) || self.is_unlisted() {
             return;
         }
-        let (message, label) = (error.message.clone(), error.label.clone());
         let inside = Some(Inside { source, span: error.span.clone() });
         let (path, help) = (at.index(0).path(), help_for(error));
-        self.listed.push(Problem { path, inside, message, label, help, repeatable: None, times: 1 });
+        self.listed.push(Problem { path, inside, message, label, help, repeatable: None, times: 1, more: 0 });
     }
 
     /// Sets the place from which on entities are spawned by scripts.
@@ -183,24 +197,29 @@ impl Problems {
         name: &str,
         known: impl FnOnce() -> Vec<Cow<'n, str>>,
     ) {
-        let repeatable = self.spawned.repeatable(&at.path(), Self::UNKNOWN);
-        if self.is_repeated(repeatable.as_ref()) || self.is_unlisted() {
-            return;
-        }
-        let known = known();
-        let known: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
         let (singular, plural) = match kind {
             Named::Material => ("material", "materials"),
             Named::Entity => ("entity", "entities"),
             Named::Camera => ("camera", "cameras"),
         };
         let message = format!("there is no {singular} \"{}\"", short(name));
+        let repeatable = self.spawned.repeatable(&at.path(), Self::UNKNOWN);
+        if self.is_repeated(repeatable.as_ref(), &message, Self::UNKNOWN) || self.is_unlisted() {
+            return;
+        }
+        let known = known();
+        let known: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
         self.add(at, message, Self::UNKNOWN, remedy(name, &known, plural));
     }
 
     /// Counts mistakes that are not listed.
     pub(super) fn add_unlisted(&mut self, count: usize) {
         self.unlisted += count;
+    }
+
+    /// Returns the number of mistakes that are counted with equal ones.
+    pub(in crate::scene) fn repeated(&self) -> usize {
+        self.repeated
     }
 
     /// Returns whether further mistakes are only counted.
@@ -218,8 +237,13 @@ impl Problems {
         let spans = locate(text, &paths);
         let mut ordered = BTreeMap::new();
         for (index, (problem, span)) in self.listed.into_iter().zip(spans).enumerate() {
-            let Problem { message, help, inside, times, .. } = problem;
-            let label = if times > 1 { format!("{} ({times} times)", problem.label) } else { problem.label };
+            let Problem { message, mut label, help, inside, times, more, .. } = problem;
+            if times > 1 {
+                label += &format!(" ({times} times)");
+            }
+            if more > 0 {
+                label += &format!(" (and {more} more like this)");
+            }
             let (start, end) = (span.start, span.end);
             let (span, source) = match inside {
                 Some(Inside { source: Some(source), span }) => (span, Some(source)),
