@@ -1,6 +1,6 @@
 //! When a path is traversed, and how the motion gathers speed.
 
-use super::{Easing, Playback};
+use super::{Easing, Playback, Repeat};
 
 /// When a path is traversed, and which share of it is covered at each moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +20,23 @@ impl Pace {
     #[must_use]
     pub fn lasting(duration: f64) -> Self {
         Self { start: 0.0, duration, ease: Easing::Linear, playback: Playback::default() }
+    }
+
+    /// Returns the time from which on nothing moves, in seconds. `None` for a pace that repeats.
+    ///
+    /// ```
+    /// use rayreel::animation::{Pace, Playback};
+    /// let pace = Pace { start: 1.0, ..Pace::lasting(2.0) };
+    /// let late = Playback { offset: 4.0, speed: 0.5, ..Playback::default() };
+    /// let backwards = Playback { speed: -0.5, ..late };
+    /// let ends = [pace.playback, late, backwards].map(|playback| Pace { playback, ..pace }.end());
+    /// assert_eq!(ends, [Some(3.0), Some(10.0), Some(2.0)]);
+    /// ```
+    #[must_use]
+    pub fn end(self) -> Option<f64> {
+        let Playback { repeat, offset, speed } = self.playback;
+        let last = if speed > 0.0 { self.start + self.duration.max(0.0) } else { self.start };
+        (repeat == Repeat::Clamp).then(|| offset + last / speed)
     }
 
     /// Returns the share of the path that is covered at `seconds`: 0 at the start and exactly 1 at the end. An easing that
@@ -48,7 +65,7 @@ impl Pace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::animation::{Ease, Repeat};
+    use crate::animation::Ease;
 
     #[test]
     fn progress_is_as_eased_as_its_name_says() {

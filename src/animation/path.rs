@@ -64,6 +64,12 @@ impl Path {
         Self { pace, ..self }
     }
 
+    /// Returns the time at which the point comes to rest, in seconds. `None` for a path that repeats.
+    #[must_use]
+    pub fn end(&self) -> Option<f64> {
+        self.pace.end()
+    }
+
     /// Returns the length from the start to the end, and once around a closed curve; scene units.
     ///
     /// ```

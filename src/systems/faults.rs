@@ -30,6 +30,8 @@ pub enum Consequence {
     NoLight,
     /// The picture shows the background alone.
     NothingSeen,
+    /// It looks at a point that stands still while it moves on.
+    FixedTarget,
     /// It turns the short way between two keys, not as far as they are written.
     ShortTurn,
     /// The picture is mirrored, or squeezed to nothing.
@@ -90,6 +92,13 @@ pub enum FaultCause {
     Missing(&'static str),
     /// Two neighbouring rotation keys are written further apart than half a turn.
     ShortTurn(ShortTurn),
+    /// The path of a camera's target ends before that of its position; seconds.
+    TargetEnds {
+        /// The end of the target's path.
+        target: f64,
+        /// The end of the position's path.
+        position: f64,
+    },
 }
 
 impl Fault {
@@ -117,6 +126,10 @@ impl Fault {
             ),
             FaultCause::OutOfRange { range, .. } => format!("keep it {range}"),
             FaultCause::Missing(_) => "refer to an entity that exists".to_owned(),
+            FaultCause::TargetEnds { .. } => {
+                "let both end together: the view turns quickly where a camera passes a target that stands still"
+                    .to_owned()
+            }
             FaultCause::ShortTurn(ShortTurn { angles: [from, to], .. }) => {
                 let steps = ((to - from).abs() / 180.0).floor() + 1.0;
                 let angle = |step: f64| brief(from + (to - from) * step / steps);
@@ -140,6 +153,7 @@ impl fmt::Display for Fault {
             Consequence::NotDrawn => write!(formatter, "is not drawn: {}", self.cause),
             Consequence::NoLight => write!(formatter, "gives no light: {}", self.cause),
             Consequence::NothingSeen => write!(formatter, "sees nothing: {}", self.cause),
+            Consequence::FixedTarget => write!(formatter, "moves on past a fixed target: {}", self.cause),
             Consequence::ShortTurn => write!(formatter, "turns the short way: {}", self.cause),
             Consequence::Distorted => write!(formatter, "shows a distorted picture: {}", self.cause),
             Consequence::Instead(instead) => {
@@ -183,6 +197,12 @@ impl fmt::Display for FaultCause {
                 brief(times[0]),
                 brief(times[1]),
                 brief((angles[1] - angles[0]).abs())
+            ),
+            Self::TargetEnds { target, position } => write!(
+                formatter,
+                "the path of its target ends at {} s, that of its position at {} s",
+                brief(*target),
+                brief(*position)
             ),
             Self::Missing(what) => write!(formatter, "the entity that it {what} does not exist"),
         }

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
 
 mod accuracy;
+mod camera_targets;
 mod choice;
 mod explain;
 mod explain_path;

@@ -145,3 +145,30 @@ fn entities_and_targets_go_along_ways_too() {
     let expected = (DVec3::new(0.0, 0.75, 2.25) - DVec3::new(0.0, 0.0, -8.0)).normalize();
     assert!(engine.camera().unwrap().axes()[2].distance(expected) < 1e-14);
 }
+
+/// However a target moves, it stays at its last point, and the view turns no further while the camera stands.
+#[test]
+fn targets_hold_where_their_ways_end() {
+    for track in [
+        "Path(points: [(0, 1, 0), (3, 1, 2), (6, 1, 1)], duration: 2)",
+        "Path(points: [(0, 1, 0), (3, 1, 2), (6, 1, 1)], duration: 2, ease: InOutSine)",
+        "Path(points: [(0, 1, 0), (3, 1, 2), (6, 1, 1)], speed: 3.3)",
+        "Orbit(center: (0, 1, 0), radius: 2, turns: 0.3, duration: 2)",
+        "Keys([(0, (0, 1, 0), Cubic), (1, (3, 1, 2), Cubic), (2, (6, 1, 1))])",
+    ] {
+        let mut engine = engine(6.0, &format!("(target: \"camera\", channel: Target, track: {track})"));
+        let timeline = engine.timeline();
+        let mut view = |frame| {
+            engine.seek(timeline.time_of(frame)).unwrap();
+            engine.camera().unwrap().axes()[2]
+        };
+        let views: Vec<DVec3> = (0..timeline.frame_count()).map(&mut view).collect();
+        let held = views[143];
+        let turning: Vec<usize> = (0..144).filter(|frame| views[*frame] != held).collect();
+        let last = turning.last().copied().unwrap();
+        assert!((20..72).contains(&last), "{track}: {last}");
+        // As far as in the frame before, and not more.
+        let turn = |frame: usize| views[frame].angle_between(views[frame + 1]);
+        assert!(turn(last) <= 1.5 * turn(last - 1), "{track}: {} {}", turn(last), turn(last - 1));
+    }
+}

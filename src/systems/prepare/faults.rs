@@ -14,8 +14,8 @@ use super::shape::prepared_shape;
 use crate::color::Rgb;
 use crate::components::{
     Ambient, Animated, AreaShape, Background, Camera, FilmSettings, Fog, Follow, Light, LightKind, LookAt,
-    Material, Order, Projection, Quality, Refractive, Sampling, Shape, Shots, Specular, Transform, View,
-    WorldTransform,
+    Material, Motion, Order, Projection, Property, Quality, Refractive, Sampling, Shape, Shots, Specular,
+    Transform, View, WorldTransform,
 };
 use crate::systems::{Consequence, Fault, FaultCause, Instead};
 use crate::trace::LightSource;
@@ -209,10 +209,16 @@ fn camera_faults(world: &World, prepared: &Preparation, faults: &mut Vec<Fault>)
     let Ok(camera) = world.get::<&Camera>(entity) else { return };
     let followed = world.get::<&Follow>(entity).map(|follow| follow.0);
     let looked_at = world.get::<&LookAt>(entity).map(|look_at| look_at.0);
+    let looks_at_entity = looked_at.is_ok();
     for (linked, what) in [(followed, "follows"), (looked_at, "looks at")] {
         if linked.is_ok_and(|linked| position_of(world, Some(linked)).is_none()) {
             faults.push(instead(entity, FaultCause::Missing(what), Instead::Nothing));
         }
+    }
+    if let Some(cause) = target_ends(world, entity).filter(|_| !looks_at_entity)
+        && matches!(cause, FaultCause::TargetEnds { target, .. } if target <= prepared.moment.seconds())
+    {
+        faults.push(Fault { entity, consequence: Consequence::FixedTarget, cause });
     }
     if !prepared.camera.position().is_finite() {
         let cause = FaultCause::NotFinite("place");
@@ -245,6 +251,21 @@ fn camera_faults(world: &World, prepared: &Preparation, faults: &mut Vec<Fault>)
     faults.extend(checked.fault);
 }
 
+/// Returns the fault of a camera whose target's path ends before that of its position, by more than rounding.
+fn target_ends(world: &World, camera: Entity) -> Option<FaultCause> {
+    const ROUNDING: f64 = 1e-9;
+    let animated = world.get::<&Animated>(camera).ok()?;
+    let end = |property: Property| {
+        let channel = animated.0.iter().rfind(|channel| channel.property == property)?;
+        match &channel.motion {
+            Motion::Path(path) if path.length() > 0.0 => path.end(),
+            _ => None,
+        }
+    };
+    let (target, position) = (end(Property::Target)?, end(Property::Position)?);
+    (position - target > ROUNDING).then_some(FaultCause::TargetEnds { target, position })
+}
+
 /// Returns what makes a screen empty or inverted, with the number that does.
 fn projection_fault(projection: Projection) -> Option<(FaultCause, f64)> {
     let wrong = |what, value: f64| (!(value > 0.0 && value.is_finite())).then_some((what, value));
@@ -261,7 +282,6 @@ fn projection_fault(projection: Projection) -> Option<(FaultCause, f64)> {
     }
 }
 
-/// Finds the faults of the settings of the whole scene.
 /// Reports rotation tracks that turn the short way between keys written further apart.
 fn turn_faults(world: &World, faults: &mut Vec<Fault>) {
     let mut query = world.query::<(Entity, &Animated)>();
@@ -271,6 +291,7 @@ fn turn_faults(world: &World, faults: &mut Vec<Fault>) {
     }));
 }
 
+/// Finds the faults of the settings of the whole scene.
 fn setting_faults(world: &World, faults: &mut Vec<Fault>) {
     let mut check = |fault: Option<Fault>| faults.extend(fault);
     check(setting(world, |checked, Ambient(intensity)| checked.color("ambient light", *intensity)));
