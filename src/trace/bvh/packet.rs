@@ -178,11 +178,14 @@ impl Shared {
 }
 
 impl Frame {
-    /// Half of the origins.
+    /// Half of the origins. What overflows becomes finite: differences of infinities are no numbers, and no ray that has them enters a box.
     #[inline(always)]
     fn places<S: Simd>(&self, simd: S, origins: &Vectors, half: usize) -> F64s3<S> {
+        /// Beyond all `f32`.
+        const FARTHEST: f64 = 1e300;
         let shifted = subtract(origins.load(simd, half), splat3(simd, self.origin()));
-        times(shifted, splat(simd, self.scale()))
+        let farthest = splat(simd, FARTHEST);
+        times(shifted, splat(simd, self.scale())).map(|place| place.min(farthest).max(-farthest))
     }
 }
 

@@ -9,7 +9,7 @@ use super::verdicts::{Answer, Asked, Asking};
 use crate::trace::bvh::{FramePacket, LeafId, PacketStack, PacketVisitor};
 use crate::trace::math::{F64s, bits, half_of, mask, splat};
 use crate::trace::query::HitPacket;
-use crate::trace::rays::{RayPacket, ShapeId};
+use crate::trace::rays::{FAR, RayPacket, ShapeId};
 use crate::trace::scene::PreparedScene;
 
 /// Fewer rays are not worth it.
@@ -107,11 +107,11 @@ fn consider<S: Simd>(
     let Answer { verdicts, far } = answer;
     let (t, error) = (verdicts.t, verdicts.error);
     let (best, best_error) = (hits.ts.load(simd, half), hits.errors.load(simd, half));
-    // What is infinitely far away is not met.
-    let hit = verdicts.hit & t.simd_lt(splat(simd, f64::INFINITY));
+    let is_near = t.simd_lt(splat(simd, FAR));
+    let (hit, open) = (verdicts.hit & is_near, verdicts.open | verdicts.hit & !is_near);
     let not_farther = bits(hit & (t - error).simd_le(best + best_error), half);
     let nearer = bits(hit & (t + error).simd_lt(best - best_error), half);
-    hits.open |= not_farther & !nearer | bits(verdicts.open, half);
+    hits.open |= not_farther & !nearer | bits(open, half);
     if nearer == 0 {
         return false;
     }

@@ -16,6 +16,8 @@ mod bundle;
 mod candidates;
 mod closest_hit;
 mod crossings;
+#[cfg(test)]
+mod extremes;
 mod leaves;
 mod lens;
 mod occlusion;

@@ -17,7 +17,7 @@ use crate::trace::bvh::{
 };
 use crate::trace::math::{Numbers, bits, half_lanes, half_of, splat};
 use crate::trace::query::NEAR;
-use crate::trace::rays::{RayPacket, ShapeId};
+use crate::trace::rays::{FAR, RayPacket, ShapeId};
 use crate::trace::scene::PreparedScene;
 
 /// Fewer rays are not worth a walk through the tree.
@@ -163,11 +163,12 @@ impl Search<'_> {
             let Some(answer) = self.asking.ask(simd, shape, (half, lanes)) else { continue };
             let verdicts = answer.verdicts;
             let (t, error) = (verdicts.t, verdicts.error);
-            // What is infinitely far away is not met.
-            let hit = verdicts.hit & t.simd_lt(splat(simd, f64::INFINITY));
-            let beyond = bits(hit & (t - error).simd_gt(farther), half);
+            let is_near = t.simd_lt(splat(simd, FAR));
+            let beyond = verdicts.hit & (t - error).simd_gt(farther);
+            let open = bits(verdicts.open | verdicts.hit & !is_near & !beyond, half);
+            let hit = verdicts.hit & is_near;
             let before = bits(hit & (t + error).simd_lt(nearer), half);
-            let (hit, open) = (bits(hit, half), bits(verdicts.open, half));
+            let (hit, beyond) = (bits(hit, half), bits(beyond, half));
             if role == Role::Together {
                 self.found.open |= hit & !beyond | open;
                 continue;

@@ -7,8 +7,8 @@ use glam::DVec3;
 use super::escalations::Escalations;
 use super::hit::Hit;
 use super::intersector::Intersector;
-use crate::trace::math::{Double, Double3, Exact3, Root};
-use crate::trace::rays::{Limit, Ray, RayView, ShapeId};
+use crate::trace::math::{Compensated3, Double, Double3, Exact3, Root};
+use crate::trace::rays::{FAR, Limit, Ray, RayView, ShapeId};
 use crate::trace::scene::{Geometry, ShapeRef};
 use crate::trace::shapes::{Bounds, ExactHit, Face, Intersection, RefinedHit, Side};
 
@@ -83,7 +83,8 @@ impl Intersector for Geometry {
     #[inline(always)]
     fn refine(&self, ray: &Ray, hit: &Hit, escalations: &mut Escalations) -> RefinedHit {
         let (origin, direction, t) = (ray.origin(), ray.direction(), hit.root.t());
-        if !hit.root.is_rounded()
+        if t < FAR
+            && !hit.root.is_rounded()
             && !hit.root.is_rough()
             && let Some(refined) = ask!(self, hit.id, shape => shape.refine(origin, direction, t, hit.far))
         {
@@ -102,7 +103,11 @@ impl Geometry {
     /// Refines a hit whose `t` is not just a few roundings off, or that is near an edge.
     #[cold]
     fn refine_specially(&self, ray: &Ray, hit: &Hit, escalations: &mut Escalations) -> RefinedHit {
-        let mut refined = self.refine_precisely(ray, hit, escalations);
+        let mut refined = if hit.root.t() < FAR {
+            self.refine_precisely(ray, hit, escalations)
+        } else {
+            self.refine_far(ray, hit)
+        };
         // From so far away that even a double-double `t` is coarser than the shape is large, the point is still on it as far as
         // its bounds go: the tree relies on that for rays that go on from there.
         if let Some(Bounds { min, max }) = self.bounds(hit.id) {
@@ -123,19 +128,48 @@ impl Geometry {
             return ask!(self, hit.id, shape => shape.surface_point(origin, direction, t.into(), Face::default()));
         };
         let (t, face) = (meeting.t.rounded(), meeting.face);
-        let refined = ask!(self, hit.id, shape => shape.surface_point(origin, direction, t, face));
-        // From so far away that the shape is smaller than the points there are, no normal can be told but by its side.
-        let direction = direction.normalize();
-        let wrong = match meeting.side {
-            Side::Entry => refined.normal.dot(direction) > CLEARLY,
-            Side::Exit => refined.normal.dot(direction) < -CLEARLY,
-            Side::Either => false,
+        on_side(
+            ask!(self, hit.id, shape => shape.surface_point(origin, direction, t, face)),
+            meeting.side,
+            direction,
+        )
+    }
+
+    /// Refines a hit at [`FAR`] or beyond, in numbers that are so much smaller that no product overflows. Where the point itself does,
+    /// it is not finite.
+    fn refine_far(&self, ray: &Ray, hit: &Hit) -> RefinedHit {
+        /// 2^-600
+        const SMALLER: f64 = f64::from_bits((1023 - 600) << 52);
+        let (origin, direction) = (ray.origin(), ray.direction());
+        let (t, face, side) = match self.exactly(hit.id, hit.far, ray) {
+            Some(meeting) => (meeting.t.rounded(), meeting.face, meeting.side),
+            None => (hit.root.t().into(), Face::default(), Side::Either),
         };
-        if wrong {
-            let outward = if matches!(meeting.side, Side::Entry) { -direction } else { direction };
-            return RefinedHit { normal: outward, ..refined };
+        if let ShapeRef::Plane(plane) = self.shape(hit.id) {
+            let near = plane.scaled(SMALLER);
+            let smaller = t.rounded() * SMALLER;
+            if let Some(RefinedHit { t, point, normal }) =
+                near.refine(origin * SMALLER, direction, smaller, false)
+            {
+                return RefinedHit { t: t.scaled(SMALLER.recip()), point: point / SMALLER, normal };
+            }
         }
-        refined
+        let smaller = t.scaled(SMALLER);
+        let place = Compensated3::along(origin * SMALLER, direction, smaller.rounded());
+        let mut point = place.moved(direction * smaller.rest()) / SMALLER;
+        if let Some(Bounds { min, max }) = self.bounds(hit.id) {
+            point = point.clamp(min, max);
+        }
+        // The way is made already.
+        let refined = ask!(self, hit.id, shape => shape.surface_point(point, direction, Double::ZERO, face));
+        on_side(RefinedHit { t, ..refined }, side, direction)
+    }
+
+    /// Returns whether a hit at [`FAR`] or beyond has a finite point at a finite distance.
+    #[cold]
+    fn is_reached(&self, ray: &Ray, hit: &Hit) -> bool {
+        let distance = hit.root.t() * ray.direction().length();
+        distance.is_finite() && self.refine(ray, hit, &mut Escalations::default()).point.is_finite()
     }
 
     /// Returns whether the point is inside the shape, taken as a solid.
@@ -187,8 +221,8 @@ impl Geometry {
                 Root::rounded(self.exactly(id, far, ray)?.t.rounded())
             }
         };
-        // What is infinitely far away is not met.
-        (root.t() < f64::INFINITY).then_some(Hit { root, id, far })
+        let hit = Hit { root, id, far };
+        (root.t() < FAR || self.is_reached(ray, &hit)).then_some(hit)
     }
 
     /// Where the ray first meets the shape, or, if it starts there and goes inwards, where it comes out; without any rounding.
@@ -234,6 +268,19 @@ impl Geometry {
         self.exactly_met(id, hit.far, origin, &exact_way.into())
             .is_some_and(|met| (met.t.rounded() - Double::from(1.0)).rounded() < latest)
     }
+}
+
+/// Turns a normal that is clearly on the wrong side towards the ray: from so far away that the shape is smaller than the points there
+/// are, none can be told but by its side.
+fn on_side(refined: RefinedHit, side: Side, direction: DVec3) -> RefinedHit {
+    let direction = direction.normalize();
+    let wrong = match side {
+        Side::Entry => refined.normal.dot(direction) > CLEARLY,
+        Side::Exit => refined.normal.dot(direction) < -CLEARLY,
+        Side::Either => false,
+    };
+    let outward = if matches!(side, Side::Entry) { -direction } else { direction };
+    if wrong { RefinedHit { normal: outward, ..refined } } else { refined }
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::trace::math::{Double, Double3, Root, scaled};
-use crate::trace::rays::{Departure, Ray, ShapeId, Ties};
+use crate::trace::rays::{Departure, FAR, Ray, ShapeId, Ties};
 
 /// Where a ray meets a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,13 +71,25 @@ impl SurfacePoint {
     #[must_use]
     pub fn distance(&self, ray: &Ray) -> f64 {
         let direction = Double3::from(ray.direction());
-        (self.t * direction.dot(direction).sqrt()).rounded()
+        self.times(direction.dot(direction).sqrt())
     }
 
     /// Returns the distance from the origin of the ray that found it, along a unit vector.
     #[must_use]
     pub fn depth(&self, ray: &Ray, axis: DVec3) -> f64 {
-        (self.t * Double3::from(ray.direction()).dot(Double3::from(axis))).rounded()
+        self.times(Double3::from(ray.direction()).dot(Double3::from(axis)))
+    }
+
+    /// Returns the product of `t` and a number of at most 2^402, rounded once.
+    fn times(&self, number: Double) -> f64 {
+        /// 2^600
+        const LARGER: f64 = f64::from_bits((1023 + 600) << 52);
+        if self.t.rounded() < FAR {
+            (self.t * number).rounded()
+        } else {
+            // No product overflows while it is split into halves.
+            (self.t.scaled(LARGER.recip()) * number).rounded() * LARGER
+        }
     }
 
     /// What a ray leaves that starts here, on the side that `outward` says.

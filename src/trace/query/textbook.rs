@@ -13,7 +13,7 @@ use super::escalations::Escalations;
 use super::hit::Hit;
 use super::intersector::Intersector;
 use crate::trace::math::{Double, Root};
-use crate::trace::rays::{Limit, Ray, RayView, ShapeId};
+use crate::trace::rays::{FAR, Limit, Ray, RayView, ShapeId};
 use crate::trace::scene::{Geometry, Kind, Location};
 use crate::trace::shapes::RefinedHit;
 
@@ -273,8 +273,9 @@ impl<T: Number> Intersector for Textbook<T> {
                 slabs(own, back.point(origin), back.direction(direction), least)
             }
         }?;
+        let point = || origin.along(direction, t).value();
         let t = t.value();
-        (t < f64::INFINITY).then_some(Hit { root: Root::within(t, 0.0), id, far: false })
+        (t < FAR || point().is_finite()).then_some(Hit { root: Root::within(t, 0.0), id, far: false })
     }
 
     #[inline]

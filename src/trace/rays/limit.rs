@@ -2,6 +2,11 @@
 
 use glam::DVec3;
 
+/// 2^560: from this `t` on, products with a direction, which is at most 2^401 long, can overflow where they are split into halves. Such
+/// hits are refined apart from others, and are none if their point or its distance is not finite. Shapes with coordinates up to 1e150
+/// (2^498) are hit far below it from places among them, apart from planes that a ray nearly runs along.
+pub(crate) const FAR: f64 = f64::from_bits((1023 + 560) << 52);
+
 /// How far a shadow ray is followed: as far as the light is.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limit {

@@ -9,7 +9,7 @@ mod ties;
 mod view;
 
 pub(crate) use departure::Departure;
-pub(crate) use limit::Limit;
+pub(crate) use limit::{FAR, Limit};
 pub(crate) use packet::RayPacket;
 pub use ray::Ray;
 pub use shape_id::ShapeId;

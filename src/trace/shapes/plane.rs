@@ -42,6 +42,11 @@ impl Plane {
         self.unit_normal
     }
 
+    /// All points times a power of two.
+    pub(crate) fn scaled(&self, power: f64) -> Self {
+        Self { point: self.point * power, ..*self }
+    }
+
     /// The `t >= 0` on the plane. A ray along the plane misses it, also when it lies in it.
     #[must_use]
     #[inline]
