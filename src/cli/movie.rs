@@ -92,7 +92,7 @@ fn played(rate: FrameRate, frames: &[u32]) -> FrameRate {
     FrameRate::new(numerator, denominator.saturating_mul(step(frames).unwrap_or(1))).unwrap_or(rate)
 }
 
-/// Lines about a movie that is not quite what was asked for.
+/// Differences between a movie and its timeline or frames.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Remarks {
     pub(super) warnings: Vec<String>,
@@ -100,7 +100,7 @@ pub(super) struct Remarks {
 }
 
 impl Remarks {
-    /// Looks at a movie of frames of this size.
+    /// Describes a movie of frames of this size.
     pub(super) fn new(
         movie: &Path,
         size: (u32, u32),
@@ -113,17 +113,17 @@ impl Remarks {
             Ok(Maker::Loop(LoopFormat::Gif)) => {
                 let count = u32::try_from(frames.len()).unwrap_or(u32::MAX);
                 let delays = gif_delays(played(timeline.rate, &frames), count);
-                let left_out = delays.iter().filter(|delay| **delay == 0).count();
-                if left_out > 0 {
+                let omitted = delays.iter().filter(|delay| **delay == 0).count();
+                if omitted > 0 {
                     remarks.warnings.push(format!(
-                        "a GIF shows at most 50 frames a second, and {left_out} of {count} frames are left out; .apng and .mp4 show all of them"
+                        "a GIF plays at most 50 frames per second: {omitted} of {count} frames are omitted; .apng and .mp4 keep all frames"
                     ));
                 }
             }
             Ok(Maker::Ffmpeg { .. }) if size != even(size) => {
                 let (width, height) = even(size);
                 remarks.notes.push(format!(
-                    "the movie is {width}x{height}, not {}x{}: its pixel format has even sides, and the last column or row is repeated",
+                    "the movie is {width}x{height}, not {}x{}: its pixel format requires even sides, so the last column or row is repeated",
                     size.0, size.1
                 ));
             }
@@ -133,22 +133,21 @@ impl Remarks {
         remarks
     }
 
-    /// Tells of frames that do not last as long as the timeline does.
+    /// Describes frames that do not last as long as the timeline does.
     fn of_steps(timeline: Timeline, frames: &[u32]) -> Option<String> {
         let seconds = |frames: u32| (timeline.time_of(frames).seconds() * 1e3).round() / 1e3;
         let (count, last) = (timeline.frame_count(), *frames.last()?);
         let Some(step) = step(frames) else {
             return Some(format!(
-                "the frames of the movie are not equally far apart, and each is shown for {} s: one range with one stride in --frames plays as fast as the timeline",
+                "the frames of the movie are unevenly spaced, and each is shown for {} s; to keep the speed of the timeline, give --frames one range with one stride",
                 seconds(1)
             ));
         };
         let beyond = last.saturating_add(step).saturating_sub(count);
         (beyond > 0).then(|| {
             format!(
-                "the movie ends {} s after the timeline: each frame is shown for {step} frames of the timeline, which has only {} after the last one",
-                seconds(beyond),
-                count - 1 - last
+                "the movie ends {} s after the timeline: with a stride of {step}, its last frame is shown beyond the end",
+                seconds(beyond)
             )
         })
     }
@@ -332,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn movies_that_are_not_what_was_asked_for_say_so() {
+    fn remarks_cover_omitted_frames_odd_sizes_and_uneven_steps() {
         let told = |movie: &str, size, per_second, frames: &str| {
             let rate = FrameRate::new(per_second, 1).unwrap();
             let timeline = Timeline { rate, duration: 1.0 };
@@ -349,9 +348,9 @@ mod tests {
             // As much of the timeline as is shown is there.
             assert_eq!(told(movie, (32, 18), 24, "1-10x4"), nothing);
             assert!(told(movie, (32, 18), 10, "0-x3")[1].starts_with("the movie ends 0.2 s after"));
-            assert!(told(movie, (32, 18), 10, "0-x3")[1].ends_with("which has only 0 after the last one"));
+            assert!(told(movie, (32, 18), 10, "0-x3")[1].contains("with a stride of 3"));
             let unequal = &told(movie, (32, 18), 10, "0-6x3,7")[1];
-            assert!(unequal.contains("not equally far apart, and each is shown for 0.1 s"), "{unequal}");
+            assert!(unequal.contains("unevenly spaced, and each is shown for 0.1 s"), "{unequal}");
         }
         for (movie, warns, notes) in [
             ("a.gif", true, false),
@@ -360,7 +359,7 @@ mod tests {
             ("a.webm", false, true),
         ] {
             let [warning, _] = told(movie, (32, 18), 60, "0-");
-            assert_eq!(warning.contains("20 of 60 frames are left out"), warns, "{movie}: {warning}");
+            assert_eq!(warning.contains("20 of 60 frames are omitted"), warns, "{movie}: {warning}");
             for (odd, even) in [((31, 18), "32x18"), ((32, 17), "32x18"), ((1, 1), "2x2")] {
                 let [_, note] = told(movie, odd, 24, "0-");
                 assert_eq!(note.contains(even), notes, "{movie}: {note}");

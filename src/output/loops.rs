@@ -82,7 +82,7 @@ impl<W: Write> LoopWriter<W> {
         Ok(Self { encoder, size, count, added: 0 })
     }
 
-    /// Adds the next frame. Those without a [time of their own](gif_delays) are not written.
+    /// Adds the next frame. [Omitted](gif_delays) ones are not written.
     ///
     /// # Errors
     ///
@@ -137,10 +137,10 @@ fn delay(rate: FrameRate) -> (u16, u16) {
     }
 }
 
-/// Returns the time of each frame of a GIF in hundredths of a second, and 0 for frames that are left out: players show frames of less than
+/// Returns the duration of each frame of a GIF in hundredths of a second, and 0 for omitted frames: players show frames of less than
 /// 2 hundredths for 10.
 ///
-/// Every other frame begins at its time, and all of them last as long as they should, both to the nearest hundredth.
+/// The start of every remaining frame, and the total duration, are exact to the nearest hundredth.
 #[must_use]
 pub fn gif_delays(rate: FrameRate, count: u32) -> Vec<u16> {
     const SHORTEST: u64 = 2;
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_of_a_gif_begin_on_time_and_none_is_shorter_than_players_show() {
+    fn gif_frames_start_on_time_and_last_at_least_2_hundredths() {
         for per_second in 24..=240 {
             let rate = FrameRate::new(per_second, 1).unwrap();
             let hundredths = |index: u32| (200 * index + per_second) / (2 * per_second);
@@ -230,7 +230,7 @@ mod tests {
                 let mut now = 0;
                 for (index, delay) in (0..).zip(&delays).filter(|(_, delay)| **delay != 0) {
                     assert_eq!(now, hundredths(index), "{what}");
-                    // One more of the frames would be too short, but for the last.
+                    // Only as many frames are omitted as necessary; the last may take in one more.
                     let most = if now + u32::from(*delay) < hundredths(count) { 3 } else { 5 };
                     assert!((2..=most + 100 / per_second).contains(&u32::from(*delay)), "{what}");
                     now += u32::from(*delay);
@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gif_of_more_frames_than_players_show_lasts_as_long_as_all_of_them() {
+    fn a_gif_at_60_frames_per_second_lasts_as_long_as_its_timeline() {
         let (rate, mut bytes) = (FrameRate::new(60, 1).unwrap(), Vec::new());
         let mut writer = LoopWriter::new(&mut bytes, LoopFormat::Gif, (4, 3), (60, rate)).unwrap();
         (0..60).for_each(|seed| writer.add(&film(seed)).unwrap());

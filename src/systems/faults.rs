@@ -30,7 +30,7 @@ pub enum Consequence {
     NoLight,
     /// The picture shows the background alone.
     NothingSeen,
-    /// It looks at a point that stands still while it moves on.
+    /// It keeps moving after its target has come to rest.
     FixedTarget,
     /// It turns the short way between two keys, not as far as they are written.
     ShortTurn,
@@ -127,7 +127,7 @@ impl Fault {
             FaultCause::OutOfRange { range, .. } => format!("keep it {range}"),
             FaultCause::Missing(_) => "refer to an entity that exists".to_owned(),
             FaultCause::TargetEnds { .. } => {
-                "let both end together: the view turns quickly where a camera passes a target that stands still"
+                "end both paths at the same time: the view turns fast where a camera passes a resting target"
                     .to_owned()
             }
             FaultCause::ShortTurn(ShortTurn { angles: [from, to], .. }) => {
@@ -200,7 +200,7 @@ impl fmt::Display for FaultCause {
             ),
             Self::TargetEnds { target, position } => write!(
                 formatter,
-                "the path of its target ends at {} s, that of its position at {} s",
+                "its target path ends at {} s, its position path at {} s",
                 brief(*target),
                 brief(*position)
             ),

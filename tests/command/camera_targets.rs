@@ -36,11 +36,14 @@ fn targets_that_rest_before_their_cameras_are_warned_of() {
         let checked: Value = serde_json::from_str(&told(folder, ["check", "--json", "a.ron"])).unwrap();
         let warning = &checked[0]["warnings"][0];
         let message = format!(
-            "moves on past a fixed target: the path of its target ends at {end} s, that of its position at 4 s"
+            "moves on past a fixed target: its target path ends at {end} s, its position path at 4 s"
         );
         assert_eq!(warning["message"], message, "{pace}");
         assert_eq!(warning["entity"], "the camera");
-        assert!(warning["help"].as_str().unwrap().starts_with("let both end together"), "{warning}");
+        assert!(
+            warning["help"].as_str().unwrap().starts_with("end both paths at the same time"),
+            "{warning}"
+        );
         for (frame, is_warned_of) in [("0", false), ("19", true)] {
             let rendered = rayreel(folder, ["render", "a.ron", "--frames", frame, "--out", "o"]);
             assert_eq!(text(&rendered.stderr).contains(&message), is_warned_of, "{}", text(&rendered.stderr));

@@ -41,7 +41,7 @@ fn names_like_protocols_and_options_are_files() {
 }
 
 #[test]
-fn frames_that_a_gif_leaves_out_are_told_even_quietly() {
+fn omitted_gif_frames_are_warned_of_with_quiet() {
     let folder = tempfile::tempdir().unwrap();
     let mut rayreel = command(RAYREEL, folder.path());
     let arguments = ["render", "-", "--out=out", "--movie=a.gif", "--quiet"];
@@ -50,5 +50,5 @@ fn frames_that_a_gif_leaves_out_are_told_even_quietly() {
     child.stdin.take().unwrap().write_all(scene).unwrap();
     let output = output_of(child);
     let told = text(&output.stderr);
-    assert!(output.status.success() && told.starts_with("warning: a GIF shows at most 50"), "{told}");
+    assert!(output.status.success() && told.starts_with("warning: a GIF plays at most 50"), "{told}");
 }

@@ -73,7 +73,7 @@ fn without_names(form: &str) -> String {
 }
 
 #[test]
-fn values_without_names_are_answered_with_their_names() {
+fn positional_values_are_reported_with_their_names() {
     assert_eq!(without_names("Box(size: (1, 2), a: [B(c: 1)])"), "Box((1, 2), [B(c: 1)])");
     for (place, forms) in NAMED {
         for form in forms {
@@ -96,7 +96,7 @@ fn values_without_names_are_answered_with_their_names() {
 
 /// Where the extension asks for names, each bracket without one is answered with it, until the scene can be read.
 #[test]
-fn brackets_without_a_name_that_is_a_must_are_answered_with_the_name() {
+fn explicit_struct_names_reports_missing_names() {
     let mut text = format!(
         "#![enable(explicit_struct_names)]\n({CAMERA}, film: (width: 8, height: 8), shots: [(0, \"camera\")],
     materials: {{ \"clay\": (specular: (k_s: 0.4, shininess: 32)) }},
@@ -120,7 +120,7 @@ fn brackets_without_a_name_that_is_a_must_are_answered_with_the_name() {
 }
 
 #[test]
-fn what_is_wrong_above_a_scene_is_not_taken_for_a_comment_or_a_scene() {
+fn broken_extension_attributes_are_reported_as_such() {
     let head = "#![enable(implicit_some, unwrap_newtypes)]";
     let heads = (2..head.len()).map(|end| head[..end].to_owned());
     let without = (2..head.len()).map(|at| head[..at].to_owned() + &head[at + 1..]);
@@ -136,7 +136,7 @@ fn what_is_wrong_above_a_scene_is_not_taken_for_a_comment_or_a_scene() {
 }
 
 #[test]
-fn equal_mistakes_are_counted_and_not_all_listed() {
+fn equal_mistakes_are_grouped_and_counted() {
     let entity = "(shape: Sphere(radius: 1), material: \"gold\"),";
     let with = |equal: usize| {
         let others = "(parent: \"nobody\"), (shape: Sphere(radius: 0), material: \"clay\")";

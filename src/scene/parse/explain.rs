@@ -104,7 +104,7 @@ impl Case<'_> {
         let span = start..start + 2;
         if is_cut && self.text[..scene].trim_end().ends_with(']') && !is_of_them {
             let help = "write the scene after it, as ( .. ), with its fields in the brackets";
-            return Some(told("there is no scene after the extensions", "only these are here", help, span));
+            return Some(told("there is no scene after the extensions", "extensions only", help, span));
         }
         Some(if let Error::NoSuchExtension(name) = self.code {
             let help = "the extensions are implicit_some, unwrap_newtypes, unwrap_variant_newtypes and explicit_struct_names";
@@ -251,7 +251,7 @@ impl Case<'_> {
             Error::ExpectedStructName(name) => (
                 format!("expected the name `{name}` before its bracket"),
                 format!("found {}", self.around.in_words()),
-                format!("write `{name}( .. )`: {EXPLICIT_NAMES}, above the scene, makes names a must"),
+                format!("write `{name}( .. )`: {EXPLICIT_NAMES}, above the scene, requires names"),
             ),
             Error::Message(message) => {
                 let (message, help) = message.split_once('\n')?;

@@ -178,7 +178,7 @@ impl Shared {
 }
 
 impl Frame {
-    /// Half of the origins. What overflows becomes finite: differences of infinities are no numbers, and no ray that has them enters a box.
+    /// Half of the origins, clamped to finite numbers: the difference of infinities is NaN, and a lane with NaN enters no box.
     #[inline(always)]
     fn places<S: Simd>(&self, simd: S, origins: &Vectors, half: usize) -> F64s3<S> {
         /// Beyond all `f32`.

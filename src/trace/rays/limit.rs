@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 /// 2^560: from this `t` on, products with a direction, which is at most 2^401 long, can overflow where they are split into halves. Such
-/// hits are refined apart from others, and are none if their point or its distance is not finite. Shapes with coordinates up to 1e150
-/// (2^498) are hit far below it from places among them, apart from planes that a ray nearly runs along.
+/// hits are refined separately, and rejected if their point or distance is not finite. Rays among shapes with coordinates up to 1e150
+/// (2^498) hit them far below it, except planes that a ray is nearly parallel to.
 pub(crate) const FAR: f64 = f64::from_bits((1023 + 560) << 52);
 
 /// How far a shadow ray is followed: as far as the light is.

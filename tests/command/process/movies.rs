@@ -130,7 +130,7 @@ fn ffmpegs_that_die_are_reported_and_leave_nothing() {
 }
 
 #[test]
-fn what_a_killed_process_leaves_of_a_movie_goes_with_the_next_run() {
+fn leftovers_of_killed_processes_are_removed_by_the_next_run() {
     let folder = folder_with("exec sleep 600", FEW);
     let folder = folder.path();
     let child = start(folder, "a.mp4", FEW);
