@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::output_values::require_same_size;
+use super::output_values::{OutputValues, apart, largest};
 use crate::color::Transfer;
 use crate::trace::Film;
 
@@ -31,7 +31,7 @@ pub struct FilmError {
     pub share_off: f64,
 }
 
-/// What a row adds.
+/// The sums of a row.
 #[derive(Clone, Copy, Default)]
 struct RowSums {
     max: f64,
@@ -47,26 +47,30 @@ impl FilmError {
     /// If the films have different sizes.
     #[must_use]
     pub fn between(film: &Film, reference: &Film, transfer: Transfer) -> Self {
-        require_same_size(film, reference);
-        let width = film.width().max(1) as usize;
-        let rows = film.pixels().par_chunks(width).zip(reference.pixels().par_chunks(width));
-        let rows: Vec<RowSums> = rows
+        Self::of_values(&OutputValues::of_film(film, transfer), &OutputValues::of_film(reference, transfer))
+    }
+
+    /// Compares pictures as [`between`](Self::between) does.
+    ///
+    /// # Panics
+    ///
+    /// If the pictures have different sizes.
+    #[must_use]
+    pub fn of_values(picture: &OutputValues, reference: &OutputValues) -> Self {
+        let rows: Vec<RowSums> = picture
+            .rows_with(reference)
             .map(|(row, reference)| {
                 let mut sums = RowSums::default();
-                for (pixel, other) in row.iter().zip(reference).filter(|(pixel, other)| pixel != other) {
-                    let (pixel, other) =
-                        (transfer.encode_unrounded(*pixel), transfer.encode_unrounded(*other));
-                    let apart: [f64; 3] =
-                        std::array::from_fn(|channel| (pixel[channel] - other[channel]).abs());
-                    let largest = apart[0].max(apart[1]).max(apart[2]);
-                    sums.max = sums.max.max(largest);
+                for (pixel, other) in row.iter().zip(reference) {
+                    let apart = apart(pixel, other);
+                    sums.max = sums.max.max(largest(apart));
                     sums.squares += apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2];
-                    sums.off += u64::from(largest > 1.0);
+                    sums.off += u64::from(largest(apart) > 1.0);
                 }
                 sums
             })
             .collect();
-        let count = film.pixels().len().max(1) as f64;
+        let count = picture.pixels().len().max(1) as f64;
         let squares: f64 = rows.iter().map(|row| row.squares).sum();
         let off: u64 = rows.iter().map(|row| row.off).sum();
         Self {

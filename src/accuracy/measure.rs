@@ -8,7 +8,7 @@ use super::report::{Reference, Report, Row};
 use super::resample::resampled;
 use super::spread::Spread;
 use super::stop::{Stop, render, unless_cancelled};
-use super::{Converged, FilmError, structural_similarity};
+use super::{Converged, FilmError, OutputValues, structural_similarity};
 use crate::color::Transfer;
 use crate::components::{FilmSettings, Sampling};
 use crate::engine::{Engine, EngineError};
@@ -354,7 +354,9 @@ impl Gauge<'_> {
     fn similarity(&self, films: &[Film], references: &[Film]) -> f64 {
         let transfer = self.transfer();
         let pairs = films.iter().zip(references);
-        let sum: f64 = pairs.map(|(film, reference)| structural_similarity(film, reference, transfer)).sum();
+        let values = |film| OutputValues::of_film(film, transfer);
+        let sum: f64 =
+            pairs.map(|(film, reference)| structural_similarity(&values(film), &values(reference))).sum();
         sum / films.len().max(1) as f64
     }
 

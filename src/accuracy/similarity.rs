@@ -1,13 +1,11 @@
-//! The structural similarity of two films.
+//! The structural similarity of two pictures.
 //!
 //! Wang, Bovik, Sheikh and Simoncelli, "Image Quality Assessment: From Error Visibility to Structural Similarity" (2004), section
 //! III.B: local means, variances and the covariance are weighted by a Gaussian of 11 by 11 pixels with a standard deviation of 1.5.
 
 use rayon::prelude::*;
 
-use super::output_values::{OutputValues, require_same_size};
-use crate::color::Transfer;
-use crate::trace::Film;
+use super::OutputValues;
 
 /// How far a window reaches to each side.
 const REACH: usize = 5;
@@ -16,33 +14,29 @@ const DEVIATION: f64 = 1.5;
 const OF_MEANS: f64 = 6.5025;
 const OF_VARIANCES: f64 = 58.5225;
 
-/// Returns how alike two films look, from -1 to 1, which only equal ones have: the mean over all pixels and channels. Windows that
+/// Returns how alike two pictures look, from -1 to 1, which only equal ones have: the mean over all pixels and channels. Windows that
 /// reach over the edge are weighted by what is inside.
 ///
 /// # Panics
 ///
-/// If the films have different sizes.
+/// If the pictures have different sizes.
 #[must_use]
-pub fn structural_similarity(film: &Film, reference: &Film, transfer: Transfer) -> f64 {
-    require_same_size(film, reference);
-    if film.pixels().is_empty() {
+pub fn structural_similarity(picture: &OutputValues, reference: &OutputValues) -> f64 {
+    assert_eq!(picture.size(), reference.size(), "films of different sizes cannot be compared");
+    if picture.pixels().is_empty() {
         return 1.0;
     }
-    let channel = |channel| {
-        let (one, other) =
-            (OutputValues::of(film, transfer, channel), OutputValues::of(reference, transfer, channel));
-        mean_similarity(&one, &other)
-    };
+    let width = picture.size().0 as usize;
+    let channel = |channel| mean_similarity(&picture.channel(channel), &reference.channel(channel), width);
     (channel(0) + channel(1) + channel(2)) / 3.0
 }
 
-fn mean_similarity(one: &OutputValues, other: &OutputValues) -> f64 {
-    let width = one.width;
-    let products = |one: &OutputValues, other: &OutputValues| -> Vec<f64> {
-        one.values.par_iter().zip(&other.values).map(|(one, other)| one * other).collect()
+fn mean_similarity(one: &[f64], other: &[f64], width: usize) -> f64 {
+    let products = |one: &[f64], other: &[f64]| -> Vec<f64> {
+        one.par_iter().zip(other).map(|(one, other)| one * other).collect()
     };
-    let mean_one = local_means(&one.values, width);
-    let mean_other = local_means(&other.values, width);
+    let mean_one = local_means(one, width);
+    let mean_other = local_means(other, width);
     let square_one = local_means(&products(one, one), width);
     let square_other = local_means(&products(other, other), width);
     let product = local_means(&products(one, other), width);
@@ -55,8 +49,8 @@ fn mean_similarity(one: &OutputValues, other: &OutputValues) -> f64 {
     };
     // Row by row, so that the sum does not depend on threads.
     let row = |row: usize| (row * width..(row + 1) * width).map(similarity).sum::<f64>();
-    let rows: Vec<f64> = (0..one.values.len() / width).into_par_iter().map(row).collect();
-    rows.iter().sum::<f64>() / one.values.len() as f64
+    let rows: Vec<f64> = (0..one.len() / width).into_par_iter().map(row).collect();
+    rows.iter().sum::<f64>() / one.len() as f64
 }
 
 /// Returns the weighted mean around each value: along rows, then along columns.
@@ -101,30 +95,32 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::color::Rgb;
 
-    fn film(width: u32, values: &[f32]) -> Film {
+    fn picture(width: u32, values: &[f32]) -> OutputValues {
         let height = u32::try_from(values.len()).unwrap() / width;
-        Film::from_pixels(width, height, values.iter().map(|value| Rgb::new(*value, 0.5 * value, 0.25)))
+        let pixel = |value: &f32| [255.0, 127.5, 0.0].map(|scale| f64::from(*value) * scale);
+        let pixels = values.iter().map(pixel).map(|[red, green, _]| [red, green, 63.75]);
+        OutputValues::new((width, height), pixels.collect())
     }
 
     #[test]
-    fn only_equal_films_are_fully_alike() {
+    fn only_equal_pictures_have_similarity_1() {
         let values: Vec<f32> = (0..600_u16).map(|index| f32::from(index * 37 % 256) / 255.0).collect();
-        let one = film(30, &values);
-        assert_eq!(structural_similarity(&one, &one, Transfer::Srgb), 1.0);
+        let one = picture(30, &values);
+        assert_eq!(structural_similarity(&one, &one), 1.0);
         let turned: Vec<f32> = values.iter().map(|value| 1.0 - value).collect();
-        assert!(structural_similarity(&one, &film(30, &turned), Transfer::Srgb) < 0.5);
-        assert_eq!(structural_similarity(&Film::new(0, 0), &Film::new(0, 0), Transfer::Srgb), 1.0);
+        assert!(structural_similarity(&one, &picture(30, &turned)) < 0.5);
+        let empty = OutputValues::new((0, 0), Vec::new());
+        assert_eq!(structural_similarity(&empty, &empty), 1.0);
     }
 
     /// Where nothing varies, only the means count.
     #[test]
-    fn flat_films_have_a_closed_form() {
-        let flat = |value: f32| Film::from_pixels(13, 7, [Rgb::splat(value); 91].into_iter());
+    fn flat_pictures_have_a_closed_form() {
+        let flat = |value: f64| OutputValues::new((13, 7), vec![[value; 3]; 91]);
         let (x, y) = (0.25 * 255.0, 0.5 * 255.0);
         let expected = (2.0 * x * y + OF_MEANS) / (x * x + y * y + OF_MEANS);
-        let found = structural_similarity(&flat(0.25), &flat(0.5), Transfer::Classic);
+        let found = structural_similarity(&flat(x), &flat(y));
         assert!((found - expected).abs() < 1e-9, "{found} {expected}");
     }
 
@@ -139,7 +135,7 @@ mod tests {
                 (Just(width), values.clone(), values)
             }),
         ) {
-            let found = structural_similarity(&film(width, &values), &film(width, &others), Transfer::Classic);
+            let found = structural_similarity(&picture(width, &values), &picture(width, &others));
             let (columns, rows) = (width as usize, values.len() / width as usize);
             let mut sum = 0.0;
             for scale in [255.0, 127.5, 0.0] {
