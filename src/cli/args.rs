@@ -1,5 +1,7 @@
 //! The command line's arguments, as they are typed. Their doc comments are the text of `--help`.
 
+mod measuring;
+
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -20,6 +22,8 @@ use super::values::{
     parse_pixel, parse_samples, parse_sheet, parse_size, parse_threads,
 };
 
+pub(super) use measuring::{AccuracyArguments, CompareArguments};
+
 /// Ray-traced animation from plain text scenes: exact, repeatable frame sequences.
 #[derive(Debug, Parser)]
 #[command(version, propagate_version = true, arg_required_else_help = true, max_term_width = 100)]
@@ -33,12 +37,14 @@ use super::values::{
   rayreel render ball.ron --sheet 6x4      24 of its frames in one picture
   rayreel explain ball.ron                 tell which effects it calls for, and what they cost
   rayreel accuracy ball.ron                measure what each setting costs, and what it is worth
+  rayreel compare a.png b.png              tell how far two pictures are from each other
   rayreel probe ball.ron --pixel 320,180   tell what that pixel sees, and why it has its colour
 
 Exit codes:
-  0    it is done; of `verify`, all frames are whole and up to date; of `check`, no scene has a mistake
-  1    something is wrong, and told on standard error
-  2    the arguments are not understood
+  0    it is done; of `verify`, all frames are whole and up to date; of `check`, no scene has a mistake; of `compare`,
+       the pictures are equal
+  1    something is wrong, and told on standard error; of `compare`, the pictures are different
+  2    the arguments are not understood; of `compare`, the pictures cannot be compared
   129  SIGHUP, 130 Ctrl-C or SIGINT, 143 SIGTERM: it was ended, and what is written is whole")]
 pub(super) struct Arguments {
     #[command(subcommand)]
@@ -57,6 +63,8 @@ pub(super) enum Command {
     Explain(ExplainArguments),
     /// Measure what accuracy costs in time: errors and prices of all settings and effects
     Accuracy(AccuracyArguments),
+    /// Compare two pictures: largest difference, RMS error, PSNR, SSIM and FLIP
+    Compare(CompareArguments),
     /// Tell what a pixel sees, or what rays of one's own meet
     Probe(ProbeArguments),
     /// Say whether a folder of frames is whole: what is missing, torn, stale or surplus
@@ -386,49 +394,6 @@ pub(super) struct ExplainArguments {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["size", "threads", "measure", "json"])]
     pub(super) path: Option<PathBuf>,
     /// Print one JSON object
-    #[arg(long)]
-    pub(super) json: bool,
-    #[command(flatten)]
-    pub(super) overrides: OverrideArguments,
-}
-
-#[derive(Debug, Args)]
-#[command(after_help = "Examples:
-  rayreel accuracy scenes/first_light.ron --quick
-  rayreel accuracy scenes/chess_morning.ron --html report.html
-  rayreel accuracy scenes/first_light.ron --frames 0,40,80 --json > report.json
-  rayreel accuracy scenes/first_light.ron --sizes 480x270,320x180
-
-Renders frames again and again with every knob that the scene calls for turned through its values:
-samples, the error that a picture may have, samples of lights, instants, depth, cutoff, precision;
-and without each effect. Each is compared with a reference of many samples, whose own uncertainty is
-told, and timed in turns with the scene's own settings. A star marks the Pareto front: no other
-setting is both better and quicker. Takes minutes; --quick takes seconds, and is less sure. Ctrl-C ends it.")]
-pub(super) struct AccuracyArguments {
-    /// The scene file
-    pub(super) scene: PathBuf,
-    /// These frames, of many at most 8, spread evenly, as in 10-20,30,40-80x5 [default: the middle one]
-    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
-    pub(super) frames: Option<FrameList>,
-    /// Pixels, instead of the scene's own, as in 1280x720
-    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, allow_hyphen_values = true)]
-    pub(super) size: Option<(u32, u32)>,
-    /// Threads to render on [default: one a core]
-    #[arg(long, value_name = "COUNT", value_parser = parse_threads, allow_hyphen_values = true)]
-    pub(super) threads: Option<u16>,
-    /// Turn the film's size, too: pictures of these sizes are scaled to the scene's and compared, as in 480x270,320x180
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_size, allow_hyphen_values = true)]
-    pub(super) sizes: Vec<(u32, u32)>,
-    /// Measure with fewer samples and fewer rounds: seconds instead of minutes
-    #[arg(long)]
-    pub(super) quick: bool,
-    /// Write a page with plots and pictures to this file, too
-    #[arg(long, value_name = "FILE")]
-    pub(super) html: Option<PathBuf>,
-    /// Write the table as CSV to this file, too
-    #[arg(long, value_name = "FILE")]
-    pub(super) csv: Option<PathBuf>,
-    /// Print one JSON object instead of the table
     #[arg(long)]
     pub(super) json: bool,
     #[command(flatten)]

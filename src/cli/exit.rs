@@ -16,6 +16,8 @@ pub(super) enum Failure {
     Script(Box<ScriptMistake>),
     /// Anything else, with its causes.
     Other(anyhow::Error),
+    /// An error of a command that exits with 1 for another reason.
+    Trouble(anyhow::Error),
     /// A failure that was reported already.
     Reported,
     /// Ctrl-C, or another signal that asks for an end; with the exit code of that signal.
@@ -23,10 +25,11 @@ pub(super) enum Failure {
 }
 
 impl Failure {
-    /// Returns the exit code: 1 for errors. Wrong usage exits with 2 before.
+    /// Returns the exit code: 1 for errors, and 2 for those of `compare`. Wrong usage exits with 2 before.
     pub(super) fn code(&self) -> ExitCode {
         match self {
             Self::Interrupted(code) => ExitCode::from(*code),
+            Self::Trouble(_) => ExitCode::from(2),
             Self::Scene(_) | Self::Script(_) | Self::Other(_) | Self::Reported => ExitCode::FAILURE,
         }
     }
@@ -36,7 +39,7 @@ impl Failure {
         match self {
             Self::Scene(error) => print::mistakes(|color| error.render(color)),
             Self::Script(mistake) => print::mistakes(|color| mistake.render(color)),
-            Self::Other(error) => print::error(&format!("{error:#}")),
+            Self::Other(error) | Self::Trouble(error) => print::error(&format!("{error:#}")),
             Self::Reported | Self::Interrupted(_) => {}
         }
     }

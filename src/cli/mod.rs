@@ -7,11 +7,13 @@ mod accuracy;
 mod args;
 mod check;
 mod choice;
+mod compare;
 mod completions;
 mod draft;
 mod exit;
 mod explain;
 mod farm;
+mod heat_map;
 mod instructions;
 mod interrupt;
 mod man;
@@ -98,6 +100,7 @@ fn run_command(command: Command, interruption: &Interruption) -> Result<(), Fail
         Command::Check(arguments) => check::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
         Command::Accuracy(arguments) => accuracy::run(&arguments, interruption),
+        Command::Compare(arguments) => compare::run(&arguments),
         Command::Probe(arguments) => probe::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments, interruption),
         Command::Farm(arguments) => farm::run(&arguments),

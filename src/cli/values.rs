@@ -85,6 +85,11 @@ pub(super) fn parse_max_error(text: &str) -> Result<f32, String> {
     error.ok_or_else(|| format!("write a number of steps above 0, up to {most}, as 0.5"))
 }
 
+pub(super) fn parse_tolerance(text: &str) -> Result<f64, String> {
+    let steps = text.trim().parse::<f64>().ok().filter(|steps| (0.0..=255.0).contains(steps));
+    steps.ok_or_else(|| "write a number of steps from 0 to 255, as 0.5".to_owned())
+}
+
 pub(super) fn parse_duration(text: &str) -> Result<Duration, String> {
     const LONGEST: f64 = 1e9;
     let text = text.trim();

@@ -19,10 +19,15 @@ pub(super) fn write_file(file: &Path, bytes: &[u8]) -> anyhow::Result<()> {
 
 /// Returns an error if a file that is to be written is the scene.
 pub(super) fn ensure_not_the_scene(file: &Path, scene: &Path) -> anyhow::Result<()> {
-    let is_the_scene = match (fs::canonicalize(file), fs::canonicalize(scene)) {
-        (Ok(file), Ok(scene)) => file == scene,
+    ensure_another(file, scene, "the scene")
+}
+
+/// Returns an error if a file that is to be written is one that is read, with this name.
+pub(super) fn ensure_another(file: &Path, read: &Path, name: &str) -> anyhow::Result<()> {
+    let is_the_same = match (fs::canonicalize(file), fs::canonicalize(read)) {
+        (Ok(file), Ok(read)) => file == read,
         _ => false,
     };
-    ensure!(!is_the_scene, "`{}` is the scene itself: name another file", file.display());
+    ensure!(!is_the_same, "`{}` is {name} itself: name another file", file.display());
     Ok(())
 }

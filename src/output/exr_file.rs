@@ -13,8 +13,9 @@ use rayon::iter::ParallelIterator;
 
 use super::channels::Channels;
 use super::frame_pixels::LinearFrame;
-use super::picture::Picture;
+use super::picture::{FileChannels, FileColors, Picture};
 use super::provenance::{PixelFingerprint, Provenance};
+use crate::color::Rgb;
 use crate::trace::{FrameFingerprint, Pass, PassPixel, Passes};
 
 /// The attribute that has the digest of the file.
@@ -129,11 +130,7 @@ pub(super) fn encode(
 
 /// Reads a file to its last byte. Returns why it is not whole, in words.
 pub(super) fn decode(bytes: &[u8], kind: (Channels, Passes)) -> Result<Picture, String> {
-    ensure_unchanged(bytes)?;
-    let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
-    let reader = reader.all_attributes().pedantic().non_parallel();
-    let image = reader.from_buffered(Cursor::new(bytes)).map_err(|error| error.to_string())?;
-    let layer = image.layer_data;
+    let layer = layer(bytes)?;
     let list = &layer.channel_data.list;
     let (found, expected) = (list.iter().map(|channel| channel.name.to_string()), names(kind));
     if !found.eq(expected.iter().copied()) {
@@ -151,13 +148,38 @@ pub(super) fn decode(bytes: &[u8], kind: (Channels, Passes)) -> Result<Picture, 
     Ok(Picture { size, bytes: bytes_of(list.iter().map(|channel| &channel.sample_data)), provenance })
 }
 
+/// Reads the light of a file, and its alpha.
+pub(super) fn channels(bytes: &[u8]) -> Result<FileChannels, String> {
+    let layer = layer(bytes)?;
+    let list = layer.channel_data.list;
+    let samples = |name: &str| -> Option<Vec<f32>> {
+        let channel = list.iter().find(|channel| channel.name == *name)?;
+        Some(channel.sample_data.values_as_f32().collect())
+    };
+    let [red, green, blue] = LIGHT.map(samples);
+    let light = red.zip(green).zip(blue);
+    let ((red, green), blue) = light.ok_or("it does not have the channels R, G and B")?;
+    let light = red.into_iter().zip(green).zip(blue).map(|((red, green), blue)| Rgb::new(red, green, blue));
+    let size = size(Cursor::new(bytes)).ok_or("its header has no size")?;
+    Ok(FileChannels { size, colors: FileColors::Light(light.collect()), alpha: samples(ALPHA) })
+}
+
+/// Reads the layer of a file that was written here.
+fn layer(bytes: &[u8]) -> Result<Layer<AnyChannels<FlatSamples>>, String> {
+    ensure_unchanged(bytes)?;
+    let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
+    let reader = reader.all_attributes().pedantic().non_parallel();
+    let image = reader.from_buffered(Cursor::new(bytes)).map_err(|error| error.to_string())?;
+    Ok(image.layer_data)
+}
+
 /// Returns an error unless bytes are just those that were written here.
 fn ensure_unchanged(bytes: &[u8]) -> Result<(), String> {
     if !bytes.starts_with(&MAGIC) {
         return Err("it is not an OpenEXR file".to_owned());
     }
     let place = after(bytes, &DIGEST_BEGINS)
-        .ok_or("it has no digest of its bytes, so that they cannot be checked")?;
+        .ok_or("it has no digest of its bytes, so that they cannot be checked: only files that rayreel wrote are read")?;
     let told = bytes.get(place..place + NO_DIGEST.len()).ok_or("its header ends early")?;
     let is_unchanged = told == digest(bytes, place);
     is_unchanged.then_some(()).ok_or_else(|| "its bytes are not those that were written".to_owned())
@@ -216,7 +238,7 @@ fn digest(bytes: &[u8], place: usize) -> [u8; 32] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::{Rgb, Transfer};
+    use crate::color::Transfer;
     use crate::trace::Film;
 
     #[test]

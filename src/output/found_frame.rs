@@ -117,7 +117,7 @@ pub fn frame_size(path: &Path, format: FrameFormat) -> Option<(u32, u32)> {
     size_of(BufReader::new(File::open(path).ok()?), format)
 }
 
-fn size_of(mut file: impl BufRead + Seek, format: FrameFormat) -> Option<(u32, u32)> {
+pub(super) fn size_of(mut file: impl BufRead + Seek, format: FrameFormat) -> Option<(u32, u32)> {
     match format {
         FrameFormat::Png(_) | FrameFormat::Png16(_) => png_file::size(&mut file),
         FrameFormat::Ppm => ppm_file::size(&mut file),
@@ -127,13 +127,13 @@ fn size_of(mut file: impl BufRead + Seek, format: FrameFormat) -> Option<(u32, u
 }
 
 /// Reads a regular file of at most `most` bytes; others, as pipes, may never end.
-fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+pub(super) fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let metadata = fs::metadata(path)?;
     if !metadata.is_file() {
         return Err(io::Error::other("it is not a regular file"));
     }
     if metadata.len() > most {
-        return Err(io::Error::other("it is longer than a frame of this size can be"));
+        return Err(io::Error::other("it is longer than a picture of this size can be"));
     }
     let mut bytes = Vec::new();
     File::open(path)?.take(most).read_to_end(&mut bytes)?;

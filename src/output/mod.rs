@@ -12,6 +12,7 @@ mod label;
 mod loops;
 mod pfm_file;
 mod picture;
+mod picture_file;
 mod png_file;
 mod portable_map;
 mod ppm_file;
@@ -29,6 +30,7 @@ pub use frame_file::{
 };
 pub use frame_pixels::{FramePixels, LinearFrame};
 pub use loops::{LoopError, LoopFormat, LoopWriter, gif_delays};
+pub use picture_file::PictureFile;
 pub use provenance::{NoProvenance, PixelFingerprint, Provenance};
 pub use sequence::{FrameNames, NotAPattern, Sequence};
 pub use sheet::{Sheet, SheetTooLarge};

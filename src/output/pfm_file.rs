@@ -2,8 +2,8 @@
 
 use std::io::BufRead;
 
-use super::picture::Picture;
-use super::portable_map::{read_line, side};
+use super::picture::{FileChannels, FileColors, Picture};
+use super::portable_map::Words;
 use super::provenance::Provenance;
 use crate::color::Rgb;
 use crate::trace::Film;
@@ -29,16 +29,16 @@ pub(super) fn trailer(provenance: Option<&Provenance>) -> String {
     provenance.map(|provenance| format!("{} {provenance}\n", Provenance::KEYWORD)).unwrap_or_default()
 }
 
-/// Reads what stands before the pixels, as it is written here.
+/// Reads what stands before the pixels.
 fn read_size(file: &mut impl BufRead) -> Result<(u32, u32), String> {
-    let mut line = || read_line(file);
-    if line()? != COLOR {
+    let mut words = Words::default();
+    if words.next(file)? != COLOR {
         return Err("it is not a portable float map with three channels".to_owned());
     }
-    let sizes = line()?;
-    let (width, height) = sizes.split_once(' ').ok_or("its header has no size")?;
-    let size = (side(width)?, side(height)?);
-    if line()? != LITTLE_ENDIAN {
+    let size = (words.side(file)?, words.side(file)?);
+    // Programs write it with other numbers of digits.
+    let scale = words.next(file)?.parse::<f64>();
+    if scale != Ok(-1.0) {
         return Err("its numbers are not written as they are, the least significant byte first".to_owned());
     }
     Ok(size)
@@ -49,7 +49,7 @@ pub(super) fn size(file: &mut impl BufRead) -> Option<(u32, u32)> {
     read_size(file).ok()
 }
 
-/// Reads a file as it is written here. Returns why it is not whole, in words.
+/// Reads a file to its last byte. Returns why it is not whole, in words.
 pub(super) fn decode(mut bytes: &[u8]) -> Result<Picture, String> {
     let size = read_size(&mut bytes)?;
     let count = u128::from(size.0) * u128::from(size.1) * 12;
@@ -65,4 +65,14 @@ pub(super) fn decode(mut bytes: &[u8]) -> Result<Picture, String> {
         return Err("there is more after its end".to_owned());
     }
     Ok(Picture { size, bytes: pixels.to_vec(), provenance })
+}
+
+/// Reads a file's light.
+pub(super) fn channels(bytes: &[u8]) -> Result<FileChannels, String> {
+    let Picture { size, bytes, .. } = decode(bytes)?;
+    let (numbers, _) = bytes.as_chunks::<4>();
+    let (pixels, _) = numbers.as_chunks::<3>();
+    let rows = pixels.chunks(size.0.max(1) as usize).rev();
+    let light = rows.flatten().map(|pixel| Rgb::from_array(pixel.map(f32::from_le_bytes))).collect();
+    Ok(FileChannels { size, colors: FileColors::Light(light), alpha: None })
 }

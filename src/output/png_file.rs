@@ -3,12 +3,12 @@
 use std::io::{BufRead, Seek, SeekFrom};
 
 use png::{
-    BitDepth, ColorType, Compression, DecodeOptions, Decoder, Encoder, Filter, ScaledFloat,
-    SrgbRenderingIntent,
+    BitDepth, ColorType, Compression, DecodeOptions, Decoder, Encoder, Filter, Reader, ScaledFloat,
+    SrgbRenderingIntent, Transformations,
 };
 
 use super::channels::Channels;
-use super::picture::Picture;
+use super::picture::{FileChannels, FileColors, Picture};
 use super::provenance::Provenance;
 
 /// What a file of sRGB says of its gamma, for readers that do not know the chunk `sRGB` (W3C, "Portable Network Graphics", third edition,
@@ -58,11 +58,7 @@ pub(super) fn decode(
     file: &mut (impl BufRead + Seek),
     (channels, depth): (Channels, BitDepth),
 ) -> Result<Picture, String> {
-    let mut options = DecodeOptions::default();
-    options.set_ignore_adler32(false);
-    options.set_skip_ancillary_crc_failures(false);
-    let in_words = |error: png::DecodingError| error.to_string();
-    let mut reader = Decoder::new_with_options(&mut *file, options).read_info().map_err(in_words)?;
+    let mut reader = checking(&mut *file).read_info().map_err(in_words)?;
     if reader.output_color_type() != (color_type(channels), depth) {
         let names = match channels {
             Channels::Rgb => "red, green and blue",
@@ -70,9 +66,7 @@ pub(super) fn decode(
         };
         return Err(format!("it does not have {} bits of {names} in each pixel", depth as u8));
     }
-    let mut bytes = vec![0; reader.output_buffer_size().ok_or("it is too large")?];
-    reader.next_frame(&mut bytes).map_err(in_words)?;
-    reader.finish().map_err(in_words)?;
+    let bytes = all_bytes(&mut reader)?;
     let info = reader.info();
     let texts = info.uncompressed_latin1_text.iter();
     let mut texts = texts.filter(|chunk| chunk.keyword == Provenance::KEYWORD);
@@ -85,4 +79,51 @@ pub(super) fn decode(
         return Err("there is more after its end".to_owned());
     }
     Ok(Picture { size, bytes, provenance })
+}
+
+/// Reads a file of any kind of channels.
+pub(super) fn channels(file: impl BufRead + Seek) -> Result<FileChannels, String> {
+    let mut decoder = checking(file);
+    decoder.set_transformations(Transformations::EXPAND);
+    let mut reader = decoder.read_info().map_err(in_words)?;
+    let (color, depth) = reader.output_color_type();
+    let (size, bytes) = (reader.info().size(), all_bytes(&mut reader)?);
+    let samples: Vec<f64> = match depth {
+        BitDepth::Sixteen => {
+            bytes.as_chunks().0.iter().map(|sample| f64::from(u16::from_be_bytes(*sample)) / 257.0).collect()
+        }
+        _ => bytes.into_iter().map(f64::from).collect(),
+    };
+    let pixels = samples.chunks_exact(color.samples());
+    let color_of = |pixel: &[f64]| match *pixel {
+        [red, green, blue] | [red, green, blue, _] => [red, green, blue],
+        [gray, ..] => [gray; 3],
+        [] => [0.0; 3],
+    };
+    let has_alpha = matches!(color, ColorType::GrayscaleAlpha | ColorType::Rgba);
+    #[expect(clippy::cast_possible_truncation, reason = "rounding to f32 is the point")]
+    let share = |pixel: &[f64]| pixel.last().map_or(1.0, |alpha| (alpha / 255.0) as f32);
+    let alpha = has_alpha.then(|| pixels.clone().map(share).collect());
+    Ok(FileChannels { size, colors: FileColors::Encoded(pixels.map(color_of).collect()), alpha })
+}
+
+/// Returns a decoder that checks all bytes.
+fn checking<R: BufRead + Seek>(file: R) -> Decoder<R> {
+    let mut options = DecodeOptions::default();
+    options.set_ignore_adler32(false);
+    options.set_skip_ancillary_crc_failures(false);
+    Decoder::new_with_options(file, options)
+}
+
+/// Reads the first picture, and the rest of the file.
+fn all_bytes(reader: &mut Reader<impl BufRead + Seek>) -> Result<Vec<u8>, String> {
+    let mut bytes = vec![0; reader.output_buffer_size().ok_or("it is too large")?];
+    reader.next_frame(&mut bytes).map_err(in_words)?;
+    reader.finish().map_err(in_words)?;
+    Ok(bytes)
+}
+
+#[expect(clippy::needless_pass_by_value, reason = "it maps errors")]
+fn in_words(error: png::DecodingError) -> String {
+    error.to_string()
 }

@@ -3,7 +3,7 @@
 use std::io::BufRead;
 
 use super::picture::Picture;
-use super::portable_map::{read_line, side};
+use super::portable_map::Words;
 use super::provenance::Provenance;
 
 /// Returns what comes before the pixels.
@@ -18,23 +18,18 @@ struct Header {
     provenance: Option<String>,
 }
 
-/// Reads what stands before the pixels, as it is written here.
+/// Reads what stands before the pixels.
 fn read_header(file: &mut impl BufRead) -> Result<Header, String> {
-    let mut line = || read_line(file);
-    if line()? != "P6" {
+    let mut words = Words::default();
+    if words.next(file)? != "P6" {
         return Err("it is not a binary portable pixmap".to_owned());
     }
-    let (mut sizes, mut provenance) = (line()?, None);
-    if let Some(comment) = sizes.strip_prefix("# ") {
-        let text = comment.strip_prefix(Provenance::KEYWORD).and_then(|text| text.strip_prefix(' '));
-        provenance = text.map(str::to_owned);
-        sizes = line()?;
+    let size = (words.side(file)?, words.side(file)?);
+    if words.next(file)? != "255" {
+        return Err("it does not have 8 bits a channel".to_owned());
     }
-    let parts: Vec<&str> = sizes.split(' ').collect();
-    let [width, height, "255"] = parts[..] else {
-        return Err("its header has no size, or not 8 bits a channel".to_owned());
-    };
-    Ok(Header { size: (side(width)?, side(height)?), provenance })
+    let own = |text: &String| Some(text.strip_prefix(Provenance::KEYWORD)?.strip_prefix(' ')?.to_owned());
+    Ok(Header { size, provenance: words.comments.iter().find_map(own) })
 }
 
 /// Returns columns and rows, from the beginning of a file.
@@ -42,7 +37,7 @@ pub(super) fn size(file: &mut impl BufRead) -> Option<(u32, u32)> {
     read_header(file).ok().map(|header| header.size)
 }
 
-/// Reads a file as it is written here. Returns why it is not whole, in words.
+/// Reads a file to its last byte. Returns why it is not whole, in words.
 pub(super) fn decode(mut bytes: &[u8]) -> Result<Picture, String> {
     let Header { size, provenance } = read_header(&mut bytes)?;
     let count = u64::from(size.0) * u64::from(size.1) * 3;

@@ -5,6 +5,7 @@
 mod accuracy;
 mod camera_targets;
 mod choice;
+mod compare;
 mod explain;
 mod explain_path;
 mod farm;

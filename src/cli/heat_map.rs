@@ -1,0 +1,38 @@
+//! Numbers of pixels as colours.
+
+use rayreel::color::{Rgb, Transfer};
+use rayreel::output::{FrameFormat, encode};
+use rayreel::trace::Film;
+
+/// Returns the PNG of a number per pixel, row by row from the top: from 0, black, over red and yellow to the largest, white.
+pub(super) fn heat_map((width, height): (u32, u32), numbers: &[f64]) -> anyhow::Result<Vec<u8>> {
+    let most = numbers.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let pixels = numbers.iter().map(|number| heat(number / most));
+    Ok(encode(&Film::from_pixels(width, height, pixels), Transfer::Classic, FrameFormat::default())?)
+}
+
+/// Returns the colour of a share from 0 to 1, as a body that is heated. Any share above 0 is brighter than black.
+fn heat(share: f64) -> Rgb {
+    /// The share of the faintest that can be seen on black.
+    const FAINT: f64 = 0.1;
+    if share <= 0.0 {
+        return Rgb::ZERO;
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "it becomes a byte")]
+    let heat = 3.0 * (FAINT + (1.0 - FAINT) * share.min(1.0)) as f32;
+    Rgb::new(heat, heat - 1.0, heat - 2.0).clamp(Rgb::ZERO, Rgb::ONE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colors_get_brighter_from_black_to_white() {
+        assert_eq!((heat(0.0), heat(1.0)), (Rgb::ZERO, Rgb::ONE));
+        let sums: Vec<f32> =
+            (0..=100_u8).map(|percent| heat(f64::from(percent) / 100.0).element_sum()).collect();
+        assert!(sums.windows(2).all(|pair| pair[0] < pair[1]), "{sums:?}");
+        assert!(heat(1e-9).element_sum() > 0.2);
+    }
+}
