@@ -8,13 +8,13 @@ use super::report::{Reference, Report, Row};
 use super::resample::resampled;
 use super::spread::Spread;
 use super::stop::{Stop, render, unless_cancelled};
-use super::{Converged, FilmError, OutputValues, structural_similarity};
+use super::{Converged, FilmError, OutputValues, Resolution, structural_similarity};
 use crate::color::Transfer;
 use crate::components::{FilmSettings, Sampling};
 use crate::engine::{Engine, EngineError};
 use crate::systems::{Effect, Knobs, Plan, quality_settings, sampling_settings};
 use crate::time::Time;
-use crate::trace::{Film, RayCounts};
+use crate::trace::{EstimatedError, Film, RayCounts};
 
 /// How much work a measurement is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -132,6 +132,8 @@ struct Rendered {
     rays: RayCounts,
     /// A frame.
     instructions: Option<f64>,
+    /// The largest of all frames, if they have a target.
+    estimated: Option<EstimatedError>,
 }
 
 /// Steps of 8 bits so small that no rounding shows them.
@@ -165,13 +167,14 @@ impl Gauge<'_> {
         let rows = sweep(&plan, own, reach, &request.sizes);
         self.foresee(&rows, own, rounds, reach.most.saturating_mul(pictures));
         let truth = self.truth(own, reach.most, pictures)?;
-        let prices = self.prices(&rows, rounds)?;
-        let rows = self.rows(rows, prices, &truth, (own, reach))?;
+        let mut rows = self.rows(rows, &truth, (own, reach))?;
+        self.time(&mut rows, rounds)?;
         let mut report = Report {
             frames: request.frames.clone(),
             size: truth.films.first().map_or((0, 0), |film| (film.width(), film.height())),
             reference: truth.told,
             rows,
+            resolution: Resolution::default(),
             orders: Vec::new(),
             rounds,
             own_samples: if own.sampling.max_error > 0.0 { 0 } else { own.sampling.samples },
@@ -205,13 +208,12 @@ impl Gauge<'_> {
     fn rows(
         &mut self,
         rows: Vec<(Subject, Variant)>,
-        prices: Vec<(Spread, Spread)>,
         truth: &Truth,
         (own, reach): (OwnSettings, Reach),
     ) -> Result<Vec<Row>, Stop> {
-        let mut compared = Vec::with_capacity(rows.len());
+        let mut compared: Vec<Row> = Vec::with_capacity(rows.len());
         let mut best: Option<(Variant, Vec<Film>)> = None;
-        for ((subject, variant), (seconds, relative)) in rows.into_iter().zip(prices) {
+        for (subject, variant) in rows {
             let rendered = self.render(&variant, Step::Row(subject))?;
             let alone = match best_alone(subject, own, reach) {
                 None => self.error(&rendered.films, &truth.own),
@@ -225,19 +227,24 @@ impl Gauge<'_> {
                     error
                 }
             };
-            compared.push(Row {
+            let row = Row {
                 subject,
                 variant,
                 error: self.error(&rendered.films, &truth.films),
                 similarity: self.similarity(&rendered.films, &truth.films),
                 alone,
-                seconds,
-                relative,
+                seconds: Spread::default(),
+                relative: Spread::default(),
                 rays: self.mean_rays(rendered.rays),
                 instructions: rendered.instructions,
+                estimated: rendered.estimated,
+                capped: capped(subject, &variant, rendered.estimated),
+                same_as: None,
                 on_front: false,
                 film: rendered.films.into_iter().next().filter(|_| self.keep_films),
-            });
+            };
+            let same_as = compared.iter().position(|other| row.is_same_as(other));
+            compared.push(Row { same_as, ..row });
         }
         Ok(compared)
     }
@@ -267,8 +274,13 @@ impl Gauge<'_> {
     /// Renders all frames in one way.
     fn render(&mut self, variant: &Variant, step: Step) -> Result<Rendered, Stop> {
         variant.apply(self.engine, self.left_out);
-        let mut rendered =
-            Rendered { films: Vec::new(), seconds: 0.0, rays: RayCounts::default(), instructions: None };
+        let mut rendered = Rendered {
+            films: Vec::new(),
+            seconds: 0.0,
+            rays: RayCounts::default(),
+            instructions: None,
+            estimated: None,
+        };
         for time in &self.times {
             let share = (self.work.done / self.work.all.max(1.0)).min(1.0);
             self.observer.at(Progress { step, share });
@@ -281,6 +293,9 @@ impl Gauge<'_> {
             rendered.films.push(self.sized(film));
             rendered.seconds += (report.animate + report.prepare + report.trace).as_secs_f64();
             rendered.rays += report.rays;
+            let largest =
+                |one: EstimatedError, other: EstimatedError| if one.rms < other.rms { other } else { one };
+            rendered.estimated = rendered.estimated.into_iter().chain(report.error).reduce(largest);
             self.work.done += samples(&variant.knobs, self.work.own) / self.times.len() as f64;
         }
         rendered.seconds /= self.times.len().max(1) as f64;
@@ -318,28 +333,36 @@ impl Gauge<'_> {
         Ok(frames.iter().map(|films| Converged::mean(films, transfer)).collect())
     }
 
-    /// Measures how long every row takes: in seconds a frame, and as a multiple of what the scene's own settings take right before and
-    /// after. All rows take turns, so that none is measured only while the machine is slow.
-    fn prices(&mut self, rows: &[(Subject, Variant)], rounds: u32) -> Result<Vec<(Spread, Spread)>, Stop> {
+    /// Measures how long every row takes, as a multiple of what the scene's own settings take right before and after. All rows take turns,
+    /// so that none is measured only while the machine is slow. Rows that trace the same rays as another take the same time.
+    fn time(&mut self, rows: &mut [Row], rounds: u32) -> Result<(), Stop> {
         const OWN: Step = Step::Row(Subject::Own);
-        let mut measured = vec![(Vec::new(), Vec::new()); rows.len()];
+        let distinct: Vec<usize> = (0..rows.len()).filter(|row| rows[*row].same_as.is_none()).collect();
+        let (mut measured, mut usual) = (vec![Vec::new(); distinct.len()], Vec::new());
         for _ in 0..rounds {
             let mut before = self.render(&Variant::default(), OWN)?.seconds;
-            for (rows, measured) in rows.chunks(BETWEEN).zip(measured.chunks_mut(BETWEEN)) {
+            for (chunk, measured) in distinct.chunks(BETWEEN).zip(measured.chunks_mut(BETWEEN)) {
                 let mut seconds = Vec::new();
-                for (subject, variant) in rows {
+                for row in chunk {
+                    let Row { subject, variant, .. } = &rows[*row];
                     seconds.push(self.render(variant, Step::Row(*subject))?.seconds);
                 }
                 let after = self.render(&Variant::default(), OWN)?.seconds;
-                let usual = f64::midpoint(before, after).max(f64::MIN_POSITIVE);
+                let around = f64::midpoint(before, after).max(f64::MIN_POSITIVE);
+                usual.push(around);
                 before = after;
-                for ((all, relative), seconds) in measured.iter_mut().zip(seconds) {
-                    all.push(seconds);
-                    relative.push(seconds / usual);
-                }
+                measured.iter_mut().zip(seconds).for_each(|(all, seconds)| all.push(seconds / around));
             }
         }
-        Ok(measured.iter().map(|(seconds, relative)| (Spread::of(seconds), Spread::of(relative))).collect())
+        let usual = Spread::of(&usual).median;
+        for (row, measured) in distinct.into_iter().zip(measured) {
+            rows[row].relative = Spread::of(&measured);
+        }
+        for row in 0..rows.len() {
+            let relative = rows[rows[row].same_as.unwrap_or(row)].relative;
+            (rows[row].relative, rows[row].seconds) = (relative, relative.times(usual));
+        }
+        Ok(())
     }
 
     fn transfer(&self) -> Transfer {
@@ -383,6 +406,14 @@ fn best_alone(subject: Subject, own: OwnSettings, reach: Reach) -> Option<Varian
         Subject::Knob(knob @ Knob::Depth, _) => turned(knob, own.quality.depth.max(DEEP).into()),
         Subject::Knob(knob @ Knob::Cutoff, _) => turned(knob, NO_CUTOFF.into()),
         Subject::Own | Subject::Knob(..) => None,
+    }
+}
+
+/// Returns the most samples of a pixel, if that kept a picture from its target.
+fn capped(subject: Subject, variant: &Variant, estimated: Option<EstimatedError>) -> Option<u32> {
+    match (subject, estimated) {
+        (Subject::Knob(Knob::MaxError, target), Some(error)) if error.rms > target => variant.knobs.samples,
+        _ => None,
     }
 }
 

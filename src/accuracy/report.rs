@@ -3,10 +3,11 @@
 use std::time::Duration;
 
 use super::fit::PowerLaw;
+use super::front::{Candidate, Resolution, front};
 use super::knob::{Knob, Subject, Variant};
 use super::spread::Spread;
 use super::{Converged, FilmError};
-use crate::trace::{Film, RayCounts};
+use crate::trace::{EstimatedError, Film, RayCounts};
 
 /// What accuracy costs in a scene.
 #[derive(Clone, Debug)]
@@ -19,6 +20,8 @@ pub struct Report {
     pub reference: Reference,
     /// The ways to render; the scene's own is the first.
     pub rows: Vec<Row>,
+    /// How far errors and times must be apart to be told apart.
+    pub resolution: Resolution,
     /// How fast the errors of knobs fall.
     pub orders: Vec<(Knob, PowerLaw)>,
     /// How often each way was rendered.
@@ -40,7 +43,7 @@ pub struct Reference {
     pub max: f64,
     /// The time that it took.
     pub time: Duration,
-    /// The first frame's.
+    /// The first frame's film.
     pub film: Film,
 }
 
@@ -58,7 +61,8 @@ pub struct Row {
     /// How far it is off what its knob or effect alone makes of it: for samples the converged picture with the scene's other settings,
     /// for others the same samples with the knob at its best, or with the effect.
     pub alone: FilmError,
-    /// Seconds a frame, on average.
+    /// Seconds a frame, on average: `relative` times the median of the scene's own settings, so that it does not depend on how fast the
+    /// machine was meanwhile.
     pub seconds: Spread,
     /// The time as a multiple of that of the scene's own settings, measured right before and after.
     pub relative: Spread,
@@ -66,10 +70,48 @@ pub struct Row {
     pub rays: RayCounts,
     /// Instructions a frame, on average, where they are counted.
     pub instructions: Option<f64>,
-    /// Whether no other setting has both a smaller error and a lower price.
+    /// The renderer's own estimate of the error, if it had a target: that of the frame with the largest.
+    pub estimated: Option<EstimatedError>,
+    /// The most samples of a pixel, if that kept the picture from its target.
+    pub capped: Option<u32>,
+    /// The index of the first row that traces the same rays, to the same picture, if there is one: its time is this one's.
+    pub same_as: Option<usize>,
+    /// Whether no other setting is both better and cheaper, by what the [resolution](Report::resolution) tells apart. Settings that trace the
+    /// same rays as another, that are [capped](Self::capped), or are without an effect, are not on the front.
     pub on_front: bool,
-    /// The first frame's, if it was to be kept.
+    /// The first frame's film, if it was to be kept.
     pub film: Option<Film>,
+}
+
+/// The part of the time that an effect takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Share {
+    /// From 0 to 1; below 0 if pictures without the effect take longer.
+    pub median: f64,
+    /// Half of the distance between the extremes.
+    pub deviation: f64,
+    /// Whether it was measured as less than 0, by no more than times scatter, and is 0 therefore.
+    pub is_clamped: bool,
+}
+
+impl Row {
+    /// Returns the part of the time that is saved compared with the scene's own settings.
+    #[must_use]
+    pub fn share(&self) -> Share {
+        let Spread { median, low, high } = self.relative;
+        let is_clamped = median > 1.0 && low <= 1.0;
+        let median = if is_clamped { 0.0 } else { 1.0 - median };
+        Share { median, deviation: 0.5 * (high - low), is_clamped }
+    }
+
+    /// Returns whether another row traces the same rays in the same way, to the same picture.
+    pub(super) fn is_same_as(&self, other: &Self) -> bool {
+        let is_a_setting = |row: &Self| !matches!(row.subject, Subject::Without(_));
+        is_a_setting(self)
+            && is_a_setting(other)
+            && self.variant.precision == other.variant.precision
+            && (self.rays, self.error, self.similarity) == (other.rays, other.error, other.similarity)
+    }
 }
 
 impl Reference {
@@ -98,23 +140,43 @@ impl Report {
         self.rows.iter().filter(|row| matches!(row.subject, Subject::Without(_)))
     }
 
-    /// Marks the ways that no other one is both better and cheaper than, and fits orders.
+    /// Returns from where to where the RMS error of a row may be: the reference's own error is in what was measured, and what that leaves
+    /// open goes both ways.
+    #[must_use]
+    pub fn rms_range(&self, row: &Row) -> (f64, f64) {
+        // The reference's uncertainty is two standard errors.
+        let (measured, reference, open) =
+            (row.error.rms, 0.5 * self.reference.rms, 0.5 * self.resolution.rms);
+        let least = (measured * measured - reference * reference).max(0.0).sqrt();
+        ((least - open).max(0.0), measured + open)
+    }
+
+    /// Finds the front, and fits orders.
     pub(super) fn conclude(&mut self) {
-        let prices: Vec<(f64, f64, bool)> = self
+        let candidates: Vec<(usize, Candidate)> = self
             .rows
             .iter()
-            .map(|row| {
-                // Below that they cannot be told apart.
-                let error = row.error.rms.max(self.reference.rms);
-                (error, row.relative.median, !matches!(row.subject, Subject::Without(_)))
+            .enumerate()
+            .filter(|(_, row)| {
+                !matches!(row.subject, Subject::Without(_)) && row.same_as.is_none() && row.capped.is_none()
+            })
+            .map(|(index, row)| {
+                let candidate = Candidate {
+                    // Below that they cannot be told apart.
+                    error: row.error.rms.max(self.reference.rms),
+                    time: row.relative.median,
+                    rays: row.rays,
+                    kind: row.estimated.is_none().then_some(row.variant.precision),
+                };
+                (index, candidate)
             })
             .collect();
-        for (index, row) in self.rows.iter_mut().enumerate() {
-            let (error, price, counts) = prices[index];
-            let beaten = prices.iter().any(|(other, cheaper, counts)| {
-                *counts && *other <= error && *cheaper <= price && (*other < error || *cheaper < price)
-            });
-            row.on_front = counts && !beaten;
+        let values = 3.0 * f64::from(self.size.0) * f64::from(self.size.1) * self.frames.len() as f64;
+        let times: Vec<Spread> = candidates.iter().map(|(index, _)| self.rows[*index].relative).collect();
+        self.resolution = Resolution::of(self.reference.max, values, &times);
+        let candidates_alone: Vec<Candidate> = candidates.iter().map(|(_, candidate)| *candidate).collect();
+        for ((index, _), on_front) in candidates.iter().zip(front(&candidates_alone, self.resolution)) {
+            self.rows[*index].on_front = on_front;
         }
         let trusted = 2.0 * self.reference.rms;
         self.orders = Knob::ALL
@@ -133,5 +195,36 @@ impl Report {
                 Some((knob, PowerLaw::fit(&pairs.collect::<Vec<_>>())?))
             })
             .collect();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_below_0_within_the_spread_are_0() {
+        let row = |low, median, high| Row {
+            subject: Subject::Own,
+            variant: Variant::default(),
+            error: FilmError::default(),
+            similarity: 1.0,
+            alone: FilmError::default(),
+            seconds: Spread::default(),
+            relative: Spread { median, low, high },
+            rays: RayCounts::default(),
+            instructions: None,
+            estimated: None,
+            capped: None,
+            same_as: None,
+            on_front: false,
+            film: None,
+        };
+        let share = |low, median, high| row(low, median, high).share();
+        assert_eq!(share(0.5, 0.75, 1.0), Share { median: 0.25, deviation: 0.25, is_clamped: false });
+        assert_eq!(share(0.75, 1.25, 1.25), Share { median: 0.0, deviation: 0.25, is_clamped: true });
+        // That is more than scatter.
+        assert_eq!(share(1.25, 1.5, 1.75), Share { median: -0.5, deviation: 0.25, is_clamped: false });
+        assert_eq!(share(1.0, 1.0, 1.0), Share { median: 0.0, deviation: 0.0, is_clamped: false });
     }
 }

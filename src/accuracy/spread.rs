@@ -12,6 +12,12 @@ pub struct Spread {
 }
 
 impl Spread {
+    /// Returns these numbers times a factor above 0.
+    #[must_use]
+    pub fn times(self, factor: f64) -> Self {
+        Self { median: self.median * factor, low: self.low * factor, high: self.high * factor }
+    }
+
     /// Returns that of some measurements; zeros for none.
     #[must_use]
     pub fn of(measured: &[f64]) -> Self {
