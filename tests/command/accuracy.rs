@@ -107,15 +107,55 @@ fn a_page_and_a_table_are_written() {
         assert!(page.contains(part), "{part}");
     }
     let csv = fs::read_to_string(folder.join("r.csv")).unwrap();
-    assert!(csv.starts_with("setting,seconds,"));
-    assert!(csv.lines().count() > 20 && csv.lines().all(|line| line.split(',').count() == 20), "{csv}");
+    assert!(csv.starts_with("scene,version,width,height,rounds,"));
+    assert!(csv.lines().count() > 20 && csv.lines().all(|line| line.split(',').count() == 40), "{csv}");
+    assert!(csv.lines().skip(1).all(|line| line.starts_with("a.ron,0.1.0,16,9,4,")), "{csv}");
+    // The table, the drawing and the file have the same stars and the same settings.
+    let in_table = |mark: char| table.lines().skip(5).filter(|line| line.starts_with(mark)).count() - 1;
+    let in_csv = |column: &str, value: fn(&str) -> bool| {
+        let place = csv.lines().next().unwrap().split(',').position(|name| name == column).unwrap();
+        csv.lines().skip(1).filter(|line| value(line.split(',').nth(place).unwrap())).count()
+    };
+    let overview = &page[page.find("Error against time</h2>").unwrap()..page.find("<h2>Settings").unwrap()];
+    let stars = overview.matches("class=\"star\"").count();
+    assert!(stars > 0);
+    assert_eq!((stars, stars), (in_table('*'), in_csv("pareto", |value| value == "true")));
+    assert_eq!(in_table('='), in_csv("same_as", |value| !value.is_empty()));
+    let settings = in_csv("share", str::is_empty) - in_table('=');
+    assert_eq!(overview.matches("<title>").count() - 1, settings, "one is that of the grey area");
+    // Every effect has two bars.
+    assert_eq!(page.matches("class=\"bar s").count(), 2 * in_csv("share", |value| !value.is_empty()));
+}
+
+#[test]
+fn errors_that_are_not_reached_are_marked_and_never_stars() {
+    let folder = tempfile::tempdir().unwrap();
+    let report = measured(folder.path(), &["--error-map", "e.png"]);
+    let errors = of_knob(&report, "max error");
+    let (capped, reached): (Vec<&Value>, Vec<&Value>) =
+        errors.into_iter().partition(|row| row["capped"] == 16);
+    assert!(!capped.is_empty() && !reached.is_empty(), "{capped:?} {reached:?}");
+    for row in capped {
+        assert_eq!(row["pareto"], false);
+        assert!(row["estimated"]["rms"].as_f64() > row["value"].as_f64(), "{row}");
+    }
+    for row in reached {
+        assert_eq!(row["capped"], Value::Null);
+        assert!(row["estimated"]["rms"].as_f64() <= row["value"].as_f64(), "{row}");
+    }
+    for row in report["rows"].as_array().unwrap() {
+        let [low, rms, high] = ["rms_low", "rms", "rms_high"].map(|key| row["error"][key].as_f64().unwrap());
+        assert!(low <= rms && rms < high, "{row}");
+        assert!(row["same_as"].is_null() || row["pareto"] == false, "{row}");
+    }
+    assert_eq!(image::open(folder.path().join("e.png")).unwrap().to_rgb8().dimensions(), (48, 27));
 }
 
 #[test]
 fn the_scene_is_not_written_over() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("a.ron"), SCENE).unwrap();
-    for option in ["--html", "--csv"] {
+    for option in ["--html", "--csv", "--error-map"] {
         let output = rayreel(folder.path(), ["accuracy", "a.ron", option, "./a.ron"]);
         assert_eq!(output.status.code(), Some(1));
         assert!(text(&output.stderr).contains("is the scene itself: name another file"));

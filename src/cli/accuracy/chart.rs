@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use super::labels::{Area, place};
+
 /// A mark at a place.
 #[derive(Clone, Debug)]
 pub(super) struct Mark {
@@ -9,10 +11,19 @@ pub(super) struct Mark {
     pub(super) y: f64,
     /// From where to where x may be.
     pub(super) reach: Option<(f64, f64)>,
+    pub(super) form: Form,
     /// What it is, on being pointed at.
     pub(super) title: String,
-    /// A few letters beside it.
+    /// A few words near it.
     pub(super) label: Option<String>,
+}
+
+/// The form of a mark.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Form {
+    Disc,
+    Ring,
+    Star,
 }
 
 /// Marks of one colour, joined if they follow each other.
@@ -32,6 +43,8 @@ pub(super) struct Chart<'a> {
     pub(super) series: Vec<Series>,
     /// Lines through places, dashed.
     pub(super) lines: Vec<Vec<(f64, f64)>>,
+    /// A place through which a dotted line goes that falls as n^-1/2.
+    pub(super) guide: Option<(f64, f64)>,
     /// Below this nothing is known.
     pub(super) floor: Option<f64>,
     pub(super) layout: Layout,
@@ -139,6 +152,22 @@ impl Plot {
         let _ = writeln!(svg, "<polyline class=\"{class}\" points=\"{}\"/>", points.join(" "));
     }
 
+    /// Returns small areas along a line, which labels are not to cover.
+    fn along(&self, line: &[(f64, f64)]) -> Vec<Area> {
+        const BETWEEN: f64 = 5.0;
+        let pieces = line.windows(2).flat_map(|ends| {
+            let [(x, y), (to_x, to_y)] = [self.place(ends[0]), self.place(ends[1])];
+            let steps = (libm::hypot(to_x - x, to_y - y) / BETWEEN).ceil().max(1.0);
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a drawing is small")]
+            let count = steps as u32;
+            (0..=count).map(move |step| {
+                let part = f64::from(step) / steps;
+                Area::around((x + part * (to_x - x), y + part * (to_y - y)), 1.0)
+            })
+        });
+        pieces.collect()
+    }
+
     fn axes(&self, svg: &mut String, across: &str, up: &str) {
         let (left, top) = (Layout::LEFT, Layout::TOP);
         let (right, bottom) = (self.layout.right(), self.layout.bottom());
@@ -180,14 +209,61 @@ impl Plot {
             let _ = writeln!(svg, "<path d=\"M{low:.1} {down:.1}H{high:.1}\"/>");
         }
         let title = escaped(&mark.title);
-        let _ = writeln!(
-            svg,
-            "<circle cx=\"{across:.1}\" cy=\"{down:.1}\" r=\"4\"><title>{title}</title></circle>"
-        );
-        if let Some(label) = &mark.label {
-            text(svg, (across + 6.0, down - 6.0), "start", label);
+        let _ = match mark.form {
+            Form::Star => writeln!(
+                svg,
+                "<path class=\"star\" d=\"{}\"><title>{title}</title></path>",
+                star((across, down))
+            ),
+            form => writeln!(
+                svg,
+                "<circle{} cx=\"{across:.1}\" cy=\"{down:.1}\" r=\"4\"><title>{title}</title></circle>",
+                if form == Form::Ring { " class=\"ring\"" } else { "" }
+            ),
+        };
+    }
+
+    /// Returns the ends of the line that falls as n^-1/2 through a place, as far as it is on the drawing.
+    fn guide(&self, (x, y): (f64, f64)) -> Option<[(f64, f64); 2]> {
+        let (x, y) = (libm::log10(x), libm::log10(y));
+        let first = self.x.from.max(x + 2.0 * (y - self.y.to));
+        let last = self.x.to.min(x + 2.0 * (y - self.y.from));
+        let at = |across: f64| (libm::exp10(across), libm::exp10(y - 0.5 * (across - x)));
+        (first < last).then(|| [at(first), at(last)])
+    }
+
+    /// Writes labels near places, and lines to those that are further away.
+    fn labels(&self, svg: &mut String, labels: &[((f64, f64), &str)], obstacles: &[Area]) {
+        /// How near a label needs no line.
+        const NEAR: f64 = 12.0;
+        /// How far letters hang below their line.
+        const BELOW: f64 = 3.0;
+        let within = Area {
+            left: Layout::LEFT,
+            top: Layout::TOP,
+            right: self.layout.right(),
+            bottom: self.layout.bottom(),
+        };
+        for ((at, label), area) in labels.iter().zip(place(labels, obstacles, within)) {
+            let Some(area) = area else { continue };
+            let nearest = area.nearest(*at);
+            if libm::hypot(nearest.0 - at.0, nearest.1 - at.1) > NEAR {
+                let ((x, y), (to_x, to_y)) = (*at, nearest);
+                let _ = writeln!(svg, "<path class=\"leader\" d=\"M{x:.1} {y:.1}L{to_x:.1} {to_y:.1}\"/>");
+            }
+            text(svg, (area.left, area.bottom - BELOW), "start", label);
         }
     }
+}
+
+/// Returns the path of a star with five points.
+fn star((x, y): (f64, f64)) -> String {
+    let corner = |corner: u8| {
+        let radius = if corner.is_multiple_of(2) { 7.0 } else { 3.0 };
+        let angle = std::f64::consts::PI * f64::from(corner) / 5.0;
+        format!("{:.1} {:.1}", x + radius * libm::sin(angle), y - radius * libm::cos(angle))
+    };
+    format!("M{}Z", (0..10).map(corner).collect::<Vec<_>>().join("L"))
 }
 
 fn text(svg: &mut String, (x, y): (f64, f64), anchor: &str, text: &str) {
@@ -214,8 +290,12 @@ impl Chart<'_> {
         if let Some(floor) = self.floor.filter(|floor| *floor > 0.0) {
             plot.floor(&mut svg, floor);
         }
-        for line in &self.lines {
-            plot.polyline(&mut svg, "law", line.iter().copied());
+        let guide = self.guide.and_then(|through| plot.guide(through));
+        let mut lines: Vec<(&str, Vec<(f64, f64)>)> =
+            guide.iter().map(|ends| ("guide", ends.to_vec())).collect();
+        lines.extend(self.lines.iter().map(|line| ("law", line.clone())));
+        for (class, line) in &lines {
+            plot.polyline(&mut svg, class, line.iter().copied());
         }
         for (index, series) in self.series.iter().enumerate() {
             let _ = writeln!(svg, "<g class=\"{}\">", color(index));
@@ -225,6 +305,20 @@ impl Chart<'_> {
             series.marks.iter().for_each(|mark| plot.mark(&mut svg, mark));
             svg += "</g>\n";
         }
+        let places: Vec<(f64, f64)> = marks().map(|mark| plot.place((mark.x, mark.y))).collect();
+        let ways = self.series.iter().filter(|series| series.joined);
+        let ways = ways.map(|series| series.marks.iter().map(|mark| (mark.x, mark.y)).collect());
+        let bars =
+            marks().filter_map(|mark| mark.reach.map(|(low, high)| vec![(low, mark.y), (high, mark.y)]));
+        let on_lines = lines.into_iter().map(|(_, line)| line).chain(ways).chain(bars);
+        let on_lines = on_lines.flat_map(|line| plot.along(&line));
+        let obstacles: Vec<Area> =
+            places.iter().map(|place| Area::around(*place, 5.0)).chain(on_lines).collect();
+        let labelled = marks().zip(&places).filter_map(|(mark, at)| Some((*at, mark.label.as_deref()?)));
+        let middle = guide.map(|[(x, y), (last_x, last_y)]| ((x * last_x).sqrt(), (y * last_y).sqrt()));
+        let guide = middle.map(|middle| (plot.place(middle), "n^-1/2"));
+        let labels: Vec<((f64, f64), &str)> = labelled.chain(guide).collect();
+        plot.labels(&mut svg, &labels, &obstacles);
         svg += "</svg>\n";
         self.legend(&mut svg);
         svg
@@ -275,7 +369,8 @@ mod tests {
 
     #[test]
     fn texts_are_escaped() {
-        let mark = Mark { x: 1.0, y: 1.0, reach: None, title: "<b>\"&".to_owned(), label: None };
+        let (form, title) = (Form::Disc, "<b>\"&".to_owned());
+        let mark = Mark { x: 1.0, y: 1.0, reach: None, form, title, label: None };
         let series = Series { name: "<i>".to_owned(), marks: vec![mark], joined: true };
         let chart = Chart {
             title: "<",
@@ -283,6 +378,7 @@ mod tests {
             y: "y",
             series: vec![series],
             lines: Vec::new(),
+            guide: None,
             floor: None,
             layout: Layout::WIDE,
         };

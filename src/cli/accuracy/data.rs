@@ -25,7 +25,8 @@ pub(super) fn json(measured: &Measured) -> Value {
             "max_uncertainty": reference.max,
             "seconds": reference.time.as_secs_f64(),
         },
-        "rows": report.rows.iter().map(row).collect::<Vec<_>>(),
+        "resolution": { "rms": report.resolution.rms, "time": report.resolution.time },
+        "rows": report.rows.iter().map(|one| row(one, report)).collect::<Vec<_>>(),
         "orders": report.orders.iter().map(|(knob, law)| json!({
             "knob": knob.name(),
             "exponent": law.exponent,
@@ -36,7 +37,7 @@ pub(super) fn json(measured: &Measured) -> Value {
     told
 }
 
-fn row(row: &Row) -> Value {
+fn row(row: &Row, report: &Report) -> Value {
     let (knob, value) = match row.subject {
         Subject::Knob(knob, value) => (Some(knob.name()), Some(value)),
         subject => (subject.knob().map(Knob::name), None),
@@ -64,8 +65,15 @@ fn row(row: &Row) -> Value {
             "refraction": row.rays.refraction,
         },
         "instructions": row.instructions,
-        "error": error(&row.error, Some(row.similarity)),
+        "error": error(&row.error, Some((row.similarity, report.rms_range(row)))),
         "alone": error(&row.alone, None),
+        "estimated": row.estimated.map(|error| json!({ "rms": error.rms, "deviation": error.deviation })),
+        "capped": row.capped,
+        "share": without.map(|_| {
+            let share = row.share();
+            json!({ "median": share.median, "deviation": share.deviation, "clamped": share.is_clamped })
+        }),
+        "same_as": row.same_as.map(|other| report.rows[other].subject.to_string()),
         "pareto": row.on_front,
     })
 }
@@ -75,63 +83,74 @@ fn spread(spread: &Spread) -> Value {
 }
 
 /// Equal films have no PSNR.
-fn error(error: &FilmError, similarity: Option<f64>) -> Value {
+fn error(error: &FilmError, compared: Option<(f64, (f64, f64))>) -> Value {
     let psnr = Some(error.psnr()).filter(|psnr| psnr.is_finite());
     let mut told = json!({ "max": error.max, "rms": error.rms, "psnr": psnr, "share_off": error.share_off });
-    if let Some(similarity) = similarity {
+    if let Some((similarity, (low, high))) = compared {
         told["ssim"] = similarity.into();
+        told["rms_low"] = low.into();
+        told["rms_high"] = high.into();
     }
     told
 }
 
+/// The columns of a table, and where their values are in a report and in its rows.
+const COLUMNS: [(&str, &str); 40] = [
+    ("scene", "/scene"),
+    ("version", "/machine/rayreel"),
+    ("width", "/width"),
+    ("height", "/height"),
+    ("rounds", "/rounds"),
+    ("reference_rms_uncertainty", "/reference/rms_uncertainty"),
+    ("reference_max_uncertainty", "/reference/max_uncertainty"),
+    ("setting", "/setting"),
+    ("seconds", "/seconds/median"),
+    ("seconds_low", "/seconds/low"),
+    ("seconds_high", "/seconds/high"),
+    ("relative", "/relative/median"),
+    ("relative_low", "/relative/low"),
+    ("relative_high", "/relative/high"),
+    ("camera_rays", "/rays/camera"),
+    ("shadow_rays", "/rays/shadow"),
+    ("reflection_rays", "/rays/reflection"),
+    ("refraction_rays", "/rays/refraction"),
+    ("instructions", "/instructions"),
+    ("max", "/error/max"),
+    ("rms", "/error/rms"),
+    ("rms_low", "/error/rms_low"),
+    ("rms_high", "/error/rms_high"),
+    ("psnr", "/error/psnr"),
+    ("ssim", "/error/ssim"),
+    ("share_off", "/error/share_off"),
+    ("alone_max", "/alone/max"),
+    ("alone_rms", "/alone/rms"),
+    ("alone_psnr", "/alone/psnr"),
+    ("alone_share_off", "/alone/share_off"),
+    ("estimated_rms", "/estimated/rms"),
+    ("estimated_deviation", "/estimated/deviation"),
+    ("capped", "/capped"),
+    ("share", "/share/median"),
+    ("share_deviation", "/share/deviation"),
+    ("share_clamped", "/share/clamped"),
+    ("same_as", "/same_as"),
+    ("rms_resolution", "/resolution/rms"),
+    ("time_resolution", "/resolution/time"),
+    ("pareto", "/pareto"),
+];
+
 /// Returns the rows as CSV, with a line of names.
-pub(super) fn csv(report: &Report) -> anyhow::Result<Vec<u8>> {
+pub(super) fn csv(measured: &Measured) -> anyhow::Result<Vec<u8>> {
+    let report = json(measured);
     let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record([
-        "setting",
-        "seconds",
-        "seconds_low",
-        "seconds_high",
-        "relative",
-        "relative_low",
-        "relative_high",
-        "camera_rays",
-        "shadow_rays",
-        "reflection_rays",
-        "refraction_rays",
-        "instructions",
-        "max",
-        "rms",
-        "psnr",
-        "ssim",
-        "share_off",
-        "alone_max",
-        "alone_rms",
-        "pareto",
-    ])?;
-    for row in &report.rows {
-        let numbers = [
-            row.seconds.median,
-            row.seconds.low,
-            row.seconds.high,
-            row.relative.median,
-            row.relative.low,
-            row.relative.high,
-        ];
-        let rays = [row.rays.camera, row.rays.shadow, row.rays.reflection, row.rays.refraction];
-        let errors = [
-            row.error.max,
-            row.error.rms,
-            row.error.psnr(),
-            row.similarity,
-            row.error.share_off,
-            row.alone.max,
-            row.alone.rms,
-        ];
-        let cells = numbers.iter().map(f64::to_string).chain(rays.iter().map(u64::to_string));
-        let cells = cells.chain([row.instructions.map_or_else(String::new, |count| count.to_string())]);
-        let cells = cells.chain(errors.iter().map(f64::to_string)).chain([row.on_front.to_string()]);
-        writer.write_record(std::iter::once(row.subject.to_string()).chain(cells))?;
+    writer.write_record(COLUMNS.map(|(name, _)| name))?;
+    for row in report["rows"].as_array().into_iter().flatten() {
+        writer.write_record(COLUMNS.map(
+            |(_, place)| match row.pointer(place).or(report.pointer(place)) {
+                None | Some(Value::Null) => String::new(),
+                Some(Value::String(text)) => text.clone(),
+                Some(value) => value.to_string(),
+            },
+        ))?;
     }
     writer.into_inner().context("cannot write the table")
 }

@@ -8,11 +8,11 @@ use rayreel::trace::Film;
 
 use super::super::report::in_millions;
 use super::Measured;
-use super::chart::{Chart, Layout, Mark, Series, escaped};
+use super::bars::{self, Bar};
+use super::chart::{Chart, Form, Layout, Mark, Series, escaped};
 use super::pictures::{address, difference};
 use super::table::{
-    are_instructions_counted, decibels, error, frames_in_words, percent, precision_in_words,
-    reference_in_words, spread,
+    self, cell, error, frames_in_words, notes, percent, precision_in_words, reference_in_words,
 };
 
 const STYLE: &str = include_str!("page.css");
@@ -33,9 +33,10 @@ pub(super) fn page(measured: &Measured, transfer: Transfer) -> anyhow::Result<St
     page += &pictures(report, transfer)?;
     page += "<h2>Error against time</h2>\n";
     page += &overview(report).svg();
-    page += "<p class=\"dim\">Bars are from the quickest to the slowest of all rounds; the dashed line is the Pareto front: \
-             nothing else is both better and quicker. In the grey area the reference is no better than the picture.</p>\n";
-    page += &table(report);
+    page += "<p class=\"dim\">Stars, joined by the dashed line, are the Pareto front. Rings have missed their target. Bars are from the \
+             quickest to the slowest of all rounds. Along the dotted line errors fall as n<sup>-1/2</sup>. In the grey area the \
+             reference is no better than the picture. Settings that trace the same rays are drawn once.</p>\n";
+    page += &table(measured);
     page += &effects(report, transfer)?;
     page += &knobs(report);
     method(&mut page, measured);
@@ -89,29 +90,40 @@ fn figure(film: &Film, transfer: Transfer, caption: &str) -> anyhow::Result<Stri
 
 /// All settings by time and error.
 fn overview(report: &Report) -> Chart<'_> {
-    // Multiples of one time, since machines have slower and faster minutes.
-    let usual = report.own().seconds.median;
     let mark = |row: &Row| Mark {
-        x: usual * row.relative.median,
+        x: row.seconds.median,
         y: row.error.rms.max(LEAST),
-        reach: Some((usual * row.relative.low, usual * row.relative.high)),
+        reach: Some((row.seconds.low, row.seconds.high)),
+        form: match row {
+            Row { on_front: true, .. } => Form::Star,
+            Row { capped: Some(_), .. } => Form::Ring,
+            _ => Form::Disc,
+        },
         title: format!(
             "{}: {:.3} s, rms {}, max {}",
             row.subject,
-            usual * row.relative.median,
+            row.seconds.median,
             error(row.error.rms),
             error(row.error.max)
         ),
         label: match row.subject {
             Subject::Own => Some("own".to_owned()),
+            subject if row.on_front => Some(subject.to_string()),
             Subject::Knob(Knob::Samples | Knob::MaxError, value) => Some(value.to_string()),
             _ => None,
         },
     };
-    let own = Series { name: "the scene's own".to_owned(), marks: vec![mark(report.own())], joined: false };
+    let marks = |rows: &mut dyn Iterator<Item = &Row>| -> Vec<Mark> {
+        rows.filter(|row| row.same_as.is_none()).map(mark).collect()
+    };
+    let own = Series {
+        name: "the scene's own".to_owned(),
+        marks: marks(&mut std::iter::once(report.own())),
+        joined: false,
+    };
     let knobs = Knob::ALL.into_iter().map(|knob| Series {
         name: knob.name().to_owned(),
-        marks: report.of_knob(knob).map(mark).collect(),
+        marks: marks(&mut report.of_knob(knob)),
         joined: knob != Knob::Precision,
     });
     let series = std::iter::once(own).chain(knobs).filter(|series| !series.marks.is_empty()).collect();
@@ -119,7 +131,7 @@ fn overview(report: &Report) -> Chart<'_> {
         .rows
         .iter()
         .filter(|row| row.on_front)
-        .map(|row| (usual * row.relative.median, row.error.rms.max(LEAST)))
+        .map(|row| (row.seconds.median, row.error.rms.max(LEAST)))
         .collect();
     front.sort_by(|one, other| one.0.total_cmp(&other.0));
     Chart {
@@ -128,6 +140,7 @@ fn overview(report: &Report) -> Chart<'_> {
         y: "rms error, steps of 8 bits",
         series,
         lines: vec![front],
+        guide: Some((report.own().seconds.median, report.own().error.rms.max(LEAST))),
         floor: Some(report.reference.rms),
         layout: Layout::WIDE,
     }
@@ -136,41 +149,27 @@ fn overview(report: &Report) -> Chart<'_> {
 /// What is drawn for no error at all, which has no logarithm.
 const LEAST: f64 = 1e-4;
 
-fn table(report: &Report) -> String {
-    /// The place of the rays among the cells.
-    const RAYS: usize = 4;
-    let counted = are_instructions_counted(report);
-    let instructions = if counted { "<th>instructions</th>" } else { "" };
-    let mut table = format!(
-        "<h2>Settings</h2>\n<div class=\"wide\"><table>\n<tr><th>setting</th><th>s / frame</th><th>× own</th><th>±</th>\
-                     <th>rays</th>{instructions}<th>max</th><th>rms</th><th>PSNR, dB</th><th>SSIM</th><th>off &gt; 1</th><th>alone, rms</th></tr>\n"
-    );
+fn table(measured: &Measured) -> String {
+    const ALONE: &str = "alone, rms";
+    let report = &measured.report;
+    let heads: Vec<&str> = table::heads(report).into_iter().chain([ALONE]).collect();
+    let line = |tag: &str, class: &str, cells: &mut dyn Iterator<Item = String>| {
+        let cells: String = cells.map(|cell| format!("<{tag}>{}</{tag}>", escaped(&cell))).collect();
+        format!("<tr{class}>{cells}</tr>\n")
+    };
+    let mut table = "<h2>Settings</h2>\n<div class=\"wide\"><table class=\"settings\">\n".to_owned();
+    table += &line("th", "", &mut heads.iter().map(|head| (*head).to_owned()));
     for row in report.rows.iter().filter(|row| !matches!(row.subject, Subject::Without(_))) {
         let class = if row.on_front { " class=\"front\"" } else { "" };
-        let mut cells = vec![
-            escaped(&row.subject.to_string()),
-            format!("{:.3}", row.seconds.median),
-            format!("{:.2}", row.relative.median),
-            spread(&row.relative).replace('±', ""),
-            in_millions(row.rays.total() as f64),
-            error(row.error.max),
-            error(row.error.rms),
-            decibels(row.error.psnr()),
-            format!("{:.4}", row.similarity),
-            percent(row.error.share_off),
-            error(row.alone.rms),
-        ];
-        if let Some(count) = row.instructions.filter(|_| counted) {
-            cells.insert(RAYS + 1, in_millions(count));
-        }
-        let _ = writeln!(table, "<tr{class}><td>{}</td></tr>", cells.join("</td><td>"));
+        table += &line("td", class, &mut heads.iter().map(|head| cell(row, head).replace('*', "★")));
     }
     let precisions: Vec<String> =
         report.of_knob(Knob::Precision).map(|row| precision_in_words(row, report)).collect();
     let _ = writeln!(table, "</table></div>\n<p>{}</p>", escaped(&precisions.join(" ")));
-    table
-        + "<p class=\"dim\">Errors are in steps of 8 bits, before they are rounded. ★ is the Pareto front: no other setting is both \
-             better and quicker. Alone: what is due to this knob only.</p>\n"
+    for line in notes(report, measured.is_quick) {
+        let _ = writeln!(table, "<p class=\"dim\">{}</p>", escaped(&line.replacen('*', "★", 1)));
+    }
+    table + "<p class=\"dim\">Errors are in steps of 8 bits. Alone: what is due to this knob only.</p>\n"
 }
 
 /// The price and the worth of each effect.
@@ -179,18 +178,31 @@ fn effects(report: &Report, transfer: Transfer) -> anyhow::Result<String> {
         return Ok(String::new());
     }
     let own = report.own();
-    let mut text = "<h2>Effects</h2>\n<div class=\"wide\"><table>\n<tr><th>effect</th><th>share of the time</th><th>±</th><th>rays</th>\
+    let mut bars = Vec::new();
+    let mut text =
+        "<div class=\"wide\"><table>\n<tr><th>effect</th><th>share of the time</th><th>±</th><th>rays</th>\
                     <th>without it: max</th><th>rms</th><th>off &gt; 1</th></tr>\n"
-        .to_owned();
+            .to_owned();
     let mut figures = String::new();
     for row in report.without() {
         let Subject::Without(effect) = row.subject else { continue };
+        let share = row.share();
+        // 0 is what is known of an effect that takes less than times scatter.
+        let price = format!("{}{}", percent(share.median), if share.is_clamped { " †" } else { "" });
+        bars.push(Bar {
+            name: effect.name().to_owned(),
+            share: share.median,
+            deviation: share.deviation,
+            share_in_words: price.clone(),
+            error: row.alone.rms,
+            error_in_words: error(row.alone.rms),
+        });
         let saved = own.rays.total() as f64 - row.rays.total() as f64;
         let cells = [
             effect.name().to_owned(),
-            percent(1.0 - row.relative.median),
-            format!("{:.2} %", 50.0 * (row.relative.high - row.relative.low)),
-            if saved < 0.0 { format!("-{}", in_millions(-saved)) } else { in_millions(saved) },
+            price,
+            percent(share.deviation),
+            if saved <= -500.0 { format!("-{}", in_millions(-saved)) } else { in_millions(saved.max(0.0)) },
             error(row.alone.max),
             error(row.alone.rms),
             percent(row.alone.share_off),
@@ -206,9 +218,14 @@ fn effects(report: &Report, transfer: Transfer) -> anyhow::Result<String> {
             );
         }
     }
-    let _ = writeln!(text, "</table></div>\n<div class=\"pictures\">\n{figures}</div>");
-    Ok(text)
+    let mark = if bars.iter().any(|bar| bar.share_in_words.ends_with('†')) { CLAMPED } else { "" };
+    let _ = writeln!(text, "</table></div>\n{mark}<div class=\"pictures\">\n{figures}</div>");
+    Ok(format!("<h2>Effects</h2>\n{}{text}", bars::svg(&mut bars)))
 }
+
+/// Explains the mark of shares that are 0.
+const CLAMPED: &str =
+    "<p class=\"dim\">† less than times scatter: without it frames took no less time.</p>\n";
 
 /// Every knob's curve.
 fn knobs(report: &Report) -> String {
@@ -221,6 +238,7 @@ fn knobs(report: &Report) -> String {
                     x: value,
                     y: row.alone.rms.max(LEAST),
                     reach: None,
+                    form: if row.capped.is_some() { Form::Ring } else { Form::Disc },
                     title: format!(
                         "{}: rms {}, {:.3} s",
                         row.subject,
@@ -243,11 +261,13 @@ fn knobs(report: &Report) -> String {
         let caption = law.map_or_else(String::new, |law| {
             format!(": the error falls as n<sup>{:.2} ± {:.2}</sup>", law.exponent, law.uncertainty)
         });
+        let guide = marks.first().filter(|_| knob.converges()).map(|mark| (mark.x, mark.y));
         let chart = Chart {
             title: knob.name(),
             x: knob.name(),
             y: "rms error due to it",
             lines: law.map(line).into_iter().collect(),
+            guide,
             series: vec![Series { name: String::new(), marks, joined: true }],
             floor: matches!(knob, Knob::Samples | Knob::MaxError).then_some(report.reference.rms),
             layout: Layout::NARROW,
@@ -259,15 +279,15 @@ fn knobs(report: &Report) -> String {
             knob.name()
         );
     }
-    text + "</div>\n"
+    text + "</div>\n<p class=\"dim\">No error at all is drawn as 1e-4.</p>\n"
 }
 
 fn method(page: &mut String, measured: &Measured) {
     let report = &measured.report;
     let _ = writeln!(
         page,
-        "<h2>How it was measured</h2>\n<p>Every setting was rendered {} times, all in turns; times are medians, and × own is the time as a \
-         multiple of that of the scene's own settings, rendered right before and after. Pictures were {}: twice the standard error of \
+        "<h2>How it was measured</h2>\n<p>Every setting was rendered {} times, all in turns; × own is the median of the time as a multiple \
+         of that of the scene's own settings, rendered right before and after, and times are that multiple of the scene's own median. Pictures were {}: twice the standard error of \
          the mean of those pictures, whose samples are independent. Smooth pictures converge as n<sup>-1.5</sup>, edges as n<sup>-0.75</sup>, and what \
          is sampled in more dimensions, as soft shadows, between that and n<sup>-0.5</sup>.</p>",
         report.rounds,

@@ -2,9 +2,11 @@
 //!
 //! [`rayreel::accuracy`] measures; [`table`], [`data`] and [`html`] tell, and [`progress`] while it takes.
 
+mod bars;
 mod chart;
 mod data;
 mod html;
+mod labels;
 mod machine;
 mod pictures;
 mod progress;
@@ -15,11 +17,12 @@ use std::sync::atomic::Ordering;
 use anyhow::Context;
 
 use rayreel::Engine;
-use rayreel::accuracy::{Report, Request, Thoroughness, measure};
+use rayreel::accuracy::{OutputValues, Report, Request, Thoroughness, measure};
 use rayreel::time::FrameList;
 
 use super::args::AccuracyArguments;
 use super::exit::Failure;
+use super::heat_map::heat_map;
 use super::interrupt::Interruption;
 use super::overrides::{Changed, load};
 use super::print;
@@ -36,13 +39,14 @@ struct Measured {
     scene: String,
     changed: Changed,
     machine: Machine,
+    is_quick: bool,
     /// The number of chosen frames, if those are only some of them.
     spread_over: Option<usize>,
     report: Report,
 }
 
 pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) -> Result<(), Failure> {
-    for file in arguments.html.iter().chain(&arguments.csv) {
+    for file in arguments.html.iter().chain(&arguments.csv).chain(&arguments.error_map) {
         ensure_not_the_scene(file, &arguments.scene)?;
     }
     let mut engine = load(&arguments.scene, &arguments.overrides)?;
@@ -59,7 +63,7 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
         frames,
         thoroughness: if arguments.quick { Thoroughness::QUICK } else { Thoroughness::THOROUGH },
         sizes: arguments.sizes.clone(),
-        keep_films: arguments.html.is_some(),
+        keep_films: arguments.html.is_some() || arguments.error_map.is_some(),
     };
     let cancelled = interruption.deferred();
     let report = pool.install(|| measure(&mut engine, &request, cancelled, &mut progress));
@@ -75,6 +79,7 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
         scene: arguments.scene.display().to_string(),
         changed: Changed::new(&arguments.overrides),
         machine: Machine::this(pool.current_num_threads()),
+        is_quick: arguments.quick,
         spread_over,
         report,
     };
@@ -99,7 +104,13 @@ fn tell(measured: &Measured, arguments: &AccuracyArguments, engine: &Engine) -> 
         write_file(file, page.as_bytes())?;
     }
     if let Some(file) = &arguments.csv {
-        write_file(file, &data::csv(&measured.report)?)?;
+        write_file(file, &data::csv(measured)?)?;
+    }
+    if let (Some(file), Some(film)) = (&arguments.error_map, &measured.report.own().film) {
+        let transfer = engine.film_settings().transfer;
+        let [own, reference] =
+            [film, &measured.report.reference.film].map(|film| OutputValues::of_film(film, transfer));
+        write_file(file, &heat_map(own.size(), &own.differences(&reference))?)?;
     }
     if arguments.json {
         print::json(data::json(measured))?;

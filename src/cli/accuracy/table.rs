@@ -8,8 +8,8 @@ use rayreel::scene::Printable;
 use super::super::report::in_millions;
 use super::Measured;
 
-/// The columns' heads. That of instructions is there where they are counted.
-const HEADS: [&str; 12] = [
+/// The columns' heads. Those of instructions and of estimates are there where there are any.
+const HEADS: [&str; 13] = [
     "",
     "setting",
     "s/frame",
@@ -19,11 +19,13 @@ const HEADS: [&str; 12] = [
     INSTRUCTIONS,
     "max",
     "rms",
+    ESTIMATED,
     "PSNR",
     "SSIM",
     "off > 1",
 ];
 const INSTRUCTIONS: &str = "instr.";
+const ESTIMATED: &str = "estimated";
 
 pub(super) fn draw(measured: &Measured) -> String {
     let report = &measured.report;
@@ -34,7 +36,8 @@ pub(super) fn draw(measured: &Measured) -> String {
     let _ = writeln!(text, "{}", measured.machine.in_words());
     let _ = writeln!(text, "{}\n", reference_in_words(report));
     text += &rows(report);
-    text += "\n* Pareto front: no other setting is both better and quicker. Errors are in steps of 8 bits.\n";
+    let _ =
+        writeln!(text, "\n{}\nErrors are in steps of 8 bits.", notes(report, measured.is_quick).join("\n"));
     for (knob, law) in &report.orders {
         let _ = writeln!(
             text,
@@ -48,6 +51,34 @@ pub(super) fn draw(measured: &Measured) -> String {
         let _ = writeln!(text, "{}", precision_in_words(row, report));
     }
     text
+}
+
+/// Explains the marks of settings.
+pub(super) fn notes(report: &Report, is_quick: bool) -> Vec<String> {
+    let resolution = report.resolution;
+    let mut notes = vec![format!(
+        "* Pareto front: no other setting is cheaper and at least as good, or better and at least as cheap. Errors within {} rms count as \
+         equal, and cheaper is what takes less time by more than {:.0} %: so far do measurements scatter. Settings with as many samples \
+         in all pixels are compared by their rays instead, if those decide.",
+        error(resolution.rms),
+        100.0 * resolution.time
+    )];
+    if report.rows.iter().any(|row| row.same_as.is_some()) {
+        notes.push(
+            "= The same rays and picture as a setting above, so that its time is that one's.".to_owned(),
+        );
+    }
+    let capped = || report.rows.iter().filter(|row| row.capped.is_some());
+    if let Some(samples) = capped().find_map(|row| row.capped) {
+        let missed = capped()
+            .filter_map(|row| Some(format!("{} (estimated {})", row.subject, error(row.estimated?.rms))));
+        notes.push(format!(
+            "^ Capped at {samples} samples per pixel, too few for the target, and so not on the front: {}.{}",
+            missed.collect::<Vec<_>>().join(", "),
+            if is_quick { " Without --quick pixels get more." } else { "" }
+        ));
+    }
+    notes
 }
 
 /// Says what numerical safety is worth.
@@ -88,16 +119,25 @@ fn symbol(knob: Knob) -> String {
     knob.name().replace(' ', "_")
 }
 
+/// Returns the columns' heads that there are cells for.
+pub(super) fn heads(report: &Report) -> Vec<&'static str> {
+    let is_shown = |head: &&str| match *head {
+        INSTRUCTIONS => report.rows.iter().all(|row| row.instructions.is_some()),
+        ESTIMATED => report.rows.iter().any(|row| row.estimated.is_some()),
+        _ => true,
+    };
+    HEADS.into_iter().filter(is_shown).collect()
+}
+
 fn rows(report: &Report) -> String {
-    let counted = are_instructions_counted(report);
-    let heads: Vec<&str> = HEADS.into_iter().filter(|head| counted || *head != INSTRUCTIONS).collect();
+    let heads = heads(report);
     let mut cells: Vec<Vec<String>> = vec![heads.iter().map(|head| (*head).to_owned()).collect()];
     let mut group = None;
     for row in &report.rows {
         if group.replace(kind(row)).is_some_and(|before| before != kind(row)) {
             cells.push(Vec::new());
         }
-        cells.push(row_cells(row));
+        cells.push(heads.iter().map(|head| cell(row, head)).collect());
     }
     let width = |column: usize| {
         cells.iter().filter_map(|row| Some(row.get(column)?.chars().count())).max().unwrap_or(0)
@@ -123,33 +163,37 @@ fn kind(row: &Row) -> (Option<Knob>, bool) {
     (row.subject.knob(), matches!(row.subject, Subject::Without(_)))
 }
 
-fn row_cells(row: &Row) -> Vec<String> {
-    let mut cells = vec![
-        if row.on_front { "*" } else { "" }.to_owned(),
-        row.subject.to_string(),
-        format!("{:.3}", row.seconds.median),
-        format!("{:.2}", row.relative.median),
-        spread(&row.relative),
-        in_millions(row.rays.total() as f64),
-    ];
-    cells.extend(row.instructions.map(in_millions));
-    cells.extend([
-        error(row.error.max),
-        error(row.error.rms),
-        decibels(row.error.psnr()),
-        format!("{:.4}", row.similarity),
-        percent(row.error.share_off),
-    ]);
-    cells
-}
-
-/// Returns whether the machine counts instructions.
-pub(super) fn are_instructions_counted(report: &Report) -> bool {
-    report.rows.iter().all(|row| row.instructions.is_some())
+/// Writes the cell of a row below a head.
+pub(super) fn cell(row: &Row, head: &str) -> String {
+    let mark = match row {
+        Row { on_front: true, .. } => "*",
+        Row { same_as: Some(_), .. } => "=",
+        Row { capped: Some(_), .. } => "^",
+        _ => "",
+    };
+    let estimated = |error_of: rayreel::trace::EstimatedError| {
+        format!("{} ±{}", error(error_of.rms), error(error_of.deviation))
+    };
+    match head {
+        "" => mark.to_owned(),
+        "setting" => row.subject.to_string(),
+        "s/frame" => format!("{:.3}", row.seconds.median),
+        "x own" => format!("{:.2}", row.relative.median),
+        "spread" => spread(&row.relative),
+        "rays" => in_millions(row.rays.total() as f64),
+        INSTRUCTIONS => row.instructions.map_or_else(String::new, in_millions),
+        "max" => error(row.error.max),
+        "rms" => error(row.error.rms),
+        ESTIMATED => row.estimated.map_or_else(String::new, estimated),
+        "PSNR" => decibels(row.error.psnr()),
+        "SSIM" => format!("{:.4}", row.similarity),
+        "off > 1" => percent(row.error.share_off),
+        _ => error(row.alone.rms),
+    }
 }
 
 /// Writes the half of the distance between the extremes.
-pub(super) fn spread(Spread { low, high, .. }: &Spread) -> String {
+fn spread(Spread { low, high, .. }: &Spread) -> String {
     format!("±{:.2}", 0.5 * (high - low))
 }
 
@@ -161,10 +205,97 @@ pub(super) fn error(value: f64) -> String {
     }
 }
 
-pub(super) fn decibels(value: f64) -> String {
+fn decibels(value: f64) -> String {
     if value.is_finite() { format!("{value:.1}") } else { "∞".to_owned() }
 }
 
 pub(super) fn percent(share: f64) -> String {
     format!("{:.2} %", 100.0 * share)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+    use rayreel::accuracy::{FilmError, Reference, Resolution, Variant};
+    use rayreel::trace::{EstimatedError, Film, RayCounts};
+
+    fn row(subject: Subject, error: f64, samples: u64) -> Row {
+        Row {
+            subject,
+            variant: Variant::default(),
+            error: FilmError { max: 10.0 * error, rms: error, share_off: 0.25 },
+            similarity: 0.99,
+            alone: FilmError::default(),
+            seconds: Spread { median: 0.5, low: 0.25, high: 0.75 },
+            relative: Spread { median: 1.0, low: 0.5, high: 1.5 },
+            rays: RayCounts { camera: 1000 * samples, ..RayCounts::default() },
+            instructions: None,
+            estimated: None,
+            capped: None,
+            same_as: None,
+            on_front: false,
+            film: None,
+        }
+    }
+
+    fn report() -> Report {
+        let estimated = Some(EstimatedError { rms: 2.5, deviation: 0.125 });
+        let capped =
+            |error| Row { estimated, capped: Some(32), ..row(Subject::Knob(Knob::MaxError, error), 2.5, 32) };
+        let reference = Reference {
+            samples: 128,
+            pictures: 4,
+            rms: 0.5,
+            max: 4.0,
+            time: Duration::from_secs(1),
+            film: Film::new(0, 0),
+        };
+        Report {
+            frames: vec![0],
+            size: (100, 10),
+            reference,
+            rows: vec![
+                row(Subject::Own, 4.0, 8),
+                Row { on_front: true, ..row(Subject::Knob(Knob::Samples, 4.0), 6.0, 4) },
+                capped(0.25),
+                Row { same_as: Some(2), ..capped(0.5) },
+            ],
+            resolution: Resolution { rms: 0.125, time: 0.04 },
+            orders: Vec::new(),
+            rounds: 4,
+            own_samples: 8,
+        }
+    }
+
+    #[test]
+    fn rows_have_marks_and_marks_are_explained() {
+        let report = report();
+        let expected = [
+            "   setting          s/frame  x own  spread  rays    max   rms   estimated  PSNR    SSIM  off > 1",
+            "   the scene's own    0.500   1.00   ±0.50   8 k  40.00  4.00              36.1  0.9900  25.00 %",
+            "",
+            "*  samples 4          0.500   1.00   ±0.50   4 k  60.00  6.00              32.6  0.9900  25.00 %",
+            "",
+            "^  max error 0.25     0.500   1.00   ±0.50  32 k  25.00  2.50  2.50 ±0.12  40.2  0.9900  25.00 %",
+            "=  max error 0.5      0.500   1.00   ±0.50  32 k  25.00  2.50  2.50 ±0.12  40.2  0.9900  25.00 %",
+        ];
+        assert_eq!(rows(&report).lines().collect::<Vec<_>>(), expected);
+        let [front, same, capped] = &notes(&report, true)[..] else { panic!("three marks are explained") };
+        assert_eq!(
+            front,
+            "* Pareto front: no other setting is cheaper and at least as good, or better and at least as cheap. \
+             Errors within 0.12 rms count as equal, and cheaper is what takes less time by more than 4 %: so far do \
+             measurements scatter. Settings with as many samples in all pixels are compared by their rays instead, \
+             if those decide."
+        );
+        assert_eq!(same, "= The same rays and picture as a setting above, so that its time is that one's.");
+        assert_eq!(
+            capped,
+            "^ Capped at 32 samples per pixel, too few for the target, and so not on the front: \
+             max error 0.25 (estimated 2.50), max error 0.5 (estimated 2.50). Without --quick pixels get more."
+        );
+        assert!(notes(&report, false)[2].ends_with("max error 0.5 (estimated 2.50)."));
+    }
 }

@@ -20,8 +20,14 @@ use crate::cli::values::{parse_size, parse_threads, parse_tolerance};
 Renders frames again and again with every knob that the scene calls for turned through its values:
 samples, the error that a picture may have, samples of lights, instants, depth, cutoff, precision;
 and without each effect. Each is compared with a reference of many samples, whose own uncertainty is
-told, and timed in turns with the scene's own settings. A star marks the Pareto front: no other
-setting is both better and quicker. Takes minutes; --quick takes seconds, and is less sure. Ctrl-C ends it.")]
+told, and timed in turns with the scene's own settings. Takes minutes; --quick takes seconds, and is
+less sure. Ctrl-C ends it.
+
+A star marks the Pareto front: no other setting is cheaper and at least as good, or better and at
+least as cheap. Differences within the uncertainty of errors and the scatter of times do not count,
+and settings that can be are compared by their rays, so that stars are the same in every run. = marks
+settings that trace the same rays as one above, ^ errors that were not reached with the most samples
+per pixel that the measurement takes.")]
 pub(in crate::cli) struct AccuracyArguments {
     /// The scene file
     pub(in crate::cli) scene: PathBuf,
@@ -43,9 +49,13 @@ pub(in crate::cli) struct AccuracyArguments {
     /// Write a page with plots and pictures to this file, too
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) html: Option<PathBuf>,
-    /// Write the table as CSV to this file, too
+    /// Write the table as CSV to this file, too, with the scene, the size, the version and all uncertainties
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) csv: Option<PathBuf>,
+    /// Write the error of each pixel of the first frame as a PNG to this file, with the scene's own settings: from black, none, to
+    /// white, the largest
+    #[arg(long, value_name = "FILE")]
+    pub(in crate::cli) error_map: Option<PathBuf>,
     /// Print one JSON object instead of the table
     #[arg(long)]
     pub(in crate::cli) json: bool,

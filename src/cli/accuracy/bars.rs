@@ -1,0 +1,73 @@
+//! The price and the worth of every effect, as bars side by side.
+
+use std::fmt::Write;
+
+use super::chart::escaped;
+
+/// An effect's two numbers.
+pub(super) struct Bar {
+    pub(super) name: String,
+    /// The part of the time that it takes, and how far that scatters.
+    pub(super) share: f64,
+    pub(super) deviation: f64,
+    pub(super) share_in_words: String,
+    /// The RMS error without it.
+    pub(super) error: f64,
+    pub(super) error_in_words: String,
+}
+
+const WIDTH: f64 = 720.0;
+const TOP: f64 = 30.0;
+const ROW: f64 = 26.0;
+/// Where names end, the bars of both halves begin, and how long the longest of each is.
+const NAMES: f64 = 118.0;
+const STARTS: [f64; 2] = [126.0, 440.0];
+const LONGEST: f64 = 200.0;
+
+/// Draws the bars, from the most expensive effect to the cheapest, as SVG with classes in the place of colours.
+pub(super) fn svg(bars: &mut [Bar]) -> String {
+    bars.sort_by(|one, other| other.share.total_cmp(&one.share));
+    let height = TOP + ROW * bars.len() as f64 + 6.0;
+    let most = |number: fn(&Bar) -> f64| bars.iter().map(number).fold(f64::MIN_POSITIVE, f64::max);
+    let longest = [most(|bar| bar.share + bar.deviation), most(|bar| bar.error)];
+    let mut svg = format!(
+        "<svg class=\"chart\" viewBox=\"0 0 {WIDTH} {height}\" role=\"img\" aria-label=\"Price and worth of effects\">\n"
+    );
+    for (start, head) in STARTS.iter().zip(["price: share of the time", "worth: rms error without it"]) {
+        let _ = writeln!(svg, "<text x=\"{start}\" y=\"16\">{head}</text>");
+        let _ = writeln!(svg, "<path class=\"axis\" d=\"M{start} {}V{}\"/>", TOP - 4.0, height - 4.0);
+    }
+    for (index, bar) in bars.iter().enumerate() {
+        let middle = TOP + ROW * (index as f64 + 0.5);
+        let _ = writeln!(
+            svg,
+            "<text x=\"{NAMES}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+            middle + 4.0,
+            escaped(&bar.name)
+        );
+        let halves = [(bar.share, bar.deviation, &bar.share_in_words), (bar.error, 0.0, &bar.error_in_words)];
+        for (half, (value, deviation, words)) in halves.into_iter().enumerate() {
+            let (start, scale) = (STARTS[half], LONGEST / longest[half]);
+            let end = start + scale * value.max(0.0);
+            let _ = writeln!(
+                svg,
+                "<rect class=\"bar s{half}\" x=\"{start}\" y=\"{:.1}\" width=\"{:.1}\" height=\"14\"/>",
+                middle - 7.0,
+                end - start
+            );
+            let last = (end + scale * deviation).max(start);
+            if deviation > 0.0 {
+                let first = (end - scale * deviation).max(start);
+                let _ = writeln!(svg, "<path class=\"whisker\" d=\"M{first:.1} {middle:.1}H{last:.1}\"/>");
+            }
+            let _ = writeln!(
+                svg,
+                "<text x=\"{:.1}\" y=\"{:.1}\">{}</text>",
+                last + 6.0,
+                middle + 4.0,
+                escaped(words)
+            );
+        }
+    }
+    svg + "</svg>\n"
+}
