@@ -1,7 +1,7 @@
 //! Renders a scene in many ways, and compares them.
 
 use std::sync::atomic::AtomicBool;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use super::knob::{Knob, OwnSettings, Reach, Subject, Variant, sweep, turned};
 use super::report::{Reference, Report, Row};
@@ -50,28 +50,10 @@ pub struct Request {
     pub keep_films: bool,
 }
 
-/// What is being done.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Progress {
-    /// What is rendered now.
-    pub step: Step,
-    /// The part that is done, 0 to 1.
-    pub share: f64,
-}
-
-/// What is rendered.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Step {
-    /// The reference.
-    Reference,
-    /// A way to render.
-    Row(Subject),
-}
-
-/// Is told what is being done, and may count instructions.
+/// Is informed of the progress, and may count instructions.
 pub trait Observer {
-    /// Hears what is rendered now.
-    fn at(&mut self, progress: Progress);
+    /// Takes note of what is rendered now, the reference or a way to render, and which part of the work is done, 0 to 1.
+    fn at(&mut self, subject: Option<Subject>, share: f64);
 
     /// Returns how many instructions were executed so far, in all threads, where that is known.
     fn instructions(&mut self) -> Option<u64> {
@@ -187,8 +169,8 @@ impl Gauge<'_> {
     fn truth(&mut self, own: OwnSettings, samples: u32, pictures: u32) -> Result<Truth, Stop> {
         let shallow = Knobs::default();
         let deep = Knobs { depth: Some(own.quality.depth.max(DEEP)), cutoff: Some(NO_CUTOFF), ..shallow };
-        let as_it_is = self.render(&Variant::default(), Step::Reference)?;
-        let deeper = self.render(&Variant { knobs: deep, ..Variant::default() }, Step::Reference)?;
+        let as_it_is = self.render(&Variant::default(), None)?;
+        let deeper = self.render(&Variant { knobs: deep, ..Variant::default() }, None)?;
         let is_deep = self.error(&as_it_is.films, &deeper.films).max < f64::from(NO_CUTOFF);
         let seeds = (pictures, own.sampling.seed, samples);
         let start = Instant::now();
@@ -214,13 +196,13 @@ impl Gauge<'_> {
         let mut compared: Vec<Row> = Vec::with_capacity(rows.len());
         let mut best: Option<(Variant, Vec<Film>)> = None;
         for (subject, variant) in rows {
-            let rendered = self.render(&variant, Step::Row(subject))?;
+            let rendered = self.render(&variant, Some(subject))?;
             let alone = match best_alone(subject, own, reach) {
                 None => self.error(&rendered.films, &truth.own),
                 Some(variant) => {
                     let films = match best.take().filter(|(known, _)| *known == variant) {
                         Some((_, films)) => films,
-                        None => self.render(&variant, Step::Row(subject))?.films,
+                        None => self.render(&variant, Some(subject))?.films,
                     };
                     let error = self.error(&rendered.films, &films);
                     best = Some((variant, films));
@@ -272,7 +254,7 @@ impl Gauge<'_> {
     }
 
     /// Renders all frames in one way.
-    fn render(&mut self, variant: &Variant, step: Step) -> Result<Rendered, Stop> {
+    fn render(&mut self, variant: &Variant, subject: Option<Subject>) -> Result<Rendered, Stop> {
         variant.apply(self.engine, self.left_out);
         let mut rendered = Rendered {
             films: Vec::new(),
@@ -283,7 +265,7 @@ impl Gauge<'_> {
         };
         for time in &self.times {
             let share = (self.work.done / self.work.all.max(1.0)).min(1.0);
-            self.observer.at(Progress { step, share });
+            self.observer.at(subject, share);
             let before = self.observer.instructions();
             let film = render(self.engine, *time, self.cancelled)?;
             if let Some((before, after)) = before.zip(self.observer.instructions()) {
@@ -326,7 +308,7 @@ impl Gauge<'_> {
                 seed: Some(seed.wrapping_add(picture.wrapping_mul(APART))),
                 ..knobs
             };
-            let rendered = self.render(&Variant { knobs, ..Variant::default() }, Step::Reference)?;
+            let rendered = self.render(&Variant { knobs, ..Variant::default() }, None)?;
             frames.iter_mut().zip(rendered.films).for_each(|(films, film)| films.push(film));
         }
         let transfer = self.transfer();
@@ -336,8 +318,11 @@ impl Gauge<'_> {
     /// Measures how long every row takes, as a multiple of what the scene's own settings take right before and after. All rows take turns,
     /// so that none is measured only while the machine is slow. Rows that trace the same rays as another take the same time.
     fn time(&mut self, rows: &mut [Row], rounds: u32) -> Result<(), Stop> {
-        const OWN: Step = Step::Row(Subject::Own);
-        let distinct: Vec<usize> = (0..rows.len()).filter(|row| rows[*row].same_as.is_none()).collect();
+        const OWN: Option<Subject> = Some(Subject::Own);
+        let (distinct, same): (Vec<usize>, Vec<usize>) =
+            (0..rows.len()).partition(|row| rows[*row].same_as.is_none());
+        let spared = same.iter().map(|row| samples(&rows[*row].variant.knobs, self.work.own)).sum::<f64>();
+        self.work.all -= spared * f64::from(rounds);
         let (mut measured, mut usual) = (vec![Vec::new(); distinct.len()], Vec::new());
         for _ in 0..rounds {
             let mut before = self.render(&Variant::default(), OWN)?.seconds;
@@ -345,7 +330,7 @@ impl Gauge<'_> {
                 let mut seconds = Vec::new();
                 for row in chunk {
                     let Row { subject, variant, .. } = &rows[*row];
-                    seconds.push(self.render(variant, Step::Row(*subject))?.seconds);
+                    seconds.push(self.render(variant, Some(*subject))?.seconds);
                 }
                 let after = self.render(&Variant::default(), OWN)?.seconds;
                 let around = f64::midpoint(before, after).max(f64::MIN_POSITIVE);
@@ -433,12 +418,4 @@ fn samples(knobs: &Knobs, own: u32) -> f64 {
         Knobs { max_error: Some(error), .. } if *error > 0.0 => f64::from(ADAPTIVE),
         _ => f64::from(knobs.samples.unwrap_or(own)),
     }
-}
-
-/// What is left at a share of the work, judged by the time that it took so far; `None` at first.
-#[must_use]
-pub fn time_left(since: Duration, share: f64) -> Option<Duration> {
-    /// Before that it is anyone's guess.
-    const LEAST: f64 = 0.02;
-    (share > LEAST).then(|| since.mul_f64((1.0 - share) / share))
 }

@@ -36,7 +36,7 @@ pub use frame_samples::FrameSamples;
 pub use front::Resolution;
 pub use knob::{Knob, Subject, Variant};
 pub use ladder::Ladder;
-pub use measure::{Observer, Progress, Request, Step, Thoroughness, measure, time_left};
+pub use measure::{Observer, Request, Thoroughness, measure};
 pub use output_values::OutputValues;
 pub use pilot::Pilot;
 pub use relative_error::relative_mse;

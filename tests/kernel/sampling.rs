@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
 
-use rayreel::accuracy::{Converged, FilmError, Knob, Observer, Progress, Request, Thoroughness, measure};
+use rayreel::accuracy::{Converged, FilmError, Knob, Observer, Request, Subject, Thoroughness, measure};
 use rayreel::color::Transfer;
 use rayreel::components::{
     Ambient, Background, Camera, FilmSettings, Lens, Material, Noise, Projection, Sampling, Shape, Transform,
@@ -179,8 +179,8 @@ struct Counting {
 }
 
 impl Observer for Counting {
-    fn at(&mut self, progress: Progress) {
-        self.shares.push(progress.share);
+    fn at(&mut self, _: Option<Subject>, share: f64) {
+        self.shares.push(share);
     }
 
     fn instructions(&mut self) -> Option<u64> {

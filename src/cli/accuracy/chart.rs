@@ -302,7 +302,15 @@ impl Chart<'_> {
             if series.joined {
                 plot.polyline(&mut svg, "way", series.marks.iter().map(|mark| (mark.x, mark.y)));
             }
-            series.marks.iter().for_each(|mark| plot.mark(&mut svg, mark));
+            let others = series.marks.iter().filter(|mark| mark.form != Form::Star);
+            others.for_each(|mark| plot.mark(&mut svg, mark));
+            svg += "</g>\n";
+        }
+        // Above all others.
+        for (index, series) in self.series.iter().enumerate() {
+            let _ = writeln!(svg, "<g class=\"{}\">", color(index));
+            let stars = series.marks.iter().filter(|mark| mark.form == Form::Star);
+            stars.for_each(|mark| plot.mark(&mut svg, mark));
             svg += "</g>\n";
         }
         let places: Vec<(f64, f64)> = marks().map(|mark| plot.place((mark.x, mark.y))).collect();

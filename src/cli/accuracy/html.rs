@@ -2,15 +2,19 @@
 
 use std::fmt::Write;
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use glam::DVec3;
+
 use rayreel::accuracy::{Knob, PowerLaw, Report, Row, Subject};
 use rayreel::color::Transfer;
+use rayreel::output::{FrameFormat, encode};
 use rayreel::trace::Film;
 
 use super::super::report::in_millions;
 use super::Measured;
 use super::bars::{self, Bar};
 use super::chart::{Chart, Form, Layout, Mark, Series, escaped};
-use super::pictures::{address, difference};
 use super::table::{
     self, cell, error, frames_in_words, notes, percent, precision_in_words, reference_in_words,
 };
@@ -82,10 +86,20 @@ fn pictures(report: &Report, transfer: Transfer) -> anyhow::Result<String> {
 }
 
 fn figure(film: &Film, transfer: Transfer, caption: &str) -> anyhow::Result<String> {
-    let (address, caption) = (address(film, transfer)?, escaped(caption));
+    let bytes = STANDARD.encode(encode(film, transfer, FrameFormat::default())?);
+    let caption = escaped(caption);
     Ok(format!(
-        "<figure><img src=\"{address}\" alt=\"{caption}\"><figcaption>{caption}</figcaption></figure>\n"
+        "<figure><img src=\"data:image/png;base64,{bytes}\" alt=\"{caption}\"><figcaption>{caption}</figcaption></figure>\n"
     ))
+}
+
+/// Returns what differs in two films: by how many steps of 8 bits, so many times as bright.
+fn difference(film: &Film, other: &Film, transfer: Transfer, times: f64) -> Film {
+    let pixels = film.pixels().iter().zip(other.pixels()).map(|(pixel, other)| {
+        let [values, others] = [*pixel, *other].map(|pixel| DVec3::from(transfer.encode_unrounded(pixel)));
+        ((values - others).abs() * times / 255.0).as_vec3()
+    });
+    Film::from_pixels(film.width(), film.height(), pixels)
 }
 
 /// All settings by time and error.

@@ -8,7 +8,6 @@ mod data;
 mod html;
 mod labels;
 mod machine;
-mod pictures;
 mod progress;
 mod table;
 

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use rayreel::accuracy::{Observer, Progress, Step, time_left};
+use rayreel::accuracy::{Observer, Subject};
 
 use super::super::instructions::Instructions;
 use super::super::print;
@@ -39,14 +39,12 @@ impl MeasureProgress {
 }
 
 impl Observer for MeasureProgress {
-    fn at(&mut self, progress: Progress) {
-        let Progress { step, share } = progress;
-        let step = match step {
-            Step::Reference => "the reference".to_owned(),
-            Step::Row(subject) => subject.to_string(),
-        };
-        let left = time_left(self.start.elapsed(), share);
-        let left = left.map_or_else(String::new, |left| format!(", about {} s left", left.as_secs() + 1));
+    fn at(&mut self, subject: Option<Subject>, share: f64) {
+        /// The share of the work before which nothing is known of how long it takes.
+        const LEAST: f64 = 0.02;
+        let step = subject.map_or_else(|| "the reference".to_owned(), |subject| subject.to_string());
+        let left = self.start.elapsed().as_secs_f64() * (1.0 - share) / share.max(LEAST);
+        let left = if share > LEAST { format!(", about {left:.0} s left") } else { String::new() };
         match &self.bar {
             Some(bar) => {
                 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 1000")]
