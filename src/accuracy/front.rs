@@ -42,6 +42,9 @@ impl Resolution {
     }
 }
 
+/// What takes time besides the number of rays: the precision, and if they are not the scene's own, the instants and the film's size.
+pub(super) type Kind = (Precision, Option<u32>, Option<(u32, u32)>);
+
 /// A setting that may be on the front.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate {
@@ -50,8 +53,8 @@ pub(super) struct Candidate {
     /// The time, as a multiple of that of the scene's own settings.
     pub(super) time: f64,
     pub(super) rays: RayCounts,
-    /// What is done with rays, if their number is the same in all pixels: candidates that have this in common are compared by rays.
-    pub(super) kind: Option<Precision>,
+    /// The kind of the candidate, if all pixels have as many samples: candidates of a kind are compared by rays.
+    pub(super) kind: Option<Kind>,
 }
 
 /// Returns which candidates are on the front.
@@ -99,12 +102,12 @@ mod tests {
 
     use super::*;
 
-    fn candidate(error: f64, time: f64, rays: [u64; 4], kind: Option<Precision>) -> Candidate {
+    fn candidate(error: f64, time: f64, rays: [u64; 4], kind: Option<Kind>) -> Candidate {
         let [camera, shadow, reflection, refraction] = rays;
         Candidate { error, time, rays: RayCounts { camera, shadow, reflection, refraction }, kind }
     }
 
-    const GUARANTEED: Option<Precision> = Some(Precision::Guaranteed);
+    const GUARANTEED: Option<Kind> = Some((Precision::Guaranteed, None, None));
 
     #[test]
     fn beaten_settings_are_not_on_the_front() {
@@ -125,6 +128,14 @@ mod tests {
                     candidate(1.0, 0.8, [2, 2, 1, 0], GUARANTEED),
                 ],
                 vec![false, true],
+            ),
+            // Instants take time beside that of rays.
+            (
+                vec![
+                    uniform(2.0, 1.0, 4),
+                    candidate(2.0, 1.2, [3, 0, 0, 0], Some((Precision::Guaranteed, Some(2), None))),
+                ],
+                vec![true, false],
             ),
             // Another kind is compared by time, if that can be told apart.
             (vec![uniform(2.0, 1.0, 4), adaptive(2.0, 1.05)], vec![true, true]),
@@ -160,8 +171,18 @@ mod tests {
             uniform(3.4, 0.96, [518_400, 795_000, 165_000, 0]),
             uniform(3.399, 1.02, [518_400, 806_000, 177_000, 0]),
             uniform(3.4, 0.97, [518_400, 794_000, 166_000, 0]),
-            candidate(3.399, 2.85, [518_400, 804_000, 173_000, 0], Some(Precision::TextbookF64)),
-            candidate(3.403, 3.05, [518_400, 804_160, 173_000, 0], Some(Precision::TextbookF32)),
+            candidate(
+                3.399,
+                2.85,
+                [518_400, 804_000, 173_000, 0],
+                Some((Precision::TextbookF64, None, None)),
+            ),
+            candidate(
+                3.403,
+                3.05,
+                [518_400, 804_160, 173_000, 0],
+                Some((Precision::TextbookF32, None, None)),
+            ),
         ];
         let mut state = 1_u64;
         let mut scatter = move || {

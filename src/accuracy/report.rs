@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::fit::PowerLaw;
-use super::front::{Candidate, Resolution, front};
+use super::front::{Candidate, Kind, Resolution, front};
 use super::knob::{Knob, Subject, Variant};
 use super::spread::Spread;
 use super::{Converged, FilmError};
@@ -104,12 +104,16 @@ impl Row {
         Share { median, deviation: 0.5 * (high - low), is_clamped }
     }
 
+    fn kind(&self) -> Kind {
+        (self.variant.precision, self.variant.knobs.instants, self.variant.knobs.size)
+    }
+
     /// Returns whether another row traces the same rays in the same way, to the same picture.
     pub(super) fn is_same_as(&self, other: &Self) -> bool {
         let is_a_setting = |row: &Self| !matches!(row.subject, Subject::Without(_));
         is_a_setting(self)
             && is_a_setting(other)
-            && self.variant.precision == other.variant.precision
+            && self.kind() == other.kind()
             && (self.rays, self.error, self.similarity) == (other.rays, other.error, other.similarity)
     }
 }
@@ -166,7 +170,7 @@ impl Report {
                     error: row.error.rms.max(self.reference.rms),
                     time: row.relative.median,
                     rays: row.rays,
-                    kind: row.estimated.is_none().then_some(row.variant.precision),
+                    kind: row.estimated.is_none().then_some(row.kind()),
                 };
                 (index, candidate)
             })
