@@ -13,7 +13,7 @@ KNOBS = {"samples": "#c2571a", "max error": "#2f7ed8"}
 def points(report, knob):
     """The times, in milliseconds, and errors of a knob's values, by time."""
     usual = 1e3 * report["rows"][0]["seconds"]["median"]
-    rows = [row for row in report["rows"] if row["knob"] == knob and row["error"]["rms"] > 0]
+    rows = [row for row in report["rows"] if row["knob"] == knob and row["error"]["rms"] > 0 and row["same_as"] is None]
     return sorted((usual * row["relative"]["median"], row["error"]["rms"]) for row in rows)
 
 

@@ -8,6 +8,7 @@ def cheapest(rows, error):
     """The quickest setting, of samples or of an error, that is as good as that."""
     fitting = [row for row in rows if row["knob"] in (None, "samples", "max error")]
     fitting = [row for row in fitting if row["without"] is None and row["error"]["rms"] <= error]
+    fitting = [row for row in fitting if row["capped"] is None]
     return min(fitting, key=lambda row: row["relative"]["median"], default=None)
 
 

@@ -295,7 +295,7 @@ impl HyAb {
     }
 }
 
-/// From linear sRGB to CIE XYZ (IEC 61966-2-1).
+/// The matrix from linear sRGB to CIE XYZ (IEC 61966-2-1).
 const XYZ: DMat3 = DMat3::from_cols(
     DVec3::new(10_135_552.0 / 24_577_794.0, 2_613_072.0 / 12_288_897.0, 1_425_312.0 / 73_733_382.0),
     DVec3::new(8_788_810.0 / 24_577_794.0, 8_788_810.0 / 12_288_897.0, 8_788_810.0 / 73_733_382.0),
@@ -352,7 +352,7 @@ mod tests {
         OutputValues::new(size, vec![values; (size.0 * size.1) as usize])
     }
 
-    /// Of pictures without features only the distance of two colours is left.
+    /// Without features, only the distance of two colours is left.
     #[test]
     fn flat_pictures_have_a_closed_form() {
         let furthest = HyAb::furthest().furthest;

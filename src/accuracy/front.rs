@@ -19,12 +19,12 @@ use std::cmp::Ordering;
 use super::Spread;
 use crate::trace::{Precision, RayCounts};
 
-/// How far measurements must be apart to be told apart.
+/// The least differences of measurements that are told apart.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Resolution {
-    /// Of errors, in output values.
+    /// The least difference of RMS errors, in output values.
     pub rms: f64,
-    /// Of times, as a share of them.
+    /// The least difference of times, as a share of them.
     pub time: f64,
 }
 
@@ -42,7 +42,8 @@ impl Resolution {
     }
 }
 
-/// What takes time besides the number of rays: the precision, and if they are not the scene's own, the instants and the film's size.
+/// The settings that decide the time besides the number of rays: the precision, and if they are not the scene's own, the instants and
+/// the film's size.
 pub(super) type Kind = (Precision, Option<u32>, Option<(u32, u32)>);
 
 /// A setting that may be on the front.

@@ -20,7 +20,7 @@ pub struct Report {
     pub reference: Reference,
     /// The ways to render; the scene's own is the first.
     pub rows: Vec<Row>,
-    /// How far errors and times must be apart to be told apart.
+    /// The least differences of errors and of times that are told apart.
     pub resolution: Resolution,
     /// How fast the errors of knobs fall.
     pub orders: Vec<(Knob, PowerLaw)>,
@@ -76,7 +76,7 @@ pub struct Row {
     pub capped: Option<u32>,
     /// The index of the first row that traces the same rays, to the same picture, if there is one: its time is this one's.
     pub same_as: Option<usize>,
-    /// Whether no other setting is both better and cheaper, by what the [resolution](Report::resolution) tells apart. Settings that trace the
+    /// True if no other setting is both better and cheaper, by what the [resolution](Report::resolution) tells apart. Settings that trace the
     /// same rays as another, that are [capped](Self::capped), or are without an effect, are not on the front.
     pub on_front: bool,
     /// The first frame's film, if it was to be kept.
@@ -86,11 +86,11 @@ pub struct Row {
 /// The part of the time that an effect takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share {
-    /// From 0 to 1; below 0 if pictures without the effect take longer.
+    /// The share, from 0 to 1; below 0 if pictures without the effect take longer.
     pub median: f64,
     /// Half of the distance between the extremes.
     pub deviation: f64,
-    /// Whether it was measured as less than 0, by no more than times scatter, and is 0 therefore.
+    /// True if it was measured as less than 0, by no more than times scatter, and is 0 therefore.
     pub is_clamped: bool,
 }
 

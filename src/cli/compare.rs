@@ -56,7 +56,7 @@ struct Comparison {
     error: FilmError,
     similarity: f64,
     flip: f64,
-    /// Of linear light, if both have it.
+    /// The relative mean square error of linear light, if both have it.
     relative_mse: Option<f64>,
     /// The largest difference of alpha, in steps, if either has it.
     alpha: Option<f64>,

@@ -20,7 +20,7 @@ pub struct PictureFile {
     pub values: Vec<[f64; 3]>,
     /// Linear light, premultiplied, if the file has that.
     pub light: Option<Vec<Rgb>>,
-    /// Which share of each pixel is covered, if the file has that.
+    /// The share of each pixel that is covered, if the file has alpha.
     pub alpha: Option<Vec<f32>>,
 }
 

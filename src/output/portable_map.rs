@@ -1,4 +1,4 @@
-//! What the headers of portable maps have in common: words, with white space between them.
+//! Headers of portable maps: words, with white space between them.
 
 use std::io::{BufRead, Read};
 

@@ -19,7 +19,7 @@ pub(super) struct Bar {
 const WIDTH: f64 = 720.0;
 const TOP: f64 = 30.0;
 const ROW: f64 = 26.0;
-/// Where names end, the bars of both halves begin, and how long the longest of each is.
+/// The end of names, the beginning of the bars of both halves, and the length of the longest bar of each.
 const NAMES: f64 = 118.0;
 const STARTS: [f64; 2] = [126.0, 440.0];
 const LONGEST: f64 = 200.0;

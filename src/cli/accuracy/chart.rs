@@ -234,9 +234,9 @@ impl Plot {
 
     /// Writes labels near places, and lines to those that are further away.
     fn labels(&self, svg: &mut String, labels: &[((f64, f64), &str)], obstacles: &[Area]) {
-        /// How near a label needs no line.
+        /// The largest distance at which a label needs no line.
         const NEAR: f64 = 12.0;
-        /// How far letters hang below their line.
+        /// The height of letters below their line.
         const BELOW: f64 = 3.0;
         let within = Area {
             left: Layout::LEFT,

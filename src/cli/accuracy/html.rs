@@ -16,7 +16,7 @@ use super::Measured;
 use super::bars::{self, Bar};
 use super::chart::{Chart, Form, Layout, Mark, Series, escaped};
 use super::table::{
-    self, cell, error, frames_in_words, notes, percent, precision_in_words, reference_in_words,
+    self, cell, error, frames_in_words, notes, percent, precision_in_words, reference_in_words, seconds,
 };
 
 const STYLE: &str = include_str!("page.css");
@@ -114,9 +114,9 @@ fn overview(report: &Report) -> Chart<'_> {
             _ => Form::Disc,
         },
         title: format!(
-            "{}: {:.3} s, rms {}, max {}",
+            "{}: {} s, rms {}, max {}",
             row.subject,
-            row.seconds.median,
+            seconds(row.seconds.median),
             error(row.error.rms),
             error(row.error.max)
         ),
@@ -254,10 +254,10 @@ fn knobs(report: &Report) -> String {
                     reach: None,
                     form: if row.capped.is_some() { Form::Ring } else { Form::Disc },
                     title: format!(
-                        "{}: rms {}, {:.3} s",
+                        "{}: rms {}, {} s",
                         row.subject,
                         error(row.alone.rms),
-                        row.seconds.median
+                        seconds(row.seconds.median)
                     ),
                     label: None,
                 }),

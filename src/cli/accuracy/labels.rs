@@ -45,10 +45,10 @@ const MARGIN: f64 = 3.0;
 pub(super) fn place(labels: &[((f64, f64), &str)], obstacles: &[Area], within: Area) -> Vec<Option<Area>> {
     /// Directions that are tried.
     const DIRECTIONS: u16 = 16;
-    /// From a mark, and between distances that are tried.
+    /// The least distance from a mark, and the step between those that are tried.
     const NEAREST: f64 = 7.0;
     const STEP: f64 = 6.0;
-    /// How many distances are tried.
+    /// The number of distances that are tried.
     const DISTANCES: u16 = 30;
     let mut taken = obstacles.to_vec();
     let candidates = |(x, y): (f64, f64), text: &str| {

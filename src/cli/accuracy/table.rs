@@ -177,7 +177,7 @@ pub(super) fn cell(row: &Row, head: &str) -> String {
     match head {
         "" => mark.to_owned(),
         "setting" => row.subject.to_string(),
-        "s/frame" => format!("{:.3}", row.seconds.median),
+        "s/frame" => seconds(row.seconds.median),
         "x own" => format!("{:.2}", row.relative.median),
         "spread" => spread(&row.relative),
         "rays" => in_millions(row.rays.total() as f64),
@@ -190,6 +190,11 @@ pub(super) fn cell(row: &Row, head: &str) -> String {
         "off > 1" => percent(row.error.share_off),
         _ => error(row.alone.rms),
     }
+}
+
+/// Writes seconds, with more digits if they are few.
+pub(super) fn seconds(value: f64) -> String {
+    if value < 0.01 { format!("{value:.5}") } else { format!("{value:.3}") }
 }
 
 /// Writes the half of the distance between the extremes.

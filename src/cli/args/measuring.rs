@@ -93,7 +93,7 @@ pub(in crate::cli) struct CompareArguments {
     /// The largest difference of any channel of pictures that count as equal, in steps of 8 bits
     #[arg(long, value_name = "STEPS", default_value = "0", value_parser = parse_tolerance, allow_hyphen_values = true)]
     pub(in crate::cli) tolerance: f64,
-    /// How linear light is shown
+    /// The curve from linear light to output values
     #[arg(long, value_enum, default_value_t = TransferName::Srgb)]
     pub(in crate::cli) transfer: TransferName,
     /// Write the differences as a PNG to this file: equal pixels are black, the largest difference is white
@@ -106,9 +106,9 @@ pub(in crate::cli) struct CompareArguments {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(in crate::cli) enum TransferName {
-    /// As sRGB, as scenes are unless they say otherwise
+    /// That of sRGB, the default of scenes
     Srgb,
-    /// As it is: of scenes with `transfer: Classic`
+    /// A straight line, that of scenes with `transfer: Classic`
     Classic,
 }
 
