@@ -323,8 +323,11 @@ impl Chart<'_> {
         let obstacles: Vec<Area> =
             places.iter().map(|place| Area::around(*place, 5.0)).chain(on_lines).collect();
         let labelled = marks().zip(&places).filter_map(|(mark, at)| Some((*at, mark.label.as_deref()?)));
-        let middle = guide.map(|[(x, y), (last_x, last_y)]| ((x * last_x).sqrt(), (y * last_y).sqrt()));
-        let guide = middle.map(|middle| (plot.place(middle), "n^-1/2"));
+        // Near its end marks are few.
+        let near_end = |first: f64, last: f64| first * libm::pow(last / first, 0.9);
+        let at =
+            guide.map(|[(x, y), (last_x, last_y)]| plot.place((near_end(x, last_x), near_end(y, last_y))));
+        let guide = at.map(|at| (at, "n^-1/2"));
         let labels: Vec<((f64, f64), &str)> = labelled.chain(guide).collect();
         plot.labels(&mut svg, &labels, &obstacles);
         svg += "</svg>\n";

@@ -25,9 +25,9 @@ less sure. Ctrl-C ends it.
 
 A star marks the Pareto front: no other setting is cheaper and at least as good, or better and at
 least as cheap. Differences within the uncertainty of errors and the scatter of times do not count,
-and settings that can be are compared by their rays, so that stars are the same in every run. = marks
-settings that trace the same rays as one above, ^ errors that were not reached with the most samples
-per pixel that the measurement takes.")]
+and settings that can be are compared by their rays, so that stars hardly differ from run to run.
+= marks settings that trace the same rays as one above, ^ errors that were not reached with the most
+samples per pixel that the measurement takes.")]
 pub(in crate::cli) struct AccuracyArguments {
     /// The scene file
     pub(in crate::cli) scene: PathBuf,
