@@ -1,8 +1,9 @@
 //! Whether error targets are met on scenes that are hard to sample, and at what price.
 //!
-//! `cargo bench --bench hard` renders a frame of every hard scene for four targets and compares it with a long reference: the true error, the
-//! estimate, the samples, and the rays and the processor time relative to the cheapest uniform number of samples that meets the target.
-//! Names of scenes after `--` measure those alone. It takes about ten minutes.
+//! `cargo bench --bench hard` renders a frame of every hard scene, and of shipped ones, for four targets and compares it with a long
+//! reference: the true error, the estimate, the samples, and the rays and the processor time relative to the cheapest uniform
+//! number of samples that meets the target, on one thread. `cargo bench --bench hard -- run` renders twelve frames of each for their
+//! errors alone. Names of scenes after `--` measure those alone. It takes about half an hour.
 
 #![allow(
     clippy::print_stdout,
@@ -13,105 +14,184 @@
 
 #[path = "../tests/accuracy/hard_scenes.rs"]
 mod hard_scenes;
+#[path = "../tests/processor_time/spent.rs"]
+mod spent;
 
 use std::ops::ControlFlow::Continue;
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
 
 use hard_scenes::hard_scenes;
 use rayreel::accuracy::FilmError;
-use rayreel::trace::{Film, Signals};
+use rayreel::trace::{EstimatedError, Film, Signals};
 use rayreel::{Engine, Knobs, Rgb, Scene};
+use spent::Spent;
 
 const TARGETS: [f32; 4] = [4.0, 2.0, 1.0, 0.5];
 const UNIFORM: [u32; 17] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 512];
-const REFERENCE: u32 = 8192;
+/// Samples of references: of the hard scenes, which are small, so many that their own error is a tenth of the smallest target's.
+const REFERENCE: [u32; 2] = [65_536, 8192];
+/// The frame of which the price is measured, for so many seconds.
 const FRAME: u32 = 6;
+const LONG: f64 = 0.2;
+/// The frames of a run.
+const RUN: u32 = 12;
+
+struct Subject {
+    name: String,
+    engine: Engine,
+    alpha: bool,
+    reference: u32,
+}
 
 struct Picture {
     film: Film,
     rays: f64,
     seconds: f64,
-    estimate: Option<(f64, f64)>,
+    estimate: Option<EstimatedError>,
+}
+
+/// What targets were met.
+#[derive(Default)]
+struct Met {
+    points: u32,
+    met: u32,
+    honest: u32,
+    close: u32,
+}
+
+impl Met {
+    fn add(
+        &mut self,
+        found: f64,
+        target: f32,
+        EstimatedError { value, deviation, hidden }: EstimatedError,
+    ) -> bool {
+        let is_met = found <= f64::from(target);
+        self.points += 1;
+        self.met += u32::from(is_met);
+        self.honest += u32::from(is_met || found <= (value + 2.0 * deviation).hypot(hidden));
+        self.close += u32::from((0.8..=2.0).contains(&(value / found)) || found < 0.05);
+        is_met
+    }
+
+    fn tell(&self) {
+        let Self { points, met, honest, close } = self;
+        println!(
+            "\n{met} of {points} within the target; {honest} so or reported; {close} estimates between 0.8 and 2 times the error"
+        );
+    }
 }
 
 fn main() {
-    let wanted: Vec<String> = std::env::args().skip(1).filter(|name| !name.starts_with('-')).collect();
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
+    let (run, wanted): (Vec<String>, Vec<String>) = words.into_iter().partition(|word| word == "run");
     let wants = |name: &str| wanted.is_empty() || wanted.iter().any(|wanted| name == wanted);
-    let scenes: Vec<(String, Engine, bool)> = hard_scenes()
-        .into_iter()
-        .map(|scene| {
-            let loaded = Scene::from_text(scene.name, scene.text).unwrap_or_else(|error| panic!("{error}"));
-            (scene.name.to_owned(), Engine::from_scene(loaded), scene.alpha)
-        })
-        .chain(shipped())
-        .filter(|(name, ..)| wants(name))
-        .collect();
+    let hard = hard_scenes().into_iter().map(|scene| {
+        let loaded = Scene::from_text(scene.name, scene.text).unwrap_or_else(|error| panic!("{error}"));
+        let (name, engine) = (scene.name.to_owned(), Engine::from_scene(loaded));
+        Subject { name, engine, alpha: scene.alpha, reference: REFERENCE[0] }
+    });
+    let subjects = hard.chain(shipped()).filter(|subject| wants(&subject.name));
+    if run.is_empty() { prices(subjects) } else { runs(subjects) }
+}
+
+/// Measures errors and prices of a frame of each subject, on one thread.
+fn prices(subjects: impl Iterator<Item = Subject>) {
     println!(
         "| scene | target | true error | estimate | samples a pixel | cheapest uniform | rays / its | time / its |"
     );
     println!("|---|---|---|---|---|---|---|---|");
-    let (mut points, mut met, mut honest, mut close, mut prices) = (0, 0, 0, 0, Vec::new());
-    for (name, mut engine, alpha) in scenes {
-        let open = Knobs { instants: Some(256), ..Knobs::default() };
-        let reference = render(
-            &mut engine,
-            Knobs { samples: Some(REFERENCE), max_error: Some(0.0), seed: Some(99), ..open },
-            alpha,
-        );
-        let transfer = engine.film_settings().transfer;
-        let error = |film: &Film| FilmError::between(film, &reference.film, transfer).rms;
-        let uniform: Vec<(u32, f64, f64, f64)> = UNIFORM
+    let (mut met, mut prices) = (Met::default(), Vec::new());
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    for mut subject in subjects {
+        let (name, reference) = (subject.name.clone(), reference(&mut subject, FRAME));
+        let transfer = subject.engine.film_settings().transfer;
+        let error = |film: &Film| FilmError::between(film, &reference, transfer).rms;
+        // Processor time is counted in ticks of some milliseconds: as many pictures as it takes for many of them.
+        let mut timed = |knobs: Knobs| {
+            pool.install(|| {
+                let (start, mut count) = (Spent::now(), 0.0);
+                loop {
+                    let picture = render(&mut subject, FRAME, knobs);
+                    count += 1.0;
+                    let seconds = Spent::now().since(start).as_secs_f64();
+                    if seconds > LONG {
+                        return Picture { seconds: seconds / count, ..picture };
+                    }
+                }
+            })
+        };
+        let uniform: Vec<(u32, f64, Picture)> = UNIFORM
             .into_iter()
             .map(|samples| {
-                let picture = render(
-                    &mut engine,
-                    Knobs { samples: Some(samples), max_error: Some(0.0), ..open },
-                    alpha,
-                );
-                (samples, error(&picture.film), picture.rays, picture.seconds)
+                let instants = Some(samples.min(256));
+                let knobs =
+                    Knobs { samples: Some(samples), max_error: Some(0.0), instants, ..Knobs::default() };
+                let picture = timed(knobs);
+                (samples, error(&picture.film), picture)
             })
             .collect();
         for target in TARGETS {
-            let picture = render(
-                &mut engine,
-                Knobs { samples: Some(65_536), max_error: Some(target), ..Knobs::default() },
-                alpha,
-            );
-            let (estimate, deviation) = picture.estimate.unwrap();
-            let (found, film) = (error(&picture.film), engine.film_settings());
-            let samples = picture.rays / f64::from(film.width * film.height);
-            let cheapest = uniform.iter().find(|(_, error, ..)| *error <= f64::from(target));
-            let price =
-                cheapest.map_or("| more than 512 | | |".to_owned(), |(count, error, rays, seconds)| {
-                    prices.push(picture.seconds / seconds);
-                    format!(
-                        "| {count} ({error:.2}) | {:.2} | {:.2} |",
-                        picture.rays / rays,
-                        picture.seconds / seconds
-                    )
-                });
-            points += 1;
-            let is_met = found <= f64::from(target);
-            met += u32::from(is_met);
-            honest += u32::from(is_met || found <= estimate + 2.0 * deviation);
-            close += u32::from((0.8..=2.0).contains(&(estimate / found)) || found < 0.05);
+            let picture = timed(Knobs { samples: Some(65_536), max_error: Some(target), ..Knobs::default() });
+            let estimate = picture.estimate.unwrap();
+            let found = error(&picture.film);
+            let samples = picture.rays / f64::from(picture.film.width() * picture.film.height());
+            let cheapest = uniform.iter().find(|(_, error, _)| *error <= f64::from(target));
+            let price = cheapest.map_or("| more than 512 | | |".to_owned(), |(count, error, cheapest)| {
+                let price = picture.seconds / cheapest.seconds;
+                prices.push(price);
+                format!("| {count} ({error:.2}) | {:.2} | {price:.2} |", picture.rays / cheapest.rays)
+            });
+            let mark = if met.add(found, target, estimate) { "" } else { " !" };
             println!(
-                "| {name} | {target} | {found:.2}{} | {estimate:.2} ± {deviation:.2} | {samples:.1} {price}",
-                if is_met { "" } else { " !" }
+                "| {} | {target} | {found:.2}{mark} | {:.2} ± {:.2} + {:.2} | {samples:.1} {price}",
+                name, estimate.value, estimate.deviation, estimate.hidden
             );
         }
     }
+    met.tell();
     prices.sort_by(f64::total_cmp);
-    println!(
-        "\n{met} of {points} within the target; {honest} so or reported; {close} estimates between 0.8 and 2 times the error; time / that of the \
-         cheapest uniform: median {:.2}, most {:.2}",
-        prices[prices.len() / 2],
-        prices.last().unwrap()
-    );
+    if let (Some(median), Some(most)) = (prices.get(prices.len() / 2), prices.last()) {
+        let dear = prices.iter().filter(|price| **price > 1.3).count();
+        println!(
+            "time / that of the cheapest uniform: median {median:.2}, most {most:.2}, above 1.3 in {dear} of {} points",
+            prices.len()
+        );
+    }
 }
 
-fn shipped() -> impl Iterator<Item = (String, Engine, bool)> {
+/// Measures the errors of several frames of each subject.
+fn runs(subjects: impl Iterator<Item = Subject>) {
+    println!("| scene | target | true errors, frame by frame | estimates |");
+    println!("|---|---|---|---|");
+    let mut met = Met::default();
+    for mut subject in subjects {
+        let references: Vec<Film> = (0..RUN).map(|frame| reference(&mut subject, frame)).collect();
+        let transfer = subject.engine.film_settings().transfer;
+        for target in TARGETS {
+            let (mut errors, mut estimates) = (Vec::new(), Vec::new());
+            for (frame, reference) in (0..RUN).zip(&references) {
+                let knobs = Knobs { samples: Some(65_536), max_error: Some(target), ..Knobs::default() };
+                let picture = render(&mut subject, frame, knobs);
+                let found = FilmError::between(&picture.film, reference, transfer).rms;
+                let mark = if met.add(found, target, picture.estimate.unwrap()) { "" } else { "!" };
+                errors.push(format!("{found:.2}{mark}"));
+                estimates.push(format!("{:.2}", picture.estimate.unwrap().value));
+            }
+            println!("| {} | {target} | {} | {} |", subject.name, errors.join(" "), estimates.join(" "));
+        }
+    }
+    met.tell();
+}
+
+fn reference(subject: &mut Subject, frame: u32) -> Film {
+    let samples = Some(subject.reference);
+    let knobs =
+        Knobs { samples, max_error: Some(0.0), seed: Some(99), instants: Some(256), ..Knobs::default() };
+    render(subject, frame, knobs).film
+}
+
+fn shipped() -> impl Iterator<Item = Subject> {
     const SCENES: [&str; 10] = [
         "first_light",
         "chess_morning",
@@ -130,17 +210,16 @@ fn shipped() -> impl Iterator<Item = (String, Engine, bool)> {
         for film in engine.world_mut().query_mut::<&mut rayreel::components::FilmSettings>() {
             (film.width, film.height) = (240, 135);
         }
-        (scene.to_owned(), engine, false)
+        Subject { name: scene.to_owned(), engine, alpha: false, reference: REFERENCE[1] }
     })
 }
 
 /// Renders a frame with these settings; of alpha, where that is what is hard.
-fn render(engine: &mut Engine, knobs: Knobs, alpha: bool) -> Picture {
+fn render(Subject { engine, alpha, .. }: &mut Subject, frame: u32, knobs: Knobs) -> Picture {
     engine.set_knobs(knobs);
-    let time = engine.timeline().time_of(FRAME);
+    let time = engine.timeline().time_of(frame);
     let never = AtomicBool::new(false);
-    let start = Instant::now();
-    let film = if alpha {
+    let film = if *alpha {
         let picture =
             engine.render_alpha_on(time, Signals::unless(&never), &mut |_| Continue(())).unwrap().unwrap();
         let alpha = picture.alpha;
@@ -155,8 +234,7 @@ fn render(engine: &mut Engine, knobs: Knobs, alpha: bool) -> Picture {
     } else {
         engine.render_at(time).unwrap()
     };
-    let seconds = start.elapsed().as_secs_f64();
     let report = engine.report();
     let rays = report.rays.camera as f64;
-    Picture { film, rays, seconds, estimate: report.error.map(|error| (error.rms, error.deviation)) }
+    Picture { film, rays, seconds: 0.0, estimate: report.error }
 }

@@ -71,7 +71,7 @@
 //! | `output` | frame files, sequences, sheets | trace, color, time | png, exr, gif, blake3, rayon |
 //! | `sequence` | sequences in folders: what is done, what is to be rendered, what is whole | engine, trace, output, time | rayon |
 //! | `live` | watching and reloading scenes, the preview's server and page | color, time, components, scene, systems, engine, accuracy, trace, output | hecs, notify, axum, hyper_util, tokio, futures_util, serde, serde_json |
-//! | `main`, `cli` | arguments to settings to calls, and all printing; binary only | rayreel | glam, clap, clap_complete, clap_mangen, csv, indicatif, ctrlc, libc, signal_hook, anyhow, base64, libm, perf_event, rayon, serde, serde_json |
+//! | `main`, `cli` | arguments to settings to calls, and all printing; binary only | rayreel | glam, clap, clap_complete, clap_mangen, csv, indicatif, ctrlc, libc, signal_hook, anyhow, base64, libm, perf_event, rayon, serde, serde_json, tempfile |
 
 pub mod accuracy;
 pub mod animation;

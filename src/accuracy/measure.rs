@@ -275,8 +275,9 @@ impl Gauge<'_> {
             rendered.films.push(self.sized(film));
             rendered.seconds += (report.animate + report.prepare + report.trace).as_secs_f64();
             rendered.rays += report.rays;
-            let largest =
-                |one: EstimatedError, other: EstimatedError| if one.rms < other.rms { other } else { one };
+            let largest = |one: EstimatedError, other: EstimatedError| {
+                if one.value < other.value { other } else { one }
+            };
             rendered.estimated = rendered.estimated.into_iter().chain(report.error).reduce(largest);
             self.work.done += samples(&variant.knobs, self.work.own) / self.times.len() as f64;
         }
@@ -413,7 +414,7 @@ fn best_alone(subject: Subject, own: OwnSettings, reach: Reach) -> Option<Varian
 /// Returns the most samples of a pixel, if that kept a picture from its target.
 fn capped(subject: Subject, variant: &Variant, estimated: Option<EstimatedError>) -> Option<u32> {
     match (subject, estimated) {
-        (Subject::Knob(Knob::MaxError, target), Some(error)) if error.rms > target => variant.knobs.samples,
+        (Subject::Knob(Knob::MaxError, target), Some(error)) if error.value > target => variant.knobs.samples,
         _ => None,
     }
 }

@@ -18,8 +18,8 @@ use rayreel::trace::{Passes, Precision};
 use rayreel::{Effect, Time};
 
 use super::values::{
-    parse_cutoff, parse_depth, parse_duration, parse_effect, parse_index, parse_max_error, parse_movie,
-    parse_pixel, parse_samples, parse_sheet, parse_size, parse_threads,
+    parse_cutoff, parse_depth, parse_duration, parse_effect, parse_index, parse_max_error, parse_min_samples,
+    parse_movie, parse_norm, parse_pixel, parse_samples, parse_sheet, parse_size, parse_threads,
 };
 
 pub(super) use measuring::{AccuracyArguments, CompareArguments};
@@ -154,7 +154,7 @@ pub(super) struct RenderArguments {
     /// the 255 steps of a colour. 0 follows them all [default: the scene's own]
     #[arg(long, value_name = "STEPS", value_parser = parse_cutoff, allow_hyphen_values = true)]
     pub(super) cutoff: Option<f32>,
-    /// Add samples where they are needed until the estimated RMS error of each frame is at most this many 8-bit levels; a frame depends
+    /// Add samples where they are needed until the estimated error of each frame is at most this many 8-bit levels, RMS or --norm; a frame depends
     /// on no other frame. --samples is the most that a pixel gets [default of that: 65536]
     #[arg(long, value_name = "STEPS", value_parser = parse_max_error, allow_hyphen_values = true, conflicts_with_all = ["deadline", "settings", "draft"])]
     pub(super) max_error: Option<f32>,
@@ -216,6 +216,12 @@ pub(super) struct OverrideArguments {
     /// Samples per pixel: --set sampling.samples=COUNT
     #[arg(long, value_name = "COUNT", value_parser = parse_samples, allow_hyphen_values = true)]
     samples: Option<Override>,
+    /// The fewest samples of a pixel with an error target: --set sampling.min_samples=COUNT
+    #[arg(long, value_name = "COUNT", value_parser = parse_min_samples, allow_hyphen_values = true)]
+    min_samples: Option<Override>,
+    /// The norm of an error target: rms, max or p99, the 99th percentile: --set sampling.norm=Rms
+    #[arg(long, value_name = "NORM", value_parser = parse_norm)]
+    norm: Option<Override>,
     /// Generations of rays: --set quality.depth=COUNT
     #[arg(long, value_name = "COUNT", value_parser = parse_depth, allow_hyphen_values = true)]
     depth: Option<Override>,
@@ -237,7 +243,8 @@ impl OverrideArguments {
 
     /// Returns all values, in the order in which they are put in.
     pub(super) fn all(&self) -> Vec<Override> {
-        self.samples.iter().chain(&self.depth).chain(&self.values).cloned().collect()
+        let counts = self.samples.iter().chain(&self.min_samples).chain(&self.norm).chain(&self.depth);
+        counts.chain(&self.values).cloned().collect()
     }
 }
 

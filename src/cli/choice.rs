@@ -11,13 +11,15 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, anyhow};
 
-use rayreel::accuracy::{Deadline, FrameSamples, Ladder, Pilot};
-use rayreel::components::{FilmSettings, Sampling};
+use rayreel::Engine;
+use rayreel::accuracy::FrameSamples;
+use rayreel::components::Sampling;
 use rayreel::output::folder_of;
 use rayreel::sequence::Shot;
-use rayreel::{Engine, FrameReport};
+use rayreel::trace::EstimatedError;
 
 use super::args::RenderArguments;
+use super::deadline::Paced;
 use super::exit::Failure;
 use super::settings::RenderSettings;
 use super::settings_file::{FrameSettings, Picture, SettingsFile};
@@ -27,8 +29,6 @@ pub(super) struct Choice {
     by: By,
     /// Where the chosen ones are written, and with them those of other frames in the same folder.
     record: Option<Record>,
-    /// The time that it took to find out what can be had.
-    pilot: Duration,
     start: Instant,
     /// When the frame in hand was begun.
     begun: Instant,
@@ -42,7 +42,7 @@ enum By {
     Scene,
     /// One for all frames.
     Error(FrameSamples),
-    Deadline(Box<Deadline>, Duration),
+    Deadline(Paced),
     /// What an earlier run has written.
     Settings(SettingsFile),
 }
@@ -52,13 +52,17 @@ struct Record {
     file: PathBuf,
     settings: SettingsFile,
     scene: PathBuf,
-    written: Instant,
+    /// In seconds.
+    deadline: Option<f64>,
+    /// When it is to be written again.
+    due: Instant,
     /// Whether each frame has a file of its own. Of a sheet there is all or nothing.
     is_of_files: bool,
     /// The pictures that were noted.
     noted: BTreeSet<Picture>,
-    /// The frames that are not as good as they were to be, as far as their pixels tell.
+    /// The frames that are not as good as they were to be, as far as their pixels tell, and those that may be worse than that.
     worse: Vec<(String, f64)>,
+    hidden: Vec<(String, f64)>,
 }
 
 /// What is told of the choice in the end.
@@ -68,8 +72,6 @@ pub(super) struct Chosen {
     pub(super) file: PathBuf,
     /// The frames for which they were chosen.
     pub(super) frames: usize,
-    /// The time of finding out what could be had.
-    pub(super) pilot: Duration,
     /// What was not reached, in words.
     pub(super) missed: Option<String>,
 }
@@ -86,89 +88,104 @@ impl Choice {
         settings: &RenderSettings,
         (start, cancelled): (Instant, &AtomicBool),
     ) -> Result<Option<Self>, Failure> {
-        let begun = Instant::now();
         ensure_unset(arguments)?;
+        let record = match arguments.max_error.is_some() || arguments.deadline.is_some() {
+            true => Some(Record::new(settings, &arguments.scene, arguments.deadline)?),
+            false => None,
+        };
         let by = if let Some(error) = arguments.max_error {
             let samples = arguments.overrides.samples().unwrap_or(Sampling::LARGEST_COUNT);
-            Some(By::Error(FrameSamples::for_error(error, samples)))
-        } else if let Some(within) = arguments.deadline {
-            let deadline = deadline(engine, settings, (within, start), cancelled)?;
-            deadline.map(|deadline| By::Deadline(Box::new(deadline), within))
+            By::Error(FrameSamples::for_error(error, samples))
+        } else if let (Some(within), Some(record)) = (arguments.deadline, &record) {
+            let known = &record.settings;
+            match Paced::new(
+                engine,
+                (settings, known),
+                arguments.movie.as_deref(),
+                (start, within),
+                cancelled,
+            )? {
+                Some(paced) => By::Deadline(paced),
+                None => return Ok(None),
+            }
         } else if let Some(file) = &arguments.settings {
-            Some(By::Settings(read(file, settings)?))
+            By::Settings(read(file, settings)?)
         } else {
-            Some(By::Scene)
+            By::Scene
         };
-        let Some(by) = by else { return Ok(None) };
-        let record = match &by {
-            By::Error(_) | By::Deadline(..) => Some(Record::new(settings, &arguments.scene)?),
-            By::Scene | By::Settings(_) => None,
-        };
-        Ok(Some(Self { by, record, pilot: begun.elapsed(), start, begun, samples: None }))
+        Ok(Some(Self { by, record, start, begun: start, samples: None }))
     }
 
-    /// Sets the engine up for a frame.
+    /// Sets the engine up for looking whether a frame is done already.
     pub(super) fn begin(&mut self, engine: &mut Engine, shot: &Shot) {
         self.begun = Instant::now();
-        self.samples = match &mut self.by {
+        self.samples = match &self.by {
             By::Scene => None,
-            By::Error(samples) => Some(*samples),
-            By::Deadline(deadline, _) => Some(deadline.next(self.start.elapsed())),
+            By::Error(samples) => Some(samples.clone()),
+            By::Deadline(_) => self.record.as_ref().and_then(|record| record.of_deadline(shot)),
             By::Settings(settings) => settings.samples_of(shot),
         };
-        if let Some(samples) = self.samples {
-            engine.set_knobs(samples.knobs());
+        if let Some(samples) = &self.samples {
+            samples.set_up(engine);
+        }
+    }
+
+    /// Sets the engine up for rendering it.
+    pub(super) fn render(&mut self, engine: &mut Engine) {
+        if let By::Deadline(paced) = &mut self.by {
+            self.samples = Some(paced.begin(engine));
         }
     }
 
     /// Notes that it was done already.
     pub(super) fn keep(&mut self, shot: &Shot) {
-        if let By::Deadline(deadline, _) = &mut self.by {
-            deadline.skip();
+        if let By::Deadline(paced) = &mut self.by {
+            paced.keep();
         }
         if let Some(record) = &mut self.record {
-            record.note_kept(self.samples, shot);
+            record.note_kept(self.samples.clone(), shot);
         }
     }
 
     /// Notes what became of it.
     pub(super) fn end(&mut self, engine: &Engine, shot: &Shot) -> anyhow::Result<()> {
         let took = self.begun.elapsed();
-        if let By::Deadline(deadline, _) = &mut self.by {
-            deadline.note(took);
+        if let By::Deadline(paced) = &mut self.by {
+            paced.end();
         }
-        let report = *engine.report();
-        let Some(record) = &mut self.record else { return Ok(()) };
-        let (film, Some(samples)) = (engine.film_settings(), self.samples) else { return Ok(()) };
-        record.note((film, &report), samples, shot, took);
-        /// Long sequences may come to an end that nobody has foreseen.
-        const EVERY: Duration = Duration::from_secs(2);
-        let is_due = record.is_of_files && record.written.elapsed() > EVERY;
-        if is_due { record.write(self.pilot) } else { Ok(()) }
+        let (Some(record), Some(samples)) = (&mut self.record, self.samples.take()) else { return Ok(()) };
+        let rounds = matches!(self.by, By::Deadline(_)).then(|| engine.rounds().to_vec());
+        record.note(engine, FrameSamples { rounds, ..samples }, shot, took);
+        record.write_if_due()
+    }
+
+    /// Notes that a frame is written.
+    pub(super) fn written(&mut self, took: Duration) {
+        if let By::Deadline(paced) = &mut self.by {
+            paced.written(took);
+        }
+    }
+
+    /// Returns by how much the deadline is over, in words, if it is.
+    pub(super) fn late(&self) -> Option<String> {
+        let By::Deadline(paced) = &self.by else { return None };
+        paced.late(self.start.elapsed())
     }
 
     /// Writes what was chosen beside the frames. Returns what is to be told of it, if anything was.
-    pub(super) fn finish(mut self) -> anyhow::Result<Option<Chosen>> {
+    pub(super) fn finish(&mut self) -> anyhow::Result<Option<Chosen>> {
         let Some(mut record) = self.record.take().filter(|record| !record.noted.is_empty()) else {
             return Ok(None);
         };
-        record.write(self.pilot)?;
-        let took = self.start.elapsed();
-        let missed = match &self.by {
-            By::Deadline(_, within) if took > *within => Some(format!(
-                "the frames took {:.1} s longer than the {:.1} s they were given",
-                (took - *within).as_secs_f64(),
-                within.as_secs_f64()
-            )),
-            _ => record.worse(),
-        };
-        Ok(Some(Chosen { file: record.file, frames: record.noted.len(), pilot: self.pilot, missed }))
+        record.write()?;
+        let missed = self.late().or_else(|| record.worse());
+        Ok(Some(Chosen { file: record.file, frames: record.noted.len(), missed }))
     }
 }
 
 impl Record {
     /// Reads what is there of other frames.
-    fn new(settings: &RenderSettings, scene: &Path) -> anyhow::Result<Self> {
+    fn new(settings: &RenderSettings, scene: &Path, deadline: Option<Duration>) -> anyhow::Result<Self> {
         let file = settings.file_of_settings();
         let known = if file.exists() {
             SettingsFile::read(&file).context(
@@ -177,23 +194,39 @@ impl Record {
         } else {
             SettingsFile::default()
         };
-        let (scene, written) = (scene.to_owned(), Instant::now());
+        let deadline = deadline.map(|deadline| deadline.as_secs_f64());
+        let (scene, due) = (scene.to_owned(), Instant::now());
         let is_of_files = settings.sheet.is_none();
         let noted = BTreeSet::new();
-        Ok(Self { file, settings: known, scene, written, is_of_files, noted, worse: Vec::new() })
+        Ok(Self {
+            file,
+            settings: known,
+            scene,
+            deadline,
+            due,
+            is_of_files,
+            noted,
+            worse: Vec::new(),
+            hidden: Vec::new(),
+        })
     }
 
     fn note(
         &mut self,
-        (film, report): (FilmSettings, &FrameReport),
-        FrameSamples { samples, max_error }: FrameSamples,
+        engine: &Engine,
+        FrameSamples { samples, max_error, rounds }: FrameSamples,
         shot: &Shot,
         took: Duration,
     ) {
-        let error = report.error.map(|error| error.rms);
-        if let Some(error) = error.filter(|error| max_error > 0.0 && *error > f64::from(max_error)) {
-            self.worse.push((shot.moment(), error));
+        let (film, report) = (engine.film_settings(), engine.report());
+        if let Some(EstimatedError { value, hidden, .. }) = report.error.filter(|_| rounds.is_none()) {
+            if value > f64::from(max_error) {
+                self.worse.push((shot.moment(), value));
+            } else if value.hypot(hidden) > f64::from(max_error) {
+                self.hidden.push((shot.moment(), hidden));
+            }
         }
+        let error = report.error.map(|error| error.value);
         self.noted.insert(Picture::of_shot(shot));
         self.settings.put(FrameSettings {
             frame: shot.frame,
@@ -203,12 +236,19 @@ impl Record {
             estimated_error: error,
             samples_per_pixel: report.rays.camera as f64 / (f64::from(film.width) * f64::from(film.height)),
             seconds: took.as_secs_f64(),
+            deadline_seconds: self.deadline,
+            rounds,
         });
+    }
+
+    /// Returns the samples that a frame got for the same deadline.
+    fn of_deadline(&self, shot: &Shot) -> Option<FrameSamples> {
+        Some(self.settings.of_deadline(shot, self.deadline?)?.0)
     }
 
     /// Notes the samples of a frame that was done already, unless more is known of it.
     fn note_kept(&mut self, samples: Option<FrameSamples>, shot: &Shot) {
-        let Some(FrameSamples { samples, max_error }) = samples else { return };
+        let Some(FrameSamples { samples, max_error, rounds }) = samples else { return };
         self.noted.insert(Picture::of_shot(shot));
         if self.settings.samples_of(shot).is_none() {
             self.settings.put(FrameSettings {
@@ -219,33 +259,58 @@ impl Record {
                 estimated_error: None,
                 samples_per_pixel: 0.0,
                 seconds: 0.0,
+                deadline_seconds: self.deadline,
+                rounds,
             });
         }
     }
 
     /// Writes what is known, with what other processes have written of other frames meanwhile.
-    fn write(&mut self, pilot: Duration) -> anyhow::Result<()> {
-        self.written = Instant::now();
+    fn write(&mut self) -> anyhow::Result<()> {
+        let begun = Instant::now();
         // Others wait with their own until this is there. Where folders have no locks, nobody does.
         let folder = File::open(folder_of(&self.file));
         let _lock = folder.and_then(|folder| folder.lock().map(|()| folder)).ok();
         if self.file.exists() {
             self.settings.put_others(SettingsFile::read(&self.file)?, &self.noted);
         }
-        self.settings.write(&self.file, &self.scene, pilot.as_secs_f64())
+        self.settings.write(&self.file, &self.scene)?;
+        // It takes a thirtieth of the time at most.
+        self.due = Instant::now() + 30 * begun.elapsed();
+        Ok(())
     }
 
-    /// Names the worst of the frames that are not as good as they were to be.
+    /// Writes what is known from time to time: long sequences may come to an end that nobody has foreseen.
+    fn write_if_due(&mut self) -> anyhow::Result<()> {
+        if self.is_of_files && Instant::now() >= self.due { self.write() } else { Ok(()) }
+    }
+
+    /// Names the worst of the frames that are not as good as they were to be, or may not be.
     fn worse(&self) -> Option<String> {
-        let (moment, error) = self.worse.iter().max_by(|(_, one), (_, other)| one.total_cmp(other))?;
-        let others = match self.worse.len() {
-            1 => String::new(),
-            2 => ", and 1 other frame is worse than asked for".to_owned(),
-            count => format!(", and {} other frames are worse than asked for", count - 1),
+        let worst = |frames: &[(String, f64)]| {
+            let (moment, error) = frames.iter().max_by(|(_, one), (_, other)| one.total_cmp(other))?;
+            let others = match frames.len() {
+                1 => String::new(),
+                2 => ", and 1 other frame too".to_owned(),
+                count => format!(", and {} other frames too", count - 1),
+            };
+            Some((moment.clone(), *error, others))
         };
-        Some(format!(
-            "{moment} is off by about {error:.2} with all the samples that its pixels may get{others}"
-        ))
+        let limited = worst(&self.worse).map(|(moment, error, others)| {
+            format!(
+                "{moment} is off by about {error:.2} with all the samples that its pixels may get{others}"
+            )
+        });
+        let hidden = worst(&self.hidden).map(|(moment, error, others)| {
+            format!(
+                "{moment} may be off by up to {error:.2} more, by small bright things in mirrors or glass that no sample has met{others}: \
+                 --min-samples finds them"
+            )
+        });
+        match (limited, hidden) {
+            (Some(limited), Some(hidden)) => Some(format!("{limited}; {hidden}")),
+            (limited, hidden) => limited.or(hidden),
+        }
     }
 }
 
@@ -273,48 +338,4 @@ fn read(file: &Path, settings: &RenderSettings) -> anyhow::Result<SettingsFile> 
         Some(shot) => Err(anyhow!("`{}` has no settings for {}", file.display(), shot.moment())),
         None => Ok(known),
     }
-}
-
-/// Plans a sequence within a time. `None` if it was cancelled.
-fn deadline(
-    engine: &mut Engine,
-    settings: &RenderSettings,
-    (within, start): (Duration, Instant),
-    cancelled: &AtomicBool,
-) -> Result<Option<Deadline>, Failure> {
-    /// The part of the time in which it is found out how long frames take.
-    const PILOT: u32 = 20;
-    let Some(ladder) = Ladder::measure(engine, &pilot(settings), within / PILOT, cancelled)? else {
-        return Ok(None);
-    };
-    let count = settings.count();
-    let deadline = Deadline::new(ladder, within, u32::try_from(count).unwrap_or(u32::MAX));
-    let least = deadline.least();
-    if least > within.saturating_sub(start.elapsed()) {
-        let (frames, take) = if count == 1 {
-            ("1 frame".to_owned(), "it takes")
-        } else {
-            (format!("{count} frames"), "they take")
-        };
-        return Err(anyhow!(
-            "{frames} cannot be rendered within {}: with one sample per pixel {take} about {}; give more time, a smaller --size, fewer \
-             --frames, or --draft",
-            in_words(within),
-            in_words(least + start.elapsed())
-        )
-        .into());
-    }
-    Ok(Some(deadline))
-}
-
-/// Writes a time as `90 s` or `0.4 s`.
-fn in_words(time: Duration) -> String {
-    let seconds = time.as_secs_f64();
-    let decimals = if seconds < 0.1 { 3 } else { usize::from(seconds < 10.0) };
-    format!("{seconds:.decimals$} s")
-}
-
-/// Returns what is rendered to find out what the pictures take.
-fn pilot(settings: &RenderSettings) -> Pilot {
-    Pilot::new(settings.count(), |place| settings.time_of(place))
 }

@@ -9,6 +9,7 @@ mod check;
 mod choice;
 mod compare;
 mod completions;
+mod deadline;
 mod draft;
 mod exit;
 mod explain;

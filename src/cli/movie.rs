@@ -11,7 +11,7 @@ use std::thread;
 use anyhow::{Context, anyhow, bail, ensure};
 
 use rayreel::output::{
-    LoopFormat, LoopWriter, PartialFile, folder_of, gif_delays, read_frame, remove_leftovers,
+    FrameFormat, LoopFormat, LoopWriter, PartialFile, folder_of, gif_delays, read_frame, remove_leftovers,
 };
 use rayreel::time::{FrameRate, Timeline};
 use rayreel::trace::EncodedFilm;
@@ -165,11 +165,20 @@ pub(super) fn make(
     rate: FrameRate,
     cancelled: &AtomicBool,
 ) -> anyhow::Result<bool> {
-    let maker = Maker::of(movie).map_err(|message| anyhow!(message))?;
     let frames: Vec<u32> = settings.ascending().filter_map(|shot| shot.frame).collect();
-    let rate = played(rate, &frames);
-    let (format, unwritable) = (settings.sequence.format(), format!("cannot write `{}`", movie.display()));
-    let files: Vec<PathBuf> = settings.ascending().map(|shot| shot.file(&settings.sequence)).collect();
+    let files = settings.ascending().map(|shot| shot.file(&settings.sequence)).collect();
+    make_of(movie, (files, settings.sequence.format()), played(rate, &frames), cancelled)
+}
+
+/// Makes a movie of these files. Returns `false` after cancellation; then nothing is left of it.
+pub(super) fn make_of(
+    movie: &Path,
+    (files, format): (Vec<PathBuf>, FrameFormat),
+    rate: FrameRate,
+    cancelled: &AtomicBool,
+) -> anyhow::Result<bool> {
+    let maker = Maker::of(movie).map_err(|message| anyhow!(message))?;
+    let unwritable = format!("cannot write `{}`", movie.display());
     let count = u32::try_from(files.len()).context("there are too many frames")?;
     let read = move |file: &PathBuf| {
         read_frame(file, format)

@@ -29,7 +29,7 @@ pub(super) fn result_line(text: &str) -> anyhow::Result<()> {
 
 /// The version of what is said in JSON, in every object that stands alone. It is raised when a field goes or means something else; others
 /// may come at any time.
-const JSON_VERSION: u32 = 1;
+const JSON_VERSION: u32 = 2;
 
 /// Writes a JSON value: an object, or a list of them.
 pub(super) fn json(value: Value) -> anyhow::Result<()> {

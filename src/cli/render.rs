@@ -105,6 +105,11 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
         remarks.warnings.iter().for_each(|warning| warn(arguments, warning));
         remarks.notes.iter().for_each(|remark| note(arguments, remark));
         note(arguments, &format!("the movie is in {}", movie.display()));
+        if report.chosen.is_some_and(|chosen| chosen.missed.is_none())
+            && let Some(late) = choice.late()
+        {
+            warn(arguments, &late);
+        }
     }
     Ok(())
 }
@@ -147,14 +152,12 @@ fn tell(
     if let Some(changed) = report.changed.in_words() {
         note(arguments, &changed);
     }
-    if let Some(Chosen { file, frames, pilot, missed }) = &report.chosen {
+    if let Some(Chosen { file, frames, missed }) = &report.chosen {
         let frames = if *frames == 1 { "frame".to_owned() } else { format!("{frames} frames") };
-        let (file, pilot) = (file.display(), pilot.as_secs_f64());
+        let file = file.display();
         note(
             arguments,
-            &format!(
-                "the samples are in {file}, chosen in {pilot:.2} s; --settings with that file gives the same {frames} again"
-            ),
+            &format!("the samples are in {file}; --settings with that file gives the same {frames} again"),
         );
         if let Some(missed) = missed {
             warn(arguments, missed);
@@ -229,6 +232,10 @@ impl SequenceObserver for Reporter<'_> {
         self.choice.begin(engine, shot);
     }
 
+    fn render(&mut self, engine: &mut Engine, _: &Shot) {
+        self.choice.render(engine);
+    }
+
     fn kept(&mut self, engine: &Engine, shot: &Shot) -> ControlFlow<()> {
         self.report.warnings.look(engine, &shot.moment());
         self.choice.keep(shot);
@@ -255,6 +262,7 @@ impl SequenceObserver for Reporter<'_> {
     }
 
     fn written(&mut self, _: &Shot, duration: Duration) {
+        self.choice.written(duration);
         let Some(shot) = self.unwritten.pop_front() else { return };
         let shot = shot.written(duration);
         self.progress.done(&shot);

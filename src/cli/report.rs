@@ -99,7 +99,6 @@ impl RenderReport {
             "peak_memory_bytes": peak_memory(),
             "interrupted": self.interrupted,
             "settings": self.chosen.as_ref().map(|chosen| chosen.file.display().to_string()),
-            "pilot_seconds": self.chosen.as_ref().map(|chosen| chosen.pilot.as_secs_f64()),
             "missed": self.chosen.as_ref().and_then(|chosen| chosen.missed.clone()),
             "sheet": self.sheet.as_ref().map(SheetReport::to_json),
             "warnings": self.warnings.to_json(sources),
@@ -217,8 +216,13 @@ impl ShotReport {
         let kinds = kinds.into_iter().filter(|(count, _)| *count > 0);
         let kinds = kinds.map(|(count, name)| format!("{} {name}", in_millions(count as f64)));
         let rays = kinds.collect::<Vec<_>>().join(", ");
-        let error = error.map_or_else(String::new, |EstimatedError { rms, deviation }| {
-            format!("; off by about {rms:.2} (± {deviation:.2})")
+        let error = error.map_or_else(String::new, |EstimatedError { value, deviation, hidden }| {
+            let beside = if hidden > deviation {
+                format!(", and {hidden:.2} by what may be hidden")
+            } else {
+                String::new()
+            };
+            format!("; off by about {value:.2} (± {deviation:.2}){beside}")
         });
         format!("{phases}; rays: {rays}{error}")
     }
@@ -257,8 +261,9 @@ impl ShotReport {
                 "reflection": reflection,
                 "refraction": refraction,
             },
-            "estimated_error": self.cost.error.map(|error| error.rms),
+            "estimated_error": self.cost.error.map(|error| error.value),
             "estimated_error_deviation": self.cost.error.map(|error| error.deviation),
+            "hidden_error": self.cost.error.map(|error| error.hidden),
             "needed": self.needed.iter().map(|effect| effect.name()).collect::<Vec<_>>(),
             "not_followed": { "depth": depth, "cutoff": cutoff },
             "guards": { "open": ambiguous, "contested": contested, "rough": rough, "overflowed": overflowed },

@@ -139,18 +139,6 @@ impl RenderSettings {
         self.selection.count()
     }
 
-    /// Returns the time of a picture by its place among all.
-    pub(super) fn time_of(&self, place: usize) -> Time {
-        match &self.selection {
-            Selection::Moment(time) => *time,
-            Selection::Nothing => Time::ZERO,
-            Selection::Frames(frames, timeline) => {
-                let last = frames.last();
-                timeline.time_of(frames.frames().nth(place).unwrap_or(last))
-            }
-        }
-    }
-
     /// Returns the file of the samples that are chosen.
     pub(super) fn file_of_settings(&self) -> PathBuf {
         if self.sheet.is_some() { self.sequence.sheet_settings() } else { self.sequence.settings() }

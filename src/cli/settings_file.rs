@@ -26,7 +26,7 @@ pub(super) enum Picture {
 }
 
 /// What was chosen for a frame.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct FrameSettings {
     /// `null` for a moment that is no frame.
     pub(super) frame: Option<u32>,
@@ -41,6 +41,12 @@ pub(super) struct FrameSettings {
     pub(super) samples_per_pixel: f64,
     #[serde(default)]
     pub(super) seconds: f64,
+    /// The deadline that they were chosen for, if it was one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) deadline_seconds: Option<f64>,
+    /// The least gains of the rounds, if they do not follow from `max_error`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) rounds: Option<Vec<u32>>,
 }
 
 /// What stands in the file.
@@ -50,8 +56,6 @@ struct Content {
     rayreel: String,
     #[serde(default)]
     scene: String,
-    #[serde(default)]
-    pilot_seconds: f64,
     frames: Vec<FrameSettings>,
 }
 
@@ -83,9 +87,15 @@ impl SettingsFile {
 
     /// Returns the samples of a shot.
     pub(super) fn samples_of(&self, shot: &Shot) -> Option<FrameSamples> {
+        let FrameSettings { samples, max_error, rounds, .. } = self.frames.get(&Picture::of_shot(shot))?;
+        Some(FrameSamples { samples: *samples, max_error: *max_error, rounds: rounds.clone() })
+    }
+
+    /// Returns the samples that a shot got for a deadline, and the seconds that it took.
+    pub(super) fn of_deadline(&self, shot: &Shot, deadline: f64) -> Option<(FrameSamples, f64)> {
         let frame = self.frames.get(&Picture::of_shot(shot))?;
-        let FrameSettings { samples, max_error, .. } = *frame;
-        Some(FrameSamples { samples, max_error })
+        let is_it = frame.deadline_seconds == Some(deadline);
+        is_it.then(|| self.samples_of(shot)).flatten().map(|samples| (samples, frame.seconds))
     }
 
     /// Puts a frame in, in the place of what is known of it.
@@ -99,12 +109,11 @@ impl SettingsFile {
     }
 
     /// Writes it, whole or not at all.
-    pub(super) fn write(&self, file: &Path, scene: &Path, pilot_seconds: f64) -> anyhow::Result<()> {
+    pub(super) fn write(&self, file: &Path, scene: &Path) -> anyhow::Result<()> {
         let content = Content {
             rayreel: env!("CARGO_PKG_VERSION").to_owned(),
             scene: scene.display().to_string(),
-            pilot_seconds,
-            frames: self.frames.values().copied().collect(),
+            frames: self.frames.values().cloned().collect(),
         };
         Ok(write_bytes(file, format!("{}\n", serde_json::to_string_pretty(&content)?).as_bytes())?)
     }

@@ -27,6 +27,7 @@ pub(super) fn render(
     let mut stream = VideoStream::new(stdout(), format, engine.timeline().rate);
     for shot in settings.shots() {
         choice.begin(engine, &shot);
+        choice.render(engine);
         let film = engine.render_shot(&shot, cancelled, &mut |so_far| progress.rendering(&shot, so_far))?;
         let Some(film) = film else { return Ok(()) };
         choice.end(engine, &shot)?;

@@ -47,6 +47,17 @@ pub(super) fn parse_samples(text: &str) -> Result<Override, String> {
     parse_count("sampling.samples", text)
 }
 
+pub(super) fn parse_min_samples(text: &str) -> Result<Override, String> {
+    parse_count("sampling.min_samples", text)
+}
+
+pub(super) fn parse_norm(text: &str) -> Result<Override, String> {
+    let norms = [("rms", "Rms"), ("max", "Max"), ("p99", "P99")];
+    let name = norms.into_iter().find(|(name, _)| *name == text.trim().to_ascii_lowercase());
+    let (_, word) = name.ok_or("write rms, max or p99")?;
+    format!("sampling.norm={word}").parse().map_err(|error: OverrideError| error.to_string())
+}
+
 pub(super) fn parse_depth(text: &str) -> Result<Override, String> {
     parse_count("quality.depth", text)
 }

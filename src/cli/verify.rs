@@ -8,7 +8,6 @@ use anyhow::anyhow;
 use serde_json::json;
 
 use rayreel::Knobs;
-use rayreel::accuracy::FrameSamples;
 use rayreel::sequence::{FrameVerdict, SequenceVerdict, Surplus, VerifyError};
 use rayreel::time::FrameList;
 
@@ -45,7 +44,10 @@ pub(super) fn run(arguments: &VerifyArguments, interruption: &Interruption) -> R
     let verdict = engine.verify_sequence(&frames, &settings.sequence, |engine, shot| {
         bar.inc(1);
         let chosen = samples.as_ref().and_then(|samples| samples.samples_of(shot));
-        engine.set_knobs(chosen.map_or_else(Knobs::default, FrameSamples::knobs));
+        match chosen {
+            Some(samples) => samples.set_up(engine),
+            None => engine.set_knobs(Knobs::default()),
+        }
         if cancelled.load(Ordering::Relaxed) { Break(()) } else { Continue(()) }
     });
     bar.finish_and_clear();

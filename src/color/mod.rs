@@ -5,9 +5,11 @@
 //! crate knows about 255 or about sRGB.
 
 mod encoding;
+mod error_norm;
 mod transfer;
 
 pub use encoding::{Encoding, Linear};
+pub use error_norm::ErrorNorm;
 pub use transfer::Transfer;
 
 /// Linear RGB light: a radiance, an intensity or a reflectance per channel. 1.0 is full, more is brighter;

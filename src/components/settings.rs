@@ -1,6 +1,6 @@
 //! Settings of the whole scene. A world has at most one of each; the first in document order counts.
 
-use crate::color::{Rgb, Transfer};
+use crate::color::{ErrorNorm, Rgb, Transfer};
 
 /// The ambient light's intensity I_a, the same everywhere.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -69,10 +69,13 @@ pub struct Sampling {
     /// Samples per pixel, 1..=[`Self::LARGEST_COUNT`]. A single sample is in the pixel's centre; several are spread over the
     /// pixel, which is their mean. With a `max_error`, the most that a pixel gets; 1 sets no limit then.
     pub samples: u32,
-    /// The target for the picture's RMS error over pixels and channels, in steps of 8-bit output, 0..=[`Self::LARGEST_ERROR`]. Samples are
-    /// added where they are needed until the estimate of the error, [`FrameReport::error`](crate::FrameReport::error), meets it. 0
+    /// The fewest samples of a pixel with a `max_error`, 1..=[`Self::LARGEST_COUNT`], though not more than `samples`.
+    pub min_samples: u32,
+    /// The target for the picture's error in the `norm`, in steps of 8-bit output, 0..=[`Self::LARGEST_ERROR`]. Samples are added where they are needed until the estimate of the error, [`FrameReport::error`](crate::FrameReport::error), meets it. 0
     /// gives all pixels the same number.
     pub max_error: f32,
+    /// The norm of that error.
+    pub norm: ErrorNorm,
     /// The seed: another seed gives other samples.
     pub seed: u64,
     /// How the samples of different frames are related.
@@ -104,7 +107,15 @@ impl Sampling {
 
 impl Default for Sampling {
     fn default() -> Self {
-        Self { samples: 1, max_error: 0.0, seed: 0, noise: Noise::Fixed, instants: 16 }
+        Self {
+            samples: 1,
+            min_samples: 1,
+            max_error: 0.0,
+            norm: ErrorNorm::Rms,
+            seed: 0,
+            noise: Noise::Fixed,
+            instants: 16,
+        }
     }
 }
 

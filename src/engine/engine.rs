@@ -16,7 +16,7 @@ use crate::systems::{
 };
 use crate::time::Timeline;
 use crate::trace::reference::Reference;
-use crate::trace::{self, Effects, Lighting, Precision, SampleMemory, SimdLevel};
+use crate::trace::{self, Effects, Lighting, Precision, SampleMemory, SharedPace, SimdLevel};
 
 /// A world of entities that is rendered moment by moment.
 ///
@@ -96,6 +96,10 @@ pub struct Engine {
     pub(super) shutters: Option<Shutters>,
     pub(super) plan: Option<Plan>,
     pub(super) report: FrameReport,
+    /// What chooses the samples of rounds, if it is not the target.
+    pub(super) pace: Option<SharedPace>,
+    /// The least gains of the last picture's rounds, where a pace has chosen them.
+    pub(super) rounds: Vec<u32>,
     /// The last picture's, kept for their memory.
     pub(super) sample_memory: SampleMemory,
     pub(super) script_sources: ScriptSources,
@@ -176,6 +180,8 @@ impl Engine {
             knobs: Knobs::default(),
             shutters: None,
             plan: None,
+            pace: None,
+            rounds: Vec::new(),
             report: FrameReport::default(),
             sample_memory: SampleMemory::default(),
             script_sources: ScriptSources::default(),
@@ -298,6 +304,18 @@ impl Engine {
     /// Sets what frames are rendered with from now on in the place of the scene's own settings. Drafts keep to the scene's.
     pub fn set_knobs(&mut self, knobs: Knobs) {
         self.knobs = knobs;
+    }
+
+    /// Sets what chooses the samples of each round of pictures that have a target, in the place of the target.
+    pub fn set_pace(&mut self, pace: Option<SharedPace>) {
+        self.pace = pace;
+    }
+
+    /// Returns the least gains of the last picture's rounds, where a pace has chosen them: a [`Replay`](trace::Replay) of them gives the
+    /// same picture.
+    #[must_use]
+    pub fn rounds(&self) -> &[u32] {
+        &self.rounds
     }
 
     /// Returns what frames are rendered with in the place of the scene's own settings.

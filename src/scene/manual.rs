@@ -15,10 +15,10 @@ mod tests {
     use crate::scene::document::{
         AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument, ChannelDocument,
         CheckerDocument, EasingDocument, EntityDocument, FilmDocument, FogDocument, IncludeDocument,
-        LensDocument, LightDocument, MaterialDocument, NoiseDocument, QualityDocument, ReflectiveDocument,
-        RefractiveDocument, RepeatDocument, RotationDocument, SamplingDocument, SceneDocument,
-        ScreenDocument, ScriptDocument, ShapeDocument, SpecularDocument, TimelineDocument, TrackDocument,
-        TransferDocument, TransformDocument, Triple,
+        LensDocument, LightDocument, MaterialDocument, NoiseDocument, NormDocument, QualityDocument,
+        ReflectiveDocument, RefractiveDocument, RepeatDocument, RotationDocument, SamplingDocument,
+        SceneDocument, ScreenDocument, ScriptDocument, ShapeDocument, SpecularDocument, TimelineDocument,
+        TrackDocument, TransferDocument, TransformDocument, Triple,
     };
     use crate::scene::parse::options;
     use crate::script::Data;
@@ -139,6 +139,7 @@ mod tests {
         check_fields::<TransformDocument>("Transform", all);
         check_fields::<AnimationDocument>("Animation", all);
         check_variants::<TransferDocument>("Transfer", all);
+        check_variants::<NormDocument>("Norm", all);
         check_variants::<NoiseDocument>("Noise", all);
         check_variants::<RotationDocument>("Rotation", all);
         check_variants::<ChannelDocument>("Channel", all);

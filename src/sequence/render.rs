@@ -29,7 +29,7 @@ pub enum Existing {
 
 /// Hears what happens while shots are rendered.
 pub trait SequenceObserver {
-    /// A shot is looked at: what decides how it is rendered may be set now.
+    /// A shot is looked at: what decides how a file of it was rendered may be set now.
     fn begin(&mut self, _: &mut Engine, _: &Shot) {}
 
     /// It is done already. The engine is at its moment. What breaks here ends the sequence.
@@ -39,6 +39,9 @@ pub trait SequenceObserver {
 
     /// There is a file of it that cannot be kept; and what is wrong with it.
     fn rejected(&mut self, _: &Shot, _: &FrameVerdict) {}
+
+    /// It is to be rendered: what decides how may be set now.
+    fn render(&mut self, _: &mut Engine, _: &Shot) {}
 
     /// It takes longer than a second, and is so far. Comes once a second.
     fn rendering(&mut self, _: &Shot, _: ExposureProgress) {}
@@ -186,6 +189,7 @@ impl Engine {
                     break;
                 }
             }
+            observer.render(self, &shot);
             let mut all_good = true;
             let mut tell = |progress| {
                 for written in writer.written() {
@@ -272,7 +276,11 @@ impl Engine {
     }
 
     /// Returns what there is of a shot. What is to be overwritten counts as missing.
-    fn verdict(
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn verdict(
         &mut self,
         shot: &Shot,
         path: &Path,

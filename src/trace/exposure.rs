@@ -7,7 +7,8 @@ use rayon::prelude::*;
 
 use crate::color::{Encoding, Linear, Rgb};
 use crate::trace::adaptive::{
-    Adaptive, ErrorTarget, EstimatedError, InstantOrder, PixelMemory, PixelSums, SampleSums, block,
+    Adaptive, ErrorTarget, EstimatedError, InstantOrder, PixelMemory, PixelSums, SampleSums, SharedPace,
+    block,
 };
 use crate::trace::effects::Effects;
 use crate::trace::effort::Effort;
@@ -282,6 +283,9 @@ impl<E: Encoding> Exposure<E> {
         self.effort += effort;
         if let Some(adaptive) = &mut self.adaptive {
             features.iter().for_each(|(tile, features)| adaptive.note_features(tile, features));
+            if adaptive.wants_images() {
+                adaptive.note_images(&visibility::hidden_images(context.scene, context.camera));
+            }
         }
         whole
     }
@@ -313,18 +317,23 @@ impl<E: Encoding> Exposure<E> {
 
     /// Starts the next round after the present one, if the picture's error is not yet as small as it is meant to be. Returns whether there
     /// is one.
-    pub(crate) fn next_round(&mut self) -> bool {
+    pub(crate) fn next_round(&mut self, pace: Option<&SharedPace>) -> bool {
         let (Some(adaptive), Pixels::Sums(sums)) = (&mut self.adaptive, &self.pixels) else {
             return false;
         };
         self.done.clear();
         self.tiles.iter_mut().for_each(|exposed| exposed.batches = 0);
-        adaptive.judge(&SumsOfTiles { across: self.width.div_ceil(TILE) as usize, sums })
+        adaptive.judge(&SumsOfTiles { across: self.width.div_ceil(TILE) as usize, sums }, pace)
     }
 
     /// Returns the estimate of the picture's error, if it is meant to have one.
     pub(crate) fn estimated_error(&self) -> Option<EstimatedError> {
         self.adaptive.as_ref()?.error()
+    }
+
+    /// Returns the least gains of the rounds that a pace has chosen.
+    pub(crate) fn rounds(&self) -> &[u32] {
+        self.adaptive.as_ref().map_or(&[], Adaptive::rounds)
     }
 
     /// Returns the progress.

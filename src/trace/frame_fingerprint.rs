@@ -21,7 +21,7 @@ use crate::trace::scene::{Camera, PreparedScene};
 pub const SEMANTICS: u32 = 2;
 
 /// The version of how samples are chosen for an error: the same for frames that have a target alone.
-const ADAPTIVE_SEMANTICS: u32 = 2;
+const ADAPTIVE_SEMANTICS: u32 = 3;
 
 /// What identifies a picture: pictures of equal fingerprints have equal pixels.
 ///
@@ -47,6 +47,14 @@ impl FrameFingerprint {
     /// Returns that of a picture of no instant.
     pub(crate) fn of_nothing() -> Self {
         Self([0; 16])
+    }
+
+    /// Returns that of the same picture with rounds of these least gains.
+    pub(crate) fn with_rounds(self, rounds: &[u32]) -> Self {
+        let mut bytes = Bytes::default();
+        self.0.into_iter().for_each(|byte| bytes.count(byte));
+        rounds.iter().for_each(|least| bytes.count(*least));
+        FrameHasher(bytes).finish()
     }
 }
 
@@ -94,9 +102,11 @@ impl FrameHasher {
             Transfer::Classic => 1,
         });
         bytes.count(*samples);
-        bytes.number(target.map_or(0.0, |target| target.rms));
-        if target.is_some() {
+        bytes.number(target.map_or(0.0, |target| target.error));
+        if let Some(ErrorTarget { norm, least, .. }) = target {
             bytes.count(ADAPTIVE_SEMANTICS);
+            bytes.count(*norm as u64);
+            bytes.count(*least);
         }
         bytes.count(*lighting as u64);
         bytes.count(*instants);

@@ -94,8 +94,8 @@ mod tile_work;
 mod visibility;
 mod work_queue;
 
-pub use adaptive::EstimatedError;
-pub(crate) use adaptive::{Convergence, ErrorTarget, InstantOrder, block};
+pub(crate) use adaptive::{Convergence, ErrorTarget, InstantOrder, block, pace};
+pub use adaptive::{EstimatedError, Outlook, Pace, Replay, SharedPace};
 pub use effort::{RayCounts, TreeEnds};
 pub(crate) use exposure::{Developed, SampleMemory, SamplePlan};
 pub use exposure::{Exposure, ExposureProgress};

@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use crate::color::Rgb;
-use crate::trace::adaptive::{Adaptive, PixelMemory, PixelSums, SampleSums, block};
+use crate::trace::adaptive::{Adaptive, PixelMemory, PixelSums, SampleSums, SharedPace, block};
 use crate::trace::effects::{Effects, Lighting};
 use crate::trace::exposure::SamplePlan;
 use crate::trace::film::{AlphaFilm, Film};
@@ -17,7 +17,7 @@ use crate::trace::query::{Look, Scratch, SurfacePoint, closest};
 use crate::trace::rays::{Ray, RayView, ShapeId};
 use crate::trace::scene::{Camera, Light, Passage, PreparedScene};
 use crate::trace::stages::{Portion, TILE, Tile};
-use crate::trace::visibility::reference_features;
+use crate::trace::visibility::{hidden_images, reference_features};
 
 /// All rays of one sample of a pixel, breadth first.
 #[derive(Clone, Debug, PartialEq)]
@@ -164,6 +164,9 @@ impl<'a> Reference<'a> {
     pub(crate) fn add(&mut self, sums: &mut ReferenceSums, instant: u32) {
         let (columns, rows) = self.context.camera.resolution();
         let mut portions = Vec::new();
+        if let Some(adaptive) = sums.adaptive.as_mut().filter(|adaptive| adaptive.wants_images()) {
+            adaptive.note_images(&hidden_images(self.context.scene, self.context.camera));
+        }
         for (i, j) in tiles(columns, rows) {
             let tile = Tile { i, j, width: TILE.min(columns - i), height: TILE.min(rows - j) };
             sums.portions(&tile, instant, &mut portions);
@@ -297,9 +300,9 @@ impl ReferenceSums {
     }
 
     /// Starts the next round, if the picture's error is not yet as small as it is meant to be. Returns whether there is one.
-    pub(crate) fn next_round(&mut self) -> bool {
+    pub(crate) fn next_round(&mut self, pace: Option<&SharedPace>) -> bool {
         let Some(mut adaptive) = self.adaptive.take() else { return false };
-        let goes_on = adaptive.judge(&*self);
+        let goes_on = adaptive.judge(&*self, pace);
         self.adaptive = Some(adaptive);
         goes_on
     }

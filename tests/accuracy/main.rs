@@ -57,16 +57,17 @@ fn targets_are_met_where_geometry_shows_what_is_hard() {
             // The reference is off, too.
             let most = 1.1 * f64::from(target);
             assert!(found <= most, "{name}: {found:.2} for {target}, estimated {estimate:?}");
-            assert!(estimate.rms <= f64::from(target), "{name}: {estimate:?}");
+            assert!(estimate.value <= f64::from(target), "{name}: {estimate:?}");
         }
     }
 }
 
-/// What no geometry and no sample of the first rounds shows does not show in estimates either; audits bring most of it back.
+/// What no geometry and no sample of the first rounds shows does not show in estimates either; audits bring most of it back, and of images in
+/// mirrors it is known how much they may hide.
 #[test]
 fn estimates_are_near_the_truth_where_audits_find_what_is_hard() {
     for scene in hard_scenes() {
-        if !["glass", "mirrors", "penumbrae", "beyond white"].contains(&scene.name) {
+        if !["glass", "mirrors", "penumbrae", "beyond white", "glints", "fireflies"].contains(&scene.name) {
             continue;
         }
         let mut engine = engine(&scene);
@@ -74,8 +75,11 @@ fn estimates_are_near_the_truth_where_audits_find_what_is_hard() {
         let reference = render(&mut engine, long, false);
         for target in [4.0, 2.0] {
             let (found, estimate) = errors(&mut engine, false, &reference, target);
-            let most = f64::from(target).max(estimate.rms + 2.0 * estimate.deviation);
+            let EstimatedError { value, deviation, hidden } = estimate;
+            let most = f64::from(target).max((value + 2.0 * deviation).hypot(hidden));
             assert!(found <= 1.1 * most, "{}: {found:.2} for {target}, {estimate:?}", scene.name);
+            // Where no lamp is mirrored, little is said to be hidden.
+            assert!(hidden < value || scene.name == "fireflies", "{}: {estimate:?}", scene.name);
         }
     }
 }

@@ -9,6 +9,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestCaseResult};
 use serde_json::Value;
 
+use rayreel::color::ErrorNorm;
 use rayreel::components::{
     Ambient, AreaShape, Background, Camera, Checker, Falloff, FilmSettings, Fog, Follow, Lens, Light,
     LightKind, LookAt, Material, Noise, Parent, Projection, Quality, Reflective, Refractive, Sampling, Shape,
@@ -213,10 +214,12 @@ fn settings() -> impl Strategy<Value = Settings> {
     let depth = prop_oneof![Just(0u32), Just(1), Just(3), Just(u32::MAX)];
     let quality = (depth, single()).prop_map(|(depth, cutoff)| Quality { depth, cutoff });
     let few = || prop_oneof![Just(0u32), Just(1), Just(3)];
-    let sampling = (few(), single(), any::<u64>(), few());
-    let sampling = sampling.prop_map(|(samples, max_error, seed, instants)| Sampling {
+    let sampling = (few(), few(), single(), any::<u64>(), few());
+    let sampling = sampling.prop_map(|(samples, min_samples, max_error, seed, instants)| Sampling {
         samples,
+        min_samples,
         max_error,
+        norm: ErrorNorm::Rms,
         seed,
         instants,
         noise: Noise::Fixed,

@@ -1,6 +1,6 @@
 //! What a scene file says is what the world's components hold, then and at every moment.
 
-use rayreel::color::Transfer;
+use rayreel::color::{ErrorNorm, Transfer};
 use rayreel::components::{
     AreaShape, Background, Camera, Checker, Falloff, FilmSettings, Fog, Light, LightKind, Name, Noise,
     Quality, Refractive, Sampling, Transform,
@@ -115,10 +115,18 @@ fn shutter_instants_and_cutoff_are_what_is_written() {
     assert_eq!(setting::<Camera>(&world).unwrap().shutter, None);
     let text =
         "Scene(camera: (position: (0, 0, -5), view: (0, 0, 1), shutter: 0.5), quality: (depth: 3, cutoff: 2),
-        sampling: (samples: 64, max_error: 0.5, instants: 8, seed: 5, noise: PerFrame))";
+        sampling: (samples: 64, min_samples: 2, max_error: 0.5, norm: P99, instants: 8, seed: 5, noise: PerFrame))";
     let world = Scene::from_text("test.ron", text.to_owned()).unwrap().world;
     assert_eq!(setting::<Quality>(&world), Some(Quality { depth: 3, cutoff: 2.0 }));
-    let sampling = Sampling { samples: 64, max_error: 0.5, seed: 5, noise: Noise::PerFrame, instants: 8 };
+    let sampling = Sampling {
+        samples: 64,
+        min_samples: 2,
+        max_error: 0.5,
+        norm: ErrorNorm::P99,
+        seed: 5,
+        noise: Noise::PerFrame,
+        instants: 8,
+    };
     assert_eq!(setting::<Sampling>(&world), Some(sampling));
     assert_eq!(setting::<Camera>(&world).unwrap().shutter, Some(0.5));
 }

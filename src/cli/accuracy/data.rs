@@ -67,7 +67,7 @@ fn row(row: &Row, report: &Report) -> Value {
         "instructions": row.instructions,
         "error": error(&row.error, Some((row.similarity, report.rms_range(row)))),
         "alone": error(&row.alone, None),
-        "estimated": row.estimated.map(|error| json!({ "rms": error.rms, "deviation": error.deviation })),
+        "estimated": row.estimated.map(|error| json!({ "value": error.value, "deviation": error.deviation })),
         "capped": row.capped,
         "share": without.map(|_| {
             let share = row.share();

@@ -71,7 +71,7 @@ pub(super) fn notes(report: &Report, is_quick: bool) -> Vec<String> {
     let capped = || report.rows.iter().filter(|row| row.capped.is_some());
     if let Some(samples) = capped().find_map(|row| row.capped) {
         let missed = capped()
-            .filter_map(|row| Some(format!("{} (estimated {})", row.subject, error(row.estimated?.rms))));
+            .filter_map(|row| Some(format!("{} (estimated {})", row.subject, error(row.estimated?.value))));
         notes.push(format!(
             "^ Capped at {samples} samples per pixel, too few for the target, and so not on the front: {}.{}",
             missed.collect::<Vec<_>>().join(", "),
@@ -172,7 +172,7 @@ pub(super) fn cell(row: &Row, head: &str) -> String {
         _ => "",
     };
     let estimated = |error_of: rayreel::trace::EstimatedError| {
-        format!("{} ±{}", error(error_of.rms), error(error_of.deviation))
+        format!("{} ±{}", error(error_of.value), error(error_of.deviation))
     };
     match head {
         "" => mark.to_owned(),
@@ -246,7 +246,7 @@ mod tests {
     }
 
     fn report() -> Report {
-        let estimated = Some(EstimatedError { rms: 2.5, deviation: 0.125 });
+        let estimated = Some(EstimatedError { value: 2.5, deviation: 0.125, hidden: 0.0 });
         let capped =
             |error| Row { estimated, capped: Some(32), ..row(Subject::Knob(Knob::MaxError, error), 2.5, 32) };
         let reference = Reference {

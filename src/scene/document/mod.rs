@@ -19,8 +19,8 @@ pub(super) use entity::{
 };
 pub(super) use include::IncludeDocument;
 pub(super) use settings::{
-    CameraDocument, FilmDocument, FogDocument, NoiseDocument, QualityDocument, SamplingDocument,
-    SceneDocument, ShotDocument, TimelineDocument, TransferDocument,
+    CameraDocument, FilmDocument, FogDocument, NoiseDocument, NormDocument, QualityDocument,
+    SamplingDocument, SceneDocument, ShotDocument, TimelineDocument, TransferDocument,
 };
 pub(super) use values::{
     BackgroundDocument, ColorDocument, Entries, OffsetDocument, RateDocument, ScaleDocument, Triple, whole,

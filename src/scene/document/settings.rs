@@ -129,7 +129,10 @@ impl Default for QualityDocument {
 pub(crate) struct SamplingDocument {
     #[serde(deserialize_with = "whole")]
     pub(crate) samples: u64,
+    #[serde(deserialize_with = "whole")]
+    pub(crate) min_samples: u64,
     pub(crate) max_error: f64,
+    pub(crate) norm: NormDocument,
     #[serde(deserialize_with = "whole")]
     pub(crate) instants: u64,
     #[serde(deserialize_with = "whole")]
@@ -139,8 +142,25 @@ pub(crate) struct SamplingDocument {
 
 impl Default for SamplingDocument {
     fn default() -> Self {
-        Self { samples: 1, max_error: 0.0, instants: 16, seed: 0, noise: NoiseDocument::Fixed }
+        Self {
+            samples: 1,
+            min_samples: 1,
+            max_error: 0.0,
+            norm: NormDocument::Rms,
+            instants: 16,
+            seed: 0,
+            noise: NoiseDocument::Fixed,
+        }
     }
+}
+
+/// The norm of errors.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(rename = "Norm")]
+pub(crate) enum NormDocument {
+    Rms,
+    Max,
+    P99,
 }
 
 /// The change of noise from frame to frame.

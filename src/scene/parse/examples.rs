@@ -10,7 +10,7 @@ pub(super) struct Example {
     pub(super) forms: &'static [&'static str],
 }
 
-const EXAMPLES: [Example; 10] = [
+const EXAMPLES: [Example; 11] = [
     Example {
         name: "Rotation",
         noun: "a rotation",
@@ -62,6 +62,7 @@ const EXAMPLES: [Example; 10] = [
     },
     Example { name: "Repeat", noun: "a way to repeat", forms: &["Clamp", "Loop", "PingPong"] },
     Example { name: "Transfer", noun: "a transfer", forms: &["Classic", "Srgb"] },
+    Example { name: "Norm", noun: "a norm of errors", forms: &["Rms", "Max", "P99"] },
     Example { name: "Noise", noun: "a kind of noise", forms: &["Fixed", "PerFrame"] },
 ];
 
@@ -107,8 +108,8 @@ mod tests {
 
     use super::*;
     use crate::scene::document::{
-        AreaShapeDocument, ChannelDocument, EasingDocument, LightDocument, NoiseDocument, RepeatDocument,
-        RotationDocument, ScriptDocument, ShapeDocument, TrackDocument, TransferDocument,
+        AreaShapeDocument, ChannelDocument, EasingDocument, LightDocument, NoiseDocument, NormDocument,
+        RepeatDocument, RotationDocument, ScriptDocument, ShapeDocument, TrackDocument, TransferDocument,
     };
     use crate::scene::parse::options;
 
@@ -141,6 +142,7 @@ mod tests {
         check::<EasingDocument>("Easing");
         check::<RepeatDocument>("Repeat");
         check::<TransferDocument>("Transfer");
+        check::<NormDocument>("Norm");
         check::<NoiseDocument>("Noise");
         check::<ChannelDocument>("Channel");
     }

@@ -11,14 +11,14 @@ use hecs::{Entity, EntityBuilder, World};
 use self::entities::{Links, Surface, surface};
 use super::document::{
     AnimationDocument, BackgroundDocument, CameraDocument, EasingDocument, FilmDocument, KeyDocument,
-    NoiseDocument, QualityDocument, RotationDocument, SamplingDocument, ScaleDocument, SceneDocument,
-    ShotDocument, TimelineDocument, TrackDocument, TracksDocument, TransferDocument, Triple,
+    NoiseDocument, NormDocument, QualityDocument, RotationDocument, SamplingDocument, ScaleDocument,
+    SceneDocument, ShotDocument, TimelineDocument, TrackDocument, TracksDocument, TransferDocument, Triple,
 };
 use super::files::Merged;
 use super::paths::motion_along;
 use super::playback::{ValueDocument, keys, playback};
 use crate::animation::{Interpolate, Notation, Playback, Rotation, Track};
-use crate::color::{Rgb, Transfer};
+use crate::color::{ErrorNorm, Rgb, Transfer};
 use crate::components::{
     Ambient, Animated, Background, Camera, Channel, FilmSettings, Fog, Follow, Lens, LookAt, Motion, Name,
     Noise, Parent, Projection, Quality, Sampling, ScriptId, ShortTurn, Shot, Shots, Transform, View,
@@ -173,7 +173,13 @@ fn sampling(document: &SamplingDocument) -> Sampling {
     let count = |count: u64| u32::try_from(count).unwrap_or(u32::MAX);
     Sampling {
         samples: count(document.samples),
+        min_samples: count(document.min_samples),
         max_error: single(document.max_error),
+        norm: match document.norm {
+            NormDocument::Rms => ErrorNorm::Rms,
+            NormDocument::Max => ErrorNorm::Max,
+            NormDocument::P99 => ErrorNorm::P99,
+        },
         seed: document.seed,
         noise,
         instants: count(document.instants),

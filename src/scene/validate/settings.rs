@@ -59,10 +59,12 @@ fn sampling(document: &SamplingDocument, at: &At<'_>, problems: &mut Problems) {
     let help = "1 is the pixel's centre alone, 16 gives smooth edges";
     let most = Sampling::LARGEST_COUNT;
     check::count(document.samples, most, "samples", help, &at.field("samples"), problems);
+    let help = "write how many samples each pixel takes at least where there is a max_error, as 16";
+    check::count(document.min_samples, most, "min_samples", help, &at.field("min_samples"), problems);
     let largest = f64::from(Sampling::LARGEST_ERROR);
     if !(0.0..=largest).contains(&document.max_error) {
         let message = format!("max_error must be from 0 to {largest}, not {}", Figure(document.max_error));
-        let help = "write by how many steps of 8-bit output the picture may be off, as its root mean square, as in 0.5; 0 gives every pixel as many samples";
+        let help = "write by how many steps of 8-bit output the picture may be off, in its norm, as in 0.5; 0 gives every pixel as many samples";
         problems.add(&at.field("max_error"), message, "out of range", help);
     }
     let help = "write at how many moments, at most, things are drawn while the shutter is open, as 16";

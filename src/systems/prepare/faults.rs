@@ -324,6 +324,12 @@ fn setting_faults(world: &World, faults: &mut Vec<Fault>) {
     check(setting(world, |checked, sampling: &Sampling| {
         let most = Sampling::LARGEST_COUNT.into();
         checked.number("number of samples", sampling.samples.into(), (1.0, most), "from 1 to 65536");
+        checked.number(
+            "least number of samples",
+            sampling.min_samples.into(),
+            (1.0, most),
+            "from 1 to 65536",
+        );
         let most = Sampling::LARGEST_ERROR.into();
         checked.number("largest error", sampling.max_error.into(), (0.0, most), "from 0 to 255");
         let most = Sampling::LARGEST_INSTANTS.into();

@@ -204,10 +204,12 @@ impl Preparation {
 
     /// Returns how good the picture at so many instants is meant to be, if that is said. Of a single sample in each pixel nothing is known.
     pub(crate) fn error_target(&self, is_open: bool) -> Option<ErrorTarget> {
-        let rms = f64::from(self.sampling.max_error);
+        let error = f64::from(self.sampling.max_error);
         let convergence = Convergence::of(&self.scene, &self.camera, is_open);
-        (rms > 0.0 && self.sampling.samples > 1).then_some(ErrorTarget {
-            rms,
+        (error > 0.0 && self.sampling.samples > 1).then_some(ErrorTarget {
+            error,
+            norm: self.sampling.norm,
+            least: self.sampling.min_samples,
             transfer: self.film.transfer,
             convergence,
         })

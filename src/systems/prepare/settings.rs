@@ -56,7 +56,8 @@ pub(super) fn sane_sampling(sampling: Sampling) -> Sampling {
     let instants = sampling.instants.clamp(1, Sampling::LARGEST_INSTANTS);
     let max_error =
         if sampling.max_error > 0.0 { sampling.max_error.min(Sampling::LARGEST_ERROR) } else { 0.0 };
-    Sampling { samples, instants, max_error, ..sampling }
+    let min_samples = sampling.min_samples.clamp(1, most);
+    Sampling { samples, min_samples, instants, max_error, ..sampling }
 }
 
 /// Converts steps of 8 bits to linear light. Where output is encoded as sRGB, steps are finest near black.

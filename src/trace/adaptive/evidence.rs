@@ -1,6 +1,8 @@
 //! The square error of each pixel, from its samples and from what geometry knows of it.
 
+use super::needs::Gain;
 use super::output_curve::OutputCurve;
+use crate::color::ErrorNorm;
 use crate::trace::visibility::{Covering, Feature};
 
 /// The sums of a pixel's samples.
@@ -65,6 +67,18 @@ impl Pixel {
             _ if self.feature.radiance > 0.0 => Class::Small,
             _ => Class::Edge,
         }
+    }
+
+    /// Returns how many samples it has after a round in which it takes some, `most` at most: twice as many.
+    pub(super) fn next_goal(&self, most: u32) -> u32 {
+        (2 * self.taken).max(FEWEST).min(most)
+    }
+
+    /// Returns what more samples of it promise.
+    #[inline(always)]
+    pub(super) fn gain(&self, norm: ErrorNorm, chance: u32) -> Gain {
+        let count = single(f64::from(self.taken.max(1)));
+        Gain::of(if norm == ErrorNorm::Rms { self.square / count } else { self.square }, chance)
     }
 
     /// Takes the samples of a round into account.

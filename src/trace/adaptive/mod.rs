@@ -27,25 +27,32 @@ mod evidence;
 mod instants;
 mod needs;
 mod output_curve;
+pub(crate) mod pace;
+
+use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use crate::color::Transfer;
+use crate::color::{ErrorNorm, Transfer};
 use crate::trace::math::LANES;
 use crate::trace::scene::{Camera, PreparedScene};
 use crate::trace::stages::{Portion, TILE, TILE_PIXELS, Tile};
-use crate::trace::visibility::{Covering, Feature, TileFeatures};
+use crate::trace::visibility::{Covering, Feature, Image, TileFeatures};
 pub(crate) use evidence::PixelSums;
 use evidence::{CLASSES, Class, FEWEST, Neighbours, Pixel};
 pub(crate) use instants::{InstantOrder, block};
 use needs::{Gain, SquaresByGain};
 use output_curve::OutputCurve;
+pub use pace::{Outlook, Pace, Replay, SharedPace};
 
 /// The error that a picture may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ErrorTarget {
-    /// The root of the mean square over pixels and channels, in output values: steps of 8 bits. Greater than 0.
-    pub(crate) rms: f64,
+    /// In output values: steps of 8 bits. Greater than 0.
+    pub(crate) error: f64,
+    pub(crate) norm: ErrorNorm,
+    /// The fewest samples of a pixel.
+    pub(crate) least: u32,
     /// How light becomes output values.
     pub(crate) transfer: Transfer,
     pub(crate) convergence: Convergence,
@@ -80,10 +87,13 @@ impl Convergence {
 /// The estimate of a picture's error, in output values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EstimatedError {
-    /// The root of the mean square over pixels and channels.
-    pub rms: f64,
+    /// In the norm of the target: the root of the mean square over pixels and channels, the largest, or the 99th percentile.
+    pub value: f64,
     /// Its standard deviation: how far the estimate may be off.
     pub deviation: f64,
+    /// The root of the mean square of the errors that images of small shapes in mirrors and glass may make beside it, if they are where no
+    /// sample was taken: what is expected of all that the scene may show, an upper bound for most scenes.
+    pub hidden: f64,
 }
 
 /// The part of the target that is aimed at: estimates scatter.
@@ -126,6 +136,10 @@ pub(crate) struct Adaptive {
     /// By class: by what estimates are multiplied.
     scales: [Scale; CLASSES],
     error: Option<EstimatedError>,
+    /// The sums of the squares of errors that images make if they are missed, by quarters of the powers of two of their areas.
+    images: Option<BTreeMap<i32, f64>>,
+    /// The least gains of the rounds that a pace has chosen.
+    rounds: Vec<u32>,
 }
 
 /// How a class's estimates are corrected.
@@ -159,14 +173,26 @@ impl Adaptive {
         PixelMemory { mut pixels }: PixelMemory,
     ) -> Self {
         let size = (columns.max(1) as usize, rows.max(1) as usize);
-        let wide = starts_wide || order.count() > 1;
-        let goal = (if wide { FEWEST } else { 1 }).min(most);
+        let wide = starts_wide || order.count() > 1 || target.least >= FEWEST;
+        let goal = (if wide { FEWEST } else { 1 }).max(target.least).min(most);
         pixels.clear();
         pixels.resize(size.0 * size.1, Pixel { goal, apart: -1.0, audited: wide, ..Pixel::default() });
         let falls = [0.5, target.convergence.of_doubling(), 0.5];
         let scales = falls.map(|falls| Scale { factor: 1.0, falls, uncertain: 0.25 });
         let curve = OutputCurve::of(target.transfer);
-        Self { target, curve, size, most, order, round: 0, pixels, scales, error: None }
+        Self {
+            target,
+            curve,
+            size,
+            most,
+            order,
+            round: 0,
+            pixels,
+            scales,
+            error: None,
+            images: None,
+            rounds: Vec::new(),
+        }
     }
 
     /// Returns the memory.
@@ -179,9 +205,49 @@ impl Adaptive {
         self.error
     }
 
+    /// Returns the least gains of the rounds that a pace has chosen.
+    pub(crate) fn rounds(&self) -> &[u32] {
+        &self.rounds
+    }
+
     /// Returns whether geometry is to be searched for the features of pixels in this round: while it shows new instants.
     pub(crate) fn wants_features(&self) -> bool {
         self.round == 0 || (self.order.count() > 1 && self.pixels_most() <= self.order.count())
+    }
+
+    /// Returns whether images in mirrors and glass are to be searched.
+    pub(crate) fn wants_images(&self) -> bool {
+        self.images.is_none()
+    }
+
+    /// Notes the images in mirrors and glass that the picture may show.
+    pub(crate) fn note_images(&mut self, found: &[Image]) {
+        let mut images = BTreeMap::new();
+        for Image { area, radiance, count } in found {
+            #[expect(clippy::cast_possible_truncation, reason = "of a few pixels")]
+            let size = libm::floor(4.0 * libm::log2(*area)) as i32;
+            let change = f64::from(self.curve.value(radiance * evidence::single(area.min(1.0))));
+            *images.entry(size).or_insert(0.0) += count * change * change * area.max(1.0);
+        }
+        self.images = Some(images);
+    }
+
+    /// Returns the mean square of the errors of images that no sample may have met.
+    fn hidden_square(&self) -> f64 {
+        let Some(images) = self.images.as_ref().filter(|images| !images.is_empty()) else { return 0.0 };
+        let (pixels, samples) = self
+            .pixels
+            .iter()
+            .filter(|pixel| pixel.class() == Class::Plain)
+            .fold((0.0, 0.0), |(pixels, samples), pixel| (pixels + 1.0, samples + f64::from(pixel.taken)));
+        if pixels == 0.0 {
+            return 0.0;
+        }
+        let missed = |(size, square): (&i32, &f64)| {
+            let area = libm::exp2((f64::from(*size) + 0.5) / 4.0);
+            square * libm::exp(-area * samples / pixels)
+        };
+        images.iter().map(missed).sum::<f64>() / self.pixels.len() as f64
     }
 
     fn pixels_most(&self) -> u32 {
@@ -246,8 +312,9 @@ impl Adaptive {
         }
     }
 
-    /// Estimates errors after a round, and chooses the samples of the next one. Returns `false` if the picture is done.
-    pub(crate) fn judge(&mut self, sums: &impl SampleSums) -> bool {
+    /// Estimates errors after a round, and chooses the samples of the next one: those that the target asks for, or a pace. Returns `false` if
+    /// the picture is done.
+    pub(crate) fn judge(&mut self, sums: &impl SampleSums, pace: Option<&SharedPace>) -> bool {
         let (width, curve) = (self.size.0, self.curve);
         let (edges, alpha) = (self.target.convergence == Convergence::Edges, sums.have_alpha());
         // Update pixels, and remember how far their halves were apart before.
@@ -290,10 +357,10 @@ impl Adaptive {
             .collect();
         self.measure_scales(&doubled, &squares);
         let factors = self.scales.map(|scale| evidence::single(scale.factor));
-        let (most, gained): (u32, Vec<SquaresByGain>) = {
-            let most = self.most;
-            let bands = self.pixels.par_chunks_mut(width * BAND).zip(squares.par_chunks(BAND));
-            let sums = bands.map(|(pixels, squares)| {
+        let (most, norm) = (self.most, self.norm(pace));
+        let bands = self.pixels.par_chunks_mut(width * BAND).zip(squares.par_chunks(BAND));
+        let gained: Vec<SquaresByGain> = bands
+            .map(|(pixels, squares)| {
                 let mut sums = SquaresByGain::default();
                 for (pixel, square) in pixels.iter_mut().zip(squares.iter().flatten()) {
                     let square = square * factors[pixel.class() as usize];
@@ -303,25 +370,16 @@ impl Adaptive {
                     pixel.square =
                         if is_known { pixel.square.max(square.min(2.0 * pixel.square)) } else { square };
                     pixel.known = pixel.taken;
-                    sums.add(pixel.square, pixel.taken, pixel.taken < most);
+                    sums.add(pixel.gain(norm, 0), pixel.square, pixel.next_goal(most) - pixel.taken);
                 }
                 sums
-            });
-            (most, sums.collect())
-        };
-        self.note_error();
-        let count = self.pixels.len() as f64;
-        let aim = AIM * self.target.rms;
-        let reached = self.error.is_some_and(|error| error.rms <= aim);
-        if reached && self.round > 0 {
-            return false;
-        }
+            })
+            .collect();
         let mut gains = SquaresByGain::default();
-        gained.iter().for_each(|row| gains += row);
-        let least = if reached {
-            Gain::BEYOND
-        } else {
-            gains.least_for(aim * aim * count, self.scales[Class::Edge as usize].falls)
+        gained.iter().for_each(|band| gains += band);
+        self.note_error(norm, &gains);
+        let Some(least) = self.least_gain(&gains, pace) else {
+            return self.end();
         };
         let (round, part) = (self.round, AUDITED[usize::from(self.round > 0)]);
         self.round += 1;
@@ -330,13 +388,13 @@ impl Adaptive {
             .map(|(row, pixels)| {
                 let mut any = false;
                 for (column, pixel) in pixels.iter_mut().enumerate().filter(|(_, pixel)| pixel.taken < most) {
-                    let gains = pixel.square > 0.0 && Gain::of(pixel.square, pixel.taken) >= least;
+                    let gains = pixel.square > 0.0 && pixel.gain(norm, mixed_place((column, row))) >= least;
                     let audits = !gains
                         && pixel.class() == Class::Plain
                         && !pixel.audited
                         && is_audited((column, row), round, part);
                     if gains || audits {
-                        pixel.goal = (2 * pixel.taken).max(FEWEST).min(most);
+                        pixel.goal = pixel.next_goal(most);
                         pixel.audited |= audits;
                         // An audit alone is no reason for another round, but for the first.
                         any |= gains || round == 0;
@@ -345,9 +403,45 @@ impl Adaptive {
                 any
             })
             .collect();
-        if active.contains(&true) {
-            return true;
+        active.contains(&true) || self.end()
+    }
+
+    /// Returns the norm that pixels are chosen by: a pace knows only one.
+    fn norm(&self, pace: Option<&SharedPace>) -> ErrorNorm {
+        if pace.is_some() { ErrorNorm::Rms } else { self.target.norm }
+    }
+
+    /// Returns the least gain with which samples are doubled in the next round; `None` if there is no further one.
+    fn least_gain(&mut self, gains: &SquaresByGain, pace: Option<&SharedPace>) -> Option<Gain> {
+        let (error, aim) = (self.error?, AIM * self.target.error);
+        if error.value <= aim {
+            // The first round is always audited.
+            return (self.round == 0).then_some(Gain::BEYOND);
         }
+        let falls = self.scales[Class::Edge as usize].falls;
+        let pixels = self.pixels.len() as f64;
+        let Some(pace) = pace else {
+            return Some(match beyond(self.target.norm) {
+                None => gains.least_for(aim * aim * pixels, falls).0,
+                Some(beyond) => gains.least_to_exceed(aim, beyond(pixels)),
+            });
+        };
+        let samples = self.pixels.iter().map(|pixel| f64::from(pixel.taken)).sum();
+        let least = pace::locked(pace).least_gain(&Outlook { gains, pixels, falls, error, samples })?;
+        // At least one pixel is sampled: of few, none may have enough by chance.
+        let width = self.size.0;
+        let may_get_more = |(_, pixel): &(usize, &Pixel)| pixel.taken < self.most && pixel.square > 0.0;
+        let of = |(place, pixel): (usize, &Pixel)| {
+            pixel.gain(ErrorNorm::Rms, mixed_place((place % width, place / width)))
+        };
+        let largest = self.pixels.par_iter().enumerate().filter(may_get_more).map(of).max()?;
+        let least = largest.min(least.into());
+        self.rounds.push(least.into());
+        Some(least)
+    }
+
+    /// Ends the picture.
+    fn end(&mut self) -> bool {
         self.pixels.par_iter_mut().for_each(|pixel| pixel.goal = pixel.taken);
         false
     }
@@ -438,7 +532,7 @@ impl Adaptive {
     }
 
     /// Notes the picture's error.
-    fn note_error(&mut self) {
+    fn note_error(&mut self, norm: ErrorNorm, gains: &SquaresByGain) {
         let mut sums = [(0.0, 0.0_f64); CLASSES];
         for row in self.pixels.chunks(self.size.0) {
             for pixel in row {
@@ -452,25 +546,42 @@ impl Adaptive {
         let rms = square.sqrt();
         let deviation =
             if rms > 0.0 { variance.sqrt() / self.pixels.len() as f64 / (2.0 * rms) } else { 0.0 };
-        self.error = Some(EstimatedError { rms, deviation });
+        let value = beyond(norm).map_or(rms, |beyond| gains.exceeded_by(beyond(self.pixels.len() as f64)));
+        let relative = if rms > 0.0 { value / rms } else { 1.0 };
+        let (deviation, hidden) = (relative * deviation, self.hidden_square().sqrt());
+        self.error = Some(EstimatedError { value, deviation, hidden });
+    }
+}
+
+/// Returns how many of so many pixels may have larger errors; `None` where the mean counts.
+fn beyond(norm: ErrorNorm) -> Option<fn(f64) -> f64> {
+    match norm {
+        ErrorNorm::Rms => None,
+        // A fifth on average: none in four of five pictures.
+        ErrorNorm::Max => Some(|_| 0.2),
+        ErrorNorm::P99 => Some(|pixels| 0.01 * pixels),
     }
 }
 
 /// Returns whether a pixel is audited after a round: at first one of each 4 by 4 pixels, then others.
 fn is_audited((column, row): (usize, usize), round: u32, part: u32) -> bool {
+    let block = mixed(mixed_place((column / 4, row / 4)) ^ round);
+    #[expect(clippy::cast_possible_truncation, reason = "0 to 15")]
+    let place = (column % 4 + 4 * (row % 4)) as u32;
+    if round == 0 { block % part == place } else { mixed(block ^ place).is_multiple_of(part) }
+}
+
+/// Returns a number that is any with equal chances, of a column and a row.
+fn mixed_place((column, row): (usize, usize)) -> u32 {
     #[expect(clippy::cast_possible_truncation, reason = "a film's columns and rows")]
-    let (column, row) = (column as u32, row as u32);
-    let mixed = |number: u32| {
-        let number = (number ^ number >> 16).wrapping_mul(0x7feb_352d);
-        let number = (number ^ number >> 15).wrapping_mul(0x846c_a68b);
-        number ^ number >> 16
-    };
-    let block = mixed((column / 4) ^ mixed((row / 4) ^ mixed(round)));
-    if round == 0 {
-        block % part == column % 4 + 4 * (row % 4)
-    } else {
-        mixed(block ^ mixed(column ^ row << 16)) % part == 0
-    }
+    mixed((column as u32) ^ mixed(row as u32))
+}
+
+/// Returns a number that is any with equal chances, of another.
+fn mixed(number: u32) -> u32 {
+    let number = (number ^ number >> 16).wrapping_mul(0x7feb_352d);
+    let number = (number ^ number >> 15).wrapping_mul(0x846c_a68b);
+    number ^ number >> 16
 }
 
 #[cfg(test)]

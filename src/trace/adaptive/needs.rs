@@ -2,7 +2,8 @@
 
 use std::ops::AddAssign;
 
-/// The gain of a sample: the square error of a pixel per sample that it has, by powers of two and eighths of them. The bin of a histogram.
+/// The gain of more samples: the square error of a pixel, per sample that it has where the mean counts, by powers of two and eighths of them,
+/// which are the bins of a histogram; then a part of the bin, which is the pixel's by chance, so that less than a whole bin can be taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Gain(u32);
 
@@ -12,72 +13,164 @@ const OCTAVE: u32 = 8;
 const SHIFT: u32 = f32::MANTISSA_DIGITS - 1 - OCTAVE.ilog2();
 /// One for each number.
 const BINS: usize = (f32::INFINITY.to_bits() >> SHIFT) as usize + 1;
+/// Parts of a bin.
+const PARTS: u32 = 256;
 
 impl Gain {
     /// No pixel has more.
     pub(super) const BEYOND: Self = Self(u32::MAX);
 
-    /// Returns the gain of a pixel with a square error, 0 or more, and a number of samples.
+    /// Returns the gain of a pixel with a square error, 0 or more, per sample or as it is. Of `chance` the last bits count.
     #[inline(always)]
-    pub(super) fn of(square: f32, samples: u32) -> Self {
-        #[expect(clippy::cast_precision_loss, reason = "an estimate")]
-        Self((square / samples.max(1) as f32).to_bits() >> SHIFT)
+    pub(super) fn of(square: f32, chance: u32) -> Self {
+        Self((square.to_bits() >> SHIFT) * PARTS + chance % PARTS)
+    }
+
+    /// Returns the gain that a part of a bin's pixels do not have.
+    fn above(bin: usize, part: f64) -> Self {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 256")]
+        let part = (part.clamp(0.0, 1.0) * f64::from(PARTS)) as u32;
+        Self(u32::try_from(bin).unwrap_or(0) * PARTS + part)
     }
 }
 
-/// The sums of pixels' square errors.
+impl From<u32> for Gain {
+    fn from(bits: u32) -> Self {
+        Self(bits)
+    }
+}
+
+impl From<Gain> for u32 {
+    fn from(gain: Gain) -> Self {
+        gain.0
+    }
+}
+
+/// The square errors and the samples of pixels, by their gain.
 #[derive(Clone, Debug)]
-pub(super) struct SquaresByGain {
-    /// Of pixels that have all the samples that they may have.
+pub(super) struct SquaresByGain(Vec<Bin>);
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Bin {
+    /// The sum of the square errors of pixels that have all the samples that they may have.
     left: f64,
-    /// Of the others, by their gain.
-    of: Vec<f64>,
+    /// That of the others, and the samples that the next round would take of them.
+    squares: f64,
+    more: f64,
 }
 
 impl Default for SquaresByGain {
     fn default() -> Self {
-        Self { left: 0.0, of: vec![0.0; BINS] }
+        Self(vec![Bin::default(); BINS])
     }
 }
 
 impl SquaresByGain {
-    /// Adds a pixel.
+    /// Adds a pixel that gets so many samples in a round in which it takes some.
     #[inline(always)]
-    pub(super) fn add(&mut self, square: f32, samples: u32, may_get_more: bool) {
-        let bin = (Gain::of(square, samples).0 as usize).min(BINS - 1);
-        *(if may_get_more { &mut self.of[bin] } else { &mut self.left }) += f64::from(square);
+    pub(super) fn add(&mut self, gain: Gain, square: f32, more: u32) {
+        let bin = &mut self.0[((gain.0 / PARTS) as usize).min(BINS - 1)];
+        if more > 0 {
+            bin.squares += f64::from(square);
+            bin.more += f64::from(more);
+        } else {
+            bin.left += f64::from(square);
+        }
     }
 
     /// Returns the least gain for which samples must be taken for the sum of all squares to become `most`, where doubling the samples of a
-    /// pixel multiplies its square error by `falls`.
+    /// pixel multiplies its square error by `falls`, and the number of samples that takes in all rounds together.
     ///
     /// For independent samples, taking them where their gain is largest is the best division: Neyman, "On the Two Different Aspects of the
     /// Representative Method" (1934).
-    pub(super) fn least_for(&self, most: f64, falls: f64) -> Gain {
+    pub(super) fn least_for(&self, most: f64, falls: f64) -> (Gain, f64) {
         let (mut enough, mut too_much) = (1, BINS);
         while enough + 1 < too_much {
             let middle = usize::midpoint(enough, too_much);
-            if self.becomes(middle, falls) <= most { enough = middle } else { too_much = middle }
+            if self.after(middle, falls).0 <= most { enough = middle } else { too_much = middle }
         }
-        Gain(u32::try_from(enough).unwrap_or(u32::MAX))
+        let (low, high) = (self.after(enough, falls), self.after(enough + 1, falls));
+        let part = if high.0 > low.0 { ((most - low.0) / (high.0 - low.0)).clamp(0.0, 1.0) } else { 0.0 };
+        (Gain::above(enough, part), low.1 + part * (high.1 - low.1))
     }
 
-    /// Returns the sum if samples are doubled as often as it takes for all gains to be less.
-    fn becomes(&self, least: usize, falls: f64) -> f64 {
+    /// Returns the least gain with which doubling the samples of pixels takes at most so many samples.
+    pub(super) fn least_within(&self, samples: f64) -> Gain {
+        let mut left = samples;
+        for (bin, Bin { more, .. }) in self.0.iter().enumerate().skip(1).rev() {
+            if *more > left {
+                return Gain::above(bin, 1.0 - left.max(0.0) / more);
+            }
+            left -= more;
+        }
+        Gain::above(1, 0.0)
+    }
+
+    /// Returns the sum of squares if samples are doubled as often as it takes for all gains to be less, and the samples that this takes.
+    fn after(&self, least: usize, falls: f64) -> (f64, f64) {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "8 to 24")]
         let bins = libm::round(f64::from(OCTAVE) * libm::log2(2.0 / falls)) as usize;
-        let mut sum = self.left;
-        for (bin, square) in self.of.iter().enumerate().filter(|(_, square)| **square > 0.0) {
+        let mut sums = (0.0, 0.0);
+        for (bin, Bin { left, squares, more: samples }) in self.filled() {
             let doublings = (bin + bins).saturating_sub(least) / bins;
-            sum += square * (0..doublings).fold(1.0, |factor, _| factor * falls);
+            let (factor, more) =
+                (0..doublings).fold((1.0, 1.0), |(factor, more), _| (factor * falls, 2.0 * more));
+            sums = (sums.0 + left + squares * factor, sums.1 + samples * (more - 1.0));
         }
-        sum
+        sums
     }
+
+    /// Returns the bins that hold pixels.
+    fn filled(&self) -> impl Iterator<Item = (usize, &Bin)> {
+        self.0.iter().enumerate().filter(|(_, bin)| bin.squares > 0.0 || bin.left > 0.0)
+    }
+
+    /// Returns the magnitude that the errors of so many pixels exceed, where gains are square errors.
+    pub(super) fn exceeded_by(&self, pixels: f64) -> f64 {
+        let largest = self.filled().last().map_or(0.0, |(bin, _)| square_of(bin).sqrt());
+        let (mut low, mut high) = (0.0, FARTHEST * largest);
+        for _ in 0..40 {
+            let middle = f64::midpoint(low, high);
+            if self.beyond(middle, BINS) > pixels { low = middle } else { high = middle }
+        }
+        high
+    }
+
+    /// Returns the least gain, a square error, so that if no pixel has more, at most so many exceed an error.
+    pub(super) fn least_to_exceed(&self, error: f64, pixels: f64) -> Gain {
+        let (mut enough, mut too_much) = (1, BINS);
+        while enough + 1 < too_much {
+            let middle = usize::midpoint(enough, too_much);
+            if self.beyond(error, middle) <= pixels { enough = middle } else { too_much = middle }
+        }
+        Gain::above(enough, 0.0)
+    }
+
+    /// Returns how many pixels exceed an error, if none has a larger square error than that of a bin: errors are taken for normal.
+    fn beyond(&self, error: f64, most: usize) -> f64 {
+        let tail = |(bin, Bin { left, squares, .. }): (usize, &Bin)| {
+            let deviations = error / square_of(bin.min(most)).sqrt();
+            (left + squares) / square_of(bin) * libm::erfc(deviations / std::f64::consts::SQRT_2)
+        };
+        self.filled().map(tail).sum()
+    }
+}
+
+/// Normal numbers are never as many standard deviations from their mean.
+const FARTHEST: f64 = 40.0;
+
+/// Returns the square error in the middle of a bin.
+fn square_of(bin: usize) -> f64 {
+    let bits = ((u32::try_from(bin).unwrap_or(0) << SHIFT) + (1 << (SHIFT - 1))).min(f32::MAX.to_bits());
+    f64::from(f32::from_bits(bits))
 }
 
 impl AddAssign<&Self> for SquaresByGain {
     fn add_assign(&mut self, other: &Self) {
-        self.left += other.left;
-        self.of.iter_mut().zip(&other.of).for_each(|(sum, other)| *sum += other);
+        for (sum, other) in self.0.iter_mut().zip(&other.0) {
+            sum.left += other.left;
+            sum.squares += other.squares;
+            sum.more += other.more;
+        }
     }
 }

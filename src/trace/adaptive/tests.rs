@@ -6,8 +6,8 @@ use crate::trace::math::{Dimension, PixelSamples};
 const SIZE: (u32, u32) = (64, 48);
 const COUNT: usize = (SIZE.0 * SIZE.1) as usize;
 
-fn target(rms: f64, convergence: Convergence) -> ErrorTarget {
-    ErrorTarget { rms, transfer: Transfer::Classic, convergence }
+fn target(error: f64, convergence: Convergence) -> ErrorTarget {
+    ErrorTarget { error, norm: ErrorNorm::Rms, least: 1, transfer: Transfer::Classic, convergence }
 }
 
 /// Sums of grey samples: of themselves, and of their squares.
@@ -60,7 +60,7 @@ fn rendered(
                 counts[pixel] += portion.count;
             }
         }
-        if !adaptive.judge(&sums) {
+        if !adaptive.judge(&sums, None) {
             break;
         }
     }
@@ -103,7 +103,7 @@ fn edges_take_samples_until_the_target_is_met() {
         let with = (target(goal, Convergence::Edges), 65_536);
         let (pixels, counts, adaptive) = rendered(PixelMemory::default(), with, has_edge, edge);
         let error = rms(&pixels, edge_truth);
-        let EstimatedError { rms: estimate, .. } = adaptive.error().unwrap();
+        let EstimatedError { value: estimate, .. } = adaptive.error().unwrap();
         let mean = counts.iter().map(|count| f64::from(*count)).sum::<f64>() / COUNT as f64;
         assert!(estimate <= goal && error <= goal, "{goal}: {error}, {estimate}");
         assert!((0.8..2.0).contains(&(estimate / error)), "{goal}: {error}, {estimate}");
@@ -127,7 +127,7 @@ fn audits_find_noise_that_geometry_does_not_know() {
     for goal in [8.0, 4.0, 2.0] {
         let with = (target(goal, Convergence::Effects), 65_536);
         let (pixels, counts, adaptive) = rendered(PixelMemory::default(), with, |_| false, noise);
-        let (error, estimate) = (rms(&pixels, |_| 0.5), adaptive.error().unwrap().rms);
+        let (error, estimate) = (rms(&pixels, |_| 0.5), adaptive.error().unwrap().value);
         assert!(
             estimate <= goal && (0.5 * goal..1.05 * goal).contains(&error),
             "{goal}: {error}, {estimate}"
@@ -146,7 +146,7 @@ fn flat_pictures_take_one_sample_and_an_audit() {
     let (pixels, counts, adaptive) = rendered(PixelMemory::default(), with, |_| false, |_, _| 0.3);
     let audited = counts.iter().filter(|count| **count == 4).count();
     assert!(audited == COUNT / 16 && counts.iter().all(|count| [1, 4].contains(count)));
-    assert!(adaptive.error().unwrap().rms < 1e-3 && rms(&pixels, |_| 0.3) < 1e-9);
+    assert!(adaptive.error().unwrap().value < 1e-3 && rms(&pixels, |_| 0.3) < 1e-9);
 }
 
 #[test]
@@ -155,7 +155,7 @@ fn impossible_targets_end_with_all_samples_and_say_so() {
         let with = (target(1e-6, Convergence::Edges), most);
         let (_, counts, adaptive) = rendered(PixelMemory::default(), with, has_edge, edge);
         assert!(counts.iter().enumerate().all(|(pixel, count)| !has_edge(pixel) || *count == most));
-        assert!(adaptive.error().unwrap().rms > 1e-6);
+        assert!(adaptive.error().unwrap().value > 1e-6);
     }
 }
 
@@ -181,4 +181,41 @@ fn only_output_values_count() {
     let with = (target(0.1, Convergence::Edges), 65_536);
     let (_, counts, _) = rendered(PixelMemory::default(), with, has_edge, bright);
     assert!(counts.iter().all(|count| *count <= 4));
+}
+
+/// Independent noise, uniform in an interval whose width grows with the row: errors are nearly normal, and their largest and their
+/// percentiles are known.
+#[test]
+fn other_norms_are_met_and_estimated() {
+    let noise = |pixel: usize, index: u32| {
+        let [x, _] = PixelSamples::new(5, u32::try_from(pixel).unwrap(), 0).pair(Dimension::Lens, 7 * index);
+        0.5 + 0.3 * (x - 0.5) * (pixel / SIZE.0 as usize) as f64 / f64::from(SIZE.1)
+    };
+    let mut counts_before = 0;
+    for norm in [ErrorNorm::Rms, ErrorNorm::P99, ErrorNorm::Max] {
+        let with = (ErrorTarget { norm, ..target(2.0, Convergence::Effects) }, 65_536);
+        let (pixels, counts, adaptive) = rendered(PixelMemory::default(), with, |_| false, noise);
+        let mut errors: Vec<f64> = pixels.iter().map(|pixel| 255.0 * (pixel - 0.5).abs()).collect();
+        errors.sort_by(f64::total_cmp);
+        let error = match norm {
+            ErrorNorm::Rms => rms(&pixels, |_| 0.5),
+            ErrorNorm::P99 => errors[COUNT * 99 / 100],
+            ErrorNorm::Max => errors[COUNT - 1],
+        };
+        let estimate = adaptive.error().unwrap().value;
+        assert!(error <= 2.0 && estimate <= 2.0, "{norm:?}: {error}, {estimate}");
+        assert!((0.7..2.0).contains(&(estimate / error)), "{norm:?}: {error}, {estimate}");
+        let sum: u32 = counts.iter().sum();
+        assert!(sum > counts_before, "{norm:?}");
+        counts_before = sum;
+    }
+}
+
+#[test]
+fn every_pixel_gets_the_fewest_samples() {
+    let with = (ErrorTarget { least: 7, ..target(2.0, Convergence::Edges) }, 65_536);
+    let (_, counts, _) = rendered(PixelMemory::default(), with, |_| false, |_, _| 0.5);
+    assert!(counts.iter().all(|count| *count >= 7));
+    let (_, counts, _) = rendered(PixelMemory::default(), (with.0, 5), |_| false, |_, _| 0.5);
+    assert!(counts.iter().all(|count| *count == 5));
 }

@@ -19,6 +19,7 @@
 //! With a lens every pixel sees a disc of each plane: squares are widened by the circle of confusion. The result depends on the shapes alone,
 //! not on the order in which the tree offers them.
 
+mod hidden;
 mod outline;
 
 use std::sync::atomic::AtomicBool;
@@ -34,6 +35,7 @@ use crate::trace::query::Scratch;
 use crate::trace::rays::ShapeId;
 use crate::trace::scene::{Camera, PreparedScene, SIDE};
 use crate::trace::stages::{PACKETS, TILE, TILE_PIXELS, Tile};
+pub(crate) use hidden::{Image, hidden_images};
 use outline::{Cover, Outline, Rays};
 
 /// The smallest thing that samples of a pixel can miss.

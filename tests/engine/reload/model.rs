@@ -273,9 +273,11 @@ fn setting(field: &str, names: &[String], random: &mut Random) -> String {
         }
         "quality" => format!("(depth: {}, cutoff: {})", 1 + random.index(4), random.index(3)),
         "sampling" => format!(
-            "(samples: {}, max_error: {}, instants: {}, seed: {}, noise: {})",
+            "(samples: {}, min_samples: {}, max_error: {}, norm: {}, instants: {}, seed: {}, noise: {})",
+            1 + random.index(4),
             1 + random.index(4),
             random.index(2),
+            random.pick(&["Rms", "Max", "P99"]),
             1 + random.index(3),
             random.index(3),
             random.pick(&["Fixed", "PerFrame"])

@@ -1,0 +1,75 @@
+//! The samples that a frame takes for an error.
+
+use std::ops::{AddAssign, SubAssign};
+
+use crate::trace::Outlook;
+
+/// The number of further samples that one or more frames take for each of a row of errors, which is divided by the root of two from one to
+/// the next.
+#[derive(Clone, Copy, Debug)]
+pub struct Demand([f64; LEVELS]);
+
+const LEVELS: usize = 41;
+/// The largest error, in output values. All pictures have less.
+const LARGEST: f64 = 256.0;
+
+impl Default for Demand {
+    fn default() -> Self {
+        Self([0.0; LEVELS])
+    }
+}
+
+impl Demand {
+    /// Returns that of a frame with some samples.
+    pub(super) fn of(outlook: &Outlook<'_>) -> Self {
+        Self::from_fn(|error| outlook.samples_for(error))
+    }
+
+    /// Returns the demand of a frame that takes so many samples for an error.
+    pub(super) fn from_fn(samples_for: impl Fn(f64) -> f64) -> Self {
+        Self(std::array::from_fn(|level| samples_for(Self::error(level as f64))))
+    }
+
+    /// Returns the error at a level.
+    pub(super) fn error(level: f64) -> f64 {
+        LARGEST * libm::exp2(-level / 2.0)
+    }
+
+    /// Returns the level of an error.
+    pub(super) fn level(error: f64) -> f64 {
+        (-2.0 * libm::log2((error / LARGEST).max(f64::MIN_POSITIVE))).clamp(0.0, (LEVELS - 1) as f64)
+    }
+
+    /// Returns the samples that it takes to reach a level, 0 to 40.
+    pub(super) fn samples(&self, level: f64) -> f64 {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 39")]
+        let below = (level as usize).min(LEVELS - 2);
+        let (low, high) = (self.0[below], self.0[below + 1]);
+        low + (high - low) * (level - below as f64)
+    }
+
+    /// Returns the highest level that is possible, where the lower ones are.
+    pub(super) fn highest_level(is_possible: impl Fn(f64) -> bool) -> f64 {
+        let (mut low, mut high) = (0.0, (LEVELS - 1) as f64);
+        if is_possible(high) {
+            return high;
+        }
+        for _ in 0..32 {
+            let middle = f64::midpoint(low, high);
+            if is_possible(middle) { low = middle } else { high = middle }
+        }
+        low
+    }
+}
+
+impl AddAssign for Demand {
+    fn add_assign(&mut self, other: Self) {
+        self.0.iter_mut().zip(other.0).for_each(|(sum, other)| *sum += other);
+    }
+}
+
+impl SubAssign for Demand {
+    fn sub_assign(&mut self, other: Self) {
+        self.0.iter_mut().zip(other.0).for_each(|(sum, other)| *sum = (*sum - other).max(0.0));
+    }
+}
