@@ -123,12 +123,6 @@ impl Deadline {
         self.left_at(self.now())
     }
 
-    /// Returns the places of frames that are not begun.
-    #[must_use]
-    pub fn frames_left(&self) -> usize {
-        self.left.len()
-    }
-
     /// Notes that what comes after all frames takes so many seconds.
     pub fn reserve(&mut self, seconds: f64) {
         self.after = seconds;
@@ -201,7 +195,6 @@ impl Deadline {
     }
 
     fn end_at(&mut self, now: f64) {
-        self.note_round(now, None);
         self.unwritten += 1;
         let Frame { place, samples, asked: Some((asked, _, error)), .. } = self.frame else { return };
         self.behind.add(now - asked);
@@ -211,8 +204,8 @@ impl Deadline {
     }
 
     /// Notes what the last round took.
-    fn note_round(&mut self, now: f64, samples: Option<f64>) {
-        let Some(((asked, before, _), samples)) = self.frame.asked.zip(samples) else { return };
+    fn note_round(&mut self, now: f64, samples: f64) {
+        let Some((asked, before, _)) = self.frame.asked else { return };
         let seconds = now - asked;
         self.frame.samples += samples - before;
         self.frame.seconds += seconds;
@@ -225,7 +218,7 @@ impl Deadline {
         if self.frame.asked.is_none() {
             self.before.add(now - self.frame.begun);
         }
-        self.note_round(now, Some(samples));
+        self.note_round(now, samples);
         self.frame.asked = Some((now, samples, error));
         let others = self.left.len() as f64;
         let time = self.left_at(now) - others * (self.before.get() + self.behind.get()) - self.behind.get();

@@ -303,8 +303,8 @@ impl Record {
         });
         let hidden = worst(&self.hidden).map(|(moment, error, others)| {
             format!(
-                "{moment} may be off by up to {error:.2} more, by small bright things in mirrors or glass that no sample has met{others}: \
-                 --min-samples finds them"
+                "{moment} may be off by up to {error:.2} more, by small bright things in mirrors or glass that no sample has met{others}; \
+                 --min-samples 16 meets those larger than a quarter of a pixel"
             )
         });
         match (limited, hidden) {

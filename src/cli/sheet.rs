@@ -1,7 +1,7 @@
 //! `rayreel render --sheet`: all pictures in one.
 
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use rayreel::Engine;
 use rayreel::components::FilmSettings;
@@ -33,6 +33,7 @@ pub(super) fn render(
         let film = engine.render_shot(&shot, cancelled, &mut |so_far| progress.rendering(&shot, so_far))?;
         let Some(film) = film else { return Ok(()) };
         choice.end(engine, &shot)?;
+        choice.written(Duration::ZERO);
         report.warnings.look(engine, &shot.moment());
         sheet.add(&film, shot.frame.unwrap_or(0), shot.time);
         let shot = ShotReport::new(&shot, None, engine, *engine.report());
