@@ -50,7 +50,7 @@ struct Picture {
     estimate: Option<EstimatedError>,
 }
 
-/// What targets were met.
+/// Counts of the targets that were met.
 #[derive(Default)]
 struct Met {
     points: u32,

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
 use super::Demand;
-use crate::trace::{Outlook, Pace};
+use crate::trace::{Outlook, RoundPolicy};
 
 /// Decides, round after round, which pixels of a frame get more samples, so that all frames of a sequence are done in time and are as good as each
 /// other. It follows a clock; the rounds that it has chosen, which the engine tells, give the same pictures again without one.
@@ -40,7 +40,7 @@ pub struct Deadline {
 struct Frame {
     place: usize,
     begun: f64,
-    /// When it was asked for a round last, and with how many samples and which error.
+    /// The last request for a round: its time, and the samples and the error of the picture then.
     asked: Option<(f64, f64, f64)>,
     /// The samples and seconds of its rounds.
     samples: f64,
@@ -242,7 +242,7 @@ impl Deadline {
     }
 }
 
-impl Pace for Deadline {
+impl RoundPolicy for Deadline {
     fn least_gain(&mut self, outlook: &Outlook<'_>) -> Option<u32> {
         let own = Demand::of(outlook);
         let (level, most) = self.next(&own, (outlook.samples(), outlook.error().value), self.now())?;
@@ -269,13 +269,13 @@ pub fn survey_order(frames: usize) -> impl Iterator<Item = usize> {
 
 /// Looks at a frame: takes a few samples of it, and tells what more of them would do.
 #[derive(Debug)]
-pub struct Survey {
-    /// When it is to end at the latest; what it takes until then tells how right the demand is.
+pub struct FrameSurvey {
+    /// The end of further rounds, whose samples tell how right the demand is.
     end: Instant,
     rounds: u32,
     first: Option<Instant>,
     demand: Demand,
-    /// When the demand was found, with how many samples.
+    /// The moment at which the demand was found, and the samples then.
     found: Option<(Instant, f64)>,
     calibration: Option<Calibration>,
 }
@@ -288,7 +288,7 @@ pub struct Calibration {
     seconds: f64,
 }
 
-impl Survey {
+impl FrameSurvey {
     /// Returns a survey that ends with the round that a moment is in, but not before the second one.
     #[must_use]
     pub fn until(end: Instant) -> Self {
@@ -314,7 +314,7 @@ impl Survey {
     }
 }
 
-impl Pace for Survey {
+impl RoundPolicy for FrameSurvey {
     fn least_gain(&mut self, outlook: &Outlook<'_>) -> Option<u32> {
         let (now, samples) = (Instant::now(), outlook.samples());
         self.first.get_or_insert(now);
@@ -341,7 +341,7 @@ mod tests {
     /// Frames whose square error is their hardness over the number of samples, and a machine.
     struct Simulated {
         hardness: Vec<f64>,
-        /// How many of so many frames are surveyed.
+        /// The number of surveyed frames among so many.
         surveyed: fn(usize) -> usize,
         /// Seconds for a sample at a time.
         rate: fn(f64) -> f64,

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex};
 
 use crate::engine::Engine;
 use crate::systems::Knobs;
-use crate::trace::{Replay, SharedPace};
+use crate::trace::{Replay, SharedRoundPolicy};
 
 /// The samples of a frame: what is chosen for an error or for a deadline, and what brings back the same picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +31,8 @@ impl FrameSamples {
             max_error: Some(self.max_error),
             ..Knobs::default()
         });
-        let replay = |rounds: &Vec<u32>| -> SharedPace { Arc::new(Mutex::new(Replay::new(rounds.clone()))) };
-        engine.set_pace(self.rounds.as_ref().map(replay));
+        let replay =
+            |rounds: &Vec<u32>| -> SharedRoundPolicy { Arc::new(Mutex::new(Replay::new(rounds.clone()))) };
+        engine.set_round_policy(self.rounds.as_ref().map(replay));
     }
 }

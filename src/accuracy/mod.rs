@@ -26,7 +26,7 @@ mod spread;
 mod stop;
 
 pub use converged::Converged;
-pub use deadline::{Calibration, Deadline, Survey, survey_order};
+pub use deadline::{Calibration, Deadline, FrameSurvey, survey_order};
 pub use demand::Demand;
 pub use estimate::{Estimate, estimate};
 pub use film_error::FilmError;

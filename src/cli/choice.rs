@@ -54,7 +54,7 @@ struct Record {
     scene: PathBuf,
     /// In seconds.
     deadline: Option<f64>,
-    /// When it is to be written again.
+    /// The next time at which it is to be written.
     due: Instant,
     /// Whether each frame has a file of its own. Of a sheet there is all or nothing.
     is_of_files: bool,

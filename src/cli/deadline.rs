@@ -9,11 +9,11 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, anyhow};
 
 use rayreel::Engine;
-use rayreel::accuracy::{Deadline, FrameSamples, Survey, survey_order};
+use rayreel::accuracy::{Deadline, FrameSamples, FrameSurvey, survey_order};
 use rayreel::components::Sampling;
 use rayreel::output::{Sequence, WriteError};
 use rayreel::sequence::{Existing, FrameVerdict, SequenceObserver, Shot};
-use rayreel::trace::Pace;
+use rayreel::trace::RoundPolicy;
 
 use super::exit::Failure;
 use super::movie;
@@ -90,7 +90,7 @@ impl Paced {
     pub(super) fn begin(&mut self, engine: &mut Engine) -> FrameSamples {
         let samples = FrameSamples::for_error(LEAST_ERROR, Sampling::LARGEST_COUNT);
         samples.set_up(engine);
-        engine.set_pace(Some(self.deadline.clone()));
+        engine.set_round_policy(Some(self.deadline.clone()));
         let place = self.place;
         self.locked().begin(place);
         samples
@@ -173,7 +173,7 @@ fn survey(
         let begun = Instant::now();
         // The first one is looked at for longer.
         let long = if surveyed.files.is_empty() { LONG * deadline.left() } else { 0.0 };
-        let survey = Arc::new(Mutex::new(Survey::until(begun + Duration::from_secs_f64(long))));
+        let survey = Arc::new(Mutex::new(FrameSurvey::until(begun + Duration::from_secs_f64(long))));
         let mut surveyor = Surveyor { survey, begun, first: 0.0, writing: 0.0, refused: None };
         engine.render_shots(
             std::iter::once(shot),
@@ -193,13 +193,13 @@ fn survey(
         surveyed.quickest = surveyed.quickest.min(first);
         surveyed.files.push(shot.file(&sequence));
     }
-    engine.set_pace(None);
+    engine.set_round_policy(None);
     Ok(surveyed)
 }
 
 /// Hears what a surveyed frame takes.
 struct Surveyor {
-    survey: Arc<Mutex<Survey>>,
+    survey: Arc<Mutex<FrameSurvey>>,
     begun: Instant,
     /// Seconds until there was a sample of each pixel, and of writing.
     first: f64,
@@ -210,7 +210,7 @@ struct Surveyor {
 impl SequenceObserver for Surveyor {
     fn render(&mut self, engine: &mut Engine, _: &Shot) {
         FrameSamples::for_error(LEAST_ERROR, Sampling::LARGEST_COUNT).set_up(engine);
-        engine.set_pace(Some(self.survey.clone() as Arc<Mutex<dyn Pace>>));
+        engine.set_round_policy(Some(self.survey.clone() as Arc<Mutex<dyn RoundPolicy>>));
     }
 
     fn rendered(&mut self, _: &Engine, _: &Shot) -> ControlFlow<()> {

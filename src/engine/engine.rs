@@ -16,7 +16,7 @@ use crate::systems::{
 };
 use crate::time::Timeline;
 use crate::trace::reference::Reference;
-use crate::trace::{self, Effects, Lighting, Precision, SampleMemory, SharedPace, SimdLevel};
+use crate::trace::{self, Effects, Lighting, Precision, SampleMemory, SharedRoundPolicy, SimdLevel};
 
 /// A world of entities that is rendered moment by moment.
 ///
@@ -96,9 +96,9 @@ pub struct Engine {
     pub(super) shutters: Option<Shutters>,
     pub(super) plan: Option<Plan>,
     pub(super) report: FrameReport,
-    /// What chooses the samples of rounds, if it is not the target.
-    pub(super) pace: Option<SharedPace>,
-    /// The least gains of the last picture's rounds, where a pace has chosen them.
+    /// The choice of the samples of rounds, if it is not the target's.
+    pub(super) policy: Option<SharedRoundPolicy>,
+    /// The least gains of the last picture's rounds, where a policy has chosen them.
     pub(super) rounds: Vec<u32>,
     /// The last picture's, kept for their memory.
     pub(super) sample_memory: SampleMemory,
@@ -180,7 +180,7 @@ impl Engine {
             knobs: Knobs::default(),
             shutters: None,
             plan: None,
-            pace: None,
+            policy: None,
             rounds: Vec::new(),
             report: FrameReport::default(),
             sample_memory: SampleMemory::default(),
@@ -307,11 +307,11 @@ impl Engine {
     }
 
     /// Sets what chooses the samples of each round of pictures that have a target, in the place of the target.
-    pub fn set_pace(&mut self, pace: Option<SharedPace>) {
-        self.pace = pace;
+    pub fn set_round_policy(&mut self, policy: Option<SharedRoundPolicy>) {
+        self.policy = policy;
     }
 
-    /// Returns the least gains of the last picture's rounds, where a pace has chosen them: a [`Replay`](trace::Replay) of them gives the
+    /// Returns the least gains of the last picture's rounds, where a policy has chosen them: a [`Replay`](trace::Replay) of them gives the
     /// same picture.
     #[must_use]
     pub fn rounds(&self) -> &[u32] {

@@ -7,8 +7,8 @@ use rayon::prelude::*;
 
 use crate::color::{Encoding, Linear, Rgb};
 use crate::trace::adaptive::{
-    Adaptive, ErrorTarget, EstimatedError, InstantOrder, PixelMemory, PixelSums, SampleSums, SharedPace,
-    block,
+    Adaptive, ErrorTarget, EstimatedError, InstantOrder, PixelMemory, PixelSums, SampleSums,
+    SharedRoundPolicy, block,
 };
 use crate::trace::effects::Effects;
 use crate::trace::effort::Effort;
@@ -317,13 +317,13 @@ impl<E: Encoding> Exposure<E> {
 
     /// Starts the next round after the present one, if the picture's error is not yet as small as it is meant to be. Returns whether there
     /// is one.
-    pub(crate) fn next_round(&mut self, pace: Option<&SharedPace>) -> bool {
+    pub(crate) fn next_round(&mut self, policy: Option<&SharedRoundPolicy>) -> bool {
         let (Some(adaptive), Pixels::Sums(sums)) = (&mut self.adaptive, &self.pixels) else {
             return false;
         };
         self.done.clear();
         self.tiles.iter_mut().for_each(|exposed| exposed.batches = 0);
-        adaptive.judge(&SumsOfTiles { across: self.width.div_ceil(TILE) as usize, sums }, pace)
+        adaptive.judge(&SumsOfTiles { across: self.width.div_ceil(TILE) as usize, sums }, policy)
     }
 
     /// Returns the estimate of the picture's error, if it is meant to have one.
@@ -331,7 +331,7 @@ impl<E: Encoding> Exposure<E> {
         self.adaptive.as_ref()?.error()
     }
 
-    /// Returns the least gains of the rounds that a pace has chosen.
+    /// Returns the least gains of the rounds that a policy has chosen.
     pub(crate) fn rounds(&self) -> &[u32] {
         self.adaptive.as_ref().map_or(&[], Adaptive::rounds)
     }

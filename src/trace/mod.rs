@@ -94,8 +94,8 @@ mod tile_work;
 mod visibility;
 mod work_queue;
 
-pub(crate) use adaptive::{Convergence, ErrorTarget, InstantOrder, block, pace};
-pub use adaptive::{EstimatedError, Outlook, Pace, Replay, SharedPace};
+pub(crate) use adaptive::{Convergence, ErrorTarget, InstantOrder, block, round_policy};
+pub use adaptive::{EstimatedError, Outlook, Replay, RoundPolicy, SharedRoundPolicy};
 pub use effort::{RayCounts, TreeEnds};
 pub(crate) use exposure::{Developed, SampleMemory, SamplePlan};
 pub use exposure::{Exposure, ExposureProgress};

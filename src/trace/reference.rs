@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use crate::color::Rgb;
-use crate::trace::adaptive::{Adaptive, PixelMemory, PixelSums, SampleSums, SharedPace, block};
+use crate::trace::adaptive::{Adaptive, PixelMemory, PixelSums, SampleSums, SharedRoundPolicy, block};
 use crate::trace::effects::{Effects, Lighting};
 use crate::trace::exposure::SamplePlan;
 use crate::trace::film::{AlphaFilm, Film};
@@ -300,9 +300,9 @@ impl ReferenceSums {
     }
 
     /// Starts the next round, if the picture's error is not yet as small as it is meant to be. Returns whether there is one.
-    pub(crate) fn next_round(&mut self, pace: Option<&SharedPace>) -> bool {
+    pub(crate) fn next_round(&mut self, policy: Option<&SharedRoundPolicy>) -> bool {
         let Some(mut adaptive) = self.adaptive.take() else { return false };
-        let goes_on = adaptive.judge(&*self, pace);
+        let goes_on = adaptive.judge(&*self, policy);
         self.adaptive = Some(adaptive);
         goes_on
     }

@@ -62,8 +62,7 @@ fn targets_are_met_where_geometry_shows_what_is_hard() {
     }
 }
 
-/// What no geometry and no sample of the first rounds shows does not show in estimates either; audits bring most of it back, and of images in
-/// mirrors it is known how much they may hide.
+/// Estimates know of mirrors, glass and penumbrae only by audits; for images in mirrors they state how much those may hide.
 #[test]
 fn estimates_are_near_the_truth_where_audits_find_what_is_hard() {
     for scene in hard_scenes() {

@@ -94,7 +94,7 @@ fn positional_values_are_reported_with_their_names() {
     }
 }
 
-/// Where the extension asks for names, each bracket without one is answered with it, until the scene can be read.
+/// A missing struct name is answered with it where the extension requires names, until the scene can be read.
 #[test]
 fn explicit_struct_names_reports_missing_names() {
     let mut text = format!(

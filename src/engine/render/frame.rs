@@ -19,7 +19,7 @@ use crate::time::Time;
 use crate::trace::reference::{Reference, ReferenceSums};
 use crate::trace::{
     AlphaFilm, BvhUpdate, Developed, Effects, EncodedFilm, Exposure, Film, FrameFingerprint, InstantOrder,
-    SampleMemory, SamplePlan, SceneChanges, Signals, block, pace,
+    SampleMemory, SamplePlan, SceneChanges, Signals, block, round_policy,
 };
 
 /// A signal that is never set.
@@ -171,7 +171,7 @@ impl Engine {
             )?;
         }
         let mut hashing = Duration::ZERO;
-        let pace = self.pace.clone();
+        let policy = self.policy.clone();
         let sought =
             self.seek_all(time, (&instants, first), signals.cancelled, |preparation, effects, instant| {
                 let (scene, camera) = (preparation.scene(), preparation.camera());
@@ -195,7 +195,7 @@ impl Engine {
                 let start = Instant::now();
                 let next = match exposure.is_round_done() {
                     false => Then::GoOn,
-                    true if exposure.next_round(pace.as_ref()) => Then::Visit(exposure.instants()),
+                    true if exposure.next_round(policy.as_ref()) => Then::Visit(exposure.instants()),
                     true => Then::Stop,
                 };
                 traced += start.elapsed();
@@ -216,7 +216,7 @@ impl Engine {
         self.rounds = exposure.rounds().to_vec();
         let developed = self.develop(exposure);
         let fingerprint = hashed.finish();
-        self.report.fingerprint = Some(match pace {
+        self.report.fingerprint = Some(match policy {
             Some(_) => fingerprint.with_rounds(&self.rounds),
             None => fingerprint,
         });
@@ -250,7 +250,7 @@ impl Engine {
     fn reference_sums(&mut self, time: Time, alpha: bool) -> Result<Option<ReferenceSums>, EngineError> {
         let instants = self.instants(time);
         let (mut sums, count, left) = (None, count_of(&instants), self.effects_left());
-        let pace = self.pace.clone();
+        let policy = self.policy.clone();
         let first = self.first_instants(&instants);
         let mut rest = first.len();
         let hashed = self.hashed_instants(&instants);
@@ -272,7 +272,7 @@ impl Engine {
             if rest > 0 {
                 return Then::GoOn;
             }
-            if !sums.next_round(pace.as_ref()) {
+            if !sums.next_round(policy.as_ref()) {
                 return Then::Stop;
             }
             let next = sums.instants();
@@ -297,9 +297,9 @@ impl Engine {
             Then::GoOn
         })?;
         let fingerprint = hashed.finish();
-        let Some(pace) = &self.pace else { return Ok(fingerprint) };
+        let Some(policy) = &self.policy else { return Ok(fingerprint) };
         // No round has a least gain of 0: nothing that is there is the same as what a clock will decide.
-        Ok(fingerprint.with_rounds(pace::locked(pace).rounds().unwrap_or(&[0])))
+        Ok(fingerprint.with_rounds(round_policy::locked(policy).rounds().unwrap_or(&[0])))
     }
 
     /// Plans a moment, with reasons, without rendering a picture: see [`Engine::plan`].

@@ -27,7 +27,7 @@ mod evidence;
 mod instants;
 mod needs;
 mod output_curve;
-pub(crate) mod pace;
+pub(crate) mod round_policy;
 
 use std::collections::BTreeMap;
 
@@ -43,7 +43,7 @@ use evidence::{CLASSES, Class, FEWEST, Neighbours, Pixel};
 pub(crate) use instants::{InstantOrder, block};
 use needs::{Gain, SquaresByGain};
 use output_curve::OutputCurve;
-pub use pace::{Outlook, Pace, Replay, SharedPace};
+pub use round_policy::{Outlook, Replay, RoundPolicy, SharedRoundPolicy};
 
 /// The error that a picture may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,7 +92,7 @@ pub struct EstimatedError {
     /// Its standard deviation: how far the estimate may be off.
     pub deviation: f64,
     /// The root of the mean square of the errors that images of small shapes in mirrors and glass may make beside it, if they are where no
-    /// sample was taken: what is expected of all that the scene may show, an upper bound for most scenes.
+    /// sample was taken: the expectation if all of them are in sight. 0 while samples are added.
     pub hidden: f64,
 }
 
@@ -138,7 +138,7 @@ pub(crate) struct Adaptive {
     error: Option<EstimatedError>,
     /// The sums of the squares of errors that images make if they are missed, by quarters of the powers of two of their areas.
     images: Option<BTreeMap<i32, f64>>,
-    /// The least gains of the rounds that a pace has chosen.
+    /// The least gains of the rounds that a policy has chosen.
     rounds: Vec<u32>,
 }
 
@@ -202,10 +202,10 @@ impl Adaptive {
 
     /// Returns the estimate of the picture's error; `None` before it is known.
     pub(crate) fn error(&self) -> Option<EstimatedError> {
-        self.error
+        self.error.map(|error| EstimatedError { hidden: self.hidden_square().sqrt(), ..error })
     }
 
-    /// Returns the least gains of the rounds that a pace has chosen.
+    /// Returns the least gains of the rounds that a policy has chosen.
     pub(crate) fn rounds(&self) -> &[u32] {
         &self.rounds
     }
@@ -312,9 +312,9 @@ impl Adaptive {
         }
     }
 
-    /// Estimates errors after a round, and chooses the samples of the next one: those that the target asks for, or a pace. Returns `false` if
+    /// Estimates errors after a round, and chooses the samples of the next one: those that the target asks for, or a policy. Returns `false` if
     /// the picture is done.
-    pub(crate) fn judge(&mut self, sums: &impl SampleSums, pace: Option<&SharedPace>) -> bool {
+    pub(crate) fn judge(&mut self, sums: &impl SampleSums, policy: Option<&SharedRoundPolicy>) -> bool {
         let (width, curve) = (self.size.0, self.curve);
         let (edges, alpha) = (self.target.convergence == Convergence::Edges, sums.have_alpha());
         // Update pixels, and remember how far their halves were apart before.
@@ -357,7 +357,7 @@ impl Adaptive {
             .collect();
         self.measure_scales(&doubled, &squares);
         let factors = self.scales.map(|scale| evidence::single(scale.factor));
-        let (most, norm) = (self.most, self.norm(pace));
+        let (most, norm) = (self.most, self.norm(policy));
         let bands = self.pixels.par_chunks_mut(width * BAND).zip(squares.par_chunks(BAND));
         let gained: Vec<SquaresByGain> = bands
             .map(|(pixels, squares)| {
@@ -378,7 +378,7 @@ impl Adaptive {
         let mut gains = SquaresByGain::default();
         gained.iter().for_each(|band| gains += band);
         self.note_error(norm, &gains);
-        let Some(least) = self.least_gain(&gains, pace) else {
+        let Some(least) = self.least_gain(&gains, policy) else {
             return self.end();
         };
         let (round, part) = (self.round, AUDITED[usize::from(self.round > 0)]);
@@ -406,13 +406,13 @@ impl Adaptive {
         active.contains(&true) || self.end()
     }
 
-    /// Returns the norm that pixels are chosen by: a pace knows only one.
-    fn norm(&self, pace: Option<&SharedPace>) -> ErrorNorm {
-        if pace.is_some() { ErrorNorm::Rms } else { self.target.norm }
+    /// Returns the norm that pixels are chosen by: a policy knows only one.
+    fn norm(&self, policy: Option<&SharedRoundPolicy>) -> ErrorNorm {
+        if policy.is_some() { ErrorNorm::Rms } else { self.target.norm }
     }
 
     /// Returns the least gain with which samples are doubled in the next round; `None` if there is no further one.
-    fn least_gain(&mut self, gains: &SquaresByGain, pace: Option<&SharedPace>) -> Option<Gain> {
+    fn least_gain(&mut self, gains: &SquaresByGain, policy: Option<&SharedRoundPolicy>) -> Option<Gain> {
         let (error, aim) = (self.error?, AIM * self.target.error);
         if error.value <= aim {
             // The first round is always audited.
@@ -420,14 +420,15 @@ impl Adaptive {
         }
         let falls = self.scales[Class::Edge as usize].falls;
         let pixels = self.pixels.len() as f64;
-        let Some(pace) = pace else {
+        let Some(policy) = policy else {
             return Some(match beyond(self.target.norm) {
                 None => gains.least_for(aim * aim * pixels, falls).0,
                 Some(beyond) => gains.least_to_exceed(aim, beyond(pixels)),
             });
         };
         let samples = self.pixels.iter().map(|pixel| f64::from(pixel.taken)).sum();
-        let least = pace::locked(pace).least_gain(&Outlook { gains, pixels, falls, error, samples })?;
+        let least =
+            round_policy::locked(policy).least_gain(&Outlook { gains, pixels, falls, error, samples })?;
         // At least one pixel is sampled: of few, none may have enough by chance.
         let width = self.size.0;
         let may_get_more = |(_, pixel): &(usize, &Pixel)| pixel.taken < self.most && pixel.square > 0.0;
@@ -548,8 +549,7 @@ impl Adaptive {
             if rms > 0.0 { variance.sqrt() / self.pixels.len() as f64 / (2.0 * rms) } else { 0.0 };
         let value = beyond(norm).map_or(rms, |beyond| gains.exceeded_by(beyond(self.pixels.len() as f64)));
         let relative = if rms > 0.0 { value / rms } else { 1.0 };
-        let (deviation, hidden) = (relative * deviation, self.hidden_square().sqrt());
-        self.error = Some(EstimatedError { value, deviation, hidden });
+        self.error = Some(EstimatedError { value, deviation: relative * deviation, hidden: 0.0 });
     }
 }
 

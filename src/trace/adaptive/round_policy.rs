@@ -6,7 +6,7 @@ use super::EstimatedError;
 use super::needs::SquaresByGain;
 
 /// Chooses the samples of each round of a picture. What it has chosen brings back the same picture: see [`Replay`].
-pub trait Pace: Send {
+pub trait RoundPolicy: Send {
     /// Returns the least gain with which the samples of a pixel are doubled in the next round; `None` to end the picture. It is not called
     /// once the picture's error is as small as its target.
     fn least_gain(&mut self, outlook: &Outlook<'_>) -> Option<u32>;
@@ -17,15 +17,15 @@ pub trait Pace: Send {
     }
 }
 
-/// A pace that is asked by what renders, and set up by somebody else.
-pub type SharedPace = Arc<Mutex<dyn Pace>>;
+/// A policy that is asked by what renders, and set up by somebody else.
+pub type SharedRoundPolicy = Arc<Mutex<dyn RoundPolicy>>;
 
-/// Locks a pace.
-pub(crate) fn locked(pace: &SharedPace) -> MutexGuard<'_, dyn Pace + 'static> {
-    pace.lock().unwrap_or_else(PoisonError::into_inner)
+/// Locks a policy.
+pub(crate) fn locked(policy: &SharedRoundPolicy) -> MutexGuard<'_, dyn RoundPolicy + 'static> {
+    policy.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What more samples of a picture promise.
+/// The expected effect of more samples of a picture.
 #[derive(Debug)]
 pub struct Outlook<'a> {
     pub(super) gains: &'a SquaresByGain,
@@ -83,7 +83,7 @@ impl Replay {
     }
 }
 
-impl Pace for Replay {
+impl RoundPolicy for Replay {
     fn least_gain(&mut self, _: &Outlook<'_>) -> Option<u32> {
         self.done += 1;
         self.rounds.get(self.done - 1).copied()
