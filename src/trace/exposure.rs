@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::color::{Encoding, Linear, Rgb};
 use crate::trace::adaptive::{
-    Adaptive, ErrorTarget, EstimatedError, InstantOrder, PixelMemory, PixelSums, SampleSums,
+    Adaptive, ErrorTarget, EstimatedError, InstantOrder, PacketSums, PixelMemory, SampleSums,
     SharedRoundPolicy, block,
 };
 use crate::trace::effects::Effects;
@@ -323,7 +323,7 @@ impl<E: Encoding> Exposure<E> {
         };
         self.done.clear();
         self.tiles.iter_mut().for_each(|exposed| exposed.batches = 0);
-        adaptive.judge(&SumsOfTiles { across: self.width.div_ceil(TILE) as usize, sums }, policy)
+        adaptive.judge(sums, policy)
     }
 
     /// Returns the estimate of the picture's error, if it is meant to have one.
@@ -443,26 +443,18 @@ fn sample_counts(sums: &Sums, index: usize, exposed: &ExposedTile) -> [Numbers; 
     }
 }
 
-/// The sums of pixels, by their columns and rows.
-struct SumsOfTiles<'a> {
-    /// Tiles in a row.
-    across: usize,
-    sums: &'a Sums,
-}
-
-impl SampleSums for SumsOfTiles<'_> {
+impl SampleSums for Sums {
     fn have_alpha(&self) -> bool {
-        !self.sums.covered_counts.is_empty()
+        !self.covered_counts.is_empty()
     }
 
-    fn of(&self, column: usize, row: usize) -> PixelSums {
-        const LENGTH: usize = TILE as usize;
-        let (packet, lane) = Tile::lane_of(column % LENGTH, row % LENGTH);
-        let place = (row / LENGTH * self.across + column / LENGTH) * PACKETS + packet;
-        PixelSums {
-            all: self.sums.all[place].get(lane).to_array(),
-            squares: self.sums.squares[place].get(lane).to_array(),
-            covered: self.sums.covered_counts.get(place).map(|counts| counts.get(lane)),
+    #[inline(always)]
+    fn of(&self, packet: usize, _: (usize, usize)) -> PacketSums {
+        let channels = |sums: &Vectors| [0, 1, 2].map(|channel| sums.axis(channel).to_array());
+        PacketSums {
+            all: channels(&self.all[packet]),
+            squares: channels(&self.squares[packet]),
+            covered: self.covered_counts.get(packet).map(|counts| counts.to_array()),
         }
     }
 }

@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use crate::color::Rgb;
-use crate::trace::adaptive::{Adaptive, PixelMemory, PixelSums, SampleSums, SharedRoundPolicy, block};
+use crate::trace::adaptive::{Adaptive, PacketSums, PixelMemory, SampleSums, SharedRoundPolicy, block};
 use crate::trace::effects::{Effects, Lighting};
 use crate::trace::exposure::SamplePlan;
 use crate::trace::film::{AlphaFilm, Film};
@@ -15,7 +15,7 @@ use crate::trace::light::{
 use crate::trace::math::{LANES, Sampling};
 use crate::trace::query::{Look, Scratch, SurfacePoint, closest};
 use crate::trace::rays::{Ray, RayView, ShapeId};
-use crate::trace::scene::{Camera, Light, Passage, PreparedScene};
+use crate::trace::scene::{Camera, Light, Passage, PreparedScene, SIDE};
 use crate::trace::stages::{Portion, TILE, Tile};
 use crate::trace::visibility::{hidden_images, reference_features};
 
@@ -349,13 +349,23 @@ impl SampleSums for ReferenceSums {
         self.plan.alpha
     }
 
-    fn of(&self, column: usize, row: usize) -> PixelSums {
-        let pixel = &self.pixels[row * self.resolution.0 as usize + column];
-        PixelSums {
-            all: pixel.all.to_array(),
-            squares: pixel.squares.to_array(),
-            covered: self.plan.alpha.then_some(pixel.covered_count.into()),
+    fn of(&self, _: usize, (column, row): (usize, usize)) -> PacketSums {
+        let (columns, rows) = (self.resolution.0 as usize, self.resolution.1 as usize);
+        let mut sums = PacketSums { all: [[0.0; LANES]; 3], squares: [[0.0; LANES]; 3], covered: None };
+        let mut covered = [0.0; LANES];
+        for (lane, covered) in covered.iter_mut().enumerate() {
+            let (column, row) = (column + lane % SIDE as usize, row + lane / SIDE as usize);
+            if column >= columns || row >= rows {
+                continue;
+            }
+            let pixel = &self.pixels[row * columns + column];
+            for channel in 0..3 {
+                sums.all[channel][lane] = pixel.all[channel];
+                sums.squares[channel][lane] = pixel.squares[channel];
+            }
+            *covered = pixel.covered_count.into();
         }
+        PacketSums { covered: self.plan.alpha.then_some(covered), ..sums }
     }
 }
 

@@ -112,7 +112,9 @@ impl<I: Intersector> Work<'_, I> {
                     (&tile, adaptive.is_open()),
                     (features, buffers.search()),
                 );
-                if !self.signals.cancelled.load(Ordering::Relaxed) {
+                // While the shutter is open, covers are compared.
+                let matters = adaptive.is_open() || !tile_features.are_none();
+                if matters && !self.signals.cancelled.load(Ordering::Relaxed) {
                     found.push((tile, Box::new(tile_features)));
                 }
             }

@@ -22,28 +22,36 @@
 //! 4. **An audit** takes samples of some plain pixels that nothing calls for, one of each 4 by 4 at first and others in every round. Their
 //!    variance stands for that of their neighbourhood: it finds reflections, penumbrae and sparks that no sample has met, and enters the
 //!    picture's error.
+//!
+//! Pixels are kept packet by packet, as the sums of their samples are, and loops go through the lanes of a packet: compilers make vectors of
+//! them, at every level the same numbers.
 
 mod evidence;
 mod instants;
 mod needs;
 mod output_curve;
 pub(crate) mod round_policy;
+mod scale;
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use rayon::prelude::*;
 
+use fearless_simd::dispatch;
+
 use crate::color::{ErrorNorm, Transfer};
-use crate::trace::math::LANES;
-use crate::trace::scene::{Camera, PreparedScene};
-use crate::trace::stages::{Portion, TILE, TILE_PIXELS, Tile};
+use crate::trace::math::{LANES, SimdLevel, lanes};
+use crate::trace::scene::{Camera, PreparedScene, SIDE};
+use crate::trace::stages::{PACKETS, Portion, TILE, Tile};
 use crate::trace::visibility::{Covering, Feature, Image, TileFeatures};
-pub(crate) use evidence::PixelSums;
-use evidence::{CLASSES, Class, FEWEST, Neighbours, Pixel};
+pub(crate) use evidence::PacketSums;
+use evidence::{CLASSES, Class, ErrorModel, FEWEST, PixelPacket, Surroundings, next_goal, single};
 pub(crate) use instants::{InstantOrder, block};
 use needs::{Gain, SquaresByGain};
 use output_curve::OutputCurve;
 pub use round_policy::{Outlook, Replay, RoundPolicy, SharedRoundPolicy};
+use scale::{Halves, Scale};
 
 /// The error that a picture may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,28 +106,26 @@ pub struct EstimatedError {
 
 /// The part of the target that is aimed at: estimates scatter.
 const AIM: f64 = 0.85;
-/// One of so many plain pixels is audited first, and one of so many in every later round.
-const AUDITED: [u32; 2] = [16, 32];
-/// The rows whose squares are summed together.
+/// The tiles whose squares are summed together.
 const BAND: usize = 32;
-/// The weight of what is known of a class beforehand, in pixels.
-const PRIOR: f64 = 8.0;
 /// The weight of the whole picture's audit in every tile's, in pixels.
 const SHARED: f64 = 4.0;
 
-/// Sums of samples, pixel by pixel.
+/// Sums of samples, packet by packet.
 pub(crate) trait SampleSums: Sync {
     /// Returns whether the picture has alpha.
     fn have_alpha(&self) -> bool;
 
-    /// Returns the sums of the pixel in a column and a row.
-    fn of(&self, column: usize, row: usize) -> PixelSums;
+    /// Returns the sums of a packet by its index: tile by tile, row by row, and in a tile as it has them. Its first pixel is in this column
+    /// and row.
+    fn of(&self, packet: usize, first: (usize, usize)) -> PacketSums;
 }
 
 /// The memory of a picture's pixels.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PixelMemory {
-    pixels: Vec<Pixel>,
+    packets: Vec<PixelPacket>,
+    errors: Vec<[f32; LANES]>,
 }
 
 /// The samples of a picture's pixels: how many each has, and which are next.
@@ -127,12 +133,21 @@ pub(crate) struct PixelMemory {
 pub(crate) struct Adaptive {
     target: ErrorTarget,
     curve: OutputCurve,
-    size: (usize, usize),
+    /// Pixels of the film, and tiles in a row and in a column.
+    pixels: f64,
+    tiles: (usize, usize),
     /// The most samples of a pixel.
     most: u32,
     order: InstantOrder,
     round: u32,
-    pixels: Vec<Pixel>,
+    /// The samples that pixels take in this round are among these.
+    range: Range<u32>,
+    /// Tile by tile.
+    packets: Vec<PixelPacket>,
+    /// The estimates of square errors, not scaled.
+    errors: Vec<[f32; LANES]>,
+    /// While the shutter is open: the shape that covered each pixel whole at the last instant that was searched, if any did.
+    covers: Vec<Option<Option<Covering>>>,
     /// By class: by what estimates are multiplied.
     scales: [Scale; CLASSES],
     error: Option<EstimatedError>,
@@ -142,53 +157,42 @@ pub(crate) struct Adaptive {
     rounds: Vec<u32>,
 }
 
-/// How a class's estimates are corrected.
-#[derive(Clone, Copy, Debug)]
-struct Scale {
-    factor: f64,
-    /// By what a square error is multiplied when the number of samples is doubled.
-    falls: f64,
-    /// The relative variance of the factor.
-    uncertain: f64,
-}
-
-/// Sums over the pixels of a class whose samples were doubled.
-#[derive(Clone, Copy, Debug, Default)]
-struct Halves {
-    pixels: f64,
-    model: f64,
-    apart: f64,
-    apart_squared: f64,
-    /// Of the pixels that were doubled before, too: then and now.
-    earlier: f64,
-    later: f64,
-}
-
 impl Adaptive {
     /// Creates the state before the first sample, in the memory of another picture.
     pub(crate) fn new(
         (columns, rows): (u32, u32),
         (most, order, starts_wide): (u32, InstantOrder, bool),
         target: ErrorTarget,
-        PixelMemory { mut pixels }: PixelMemory,
+        PixelMemory { mut packets, errors }: PixelMemory,
     ) -> Self {
-        let size = (columns.max(1) as usize, rows.max(1) as usize);
+        let tiles = (columns.div_ceil(TILE) as usize, rows.div_ceil(TILE) as usize);
         let wide = starts_wide || order.count() > 1 || target.least >= FEWEST;
         let goal = (if wide { FEWEST } else { 1 }).max(target.least).min(most);
-        pixels.clear();
-        pixels.resize(size.0 * size.1, Pixel { goal, apart: -1.0, audited: wide, ..Pixel::default() });
+        packets.clear();
+        packets.reserve(tiles.0 * tiles.1 * PACKETS);
+        for (j, i) in (0..rows)
+            .step_by(TILE as usize)
+            .flat_map(|j| (0..columns).step_by(TILE as usize).map(move |i| (j, i)))
+        {
+            let tile = Tile { i, j, width: TILE.min(columns - i), height: TILE.min(rows - j) };
+            let inside = |packet| tile.square(packet).map_or(0, |square| square.lanes());
+            packets.extend((0..PACKETS).map(|packet| PixelPacket::new(inside(packet), goal, wide)));
+        }
         let falls = [0.5, target.convergence.of_doubling(), 0.5];
-        let scales = falls.map(|falls| Scale { factor: 1.0, falls, uncertain: 0.25 });
-        let curve = OutputCurve::of(target.transfer);
+        let covered = if order.count() > 1 { packets.len() * LANES } else { 0 };
         Self {
             target,
-            curve,
-            size,
+            curve: OutputCurve::of(target.transfer),
+            pixels: f64::from(columns) * f64::from(rows),
+            tiles,
             most,
             order,
             round: 0,
-            pixels,
-            scales,
+            range: 0..goal,
+            packets,
+            errors,
+            covers: vec![None; covered],
+            scales: falls.map(Scale::new),
             error: None,
             images: None,
             rounds: Vec::new(),
@@ -197,7 +201,7 @@ impl Adaptive {
 
     /// Returns the memory.
     pub(crate) fn into_memory(self) -> PixelMemory {
-        PixelMemory { pixels: self.pixels }
+        PixelMemory { packets: self.packets, errors: self.errors }
     }
 
     /// Returns the estimate of the picture's error; `None` before it is known.
@@ -212,7 +216,7 @@ impl Adaptive {
 
     /// Returns whether geometry is to be searched for the features of pixels in this round: while it shows new instants.
     pub(crate) fn wants_features(&self) -> bool {
-        self.round == 0 || (self.order.count() > 1 && self.pixels_most() <= self.order.count())
+        self.round == 0 || (self.is_open() && self.range.end <= self.order.count())
     }
 
     /// Returns whether images in mirrors and glass are to be searched.
@@ -226,7 +230,7 @@ impl Adaptive {
         for Image { area, radiance, count } in found {
             #[expect(clippy::cast_possible_truncation, reason = "of a few pixels")]
             let size = libm::floor(4.0 * libm::log2(*area)) as i32;
-            let change = f64::from(self.curve.value(radiance * evidence::single(area.min(1.0))));
+            let change = f64::from(self.curve.value(radiance * single(area.min(1.0))));
             *images.entry(size).or_insert(0.0) += count * change * change * area.max(1.0);
         }
         self.images = Some(images);
@@ -235,11 +239,12 @@ impl Adaptive {
     /// Returns the mean square of the errors of images that no sample may have met.
     fn hidden_square(&self) -> f64 {
         let Some(images) = self.images.as_ref().filter(|images| !images.is_empty()) else { return 0.0 };
-        let (pixels, samples) = self
-            .pixels
-            .iter()
-            .filter(|pixel| pixel.class() == Class::Plain)
-            .fold((0.0, 0.0), |(pixels, samples), pixel| (pixels + 1.0, samples + f64::from(pixel.taken)));
+        let (mut pixels, mut samples) = (0.0, 0.0);
+        for packet in &self.packets {
+            for lane in lanes(packet.classes[Class::Plain as usize]) {
+                (pixels, samples) = (pixels + 1.0, samples + f64::from(packet.taken[lane]));
+            }
+        }
         if pixels == 0.0 {
             return 0.0;
         }
@@ -247,11 +252,7 @@ impl Adaptive {
             let area = libm::exp2((f64::from(*size) + 0.5) / 4.0);
             square * libm::exp(-area * samples / pixels)
         };
-        images.iter().map(missed).sum::<f64>() / self.pixels.len() as f64
-    }
-
-    fn pixels_most(&self) -> u32 {
-        self.pixels.iter().map(|pixel| pixel.goal).max().unwrap_or(0)
+        images.iter().map(missed).sum::<f64>() / self.pixels
     }
 
     /// Returns whether the shutter is open: shapes may move through pixels.
@@ -261,26 +262,20 @@ impl Adaptive {
 
     /// Returns the instants that this round's samples belong to, in the order of time.
     pub(crate) fn instants(&self) -> Vec<u32> {
-        let active = self.pixels.iter().filter(|pixel| pixel.goal > pixel.taken);
-        let range = active.fold(None, |range: Option<(u32, u32)>, pixel| {
-            let (from, to) = range.unwrap_or((pixel.taken, pixel.goal));
-            Some((from.min(pixel.taken), to.max(pixel.goal)))
-        });
-        range.map_or_else(Vec::new, |(from, to)| self.order.instants(from..to))
+        self.order.instants(self.range.clone())
     }
 
     /// Collects the samples that a tile's pixels take at an instant in this round.
     pub(crate) fn portions(&self, tile: &Tile, instant: u32, portions: &mut Vec<Portion>) {
         portions.clear();
         let sample = self.order.sample_of(instant);
-        for index in 0..TILE_PIXELS {
-            #[expect(clippy::cast_possible_truncation, reason = "a tile's pixels")]
-            let index = index as u32;
-            let (column, row) = tile.pixel(index);
-            if column < tile.i + tile.width && row < tile.j + tile.height {
-                let pixel = &self.pixels[row as usize * self.size.0 + column as usize];
-                if pixel.goal > pixel.taken {
-                    portions.extend(self.order.portion(index, pixel.taken..pixel.goal, sample));
+        for (first, pixels) in
+            (0_u32..).step_by(LANES).zip(&self.packets[self.first_packet(tile)..][..PACKETS])
+        {
+            for (pixel, lane) in (first..).zip(0..LANES) {
+                if pixels.active >> lane & 1 == 1 {
+                    let samples = pixels.taken[lane]..pixels.goal[lane];
+                    portions.extend(self.order.portion(pixel, samples, sample));
                 }
             }
         }
@@ -288,25 +283,18 @@ impl Adaptive {
 
     /// Notes the features of a tile's pixels at an instant.
     pub(crate) fn note_features(&mut self, tile: &Tile, found: &TileFeatures) {
-        for row in 0..tile.height {
-            for column in 0..tile.width {
-                let (packet, lane) = Tile::lane_of(column as usize, row as usize);
-                let place = (tile.j + row) as usize * self.size.0 + (tile.i + column) as usize;
+        let first = self.first_packet(tile);
+        for (packet, pixels) in self.packets[first..][..PACKETS].iter_mut().enumerate() {
+            for lane in lanes(pixels.inside()) {
                 let (feature, cover) = found.of(packet * LANES + lane);
-                let pixel = &mut self.pixels[place];
-                let before = pixel.feature;
+                pixels.join(lane, feature);
+                let Some(before) = self.covers.get_mut((first + packet) * LANES + lane) else { continue };
                 // What covers a pixel at one instant and not at another moves through it.
                 let id = |cover: Option<Covering>| cover.map(|(id, _)| id);
-                if let Some(other) = pixel.cover.filter(|other| id(*other) != id(cover)) {
+                if let Some(other) = before.replace(cover).filter(|other| id(*other) != id(cover)) {
                     let radiance =
                         other.into_iter().chain(cover).map(|(_, radiance)| radiance).fold(0.0, f32::max);
-                    pixel.feature.join(Feature { area: 1.0, radiance });
-                }
-                pixel.feature.join(feature);
-                pixel.cover = Some(cover);
-                if pixel.feature != before {
-                    // Its estimate was that of another kind of pixel.
-                    pixel.known = 0;
+                    pixels.join(lane, Feature { area: 1.0, radiance });
                 }
             }
         }
@@ -315,100 +303,122 @@ impl Adaptive {
     /// Estimates errors after a round, and chooses the samples of the next one: those that the target asks for, or a policy. Returns `false` if
     /// the picture is done.
     pub(crate) fn judge(&mut self, sums: &impl SampleSums, policy: Option<&SharedRoundPolicy>) -> bool {
-        let (width, curve) = (self.size.0, self.curve);
-        let (edges, alpha) = (self.target.convergence == Convergence::Edges, sums.have_alpha());
-        // Update pixels, and remember how far their halves were apart before.
-        let doubled: Vec<Vec<(usize, f32)>> = self
-            .pixels
-            .par_chunks_mut(width)
-            .enumerate()
-            .map(|(row, pixels)| {
-                let mut doubled = Vec::new();
-                for (column, pixel) in
-                    pixels.iter_mut().enumerate().filter(|(_, pixel)| pixel.goal > pixel.taken)
-                {
-                    let before = pixel.apart;
-                    pixel.update(curve, &sums.of(column, row));
-                    if pixel.apart >= 0.0 {
-                        doubled.push((column, before));
-                    }
-                }
-                doubled
-            })
-            .collect();
-        let around = self.audited_variance();
-        let squares: Vec<Vec<f32>> = (0..self.size.1)
-            .into_par_iter()
-            .map(|row| {
-                let tiles = &around[row / TILE as usize * width.div_ceil(TILE as usize)..];
-                let pixels = self.pixels[row * width..][..width].iter().enumerate();
-                let model = |(column, pixel): (usize, &Pixel)| {
-                    let neighbours = match pixel.class() {
-                        Class::Plain => {
-                            let variance = tiles[column / TILE as usize];
-                            Neighbours { least: pixel.mean, most: pixel.mean, variance }
-                        }
-                        Class::Edge | Class::Small => self.neighbours(column, row),
-                    };
-                    pixel.model(curve, edges, alpha, &neighbours)
-                };
-                pixels.map(model).collect()
-            })
-            .collect();
-        self.measure_scales(&doubled, &squares);
-        let factors = self.scales.map(|scale| evidence::single(scale.factor));
-        let (most, norm) = (self.most, self.norm(policy));
-        let bands = self.pixels.par_chunks_mut(width * BAND).zip(squares.par_chunks(BAND));
-        let gained: Vec<SquaresByGain> = bands
-            .map(|(pixels, squares)| {
-                let mut sums = SquaresByGain::default();
-                for (pixel, square) in pixels.iter_mut().zip(squares.iter().flatten()) {
-                    let square = square * factors[pixel.class() as usize];
-                    // The scale is that of this round's pixels: others keep what they had, unless their neighbours show more.
-                    let is_known =
-                        pixel.class() != Class::Plain && pixel.taken >= FEWEST && pixel.known == pixel.taken;
-                    pixel.square =
-                        if is_known { pixel.square.max(square.min(2.0 * pixel.square)) } else { square };
-                    pixel.known = pixel.taken;
-                    sums.add(pixel.gain(norm, 0), pixel.square, pixel.next_goal(most) - pixel.taken);
-                }
-                sums
-            })
-            .collect();
-        let mut gains = SquaresByGain::default();
-        gained.iter().for_each(|band| gains += band);
-        self.note_error(norm, &gains);
-        let Some(least) = self.least_gain(&gains, policy) else {
-            return self.end();
-        };
-        let (round, part) = (self.round, AUDITED[usize::from(self.round > 0)]);
-        self.round += 1;
-        let rows = self.pixels.par_chunks_mut(width).enumerate();
-        let active: Vec<bool> = rows
-            .map(|(row, pixels)| {
-                let mut any = false;
-                for (column, pixel) in pixels.iter_mut().enumerate().filter(|(_, pixel)| pixel.taken < most) {
-                    let gains = pixel.square > 0.0 && pixel.gain(norm, mixed_place((column, row))) >= least;
-                    let audits = !gains
-                        && pixel.class() == Class::Plain
-                        && !pixel.audited
-                        && is_audited((column, row), round, part);
-                    if gains || audits {
-                        pixel.goal = pixel.next_goal(most);
-                        pixel.audited |= audits;
-                        // An audit alone is no reason for another round, but for the first.
-                        any |= gains || round == 0;
-                    }
-                }
-                any
-            })
-            .collect();
-        active.contains(&true) || self.end()
+        self.update(sums);
+        self.estimate(sums.have_alpha());
+        // A policy knows only one norm.
+        let norm = if policy.is_some() { ErrorNorm::Rms } else { self.target.norm };
+        let gains = self.scale(norm);
+        let goes_on = self.least_gain(&gains, policy).is_some_and(|least| self.choose(norm, least));
+        if !goes_on {
+            self.range = 0..0;
+            self.packets.iter_mut().for_each(|pixels| pixels.active = 0);
+        }
+        goes_on
     }
 
-    /// Returns the norm that pixels are chosen by: a policy knows only one.
-    fn norm(&self, policy: Option<&SharedRoundPolicy>) -> ErrorNorm {
-        if policy.is_some() { ErrorNorm::Rms } else { self.target.norm }
+    /// Takes the samples of a round into account.
+    fn update(&mut self, sums: &impl SampleSums) {
+        let (across, curve) = (self.tiles.0, self.curve);
+        self.packets.par_chunks_mut(PACKETS).enumerate().for_each(|(tile, packets)| {
+            dispatch!(SimdLevel::best().level(), _simd => {
+                for (packet, pixels) in (tile * PACKETS..).zip(packets) {
+                    pixels.doubled = 0;
+                    if pixels.active != 0 {
+                        pixels.update(curve, &sums.of(packet, first_pixel(packet, across)));
+                    }
+                }
+            });
+        });
+    }
+
+    /// Estimates the square errors of all pixels, and how they are to be scaled.
+    fn estimate(&mut self, alpha: bool) {
+        let edges = self.target.convergence == Convergence::Edges;
+        let model = ErrorModel { curve: self.curve, edges, alpha };
+        let audited = self.audited_variance();
+        let mut errors = std::mem::take(&mut self.errors);
+        errors.resize(self.packets.len(), [0.0; LANES]);
+        let halves: Vec<[Halves; CLASSES]> = errors
+            .par_chunks_mut(PACKETS)
+            .zip(audited)
+            .enumerate()
+            .map(|(tile, (errors, audited))| {
+                let mut halves = [Halves::default(); CLASSES];
+                dispatch!(SimdLevel::best().level(), _simd => {
+                    for (packet, errors) in (tile * PACKETS..).zip(errors) {
+                        let pixels = &self.packets[packet];
+                        *errors = pixels.errors(model, audited, || Surroundings::of(self.around(packet)));
+                        for (class, halves) in pixels.classes.iter().zip(&mut halves) {
+                            lanes(class & pixels.doubled).for_each(|lane| halves.add(pixels, lane, errors));
+                        }
+                    }
+                });
+                halves
+            })
+            .collect();
+        for (class, scale) in self.scales.iter_mut().enumerate() {
+            let mut all = Halves::default();
+            halves.iter().for_each(|halves| all += halves[class]);
+            scale.correct(&all);
+        }
+        self.errors = errors;
+    }
+
+    /// Scales the estimates of all pixels, and estimates the picture's error. Returns the gains that pixels promise.
+    fn scale(&mut self, norm: ErrorNorm) -> SquaresByGain {
+        let (most, factors) = (self.most, self.scales.map(|scale| single(scale.factor)));
+        let bands = self.packets.par_chunks_mut(BAND * PACKETS).zip(self.errors.par_chunks(BAND * PACKETS));
+        let found: Vec<(SquaresByGain, [f64; CLASSES])> = bands
+            .map(|(packets, errors)| {
+                let (mut gains, mut sums) = (SquaresByGain::default(), [0.0; CLASSES]);
+                dispatch!(SimdLevel::best().level(), _simd => {
+                    for (pixels, errors) in packets.iter_mut().zip(errors) {
+                        pixels.scale(errors, factors);
+                        for (sum, class) in sums.iter_mut().zip(pixels.classes) {
+                            *sum += pixels.sum_of_squares(class);
+                        }
+                        let mut add = |lane: usize, count| {
+                            let more = next_goal(pixels.taken[lane], most) - pixels.taken[lane];
+                            gains.add(pixels.gain(lane, norm, 0), count, pixels.square[lane], more);
+                        };
+                        let alike = pixels.alike();
+                        lanes(alike).take(1).for_each(|lane| add(lane, alike.count_ones()));
+                        lanes(pixels.inside() & !alike).for_each(|lane| add(lane, 1));
+                    }
+                });
+                (gains, sums)
+            })
+            .collect();
+        let (mut gains, mut sums) = (SquaresByGain::default(), [0.0; CLASSES]);
+        for (band, band_sums) in &found {
+            gains += band;
+            sums.iter_mut().zip(band_sums).for_each(|(sum, band)| *sum += band);
+        }
+        self.note_error(norm, &gains, sums);
+        gains
+    }
+
+    /// Chooses the pixels that take samples in the next round: those that promise enough, and some plain ones. Returns whether there are
+    /// any; an audit alone is no reason for another round, but for the first.
+    fn choose(&mut self, norm: ErrorNorm, least: Gain) -> bool {
+        let (round, across, most) = (self.round, self.tiles.0, self.most);
+        self.round += 1;
+        let chosen = self.packets.par_chunks_mut(PACKETS).enumerate().map(|(tile, packets)| {
+            let (mut any, mut span) = (false, NO_SAMPLES);
+            dispatch!(SimdLevel::best().level(), _simd => {
+                for (packet, pixels) in (tile * PACKETS..).zip(packets) {
+                    any |= pixels.choose(first_pixel(packet, across), (norm, least), round, most);
+                    for lane in lanes(pixels.active) {
+                        span = joined(span, (pixels.taken[lane], pixels.goal[lane]));
+                    }
+                }
+            });
+            (any, span)
+        });
+        let join = |(any, span), (other, others)| (any | other, joined(span, others));
+        let (any, (first, end)) = chosen.reduce(|| (false, NO_SAMPLES), join);
+        self.range = first..end;
+        any
     }
 
     /// Returns the least gain with which samples are doubled in the next round; `None` if there is no further one.
@@ -418,49 +428,45 @@ impl Adaptive {
             // The first round is always audited.
             return (self.round == 0).then_some(Gain::BEYOND);
         }
-        let falls = self.scales[Class::Edge as usize].falls;
-        let pixels = self.pixels.len() as f64;
+        let (falls, pixels) = (self.scales[Class::Edge as usize].falls, self.pixels);
         let Some(policy) = policy else {
             return Some(match beyond(self.target.norm) {
                 None => gains.least_for(aim * aim * pixels, falls).0,
                 Some(beyond) => gains.least_to_exceed(aim, beyond(pixels)),
             });
         };
-        let samples = self.pixels.iter().map(|pixel| f64::from(pixel.taken)).sum();
+        let samples = |pixels: &PixelPacket| {
+            lanes(pixels.inside()).map(|lane| f64::from(pixels.taken[lane])).sum::<f64>()
+        };
+        let samples = self.packets.iter().map(samples).sum();
         let least =
             round_policy::locked(policy).least_gain(&Outlook { gains, pixels, falls, error, samples })?;
         // At least one pixel is sampled: of few, none may have enough by chance.
-        let width = self.size.0;
-        let may_get_more = |(_, pixel): &(usize, &Pixel)| pixel.taken < self.most && pixel.square > 0.0;
-        let of = |(place, pixel): (usize, &Pixel)| {
-            pixel.gain(ErrorNorm::Rms, mixed_place((place % width, place / width)))
+        let largest = |(packet, pixels): (usize, &PixelPacket)| {
+            let gains = pixels.gains(first_pixel(packet, self.tiles.0), ErrorNorm::Rms);
+            lanes(pixels.unfinished(self.most)).map(|lane| gains[lane]).max()
         };
-        let largest = self.pixels.par_iter().enumerate().filter(may_get_more).map(of).max()?;
+        let largest = self.packets.par_iter().enumerate().filter_map(largest).max()?;
         let least = largest.min(least.into());
         self.rounds.push(least.into());
         Some(least)
     }
 
-    /// Ends the picture.
-    fn end(&mut self) -> bool {
-        self.pixels.par_iter_mut().for_each(|pixel| pixel.goal = pixel.taken);
-        false
-    }
-
     /// Returns the variance of one sample of audited pixels around each tile, tile by tile.
     fn audited_variance(&self) -> Vec<f32> {
-        let (width, height) = self.size;
-        let across = width.div_ceil(TILE as usize);
-        let down = height.div_ceil(TILE as usize);
-        let mut tiles = vec![(0.0_f64, 0.0_f64); across * down];
-        for (row, pixels) in self.pixels.chunks(width).enumerate() {
-            for (column, pixel) in pixels.iter().enumerate() {
-                if pixel.audited && pixel.taken >= FEWEST && pixel.class() == Class::Plain {
-                    let tile = &mut tiles[row / TILE as usize * across + column / TILE as usize];
-                    (tile.0, tile.1) = (tile.0 + f64::from(pixel.variance), tile.1 + 1.0);
+        let (across, down) = self.tiles;
+        let of_tile = |packets: &[PixelPacket]| {
+            let (mut sum, mut count) = (0.0, 0.0);
+            for pixels in packets {
+                for lane in lanes(pixels.audited & pixels.classes[Class::Plain as usize]) {
+                    if pixels.taken[lane] >= FEWEST {
+                        (sum, count) = (sum + f64::from(pixels.variance[lane]), count + 1.0);
+                    }
                 }
             }
-        }
+            (sum, count)
+        };
+        let tiles: Vec<(f64, f64)> = self.packets.par_chunks(PACKETS).map(of_tile).collect();
         let all = tiles.iter().fold((0.0, 0.0), |all, tile| (all.0 + tile.0, all.1 + tile.1));
         let mean = if all.1 > 0.0 { all.0 / all.1 } else { 0.0 };
         let around = |tile: usize| {
@@ -471,86 +477,57 @@ impl Adaptive {
                     (sum, count) = (sum + tile.0, count + tile.1);
                 }
             }
-            evidence::single(sum / count)
+            single(sum / count)
         };
         (0..tiles.len()).map(around).collect()
     }
 
-    /// Returns the extremes around a pixel.
-    fn neighbours(&self, column: usize, row: usize) -> Neighbours {
-        let (width, height) = self.size;
-        let mut found = Neighbours { least: [f32::INFINITY; 3], most: [f32::NEG_INFINITY; 3], variance: 0.0 };
-        let mut count = 0.0;
-        for row in row.saturating_sub(1)..height.min(row + 2) {
-            for pixel in &self.pixels[row * width..][column.saturating_sub(1)..width.min(column + 2)] {
-                if pixel.class() != Class::Plain && pixel.taken > 1 {
-                    (found.variance, count) = (found.variance + pixel.variance, count + 1.0);
-                }
-                for (channel, mean) in pixel.mean.iter().enumerate() {
-                    let (least, most) = (&mut found.least[channel], &mut found.most[channel]);
-                    *least = if mean < least { *mean } else { *least };
-                    *most = if mean > most { *mean } else { *most };
-                }
-            }
-        }
-        found.variance /= f32::max(count, 1.0);
-        found
+    /// Returns a packet and the eight around it, row by row.
+    fn around(&self, packet: usize) -> [[Option<&PixelPacket>; 3]; 3] {
+        let side = SIDE as usize;
+        let (column, row) = first_pixel(packet, self.tiles.0);
+        let of = |column: usize, row: usize| {
+            // Less than the first is more than the last.
+            let (i, j) = (column / TILE as usize, row / TILE as usize);
+            let (packet, _) = Tile::lane_of(column % TILE as usize, row % TILE as usize);
+            (i < self.tiles.0 && j < self.tiles.1)
+                .then(|| &self.packets[(j * self.tiles.0 + i) * PACKETS + packet])
+        };
+        let near = |place: usize| [place.wrapping_sub(side), place, place + side];
+        near(row).map(|row| near(column).map(|column| of(column, row)))
     }
 
-    /// Corrects the scales of classes by how far the halves of their pixels are apart.
-    fn measure_scales(&mut self, doubled: &[Vec<(usize, f32)>], squares: &[Vec<f32>]) {
-        let mut halves = [Halves::default(); CLASSES];
-        for (row, doubled) in doubled.iter().enumerate() {
-            for (column, before) in doubled {
-                let pixel = &self.pixels[row * self.size.0 + column];
-                let (class, apart) = (&mut halves[pixel.class() as usize], f64::from(pixel.apart));
-                class.pixels += 1.0;
-                class.model += f64::from(squares[row][*column]);
-                class.apart += apart;
-                class.apart_squared += apart * apart;
-                if *before >= 0.0 {
-                    class.earlier += f64::from(*before);
-                    class.later += apart;
-                }
-            }
-        }
-        for (scale, halves) in self.scales.iter_mut().zip(halves).filter(|(_, halves)| halves.pixels > 0.0) {
-            let prior = PRIOR * halves.earlier / halves.pixels;
-            if halves.earlier > 0.0 {
-                let measured = (halves.later + prior * scale.falls) / (halves.earlier + prior);
-                scale.falls = measured.clamp(0.2, 0.5);
-            }
-            let measured = scale.falls / (1.0 - scale.falls) * halves.apart;
-            let prior = PRIOR * halves.model / halves.pixels;
-            if halves.model > 0.0 {
-                scale.factor = ((measured + prior * scale.factor) / (halves.model + prior)).clamp(0.125, 8.0);
-            }
-            if halves.apart > 0.0 {
-                // The square of a normal number has twice the variance of its square.
-                scale.uncertain = (halves.apart_squared / (halves.apart * halves.apart)).min(0.25);
-            }
-        }
+    /// Returns the index of a tile's first packet.
+    fn first_packet(&self, tile: &Tile) -> usize {
+        ((tile.j / TILE) as usize * self.tiles.0 + (tile.i / TILE) as usize) * PACKETS
     }
 
-    /// Notes the picture's error.
-    fn note_error(&mut self, norm: ErrorNorm, gains: &SquaresByGain) {
-        let mut sums = [(0.0, 0.0_f64); CLASSES];
-        for row in self.pixels.chunks(self.size.0) {
-            for pixel in row {
-                let (class, square) = (&mut sums[pixel.class() as usize], f64::from(pixel.square));
-                (class.0, class.1) = (class.0 + square, class.1.max(square));
-            }
-        }
-        let square = sums.iter().map(|(sum, _)| sum).sum::<f64>() / self.pixels.len() as f64;
+    /// Notes the picture's error, where the square errors of pixels of each class have these sums.
+    fn note_error(&mut self, norm: ErrorNorm, gains: &SquaresByGain, sums: [f64; CLASSES]) {
+        let rms = (sums.iter().sum::<f64>() / self.pixels).sqrt();
         let variance: f64 =
-            self.scales.iter().zip(&sums).map(|(scale, (sum, _))| scale.uncertain * sum * sum).sum();
-        let rms = square.sqrt();
-        let deviation =
-            if rms > 0.0 { variance.sqrt() / self.pixels.len() as f64 / (2.0 * rms) } else { 0.0 };
-        let value = beyond(norm).map_or(rms, |beyond| gains.exceeded_by(beyond(self.pixels.len() as f64)));
+            self.scales.iter().zip(sums).map(|(scale, sum)| scale.uncertain * sum * sum).sum();
+        let deviation = if rms > 0.0 { variance.sqrt() / self.pixels / (2.0 * rms) } else { 0.0 };
+        let value = beyond(norm).map_or(rms, |beyond| gains.exceeded_by(beyond(self.pixels)));
         let relative = if rms > 0.0 { value / rms } else { 1.0 };
         self.error = Some(EstimatedError { value, deviation: relative * deviation, hidden: 0.0 });
     }
+}
+
+/// A first sample and an end, of no samples.
+const NO_SAMPLES: (u32, u32) = (u32::MAX, 0);
+
+/// Returns the least span of samples, a first one and an end, that holds two.
+fn joined(one: (u32, u32), other: (u32, u32)) -> (u32, u32) {
+    (one.0.min(other.0), one.1.max(other.1))
+}
+
+/// Returns the column and the row of a packet's first pixel, where so many tiles are in a row.
+fn first_pixel(packet: usize, across: usize) -> (usize, usize) {
+    #[expect(clippy::cast_possible_truncation, reason = "below PACKETS")]
+    let (column, row) = Tile::place((packet % PACKETS) as u32);
+    let (tile, side) = (packet / PACKETS, TILE as usize);
+    (tile % across * side + column as usize, tile / across * side + row as usize)
 }
 
 /// Returns how many of so many pixels may have larger errors; `None` where the mean counts.
@@ -561,27 +538,6 @@ fn beyond(norm: ErrorNorm) -> Option<fn(f64) -> f64> {
         ErrorNorm::Max => Some(|_| 0.2),
         ErrorNorm::P99 => Some(|pixels| 0.01 * pixels),
     }
-}
-
-/// Returns whether a pixel is audited after a round: at first one of each 4 by 4 pixels, then others.
-fn is_audited((column, row): (usize, usize), round: u32, part: u32) -> bool {
-    let block = mixed(mixed_place((column / 4, row / 4)) ^ round);
-    #[expect(clippy::cast_possible_truncation, reason = "0 to 15")]
-    let place = (column % 4 + 4 * (row % 4)) as u32;
-    if round == 0 { block % part == place } else { mixed(block ^ place).is_multiple_of(part) }
-}
-
-/// Returns a number that is any with equal chances, of a column and a row.
-fn mixed_place((column, row): (usize, usize)) -> u32 {
-    #[expect(clippy::cast_possible_truncation, reason = "a film's columns and rows")]
-    mixed((column as u32) ^ mixed(row as u32))
-}
-
-/// Returns a number that is any with equal chances, of another.
-fn mixed(number: u32) -> u32 {
-    let number = (number ^ number >> 16).wrapping_mul(0x7feb_352d);
-    let number = (number ^ number >> 15).wrapping_mul(0x846c_a68b);
-    number ^ number >> 16
 }
 
 #[cfg(test)]

@@ -66,15 +66,16 @@ impl Default for SquaresByGain {
 }
 
 impl SquaresByGain {
-    /// Adds a pixel that gets so many samples in a round in which it takes some.
+    /// Adds pixels with the same gain and the same square error, which get so many samples in a round in which they take some.
     #[inline(always)]
-    pub(super) fn add(&mut self, gain: Gain, square: f32, more: u32) {
+    pub(super) fn add(&mut self, gain: Gain, count: u32, square: f32, more: u32) {
         let bin = &mut self.0[((gain.0 / PARTS) as usize).min(BINS - 1)];
+        let squares = f64::from(count) * f64::from(square);
         if more > 0 {
-            bin.squares += f64::from(square);
-            bin.more += f64::from(more);
+            bin.squares += squares;
+            bin.more += f64::from(count) * f64::from(more);
         } else {
-            bin.left += f64::from(square);
+            bin.left += squares;
         }
     }
 

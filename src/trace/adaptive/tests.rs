@@ -1,5 +1,7 @@
 //! Adaptive sampling of synthetic pixels, whose true means are known.
 
+use std::array::from_fn;
+
 use super::*;
 use crate::trace::math::{Dimension, PixelSamples};
 
@@ -18,9 +20,12 @@ impl SampleSums for Sums {
         false
     }
 
-    fn of(&self, column: usize, row: usize) -> PixelSums {
-        let (all, squares) = self.0[row * SIZE.0 as usize + column];
-        PixelSums { all: [all; 3], squares: [squares; 3], covered: None }
+    fn of(&self, _: usize, (column, row): (usize, usize)) -> PacketSums {
+        let of = |lane: usize| {
+            self.0[(row + lane / SIDE as usize) * SIZE.0 as usize + column + lane % SIDE as usize]
+        };
+        let (all, squares) = (from_fn(|lane| of(lane).0), from_fn(|lane| of(lane).1));
+        PacketSums { all: [all; 3], squares: [squares; 3], covered: None }
     }
 }
 
@@ -39,9 +44,14 @@ fn rendered(
 ) -> (Vec<f64>, Vec<u32>, Adaptive) {
     let order = InstantOrder::new(false);
     let mut adaptive = Adaptive::new(SIZE, (most, order, false), target, memory);
-    for (index, pixel) in adaptive.pixels.iter_mut().enumerate().filter(|(index, _)| edges(*index)) {
-        pixel.feature = Feature::EDGE;
-        assert!(index < COUNT);
+    let tiles_across = adaptive.tiles.0;
+    for (packet, pixels) in adaptive.packets.iter_mut().enumerate() {
+        let (column, row) = first_pixel(packet, tiles_across);
+        for lane in 0..LANES {
+            if edges((row + lane / SIDE as usize) * SIZE.0 as usize + column + lane % SIDE as usize) {
+                pixels.join(lane, Feature::EDGE);
+            }
+        }
     }
     let (mut sums, mut counts) = (Sums(vec![(0.0, 0.0); COUNT]), vec![0; COUNT]);
     let mut portions = Vec::new();

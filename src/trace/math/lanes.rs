@@ -56,6 +56,12 @@ impl Numbers {
         self.0[lane / HALF % 2][lane % HALF]
     }
 
+    /// Returns the numbers of all lanes.
+    #[inline(always)]
+    pub(crate) fn to_array(self) -> [f64; LANES] {
+        std::array::from_fn(|lane| self.get(lane))
+    }
+
     /// Sets the number in a lane.
     #[inline(always)]
     pub(crate) fn set(&mut self, lane: usize, number: f64) {

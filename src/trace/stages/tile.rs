@@ -32,7 +32,7 @@ pub(crate) struct Tile {
 impl Tile {
     /// Returns column and row of a pixel by its index: pixels are counted packet by packet, and in those lane by lane.
     pub(crate) fn pixel(&self, index: u32) -> (u32, u32) {
-        let (column, row) = place(index / PACKET);
+        let (column, row) = Self::place(index / PACKET);
         (self.i + column + index % SIDE, self.j + row + index % PACKET / SIDE)
     }
 
@@ -42,10 +42,16 @@ impl Tile {
         (row / side * packets + column / side, row % side * side + column % side)
     }
 
+    /// Returns column and row of a packet's first pixel in its tile.
+    #[inline]
+    pub(crate) fn place(packet: u32) -> (u32, u32) {
+        (packet % (TILE / SIDE) * SIDE, packet / (TILE / SIDE) * SIDE)
+    }
+
     /// Returns the pixels of a packet; `None` where the tile has none.
     #[inline]
     pub(crate) fn square(&self, packet: usize) -> Option<Square> {
-        let (column, row) = place(u32::try_from(packet).ok()?);
+        let (column, row) = Self::place(u32::try_from(packet).ok()?);
         (column < self.width && row < self.height).then(|| Square {
             first: (self.i + column, self.j + row),
             size: ((self.width - column).min(SIDE), (self.height - row).min(SIDE)),
@@ -88,9 +94,3 @@ pub(super) const PIXELS: [[u32; LANES]; PACKETS] = {
     }
     pixels
 };
-
-/// Returns column and row of a packet's first pixel in its tile.
-#[inline]
-fn place(packet: u32) -> (u32, u32) {
-    (packet % (TILE / SIDE) * SIDE, packet / (TILE / SIDE) * SIDE)
-}

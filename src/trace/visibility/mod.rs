@@ -30,13 +30,13 @@ use glam::{DVec2, DVec3};
 use crate::color::to_f32;
 use crate::trace::bvh::{Depth, FrustumVisitor, LeafBox, LeafId, SlopeRange};
 use crate::trace::light::most_radiance;
-use crate::trace::math::{LANES, Vectors, lanes};
+use crate::trace::math::{LANES, Vectors, WHOLE, lanes};
 use crate::trace::query::Scratch;
 use crate::trace::rays::ShapeId;
 use crate::trace::scene::{Camera, PreparedScene, SIDE};
 use crate::trace::stages::{PACKETS, TILE, TILE_PIXELS, Tile};
 pub(crate) use hidden::{Image, hidden_images};
-use outline::{Cover, Outline, Rays};
+use outline::{Covers, Outline, Rays, Squares, where_less};
 
 /// The smallest thing that samples of a pixel can miss.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -75,6 +75,11 @@ pub(crate) struct TileFeatures {
 pub(crate) type Covering = (ShapeId, f32);
 
 impl TileFeatures {
+    /// Returns whether no pixel has a feature.
+    pub(crate) fn are_none(&self) -> bool {
+        self.features.iter().all(|feature| *feature == Feature::NONE)
+    }
+
     /// Returns the feature and the cover of a pixel, by its index in the tile.
     pub(crate) fn of(&self, pixel: usize) -> (Feature, Option<Covering>) {
         (self.features[pixel], self.covers[pixel])
@@ -95,6 +100,8 @@ struct Seen {
     half: f64,
     /// A bound of its radiance.
     radiance: f32,
+    /// How it lies to the squares of packets.
+    blocks: Covers<PACKETS>,
 }
 
 /// More shapes are not searched one by one where the tree cannot be.
@@ -190,9 +197,10 @@ fn see(scene: &PreparedScene, camera: &Camera, rays: &Rays, id: ShapeId, seen: &
             // Spread over the circle of confusion.
             outline.area /= 4.0 * half * half;
         }
-        if outline.cover(DVec2::ZERO, TILE as f64 / 2.0 + half).is_some() {
+        let blocks = dispatch!(scene.simd.level(), _simd => outline.covers(&BLOCKS.widened(half)));
+        if blocks.seen != 0 {
             let radiance = most_radiance(scene, scene.material(id));
-            seen.push(Seen { id, outline, half, radiance });
+            seen.push(Seen { id, outline, half, radiance, blocks });
         }
     }
     true
@@ -263,6 +271,22 @@ fn visit<S: Simd>(
 /// Shapes of so many pixels are met by first samples of some of their pixels, with which others are compared.
 const LARGE: f64 = 16.0;
 
+/// Half of the side of a packet's square of pixels, to the middles of those.
+const HALF_BLOCK: f64 = (SIDE as f64 - 1.0) / 2.0;
+
+/// The squares of a tile's packets, to the middles of their pixels.
+const BLOCKS: Squares<PACKETS> = {
+    let (mut x, mut y) = ([0.0; PACKETS], [0.0; PACKETS]);
+    let across = (TILE / SIDE) as usize;
+    let mut packet = 0;
+    while packet < PACKETS {
+        x[packet] = (packet % across) as f64 * SIDE as f64 + HALF_BLOCK - MIDDLE;
+        y[packet] = (packet / across) as f64 * SIDE as f64 + HALF_BLOCK - MIDDLE;
+        packet += 1;
+    }
+    Squares { x, y, half: HALF_BLOCK }
+};
+
 /// Decides what each pixel shows of the shapes that are seen through the tile. Squares of four by four pixels are looked at first: what lies
 /// behind a shape that covers one whole is not looked for in its pixels.
 fn resolve(
@@ -271,57 +295,97 @@ fn resolve(
     (tile, is_open): (&Tile, bool),
     seen: &[Seen],
 ) -> TileFeatures {
-    const BLOCK: f64 = (SIDE as f64 - 1.0) / 2.0;
     let mut found = TileFeatures { features: [Feature::NONE; TILE_PIXELS], covers: [None; TILE_PIXELS] };
-    let (mut around, mut covers) = (Vec::with_capacity(seen.len()), Vec::with_capacity(seen.len()));
-    for (packet, square) in (0..PACKETS).filter_map(|packet| Some((packet, tile.square(packet)?))) {
-        let first =
-            DVec2::new(f64::from(square.first.0 - tile.i), f64::from(square.first.1 - tile.j)) - MIDDLE;
-        around.clear();
-        around.extend(seen.iter().filter_map(|shape| shape.cover(first + BLOCK, BLOCK)));
-        keep_visible(&mut around);
-        for lane in lanes(square.lanes()) {
-            let place = first + DVec2::new((lane % SIDE as usize) as f64, (lane / SIDE as usize) as f64);
+    dispatch!(scene.simd.level(), _simd => {
+        let mut covers = Vec::with_capacity(seen.len());
+        let mut nearest = Nearest::<PACKETS>::new();
+        seen.iter().for_each(|shape| nearest.note(shape, &shape.blocks));
+        for (packet, square) in (0..PACKETS).filter_map(|packet| Some((packet, tile.square(packet)?))) {
+            let pixels = pixels(packet);
             covers.clear();
-            covers.extend(around.iter().filter_map(|(shape, cover)| {
-                let is_decided = cover.whole && cover.one_face;
-                if is_decided { Some((*shape, *cover)) } else { shape.cover(place, 0.0) }
-            }));
-            let nearest = keep_visible(&mut covers);
-            let pixel = packet * LANES + lane;
-            found.covers[pixel] = nearest.map(|shape| (shape.id, shape.radiance));
+            let in_sight = |shape: &&Seen| nearest.visible(&shape.blocks) >> packet & 1 == 1;
+            covers.extend(seen.iter().filter(in_sight).map(|shape| (shape, shape.covers(packet, &pixels))));
+            let mut nearest = Nearest::<LANES>::new();
+            covers.iter().for_each(|(shape, cover)| nearest.note(shape, cover));
+            let place = |lane: usize| DVec2::new(pixels.x[lane], pixels.y[lane]);
+            let (features, whole) = (&mut found.features[packet * LANES..], &mut found.covers[packet * LANES..]);
             for (shape, cover) in &covers {
-                let feature = match nearest {
-                    Some(nearest) if nearest.id == shape.id => shape.inner_feature(scene, rays, place, cover),
-                    _ if cover.whole => Feature::EDGE,
-                    _ => shape.feature(is_open),
-                };
-                found.features[pixel].join(feature);
+                let visible = nearest.visible(cover) & square.lanes();
+                let first = visible & nearest.of(shape.id);
+                lanes(first).for_each(|lane| whole[lane] = Some((shape.id, shape.radiance)));
+                if scene.material(shape.id).checker.is_some() {
+                    lanes(first & shape.checkered(scene, rays, first, place))
+                        .for_each(|lane| features[lane].join(Feature { area: 1.0, radiance: shape.radiance }));
+                }
+                let edges = first & !cover.one_face | visible & !first & cover.whole;
+                lanes(edges).for_each(|lane| features[lane].join(Feature::EDGE));
+                let part = shape.feature(is_open);
+                lanes(visible & !first & !cover.whole).for_each(|lane| features[lane].join(part));
             }
         }
-    }
+    });
     found
 }
 
-/// Removes the shapes that lie behind the nearest of those that cover everything, and returns that one.
-fn keep_visible<'a>(covers: &mut Vec<(&'a Seen, Cover)>) -> Option<&'a Seen> {
-    let mut nearest: Option<(&Seen, f64)> = None;
-    for (shape, Cover { depth: [least, _], .. }) in covers.iter().filter(|(_, cover)| cover.whole) {
-        let is_nearer = |(other, depth): (&Seen, f64)| (*least, other.id.0) > (depth, shape.id.0);
-        if *least > 0.0 && nearest.is_none_or(is_nearer) {
-            nearest = Some((shape, *least));
+/// Returns the squares of a packet's pixels, of no size.
+#[inline(always)]
+fn pixels(packet: usize) -> Squares<LANES> {
+    let (x, y) = (BLOCKS.x[packet] - HALF_BLOCK, BLOCKS.y[packet] - HALF_BLOCK);
+    let side = SIDE as usize;
+    Squares {
+        x: std::array::from_fn(|lane| x + (lane % side) as f64),
+        y: std::array::from_fn(|lane| y + (lane / side) as f64),
+        half: 0.0,
+    }
+}
+
+/// The nearest of the shapes that cover squares whole: the greatest bound from below of their inverse depth, 0 if there is none.
+struct Nearest<const N: usize> {
+    depth: [f64; N],
+    ids: [ShapeId; N],
+}
+
+impl<const N: usize> Nearest<N> {
+    fn new() -> Self {
+        Self { depth: [0.0; N], ids: [ShapeId(u32::MAX); N] }
+    }
+
+    /// Takes a shape into account.
+    #[inline(always)]
+    fn note(&mut self, shape: &Seen, cover: &Covers<N>) {
+        for lane in 0..N {
+            let (depth, id) = (cover.depth[0][lane], self.ids[lane]);
+            // Of those as near, the order does not matter.
+            let is_nearer = depth > self.depth[lane] || (depth == self.depth[lane] && shape.id.0 < id.0);
+            if is_nearer && depth > 0.0 && (cover.whole & cover.seen) >> lane & 1 == 1 {
+                (self.depth[lane], self.ids[lane]) = (depth, shape.id);
+            }
         }
     }
-    let (nearest, depth) = nearest?;
-    covers.retain(|(_, cover)| cover.depth[1] >= depth);
-    Some(nearest)
+
+    /// Returns the squares in which a shape may be seen before it.
+    #[inline(always)]
+    fn visible(&self, cover: &Covers<N>) -> u32 {
+        cover.seen & !where_less(&cover.depth[1], &self.depth)
+    }
+
+    /// Returns the squares in which a shape is the nearest.
+    #[inline(always)]
+    fn of(&self, id: ShapeId) -> u32 {
+        (0..N).fold(0, |mask, lane| mask | u32::from(self.ids[lane] == id) << lane)
+    }
 }
 
 impl Seen {
-    /// Finds how the shape lies to what reaches so far, in pixels, around a pixel's centre.
+    /// Finds how the shape lies to the pixels of a packet.
     #[inline(always)]
-    fn cover(&self, place: DVec2, reach: f64) -> Option<(&Self, Cover)> {
-        Some((self, self.outline.cover(place, self.half + reach)?))
+    fn covers(&self, packet: usize, pixels: &Squares<LANES>) -> Covers<LANES> {
+        let is = |mask: u32| mask >> packet & 1 == 1;
+        if is(self.blocks.whole & self.blocks.one_face) {
+            let depth = self.blocks.depth.map(|bounds| [bounds[packet]; LANES]);
+            return Covers { seen: WHOLE, whole: WHOLE, one_face: WHOLE, depth };
+        }
+        self.outline.covers(&pixels.widened(self.half))
     }
 
     /// Returns the feature of a pixel that the shape covers in part.
@@ -333,17 +397,21 @@ impl Seen {
         }
     }
 
-    /// Returns the feature of a pixel that the shape covers whole, in front of all others.
-    fn inner_feature(&self, scene: &PreparedScene, rays: &Rays, place: DVec2, cover: &Cover) -> Feature {
-        let is_checkered = scene.material(self.id).checker.as_deref().is_some_and(|checker| {
-            let corners = [DVec2::NEG_ONE, DVec2::new(1.0, -1.0), DVec2::new(-1.0, 1.0), DVec2::ONE];
-            !checker.squares.holds(corners.map(|corner| self.outline.point(rays, place + corner * self.half)))
-        });
-        match (is_checkered, cover.one_face) {
-            (true, _) => Feature { area: 1.0, radiance: self.radiance },
-            (false, true) => Feature::NONE,
-            (false, false) => Feature::EDGE,
-        }
+    /// Returns the pixels, of some, in which it shows more than one square of a checker.
+    fn checkered(
+        &self,
+        scene: &PreparedScene,
+        rays: &Rays,
+        pixels: u32,
+        place: impl Fn(usize) -> DVec2,
+    ) -> u32 {
+        let Some(checker) = scene.material(self.id).checker.as_deref() else { return 0 };
+        let corners = [DVec2::NEG_ONE, DVec2::new(1.0, -1.0), DVec2::new(-1.0, 1.0), DVec2::ONE];
+        let is_one_square = |lane: usize| {
+            let corner = |corner: DVec2| self.outline.point(rays, place(lane) + corner * self.half);
+            checker.squares.holds(corners.map(corner))
+        };
+        lanes(pixels).filter(|lane| !is_one_square(*lane)).fold(0, |mask, lane| mask | 1 << lane)
     }
 }
 

@@ -61,15 +61,27 @@ pub(super) struct Outline {
     pub(super) area: f64,
 }
 
-/// How a shape lies to a pixel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Cover {
-    /// Whether it covers the whole pixel.
-    pub(super) whole: bool,
-    /// Bounds of its inverse depth over the pixel.
-    pub(super) depth: [f64; 2],
-    /// Whether a single face is seen.
-    pub(super) one_face: bool,
+/// Squares of a tile, in pixels from its middle. Loops go through them, so that compilers make vectors of them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Squares<const N: usize> {
+    /// Their middles.
+    pub(super) x: [f64; N],
+    pub(super) y: [f64; N],
+    /// Half of their side.
+    pub(super) half: f64,
+}
+
+/// How a shape lies to squares. Masks have a bit for each of them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Covers<const N: usize> {
+    /// Those that may show it.
+    pub(super) seen: u32,
+    /// Those that it covers whole.
+    pub(super) whole: u32,
+    /// Those in which a single face is seen.
+    pub(super) one_face: u32,
+    /// The least and the greatest bounds of its inverse depth over each.
+    pub(super) depth: [[f64; N]; 2],
 }
 
 impl Quadratic {
@@ -78,26 +90,65 @@ impl Quadratic {
         Self { constant: of(rays.middle), linear: DVec2::new(of(right), of(down)), quadratic: [0.0; 3] }
     }
 
-    /// Bounds over the square of this half side around a place.
+    /// Returns the least and the greatest bounds over each of some squares.
     #[inline(always)]
-    fn bounds(&self, place: DVec2, half: f64) -> [f64; 2] {
+    fn bounds<const N: usize>(&self, Squares { x, y, half }: &Squares<N>) -> [[f64; N]; 2] {
         /// More than rounding adds to a sum of a dozen terms, relative to the largest of them.
         const ROUNDING: f64 = 1e-13;
-        let [xx, xy, yy] = self.quadratic;
-        let DVec2 { x, y } = place;
-        let value =
-            self.constant + x * self.linear.x + y * self.linear.y + (xx * x * x + xy * x * y + yy * y * y);
-        let slope =
-            (self.linear.x + 2.0 * xx * x + xy * y).abs() + (self.linear.y + xy * x + 2.0 * yy * y).abs();
+        let Self { constant, linear: DVec2 { x: right, y: down }, quadratic: [xx, xy, yy] } = *self;
+        let reach = HALF_TILE + half;
         let bend = xx.abs() + xy.abs() + yy.abs();
-        let reach = x.abs().max(y.abs()) + half;
-        let size =
-            self.constant.abs() + reach * (self.linear.x.abs() + self.linear.y.abs()) + reach * reach * bend;
+        let size = constant.abs() + reach * (right.abs() + down.abs()) + reach * reach * bend;
+        let (mut least, mut greatest) = ([0.0; N], [0.0; N]);
+        if bend == 0.0 {
+            let around = (right.abs() + down.abs()) * half + size * ROUNDING;
+            for lane in 0..N {
+                let value = constant + x[lane] * right + y[lane] * down;
+                (least[lane], greatest[lane]) = (value - around, value + around);
+            }
+            return [least, greatest];
+        }
         // A concave function lies below its tangents.
         let is_concave = xx <= 0.0 && yy <= 0.0 && 4.0 * xx * yy >= xy * xy;
-        let (around, bend) = (slope * half + size * ROUNDING, bend * half * half);
-        [value - around - bend, value + around + if is_concave { 0.0 } else { bend }]
+        let below = bend * half * half;
+        let above = if is_concave { 0.0 } else { below };
+        for lane in 0..N {
+            let (x, y) = (x[lane], y[lane]);
+            let value = constant + x * right + y * down + (xx * x * x + xy * x * y + yy * y * y);
+            let slope = (right + 2.0 * xx * x + xy * y).abs() + (down + xy * x + 2.0 * yy * y).abs();
+            let around = slope * half + size * ROUNDING;
+            (least[lane], greatest[lane]) = (value - around - below, value + around + above);
+        }
+        [least, greatest]
     }
+}
+
+impl<const N: usize> Covers<N> {
+    /// All squares.
+    const ALL: u32 = if N < 32 { (1 << N) - 1 } else { u32::MAX };
+}
+
+impl<const N: usize> Squares<N> {
+    /// Squares so much farther to all sides.
+    pub(super) fn widened(&self, by: f64) -> Self {
+        Self { half: self.half + by, ..*self }
+    }
+}
+
+/// Returns the numbers that a condition holds for, as a bit mask.
+#[inline(always)]
+fn which<const N: usize>(numbers: &[f64; N], holds: impl Fn(f64) -> bool) -> u32 {
+    (0..N).fold(0, |mask, lane| mask | u32::from(holds(numbers[lane])) << lane)
+}
+
+#[inline(always)]
+fn lesser(one: f64, other: f64) -> f64 {
+    if other < one { other } else { one }
+}
+
+#[inline(always)]
+fn greater(one: f64, other: f64) -> f64 {
+    if other > one { other } else { one }
 }
 
 impl Outline {
@@ -215,75 +266,86 @@ impl Outline {
         Some(Self { inside, depth: InverseDepth::Nearest(faces), area })
     }
 
-    /// Finds how the shape lies to a pixel: the square of this half side around a place. `None` if it is not seen there.
+    /// Finds how the shape lies to squares.
     #[inline(always)]
-    pub(super) fn cover(&self, place: DVec2, half: f64) -> Option<Cover> {
-        let mut whole = true;
+    pub(super) fn covers<const N: usize>(&self, squares: &Squares<N>) -> Covers<N> {
+        let (mut seen, mut whole) = (Covers::<N>::ALL, Covers::<N>::ALL);
         for function in &self.inside {
-            let [least, most] = function.bounds(place, half);
-            if most <= 0.0 {
-                return None;
+            let [least, greatest] = function.bounds(squares);
+            seen &= !which(&greatest, |most| most <= 0.0);
+            whole &= which(&least, |least| least > 0.0);
+            if seen == 0 {
+                break;
             }
-            whole &= least > 0.0;
         }
-        let (depth, one_face) = self.depth.bounds(place, half);
-        (depth[1] > 0.0).then_some(Cover { whole, depth, one_face })
+        let (depth, one_face) = self.depth.bounds(squares);
+        Covers { seen: seen & !which(&depth[1], |most| most <= 0.0), whole, one_face, depth }
     }
 
     /// Returns where the ray through a place hits the shape.
-    pub(super) fn point(&self, rays: &Rays, place: DVec2) -> DVec3 {
-        let direction = rays.middle + rays.steps[0] * place.x + rays.steps[1] * place.y;
-        rays.eye + direction / self.depth.bounds(place, 0.0).0[0]
+    pub(super) fn point(&self, rays: &Rays, DVec2 { x, y }: DVec2) -> DVec3 {
+        let direction = rays.middle + rays.steps[0] * x + rays.steps[1] * y;
+        let ([[depth], _], _) = self.depth.bounds(&Squares { x: [x], y: [y], half: 0.0 });
+        rays.eye + direction / depth
     }
 }
 
 impl InverseDepth {
-    /// Bounds over a pixel, and whether a single face is seen there.
+    /// Returns the least and the greatest bounds over squares, and in which of them a single face is seen.
     #[inline(always)]
-    fn bounds(&self, place: DVec2, half: f64) -> ([f64; 2], bool) {
+    fn bounds<const N: usize>(&self, squares: &Squares<N>) -> ([[f64; N]; 2], u32) {
         match self {
             Self::Sphere { b, q, c } => {
-                let (b, q) =
-                    (b.bounds(place, half), q.bounds(place, half).map(|bound| bound.max(0.0).sqrt()));
-                let bounds = if *c > 0.0 {
-                    [(b[0] + q[0]) / c, (b[1] + q[1]) / c]
-                } else {
-                    [(q[0] - b[1]) / -c, (q[1] - b[0]) / -c]
-                };
-                (bounds, true)
+                let (mut b, mut q) = (b.bounds(squares), q.bounds(squares));
+                for root in q.as_flattened_mut() {
+                    *root = greater(0.0, *root).sqrt();
+                }
+                if *c <= 0.0 {
+                    // The far side is seen from inside.
+                    q = q.map(|roots| roots.map(|root| -root));
+                    b.swap(0, 1);
+                }
+                let bound = |side: usize| std::array::from_fn(|lane| (b[side][lane] + q[side][lane]) / c);
+                ([bound(0), bound(1)], Covers::<N>::ALL)
             }
             Self::Nearest(faces) => {
-                let mut bounds = [f64::INFINITY; 2];
-                let mut others = f64::INFINITY;
-                for [least, most] in faces.iter().map(|face| face.bounds(place, half)) {
-                    if most < bounds[1] {
-                        others = others.min(bounds[0]);
-                        bounds[1] = most;
-                        bounds[0] = bounds[0].min(least);
-                        others = if bounds[0] == least { others } else { f64::NEG_INFINITY };
-                    } else {
-                        others = others.min(least);
-                        bounds[0] = bounds[0].min(least);
+                let (mut least, mut most) = ([f64::INFINITY; N], [f64::INFINITY; N]);
+                let mut others = [f64::INFINITY; N];
+                for [low, high] in faces.iter().map(|face| face.bounds(squares)) {
+                    for lane in 0..N {
+                        let (before, is_nearest) = (least[lane], high[lane] < most[lane]);
+                        others[lane] = lesser(others[lane], if is_nearest { before } else { low[lane] });
+                        let is_beyond = is_nearest && before < low[lane];
+                        others[lane] = if is_beyond { f64::NEG_INFINITY } else { others[lane] };
+                        most[lane] = if is_nearest { high[lane] } else { most[lane] };
+                        least[lane] = lesser(before, low[lane]);
                     }
                 }
-                (bounds, bounds[1] < others)
+                let one_face = where_less(&most, &others);
+                ([least, most], one_face)
             }
             Self::Farthest(faces) => {
-                let mut bounds = [f64::NEG_INFINITY; 2];
-                let (mut best, mut second) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-                for [least, most] in faces.iter().map(|face| face.bounds(place, half)) {
-                    if least > best {
-                        second = second.max(bounds[1]);
-                        best = least;
-                    } else {
-                        second = second.max(most);
+                let (mut least, mut most) = ([f64::NEG_INFINITY; N], [f64::NEG_INFINITY; N]);
+                let mut others = [f64::NEG_INFINITY; N];
+                for [low, high] in faces.iter().map(|face| face.bounds(squares)) {
+                    for lane in 0..N {
+                        let other = if low[lane] > least[lane] { most[lane] } else { high[lane] };
+                        others[lane] = greater(others[lane], other);
+                        least[lane] = greater(least[lane], low[lane]);
+                        most[lane] = greater(most[lane], high[lane]);
                     }
-                    bounds = [bounds[0].max(least), bounds[1].max(most)];
                 }
-                (bounds, best > second)
+                let one_face = where_less(&others, &least);
+                ([least, most], one_face)
             }
         }
     }
+}
+
+/// Returns where numbers are less than others, as a bit mask.
+#[inline(always)]
+pub(super) fn where_less<const N: usize>(numbers: &[f64; N], others: &[f64; N]) -> u32 {
+    (0..N).fold(0, |mask, lane| mask | u32::from(numbers[lane] < others[lane]) << lane)
 }
 
 /// Says that nothing is known of an outline.
