@@ -318,6 +318,14 @@ impl Engine {
         &self.rounds
     }
 
+    /// Returns how many samples each pixel of the last picture took, row by row from the top. Empty where all took the same: without
+    /// a [target](Engine::is_adaptive).
+    #[must_use]
+    pub fn sample_counts(&self) -> Vec<u32> {
+        let FilmSettings { width, height, .. } = self.film_settings();
+        self.sample_memory.counts((width, height))
+    }
+
     /// Returns what frames are rendered with in the place of the scene's own settings.
     #[must_use]
     pub fn knobs(&self) -> Knobs {

@@ -116,6 +116,13 @@ pub(crate) struct SampleMemory {
     pixels: PixelMemory,
 }
 
+impl SampleMemory {
+    /// Returns how many samples each pixel of the last picture took, row by row; nothing where all took the same.
+    pub(crate) fn counts(&self, resolution: (u32, u32)) -> Vec<u32> {
+        self.pixels.counts(resolution)
+    }
+}
+
 impl Sums {
     /// Makes room for the sums of so many tiles without samples.
     fn clear(&mut self, tiles: usize, plan: &SamplePlan) {

@@ -130,7 +130,7 @@ fn a_page_and_a_table_are_written() {
 #[test]
 fn errors_that_are_not_reached_are_marked_and_never_stars() {
     let folder = tempfile::tempdir().unwrap();
-    let report = measured(folder.path(), &["--error-map", "e.png"]);
+    let report = measured(folder.path(), &["--error-map", "e.png", "--sample-map", "s.png"]);
     let errors = of_knob(&report, "max error");
     let (capped, reached): (Vec<&Value>, Vec<&Value>) =
         errors.into_iter().partition(|row| row["capped"] == 16);
@@ -148,14 +148,16 @@ fn errors_that_are_not_reached_are_marked_and_never_stars() {
         assert!(low <= rms && rms < high, "{row}");
         assert!(row["same_as"].is_null() || row["pareto"] == false, "{row}");
     }
-    assert_eq!(image::open(folder.path().join("e.png")).unwrap().to_rgb8().dimensions(), (48, 27));
+    for map in ["e.png", "s.png"] {
+        assert_eq!(image::open(folder.path().join(map)).unwrap().to_rgb8().dimensions(), (48, 27));
+    }
 }
 
 #[test]
 fn the_scene_is_not_written_over() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("a.ron"), SCENE).unwrap();
-    for option in ["--html", "--csv", "--error-map"] {
+    for option in ["--html", "--csv", "--error-map", "--sample-map"] {
         let output = rayreel(folder.path(), ["accuracy", "a.ron", option, "./a.ron"]);
         assert_eq!(output.status.code(), Some(1));
         assert!(text(&output.stderr).contains("is the scene itself: name another file"));

@@ -13,6 +13,7 @@ mod own_systems;
 mod passes;
 mod prepared_changes;
 mod reload;
+mod sample_counts;
 mod scripts;
 #[path = "../processor_time/spent.rs"]
 mod spent;

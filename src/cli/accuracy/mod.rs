@@ -17,6 +17,7 @@ use anyhow::Context;
 
 use rayreel::Engine;
 use rayreel::accuracy::{OutputValues, Report, Request, Thoroughness, measure};
+use rayreel::components::FilmSettings;
 use rayreel::time::FrameList;
 
 use super::args::AccuracyArguments;
@@ -45,7 +46,9 @@ struct Measured {
 }
 
 pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) -> Result<(), Failure> {
-    for file in arguments.html.iter().chain(&arguments.csv).chain(&arguments.error_map) {
+    for file in
+        arguments.html.iter().chain(&arguments.csv).chain(&arguments.error_map).chain(&arguments.sample_map)
+    {
         ensure_not_the_scene(file, &arguments.scene)?;
     }
     let mut engine = load(&arguments.scene, &arguments.overrides)?;
@@ -58,6 +61,7 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
         .num_threads(arguments.threads.map_or(0, usize::from))
         .build()
         .context("cannot start the rendering threads")?;
+    let first = engine.timeline().time_of(frames.first().copied().unwrap_or(0));
     let request = Request {
         frames,
         thoroughness: if arguments.quick { Thoroughness::QUICK } else { Thoroughness::THOROUGH },
@@ -66,6 +70,12 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
     };
     let cancelled = interruption.deferred();
     let report = pool.install(|| measure(&mut engine, &request, cancelled, &mut progress));
+    if let (Some(file), Ok(Some(_))) = (&arguments.sample_map, &report) {
+        if pool.install(|| engine.render_unless(first, cancelled))?.is_none() {
+            return Err(interruption.failure());
+        }
+        write_file(file, &sample_map(&engine)?)?;
+    }
     drop(progress);
     let Some(report) = report? else {
         return Err(if cancelled.load(Ordering::Relaxed) {
@@ -83,6 +93,17 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
         report,
     };
     tell(&measured, arguments, &engine)
+}
+
+/// Returns the PNG of the samples of the last picture's pixels, by powers of two.
+fn sample_map(engine: &Engine) -> anyhow::Result<Vec<u8>> {
+    let FilmSettings { width, height, .. } = engine.film_settings();
+    let mut counts = engine.sample_counts();
+    let everywhere = engine.sampling().map_or(1, |sampling| sampling.samples);
+    counts.resize(width as usize * height as usize, everywhere);
+    let powers: Vec<f64> =
+        counts.into_iter().map(|count| 1.0 + libm::log2(f64::from(count.max(1)))).collect();
+    heat_map((width, height), &powers)
 }
 
 /// Returns the frames to measure: the middle one, unless others are asked for.

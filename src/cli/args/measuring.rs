@@ -56,6 +56,9 @@ pub(in crate::cli) struct AccuracyArguments {
     /// white, the largest
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) error_map: Option<PathBuf>,
+    /// Write the samples of each pixel of the first frame, too, by powers of two: from black to white, the most
+    #[arg(long, value_name = "FILE")]
+    pub(in crate::cli) sample_map: Option<PathBuf>,
     /// Print one JSON object instead of the table
     #[arg(long)]
     pub(in crate::cli) json: bool,

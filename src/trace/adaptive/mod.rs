@@ -24,7 +24,7 @@
 //!    picture's error.
 //!
 //! Pixels are kept packet by packet, as the sums of their samples are, and loops go through the lanes of a packet: compilers make vectors of
-//! them, at every level the same numbers.
+//! them, with the same numbers at every level.
 
 mod evidence;
 mod instants;
@@ -106,6 +106,8 @@ pub struct EstimatedError {
 
 /// The part of the target that is aimed at: estimates scatter.
 const AIM: f64 = 0.85;
+/// Estimates are to lie below the target by so many of their standard deviations: one normal number in fifteen lies farther out.
+const SURE: f64 = 1.5;
 /// The tiles whose squares are summed together.
 const BAND: usize = 32;
 /// The weight of the whole picture's audit in every tile's, in pixels.
@@ -126,6 +128,22 @@ pub(crate) trait SampleSums: Sync {
 pub(crate) struct PixelMemory {
     packets: Vec<PixelPacket>,
     errors: Vec<[f32; LANES]>,
+}
+
+impl PixelMemory {
+    /// Returns how many samples each pixel of the last picture took, row by row; nothing if there was none of this size.
+    pub(crate) fn counts(&self, (columns, rows): (u32, u32)) -> Vec<u32> {
+        let across = columns.div_ceil(TILE);
+        if self.packets.len() != (across * rows.div_ceil(TILE)) as usize * PACKETS {
+            return Vec::new();
+        }
+        let taken = |column: u32, row: u32| {
+            let (packet, lane) = Tile::lane_of((column % TILE) as usize, (row % TILE) as usize);
+            let tile = (row / TILE * across + column / TILE) as usize;
+            self.packets[tile * PACKETS + packet].taken[lane]
+        };
+        (0..rows).flat_map(|row| (0..columns).map(move |column| taken(column, row))).collect()
+    }
 }
 
 /// The samples of a picture's pixels: how many each has, and which are next.
@@ -423,7 +441,9 @@ impl Adaptive {
 
     /// Returns the least gain with which samples are doubled in the next round; `None` if there is no further one.
     fn least_gain(&mut self, gains: &SquaresByGain, policy: Option<&SharedRoundPolicy>) -> Option<Gain> {
-        let (error, aim) = (self.error?, AIM * self.target.error);
+        let error = self.error?;
+        let certain = error.value / (error.value + SURE * error.deviation);
+        let aim = AIM.min(certain) * self.target.error;
         if error.value <= aim {
             // The first round is always audited.
             return (self.round == 0).then_some(Gain::BEYOND);

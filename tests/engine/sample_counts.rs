@@ -1,0 +1,34 @@
+//! The samples of pixels that take different numbers.
+
+use rayreel::{Engine, Scene, Time};
+
+const SCENE: &str = r#"Scene(
+    film: (width: 50, height: 30),
+    sampling: (samples: 256, max_error: 1),
+    camera: (position: (0, 0, -5), target: (0, 0, 0), fov: 40),
+    ambient: (1, 1, 1),
+    materials: { "white": (k_a: 1, k_d: 0, color: (255, 255, 255)) },
+    entities: [
+        (name: "ball", shape: Sphere(radius: 0.4), material: "white", transform: (translation: (-1.5, 0.8, 0))),
+    ],
+)"#;
+
+#[test]
+fn all_samples_are_counted_where_they_are_taken() {
+    let mut engine = Engine::from_scene(Scene::from_text("balls.ron", SCENE.to_owned()).unwrap());
+    assert!(engine.sample_counts().is_empty());
+    let film = engine.render_at(Time::ZERO).unwrap();
+    let counts = engine.sample_counts();
+    assert_eq!(counts.len(), 50 * 30);
+    assert_eq!(counts.iter().map(|count| u64::from(*count)).sum::<u64>(), engine.report().rays.camera);
+    // Those on the outline of the ball take the most.
+    let most = counts.iter().max().unwrap();
+    for (pixel, count) in (0_u32..).zip(&counts).filter(|(_, count)| *count == most) {
+        let around = [(0, 1), (2, 1), (1, 0), (1, 2)]
+            .map(|(right, down)| film.pixel((pixel % 50 + right).max(1) - 1, (pixel / 50 + down).max(1) - 1));
+        assert!(around.iter().any(|color| *color != around[0]), "{pixel}: {count}");
+    }
+    engine.set_knobs(rayreel::Knobs { max_error: Some(0.0), ..rayreel::Knobs::default() });
+    engine.render_at(Time::ZERO).unwrap();
+    assert!(engine.sample_counts().is_empty());
+}
