@@ -300,11 +300,12 @@ fn resolve(
         let mut covers = Vec::with_capacity(seen.len());
         let mut nearest = Nearest::<PACKETS>::new();
         seen.iter().for_each(|shape| nearest.note(shape, &shape.blocks));
+        let in_sight: Vec<u32> = seen.iter().map(|shape| nearest.visible(&shape.blocks)).collect();
         for (packet, square) in (0..PACKETS).filter_map(|packet| Some((packet, tile.square(packet)?))) {
             let pixels = pixels(packet);
+            let shapes = seen.iter().zip(&in_sight).filter(|(_, packets)| *packets >> packet & 1 == 1);
             covers.clear();
-            let in_sight = |shape: &&Seen| nearest.visible(&shape.blocks) >> packet & 1 == 1;
-            covers.extend(seen.iter().filter(in_sight).map(|shape| (shape, shape.covers(packet, &pixels))));
+            covers.extend(shapes.map(|(shape, _)| (shape, shape.covers(packet, &pixels))));
             let mut nearest = Nearest::<LANES>::new();
             covers.iter().for_each(|(shape, cover)| nearest.note(shape, cover));
             let place = |lane: usize| DVec2::new(pixels.x[lane], pixels.y[lane]);
@@ -313,10 +314,8 @@ fn resolve(
                 let visible = nearest.visible(cover) & square.lanes();
                 let first = visible & nearest.of(shape.id);
                 lanes(first).for_each(|lane| whole[lane] = Some((shape.id, shape.radiance)));
-                if scene.material(shape.id).checker.is_some() {
-                    lanes(first & shape.checkered(scene, rays, first, place))
-                        .for_each(|lane| features[lane].join(Feature { area: 1.0, radiance: shape.radiance }));
-                }
+                lanes(shape.checkered(scene, rays, first, place))
+                    .for_each(|lane| features[lane].join(Feature { area: 1.0, radiance: shape.radiance }));
                 let edges = first & !cover.one_face | visible & !first & cover.whole;
                 lanes(edges).for_each(|lane| features[lane].join(Feature::EDGE));
                 let part = shape.feature(is_open);
