@@ -200,10 +200,7 @@ impl<E: Encoding> Exposure<E> {
         plan: SamplePlan,
         SampleMemory { mut sums, pixels: memory }: SampleMemory,
     ) -> Self {
-        let tiles: Vec<ExposedTile> = (0..height)
-            .step_by(TILE as usize)
-            .flat_map(|j| (0..columns).step_by(TILE as usize).map(move |i| (i, j)))
-            .map(|(i, j)| Tile { i, j, width: TILE.min(columns - i), height: TILE.min(height - j) })
+        let tiles: Vec<ExposedTile> = Tile::all((columns, height))
             .map(|tile| ExposedTile { tile, batches: 0, is_seen: false })
             .collect();
         let pixels = if plan.samples == 1 && !plan.alpha {

@@ -16,7 +16,7 @@ use crate::trace::math::{LANES, Sampling};
 use crate::trace::query::{Look, Scratch, SurfacePoint, closest};
 use crate::trace::rays::{Ray, RayView, ShapeId};
 use crate::trace::scene::{Camera, Light, Passage, PreparedScene, SIDE};
-use crate::trace::stages::{Portion, TILE, Tile};
+use crate::trace::stages::{Portion, Tile};
 use crate::trace::visibility::{hidden_images, reference_features};
 
 /// All rays of one sample of a pixel, breadth first.
@@ -162,13 +162,12 @@ impl<'a> Reference<'a> {
 
     /// Adds the present round's samples of an instant to the sums, which are in rows from the top.
     pub(crate) fn add(&mut self, sums: &mut ReferenceSums, instant: u32) {
-        let (columns, rows) = self.context.camera.resolution();
+        let resolution = self.context.camera.resolution();
         let mut portions = Vec::new();
         if let Some(adaptive) = sums.adaptive.as_mut().filter(|adaptive| adaptive.wants_images()) {
             adaptive.note_images(&hidden_images(self.context.scene, self.context.camera));
         }
-        for (i, j) in tiles(columns, rows) {
-            let tile = Tile { i, j, width: TILE.min(columns - i), height: TILE.min(rows - j) };
+        for tile in Tile::all(resolution) {
             sums.portions(&tile, instant, &mut portions);
             if let Some(adaptive) = sums.adaptive.as_mut().filter(|adaptive| adaptive.wants_features()) {
                 let found =
@@ -177,7 +176,7 @@ impl<'a> Reference<'a> {
             }
             for portion in &portions {
                 let (column, row) = tile.pixel(portion.pixel);
-                let pixel = row as usize * columns as usize + column as usize;
+                let pixel = row as usize * resolution.0 as usize + column as usize;
                 for sample in (0..portion.count).map(|number| portion.first + number * portion.stride) {
                     let tree = self.sample(column, row, sample);
                     let color = tree.as_ref().map_or_else(|| self.context.nowhere(), RayTree::color);
@@ -189,10 +188,8 @@ impl<'a> Reference<'a> {
 
     /// Searches the features of all pixels at an instant.
     pub(crate) fn search(&self, sums: &mut ReferenceSums) {
-        let (columns, rows) = self.context.camera.resolution();
         let Some(adaptive) = &mut sums.adaptive else { return };
-        for (i, j) in tiles(columns, rows) {
-            let tile = Tile { i, j, width: TILE.min(columns - i), height: TILE.min(rows - j) };
+        for tile in Tile::all(self.context.camera.resolution()) {
             let found =
                 reference_features(self.context.scene, self.context.camera, &tile, adaptive.is_open());
             adaptive.note_features(&tile, &found);
@@ -248,13 +245,6 @@ impl<'a> Reference<'a> {
         tree.extend(beyond);
         Some(RayTree { rays: tree })
     }
-}
-
-/// Iterates over the first pixels of tiles.
-fn tiles(columns: u32, rows: u32) -> impl Iterator<Item = (u32, u32)> {
-    (0..rows)
-        .step_by(TILE as usize)
-        .flat_map(move |j| (0..columns).step_by(TILE as usize).map(move |i| (i, j)))
 }
 
 /// A ray to be traced, where it comes from, and the index of the ray that it continues.

@@ -87,13 +87,13 @@ const MISSED: f32 = 0.41;
 /// 0.7 in the scenes of `benches/hard.rs` with 8 to 64 samples a pixel. It is corrected as soon as samples were doubled.
 const EDGES: f32 = 0.7;
 
-/// How square errors are estimated.
+/// Model of square errors.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ErrorModel {
     pub(super) curve: OutputCurve,
-    /// Whether errors fall as those of edges do.
+    /// Errors fall as those of edges do.
     pub(super) edges: bool,
-    /// Whether the error of alpha counts.
+    /// The error of alpha counts.
     pub(super) alpha: bool,
 }
 
@@ -147,7 +147,7 @@ impl PixelPacket {
         }
     }
 
-    /// Takes the samples of a round into account.
+    /// Takes the samples of a round into account. Those that were doubled before are forgotten already.
     #[inline(always)]
     pub(super) fn update(&mut self, curve: OutputCurve, sums: &PacketSums) {
         let (mut apart, mut variance) = ([0.0_f32; LANES], [0.0_f32; LANES]);
@@ -198,7 +198,6 @@ impl PixelPacket {
                 self.alpha[lane] = single(share);
             }
         }
-        self.doubled = 0;
         for lane in 0..LANES {
             let (before, goal, is_active) = (self.taken[lane], self.goal[lane], self.active >> lane & 1 == 1);
             let is_doubled = before > 1 && goal == 2 * before;

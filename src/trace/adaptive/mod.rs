@@ -188,11 +188,7 @@ impl Adaptive {
         let goal = (if wide { FEWEST } else { 1 }).max(target.least).min(most);
         packets.clear();
         packets.reserve(tiles.0 * tiles.1 * PACKETS);
-        for (j, i) in (0..rows)
-            .step_by(TILE as usize)
-            .flat_map(|j| (0..columns).step_by(TILE as usize).map(move |i| (j, i)))
-        {
-            let tile = Tile { i, j, width: TILE.min(columns - i), height: TILE.min(rows - j) };
+        for tile in Tile::all((columns, rows)) {
             let inside = |packet| tile.square(packet).map_or(0, |square| square.lanes());
             packets.extend((0..PACKETS).map(|packet| PixelPacket::new(inside(packet), goal, wide)));
         }

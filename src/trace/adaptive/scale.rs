@@ -8,11 +8,11 @@ use crate::trace::math::LANES;
 /// The weight of what is known of a class beforehand, in pixels.
 const PRIOR: f64 = 8.0;
 
-/// How a class's estimates are corrected.
+/// Correction of a class's estimates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
     pub(super) factor: f64,
-    /// By what a square error is multiplied when the number of samples is doubled.
+    /// The factor of a square error when the number of samples is doubled.
     pub(super) falls: f64,
     /// The relative variance of the factor.
     pub(super) uncertain: f64,

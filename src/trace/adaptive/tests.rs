@@ -29,11 +29,6 @@ impl SampleSums for Sums {
     }
 }
 
-fn tiles() -> impl Iterator<Item = Tile> {
-    let starts = (0..SIZE.1).step_by(16).flat_map(|j| (0..SIZE.0).step_by(16).map(move |i| (i, j)));
-    starts.map(|(i, j)| Tile { i, j, width: 16, height: 16 })
-}
-
 /// Takes samples, of pixels by their index, until no more are needed. `edges` tells which pixels geometry finds an edge in. Returns the
 /// pixels, how many samples each got, and the estimate of their error.
 fn rendered(
@@ -56,7 +51,7 @@ fn rendered(
     let (mut sums, mut counts) = (Sums(vec![(0.0, 0.0); COUNT]), vec![0; COUNT]);
     let mut portions = Vec::new();
     loop {
-        for tile in tiles() {
+        for tile in Tile::all(SIZE) {
             adaptive.portions(&tile, 0, &mut portions);
             for portion in &portions {
                 let (column, row) = tile.pixel(portion.pixel);

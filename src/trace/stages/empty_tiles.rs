@@ -107,7 +107,6 @@ mod tests {
 
     use proptest::prelude::*;
 
-    use super::super::tile::TILE;
     use super::*;
     use crate::trace::shapes::Sphere;
     use crate::trace::{
@@ -125,13 +124,8 @@ mod tests {
         }
         let scene = PreparedScene::new(geometry, vec![SurfaceMaterial::default(); spheres.len()]);
         let context = RenderContext::new(&scene, camera, Sampling::default(), EFFECTS);
-        let starts = (0..SIZE.1)
-            .step_by(TILE as usize)
-            .flat_map(|j| (0..SIZE.0).step_by(TILE as usize).map(move |i| (i, j)));
-        let tiles =
-            starts.map(|(i, j)| Tile { i, j, width: TILE.min(SIZE.0 - i), height: TILE.min(SIZE.1 - j) });
         let never = AtomicBool::new(false);
-        tiles.filter(|tile| is_empty(&context, tile, &mut Scratch::new(&never))).collect()
+        Tile::all(SIZE).filter(|tile| is_empty(&context, tile, &mut Scratch::new(&never))).collect()
     }
 
     #[test]

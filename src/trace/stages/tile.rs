@@ -30,6 +30,14 @@ pub(crate) struct Tile {
 }
 
 impl Tile {
+    /// Iterates over the tiles of a film, row by row.
+    pub(crate) fn all((columns, rows): (u32, u32)) -> impl Iterator<Item = Self> {
+        let places = (0..rows)
+            .step_by(TILE as usize)
+            .flat_map(move |j| (0..columns).step_by(TILE as usize).map(move |i| (i, j)));
+        places.map(move |(i, j)| Self { i, j, width: TILE.min(columns - i), height: TILE.min(rows - j) })
+    }
+
     /// Returns column and row of a pixel by its index: pixels are counted packet by packet, and in those lane by lane.
     pub(crate) fn pixel(&self, index: u32) -> (u32, u32) {
         let (column, row) = Self::place(index / PACKET);

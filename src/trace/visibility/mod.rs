@@ -100,7 +100,7 @@ struct Seen {
     half: f64,
     /// A bound of its radiance.
     radiance: f32,
-    /// How it lies to the squares of packets.
+    /// Its relation to the squares of packets.
     blocks: Covers<PACKETS>,
 }
 
@@ -298,7 +298,7 @@ fn resolve(
     let mut found = TileFeatures { features: [Feature::NONE; TILE_PIXELS], covers: [None; TILE_PIXELS] };
     dispatch!(scene.simd.level(), _simd => {
         let mut covers = Vec::with_capacity(seen.len());
-        let mut nearest = Nearest::<PACKETS>::new();
+        let mut nearest = NearestCovers::<PACKETS>::new();
         seen.iter().for_each(|shape| nearest.note(shape, &shape.blocks));
         let in_sight: Vec<u32> = seen.iter().map(|shape| nearest.visible(&shape.blocks)).collect();
         for (packet, square) in (0..PACKETS).filter_map(|packet| Some((packet, tile.square(packet)?))) {
@@ -306,7 +306,7 @@ fn resolve(
             let shapes = seen.iter().zip(&in_sight).filter(|(_, packets)| *packets >> packet & 1 == 1);
             covers.clear();
             covers.extend(shapes.map(|(shape, _)| (shape, shape.covers(packet, &pixels))));
-            let mut nearest = Nearest::<LANES>::new();
+            let mut nearest = NearestCovers::<LANES>::new();
             covers.iter().for_each(|(shape, cover)| nearest.note(shape, cover));
             let place = |lane: usize| DVec2::new(pixels.x[lane], pixels.y[lane]);
             let (features, whole) = (&mut found.features[packet * LANES..], &mut found.covers[packet * LANES..]);
@@ -339,12 +339,12 @@ fn pixels(packet: usize) -> Squares<LANES> {
 }
 
 /// The nearest of the shapes that cover squares whole: the greatest bound from below of their inverse depth, 0 if there is none.
-struct Nearest<const N: usize> {
+struct NearestCovers<const N: usize> {
     depth: [f64; N],
     ids: [ShapeId; N],
 }
 
-impl<const N: usize> Nearest<N> {
+impl<const N: usize> NearestCovers<N> {
     fn new() -> Self {
         Self { depth: [0.0; N], ids: [ShapeId(u32::MAX); N] }
     }

@@ -71,7 +71,7 @@ pub(super) struct Squares<const N: usize> {
     pub(super) half: f64,
 }
 
-/// How a shape lies to squares. Masks have a bit for each of them.
+/// Relation of a shape to squares. Masks have a bit for each of them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Covers<const N: usize> {
     /// Those that may show it.
