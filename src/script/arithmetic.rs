@@ -173,6 +173,9 @@ pub(super) fn equal(left: &Dynamic, right: &Dynamic) -> bool {
         work::add_text(left.len());
         return *left == *right;
     }
+    if let (Ok(left), Ok(right)) = (left.as_char(), right.as_char()) {
+        return left == right;
+    }
     match (left.as_bool(), right.as_bool()) {
         (Ok(left), Ok(right)) => left == right,
         _ => left.is_unit() && right.is_unit(),
