@@ -126,7 +126,7 @@ const COLUMNS: [(&str, &str); 40] = [
     ("alone_rms", "/alone/rms"),
     ("alone_psnr", "/alone/psnr"),
     ("alone_share_off", "/alone/share_off"),
-    ("estimated_rms", "/estimated/rms"),
+    ("estimated_error", "/estimated/value"),
     ("estimated_deviation", "/estimated/deviation"),
     ("capped", "/capped"),
     ("share", "/share/median"),
