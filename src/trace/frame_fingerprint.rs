@@ -21,7 +21,7 @@ use crate::trace::scene::{Camera, PreparedScene};
 pub const SEMANTICS: u32 = 2;
 
 /// The version of how samples are chosen for an error: the same for frames that have a target alone.
-const ADAPTIVE_SEMANTICS: u32 = 4;
+const ADAPTIVE_SEMANTICS: u32 = 5;
 
 /// What identifies a picture: pictures of equal fingerprints have equal pixels.
 ///

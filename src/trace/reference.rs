@@ -168,12 +168,12 @@ impl<'a> Reference<'a> {
             adaptive.note_images(&hidden_images(self.context.scene, self.context.camera));
         }
         for tile in Tile::all(resolution) {
-            sums.portions(&tile, instant, &mut portions);
             if let Some(adaptive) = sums.adaptive.as_mut().filter(|adaptive| adaptive.wants_features()) {
                 let found =
                     reference_features(self.context.scene, self.context.camera, &tile, adaptive.is_open());
                 adaptive.note_features(&tile, &found);
             }
+            sums.portions(&tile, instant, &mut portions);
             for portion in &portions {
                 let (column, row) = tile.pixel(portion.pixel);
                 let pixel = row as usize * resolution.0 as usize + column as usize;
@@ -300,7 +300,7 @@ impl ReferenceSums {
     /// Collects the samples that a tile's pixels take at an instant in this round.
     fn portions(&self, tile: &Tile, instant: u32, portions: &mut Vec<Portion>) {
         if let Some(adaptive) = &self.adaptive {
-            adaptive.portions(tile, instant, portions);
+            adaptive.portions(tile, instant, None, portions);
             return;
         }
         let samples = block(self.plan.samples, self.plan.instants, instant);

@@ -104,14 +104,13 @@ impl<I: Intersector> Work<'_, I> {
         let tile = exposed.tile;
         buffers.ask_for_coverage(light.asks_for_coverage());
         if let Some(adaptive) = adaptive {
-            adaptive.portions(&tile, self.instant, portions);
-            if self.finds_features && exposed.batches == 0 {
-                let tile_features = visibility::features(
-                    context.scene,
-                    context.camera,
-                    (&tile, adaptive.is_open()),
-                    (features, buffers.search()),
-                );
+            let searches = self.finds_features && exposed.batches == 0;
+            let tile_features = searches.then(|| {
+                let with = (&tile, adaptive.is_open());
+                visibility::features(context.scene, context.camera, with, (features, buffers.search()))
+            });
+            adaptive.portions(&tile, self.instant, tile_features.as_ref(), portions);
+            if let Some(tile_features) = tile_features {
                 // While the shutter is open, covers are compared.
                 let matters = adaptive.is_open() || !tile_features.are_none();
                 if matters && !self.signals.cancelled.load(Ordering::Relaxed) {

@@ -98,17 +98,21 @@ pub(super) struct ErrorModel {
 }
 
 impl PixelPacket {
-    /// Creates the pixels in these lanes, which take so many samples in the first round.
-    pub(super) fn new(inside: u32, goal: u32, is_audited: bool) -> Self {
+    /// Creates the pixels in these lanes, which take so many samples in the first round, and one that is audited at least `first`. Its place
+    /// follows from the column and the row of the packet's first pixel.
+    pub(super) fn new(inside: u32, goal: u32, first: u32, (column, row): (usize, usize)) -> Self {
         let number = |lane: usize| if inside >> lane & 1 == 1 { 0.0 } else { f32::NAN };
+        let audited = 1 << (mixed_place((column / SIDE, row / SIDE)) as usize % LANES);
+        let audited = inside & if goal < first { audited } else { WHOLE };
+        let goal_of = |lane: usize| if audited >> lane & 1 == 1 { goal.max(first) } else { goal };
         Self {
             classes: [inside, 0, 0],
             active: inside,
             doubled: 0,
             changed: inside,
-            audited: if is_audited { inside } else { 0 },
+            audited,
             taken: [0; LANES],
-            goal: [goal; LANES],
+            goal: std::array::from_fn(goal_of),
             mean: [std::array::from_fn(number); 3],
             alpha: [0.0; LANES],
             variance: [0.0; LANES],
@@ -130,8 +134,8 @@ impl PixelPacket {
         self.classes[Class::Edge as usize] | self.classes[Class::Small as usize]
     }
 
-    /// Notes a feature of a pixel.
-    pub(super) fn join(&mut self, lane: usize, feature: Feature) {
+    /// Notes a feature of a pixel, which takes at least `first` samples in the first round then.
+    pub(super) fn join(&mut self, lane: usize, feature: Feature, first: u32) {
         let before = Feature { area: self.area[lane], radiance: self.radiance[lane] };
         let mut joined = before;
         joined.join(feature);
@@ -144,6 +148,9 @@ impl PixelPacket {
             self.classes[class as usize] |= 1 << lane;
             // Its estimate was that of another class.
             self.changed |= 1 << lane;
+            if self.taken[lane] == 0 {
+                self.goal[lane] = self.goal[lane].max(first);
+            }
         }
     }
 
@@ -340,8 +347,8 @@ impl PixelPacket {
         (0..LANES).fold(0, |pixels, lane| pixels | u32::from(is(lane)) << lane)
     }
 
-    /// Chooses the pixels that take samples in the next round: those that promise enough, and some plain ones that were not audited yet, one
-    /// in the first round. Returns whether there is a reason for another round.
+    /// Chooses the pixels that take samples in the next round: those that promise enough, and some plain ones that were not audited yet.
+    /// Returns whether there is a reason for another round.
     #[inline(always)]
     pub(super) fn choose(
         &mut self,
@@ -355,9 +362,7 @@ impl PixelPacket {
         let enough = enough & self.unfinished(most);
         let block = mixed(mixed_place((first.0 / SIDE, first.1 / SIDE)) ^ round);
         let tile = mixed(mixed_place((first.0 / TILE as usize, first.1 / TILE as usize)) ^ round);
-        let audits = if round == 0 {
-            1 << (block as usize % LANES)
-        } else if !tile.is_multiple_of(AUDITED_TILES) {
+        let audits = if !tile.is_multiple_of(AUDITED_TILES) {
             0
         } else {
             let is = |pixel: u32| mixed(block ^ pixel).is_multiple_of(AUDITED);
@@ -373,7 +378,7 @@ impl PixelPacket {
             self.active &= !(u32::from(is_active && goal <= self.taken[lane]) << lane);
         }
         self.audited |= audits & self.active;
-        enough != 0 || (round == 0 && self.active != 0)
+        enough != 0
     }
 }
 

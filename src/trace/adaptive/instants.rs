@@ -52,9 +52,11 @@ impl InstantOrder {
         (count > 0).then_some(Portion { pixel, first, stride, count })
     }
 
-    /// Returns one of the samples that belong to an instant.
-    pub(super) fn sample_of(self, instant: u32) -> u32 {
-        (0..self.count()).find(|sample| stratum(*sample, self.bits) == instant).unwrap_or(0)
+    /// Returns the first sample that belongs to each instant.
+    pub(super) fn first_samples(self) -> Vec<u32> {
+        let mut samples = vec![0; self.count() as usize];
+        (0..self.count()).for_each(|sample| samples[stratum(sample, self.bits) as usize] = sample);
+        samples
     }
 }
 
@@ -79,7 +81,7 @@ mod tests {
                 let mut taken = Vec::new();
                 for instant in order.instants(samples.clone()) {
                     if let Some(Portion { first, stride, count, .. }) =
-                        order.portion(0, samples.clone(), order.sample_of(instant))
+                        order.portion(0, samples.clone(), order.first_samples()[instant as usize])
                     {
                         taken.extend((0..count).map(|number| first + number * stride));
                     }

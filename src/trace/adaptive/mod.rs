@@ -1,7 +1,7 @@
 //! Adaptive sampling: pixels get samples until the estimated RMS error of the picture is at most a target.
 //!
 //! ```text
-//! take a first sample of every pixel (four where a lens or a shutter is open)
+//! take a first sample of every pixel, four where more than one surface can show, a lens or a shutter is open, or an audit is due
 //! loop:
 //!     estimate the square error of every pixel
 //!     stop when their mean is at most the target's square
@@ -42,9 +42,10 @@ use fearless_simd::dispatch;
 
 use crate::color::{ErrorNorm, Transfer};
 use crate::trace::math::{LANES, SimdLevel, lanes};
+use crate::trace::rays::ShapeId;
 use crate::trace::scene::{Camera, PreparedScene, SIDE};
 use crate::trace::stages::{PACKETS, Portion, TILE, Tile};
-use crate::trace::visibility::{Covering, Feature, Image, TileFeatures};
+use crate::trace::visibility::{CoverPacket, Feature, Image, TileFeatures, UNCOVERED};
 pub(crate) use evidence::PacketSums;
 use evidence::{CLASSES, Class, ErrorModel, FEWEST, PixelPacket, Surroundings, next_goal, single};
 pub(crate) use instants::{InstantOrder, block};
@@ -154,9 +155,12 @@ pub(crate) struct Adaptive {
     /// Pixels of the film, and tiles in a row and in a column.
     pixels: f64,
     tiles: (usize, usize),
-    /// The most samples of a pixel.
+    /// The most samples of a pixel, and the fewest in the first round where they are to show how they vary.
     most: u32,
+    first: u32,
     order: InstantOrder,
+    /// By instant: the first sample that belongs to it.
+    first_samples: Vec<u32>,
     round: u32,
     /// The samples that pixels take in this round are among these.
     range: Range<u32>,
@@ -164,8 +168,8 @@ pub(crate) struct Adaptive {
     packets: Vec<PixelPacket>,
     /// The estimates of square errors, not scaled.
     errors: Vec<[f32; LANES]>,
-    /// While the shutter is open: the shape that covered each pixel whole at the last instant that was searched, if any did.
-    covers: Vec<Option<Option<Covering>>>,
+    /// While the shutter is open: the shapes that covered pixels whole at the last instant that was searched.
+    covers: Vec<CoverPacket>,
     /// By class: by what estimates are multiplied.
     scales: [Scale; CLASSES],
     error: Option<EstimatedError>,
@@ -184,28 +188,34 @@ impl Adaptive {
         PixelMemory { mut packets, errors }: PixelMemory,
     ) -> Self {
         let tiles = (columns.div_ceil(TILE) as usize, rows.div_ceil(TILE) as usize);
-        let wide = starts_wide || order.count() > 1 || target.least >= FEWEST;
-        let goal = (if wide { FEWEST } else { 1 }).max(target.least).min(most);
+        let first = FEWEST.min(most);
+        let goal = if starts_wide || order.count() > 1 { first } else { 1 };
+        let goal = goal.max(target.least).min(most);
         packets.clear();
         packets.reserve(tiles.0 * tiles.1 * PACKETS);
         for tile in Tile::all((columns, rows)) {
             let inside = |packet| tile.square(packet).map_or(0, |square| square.lanes());
-            packets.extend((0..PACKETS).map(|packet| PixelPacket::new(inside(packet), goal, wide)));
+            for packet in packets.len()..packets.len() + PACKETS {
+                let place = first_pixel(packet, tiles.0);
+                packets.push(PixelPacket::new(inside(packet % PACKETS), goal, first, place));
+            }
         }
         let falls = [0.5, target.convergence.of_doubling(), 0.5];
-        let covered = if order.count() > 1 { packets.len() * LANES } else { 0 };
+        let covered = if order.count() > 1 { packets.len() } else { 0 };
         Self {
             target,
             curve: OutputCurve::of(target.transfer),
             pixels: f64::from(columns) * f64::from(rows),
             tiles,
             most,
+            first,
             order,
             round: 0,
-            range: 0..goal,
+            range: 0..goal.max(first),
             packets,
             errors,
-            covers: vec![None; covered],
+            covers: vec![CoverPacket::all(UNSEEN); covered],
+            first_samples: order.first_samples(),
             scales: falls.map(Scale::new),
             error: None,
             images: None,
@@ -279,16 +289,26 @@ impl Adaptive {
         self.order.instants(self.range.clone())
     }
 
-    /// Collects the samples that a tile's pixels take at an instant in this round.
-    pub(crate) fn portions(&self, tile: &Tile, instant: u32, portions: &mut Vec<Portion>) {
+    /// Collects the samples that a tile's pixels take at an instant in this round. Features that were found at this instant count as if they
+    /// were noted.
+    pub(crate) fn portions(
+        &self,
+        tile: &Tile,
+        instant: u32,
+        found: Option<&TileFeatures>,
+        portions: &mut Vec<Portion>,
+    ) {
         portions.clear();
-        let sample = self.order.sample_of(instant);
-        for (first, pixels) in
-            (0_u32..).step_by(LANES).zip(&self.packets[self.first_packet(tile)..][..PACKETS])
-        {
-            for (pixel, lane) in (first..).zip(0..LANES) {
+        let found = found.filter(|_| self.round == 0);
+        let sample = self.first_samples[instant as usize];
+        let packets = self.packets[self.first_packet(tile)..].iter().zip((0_u32..).step_by(LANES));
+        for (packet, (pixels, first_pixel)) in packets.take(PACKETS).enumerate() {
+            let found = found.map(|found| found.of(packet).0);
+            for (pixel, lane) in (first_pixel..).zip(0..LANES) {
                 if pixels.active >> lane & 1 == 1 {
-                    let samples = pixels.taken[lane]..pixels.goal[lane];
+                    let is_plain = found.is_none_or(|found| found[lane] == Feature::NONE);
+                    let first = if is_plain { 0 } else { self.first };
+                    let samples = pixels.taken[lane]..pixels.goal[lane].max(first);
                     portions.extend(self.order.portion(pixel, samples, sample));
                 }
             }
@@ -297,20 +317,21 @@ impl Adaptive {
 
     /// Notes the features of a tile's pixels at an instant.
     pub(crate) fn note_features(&mut self, tile: &Tile, found: &TileFeatures) {
-        let first = self.first_packet(tile);
+        let (first, wide) = (self.first_packet(tile), self.first);
+        let mut covers = self.covers.get_mut(first..).unwrap_or_default().iter_mut();
         for (packet, pixels) in self.packets[first..][..PACKETS].iter_mut().enumerate() {
-            for lane in lanes(pixels.inside()) {
-                let (feature, cover) = found.of(packet * LANES + lane);
-                pixels.join(lane, feature);
-                let Some(before) = self.covers.get_mut((first + packet) * LANES + lane) else { continue };
-                // What covers a pixel at one instant and not at another moves through it.
-                let id = |cover: Option<Covering>| cover.map(|(id, _)| id);
-                if let Some(other) = before.replace(cover).filter(|other| id(*other) != id(cover)) {
-                    let radiance =
-                        other.into_iter().chain(cover).map(|(_, radiance)| radiance).fold(0.0, f32::max);
-                    pixels.join(lane, Feature { area: 1.0, radiance });
-                }
+            let (features, cover) = found.of(packet);
+            let is = |lane: &usize| features[*lane] != Feature::NONE;
+            lanes(pixels.inside()).filter(is).for_each(|lane| pixels.join(lane, features[lane], wide));
+            let Some(before) = covers.next() else { continue };
+            // What covers a pixel at one instant and not at another moves through it.
+            let differs = |lane: usize| (before.ids[lane] != cover.ids[lane]) & (before.ids[lane] != UNSEEN);
+            let moved = (0..LANES).fold(0, |moved, lane| moved | u32::from(differs(lane)) << lane);
+            for lane in lanes(moved & pixels.inside()) {
+                let radiance = before.radiance[lane].max(cover.radiance[lane]);
+                pixels.join(lane, Feature { area: 1.0, radiance }, wide);
             }
+            *before = *cover;
         }
     }
 
@@ -413,7 +434,7 @@ impl Adaptive {
     }
 
     /// Chooses the pixels that take samples in the next round: those that promise enough, and some plain ones. Returns whether there are
-    /// any; an audit alone is no reason for another round, but for the first.
+    /// any; an audit alone is no reason for another round.
     fn choose(&mut self, norm: ErrorNorm, least: Gain) -> bool {
         let (round, across, most) = (self.round, self.tiles.0, self.most);
         self.round += 1;
@@ -441,8 +462,7 @@ impl Adaptive {
         let certain = error.value / (error.value + SURE * error.deviation);
         let aim = AIM.min(certain) * self.target.error;
         if error.value <= aim {
-            // The first round is always audited.
-            return (self.round == 0).then_some(Gain::BEYOND);
+            return None;
         }
         let (falls, pixels) = (self.scales[Class::Edge as usize].falls, self.pixels);
         let Some(policy) = policy else {
@@ -529,6 +549,9 @@ impl Adaptive {
         self.error = Some(EstimatedError { value, deviation: relative * deviation, hidden: 0.0 });
     }
 }
+
+/// The cover of pixels that were not searched yet: no shape's.
+const UNSEEN: ShapeId = ShapeId(UNCOVERED.0 - 1);
 
 /// A first sample and an end, of no samples.
 const NO_SAMPLES: (u32, u32) = (u32::MAX, 0);

@@ -17,9 +17,6 @@ const BINS: usize = (f32::INFINITY.to_bits() >> SHIFT) as usize + 1;
 const PARTS: u32 = 256;
 
 impl Gain {
-    /// No pixel has more.
-    pub(super) const BEYOND: Self = Self(u32::MAX);
-
     /// Returns the gain of a pixel with a square error, 0 or more, per sample or as it is. Of `chance` the last bits count.
     #[inline(always)]
     pub(super) fn of(square: f32, chance: u32) -> Self {

@@ -44,7 +44,7 @@ fn rendered(
         let (column, row) = first_pixel(packet, tiles_across);
         for lane in 0..LANES {
             if edges((row + lane / SIDE as usize) * SIZE.0 as usize + column + lane % SIDE as usize) {
-                pixels.join(lane, Feature::EDGE);
+                pixels.join(lane, Feature::EDGE, adaptive.first);
             }
         }
     }
@@ -52,7 +52,7 @@ fn rendered(
     let mut portions = Vec::new();
     loop {
         for tile in Tile::all(SIZE) {
-            adaptive.portions(&tile, 0, &mut portions);
+            adaptive.portions(&tile, 0, None, &mut portions);
             for portion in &portions {
                 let (column, row) = tile.pixel(portion.pixel);
                 let pixel = (row * SIZE.0 + column) as usize;

@@ -38,6 +38,8 @@ pub(crate) struct Slots {
     pub(crate) lanes: [u32; PACKETS],
     /// Whether every slot has the index of its pixel.
     pub(crate) in_place: bool,
+    /// The portions of pixels that take more samples than others.
+    rest: Vec<Portion>,
 }
 
 impl Default for Slots {
@@ -48,6 +50,7 @@ impl Default for Slots {
             samples: Box::new([[0; LANES]; PACKETS]),
             lanes: [0; PACKETS],
             in_place: true,
+            rest: Vec::new(),
         }
     }
 }
@@ -60,14 +63,34 @@ impl Slots {
         self.lanes = std::array::from_fn(|packet| tile.square(packet).map_or(0, |square| square.lanes()));
     }
 
-    /// Sets batch number `batch` of pixels' samples. Returns `false` if there is none. All batches of the same portions have the same
-    /// pixels in the same slots.
+    /// Sets batch number `batch` of pixels' samples. Returns `false` if there is none. The samples that all pixels take come first, then what
+    /// few pixels take beyond them.
     pub(crate) fn set_batch(&mut self, portions: &[Portion], batch: u32) -> bool {
-        let at_once = u32::try_from(TILE_PIXELS / portions.len().max(1)).unwrap_or(1).max(1);
-        let Some(from) = batch.checked_mul(at_once) else { return false };
-        if !portions.iter().any(|portion| portion.count > from) {
-            return false;
+        let at_once = |pixels: usize| to_u32(TILE_PIXELS / pixels.max(1)).max(1);
+        let common = match at_once(portions.len()) {
+            1 => portions.iter().map(|portion| portion.count).min().unwrap_or(0),
+            _ => 0,
+        };
+        if batch < common {
+            self.set(portions, (batch, 1));
+            return true;
         }
+        self.rest.clear();
+        self.rest.extend(portions.iter().copied().filter(|portion| portion.count > common));
+        let at_once = at_once(self.rest.len());
+        let Some(from) = (batch - common).checked_mul(at_once) else { return false };
+        let from = from.saturating_add(common);
+        let more = self.rest.iter().any(|portion| portion.count > from);
+        if more {
+            let rest = std::mem::take(&mut self.rest);
+            self.set(&rest, (from, at_once));
+            self.rest = rest;
+        }
+        more
+    }
+
+    /// Sets so many samples at once of pixels, from a number on.
+    fn set(&mut self, portions: &[Portion], (from, at_once): (u32, u32)) {
         self.in_place = at_once == 1 && !are_sparse(portions);
         self.lanes = [0; PACKETS];
         for (place, portion) in portions.iter().enumerate() {
@@ -86,7 +109,6 @@ impl Slots {
         } else {
             (portions.len() * at_once as usize).div_ceil(LANES)
         };
-        true
     }
 
     /// Iterates over the slots in use: packet, lane, and the pixel's index in the tile.

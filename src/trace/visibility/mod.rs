@@ -68,11 +68,25 @@ impl Feature {
 pub(crate) struct TileFeatures {
     /// By the pixel's index in the tile.
     features: [Feature; TILE_PIXELS],
-    covers: [Option<Covering>; TILE_PIXELS],
+    covers: [CoverPacket; PACKETS],
 }
 
-/// The shape that covers a pixel, and a bound of its radiance.
-pub(crate) type Covering = (ShapeId, f32);
+/// The shapes that cover the pixels of a packet, [`UNCOVERED`] where none does, and bounds of their radiance.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CoverPacket {
+    pub(crate) ids: [ShapeId; LANES],
+    pub(crate) radiance: [f32; LANES],
+}
+
+impl CoverPacket {
+    /// The same in all pixels, without radiance.
+    pub(crate) const fn all(id: ShapeId) -> Self {
+        Self { ids: [id; LANES], radiance: [0.0; LANES] }
+    }
+}
+
+/// No shape: there are at most 2^28.
+pub(crate) const UNCOVERED: ShapeId = ShapeId(u32::MAX);
 
 impl TileFeatures {
     /// Returns whether no pixel has a feature.
@@ -80,9 +94,10 @@ impl TileFeatures {
         self.features.iter().all(|feature| *feature == Feature::NONE)
     }
 
-    /// Returns the feature and the cover of a pixel, by its index in the tile.
-    pub(crate) fn of(&self, pixel: usize) -> (Feature, Option<Covering>) {
-        (self.features[pixel], self.covers[pixel])
+    /// Returns the features and the covers of a packet's pixels.
+    #[inline(always)]
+    pub(crate) fn of(&self, packet: usize) -> (&[Feature], &CoverPacket) {
+        (&self.features[packet * LANES..][..LANES], &self.covers[packet])
     }
 }
 
@@ -156,7 +171,7 @@ pub(crate) fn reference_features(
 
 /// Every pixel may show anything.
 fn unknown() -> TileFeatures {
-    TileFeatures { features: [Feature::EDGE; TILE_PIXELS], covers: [None; TILE_PIXELS] }
+    TileFeatures { features: [Feature::EDGE; TILE_PIXELS], covers: [CoverPacket::all(UNCOVERED); PACKETS] }
 }
 
 /// Returns the rays of a tile. `None` if they are not finite.
@@ -295,7 +310,10 @@ fn resolve(
     (tile, is_open): (&Tile, bool),
     seen: &[Seen],
 ) -> TileFeatures {
-    let mut found = TileFeatures { features: [Feature::NONE; TILE_PIXELS], covers: [None; TILE_PIXELS] };
+    let mut found = TileFeatures {
+        features: [Feature::NONE; TILE_PIXELS],
+        covers: [CoverPacket::all(UNCOVERED); PACKETS],
+    };
     dispatch!(scene.simd.level(), _simd => {
         let mut covers = Vec::with_capacity(seen.len());
         let mut nearest = NearestCovers::<PACKETS>::new();
@@ -309,11 +327,11 @@ fn resolve(
             let mut nearest = NearestCovers::<LANES>::new();
             covers.iter().for_each(|(shape, cover)| nearest.note(shape, cover));
             let place = |lane: usize| DVec2::new(pixels.x[lane], pixels.y[lane]);
-            let (features, whole) = (&mut found.features[packet * LANES..], &mut found.covers[packet * LANES..]);
+            let (features, whole) = (&mut found.features[packet * LANES..], &mut found.covers[packet]);
             for (shape, cover) in &covers {
                 let visible = nearest.visible(cover) & square.lanes();
                 let first = visible & nearest.of(shape.id);
-                lanes(first).for_each(|lane| whole[lane] = Some((shape.id, shape.radiance)));
+                lanes(first).for_each(|lane| (whole.ids[lane], whole.radiance[lane]) = (shape.id, shape.radiance));
                 lanes(shape.checkered(scene, rays, first, place))
                     .for_each(|lane| features[lane].join(Feature { area: 1.0, radiance: shape.radiance }));
                 let edges = first & !cover.one_face | visible & !first & cover.whole;
@@ -346,7 +364,7 @@ struct NearestCovers<const N: usize> {
 
 impl<const N: usize> NearestCovers<N> {
     fn new() -> Self {
-        Self { depth: [0.0; N], ids: [ShapeId(u32::MAX); N] }
+        Self { depth: [0.0; N], ids: [UNCOVERED; N] }
     }
 
     /// Takes a shape into account.

@@ -45,7 +45,7 @@ fn missed(scene: &PreparedScene, camera: &Camera, samples: u32) -> (Vec<(u32, u3
             for row in 0..tile.height {
                 for column in 0..tile.width {
                     let (packet, lane) = Tile::lane_of(column as usize, row as usize);
-                    if found.of(packet * LANES + lane).0.area > 0.0 {
+                    if found.of(packet).0[lane].area > 0.0 {
                         continue;
                     }
                     plain += 1;
