@@ -1,5 +1,4 @@
-//! Data from scripts as parts of the document. The same types are read from it as from a file, so that mistakes are found and
-//! worded alike.
+//! Deserialization of script data into document types. Files use the same types, so that errors are detected and worded alike.
 
 use serde::de::{
     DeserializeSeed, Deserializer, EnumAccess, Error, Expected, IntoDeserializer, MapAccess, SeqAccess,
@@ -11,13 +10,13 @@ use super::document::EntityDocument;
 use super::suggest;
 use crate::script::Data;
 
-/// Reads the entity that a map describes. A second line of an error's message is the remedy.
+/// Deserializes the entity described by a map. The second line of an error message, if any, is the remedy.
 pub(super) fn entity(data: Data) -> Result<EntityDocument, String> {
     let data = with_transform(data).map_err(|mistake| mistake.to_string())?;
     serde::Deserialize::deserialize(DataDeserializer(data)).map_err(|mistake: DataError| mistake.to_string())
 }
 
-/// Puts `translation`, `rotation` and `scale` into the transform: they may stand beside it in a script.
+/// Moves `translation`, `rotation` and `scale` into `transform`. Scripts may write them directly in the entity.
 fn with_transform(data: Data) -> Result<Data, DataError> {
     let Data::Map(fields) = data else { return Ok(data) };
     let (parts, mut fields): (Vec<_>, Vec<_>) = fields
@@ -34,7 +33,7 @@ fn with_transform(data: Data) -> Result<Data, DataError> {
     Ok(Data::Map(fields))
 }
 
-/// A mistake, with the fields that lead to its place.
+/// A deserialization error with the path of fields to the value.
 #[derive(Debug)]
 struct DataError {
     path: Vec<String>,
@@ -131,7 +130,7 @@ fn in_words(expected: &dyn Expected) -> String {
         "a string" => "a text".to_owned(),
         "a boolean" => "true or false".to_owned(),
         text if text.starts_with("struct ") => "a map, as #{ name: value }".to_owned(),
-        // Values in round brackets in a file are a list in a script.
+        // Values in parentheses in a file are a list in a script.
         _ => expected.replace('(', "[").replace(')', "]"),
     }
 }
@@ -161,7 +160,7 @@ impl<'de> Deserializer<'de> for DataDeserializer {
         }
     }
 
-    /// Accepts a whole number that the language holds as a float, as the result of a division.
+    /// Accepts an integral float, such as the result of a division in a script.
     fn deserialize_u64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, DataError> {
         const LARGEST: f64 = 9_007_199_254_740_992.0;
         match self.0 {
@@ -224,11 +223,11 @@ impl<'de> Deserializer<'de> for DataDeserializer {
     }
 }
 
-/// Reads a list, all of whose values must be read.
+/// Visits a list. Returns an error if the visitor leaves values unread.
 fn read_list<'de, V: Visitor<'de>>(list: Vec<Data>, visitor: V) -> Result<V::Value, DataError> {
     let length = list.len();
     let mut values = Values(list.into_iter());
-    // The visitor is gone once it has read.
+    // `visit_seq` consumes the visitor.
     let expected = (&visitor as &dyn Expected).to_string();
     let value = visitor.visit_seq(&mut values)?;
     if values.0.len() == 0 { Ok(value) } else { Err(DataError::invalid_length(length, &expected.as_str())) }

@@ -1,4 +1,4 @@
-//! The description of a mistake in a scene: cause, position and remedy.
+//! Diagnostics for errors in a scene: cause, position and remedy.
 
 use std::fmt;
 use std::ops::Range;
@@ -9,22 +9,22 @@ use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet}
 use super::printable::{Printable, is_printable};
 use super::quote::bounded;
 
-/// Describes a mistake in a scene: what is wrong, at which bytes of the text, and how to fix it.
+/// An error in a scene: its cause, its byte range in the text, and its remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
     /// The cause.
     pub message: String,
-    /// The remark at the marked bytes.
+    /// The annotation at the marked bytes.
     pub label: String,
     /// The remedy.
     pub help: Option<String>,
-    /// The marked bytes of the text; `None` where there is no text.
+    /// The marked byte range of the text; `None` if there is no text to mark.
     pub span: Option<Range<usize>>,
-    /// The file that the text is in, where it is not the scene's own.
+    /// The file and text that `span` refers to; `None` for the scene file being read.
     pub source: Option<Arc<Source>>,
 }
 
-/// A text file that a scene is made of besides its own, as a script.
+/// A named source text of a scene, such as a script file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
     /// The name of the file.
@@ -33,7 +33,7 @@ pub struct Source {
     pub text: String,
 }
 
-/// A position in a text, as editors count.
+/// A line and column in a text, counted as in editors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SourcePosition {
     /// The line, from 1.
@@ -43,7 +43,7 @@ pub struct SourcePosition {
 }
 
 impl SourcePosition {
-    /// Returns the position of a byte.
+    /// Returns the position of a byte offset.
     #[must_use]
     pub fn of(text: &str, byte: usize) -> Self {
         let before = &text[..text.floor_char_boundary(byte)];
@@ -54,7 +54,7 @@ impl SourcePosition {
 }
 
 impl Diagnostic {
-    /// Creates a diagnostic. Every mistake of a scene passes here, so that none is too long to read.
+    /// Creates a diagnostic. Every error of a scene is created here, which limits the length of its texts.
     pub(super) fn new(
         message: impl Into<String>,
         label: impl Into<String>,
@@ -65,19 +65,19 @@ impl Diagnostic {
         Self { message, label, help: help.map(bounded), span, source: None }
     }
 
-    /// Moves the diagnostic to another file than the scene's own.
+    /// Sets the file and text that the span refers to.
     pub(super) fn within(self, source: Option<Arc<Source>>) -> Self {
         Self { source, ..self }
     }
 
-    /// Renders the mistake as a compiler would: message, file, line and column, the line with the place marked, and help.
+    /// Renders the error in compiler style: message, file, line and column, the marked line, and help.
     pub(super) fn render(&self, file: &str, text: &str, color: bool) -> String {
         self.render_with_notes(file, text, &[], color)
     }
 
     pub(super) fn render_with_notes(&self, file: &str, text: &str, notes: &[String], color: bool) -> String {
         let (file, text) = self.source.as_ref().map_or((file, text), |source| (&source.file, &source.text));
-        // Quotes from files may hold anything.
+        // Quoted file content may contain any character.
         let printable = |text: &str| Printable(text).to_string();
         let (file, label) = (printable(file), printable(&self.label));
         let mut group = Group::with_title(Level::ERROR.primary_title(printable(&self.message)));
@@ -108,16 +108,16 @@ impl Diagnostic {
     }
 }
 
-/// The first line of a marked place, or as much of it as is good to look at.
+/// The first line of a span, truncated to a readable length.
 struct Excerpt {
     line: String,
     marked: Range<usize>,
-    /// Whether the excerpt starts within its line.
+    /// True if the excerpt starts in the middle of its line.
     is_cut: bool,
 }
 
 impl Excerpt {
-    /// The most bytes shown on each side of the mark, since generated scenes may be one line of many megabytes.
+    /// Maximum number of bytes shown before and after the start of the span. Generated scenes may have a single line of many megabytes.
     const LONGEST: usize = 2000;
 
     fn around(text: &str, span: &Range<usize>) -> Self {
@@ -133,10 +133,10 @@ impl Excerpt {
         Self { line: format!("{before}{marked}{after}"), marked: marked_range, is_cut: start > line_start }
     }
 
-    /// Replaces unprintable characters, so that marks stay under what they mark.
+    /// Replaces unprintable characters, so that marks stay aligned with the marked text.
     fn shown(text: &str) -> String {
         let shown = |character| match character {
-            // These have signs of their own, which the renderer knows.
+            // The renderer replaces ASCII control characters with symbols.
             '\0'..='\u{7f}' => character,
             _ if is_printable(character) => character,
             _ => char::REPLACEMENT_CHARACTER,

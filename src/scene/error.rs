@@ -1,4 +1,4 @@
-//! The mistakes of a scene, in all its files.
+//! The errors of a scene, across all its files.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -9,18 +9,18 @@ use super::quote::short;
 use super::spans::{PathStep, locate};
 use super::{Diagnostic, SourcePosition};
 
-/// The reason why a scene could not be loaded. Displays as a compiler would, without colours.
+/// The errors that prevent a scene from loading. `Display` renders them in compiler style, without colours.
 #[derive(Clone, Debug)]
 pub struct LoadError {
     file: String,
     faulty: Vec<FaultyFile>,
     unlisted: usize,
-    /// The number of mistakes that the labels of equal ones count.
+    /// The number of errors counted in the labels of equal errors.
     repeated: usize,
     files: Vec<PathBuf>,
 }
 
-/// A file with mistakes.
+/// A file with errors.
 #[derive(Clone, Debug)]
 struct FaultyFile {
     name: String,
@@ -30,31 +30,30 @@ struct FaultyFile {
     diagnostics: Vec<Diagnostic>,
 }
 
-/// A place at which a file is included.
+/// The location of an include.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Inclusion {
-    /// The file that includes it.
+    /// The including file.
     pub file: String,
-    /// The line, from 1, in which the include starts.
+    /// The line on which the include starts, from 1.
     pub line: usize,
 }
 
-/// Locates a mistake: describes it, with the file, the position in it, and the includes that brought the file.
+/// An error with its file, its position in the file, and the chain of includes that leads to the file.
 #[derive(Clone, Copy, Debug)]
 pub struct Mistake<'a> {
-    /// The file, as it was named or as it was included.
+    /// The file, as named by the caller or by the include.
     pub file: &'a str,
-    /// The position in the file; `None` where there is no text.
+    /// The position in the file; `None` if there is no text to mark.
     pub position: Option<SourcePosition>,
-    /// The include that brought the file, the one that brought the file which that one is in, and so on. Empty for the
-    /// scene's own file.
+    /// The chain of includes that leads to the file, innermost first. Empty for the scene file itself.
     pub included_from: &'a [Inclusion],
-    /// Cause and remedy.
+    /// The cause and the remedy.
     pub diagnostic: &'a Diagnostic,
 }
 
 impl LoadError {
-    /// The most mistakes that are listed.
+    /// Maximum number of listed errors.
     const MOST: usize = 50;
 
     pub(super) fn new(files: Files) -> Self {
@@ -81,19 +80,20 @@ impl LoadError {
         Self { file: file.unwrap_or_default(), faulty, unlisted, repeated, files: files.paths }
     }
 
-    /// Returns the scene's own file, as it was named.
+    /// Returns the scene file, as it was named.
     #[must_use]
     pub fn file(&self) -> &str {
         &self.file
     }
 
-    /// Returns all files that were looked for: the scene's own, and those it includes, also those that do not exist.
+    /// Returns all files that were looked for: the scene file, its includes and its script files, including missing ones.
     #[must_use]
     pub fn files(&self) -> &[PathBuf] {
         &self.files
     }
 
-    /// Returns the mistakes, file by file and in the order of each; of very many, and of equal ones, only the first.
+    /// Returns the errors, grouped by file and sorted by position. If there are very many errors, or several equal ones, only the first are
+    /// returned.
     pub fn mistakes(&self) -> impl Iterator<Item = Mistake<'_>> {
         self.faulty.iter().flat_map(|file| {
             file.diagnostics.iter().map(|diagnostic| {
@@ -110,13 +110,13 @@ impl LoadError {
         })
     }
 
-    /// Returns the number of mistakes that are not listed.
+    /// Returns the number of errors that are not listed.
     #[must_use]
     pub fn unlisted(&self) -> usize {
         self.unlisted + self.repeated
     }
 
-    /// Renders all mistakes as a compiler would, with colours for a terminal or without.
+    /// Renders all errors in compiler style, optionally with terminal colours.
     #[must_use]
     pub fn render(&self, color: bool) -> String {
         let mut parts: Vec<String> = self.faulty.iter().flat_map(|file| file.render(color)).collect();
@@ -140,8 +140,8 @@ impl FaultyFile {
     }
 }
 
-/// Returns the includes that brought a file, from the nearest to the one in the scene's own file. Includes come before what they
-/// include.
+/// Returns the chain of includes that leads to a file, innermost first. `known` holds the chains of all preceding files, among them the
+/// including file.
 fn inclusions_of(file: &SceneFile, files: &[SceneFile], known: &[Vec<Inclusion>]) -> Vec<Inclusion> {
     let Some((including, index)) = file.from else {
         return Vec::new();

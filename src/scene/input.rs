@@ -1,43 +1,43 @@
-//! Safe reading of files named by others, which may be anything: devices, pipes, or files that the system makes up while they are
-//! read.
+//! Safe reading of files at arbitrary paths. A path may name a device, a pipe, or a virtual file whose content the system generates on
+//! reading.
 
 use std::fs::{self, File};
 use std::io::{self, Read, Take};
 use std::path::Path;
 
-/// The most bytes of a scene file: 1 GiB.
+/// Maximum size of a scene file: 1 GiB.
 pub(crate) const LARGEST_FILE: u64 = 1 << 30;
 
-/// Whether a file may also be a stream that the program was started with, as `/dev/stdin`.
+/// Policy for paths that name an input stream of the process, such as `/dev/stdin`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Offered {
-    /// It may; the stream can be read only once.
+    /// A stream is accepted. It can be read only once.
     Accepted,
-    /// It must be a file that can be read again.
+    /// A stream is rejected; only a file that can be read again is accepted.
     Refused,
 }
 
-/// The reason why a file cannot be read.
+/// An error in opening or reading a file.
 #[derive(Debug, thiserror::Error)]
 pub enum InputError {
-    /// Reading it might wait for ever, or never end.
+    /// The path names a device or a pipe. Reading it could block forever, or never end.
     #[error("a device or a pipe is no file")]
     NotAFile,
-    /// It has more bytes than this.
+    /// The file exceeds this number of bytes.
     #[error("the file has more than {0} bytes")]
     TooLarge(u64),
-    /// The system refuses, as for a directory.
+    /// An error of the operating system, for example for a directory.
     #[error(transparent)]
     System(#[from] io::Error),
 }
 
-/// Opens a file of at most `most` bytes; at most one byte more can be read. Its kind and length are checked before it is opened,
-/// since opening a pipe may wait for ever, and opening a device may do anything. Files that the system makes up, as those in
-/// `/proc`, are reported to have no bytes, and have none here.
+/// Opens a file of at most `most` bytes; at most one byte more can be read. Type and length are checked before the file is opened, because
+/// opening a pipe may block forever and opening a device may have side effects. Virtual files, such as those in `/proc`, report a length of
+/// 0 and are read as empty.
 ///
 /// # Errors
 ///
-/// If it is no file, if it is too large, or if the system refuses.
+/// Returns an error if the path does not name a file, if the file is too large, or if a system call fails.
 pub fn open(path: &Path, offered: Offered, most: u64) -> Result<Take<File>, InputError> {
     let limit = most.saturating_add(1);
     let metadata = fs::metadata(path)?;
@@ -52,21 +52,21 @@ pub fn open(path: &Path, offered: Offered, most: u64) -> Result<Take<File>, Inpu
         return Err(InputError::TooLarge(most));
     }
     let file = File::open(path)?;
-    // Another file may have taken its place since.
+    // The file may have been replaced since.
     if !file.metadata()?.is_file() {
         return Err(InputError::NotAFile);
     }
     Ok(file.take(if metadata.len() == 0 { 0 } else { limit }))
 }
 
-/// The name of standard input where a stream is accepted: no file, even if there is one of that name.
+/// The path that denotes standard input where streams are accepted, even if a file of that name exists.
 const STANDARD_INPUT: &str = "-";
 
 /// Reads the bytes of a file, as opened by [`open`], or of standard input.
 ///
 /// # Errors
 ///
-/// As [`open`], and if it has become too large, or reading fails.
+/// As for [`open`]; also if the content exceeds `most` bytes, or if reading fails.
 pub fn read(path: &Path, offered: Offered, most: u64) -> Result<Vec<u8>, InputError> {
     let mut bytes = Vec::new();
     if offered == Offered::Accepted && path == Path::new(STANDARD_INPUT) {
@@ -77,8 +77,8 @@ pub fn read(path: &Path, offered: Offered, most: u64) -> Result<Vec<u8>, InputEr
     if bytes.len() as u64 > most { Err(InputError::TooLarge(most)) } else { Ok(bytes) }
 }
 
-/// Returns whether a path names a stream that the program was started with: `-`, or one of the names that shells give to those. It can
-/// be read only once, and by nobody else.
+/// Returns whether a path names an input stream of the process: `-`, `/dev/stdin`, or a file in `/dev/fd` or `/proc/self/fd`. A stream can
+/// be read only once, and only by this process.
 #[must_use]
 pub fn is_stream(path: &Path) -> bool {
     let streams = [STANDARD_INPUT, "/dev/stdin"];
@@ -108,7 +108,7 @@ mod tests {
         ));
     }
 
-    /// Each would be read for ever, or not at all.
+    /// Reading any of these paths would block or never end.
     #[cfg(unix)]
     #[test]
     fn what_is_no_file_is_not_opened() {
@@ -123,7 +123,7 @@ mod tests {
                 assert!(matches!(found, Err(InputError::NotAFile)), "{}: {found:?}", path.display());
             }
         }
-        // Its first line would be waited for.
+        // Reading it would block until a first line arrives.
         let made_up = Path::new("/proc/kmsg");
         if made_up.exists() {
             let found = read(made_up, Offered::Refused, 10);

@@ -1,5 +1,6 @@
 #![doc = "[language]: crate::scene::language\n"]
-// The text links by that name: among the sources to a file, and here, where the first meaning counts, to a module.
+// `manual.md` links to the name `language`: as a source file it links to a file, and here, where the first definition takes precedence, to
+// a module.
 #![doc = include_str!("manual.md")]
 
 #[cfg(test)]
@@ -25,12 +26,12 @@ mod tests {
 
     const MANUAL: &str = include_str!("manual.md");
 
-    /// What the manual says in one section.
+    /// The content of one section of the manual.
     #[derive(Debug, Default)]
     struct Section {
-        /// Field, default (or an example), and whether it is required.
+        /// Field, default (or an example), and a flag that is true for required fields.
         fields: Vec<(String, String, bool)>,
-        /// Variant with what stands in its brackets.
+        /// Variant name, and the content of its parentheses.
         variants: Vec<(String, String)>,
     }
 
@@ -61,7 +62,7 @@ mod tests {
         options().from_str(text).unwrap_or_else(|error| panic!("{text}: {error}"))
     }
 
-    /// The names that serde knows, from its complaint about one that nobody knows.
+    /// Returns the names that serde accepts, from its error for an unknown name.
     fn known<T: DeserializeOwned>(text: &str) -> Vec<String> {
         use ron::Error;
         let error = options().from_str::<T>(text).err().unwrap();
@@ -73,7 +74,7 @@ mod tests {
         expected.iter().map(|name| (*name).to_owned()).collect()
     }
 
-    /// Fields, their order, and every default.
+    /// Checks the fields, their order, and every default.
     fn check_fields<T: DeserializeOwned + PartialEq + Debug>(
         name: &str,
         sections: &mut BTreeMap<String, Section>,
@@ -81,7 +82,7 @@ mod tests {
         check_named::<T>(name, sections, &known::<T>("(nobody_knows: 0)"));
     }
 
-    /// Likewise, where the names of the fields are known.
+    /// Checks the same, given the names of the fields.
     fn check_named<T: DeserializeOwned + PartialEq + Debug>(
         name: &str,
         sections: &mut BTreeMap<String, Section>,
@@ -164,7 +165,7 @@ mod tests {
         assert!(sections.is_empty(), "the manual describes what the format has not: {:?}", sections.keys());
     }
 
-    /// What the manual calls the keys of a channel.
+    /// Returns the manual's description of the keys of a channel.
     fn keys(quantity: Quantity) -> String {
         let range = quantity.range();
         match quantity {
@@ -235,7 +236,7 @@ mod tests {
         assert_eq!(help, Some(format!("numbers and coordinates reach to {LARGEST:e}").as_str()));
     }
 
-    /// A type of the format that is not checked above would go unnoticed.
+    /// Checks that no type of the format is missing above.
     #[test]
     fn every_type_of_the_format_is_checked() {
         let this = include_str!("manual.rs");
@@ -251,7 +252,7 @@ mod tests {
                 let Some(name) = declared.and_then(|rest| rest.split(['<', ' ', '(']).next()) else {
                     continue;
                 };
-                // A key, a shot and the pairing of channels with tracks have no section of their own.
+                // Keys, shots and the track type per channel have no section of their own.
                 let checked = this.contains(&format!("::<{name}"))
                     || ["KeyDocument", "ShotDocument", "TracksDocument"].contains(&name);
                 assert!(checked, "{name}");

@@ -1,19 +1,19 @@
-//! Scenes as text: from RON files to worlds, with diagnostics of all mistakes.
+//! Scene loading: from RON files to worlds, with diagnostics for all errors.
 //!
 //! ```text
-//! files -> texts -> documents (what the texts say) -> validate (do they make sense) -> merge -> spawn (hecs world)
-//!                       |                                 |
-//!                       +---- diagnostics with file, line, column, cause and remedy
+//! files -> texts -> documents (parsed texts) -> validate -> merge -> spawn (hecs world)
+//!                       |                          |
+//!                       +--------------------------+---- diagnostics with file, line, column, cause and remedy
 //! ```
 //!
-//! A scene may `include` others: each is read and validated once and for itself, then all become one document. Of a scene that is
-//! read again, by a [`Reader`], only what was edited is parsed.
+//! A scene may `include` others. Each file is read and validated once, independently of the others; all documents are then merged into one.
+//! A [`Reader`], which loads a scene repeatedly, parses only the edited parts.
 //!
-//! Mistakes of form (a missing bracket, an unknown field) stop the reading of a file at the first one. Mistakes of meaning
-//! (an unknown material, a radius of 0) are all found at once, each with its place in the text: `spans` looks the places up
-//! afterwards, so that a scene without mistakes pays nothing for it.
+//! Parsing a file stops at its first syntax error (a missing bracket, an unknown field). Semantic errors (an unknown material, a radius of
+//! 0) are all found at once, each with its position in the text. `spans` locates the positions afterwards, so that a valid scene costs
+//! nothing extra.
 //!
-//! The types in `document` mirror the file format and are used for nothing else; components do not know of it.
+//! The types in `document` mirror the file format and serve no other purpose; components do not depend on them.
 
 mod data;
 mod diagnostic;

@@ -1,11 +1,12 @@
-//! "Did you mean" for files.
+//! "Did you mean" suggestions for files.
 
 use std::fs;
 use std::path::Path;
 
 use super::suggest;
 
-/// Returns the remedy for a missing file: the nearest fitting name beside it, written in the same way.
+/// Returns the remedy for a missing file: the most similar name in its directory that satisfies `fits`, with the directory written as in
+/// `written`.
 pub(super) fn nearby(path: &Path, written: &Path, fits: impl Fn(&str) -> bool) -> Option<String> {
     let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let Ok(entries) = fs::read_dir(directory) else {

@@ -1,4 +1,4 @@
-//! Motions along paths and orbits from the file.
+//! Conversion of path and orbit tracks to motions.
 
 use glam::DVec3;
 
@@ -7,7 +7,7 @@ use super::playback::easing;
 use crate::animation::{Orbit, Pace, Path, Playback};
 use crate::components::Motion;
 
-/// Returns the motion along a path or an orbit; `None` for other tracks, and for one that is wrong.
+/// Returns the motion along a path or an orbit; `None` for other tracks and for invalid ones.
 pub(super) fn motion_along<T>(document: &TrackDocument<T>, playback: Playback) -> Option<Motion> {
     match document {
         TrackDocument::Keys(_) | TrackDocument::Script(_) | TrackDocument::ScriptFile(_) => None,

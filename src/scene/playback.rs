@@ -1,4 +1,4 @@
-//! Keys, easings and playback from the file.
+//! Conversion of keys, easings and playback settings from the file.
 
 use glam::DVec3;
 
@@ -8,9 +8,9 @@ use super::document::{
 };
 use crate::animation::{Ease, Easing, Interpolate, Key, Playback, Repeat};
 
-/// A value as it is written, with handles given by offsets from it.
+/// A key value as written in the file. Handles are offsets from it.
 pub(super) trait ValueDocument: Sized {
-    /// Returns the value at an offset from this one. `None` for a kind of value without offsets.
+    /// Returns the sum of this value and an offset; `None` if values of this type take no such offset.
     fn beside(&self, offset: OffsetDocument) -> Option<Self>;
 }
 
@@ -86,7 +86,7 @@ pub(super) fn easing(document: EasingDocument) -> Easing {
     use EasingDocument as Document;
     match document {
         Document::Hold => Easing::Hold,
-        // Handles are converted with their keys.
+        // `keys` converts handles, which depend on the values of the keys.
         Document::Linear | Document::Handles(..) => Easing::Linear,
         Document::EaseIn => Easing::EaseIn,
         Document::EaseOut => Easing::EaseOut,

@@ -1,9 +1,9 @@
-//! Text from outside, made fit to be printed.
+//! Escaping of external text for terminals.
 
 use std::fmt::{self, Write};
 
-/// Returns whether a character may be sent to a terminal. Control characters, which start escape sequences, may not, nor may
-/// marks of direction and line ends, which would show other characters in other places than they are. A tab is harmless.
+/// Returns whether a character is safe to print to a terminal. Control characters are not, because they can start escape sequences.
+/// Directional marks and line separators are not, because they can display other characters out of place. A tab is harmless.
 #[must_use]
 pub fn is_printable(character: char) -> bool {
     const MARKS: [char; 14] = [
@@ -16,8 +16,8 @@ pub fn is_printable(character: char) -> bool {
         || !character.is_control() && !MARKS.contains(&character)
 }
 
-/// Displays a text on one line of a terminal, whatever it holds: what is not [printable](is_printable) is escaped as in a scene
-/// file.
+/// A display wrapper that prints any text on one line of a terminal. Characters that are not [printable](is_printable) are escaped as in a
+/// scene file.
 ///
 /// ```
 /// use rayreel::scene::Printable;

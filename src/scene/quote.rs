@@ -1,10 +1,10 @@
-//! Quotes from scenes in messages: names, numbers and lists of any length, cut to what is good to read.
+//! Quotes from scenes in messages: names, numbers and lists, truncated to a readable length.
 
 use std::fmt;
 
-/// Quotes a name or another text: cut where it is long, on one line, and with control characters escaped.
+/// Formats a name or another text on one line: truncated, and with control characters escaped.
 pub(super) fn short(text: &str) -> String {
-    /// The most characters, more than in names that people give.
+    /// Maximum number of characters, more than in typical names.
     const LONGEST: usize = 60;
     let mut shown = String::new();
     for (count, character) in text.chars().enumerate() {
@@ -21,7 +21,7 @@ pub(super) fn short(text: &str) -> String {
     shown
 }
 
-/// Joins the links of a chain; of many, the first and the last.
+/// Joins the links of a chain. A long chain keeps only its first and last links.
 pub(super) fn linked(links: &[String], joint: &str) -> String {
     /// The number of links shown at each end.
     const MOST: usize = 4;
@@ -34,9 +34,9 @@ pub(super) fn linked(links: &[String], joint: &str) -> String {
     [first.join(joint), between, last.join(joint)].join(joint)
 }
 
-/// Cuts a whole message whose parts have not been cut before.
+/// Truncates a message whose parts may be of any length.
 pub(super) fn bounded(message: String) -> String {
-    /// The most bytes, more than in any message that quotes a few names.
+    /// Maximum length in bytes, more than in any message that quotes a few names.
     const LONGEST: usize = 800;
     if message.len() <= LONGEST {
         return message;
@@ -47,7 +47,7 @@ pub(super) fn bounded(message: String) -> String {
     cut
 }
 
-/// A number in few characters, whatever its size.
+/// A display wrapper that prints a number of any magnitude in few characters.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Figure(pub(super) f64);
 

@@ -1,15 +1,15 @@
-//! Reads a scene repeatedly while it is being edited.
+//! Incremental loading of a scene during editing.
 
 use std::path::Path;
 
 use super::files::Texts;
 use super::{LoadError, Override, Scene, Sources};
 
-/// Reads a scene again and again, and parses only what has changed: the cost of an edit among many entities is that of building
-/// the world, not that of parsing the text.
+/// An incremental scene loader, which parses only the changed parts of a scene. After an edit among many entities, most of the time goes
+/// into building the world, not into parsing the text.
 ///
-/// The result is always that of [`Scene::load_overridden`], mistakes included. The texts and documents of the last scene that could be
-/// parsed are kept, some 500 bytes an entity.
+/// The result always equals the result of [`Scene::load_overridden`], including errors. The reader keeps the texts and documents of the
+/// last scene that could be parsed, about 500 bytes per entity.
 ///
 /// ```
 /// use rayreel::scene::Reader;
@@ -43,17 +43,17 @@ impl Reader {
         Self::default()
     }
 
-    /// Creates a reader that puts these values in the place of those in the files, every time.
+    /// Creates a reader that applies these overrides on every load.
     #[must_use]
     pub fn overriding(overrides: Vec<Override>) -> Self {
         Self { overrides, ..Self::default() }
     }
 
-    /// Reads a scene file, and what it includes; returns the texts as well, in which places can be looked up.
+    /// Loads a scene file and its includes. Also returns the sources, for looking up locations.
     ///
     /// # Errors
     ///
-    /// If a file cannot be read, or with everything that is wrong in any of them. The next time everything may be right.
+    /// Returns all errors in the files, including files that cannot be read. Later calls may succeed.
     pub fn load(&mut self, path: &Path) -> Result<(Scene, Sources), LoadError> {
         Scene::load_again(path, &self.overrides, &mut self.texts)
     }

@@ -1,4 +1,4 @@
-//! The scripts of a scene with their sources in its texts, by which errors at run time are reported.
+//! The scripts of a scene with their source texts, for reporting runtime errors.
 
 use std::fmt;
 use std::sync::Arc;
@@ -22,15 +22,15 @@ pub(crate) struct ScriptSources {
     list: Vec<ScriptSource>,
 }
 
-/// Where a script is written.
+/// The location of a script.
 #[derive(Clone, Debug)]
 pub(super) struct ScriptSource {
     pub(super) source: Arc<Source>,
-    /// The index of its animation in the list; `None` for a whole file.
+    /// The index of its animation in the list `animate`; `None` for a script file.
     pub(super) animation: Option<usize>,
 }
 
-/// Describes the error of a script while a frame was made. Displays as a compiler would, without colours.
+/// A runtime error of a script during the evaluation of a frame. `Display` renders it in compiler style, without colours.
 #[derive(Clone, Debug)]
 pub struct ScriptMistake {
     diagnostic: Diagnostic,
@@ -41,14 +41,14 @@ impl SceneScripts {
         Self { scripts, sources: ScriptSources { list: sources } }
     }
 
-    /// Returns the scripts, and their sources.
+    /// Returns the scripts and their sources.
     pub(crate) fn into_parts(self) -> (CompiledScripts, ScriptSources) {
         (self.scripts, self.sources)
     }
 }
 
 impl ScriptSources {
-    /// Returns the mistake of a script; `about` says what it drives, and when.
+    /// Returns the located error of a script. `about` names the driven channel and the time.
     pub(crate) fn mistake(&self, script: ScriptId, about: &str, error: &ScriptError) -> ScriptMistake {
         let (message, label) = (format!("{about}: {}", error.message), error.label.clone());
         let (span, source) = match self.list.get(script.0) {
@@ -73,20 +73,20 @@ impl ScriptSources {
 }
 
 impl ScriptMistake {
-    /// Returns cause, position and remedy.
+    /// Returns the cause, position and remedy.
     #[must_use]
     pub fn diagnostic(&self) -> &Diagnostic {
         &self.diagnostic
     }
 
-    /// Returns the position of the mistake in its file; `None` where there is no text.
+    /// Returns the position of the error in its file; `None` if there is no text.
     #[must_use]
     pub fn position(&self) -> Option<SourcePosition> {
         let (source, span) = (self.diagnostic.source.as_ref()?, self.diagnostic.span.as_ref()?);
         Some(SourcePosition::of(&source.text, span.start))
     }
 
-    /// Renders the mistake as a compiler would, with colours for a terminal or without.
+    /// Renders the error in compiler style, optionally with terminal colours.
     #[must_use]
     pub fn render(&self, color: bool) -> String {
         self.diagnostic.render("scripts", "", color)

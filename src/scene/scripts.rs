@@ -1,4 +1,4 @@
-//! The scripts of a scene file: read, compiled, and run where they spawn.
+//! Scripts of scene files: reading, compilation, and execution of spawning scripts.
 
 use std::collections::HashMap;
 use std::io::ErrorKind;
@@ -16,7 +16,7 @@ use super::spawn::transfer;
 use super::validate::{At, Problems};
 use crate::script::{CompiledScripts, Language, ScriptError, SpawnBudget, limits, run_spawning};
 
-/// Runs the scripts that spawn. Their entities follow the document's own, and are deducted from `budget`.
+/// Runs the spawning scripts. Their entities are appended to the document and deducted from `budget`.
 pub(super) fn spawn(
     document: &mut SceneDocument,
     folder: &Path,
@@ -42,28 +42,28 @@ pub(super) fn spawn(
     }
 }
 
-/// Compiles the scripts that drive values, file after file.
+/// A compiler of the scripts that drive values, file by file.
 pub(super) struct Compiler {
     compiled: Compiled,
 }
 
-/// The scripts of a scene, and where they are written.
+/// The compiled scripts of a scene, with their origins.
 pub(super) struct Compiled {
     scripts: CompiledScripts,
     origins: Vec<ScriptOrigin>,
 }
 
-/// Where a script is written, by the index of the file.
+/// The origin of a script; `file` is an index in the files of the scene.
 struct ScriptOrigin {
     file: usize,
-    /// The index of the animation in its list.
+    /// The index of the animation in the list `animate`.
     animation: usize,
     /// The script's own file, if it has one.
     source: Option<Arc<Source>>,
 }
 
 impl Compiler {
-    /// Creates a compiler with the seed and the transfer of the scene's own document.
+    /// Creates a compiler with the seed and the transfer function of the scene file's document.
     pub(super) fn new(scene: Option<&SceneDocument>) -> Self {
         let (seed, film) =
             scene.map_or_else(Default::default, |scene| (scene.sampling.seed, scene.film.transfer));
@@ -71,7 +71,7 @@ impl Compiler {
         Self { compiled: Compiled { scripts, origins: Vec::new() } }
     }
 
-    /// Compiles the scripts of a file; its animations get their indices among all scripts.
+    /// Compiles the scripts of a file, and stores the index of each script in its animation.
     pub(super) fn compile(
         &mut self,
         file: usize,
@@ -105,7 +105,7 @@ impl Compiler {
 }
 
 impl Compiled {
-    /// Adds the uses of the scripts, and the texts of files. Only texts with a script in them are kept.
+    /// Adds the uses of the scripts and the source texts. Only texts that contain a script are kept.
     pub(super) fn link(mut self, uses: &[(usize, String)], sources: &Sources) -> SceneScripts {
         let mut kept: HashMap<usize, Arc<Source>> = HashMap::new();
         let written: Vec<ScriptSource> = self
@@ -130,7 +130,7 @@ impl Compiled {
 
 type SpawnedEntities = Vec<(EntityDocument, usize)>;
 
-/// Runs a script that spawns; returns all entities up to its end or its error.
+/// Runs a spawning script. Returns all entities spawned before its end or its error, each with the byte offset of its call.
 fn run(text: &str, seed: u64, budget: &mut SpawnBudget) -> (Result<(), ScriptError>, SpawnedEntities) {
     let list = Arc::new(Mutex::new(SpawnedEntities::new()));
     let into = Arc::clone(&list);
@@ -143,14 +143,14 @@ fn run(text: &str, seed: u64, budget: &mut SpawnBudget) -> (Result<(), ScriptErr
     (result, spawned)
 }
 
-/// A script's text, and the file that it is in if that is not the scene's.
+/// The text of a script, and its file unless it is written in the scene file.
 pub(super) struct Code {
     pub(super) text: String,
     pub(super) source: Option<Arc<Source>>,
 }
 
 impl Code {
-    /// Reads a script. `None` if that fails, which is then among the problems.
+    /// Reads a script. Adds a problem and returns `None` on failure.
     pub(super) fn read(
         script: &ScriptDocument,
         folder: &Path,
@@ -176,7 +176,7 @@ impl Code {
     }
 }
 
-/// Records that a path matters to the scene, and returns it.
+/// Adds a path to the files of the scene, and returns it.
 fn remembered(path: PathBuf, paths: &mut Vec<PathBuf>) -> PathBuf {
     if !paths.contains(&path) {
         paths.push(path.clone());
@@ -184,7 +184,7 @@ fn remembered(path: PathBuf, paths: &mut Vec<PathBuf>) -> PathBuf {
     path
 }
 
-/// Reads a script file that the scene calls `written`; an error has a message and a remedy.
+/// Reads a script file; `written` is its path in the scene. An error consists of a message and a remedy.
 fn read(path: &Path, written: &Path) -> Result<String, (String, String)> {
     let file = path.display();
     let remedy = || "write the path of a text file, as seen from the scene file's folder".to_owned();

@@ -1,4 +1,4 @@
-//! The lines of files in which the parts of a scene start.
+//! The source locations of scene elements.
 
 use std::fmt;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use super::files::Origin;
 use super::printable::Printable;
 use super::spans::{PathStep, locate};
 
-/// The texts of all files of a scene, in which the places of its entities can be looked up.
+/// The texts of all files of a scene, for looking up the locations of its elements.
 ///
 /// ```
 /// use rayreel::Scene;
@@ -23,18 +23,18 @@ use super::spans::{PathStep, locate};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Sources {
-    /// The names and texts; the first is the scene's own file.
+    /// The names and texts; the first is the scene file.
     files: Vec<(String, Arc<String>)>,
     /// The runs of entities, in document order.
     runs: Vec<Run>,
-    /// The names in the map `cameras`.
+    /// The camera names in the map `cameras`.
     cameras: Vec<String>,
 }
 
-/// A run of entities that follow each other in the scene as they do in a file.
+/// A run of entities that are contiguous both in the scene and in a file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
-    /// The place of the first in document order.
+    /// The document index of the first entity.
     pub(super) first: usize,
     pub(super) origin: Origin,
 }
@@ -42,7 +42,7 @@ pub(super) struct Run {
 /// A line of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SourceLine<'a> {
-    /// The file, as it was named or as it was included.
+    /// The file, as named by the caller or by the include.
     pub file: &'a str,
     /// The line, from 1.
     pub line: usize,
@@ -53,11 +53,11 @@ impl Sources {
         Self { files, runs, cameras }
     }
 
-    /// Returns the lines in which entities start; `entities` are places in document order, from 0, as
-    /// [`Order`](crate::components::Order) has them. One pass over each file serves them all. The parent that a name or a
-    /// transform gives to what is included starts where the include does.
+    /// Returns the lines on which entities start. `entities` holds indices in document order, from 0, as in
+    /// [`Order`](crate::components::Order). Each file is scanned once for all entities. The parent entity created for an include with a
+    /// name or a transform starts at the include.
     ///
-    /// An entity that is not in the files gets the line of the list it would be in.
+    /// An entity that is not in the files gets the line of the list it would belong to.
     pub fn entities(&self, entities: &[usize]) -> impl Iterator<Item = SourceLine<'_>> {
         let origins: Vec<Origin> = entities.iter().map(|index| self.origin(*index)).collect();
         let mut found: Vec<Option<SourceLine<'_>>> = vec![None; entities.len()];
@@ -79,7 +79,7 @@ impl Sources {
         found.into_iter().flatten()
     }
 
-    /// Returns the line in which a camera starts: one of `cameras` by its name there, or that in `camera`.
+    /// Returns the line on which a camera starts: the entry of `cameras` with this name, or else the field `camera`.
     #[must_use]
     pub fn camera(&self, name: &str) -> SourceLine<'_> {
         let path = match self.cameras.iter().position(|known| known == name) {
@@ -90,7 +90,7 @@ impl Sources {
         found.unwrap_or(SourceLine { file: "", line: 1 })
     }
 
-    /// Returns the name of an entity's material where the entity is written; `None` for one without a material.
+    /// Returns the name of an entity's material as written in its file; `None` for an entity without a material.
     #[must_use]
     pub fn material(&self, entity: usize) -> Option<String> {
         let origin = self.origin(entity);
@@ -98,11 +98,11 @@ impl Sources {
         let path =
             vec![PathStep::Field(origin.list), PathStep::Index(origin.index), PathStep::Field("material")];
         let written = locate(text, &[path]).pop()?;
-        // Without such a field it is all of the entity that is found, which is no text.
+        // Without a `material` field the span covers the whole entity, which is not a string.
         ron::from_str(text.get(written)?).ok()
     }
 
-    /// Returns a file's name and text.
+    /// Returns the name and the text of a file.
     pub(super) fn file(&self, file: usize) -> Option<(&str, &str)> {
         self.files.get(file).map(|(name, text)| (name.as_str(), text.as_str()))
     }

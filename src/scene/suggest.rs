@@ -1,10 +1,10 @@
-//! "Did you mean": the nearest of the known names.
+//! "Did you mean" suggestions from known names.
 
 use super::quote::short;
 
-/// Returns the known name most like a mistyped one, if any is like it at all.
+/// Returns the known name most similar to a mistyped one, if any is similar enough.
 pub(super) fn nearest<'a>(found: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    /// The longest name, in bytes, that is compared, as the time grows with both names; no mistyped name is longer.
+    /// Maximum length of compared names, in bytes. The comparison time grows with both lengths; no mistyped name is longer.
     const LONGEST: usize = 100;
     if found.len() > LONGEST {
         return None;
@@ -18,7 +18,7 @@ pub(super) fn nearest<'a>(found: &str, known: impl IntoIterator<Item = &'a str>)
     best.filter(|(likeness, _)| *likeness > 0.75).map(|(_, name)| name)
 }
 
-/// Returns the remedy for an unknown name: the nearest known one, or all of them.
+/// Returns the remedy for an unknown name: the most similar known name, or a list of the known names.
 pub(super) fn remedy(found: &str, known: &[&str], kind: &str) -> String {
     match nearest(found, known.iter().copied()) {
         Some(name) => format!("did you mean `{}`?", short(name)),
@@ -30,7 +30,7 @@ pub(super) fn remedy(found: &str, known: &[&str], kind: &str) -> String {
 
 /// Lists names for a message.
 pub(super) fn listed(known: &[&str]) -> String {
-    /// The number of names beyond which more are of no help.
+    /// Maximum number of listed names; more are of no help.
     const MOST: usize = 12;
     let names: Vec<String> = known.iter().take(MOST).map(|name| format!("`{}`", short(name))).collect();
     let more = if known.len() > MOST { ", .." } else { "" };

@@ -18,11 +18,11 @@ pub(crate) struct AnimationDocument {
     pub(crate) repeat: RepeatDocument,
     pub(crate) offset: f64,
     pub(crate) speed: f64,
-    /// The index of its script among the compiled ones, if it is one.
+    /// The index of the compiled script, if the track is a script.
     pub(crate) script: Option<usize>,
 }
 
-/// A track of the kind of value that its channel has.
+/// A track with the value type of its channel.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum TracksDocument {
     Number(TrackDocument<f64>),
@@ -78,7 +78,7 @@ fn once() -> f64 {
 }
 
 impl<T> TrackDocument<T> {
-    /// Returns the track's script, if it is one.
+    /// Returns the script of a scripted track; `None` for other tracks.
     pub(crate) fn script(&self) -> Option<ScriptDocument> {
         match self {
             Self::Keys(_) | Self::Path { .. } | Self::Orbit { .. } => None,
@@ -89,7 +89,7 @@ impl<T> TrackDocument<T> {
 }
 
 impl TracksDocument {
-    /// Returns the track's script, if it is one.
+    /// Returns the script of a scripted track; `None` for other tracks.
     pub(crate) fn script(&self) -> Option<ScriptDocument> {
         match self {
             Self::Number(track) => track.script(),
@@ -101,7 +101,7 @@ impl TracksDocument {
     }
 }
 
-/// A script.
+/// A script, written in the scene file or in a file of its own.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename = "Script")]
 pub(crate) enum ScriptDocument {
@@ -109,7 +109,7 @@ pub(crate) enum ScriptDocument {
     File(String),
 }
 
-/// `(time, value)` or `(time, value, easing)`.
+/// A key, written as `(time, value)` or `(time, value, easing)`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct KeyDocument<T> {
     pub(crate) time: f64,
@@ -117,7 +117,7 @@ pub(crate) struct KeyDocument<T> {
     pub(crate) easing: EasingDocument,
 }
 
-/// The easing from a key to the next.
+/// The easing from one key to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(rename = "Easing")]
 pub(crate) enum EasingDocument {
@@ -165,7 +165,7 @@ pub(crate) enum EasingDocument {
     Handles(OffsetDocument, OffsetDocument),
 }
 
-/// The continuation of a track beyond its keys.
+/// The behaviour of a track beyond its keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename = "Repeat")]
 pub(crate) enum RepeatDocument {
@@ -180,7 +180,7 @@ impl AnimationDocument {
         &["target", "material", "channel", "track", "repeat", "offset", "speed"];
 }
 
-/// Written by hand, because the content of `track` depends on `channel`.
+/// Implemented by hand because the type of `track` depends on `channel`.
 impl<'de> Deserialize<'de> for AnimationDocument {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_struct("Animation", Self::FIELDS, AnimationVisitor)
@@ -259,7 +259,7 @@ fn tracks<'de, A: MapAccess<'de>>(channel: ChannelDocument, map: &mut A) -> Resu
     }
 }
 
-/// Written by hand, because the easing may be left out.
+/// Implemented by hand because the easing is optional.
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for KeyDocument<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct KeyVisitor<T>(std::marker::PhantomData<T>);

@@ -7,7 +7,7 @@ use serde::{Deserialize, Deserializer};
 
 use crate::components::Property;
 
-/// A property by its name.
+/// A property, written as its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct ChannelDocument(pub(crate) Property);
 

@@ -25,7 +25,7 @@ fn white() -> ColorDocument {
     ColorDocument([255.0; 3])
 }
 
-/// Highlights.
+/// Specular highlights.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Specular")]
 pub(crate) struct SpecularDocument {
@@ -33,14 +33,14 @@ pub(crate) struct SpecularDocument {
     pub(crate) shininess: f64,
 }
 
-/// A mirror.
+/// Mirror reflection.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Reflective")]
 pub(crate) struct ReflectiveDocument {
     pub(crate) k_r: f64,
 }
 
-/// Glass.
+/// Refraction and absorption.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Refractive")]
 pub(crate) struct RefractiveDocument {
@@ -52,7 +52,7 @@ pub(crate) struct RefractiveDocument {
     pub(crate) fresnel: bool,
 }
 
-/// Squares.
+/// A checkerboard pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Checker")]
 pub(crate) struct CheckerDocument {
@@ -60,7 +60,7 @@ pub(crate) struct CheckerDocument {
     pub(crate) size: f64,
 }
 
-/// A thing in the scene.
+/// An entity of the scene.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Entity")]
 pub(crate) struct EntityDocument {
@@ -70,7 +70,7 @@ pub(crate) struct EntityDocument {
     pub(crate) transform: TransformDocument,
     pub(crate) shape: Option<ShapeDocument>,
     pub(crate) material: Option<String>,
-    /// Boxed, as few entities have one and it is large.
+    /// Boxed because it is large and few entities have one.
     pub(crate) light: Option<Box<LightDocument>>,
 }
 
@@ -111,7 +111,7 @@ pub(crate) enum ShapeDocument {
     Box { size: Triple },
 }
 
-/// The light that an entity gives.
+/// The light source of an entity.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Light")]
 pub(crate) enum LightDocument {
@@ -136,7 +136,7 @@ pub(crate) enum LightDocument {
         direction: Triple,
         #[serde(default = "yes")]
         casts_shadows: bool,
-        /// Refused by the validation, with a reason.
+        /// Parsed only so that validation can reject it with a reason.
         falloff: Option<Triple>,
     },
     Area {

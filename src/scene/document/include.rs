@@ -1,10 +1,10 @@
-//! Parts in files of their own.
+//! Includes of other scene files.
 
 use serde::Deserialize;
 
 use super::TransformDocument;
 
-/// Another file, in this place.
+/// An include of another scene file.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Include")]
 pub(crate) struct IncludeDocument {

@@ -1,5 +1,5 @@
-//! The file format, as serde types. Doc comments here are short: the format is explained, with units, ranges and
-//! defaults, in the [manual](super::manual), which a test holds against these types.
+//! The file format as serde types. Doc comments here are short: the [manual](super::manual) documents the format with units, ranges and
+//! defaults, and a test compares it with these types.
 
 mod animation;
 mod channel;

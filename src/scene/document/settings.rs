@@ -9,7 +9,7 @@ use super::{
     MaterialDocument, RateDocument, ScriptDocument, Triple, whole,
 };
 
-/// The whole file.
+/// A whole scene file.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default, rename = "Scene")]
 pub(crate) struct SceneDocument {
@@ -18,7 +18,7 @@ pub(crate) struct SceneDocument {
     pub(crate) film: FilmDocument,
     pub(crate) quality: QualityDocument,
     pub(crate) sampling: SamplingDocument,
-    /// `None` only in parts of other scenes.
+    /// `None` in scenes that use `cameras` instead, and in files that are meant to be included.
     pub(crate) camera: Option<CameraDocument>,
     pub(crate) cameras: Entries<CameraDocument>,
     pub(crate) shots: Vec<ShotDocument>,
@@ -26,33 +26,33 @@ pub(crate) struct SceneDocument {
     pub(crate) background: BackgroundDocument,
     pub(crate) fog: Option<FogDocument>,
     pub(crate) materials: Entries<MaterialDocument>,
-    /// Shared between the readings of a file that is being edited.
+    /// Shared between successive loads of an edited file.
     pub(crate) entities: Vec<Arc<EntityDocument>>,
     pub(crate) spawn: Vec<ScriptDocument>,
     pub(crate) animate: Vec<AnimationDocument>,
 }
 
 impl SceneDocument {
-    /// The name of the camera in `camera`.
+    /// The name of the camera in the field `camera`.
     pub(crate) const CAMERA: &'static str = "camera";
-    /// The name of the scene as a whole.
+    /// The name that stands for the scene as a whole.
     pub(crate) const SCENE: &'static str = "scene";
-    /// The field with the entities.
+    /// The name of the field with the entities.
     pub(crate) const ENTITIES: &'static str = "entities";
 
-    /// Returns the paths of the includes, as they are written.
+    /// Returns the paths of the includes as written.
     pub(crate) fn included_files(&self) -> impl Iterator<Item = String> {
         self.include.iter().map(|include| include.file.clone())
     }
 
-    /// Returns all cameras by name, that in `camera` first.
+    /// Returns all cameras with their names, starting with the field `camera`.
     pub(crate) fn named_cameras(&self) -> impl Iterator<Item = (&str, &CameraDocument)> {
         let first = self.camera.iter().map(|camera| (Self::CAMERA, camera));
         first.chain(self.cameras.0.iter().map(|(name, camera)| (name.as_str(), camera)))
     }
 }
 
-/// The camera that is active from a time on.
+/// A shot: its start time in seconds, and the name of its camera.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(
     rename = "Shot",
@@ -82,7 +82,7 @@ impl Default for TimelineDocument {
     }
 }
 
-/// The picture.
+/// The film: image size and transfer function.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default, rename = "Film")]
 pub(crate) struct FilmDocument {
@@ -108,7 +108,7 @@ pub(crate) enum TransferDocument {
     Classic,
 }
 
-/// The limits within which light is followed.
+/// Limits on the tracing of light paths.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default, rename = "Quality")]
 pub(crate) struct QualityDocument {
@@ -154,7 +154,7 @@ impl Default for SamplingDocument {
     }
 }
 
-/// The norm of errors.
+/// The norm of image errors.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename = "Norm")]
 pub(crate) enum NormDocument {
@@ -163,7 +163,7 @@ pub(crate) enum NormDocument {
     P99,
 }
 
-/// The change of noise from frame to frame.
+/// The variation of noise from frame to frame.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename = "Noise")]
 pub(crate) enum NoiseDocument {
@@ -195,7 +195,7 @@ fn upwards() -> Triple {
     [0.0, 1.0, 0.0]
 }
 
-/// The lens, which decides what is sharp.
+/// The lens, which determines the depth of field.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Lens")]
 pub(crate) struct LensDocument {
@@ -203,7 +203,7 @@ pub(crate) struct LensDocument {
     pub(crate) focus: f64,
 }
 
-/// The screen before the camera.
+/// The screen in front of the camera.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Screen")]
 pub(crate) struct ScreenDocument {

@@ -1,5 +1,4 @@
-//! Values that can be written in more than one way. Each has a visitor of its own, so that a mistake is answered with what
-//! could have been written there.
+//! Values with more than one notation. Each type has its own visitor, so that error messages describe the valid notations.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -13,7 +12,7 @@ use crate::scene::suggest;
 /// Three numbers.
 pub(crate) type Triple = [f64; 3];
 
-/// `(255, 120, 60)` or `"#ff783c"`; channels are 0..=255 once validated.
+/// A colour, written as `(255, 120, 60)` or `"#ff783c"`. Channels are in 0..=255 after validation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ColorDocument(pub(crate) Triple);
 
@@ -53,7 +52,7 @@ impl<'de> Deserialize<'de> for ColorDocument {
     }
 }
 
-/// A colour, or `(bottom: (255, 255, 255), top: "#80b3ff")`.
+/// A background: a colour, or a gradient written as `(bottom: (255, 255, 255), top: "#80b3ff")`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum BackgroundDocument {
     Flat(ColorDocument),
@@ -67,7 +66,7 @@ impl Default for BackgroundDocument {
 }
 
 impl BackgroundDocument {
-    /// The fields of a gradient.
+    /// The names of the fields of a gradient.
     pub(crate) const FIELDS: &'static [&'static str] = &["bottom", "top"];
 }
 
@@ -104,7 +103,7 @@ impl<'de> Visitor<'de> for BackgroundVisitor {
         triple(sequence, &self).map(|channels| BackgroundDocument::Flat(ColorDocument(channels)))
     }
 
-    /// Reports mistakes in its own words, since serde would blame the scene.
+    /// Reports errors with its own messages, because serde would attribute them to the scene.
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<BackgroundDocument, A::Error> {
         let (mut bottom, mut top) = (None, None);
         while let Some(field) = map.next_key()? {
@@ -133,7 +132,7 @@ impl<'de> Visitor<'de> for BackgroundVisitor {
     }
 }
 
-/// A factor for all axes, or one for each.
+/// A scale factor for all axes, or one per axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum ScaleDocument {
     /// `2`
@@ -153,7 +152,7 @@ impl<'de> Deserialize<'de> for ScaleDocument {
     }
 }
 
-/// The difference of two values: a number, or three.
+/// The difference between two values: one number or three.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum OffsetDocument {
     Number(f64),
@@ -166,7 +165,7 @@ impl<'de> Deserialize<'de> for OffsetDocument {
     }
 }
 
-/// Visits one number or three; the text says what is expected.
+/// A visitor of one number or three. The text describes the expected value.
 struct OneOrThree(&'static str);
 
 impl<'de> Visitor<'de> for OneOrThree {
@@ -201,19 +200,19 @@ impl<'de> Visitor<'de> for OneOrThree {
     }
 }
 
-/// Visits a whole number, also one that is written as `640.0` or `1e3`.
+/// An integer of 0 or more, also accepted in notations such as `640.0` or `1e3`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct WholeDocument(u64);
 
-/// Reads a [`WholeDocument`] into a field.
+/// Deserializes a field as a [`WholeDocument`].
 pub(crate) fn whole<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
     WholeDocument::deserialize(deserializer).map(|whole| whole.0)
 }
 
-/// The first number from which on different numbers may read the same, 2^53.
+/// 2^53, from which on an `f64` no longer represents every integer.
 const EXACT: f64 = 9_007_199_254_740_992.0;
 
-/// Returns the whole number that a number with a fraction or an exponent stands for.
+/// Converts a float to an integer. `None` if it has a fraction, is negative, or is at least 2^53.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is one that the type holds")]
 fn whole_of(value: f64) -> Option<u64> {
     ((0.0..EXACT).contains(&value) && value.fract() == 0.0).then_some(value as u64)
@@ -242,7 +241,7 @@ impl<'de> Deserialize<'de> for WholeDocument {
             fn visit_f64<E: Error>(self, value: f64) -> Result<WholeDocument, E> {
                 match whole_of(value) {
                     Some(whole) => Ok(WholeDocument(whole)),
-                    // No number so large has a fraction.
+                    // Floats this large have no fraction.
                     None if value >= EXACT => Err(E::custom(format!(
                         "this whole number is too large\nwrite at most {}, with all its digits",
                         u64::MAX
@@ -256,7 +255,7 @@ impl<'de> Deserialize<'de> for WholeDocument {
     }
 }
 
-/// Frames per second: `24` or `(30000, 1001)`.
+/// Frames per second, written as `24` or `(30000, 1001)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RateDocument {
     pub(crate) numerator: u64,
@@ -313,7 +312,7 @@ fn triple<'de, A: SeqAccess<'de>>(mut sequence: A, expected: &impl Visitor<'de>)
     Ok(values)
 }
 
-/// A map, in the order it is written and with its duplicates, which are for the validation to find.
+/// A map as a list of entries in file order. Duplicate keys are kept for validation to report.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Entries<T>(pub(crate) Vec<(String, T)>);
 

@@ -1,4 +1,4 @@
-//! Loads a scene file and all that it includes.
+//! Loads a scene file and its includes.
 
 use std::collections::{HashMap, HashSet};
 use std::fs;
@@ -19,16 +19,16 @@ use crate::scene::scripts::{self, Compiled};
 use crate::scene::validate::{At, Problems, validate};
 use crate::script::SpawnBudget;
 
-/// The greatest depth of includes.
+/// Maximum depth of nested includes.
 const DEEPEST: usize = 32;
 
 impl Files {
-    /// Reads a scene file and what it includes, with these values in the place of theirs.
+    /// Reads a scene file and its includes, and applies overrides.
     pub(in crate::scene) fn read(path: &Path, overrides: &[Override]) -> Self {
         Loader { overrides: Unplaced::new(overrides), ..Loader::default() }.load(path, content(path))
     }
 
-    /// Reads a scene file like [`read`](Self::read), and reuses what was read before.
+    /// Reads a scene file like [`read`](Self::read), and reuses documents from earlier loads.
     pub(in crate::scene) fn read_again(path: &Path, overrides: &[Override], before: &mut Texts) -> Self {
         let texts = Some(mem::take(before));
         let mut loader = Loader { texts, overrides: Unplaced::new(overrides), ..Loader::default() };
@@ -42,12 +42,12 @@ impl Files {
         loaded
     }
 
-    /// Reads a scene from a text in the place of a file, and what it includes.
+    /// Reads a scene from a text, and its includes from files.
     pub(in crate::scene) fn from_text(path: &Path, text: String) -> Self {
         Loader::default().load(path, Content::Text(text))
     }
 
-    /// Finds the mistakes of meaning in every file.
+    /// Collects the semantic errors of every file.
     pub(in crate::scene) fn validate(&mut self) {
         let mut problems: Vec<Problems> =
             self.files.iter_mut().map(|file| mem::take(&mut file.problems)).collect();
@@ -81,7 +81,7 @@ impl Files {
     }
 }
 
-/// The texts of files that could be parsed, by their true paths.
+/// The texts that could be parsed, by the canonical paths of their files.
 pub(in crate::scene) type Texts = HashMap<PathBuf, Parsed>;
 
 fn content(path: &Path) -> Content {
@@ -93,14 +93,14 @@ fn content(path: &Path) -> Content {
 #[derive(Debug, Default)]
 struct Loader {
     loaded: Files,
-    /// The texts read before, unless nothing is to be remembered.
+    /// The texts from earlier loads; `None` if nothing is cached.
     texts: Option<Texts>,
-    /// The files by their true paths.
+    /// The indices of the loaded files, by canonical path.
     known: HashMap<PathBuf, usize>,
     tried: HashSet<PathBuf>,
-    /// The file that is being read, after those that include it.
+    /// The stack of files being read: the current file is last, after the files that include it.
     underway: Vec<usize>,
-    /// The amount that scripts may yet spawn.
+    /// The remaining budget of spawning scripts.
     budget: SpawnBudget,
     overrides: Unplaced,
 }
@@ -115,7 +115,7 @@ impl Loader {
         mem::take(&mut self.loaded)
     }
 
-    /// Records that a path matters to the scene, and returns the one by which the file is known.
+    /// Adds a path to the files of the scene, and returns the key of the file: its canonical path, or `path` if it has none.
     fn try_path(&mut self, path: &Path) -> PathBuf {
         let key = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         if self.tried.insert(key.clone()) {
@@ -134,7 +134,7 @@ impl Loader {
         let index = self.loaded.files.len();
         let overridden = match &mut content {
             Content::Text(text) => {
-                // A byte order mark is no part of the scene, and editors do not count it as a column.
+                // A byte order mark is not part of the scene, and editors do not count it as a column.
                 if text.starts_with('\u{feff}') {
                     text.remove(0);
                 }
@@ -168,7 +168,7 @@ impl Loader {
         index
     }
 
-    /// Parses a text; if it differs little from what the file held before, only the difference.
+    /// Parses a text. If it differs little from the previous text of the file, only the difference is parsed.
     fn parse(&mut self, key: &Path, text: &Arc<String>) -> Result<SceneDocument, Diagnostic> {
         let Some(texts) = &mut self.texts else { return parse(text) };
         if let Some(document) = texts.get_mut(key).and_then(|before| before.parse_again(text)) {
@@ -198,7 +198,7 @@ impl Loader {
         Ok(self.add(path, key, content, Some(from)))
     }
 
-    /// Returns the error of a ring of includes, which starts at an index of the files underway.
+    /// Returns the error for a cycle of includes, which starts at an index of `underway`.
     fn ring(&self, start: usize) -> Refusal {
         let members = &self.underway[start..];
         let names: Vec<String> = members
@@ -215,7 +215,7 @@ impl Loader {
 }
 
 impl Refusal {
-    /// Adds it as a mistake of the file that includes the other.
+    /// Adds the error to the problems of the including file.
     fn tell(&self, place: usize, problems: &mut Problems) {
         let (scene, help) = (At::scene(), self.help.as_deref());
         let (list, help) = (scene.field("include"), help.unwrap_or("see to the file, or remove the include"));

@@ -10,19 +10,19 @@ use crate::scene::document::{
 };
 use crate::scene::sources::{Run, Sources};
 
-/// A scene that has no includes any more: what was included stands before what the file itself holds, each include whole.
+/// A scene with its includes resolved. Included content precedes the content of the including file; the content of each include is
+/// contiguous.
 #[derive(Debug)]
 pub(in crate::scene) struct Merged {
     pub(in crate::scene) document: SceneDocument,
-    /// Entities with the parents that their files do not name, by their places in the document.
+    /// Pairs of an entity and a parent that the files do not name, by document index.
     pub(in crate::scene) parents: Vec<(usize, usize)>,
-    /// The uses of scripts: the index of each one's script, and the prefix of the names in its file. Animations refer to this
-    /// list by index.
+    /// The uses of scripts: the index of the script, and the prefix of the names in its file. Animations refer to this list by index.
     pub(in crate::scene) uses: Vec<(usize, String)>,
 }
 
 impl Files {
-    /// Makes one scene of the files, which must be good.
+    /// Merges the files, which must be free of errors, into one scene.
     pub(in crate::scene) fn merge(self) -> (Merged, Sources) {
         let mut parts = Vec::new();
         let mut texts = Vec::new();
@@ -46,14 +46,14 @@ fn flat(includes: Vec<Option<usize>>) -> Vec<usize> {
     includes.into_iter().flatten().collect()
 }
 
-/// A document, and the files of its includes.
+/// A document, and the file indices of its includes.
 type ParsedPart = (SceneDocument, Vec<usize>);
 
 /// The target, the material and the property of an animation.
 type AnimatedValue = (Option<String>, Option<String>, Property);
 
 struct Merger<'a> {
-    /// All files but the first.
+    /// All files except the first.
     parts: &'a [ParsedPart],
     materials: Vec<(String, MaterialDocument)>,
     known_materials: HashSet<String>,
@@ -132,7 +132,7 @@ impl<'a> Merger<'a> {
         self.add_includes(file, &part.include, includes, prefix, parent);
         for (name, material) in &part.materials.0 {
             let name = format!("{prefix}{name}");
-            // The same file may come by several ways.
+            // The same file may be included through several paths.
             if self.known_materials.insert(name.clone()) {
                 self.materials.push((name, material.clone()));
             }
@@ -147,7 +147,7 @@ impl<'a> Merger<'a> {
             };
             self.add_entity(renamed, parent.filter(|_| entity.parent.is_none()));
         }
-        // Cameras and what concerns a whole scene stay out.
+        // Animations of cameras and of the whole scene are dropped.
         let stays_out = |name: &str| {
             [SceneDocument::CAMERA, SceneDocument::SCENE].contains(&name)
                 || part.named_cameras().any(|(own, _)| own == name)
@@ -160,7 +160,7 @@ impl<'a> Merger<'a> {
         }
     }
 
-    /// Adds an entity and returns its place.
+    /// Adds an entity and returns its document index.
     fn add_entity(&mut self, entity: EntityDocument, parent: Option<usize>) -> usize {
         let index = self.entities.len();
         self.parents.extend(parent.map(|parent| (index, parent)));
@@ -168,7 +168,7 @@ impl<'a> Merger<'a> {
         index
     }
 
-    /// Adds an animation. One of a file replaces those of its parts for the same value.
+    /// Adds an animation. It replaces an animation of the same value from an include.
     fn add_animation(&mut self, mut animation: AnimationDocument, prefix: &str) {
         use_script(&mut animation, prefix, &mut self.uses);
         let what = (animation.target.clone(), animation.material.clone(), animation.channel.0);
@@ -184,7 +184,7 @@ impl<'a> Merger<'a> {
     }
 }
 
-/// Gives an animation by a script its own place among the uses of scripts.
+/// Adds a use of the animation's script, if it has one, and stores the index of the use in the animation.
 fn use_script(animation: &mut AnimationDocument, prefix: &str, uses: &mut Vec<(usize, String)>) {
     if let Some(script) = &mut animation.script {
         uses.push((*script, prefix.to_owned()));

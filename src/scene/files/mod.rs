@@ -1,12 +1,12 @@
 //! Scenes of several files.
 //!
 //! ```text
-//! file -> loader: it and what it includes, each file read and parsed once
-//!      -> names, scope: what each file can refer to, for the validation, which sees every file for itself
-//!      -> merge: one document, and where each of its entities came from
+//! file -> loader: reads and parses the file and its includes, each once
+//!      -> names, scope: collect the names that each file can refer to, for the validation of each file on its own
+//!      -> merge: builds one document, with the origin of each of its entities
 //! ```
 //!
-//! A file knows the names of what it includes, and nothing of who includes it: a part is whole in itself.
+//! A file can refer to names in its includes, but not to names in the files that include it: every file is self-contained.
 
 mod loader;
 mod merge;

@@ -1,4 +1,4 @@
-//! The names in the files of a scene.
+//! The names defined in the files of a scene.
 
 use hashbrown::HashMap;
 use hashbrown::hash_map::Entry;
@@ -7,38 +7,38 @@ use super::{Files, Origin, SceneFile};
 use crate::scene::document::{EntityDocument, MaterialDocument};
 use crate::scene::validate::Problems;
 
-/// The names of a file: its own, those of its parts, and all of what it includes without a name.
+/// The names visible in a file: its own, the names given to its includes, and all names in its unnamed includes.
 #[derive(Debug, Default)]
 pub(in crate::scene) struct Names<'a> {
     pub(super) entities: Table<'a, Meaning<'a>>,
     pub(super) materials: Table<'a, &'a MaterialDocument>,
-    /// Whether there are further, unknown names: a file could not be read, or there are too many.
+    /// True if some names are unknown, because a file could not be read or because there are too many names.
     pub(super) incomplete: bool,
     pub(super) clashes: Clashes<'a>,
-    /// The number of entities, materials and animations in what it includes.
+    /// The number of entities, materials and animations in its includes.
     pub(super) included: u64,
-    /// The same number with its own.
+    /// `included` plus the number of its own entities, materials and animations.
     size: u64,
 }
 
-/// The most entities, materials and animations that may come from other files.
+/// Maximum number of entities, materials and animations from included files.
 pub(in crate::scene) const MOST_INCLUDED: u64 = 4_000_000;
 
-/// Names that several files give. Beyond [`Problems::MOST`] they are only counted.
+/// Names defined in several files. Beyond [`Problems::MOST`] they are only counted.
 #[derive(Debug, Default)]
 pub(in crate::scene) struct Clashes<'a> {
     pub(in crate::scene) listed: Vec<Clash<'a>>,
     pub(in crate::scene) unlisted: usize,
-    /// The include and the file repeated by it that were reported last.
+    /// The last reported repetition: the include, and the file that it repeats.
     repeated: Option<(usize, usize)>,
 }
 
-/// The meaning of an entity's name.
+/// The object that an entity name refers to.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Meaning<'a> {
-    /// An entity, and the file it is in.
+    /// An entity, and the index of its file.
     Entity(&'a EntityDocument, usize),
-    /// The parent of all that is in a part, whose file is given; `None` if that cannot be read.
+    /// The parent of all entities of an include, with the index of the included file; `None` if the file cannot be read.
     Part(Option<usize>),
 }
 
@@ -62,7 +62,7 @@ impl<'a, T> Table<'a, T> {
         self.entries.reserve(count);
     }
 
-    /// Inserts a name; returns the origin of the present one if it is taken.
+    /// Inserts a name. Returns the origin of the existing entry if the name is taken.
     fn insert(&mut self, name: &'a str, origin: Origin, value: T) -> Result<(), Origin> {
         match self.entries.entry(name) {
             Entry::Occupied(taken) => Err(taken.get().0),
@@ -79,26 +79,26 @@ impl<'a, T> Table<'a, T> {
     }
 }
 
-/// A name that several files give.
+/// A name that is defined twice.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::scene) struct Clash<'a> {
     pub(in crate::scene) name: &'a str,
-    /// The origin that came first.
+    /// The origin of the first definition.
     pub(in crate::scene) first: Origin,
     pub(in crate::scene) second: Origin,
-    /// The include that brings the second from its file; `None` if it is the own file that gives the name.
+    /// The include that contributes the second definition; `None` if the file itself defines it.
     pub(in crate::scene) include: Option<usize>,
 }
 
 impl Clash<'_> {
-    /// Returns whether the very same file comes by several ways.
+    /// Returns whether the same file is included through several paths.
     pub(in crate::scene) fn is_repeated(&self) -> bool {
         self.first == self.second
     }
 }
 
 impl<'a> Clashes<'a> {
-    /// Adds a clash. A file that is repeated is one clash, whatever it holds.
+    /// Adds a clash. A repeated file counts as one clash, regardless of its content.
     fn add(&mut self, clash: Clash<'a>) {
         if let Some(include) = clash.include.filter(|_| clash.is_repeated()) {
             let repeated = Some((include, clash.first.file));
@@ -148,7 +148,7 @@ impl<'a> Names<'a> {
         names
     }
 
-    /// Takes over the names of a part that is included without a name.
+    /// Adds the names of an include without a name.
     fn join(&mut self, part: &Self, include: usize) {
         self.incomplete |= part.incomplete;
         for name in &part.entities.names {
@@ -167,7 +167,7 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// Adds a material. The same one may come by several ways.
+    /// Adds a material. The same material may be included through several paths.
     fn add_material(
         &mut self,
         name: &'a str,
@@ -182,7 +182,7 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// Adds a clash, unless it is within one list of the file itself, which is no matter of includes.
+    /// Adds a clash, unless it is within one list of entities or materials of the file itself, which involves no include.
     fn add_clash(&mut self, clash: Clash<'a>) {
         let Clash { first, second, include, .. } = clash;
         let same_list = (first.file, first.list) == (second.file, second.list);
@@ -205,7 +205,7 @@ pub(super) fn of_files(files: &Files) -> Vec<Names<'_>> {
 mod tests {
     use super::*;
 
-    /// Two files with the same names, each included a hundred times.
+    /// Includes two files with the same names, each a hundred times.
     #[test]
     fn clashes_are_counted_and_few_are_kept() {
         let folder = tempfile::tempdir().unwrap();
@@ -218,7 +218,7 @@ mod tests {
         let names = of_files(&files);
         assert_eq!(names[0].included, 200 * 4);
         let Clashes { listed, unlisted, .. } = &names[0].clashes;
-        // Three names of the second file each time, and the first file 99 times more.
+        // Each include of the second file adds three clashes. The first file is repeated 99 times, each time as one clash.
         assert_eq!((listed.len(), listed.len() + unlisted), (Problems::MOST, 100 * 3 + 99));
         assert_eq!(listed.iter().filter(|clash| clash.is_repeated()).count(), 12);
     }

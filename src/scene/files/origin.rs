@@ -1,6 +1,6 @@
-//! The origin of something in a scene of several files.
+//! The origins of scene elements.
 
-/// The file, the list in it and the index at which something is written.
+/// The location of a scene element: the file, the list in the file, and the index in the list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::scene) struct Origin {
     pub(in crate::scene) file: usize,

@@ -11,7 +11,7 @@ use crate::scene::nearby::nearby;
 #[derive(Debug)]
 pub(super) enum Content {
     Text(String),
-    /// Text that is not UTF-8, as far as it can be decoded, with the diagnostic of the first invalid byte.
+    /// Text that is not UTF-8, decoded lossily, with the diagnostic of its first invalid byte.
     Garbled(String, Diagnostic),
 }
 
@@ -23,12 +23,12 @@ pub(super) struct Refusal {
     pub(super) help: Option<String>,
 }
 
-/// Reads the file of a scene, which may also come from standard input.
+/// Reads a scene file, or standard input.
 pub(super) fn read(path: &Path) -> Result<Content, Refusal> {
     content(path, path, Offered::Accepted)
 }
 
-/// Reads a file that another one includes as `written`. It must be one that can be read again.
+/// Reads a file that is included as `written`. Streams are rejected, because they cannot be read again.
 pub(super) fn read_included(path: &Path, written: &Path) -> Result<Content, Refusal> {
     content(path, written, Offered::Refused)
 }

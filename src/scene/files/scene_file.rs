@@ -1,4 +1,4 @@
-//! The files of a scene, as far as they could be read.
+//! The loaded files of a scene.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -7,32 +7,32 @@ use crate::scene::Diagnostic;
 use crate::scene::document::SceneDocument;
 use crate::scene::validate::Problems;
 
-/// One file of a scene, as far as it could be read.
+/// A loaded file of a scene, with its errors.
 #[derive(Debug)]
 pub(in crate::scene) struct SceneFile {
     /// The name in messages.
     pub(in crate::scene) name: String,
     pub(in crate::scene) text: Arc<String>,
-    /// The values that were put into the text, as they are written on a command line.
+    /// The overrides applied to the text, as written on a command line.
     pub(in crate::scene) overridden: Vec<String>,
-    /// `None` if the text is not a scene's.
+    /// `None` if the text cannot be parsed as a scene.
     pub(in crate::scene) document: Option<SceneDocument>,
-    /// The file of each of the document's includes; `None` for one that cannot be had.
+    /// The file index of each include of the document; `None` if the file is not available.
     pub(super) includes: Vec<Option<usize>>,
-    /// The file and the include through which it was met first. `None` for the scene's own file.
+    /// The indices of the including file and of its include, where this file is first included. `None` for the scene file.
     pub(in crate::scene) from: Option<(usize, usize)>,
-    /// The mistake of form in the text, if any.
+    /// The error in reading or parsing the file, or in applying an override, if any.
     pub(in crate::scene) mistake: Option<Diagnostic>,
-    /// The mistakes of meaning in the document.
+    /// The semantic errors in the document.
     pub(in crate::scene) problems: Problems,
 }
 
-/// All files of a scene. The first is the scene's own; each include follows the file that it is met in first.
+/// All files of a scene. The scene file is first; each included file follows the first file that includes it.
 #[derive(Debug, Default)]
 pub(in crate::scene) struct Files {
     pub(in crate::scene) files: Vec<SceneFile>,
-    /// The files in such an order that every file follows those it includes.
+    /// File indices in an order in which every file follows its includes.
     pub(super) parts_first: Vec<usize>,
-    /// The paths of all files, also of those that are not there.
+    /// The paths of all files, including missing ones.
     pub(in crate::scene) paths: Vec<PathBuf>,
 }

@@ -13,7 +13,7 @@ use crate::scene::spans::{PathStep, locate};
 pub(in crate::scene) enum Lookup<T> {
     Found(T),
     Missing,
-    /// It may be in a file that cannot be read.
+    /// The name may exist in a file that was not read.
     Unread,
 }
 
@@ -30,7 +30,7 @@ impl<T> Lookup<T> {
     }
 }
 
-/// The parts of an entity that others depend on.
+/// The parts of an entity that other elements depend on.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::scene) struct KnownEntity<'a> {
     pub(in crate::scene) shape: Option<&'a ShapeDocument>,
@@ -38,7 +38,7 @@ pub(in crate::scene) struct KnownEntity<'a> {
     pub(in crate::scene) material: Option<&'a MaterialDocument>,
 }
 
-/// Names as one file sees them. What is in a part is called `part/name`.
+/// The names visible in one file. A name in a named include is written `part/name`.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::scene) struct Scope<'a> {
     names: &'a [Names<'a>],
@@ -76,7 +76,7 @@ impl<'a> Scope<'a> {
         }
     }
 
-    /// Looks for `part/name`.
+    /// Looks up a name written `part/name`.
     fn in_part<T>(self, name: &str, look_up: impl Fn(Self, &str) -> Lookup<T>) -> Lookup<T> {
         let part = name.split_once('/').and_then(|(part, rest)| Some((self.own().entities.get(part)?, rest)));
         match part {
@@ -99,14 +99,14 @@ impl<'a> Scope<'a> {
         names
     }
 
-    /// Collects the file's own names, and those in its parts as long as they are not very many.
+    /// Collects the file's own names, and the names in its named includes up to a limit.
     fn collect(
         self,
         prefix: &str,
         select: &impl Fn(&'a Names<'a>) -> &'a Vec<&'a str>,
         into: &mut Vec<Cow<'a, str>>,
     ) {
-        /// The number of names beyond which more are of no help.
+        /// The number of names after which no further includes are visited.
         const MOST: usize = 10_000;
         let own = self.own();
         let prefixed = |name: &&'a str| match prefix {
@@ -124,12 +124,12 @@ impl<'a> Scope<'a> {
         }
     }
 
-    /// Returns the names that come from several files.
+    /// Returns the names defined in several files.
     pub(in crate::scene) fn clashes(self) -> &'a Clashes<'a> {
         &self.own().clashes
     }
 
-    /// Returns the number of entities, materials and animations that come from other files.
+    /// Returns the number of entities, materials and animations from included files.
     pub(in crate::scene) fn included(self) -> u64 {
         self.own().included
     }
@@ -139,12 +139,12 @@ impl<'a> Scope<'a> {
         self.files[self.file].includes.iter().flatten().any(|part| is_so(self.of(*part)))
     }
 
-    /// Returns the name of the file of an origin, as `parts/car.ron`.
+    /// Returns the name of an origin's file, for example `parts/car.ron`.
     pub(in crate::scene) fn file_name(self, origin: Origin) -> &'a str {
         &self.files[origin.file].name
     }
 
-    /// Returns the file and line of an origin, as `parts/car.ron:12`.
+    /// Returns the file and line of an origin, for example `parts/car.ron:12`.
     pub(in crate::scene) fn file_and_line(self, origin: Origin) -> String {
         let file = &self.files[origin.file];
         let step = match origin.list {

@@ -1,7 +1,7 @@
-//! Values in the place of those in a scene's files: `camera.fov=40` turns one knob without an edit.
+//! Overrides of values in a scene's files: `camera.fov=40` changes a value without an edit of the file.
 //!
-//! A value is put into the text before that is parsed, so that it is checked as the file is, and refused with the same messages.
-//! [`put`] finds its place in a file, [`unplaced`] the file.
+//! A value is inserted into the text before parsing, so that it passes the same checks and produces the same error messages as the file.
+//! [`put`] finds its position in a file; [`unplaced`] finds the file.
 
 mod put;
 mod unplaced;
@@ -12,11 +12,10 @@ use std::str::FromStr;
 use super::spans::is_one_value;
 pub(super) use unplaced::Unplaced;
 
-/// A value in the place of one in the scene's files, by its path into them.
+/// An override of a value in the scene's files, identified by its path.
 ///
-/// It is written `path=value`, the value as in the file. The steps of the path are the names of fields, the names of materials,
-/// cameras and entities, and indices from 0, between dots; a name with dots in it is quoted. A field that the file leaves out is
-/// added.
+/// It is written `path=value`, with the value as in a file. The path consists of steps separated by dots: names of fields, materials,
+/// cameras and entities, and indices from 0. A name that contains dots is quoted. A missing field is added.
 ///
 /// ```
 /// use rayreel::Scene;
@@ -33,24 +32,24 @@ pub(super) use unplaced::Unplaced;
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Override {
-    /// The steps from the scene to the value, one at least.
+    /// The steps from the scene to the value, at least one.
     path: Vec<String>,
     /// The text of the value.
     value: String,
 }
 
-/// The reason why a text is no [`Override`].
+/// An error in parsing an [`Override`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum OverrideError {
-    /// There is no path, or no value.
+    /// The path or the value is missing.
     #[error("write a path into the scene, = and a value, as in camera.fov=40")]
     Incomplete,
-    /// The path has a step without a name, or a quoted one that does not end.
+    /// The path has an empty step, or an unterminated quoted step.
     #[error(
         "write the steps of a path between dots, as in entities.ball.shape.radius; names with dots are quoted"
     )]
     Path,
-    /// What is after the = is not a single value of RON.
+    /// The text after the `=` is not a single RON value.
     #[error("`{0}` is not one value: write it as in the file, as in 40, (1, 2, 3) or \"clay\"")]
     Value(String),
 }
@@ -68,13 +67,13 @@ impl Override {
         &self.value
     }
 
-    /// Returns whether it is for something with a name of its own, which may be in a file that the scene includes.
+    /// Returns whether the path leads to a named element, which may be in an included file.
     fn is_named(&self) -> bool {
         self.path.len() > 1 && NAMED.iter().any(|(list, _)| *list == self.path[0])
     }
 }
 
-/// The fields of a scene whose values have names of their own, and what one of them is.
+/// The fields of a scene that hold named elements, each with the noun for one element.
 const NAMED: [(&str, &str); 3] = [("materials", "material"), ("cameras", "camera"), ("entities", "entity")];
 
 impl FromStr for Override {
@@ -100,7 +99,7 @@ impl FromStr for Override {
     }
 }
 
-/// Returns the first step of a path, and what comes after it.
+/// Splits a path into its first step and the rest.
 fn step(text: &str) -> Result<(String, &str), OverrideError> {
     let text = text.trim_start();
     let (step, rest) = match text.strip_prefix('"') {

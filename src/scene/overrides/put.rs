@@ -1,4 +1,4 @@
-//! Puts a value into the text of a scene.
+//! Insertion of a value into the text of a scene.
 
 use std::ops::Range;
 
@@ -7,29 +7,29 @@ use crate::scene::quote::short;
 use crate::scene::spans::{Bracket, bracket, root};
 use crate::scene::suggest::{listed, remedy};
 
-/// The reason why a value has no place in a text.
+/// An error in resolving the path of an override.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(in crate::scene) enum NoPlace {
-    /// Nothing of this kind, in the list where such things are, has the name; these have others.
+    /// No element of this kind in the list has the name. `known` holds the existing names.
     Unknown { kind: &'static str, list: String, name: String, known: Vec<String> },
-    /// What is there has no such parts.
+    /// The path has a step that does not exist.
     NoParts { message: String, help: String },
 }
 
 impl NoPlace {
-    /// Adds what another file knows.
+    /// Adds the known names of another file.
     pub(super) fn or_in(&mut self, other: Self) {
         if let (Self::Unknown { known, .. }, Self::Unknown { known: others, .. }) = (self, other) {
             known.extend(others);
         }
     }
 
-    /// Returns cause and remedy.
+    /// Returns the cause and the remedy.
     pub(super) fn tell(&self) -> (String, String) {
         match self {
             Self::Unknown { kind, list, name, known } => {
                 let known: Vec<&str> = known.iter().map(String::as_str).collect();
-                // Without quotes, a name ends at its first dot.
+                // An unquoted name ends at its first dot.
                 let cut =
                     known.iter().find(|known| known.split_once('.').is_some_and(|(start, _)| start == name));
                 let help = match cut {
@@ -48,8 +48,8 @@ impl NoPlace {
     }
 }
 
-/// Returns the text of a scene with another value at a path. What comes after it stays in its line. A text that is no scene is left
-/// as it is.
+/// Returns the text of a scene with the overriding value at its path. Newlines of the replaced value are kept, so that the following text
+/// stays on its line. A text that is not a scene is returned unchanged.
 pub(in crate::scene) fn put(text: &str, overriding: &Override) -> Result<String, NoPlace> {
     let Override { path, value } = overriding;
     let mut place = root(text)..text.len();
@@ -84,7 +84,7 @@ pub(in crate::scene) fn put(text: &str, overriding: &Override) -> Result<String,
 }
 
 impl Bracket {
-    /// Returns the value of a field or an entry, or the one at an index. Entities are also known by their names.
+    /// Returns the value of a field or an entry, or the value at an index. With `by_name`, an entity is also found by its name.
     fn find(&self, text: &str, step: &str, by_name: bool) -> Option<Range<usize>> {
         let named = self.members.iter().find(|member| match &member.name {
             Some(name) if self.opening == b'{' => quoted(&text[name.clone()]).as_deref() == Some(step),
@@ -96,14 +96,14 @@ impl Bracket {
         Some(named.or_else(at_index)?.value.clone())
     }
 
-    /// Returns whether a field may be missing here.
+    /// Returns whether the bracket can take a field of this name.
     fn takes_field(&self, step: &str) -> bool {
         let is_name = step.chars().all(|character| character.is_alphanumeric() || character == '_')
             && !step.starts_with(|first: char| first.is_numeric());
         self.opening == b'(' && is_name && self.members.iter().all(|member| member.name.is_some())
     }
 
-    /// Returns the text with one field more: the value itself, or what leads to it.
+    /// Returns the text with an additional field for the path. Later steps of the path become nested fields.
     fn with_field(&self, text: &str, path: &[String], value: &str) -> String {
         let leading: String = path.iter().map(|step| format!("{step}: (")).collect();
         let (leading, closing) = (leading.trim_end_matches('('), ")".repeat(path.len() - 1));
@@ -119,7 +119,7 @@ impl Bracket {
         }
     }
 
-    /// Reports that the scene has `cameras` instead of `camera`, and how to refer to one of them.
+    /// Returns the error for a scene with `cameras` instead of `camera`. The remedy shows how to refer to one of them.
     fn many_cameras(&self, text: &str, path: &[String]) -> NoPlace {
         let cameras = self.find(text, "cameras", false).and_then(|list| bracket(text, list.start));
         let names = cameras.map_or_else(Vec::new, |cameras| cameras.names(text));
@@ -139,12 +139,12 @@ impl Bracket {
         }
     }
 
-    /// Returns the names of the entries of a map.
+    /// Returns the keys of a map.
     fn names(&self, text: &str) -> Vec<String> {
         self.members.iter().filter_map(|member| quoted(&text[member.name.clone()?])).collect()
     }
 
-    /// Tells what there is in the place of the last step of a path; `kind` is what has names here.
+    /// Returns the error for an unknown last step of a path. `kind` is the noun for named elements of the bracket, if it has any.
     fn unknown(&self, text: &str, path: &[String], kind: Option<&'static str>) -> NoPlace {
         let names: Vec<String> = match self.opening {
             b'{' => self.names(text),
@@ -164,12 +164,12 @@ impl Bracket {
     }
 }
 
-/// Returns what one of those is called that have names of their own in the list that a path begins with.
+/// Returns the noun for the named elements of the list with which a path begins.
 fn named_kind(path: &[String]) -> Option<&'static str> {
     NAMED.iter().find(|(list, _)| path.first().is_some_and(|first| first == list)).map(|(_, one)| *one)
 }
 
-/// Tells that nothing has the name which is the second step of a path.
+/// Returns the error for an unknown name in the second step of a path.
 fn unknown(path: &[String], known: Vec<String>, kind: &'static str) -> NoPlace {
     NoPlace::Unknown { kind, list: path[0].clone(), name: path[1].clone(), known }
 }
@@ -181,7 +181,7 @@ fn no_parts(path: &[String], found: &str) -> NoPlace {
     }
 }
 
-/// Returns the name that an entity gives itself.
+/// Returns the value of an entity's `name` field.
 fn own_name(text: &str, value: &Range<usize>) -> Option<String> {
     let entity = bracket(text, value.start)?;
     let name =
@@ -189,7 +189,7 @@ fn own_name(text: &str, value: &Range<usize>) -> Option<String> {
     quoted(&text[name.value.clone()])
 }
 
-/// Returns the content of a quoted text.
+/// Returns the content of a string literal.
 fn quoted(literal: &str) -> Option<String> {
     ron::from_str(literal).ok()
 }
@@ -299,7 +299,7 @@ Scene( // a scene
             for overridden in
                 ["a.b.0.c=1", "film.width=2", "materials.clay.k_d=2", "entities.ball.shape.radius=2"]
             {
-                // What comes of it the parser tells; here it must not panic.
+                // The parser reports what is wrong; `put` must not panic.
                 let _ = put(text, &overridden.parse().unwrap());
             }
         }

@@ -1,14 +1,14 @@
-//! Finds the file of a scene that a value belongs to.
+//! Assignment of overrides to the files of a scene.
 
 use super::Override;
 use super::put::{NoPlace, put};
 use crate::scene::Diagnostic;
 use crate::scene::quote::short;
 
-/// Values that no file has had a place for yet.
+/// Overrides that have not been applied to any file yet.
 #[derive(Debug, Default)]
 pub(in crate::scene) struct Unplaced {
-    /// Each with the reason why the scene's own file has none, once that has been read.
+    /// Each override with its error in the files read so far; `None` before the first file.
     values: Vec<(Override, Option<NoPlace>)>,
 }
 
@@ -17,8 +17,8 @@ impl Unplaced {
         Self { values: overrides.iter().map(|value| (value.clone(), None)).collect() }
     }
 
-    /// Puts values into the text of a file, the scene's own first. What has a name is looked for in what is included, too. Returns the
-    /// values that have found their place, as they are written.
+    /// Applies overrides to the text of a file, and returns the applied ones as written. The scene file comes first. Overrides of named
+    /// elements are also tried in included files.
     pub(in crate::scene) fn place(&mut self, text: &mut String) -> Vec<String> {
         let mut placed = Vec::new();
         self.values.retain_mut(|(value, reason)| {
@@ -43,7 +43,7 @@ impl Unplaced {
         placed
     }
 
-    /// Returns the mistake of the first value that has found no place at all.
+    /// Returns the error of the first override that could not be applied to any file.
     pub(in crate::scene) fn mistake(&self) -> Option<Diagnostic> {
         let (value, reason) = self.values.first()?;
         let (message, help) = reason.as_ref()?.tell();

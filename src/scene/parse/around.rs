@@ -1,4 +1,4 @@
-//! The words and signs at the place of a mistake.
+//! The tokens around an error.
 
 use std::ops::Range;
 
@@ -7,32 +7,32 @@ use ron::error::{Position, SpannedError};
 use crate::scene::quote::short;
 use crate::scene::spans::{is_space, list_items, tokens};
 
-/// The token at a place of a text, with its surroundings.
+/// The token at a position in a text, with its context.
 #[derive(Debug)]
 pub(super) struct Around<'t> {
     text: &'t str,
     /// The token; empty at the end of the text.
     pub(super) found: Range<usize>,
-    /// The token before it.
+    /// The preceding token.
     pub(super) previous: Option<Range<usize>>,
-    /// The brackets that are open here, the innermost last.
+    /// The start offsets of the open brackets, innermost last.
     open: Vec<usize>,
-    /// Whether the parser stopped within the token, and not before it.
+    /// True if the parser stopped within the token, and not before it.
     pub(super) is_within: bool,
-    /// The byte up to which the parser had read.
+    /// The byte offset up to which the parser had read.
     pub(super) stopped: usize,
 }
 
 impl<'t> Around<'t> {
-    /// Finds the token at which the parser gave up.
+    /// Finds the token at which the parser failed.
     pub(super) fn error(text: &'t str, error: &SpannedError) -> Self {
         let (start, end) = (byte_of(text, error.span.start), byte_of(text, error.span.end));
-        // What was read last, unless it was white space.
+        // The text read last. Leading white space is ignored.
         let last = &text[start.min(end)..start.max(end)];
         let space = last.len() - last.trim_start_matches(is_space).len();
         let took_nothing = space == last.len();
         let around = Self::of(text, if took_nothing { end } else { start.min(end) + space });
-        // A word is read before its value is checked.
+        // The parser reads a word before it checks its value.
         let is_value = matches!(error.code, ron::Error::InvalidValueForType { .. });
         match around.previous {
             Some(word) if is_value && took_nothing => Self::of(text, word.start),
@@ -62,18 +62,18 @@ impl<'t> Around<'t> {
         &self.text[self.found.clone()]
     }
 
-    /// Returns the token before it.
+    /// Returns the preceding token.
     pub(super) fn word_before(&self) -> &'t str {
         self.previous.clone().map_or("", |previous| &self.text[previous])
     }
 
-    /// Returns the token after it.
+    /// Returns the following token.
     pub(super) fn next(&self) -> &'t str {
         let rest = &self.text[self.found.end..];
         tokens(rest).next().map_or("", |next| &rest[next])
     }
 
-    /// Returns whether nothing stands between the token and the one before.
+    /// Returns whether the token directly follows the preceding one.
     pub(super) fn is_adjacent(&self) -> bool {
         self.previous.as_ref().is_some_and(|previous| previous.end == self.found.start)
     }
@@ -82,7 +82,7 @@ impl<'t> Around<'t> {
         self.found.is_empty()
     }
 
-    /// Returns the innermost open bracket.
+    /// Returns the start of the innermost open bracket.
     pub(super) fn bracket(&self) -> Option<usize> {
         self.open.last().copied()
     }
@@ -92,9 +92,9 @@ impl<'t> Around<'t> {
         self.bracket().map(|start| enclosed(self.text, start))
     }
 
-    /// Returns the span of the token or, for a bracket short enough to show as a whole, of all that is in it.
+    /// Returns the span of the token. For a bracket short enough to show as a whole, the span includes its content.
     pub(super) fn value(&self) -> Range<usize> {
-        /// The longest bracket, in bytes, that fits on a line.
+        /// Maximum length of such a bracket, in bytes.
         const LONGEST: usize = 60;
         let whole = match self.word() {
             "(" | "[" | "{" => enclosed(self.text, self.found.start).0,
@@ -104,7 +104,7 @@ impl<'t> Around<'t> {
         if is_short { whole } else { self.found.clone() }
     }
 
-    /// Describes the token in a reader's words.
+    /// Describes the token for messages.
     pub(super) fn in_words(&self) -> String {
         let (word, rest) = (self.word(), &self.text[self.found.end..]);
         let first = word.chars().next();
@@ -153,7 +153,7 @@ fn is_letter(character: char) -> bool {
     character.is_alphabetic() || character == '_'
 }
 
-/// Returns the byte at ron's line and column, both from 1.
+/// Returns the byte offset of a line and column of the RON parser, both from 1.
 fn byte_of(text: &str, position: Position) -> usize {
     let line_start = match position.line {
         0 | 1 => 0,

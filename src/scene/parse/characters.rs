@@ -1,6 +1,6 @@
-//! Characters that have no place in a scene, and what people mean by them.
+//! Characters that are invalid in a scene, and their probable meaning.
 
-/// Returns the message, label and remedy for a character outside of texts and comments.
+/// Returns the message, label and remedy for an invalid character outside strings and comments.
 pub(super) fn strange(character: char) -> (String, String, String) {
     let code = format!("U+{:04X}", u32::from(character));
     if let Some(name) = invisible(character) {
@@ -30,7 +30,7 @@ pub(super) fn strange(character: char) -> (String, String, String) {
     (format!("`{shown}` means nothing here"), "not part of any value".to_owned(), help.to_owned())
 }
 
-/// Returns whether a character is used in scenes, as a sign or in words.
+/// Returns whether a character is valid in scenes, as punctuation or in words.
 pub(super) fn is_known(character: char) -> bool {
     character.is_alphanumeric() || "()[]{},:\"'_.+-".contains(character)
 }
@@ -49,7 +49,7 @@ fn invisible(character: char) -> Option<&'static str> {
     }
 }
 
-/// Returns the keyboard's character that a typographic one stands for.
+/// Returns the ASCII character that a typographic one stands for.
 fn ordinary(character: char) -> Option<char> {
     match character {
         '“' | '”' | '„' | '‟' | '«' | '»' | '‘' | '’' | '‚' | '‛' | '‹' | '›' | '″' => {
@@ -57,7 +57,7 @@ fn ordinary(character: char) -> Option<char> {
         }
         '‐' | '‑' | '‒' | '–' | '—' | '―' | '−' => Some('-'),
         '、' | '،' => Some(','),
-        // The block of full-width signs follows ASCII.
+        // The block of full-width characters has the order of ASCII.
         '！'..='～' => u8::try_from(u32::from(character) - 0xff01 + 0x21).ok().map(char::from),
         _ => None,
     }

@@ -1,10 +1,10 @@
-//! Examples of values that have more than one form: the name in the format, the noun, and an example of each form. Where forms
-//! are mere words, of which there may be many, the list has a few.
+//! Examples of values with several forms: the type name in the format, the noun, and an example of each form. Forms that are single words
+//! may be numerous; only a few of them are listed.
 
-/// A kind of value, and the forms in which it is written.
+/// A type of value, and the forms in which it is written.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Example {
-    /// The name in the format.
+    /// The type name in the format.
     name: &'static str,
     pub(super) noun: &'static str,
     pub(super) forms: &'static [&'static str],
@@ -66,7 +66,7 @@ const EXAMPLES: [Example; 11] = [
     Example { name: "Noise", noun: "a kind of noise", forms: &["Fixed", "PerFrame"] },
 ];
 
-/// Returns the example of a value that the format gives a name.
+/// Returns the example for a type of the format; by default, the example for channels.
 pub(super) fn of(name: &str) -> Example {
     let channel =
         Example { name: "Channel", noun: "a channel", forms: &["Translation", "Rotation", "Color", "Fov"] };
@@ -84,7 +84,7 @@ impl Example {
         self.forms.iter().copied().find(|form| form.split('(').next() == Some(word))
     }
 
-    /// Returns the fields of a form, those of the example first.
+    /// Returns the fields of a form. The fields in its example come first.
     pub(super) fn ordered(self, word: &str, fields: &[&'static str]) -> Vec<&'static str> {
         let form = self.form(word).unwrap_or_default();
         let mut ordered = fields.to_vec();
@@ -92,7 +92,7 @@ impl Example {
         ordered
     }
 
-    /// Lists the forms, as `Sphere(radius: 1), Plane(normal: (0, 1, 0)) or Box(size: (1, 1, 1))`.
+    /// Lists the forms, for example `Sphere(radius: 1), Plane(normal: (0, 1, 0)) or Box(size: (1, 1, 1))`.
     pub(super) fn listed(self) -> String {
         match self.forms {
             [] => String::new(),
@@ -113,7 +113,7 @@ mod tests {
     };
     use crate::scene::parse::options;
 
-    /// Every example is one, and where there are brackets after a word there is an example of them.
+    /// Checks that every example is valid, and that every word that takes a bracket has an example.
     fn check<T: DeserializeOwned>(name: &str) {
         use ron::Error;
         let example = of(name);

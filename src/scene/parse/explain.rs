@@ -1,4 +1,4 @@
-//! Turns the parser's error into a diagnostic: cause, place and remedy.
+//! Conversion of parser errors to diagnostics: cause, position and remedy.
 
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ use crate::scene::spans::{bracket, open_comment, root, tokens};
 use crate::scene::suggest::remedy;
 use crate::scene::{Diagnostic, SourcePosition};
 
-/// Explains an error of the parser.
+/// Converts a parser error to a diagnostic.
 pub(super) fn explain(text: &str, error: &SpannedError, trail: &Trail) -> Diagnostic {
     let case = Case { text, code: &error.code, around: Around::error(text, error), open: trail.open() };
     let answered = trail.answered();
@@ -31,15 +31,15 @@ pub(super) fn explain(text: &str, error: &SpannedError, trail: &Trail) -> Diagno
         .unwrap_or_else(|| case.of_values())
 }
 
-/// The extension without which names of structures can be left out.
+/// The extension that makes the names of structs mandatory.
 const EXPLICIT_NAMES: &str = "explicit_struct_names";
 
-/// A mistake with its surroundings.
+/// A parser error with its context.
 struct Case<'a> {
     text: &'a str,
     code: &'a Error,
     around: Around<'a>,
-    /// The unanswered requests, the innermost last.
+    /// The pending requests, innermost last.
     open: Vec<Asked>,
 }
 
@@ -89,7 +89,7 @@ impl Case<'_> {
         }
     }
 
-    /// Explains an attribute, which starts with `#!`, that enables no extension, and the absence of a scene after it.
+    /// Explains an attribute (`#!`) that enables no extension, and the absence of a scene after it.
     fn of_extensions(&self) -> Option<Diagnostic> {
         let (start, scene) = (tokens(self.text).next()?.start, root(self.text));
         let is_cut = tokens(&self.text[scene..]).next().is_none();
@@ -115,9 +115,10 @@ impl Case<'_> {
         })
     }
 
-    /// Returns the innermost bracket, whose values have no names, with the names of the fields that they can be. `None` if they cannot.
+    /// Returns the innermost bracket with field names added to its unnamed values. `None` if a value is named already, or if the result
+    /// cannot be parsed.
     fn with_names(&self) -> Option<String> {
-        /// The longest bracket, in bytes, that is of help as a whole.
+        /// Maximum length of a suggested bracket, in bytes.
         const LONGEST: usize = 120;
         let (span, _) = self.around.in_bracket()?;
         let members = bracket(self.text, span.start)?.members;
@@ -134,7 +135,7 @@ impl Case<'_> {
         let values: Vec<&str> = members.into_iter().map(|member| &self.text[member.value]).collect();
         let each: Vec<String> =
             fields.iter().zip(&values).map(|(field, value)| format!("{field}: {value}")).collect();
-        // Without names and within one bracket, as the numbers of a single field.
+        // All values as a tuple in the first field, such as the numbers of a single field.
         let as_one = fields.first().map(|field| format!("({field}: ({}))", values.join(", ")));
         let as_each = (values.len() <= fields.len()).then(|| format!("({})", each.join(", ")));
         let can_be_read = |named: &String| {
@@ -147,7 +148,7 @@ impl Case<'_> {
         (named.len() <= LONGEST && !named.contains('\n')).then(|| format!("{word}{named}"))
     }
 
-    /// Explains a text followed directly by something else: a quote is missing, or one is too many.
+    /// Explains a string directly followed by another token: a quote is missing or superfluous.
     fn of_quotes(&self) -> Option<Diagnostic> {
         let (around, text) = (&self.around, self.around.word_before());
         let goes_on = !around.is_end() && !")]},:".contains(around.word());
@@ -166,7 +167,7 @@ impl Case<'_> {
         })
     }
 
-    /// Explains a bracket that is not closed, or closed by another kind.
+    /// Explains an unclosed or mismatched bracket.
     fn of_brackets(&self) -> Option<Diagnostic> {
         let (at, bracket) = (&self.around, self.around.bracket()?);
         let open = &self.text[bracket..=bracket];
@@ -196,7 +197,7 @@ impl Case<'_> {
         Some(told(message, label, help, start..start + first.len_utf8()))
     }
 
-    /// Explains a range, which scenes do not have.
+    /// Explains a range, which scenes do not support.
     fn of_ranges(&self) -> Option<Diagnostic> {
         let (found, before) = (self.around.word(), &self.text[..self.around.found.start]);
         let is_range = !found.contains(['"', '\''])
@@ -206,7 +207,7 @@ impl Case<'_> {
         })
     }
 
-    /// Explains a word that is unknown, missing, or repeated.
+    /// Explains an unknown, missing or repeated name, and errors with a message of their own.
     fn of_names(&self) -> Option<Diagnostic> {
         let of = |outer: &Option<String>| {
             outer.as_ref().map_or_else(String::new, |outer| format!(" of `{outer}`"))
@@ -272,7 +273,7 @@ impl Case<'_> {
         Some(told(message, label, help, self.around.found.clone()))
     }
 
-    /// Explains a bracket with too few values, or too many.
+    /// Explains a bracket with too few or too many values.
     fn of_numbers_of_values(&self) -> Option<Diagnostic> {
         let is_number = match self.code {
             Error::ExpectedDifferentLength { .. } => true,
@@ -284,7 +285,7 @@ impl Case<'_> {
         Some(told(message, format!("found {}", counted(count, "value")), help, span))
     }
 
-    /// Explains a missing comma or colon, or a token of which only the start was read.
+    /// Explains a missing comma or colon, or a token that was read only in part.
     fn of_separators(&self, answered: Option<&Asked>) -> Option<Diagnostic> {
         let around = &self.around;
         let (message, separator, help) = match self.code {
@@ -328,7 +329,7 @@ impl Case<'_> {
         Some(told(message, label, help, around.previous.clone()?))
     }
 
-    /// Explains a value of another kind than requested.
+    /// Explains a value of another type than requested.
     fn of_values(&self) -> Diagnostic {
         let around = &self.around;
         let Some(asked) = self.open.last() else {

@@ -1,30 +1,30 @@
-//! The entities of a long scene, parsed in parts on all threads.
+//! Parallel parsing of the entities of a long scene, in parts.
 //!
-//! # How a text is divided
+//! # Division of a text
 //!
-//! The list `entities` is cut after the closing brackets of some entities: where a line that ends with `),` is followed by one as far
-//! indented as the first entity. Each part is parsed as a list of its own, with a mark at its end, and beginning with the comma after
-//! an entity `()`. What is before the first part and after the last one is parsed with the last, with a mark in the place of the
-//! others.
+//! The list `entities` is cut after the closing brackets of some entities: where a line that ends with `),` is followed by a line with the
+//! same indentation as the first entity. Each part is parsed as a separate list that ends with a mark. Every part except the first begins
+//! with an entity `()`, followed by the comma of the text. The text before the first part and the text after the last one are parsed
+//! together, with a mark in place of the parts.
 //!
 //! ```text
 //! text      Scene(.. entities: [ a, b, c, d, e, f ], ..)
 //! parsed    (entities: [ a, b, mark])    (entities: [(), c, d, mark])    Scene(.. entities: [ mark, e, f ], ..)
 //! ```
 //!
-//! # Why the result is that of a parse of the whole
+//! # Correctness
 //!
-//! A part that is [plain](super::plain) is read as such, with the parser's result. Whether the cuts are where they seem to be is not
-//! assumed, but follows if all parts are accepted:
+//! A part that is [plain](super::plain) is read by the fast path, with the same result as the parser. The cuts are not assumed to be
+//! correct; their correctness follows if all parts are accepted:
 //!
-//! 1. The mark is the first entity of the scene, so that the parser, having read what is before it, begins a list of entities there.
-//!    It reads the first part as it would in the whole text.
-//! 2. A part ends with a bracket, and the mark follows at once. It is the last entity of the part: so what is before it is neither
-//!    inside a text, a comment or an entity, nor beyond the end of the list, and the parser has read whole entities.
-//! 3. Within the whole text it comes to the next part in the same state as after the entity `()`.
-//! 4. What an entity means depends on its own text alone: RON has no references, and of a scene with extensions no list is found.
+//! 1. The mark is the first entity of the scene, so that the parser begins a list of entities there after the text before it. It reads the
+//!    first part as it would in the whole text.
+//! 2. A part ends with a bracket, directly followed by the mark, which is the last entity of the part. The text before the mark is
+//!    therefore neither inside a string, a comment or an entity, nor beyond the end of the list, and the parser has read whole entities.
+//! 3. In the whole text, the parser reaches the next part in the same state as after the entity `()`.
+//! 4. The meaning of an entity depends on its own text alone: RON has no references, and no list is found in a scene with extensions.
 //!
-//! If any part is refused, or the mark is not found, the whole text is parsed.
+//! If any part is rejected, or a mark is not found, the whole text is parsed.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -37,23 +37,23 @@ use super::whole::options;
 use crate::scene::document::{EntityDocument, SceneDocument};
 use crate::scene::spans::list_of;
 
-/// The name of an entity that stands for those of other parts.
+/// The name of the marks, which stand for the entities of other parts.
 const MARK: &str = "those of other parts";
 
-/// A list of entities, and nothing else.
+/// A list of entities and nothing else.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Part {
     entities: Vec<Arc<EntityDocument>>,
 }
 
-/// Parses a scene's text in so many parts, or fewer. `None` if it has to be parsed as a whole.
+/// Parses a scene's text in at most `parts` parts. `None` if it must be parsed as a whole.
 pub(super) fn read_in_parts(text: &str, parts: usize) -> Option<SceneDocument> {
     let start = list_of(text, SceneDocument::ENTITIES)?;
     let ends = cuts(text, start, parts);
     let last = *ends.last()?;
     let (above, below) = (text.get(..start)?, text.get(last..)?);
-    // A name might be the mark's, as written or by an escape.
+    // A name might be equal to the mark, literally or by an escape.
     if text.contains(MARK) || text.contains('\\') {
         return None;
     }
@@ -74,7 +74,7 @@ fn is_mark(entity: &Arc<EntityDocument>) -> bool {
     entity.name.as_deref() == Some(MARK)
 }
 
-/// Parses a part of a list that begins at `start`.
+/// Parses a part of a list whose content begins at `start`.
 fn part(text: &str, range: Range<usize>, start: usize) -> Option<Vec<Arc<EntityDocument>>> {
     let is_first = range.start == start;
     let before = if is_first { "" } else { "()" };
@@ -87,9 +87,9 @@ fn part(text: &str, range: Range<usize>, start: usize) -> Option<Vec<Arc<EntityD
     Some(entities)
 }
 
-/// Returns where to cut a list, about evenly: each is the end of what seems to be an entity.
+/// Returns roughly even cuts of a list, each at the apparent end of an entity.
 fn cuts(text: &str, start: usize, parts: usize) -> Vec<usize> {
-    /// So far from where it would be even.
+    /// Maximum distance of a cut from its even position, in bytes.
     const FARTHEST: usize = 1 << 16;
     let bytes = text.as_bytes();
     let Some(between) = separator(&bytes[start..]) else { return Vec::new() };
@@ -106,8 +106,8 @@ fn cuts(text: &str, start: usize, parts: usize) -> Vec<usize> {
     cuts
 }
 
-/// Returns what stands between two entities, from the closing bracket of one to the opening one of the other, if each begins a line
-/// as the first one does.
+/// Returns the text between two entities, from the closing bracket of one to the opening bracket of the next, if each begins a line like
+/// the first. `None` if the first entity does not begin a line.
 fn separator(content: &[u8]) -> Option<Vec<u8>> {
     let indent = content.iter().position(|byte| !byte.is_ascii_whitespace())?;
     let line = content[..indent].iter().position(|byte| matches!(byte, b'\n' | b'\r'))?;
@@ -141,7 +141,7 @@ Scene(
 )
 "#;
 
-    /// What may be written anywhere, meant to confuse.
+    /// Adversarial pieces of text to insert anywhere.
     const PIECES: [&str; 29] = [
         "",
         " ",
@@ -182,7 +182,7 @@ Scene(
         }
         assert_eq!(read_in_parts(SCENE, 1), None);
         assert_eq!(read_in_parts("(entities: [])", 4), None);
-        // A list, and the scene, that end early, before a comment.
+        // A list and a scene that end early, before a comment.
         let long = "long ".repeat(20);
         let ends = format!(
             "(\n    entities: [\n        (name: \"a\")]) // {long} b),\n        (name: \"c\"),\n        (name: \"d\"),\n    ],\n)"
@@ -205,7 +205,7 @@ Scene(
                 text.replace_range(start..end, piece);
             }
             if let Some(found) = read_in_parts(&text, parts) {
-                // Zeros have signs.
+                // The debug format includes the signs of zeros.
                 prop_assert_eq!(format!("{:?}", Some(found)), format!("{:?}", read_whole(&text).ok()), "{}", text);
             }
         }

@@ -1,11 +1,11 @@
-//! From a text to a document, with diagnostics for texts that are not scenes.
+//! Parsing of texts to documents, with diagnostics for invalid texts.
 //!
-//! Long lists of entities are read on all threads, by `in_parts`, and what is written plainly in a quick way, by `plain`.
+//! `in_parts` parses long lists of entities on all threads. `plain` is a fast path for a simple subset of RON.
 //!
-//! The parser reports that it expected an identifier, and the place where it noticed. What people need is what they could have
-//! written, and the place where it is missing. So a text that is refused is read once more, along a `trail` that records what is
-//! asked for; `around` finds the tokens at the place, `wanted` describes what was asked for, with `examples` of its forms, and
-//! `explain` puts it all together.
+//! The RON parser reports, for example, that it expected an identifier, and the position where it stopped. A useful message names the valid
+//! alternatives, and the position where something is missing. A rejected text is therefore parsed once more with a `trail`, which records
+//! the requested values. `around` finds the tokens at the error, `wanted` describes the expected value, with `examples` of its forms, and
+//! `explain` builds the diagnostic.
 
 mod around;
 mod characters;

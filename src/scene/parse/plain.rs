@@ -1,14 +1,14 @@
-//! Reads what is written plainly, and quickly: the text of a long list of entities, as programs write it.
+//! A fast parser for a plain subset of RON, as programs write it, for long lists of entities.
 //!
-//! RON has comments, escapes, several ways to write a number and names that may be left out. A text without any of that is plain:
+//! RON has comments, escapes, several notations for numbers, and optional names of types. A text without any of these is plain:
 //!
-//! - Between values there are spaces and ends of lines.
-//! - Names are of ASCII letters, digits and `_`. Texts have no escapes.
-//! - Numbers are decimal: digits, perhaps a fraction and an exponent.
-//! - Types are not named, and values that may be missing are there or not, without `Some` and `None`.
+//! - Values are separated by spaces, tabs and ends of lines.
+//! - Names consist of ASCII letters, digits and `_`. Strings have no escapes.
+//! - Numbers are decimal: digits, with an optional fraction and exponent.
+//! - Types are not named. Optional values are present or absent, without `Some` and `None`.
 //!
-//! The [parser](super::whole) of all other texts says what a plain one means, too: whatever is accepted here it would have read as the
-//! same value. What is refused has to be given to it, and is no mistake as yet.
+//! The general [parser](super::whole) defines the meaning of plain texts, too: it reads every text accepted here as the same value. A text
+//! that is rejected here must be passed to the general parser, which may accept it.
 
 use std::fmt;
 
@@ -18,7 +18,7 @@ use serde::de::{
     Visitor,
 };
 
-/// Reads a value. Refuses a text that is not plain, or holds another value.
+/// Reads a value. Rejects a text that is not plain, or that holds another type of value.
 pub(super) fn read_plain<'de, T: Deserialize<'de>>(text: &'de str) -> Result<T, NotPlain> {
     let mut plain = Plain { text, at: 0 };
     plain.skip_space();
@@ -27,7 +27,7 @@ pub(super) fn read_plain<'de, T: Deserialize<'de>>(text: &'de str) -> Result<T, 
     if plain.at == text.len() { Ok(value) } else { Err(NotPlain) }
 }
 
-/// A text that another parser has to read.
+/// The error for a text that the general parser must read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct NotPlain;
 
@@ -47,7 +47,7 @@ impl Error for NotPlain {
 
 type Result<T, E = NotPlain> = std::result::Result<T, E>;
 
-/// A plain text, read up to a place in it.
+/// A plain text with a read position.
 struct Plain<'de> {
     text: &'de str,
     at: usize,
@@ -62,7 +62,7 @@ impl<'de> Plain<'de> {
         self.skip_while(|byte| matches!(byte, b' ' | b'\n' | b'\r' | b'\t'));
     }
 
-    /// Skips bytes, and returns how many they were.
+    /// Skips the bytes that match, and returns their number.
     fn skip_while(&mut self, skip: impl Fn(u8) -> bool) -> usize {
         let start = self.at;
         while self.peek().is_some_and(&skip) {
@@ -71,7 +71,7 @@ impl<'de> Plain<'de> {
         self.at - start
     }
 
-    /// Skips a byte if it is this one, and says whether it was.
+    /// Skips the next byte if it is `byte`. Returns whether it was.
     fn skip(&mut self, byte: u8) -> bool {
         let found = self.peek() == Some(byte);
         self.at += usize::from(found);
@@ -82,7 +82,7 @@ impl<'de> Plain<'de> {
         if self.skip(byte) { Ok(()) } else { Err(NotPlain) }
     }
 
-    /// Returns the text from a place up to here.
+    /// Returns the text from `start` to the current position.
     fn since(&self, start: usize) -> Result<&'de str> {
         self.text.get(start..self.at).ok_or(NotPlain)
     }
@@ -105,7 +105,7 @@ impl<'de> Plain<'de> {
         Ok(string)
     }
 
-    /// Returns a number as it is written, and whether it is whole: without a fraction or an exponent.
+    /// Returns the text of a number, and whether it is an integer: without a fraction or an exponent.
     fn number(&mut self) -> Result<(&'de str, bool)> {
         let start = self.at;
         self.skip(b'-');
@@ -126,12 +126,12 @@ impl<'de> Plain<'de> {
         }
     }
 
-    /// Skips digits, at least one.
+    /// Skips one or more digits.
     fn digits(&mut self) -> Result<()> {
         if self.skip_while(|byte| byte.is_ascii_digit()) > 0 { Ok(()) } else { Err(NotPlain) }
     }
 
-    /// Reads values in brackets, with commas between them and perhaps after the last.
+    /// Reads comma-separated values in brackets. A trailing comma is allowed.
     fn enclosed<T>(
         &mut self,
         [open, close]: [u8; 2],
@@ -152,7 +152,7 @@ impl<'de> Plain<'de> {
     }
 }
 
-/// What is left of values in brackets.
+/// The remaining values in brackets.
 struct Items<'a, 'de> {
     plain: &'a mut Plain<'de>,
     close: u8,
@@ -160,7 +160,7 @@ struct Items<'a, 'de> {
 }
 
 impl Items<'_, '_> {
-    /// Goes to the next value; `false` if there is none.
+    /// Advances to the next value. Returns `false` if there is none.
     fn is_next(&mut self) -> Result<bool> {
         let is_first = std::mem::replace(&mut self.is_first, false);
         self.plain.skip_space();
@@ -199,7 +199,7 @@ impl<'de> MapAccess<'de> for &mut Items<'_, 'de> {
     }
 }
 
-/// A word, and what may follow it in brackets.
+/// An enum variant, and its content in parentheses if it has any.
 struct Choice<'a, 'de>(&'a mut Plain<'de>);
 
 impl<'de> EnumAccess<'de> for Choice<'_, 'de> {
@@ -299,7 +299,7 @@ impl<'de> Deserializer<'de> for &mut Plain<'de> {
         visitor.visit_enum(Choice(self))
     }
 
-    /// Reads a text, a number without an exponent, or values of which the first is a number.
+    /// Reads a string, a number without an exponent, or a tuple whose first value is a number.
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
         match self.peek() {
             Some(b'"') => self.deserialize_str(visitor),
@@ -354,7 +354,7 @@ mod tests {
     use super::*;
     use crate::scene::document::EntityDocument;
 
-    /// All that an entity may be.
+    /// All forms of entities.
     const ENTITIES: &str = r##"[
         (name: "a", parent: "Ä b", transform: (translation: (-0.0, 2, 3.25e-1), scale: 2), shape: Sphere(radius: 1), material: "red"),
         (transform: (rotation: Euler(0, 90, -45.5), scale: (1, 2.5, -0)), shape: Box(size: (1, 1E3, 1e+2,),), material: "red"),
@@ -368,7 +368,7 @@ mod tests {
         (light: Area(shape: Rectangle(width: 1, height: 2), intensity: (1, 1, 1), samples: 4.0)),
     ]"##;
 
-    /// What may be written anywhere, meant to confuse.
+    /// Adversarial pieces of text to insert anywhere.
     const PIECES: [&str; 43] = [
         "",
         " ",
@@ -417,7 +417,7 @@ mod tests {
 
     fn of_all(text: &str) -> Option<String> {
         let entities: Option<Vec<EntityDocument>> = options().from_str(text).ok();
-        // Zeros have signs.
+        // The debug format includes the signs of zeros.
         entities.map(|entities| format!("{entities:?}"))
     }
 

@@ -1,4 +1,4 @@
-//! Reads the text of a scene.
+//! Parsing of a scene's text.
 
 use ron::error::SpannedError;
 use serde::Deserialize;
@@ -11,7 +11,7 @@ use crate::scene::Diagnostic;
 use crate::scene::document::SceneDocument;
 use crate::scene::spans::tokens;
 
-/// Parses a scene's text; returns a diagnostic if it is none.
+/// Parses a scene's text. Returns a diagnostic if it is invalid.
 pub(in crate::scene) fn parse(text: &str) -> Result<SceneDocument, Diagnostic> {
     read(text).map_err(|error| {
         let holds_nothing = tokens(text).next().is_none() && error.code != ron::Error::UnclosedBlockComment;
@@ -26,21 +26,22 @@ fn nothing(text: &str) -> Diagnostic {
     Diagnostic::new(message, "", Some(help), None)
 }
 
-/// Reads a scene's text, on all threads and, where it is plain, in a quick way if it is long.
+/// Parses a scene's text. Long texts are parsed on all threads, and by the fast path where they are plain.
 pub(in crate::scene) fn read(text: &str) -> Result<SceneDocument, SpannedError> {
-    /// Shorter texts are read before it would help.
+    /// Minimum length in bytes for parsing in parts. Shorter texts are parsed before it would help.
     const LONG: usize = 1 << 16;
-    /// Parts for each thread: many, as some take longer than others, and as the last one is read along with the rest of the scene.
+    /// Number of parts per thread. It is large because some parts take longer than others, and because the last part is parsed along with
+    /// the rest of the scene.
     const PARTS: usize = 16;
     let parts = rayon::current_num_threads() * PARTS;
     let in_parts = if text.len() < LONG { None } else { read_in_parts(text, parts) };
     in_parts.map_or_else(|| read_whole(text), Ok)
 }
 
-/// Returns the trail of reading a text that is refused.
+/// Returns the trail of parsing a text that is rejected.
 fn trail(text: &str) -> Trail {
     let trail = Trail::default();
-    // It is known to fail.
+    // The text is known to be invalid.
     let _ = read_along(&trail, text);
     trail
 }
@@ -56,7 +57,7 @@ fn read_along(trail: &Trail, text: &str) -> Result<SceneDocument, SpannedError> 
 mod tests {
     use super::*;
 
-    /// Of a scene, of every part of it from its start on, and of it without any one of its words.
+    /// Checks a scene, all its prefixes up to a token, and the scene without each one of its tokens.
     #[test]
     fn a_text_is_the_same_along_a_trail() {
         let text = include_str!("../../../tests/hard_cases/every_number.ron");

@@ -1,7 +1,7 @@
-//! Records what is asked for while a text is read: for a text that is refused, what should have been there.
+//! Records the values that serde requests while a text is parsed. For a rejected text, the pending requests describe the expected value.
 //!
-//! Serde asks the parser for one value after the other, each of a kind and each within another. [`Watched`] stands between the
-//! two, hands everything on, and keeps what has not been answered yet.
+//! Serde requests one value after the other from the parser, each with a type and nested in another request. [`Watched`] wraps both of
+//! them, forwards every call, and records the requests that have not been fulfilled yet.
 
 use std::cell::RefCell;
 use std::fmt;
@@ -23,34 +23,34 @@ pub(super) enum Asked {
     Map,
     /// The name before a colon.
     FieldName,
-    /// Named values in round brackets.
+    /// Named values in parentheses.
     Fields {
         name: &'static str,
         fields: &'static [&'static str],
     },
-    /// Values in round brackets, in the words of the type that reads them.
+    /// Values in parentheses, as described by the type that reads them.
     Values {
         reader: String,
         count: usize,
     },
-    /// One of several words, each perhaps with something in brackets after it.
+    /// One of several words, some of them with content in parentheses.
     Choice {
         name: &'static str,
         count: usize,
     },
-    /// The content of the brackets after a word.
+    /// The content in parentheses after a word.
     Content {
         of: &'static str,
         word: String,
         content: Content,
     },
-    /// A value that can be written in several ways, in the words of the type that reads it.
+    /// A value with several notations, as described by the type that reads it.
     Any {
         reader: String,
     },
 }
 
-/// The content of the brackets after a word.
+/// The content in parentheses after a word.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Content {
     One,
@@ -58,34 +58,34 @@ pub(super) enum Content {
     Fields(&'static [&'static str]),
 }
 
-/// The requests made while a text is read.
+/// The requests made while a text is parsed.
 #[derive(Debug, Default)]
 pub(super) struct Trail {
-    /// The unanswered requests, each within the one before.
+    /// The pending requests, each nested in the previous one.
     open: RefCell<Vec<Asked>>,
-    /// The request answered last.
+    /// The request fulfilled last.
     answered: RefCell<Option<Asked>>,
     /// The last word read for a choice.
     word: RefCell<String>,
 }
 
 impl Trail {
-    /// Records the requests made to a parser.
+    /// Wraps a parser to record the requests made to it.
     pub(super) fn watch<T>(&self, parser: T) -> Watched<'_, T> {
         Watched { inner: parser, trail: self }
     }
 
-    /// Returns the unanswered requests, the innermost last.
+    /// Returns the pending requests, innermost last.
     pub(super) fn open(&self) -> Vec<Asked> {
         self.open.borrow().clone()
     }
 
-    /// Returns the request answered last.
+    /// Returns the request fulfilled last.
     pub(super) fn answered(&self) -> Option<Asked> {
         self.answered.borrow().clone()
     }
 
-    /// Makes a request, which stays open if its answer fails.
+    /// Makes a request, which stays pending if it fails.
     fn ask<T, E>(&self, asked: Asked, answer: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
         self.open.borrow_mut().push(asked);
         let answer = answer()?;
@@ -94,7 +94,7 @@ impl Trail {
     }
 }
 
-/// A wrapper that stands between serde and the parser, in whatever role.
+/// A recording wrapper around any object that serde and the parser pass to each other.
 pub(super) struct Watched<'t, T> {
     inner: T,
     trail: &'t Trail,
@@ -134,7 +134,7 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Watched<'_, D> {
     }
 
     fn deserialize_identifier<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, D::Error> {
-        // The word of a choice, or else the name of a field.
+        // The word of a choice, otherwise the name of a field.
         let is_choice = matches!(self.trail.open.borrow().last(), Some(Asked::Choice { .. }));
         let read = || self.inner.deserialize_identifier(Word { visitor, trail: self.trail });
         if is_choice { read() } else { self.trail.ask(Asked::FieldName, read) }
@@ -234,7 +234,7 @@ impl<'de, V: Visitor<'de>> Visitor<'de> for Watched<'_, V> {
     }
 }
 
-/// Records the word of a choice.
+/// A visitor that records the word of a choice.
 struct Word<'t, V> {
     visitor: V,
     trail: &'t Trail,
@@ -297,7 +297,7 @@ impl<'t, 'de, A: EnumAccess<'de>> EnumAccess<'de> for Watched<'t, A> {
 }
 
 impl<A> Watched<'_, A> {
-    /// Returns the request for the content of the brackets after the word read last.
+    /// Returns the request for the content in parentheses after the last word.
     fn content(&self, content: Content) -> Asked {
         let of = match self.trail.open.borrow().last() {
             Some(Asked::Choice { name, .. }) => name,

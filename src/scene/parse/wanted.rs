@@ -1,4 +1,4 @@
-//! Descriptions of what was asked for.
+//! Descriptions of expected values.
 
 use super::around::Around;
 use super::examples::{self, Example};
@@ -6,19 +6,19 @@ use super::trail::{Asked, Content};
 use crate::scene::quote::short;
 use crate::scene::suggest::nearest;
 
-/// The expected value, and the way in which it is written.
+/// The description of an expected value, and of its notation.
 pub(super) struct Wanted {
     pub(super) message: String,
     pub(super) help: String,
 }
 
 impl Wanted {
-    /// Describes the request `asked`, the last of the unanswered ones in `open`.
+    /// Describes the value requested by `asked`. `open` holds the pending requests.
     pub(super) fn of(asked: &Asked, open: &[Asked], around: &Around<'_>) -> Self {
         let found = around.word();
         match asked {
             Asked::Number if is_named(around) => match outer(open) {
-                // Coordinates with names.
+                // Named coordinates.
                 Some(values @ Asked::Values { .. }) => Self::of(values, &[], around),
                 _ => Self::new("a number", "write a number, as 1 or 0.25 or 1e-3"),
             },
@@ -57,12 +57,12 @@ impl Wanted {
     }
 }
 
-/// Writes a count with its noun, as `1 value` or `2 values`.
+/// Formats a count with its noun, for example `1 value` or `2 values`.
 pub(super) fn counted(count: usize, what: &str) -> String {
     if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
 }
 
-/// Returns the request that the innermost one is part of.
+/// Returns the request that contains the innermost one.
 fn outer(open: &[Asked]) -> Option<&Asked> {
     open.len().checked_sub(2).map(|outer| &open[outer])
 }
@@ -87,7 +87,7 @@ fn content(example: Example, word: &str, content: &Content) -> Wanted {
     Wanted { message: format!("`{}` takes {what}, in round brackets", short(word)), help }
 }
 
-/// Describes the name of a field where it, or the colon after it, is missing.
+/// Describes the name of a field if the name or its colon is missing.
 fn field_name(of: Option<&Asked>, found: &str) -> Wanted {
     let (fields, help) = match of {
         Some(Asked::Fields { fields, .. }) => {
@@ -107,21 +107,21 @@ fn field_name(of: Option<&Asked>, found: &str) -> Wanted {
     Wanted::new("a field's name", help)
 }
 
-/// Lists fields as they are written, as `(width: .., height: .., transfer: ..)`.
+/// Formats fields for example as `(width: .., height: .., transfer: ..)`.
 fn bracketed(fields: &[&str]) -> String {
-    /// The number of fields beyond which more are of no help.
+    /// Maximum number of listed fields; more are of no help.
     const MOST: usize = 4;
     let named: Vec<String> = fields.iter().take(MOST).map(|field| format!("{field}: ..")).collect();
     let more = if fields.len() > MOST { ", .." } else { "" };
     format!("({}{more})", named.join(", "))
 }
 
-/// Returns whether a token is a word, and not a number, a text or a sign.
+/// Returns whether a token is a word, as opposed to a number, a string or punctuation.
 pub(super) fn is_word(found: &str) -> bool {
     found.starts_with(|first: char| first.is_alphabetic() || first == '_')
 }
 
-/// Returns whether a colon follows.
+/// Returns whether the token is a word followed by a colon.
 fn is_named(around: &Around<'_>) -> bool {
     is_word(around.word()) && around.next() == ":"
 }

@@ -1,4 +1,4 @@
-//! How a text differs from the one before it.
+//! The difference between two successive texts.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -7,33 +7,33 @@ use super::list::List;
 use crate::scene::document::{EntityDocument, SceneDocument};
 use crate::scene::spans::{list_items, list_of};
 
-/// The name of an entity that stands for those that are taken over.
+/// The name of the marks, which stand for reused entities.
 const MARK: &str = "those that are written as before";
 
-/// What of a new text must be parsed, and which entities of the old one are taken over.
+/// The part of a new text to parse, and the entities of the old text to reuse.
 #[derive(Debug)]
 pub(super) struct Change {
-    /// The content of the list's brackets in the new text.
+    /// The span of the list's content in the new text.
     content: Range<usize>,
-    /// The number of entities before the change that are as before.
+    /// The number of unchanged entities before the change.
     pub(super) first: usize,
-    /// The index of the first entity that is taken over after the change; that of the list's end if there is none.
+    /// The index of the first reused entity after the change; the number of entities if there is none.
     pub(super) next: usize,
-    /// The part of the new list that is parsed: the change, and its neighbours.
+    /// The span of the new text to parse: the change and its neighbours.
     parsed: Range<usize>,
-    /// Where the neighbour before the change ends, or the list begins.
+    /// The end of the neighbour before the change, or the start of the list.
     from: usize,
-    /// Where the entities that are taken over end, in the new text.
+    /// The end of the last entity in the new text, if it lies in the common suffix; otherwise the end of the list.
     rest: usize,
-    /// Whether there is an entity after the change that lies whole within the common end.
+    /// True if an entity after the change lies entirely in the common suffix.
     is_cut: bool,
-    /// The lengths of the texts, before and after.
+    /// The lengths of the old and the new text.
     lengths: (usize, usize),
 }
 
 impl Change {
-    /// Finds the change between two texts, of which the first has this list. `None` if it is not confined to what is before the
-    /// list, in it or after it.
+    /// Finds the change between two texts; `list` is the list of the old one. `None` if the change includes the closing bracket of the
+    /// list, or if it begins before the list and the new text has no list.
     pub(super) fn between(old: &str, new: &str, list: &List) -> Option<Self> {
         let List { content, items } = list;
         let (head, tail) = same_ends(old, new);
@@ -49,7 +49,7 @@ impl Change {
             return None;
         };
 
-        // An item ends with a bracket, whatever follows. Before one there must be the same sign as there was.
+        // An entity ends with its bracket, regardless of the following text. The byte before a reused entity must be unchanged.
         let first = if is_at_place { items.partition_point(|item| item.end <= head) } else { 0 };
         let last = items.partition_point(|item| old.len() - item.start >= tail);
         let (before, from) = match first.checked_sub(1).and_then(|before| items.get(before)) {
@@ -64,8 +64,8 @@ impl Change {
         Some(Self { content: start..end, first, next, parsed: before..until, from, rest, is_cut, lengths })
     }
 
-    /// Returns the new text with marks in the places of entities that are taken over. `None` if a name in the change might be
-    /// that of the marks, as written or by an escape.
+    /// Returns the new text with marks in place of the reused entities. `None` if the change might contain the name of the marks, literally
+    /// or by an escape.
     pub(super) fn marked(&self, text: &str) -> Option<String> {
         let (above, below) = (text.get(..self.content.start)?, text.get(self.rest..)?);
         let change = text.get(self.parsed.clone())?;
@@ -77,9 +77,8 @@ impl Change {
         Some(format!("{above}{mark},{change}{end_mark}{below}"))
     }
 
-    /// Returns the entities that were parsed, without the marks and without the neighbour before the change. `None` if the
-    /// marks are not where they were put: what was written may have swallowed the start of a neighbour, or all of it, but then
-    /// the mark as well.
+    /// Returns the parsed entities without the marks and without the neighbour before the change. `None` if the marks are not in their
+    /// positions: the change may have swallowed a neighbour, in part or as a whole, but then it has swallowed the mark as well.
     pub(super) fn without_marks(
         &self,
         mut parsed: Vec<Arc<EntityDocument>>,
@@ -92,7 +91,7 @@ impl Change {
         Some(parsed.into_iter().skip(if self.first > 0 { 2 } else { 1 }))
     }
 
-    /// Returns the places of the entities in the new text, by those in the old one.
+    /// Returns the spans of the entities in the new text, given the spans in the old one.
     pub(super) fn list(&self, text: &str, List { items, .. }: &List) -> Option<List> {
         let found = list_items(text.get(..self.parsed.end)?, self.from).0;
         let moved = |at: usize| moved(at, self.lengths);
@@ -102,12 +101,12 @@ impl Change {
     }
 }
 
-/// Returns where a byte of the common end is in the new text.
+/// Returns the offset in the new text of a byte of the common suffix.
 fn moved(at: usize, (old, new): (usize, usize)) -> usize {
     at + new - old
 }
 
-/// Returns the lengths of the common start and the common end of two texts, which do not overlap.
+/// Returns the lengths of the common prefix and the common suffix of two texts. They do not overlap.
 pub(super) fn same_ends(old: &str, new: &str) -> (usize, usize) {
     /// The number of bytes compared at once.
     const BLOCK: usize = 4096;

@@ -1,4 +1,4 @@
-//! The places of entities in a text.
+//! The spans of entities in a text.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use crate::scene::spans::{list_items, list_of};
 /// The list of entities in a text.
 #[derive(Debug)]
 pub(super) struct List {
-    /// The content of its brackets.
+    /// The span of its content.
     pub(super) content: Range<usize>,
     pub(super) items: Vec<Range<usize>>,
 }
@@ -21,7 +21,7 @@ impl List {
         Some(Self { content: start..end, items }).filter(|list| list.are(entities, text))
     }
 
-    /// Returns whether the items can be these entities of the text, as far as their number and their brackets tell.
+    /// Returns whether the items can be these entities: their number is equal, each item ends with `)`, and `]` follows the list.
     pub(super) fn are(&self, entities: &[Arc<EntityDocument>], text: &str) -> bool {
         let is_in_brackets =
             |item: &Range<usize>| text.get(item.clone()).is_some_and(|item| item.ends_with(')'));

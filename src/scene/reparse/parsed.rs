@@ -1,4 +1,4 @@
-//! A text that was parsed, and goes on from there.
+//! A parsed text as the base for incremental parsing.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -8,12 +8,12 @@ use super::list::List;
 use crate::scene::document::{EntityDocument, SceneDocument};
 use crate::scene::parse::read;
 
-/// A text that was parsed.
+/// A parsed text with its entities.
 #[derive(Debug)]
 pub(in crate::scene) struct Parsed {
     pub(super) text: Arc<String>,
     entities: Vec<Arc<EntityDocument>>,
-    /// The places of the entities, once they have been looked up.
+    /// The spans of the entities, once they have been located.
     list: Option<List>,
 }
 

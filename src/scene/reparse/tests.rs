@@ -1,4 +1,4 @@
-//! What is parsed again against parses of the whole.
+//! Comparison of incremental parses with parses of whole texts.
 
 use std::cell::Cell;
 use std::sync::Arc;
@@ -29,7 +29,7 @@ Scene(
 )
 "##;
 
-/// What may be written anywhere; more often than not, what does no harm.
+/// Pieces of text to insert anywhere, most of them harmless.
 const PIECES: [&str; 36] = [
     "",
     " ",
@@ -95,7 +95,7 @@ fn what_is_parsed_again_is_what_a_parse_of_the_whole_gives() {
                 let expected = parse(&next).ok();
                 let found = parsed.parse_again(&next);
                 if found.is_some() {
-                    // Zeros have signs.
+                    // The debug format includes the signs of zeros.
                     prop_assert_eq!(format!("{found:?}"), format!("{expected:?}"), "{}", next);
                     prop_assert_eq!(&parsed.text, &next);
                     again.set(again.get() + 1);
@@ -128,7 +128,7 @@ fn only_what_an_edit_touches_is_other_than_before() {
     };
     assert_eq!(kept("", ""), (7, 7));
     assert_eq!(kept("ambient: (1", "ambient: (2"), (7, 7));
-    // The one after the edit is parsed again.
+    // The entity after the edit is parsed again.
     assert_eq!(kept("255", "25"), (6, 7));
     assert_eq!(kept("radius: 1", "radius: 2"), (5, 7));
     assert_eq!(kept("// one, (two", "(name: \"new\"),"), (6, 8));
@@ -136,26 +136,26 @@ fn only_what_an_edit_touches_is_other_than_before() {
     assert_eq!(kept("entities: [", "entities: [(name: \"new\"),"), (6, 8));
 }
 
-/// Texts, each with one that follows it.
+/// Pairs of successive texts.
 const DECEPTIONS: &[(&str, &str)] = &[
-    // A list that seems to start within an entity that is the same.
+    // A list that seems to start within an unchanged entity.
     (
         "(entities: [(name: \"b\" // */ entities: [(name: \"b\"\n)])",
         "(/*[(name: \"b\" // */ entities: [(name: \"b\"\n)])",
     ),
-    // A list within a text, as whoever does not know of raw names sees it.
+    // A list within a string, visible to a scanner that does not support raw identifiers.
     (
         "(r#ambient: (1,1,1), materials: { r##\"#: 0, entities: [(name: \"fake\")], y: r\"x\"##: (k_d: 1) }, \
         entities: [(name: \"real\")])",
         "(r#ambient: (1,1,1), materials: { r##\"#: 0, entities: [(name: \"fakf\")], y: r\"x\"##: (k_d: 1) }, \
         entities: [(name: \"real\")])",
     ),
-    // An entity that swallows the start of the next, and is the same but for the sign of a zero.
+    // An entity that swallows the start of the next one, and differs only in the sign of a zero.
     (
         "(entities: [(name: \"p\"), (transform: (translation: (-0.0, 0, 0)) // */\n)])",
         "(entities: [(name: \"p\"),Entity(transform: (translation: (0, 0, 0)) /* (transform: (translation: (-0.0, 0, 0)) // */\n)])",
     ),
-    // A list that ends early, before a comment that reaches as far as what was taken for its end.
+    // A list that ends early, before a comment that extends to its apparent end.
     (
         "(entities: [(name: \"a\"), (), (name: \"b\"),\n])",
         "(entities: [(name: \"a\")] // (), (name: \"b\"),\n])",
@@ -165,12 +165,12 @@ const DECEPTIONS: &[(&str, &str)] = &[
         "(entities: [(name: \"a\")] //],\nambient: (1, 1, 1))",
     ),
     ("(entities: [(), (name: \"a\"), ()\n])", "(entities: [(), // (name: \"a\"), ()\n])"),
-    // A comment that swallows all, up to where another one seems to end.
+    // A comment that swallows the text up to the apparent end of another comment.
     (
         "(entities: [(name: \"a\"), (name: \"b\"), (name: \"c\")\n], // */ ]\n)",
         "(entities: [/*(name: \"a\"), (name: \"b\"), (name: \"c\")\n], // */ ]\n)",
     ),
-    // A character that is a quote.
+    // A character literal that contains a quote.
     (
         "(entities: [(transform: (scale: b''')), (name: \"a\"), (name: \"b\")])",
         "(entities: [(transform: (scale: b''')), (name: \"a\"), (name: \"c\")])",

@@ -1,4 +1,4 @@
-//! What stands in a bracket of the text, without what stands in that.
+//! The direct members of a bracket in the text.
 
 use std::ops::Range;
 
@@ -7,9 +7,9 @@ use super::Scanner;
 /// A bracket with its members.
 #[derive(Clone, Debug)]
 pub(in crate::scene) struct Bracket {
-    /// The bracket that opens it: `(`, `[` or `{`.
+    /// The opening bracket: `(`, `[` or `{`.
     pub(in crate::scene) opening: u8,
-    /// The start of its content.
+    /// The byte offset of its content.
     pub(in crate::scene) start: usize,
     pub(in crate::scene) members: Vec<Member>,
 }
@@ -17,20 +17,20 @@ pub(in crate::scene) struct Bracket {
 /// A field, a value of a list or a tuple, or an entry of a map.
 #[derive(Clone, Debug)]
 pub(in crate::scene) struct Member {
-    /// The name of a field, or the key of an entry.
+    /// The span of the field's name or of the entry's key.
     pub(in crate::scene) name: Option<Range<usize>>,
     pub(in crate::scene) value: Range<usize>,
 }
 
-/// Returns the start of the scene itself, after extensions.
+/// Returns the byte offset of the scene itself, after extensions.
 pub(in crate::scene) fn root(text: &str) -> usize {
     let mut scanner = Scanner { text, at: 0, found: &mut [] };
     scanner.skip_extensions();
     scanner.at
 }
 
-/// Returns what a value consists of that starts at a byte, after its name if it has one. `None` for a value without a bracket, and
-/// where the bracket is never closed.
+/// Returns the bracket of the value that starts at a byte, after the value's name if it has one; for `Some(..)`, the bracket of the inner
+/// value. `None` for a value without a bracket, and if the bracket is never closed.
 pub(in crate::scene) fn bracket(text: &str, start: usize) -> Option<Bracket> {
     let mut scanner = Scanner { text, at: start, found: &mut [] };
     if !matches!(scanner.peek(), Some(b'(' | b'[' | b'{')) {
@@ -60,9 +60,9 @@ pub(in crate::scene) fn bracket(text: &str, start: usize) -> Option<Bracket> {
     }
 }
 
-/// Returns whether a text is a single value, of which every bracket and text is closed, and nothing after it.
+/// Returns whether a text is exactly one value, with all brackets and strings closed.
 pub(in crate::scene) fn is_one_value(text: &str) -> bool {
-    // What is not closed takes this along.
+    // An unclosed bracket, string or comment swallows this suffix.
     const END: &str = "\n,";
     let (end, followed) = (text.trim_end().len(), text.to_owned() + END);
     let mut scanner = Scanner { text: &followed, at: 0, found: &mut [] };

@@ -1,7 +1,7 @@
-//! Finds the places in the text of values of the document.
+//! Locates values of the document in the text.
 //!
-//! serde forgets places, so they are looked up again, only for what is wrong and in one pass over the text. The text has
-//! mostly been read without error before; what is read here is only its brackets, names and commas.
+//! Serde does not keep positions, so they are looked up when they are needed, in one pass over the text. The text has usually been parsed
+//! without error before; the scanner reads only its brackets, names and commas.
 
 mod bracket;
 #[cfg(test)]
@@ -11,7 +11,7 @@ use std::ops::Range;
 
 pub(super) use bracket::{Bracket, bracket, is_one_value, root};
 
-/// A step from a value into it.
+/// A step from a value to one of its members.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PathStep {
     /// The value of a named field.
@@ -22,8 +22,8 @@ pub(super) enum PathStep {
     Key(usize),
 }
 
-/// Returns the spans of values, in the order of their paths. A path that is not in the text gives the nearest value around it, as
-/// the mistake may be the absence of a field.
+/// Returns the spans of values, in the order of their paths. For a path that is not in the text, returns the span of the innermost
+/// enclosing value, because the error may be a missing field.
 pub(super) fn locate(text: &str, paths: &[Vec<PathStep>]) -> Vec<Range<usize>> {
     let mut found = vec![0..0; paths.len()];
     let wanted: Vec<Remaining<'_>> =
@@ -34,8 +34,8 @@ pub(super) fn locate(text: &str, paths: &[Vec<PathStep>]) -> Vec<Range<usize>> {
     found
 }
 
-/// Converts a span within the content of a quoted text to a span of the file. Gives the whole text where escapes make the two
-/// differ.
+/// Converts a span within the content of a string literal to a span of the file. Returns the span of the whole literal if escapes make the
+/// two differ.
 pub(super) fn inside_text(text: &str, literal: Range<usize>, inside: &Range<usize>) -> Range<usize> {
     let written = &text[literal.clone()];
     let quotes = match written.strip_prefix('r') {
@@ -47,7 +47,7 @@ pub(super) fn inside_text(text: &str, literal: Range<usize>, inside: &Range<usiz
     place(inside.start)..place(inside.end)
 }
 
-/// Returns the words, numbers, texts and signs in their order. The text may be broken.
+/// Returns the tokens in order: words, numbers, string literals and single characters. The text may be malformed.
 pub(super) fn tokens(text: &str) -> impl Iterator<Item = Range<usize>> {
     let mut scanner = Scanner { text, at: 0, found: &mut [] };
     std::iter::from_fn(move || {
@@ -59,7 +59,7 @@ pub(super) fn tokens(text: &str) -> impl Iterator<Item = Range<usize>> {
     })
 }
 
-/// Returns the start of a comment that is never closed.
+/// Returns the start of the last comment after all tokens, which is the unclosed one if there is one.
 pub(super) fn open_comment(text: &str) -> Option<usize> {
     let after_all = tokens(text).last().map_or(0, |token| token.end);
     let mut scanner = Scanner { text, at: after_all, found: &mut [] };
@@ -74,13 +74,14 @@ pub(super) fn open_comment(text: &str) -> Option<usize> {
     }
 }
 
-/// Returns whether the parser takes a character for white space: it does for fewer than Unicode has, and for two marks more.
+/// Returns whether the parser treats a character as white space. The set has fewer spaces than Unicode, and two additional directional
+/// marks.
 pub(super) fn is_space(character: char) -> bool {
     matches!(character, ' ' | '\t'..='\r' | '\u{85}' | '\u{200e}' | '\u{200f}' | '\u{2028}' | '\u{2029}')
 }
 
-/// Returns the start of the content of a list that is a field of the scene itself; `None` if there is none, or if extensions
-/// stand above the scene. The text may be broken.
+/// Returns the start of the content of a list in a field of the scene itself; `None` if there is no such list, or if extensions precede the
+/// scene. The text may be malformed.
 pub(super) fn list_of(text: &str, field: &str) -> Option<usize> {
     let mut scanner = Scanner { text, at: 0, found: &mut [] };
     scanner.skip_space();
@@ -104,8 +105,8 @@ pub(super) fn list_of(text: &str, field: &str) -> Option<usize> {
     }
 }
 
-/// Returns the spans of the values in a list, from a byte of its content that is not inside one, and the end of the content. The
-/// text may be broken.
+/// Returns the spans of the values in a list, and the end of its content. `start` is a byte of the content outside any value. The text may
+/// be malformed.
 pub(super) fn list_items(text: &str, start: usize) -> (Vec<Range<usize>>, usize) {
     let mut scanner = Scanner { text, at: start, found: &mut [] };
     let mut items = Vec::new();
@@ -123,7 +124,7 @@ pub(super) fn list_items(text: &str, start: usize) -> (Vec<Range<usize>>, usize)
     }
 }
 
-/// The rest of a path that still has to be followed.
+/// The remaining steps of a path.
 #[derive(Clone, Copy)]
 struct Remaining<'a> {
     index: usize,
@@ -141,11 +142,11 @@ impl<'a> Scanner<'a, '_> {
         self.text.as_bytes().get(self.at).copied()
     }
 
-    /// Skips what stands above a scene: extensions, as `#![enable(implicit_some)]`.
+    /// Skips extensions above a scene, such as `#![enable(implicit_some)]`.
     fn skip_extensions(&mut self) {
         self.skip_space();
         while self.peek() == Some(b'#') {
-            // It and the `!` after it.
+            // `#` and `!`.
             self.atom();
             self.atom();
             self.value(&[]);
@@ -204,7 +205,7 @@ impl<'a> Scanner<'a, '_> {
         }
     }
 
-    /// Skips a text, a number, a name or, failing these, one character.
+    /// Skips a string literal, a number or a name, or else one character.
     fn atom(&mut self) {
         let rest = &self.text[self.at..];
         let ends_word = |character: char| !(character.is_alphanumeric() || "_.+-".contains(character));
@@ -218,14 +219,14 @@ impl<'a> Scanner<'a, '_> {
             ("r" | "br", Some('#')) if rest[word..].trim_start_matches('#').starts_with('"') => {
                 word + raw_quoted(&rest[word..])
             }
-            // A raw name, as r#type.
+            // A raw identifier, such as r#type.
             ("r", Some('#')) => word + 1 + rest[word + 1..].find(ends_word).unwrap_or(rest.len() - word - 1),
             ("", Some(character)) => character.len_utf8(),
             _ => word,
         };
     }
 
-    /// Scans a whole value: an optional name, then brackets, or an atom.
+    /// Scans a whole value: an optional name followed by brackets, or an atom.
     fn value(&mut self, wanted: &[Remaining<'_>]) {
         self.skip_space();
         let start = self.at;
@@ -262,7 +263,7 @@ impl<'a> Scanner<'a, '_> {
             _ => {}
         }
         for wanted in wanted {
-            // A path that goes no deeper ends here.
+            // A path without a deeper match ends here.
             if self.found[wanted.index].is_empty() {
                 self.found[wanted.index] = start..end;
             }
@@ -316,7 +317,7 @@ impl<'a> Scanner<'a, '_> {
         }
     }
 
-    /// Reads `name :`, if that is what stands here.
+    /// Reads `name :` if it is next.
     fn field_name(&mut self) -> Option<&'a str> {
         let start = self.at;
         let first = self.text[start..].chars().next()?;
@@ -364,7 +365,7 @@ impl<'a> Scanner<'a, '_> {
     }
 }
 
-/// Returns the rests of the paths that go on by a step.
+/// Returns the remaining steps of the paths whose next step matches.
 fn follow<'a>(wanted: &[Remaining<'a>], matches: impl Fn(&PathStep) -> bool) -> Vec<Remaining<'a>> {
     let further = |wanted: &Remaining<'a>| {
         let (step, path) = wanted.path.split_first()?;
@@ -373,9 +374,9 @@ fn follow<'a>(wanted: &[Remaining<'a>], matches: impl Fn(&PathStep) -> bool) -> 
     wanted.iter().filter_map(further).collect()
 }
 
-/// Returns the length of a quoted text, with its quotes.
+/// Returns the length of a string or character literal, including its quotes.
 fn quoted(rest: &str, quote: char) -> usize {
-    // A quoted character may be a quote itself.
+    // A character literal may contain a quote itself.
     let mut escaped = quote == '\'' && !rest.starts_with("'\\");
     for (at, character) in rest.char_indices().skip(1) {
         if escaped {
@@ -389,7 +390,7 @@ fn quoted(rest: &str, quote: char) -> usize {
     rest.len()
 }
 
-/// Returns the length of the rest of a raw text, from its first # or quote.
+/// Returns the length of the rest of a raw string literal, from its first # or quote.
 fn raw_quoted(rest: &str) -> usize {
     let hashes = rest.len() - rest.trim_start_matches('#').len();
     let end = format!("\"{}", &rest[..hashes]);

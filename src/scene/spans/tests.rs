@@ -1,4 +1,4 @@
-//! Finds values in texts that are full of brackets, strings and comments.
+//! Tests of the scanner with texts full of brackets, strings and comments.
 
 use super::*;
 

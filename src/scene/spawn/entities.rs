@@ -1,4 +1,4 @@
-//! Spawns entities, many at a time: those with the same component types together.
+//! Spawns entities in batches of equal component types.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use crate::scene::document::{
     Triple,
 };
 
-/// The components that a material of the file gives to entities.
+/// The components that a material of the file adds to entities.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Surface {
     material: Material,
@@ -27,22 +27,22 @@ pub(super) struct Surface {
     checker: Option<Checker>,
 }
 
-/// The relations of entities to each other.
+/// The parents, channels and surfaces of entities.
 pub(super) struct Links<'a> {
-    /// The parents, by the places of their children in the document.
+    /// The parents, by the document index of the child.
     pub(super) parents: HashMap<usize, Entity>,
     pub(super) channels: HashMap<Entity, Vec<Channel>>,
-    /// The surfaces, by the names of their materials.
+    /// The surfaces, by material name.
     pub(super) surfaces: HashMap<&'a str, Surface>,
 }
 
-/// An entity, by its place in the document.
+/// An entity, identified by its document index, with its surface.
 struct Member<'a> {
     place: usize,
     surface: Option<&'a Surface>,
 }
 
-/// The optional components of an entity.
+/// The optional components of an entity, as flags.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 struct Types {
     name: bool,
@@ -57,7 +57,7 @@ struct Types {
     checker: bool,
 }
 
-/// Gives components to entities that already exist.
+/// Adds components to entities that already exist.
 pub(super) fn spawn(
     world: &mut World,
     entities: &[Entity],
@@ -108,18 +108,18 @@ pub(super) fn spawn(
     }
 }
 
-/// Writes the components of one type, unless that is not among those of the batch.
+/// Writes the components of one type, if the batch contains that type.
 fn fill<T: Component>(batch: &ColumnBatchBuilder, values: impl Iterator<Item = T>) {
     if let Some(mut column) = batch.writer::<T>() {
         for value in values {
-            // There is room: a value for each member at most.
+            // The column has room for one value per member.
             let _ = column.push(value);
         }
     }
 }
 
 impl Types {
-    /// Returns the components that a material alone gives.
+    /// Returns the types of the components of a surface.
     fn of_surface(surface: Option<&Surface>) -> Self {
         Self {
             material: surface.is_some(),

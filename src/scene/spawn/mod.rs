@@ -26,7 +26,7 @@ use crate::components::{
 };
 use crate::time::{FrameRate, Timeline};
 
-/// Makes the world that a validated document describes. Entities get their places in document order.
+/// Builds the world and the timeline of a validated document. Entities are numbered in document order.
 pub(super) fn spawn(Merged { document, parents, .. }: &Merged) -> (World, Timeline) {
     let transfer = transfer(document.film.transfer);
     let timeline = timeline(&document.timeline);
@@ -51,7 +51,7 @@ pub(super) fn spawn(Merged { document, parents, .. }: &Merged) -> (World, Timeli
         Some(Shot { start: *start, camera: *names.get(name.as_str())? })
     };
     let mut shots: Vec<Shot> = document.shots.iter().filter_map(shot).collect();
-    // Cameras have no place in document order that would say which of several is the first.
+    // Cameras have no `Order` component that would define which of several is the first.
     if let [(_, first), _, ..] = cameras[..]
         && shots.is_empty()
     {
@@ -63,7 +63,7 @@ pub(super) fn spawn(Merged { document, parents, .. }: &Merged) -> (World, Timeli
     let mut channels = animated(document, &entities, &names, transfer);
     for entity in cameras.iter().map(|(_, camera)| *camera).chain([settings]) {
         if let Some(channels) = channels.remove(&entity) {
-            // As above.
+            // The entity exists, as above.
             let _ = world.insert_one(entity, Animated(channels));
         }
     }
@@ -81,7 +81,7 @@ pub(super) fn spawn(Merged { document, parents, .. }: &Merged) -> (World, Timeli
     (world, timeline)
 }
 
-/// Returns the entities that something else refers to, by their names.
+/// Returns the entities that are referred to by name.
 fn referred_to<'a>(document: &'a SceneDocument, entities: &[Entity]) -> HashMap<&'a str, Entity> {
     let links = |camera: &'a CameraDocument| [&camera.parent, &camera.follow, &camera.look_at];
     let parents = document.entities.iter().map(|entity| &entity.parent);
@@ -97,7 +97,7 @@ fn referred_to<'a>(document: &'a SceneDocument, entities: &[Entity]) -> HashMap<
     named.filter(|(name, _)| wanted.contains(name)).collect()
 }
 
-/// Ties a camera to the entities that it names.
+/// Links a camera to the entities that it names.
 fn link(world: &mut World, entity: Entity, camera: &CameraDocument, names: &HashMap<&str, Entity>) {
     let named = |name: &Option<String>| names.get(name.as_deref()?).copied();
     let mut builder = EntityBuilder::new();
@@ -228,7 +228,8 @@ fn scale(document: ScaleDocument) -> DVec3 {
     }
 }
 
-/// Returns the channels of every animated entity, in the order of the file. A material's track goes to all entities made of it.
+/// Returns the channels of every animated entity. A track of a material applies to all entities with that material, before their own
+/// tracks.
 fn animated(
     document: &SceneDocument,
     entities: &[Entity],
@@ -250,7 +251,7 @@ fn animated(
         };
         for target in targets {
             let own = channels.entry(target).or_default();
-            // Applied in order: what an entity says of itself comes after what its material says, and wins.
+            // Channels are applied in order: the entity's own channels follow the channels of its material, and take precedence.
             if animation.target.is_some() {
                 own.push(channel.clone());
             } else {
@@ -270,7 +271,7 @@ fn channel(animation: &AnimationDocument, transfer: Transfer) -> Option<Channel>
     Some(Channel { property: animation.channel.0, motion, short_turn })
 }
 
-/// Returns the first neighbouring keys whose angles, as written in the same notation, differ by more than half a turn.
+/// Returns the first adjacent keys with angles in the same notation that differ by more than half a turn.
 fn short_turn(keys: &[KeyDocument<RotationDocument>]) -> Option<ShortTurn> {
     let turning = keys.windows(2).filter(|pair| pair[0].easing != EasingDocument::Hold);
     turning
@@ -281,7 +282,7 @@ fn short_turn(keys: &[KeyDocument<RotationDocument>]) -> Option<ShortTurn> {
         })
 }
 
-/// Returns the pairs of angles that two rotations written in the same notation have.
+/// Returns the pairs of corresponding angles of two rotations in the same notation.
 fn written_angles(from: RotationDocument, to: RotationDocument) -> impl Iterator<Item = [f64; 2]> {
     let pairs = match (from, to) {
         (RotationDocument::Euler(x, y, z), RotationDocument::Euler(to_x, to_y, to_z)) => {

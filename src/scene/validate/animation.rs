@@ -1,4 +1,4 @@
-//! Animations and their keys. Motions that are not keyed are validated in `paths`.
+//! Validation of animations and their keys. Path and orbit tracks are validated in `paths`.
 
 use std::collections::HashMap;
 
@@ -41,7 +41,7 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
     }
 }
 
-/// Returns the other property that also decides in which direction a camera looks.
+/// Returns the alternative property for a camera's view direction: `View` for `Target`, and vice versa.
 fn one_view(property: Property) -> Option<Property> {
     match property {
         Property::Target => Some(Property::View),
@@ -124,7 +124,7 @@ fn vector(property: Property, value: Triple, at: &At<'_>, problems: &mut Problem
     }
 }
 
-/// Returns the name of a value in messages.
+/// Returns the noun for a property in messages.
 fn noun(property: Property) -> &'static str {
     match property {
         Property::Normal => "the normal",
@@ -149,7 +149,7 @@ fn keys<T>(
         TrackDocument::Path { .. } | TrackDocument::Orbit { .. } => {
             return paths::validate(channel.0, track, at, problems);
         }
-        // Checked when they were compiled.
+        // Scripts are checked when they are compiled.
         TrackDocument::Script(_) | TrackDocument::ScriptFile(_) => return,
     };
     let list = at.index(0);

@@ -1,4 +1,4 @@
-//! Cameras and shots.
+//! Validation of cameras and shots.
 
 use std::collections::HashSet;
 
@@ -56,7 +56,7 @@ fn name(document: &SceneDocument, name: &str, scope: Scope<'_>, at: &At<'_>, pro
     problems.add(at, format!("the name \"{}\" is {taken}", short(name)), "taken", "choose another name");
 }
 
-/// Checks the entities that a camera names.
+/// Checks the references of a camera to entities.
 fn links(document: &CameraDocument, scope: Scope<'_>, at: &At<'_>, problems: &mut Problems) {
     let links = [("parent", &document.parent), ("follow", &document.follow), ("look_at", &document.look_at)];
     for (field, name) in links {
@@ -88,7 +88,7 @@ fn shots(document: &SceneDocument, at: &At<'_>, problems: &mut Problems) {
     }
 }
 
-/// Reports other directions of a camera that looks at an entity.
+/// Reports the fields `target` and `view` of a camera with `look_at`.
 fn one_view(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
     for (field, written) in [("target", document.target.is_some()), ("view", document.view.is_some())] {
         if written {
@@ -117,7 +117,7 @@ fn camera(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
     }
 }
 
-/// Returns the direction in which a camera looks, and the name of the field that says so; reports one that looks nowhere or has two.
+/// Returns the view direction of a camera, and the name of the field that defines it. Reports a missing, zero or ambiguous direction.
 fn view(
     document: &CameraDocument,
     position_good: bool,
@@ -169,10 +169,10 @@ fn view(
     }
 }
 
-/// Reports an up direction that is parallel to the view.
+/// Reports an up direction that is parallel to the view direction.
 fn across(up: Triple, (view, name): (DVec3, &str), at: &At<'_>, problems: &mut Problems) {
     let up = DVec3::from(up);
-    // In units of the larger components, so that nothing overflows.
+    // Both vectors are scaled by their largest components, so that the cross product does not overflow.
     let across = (up / up.abs().max_element()).cross(view / view.abs().max_element());
     if across.length() < 1e-9 {
         let message = format!("the camera's up is parallel to its {name}");

@@ -40,7 +40,7 @@ pub(super) fn target(
             } else if let Some((_, camera)) = document.named_cameras().find(|(known, _)| *known == name) {
                 lack_of_camera(camera, property.part())
             } else if name == SceneDocument::CAMERA && !scope.is_scene() {
-                // A part may animate a camera that it does not have; that is left out where the part is included.
+                // A file may animate a camera that it does not have; the animation is dropped where the file is included.
                 None
             } else {
                 match scope.entity(name) {
@@ -84,7 +84,7 @@ fn material_target(
     }
 }
 
-/// Describes the scene if it lacks the part.
+/// Returns a description of the scene if it lacks the part.
 fn lack_of_scene(document: &SceneDocument, part: Part) -> Option<&'static str> {
     let flat = matches!(document.background, BackgroundDocument::Flat(_));
     let (fits, otherwise) = match part {
@@ -97,7 +97,7 @@ fn lack_of_scene(document: &SceneDocument, part: Part) -> Option<&'static str> {
     (!fits).then_some(otherwise)
 }
 
-/// Describes the camera if it lacks the part.
+/// Returns a description of the camera if it lacks the part.
 fn lack_of_camera(camera: &CameraDocument, part: Part) -> Option<&'static str> {
     let screen = camera.screen.as_ref();
     let (fits, otherwise) = match part {
@@ -115,7 +115,7 @@ fn lack_of_camera(camera: &CameraDocument, part: Part) -> Option<&'static str> {
     (!fits).then_some(otherwise)
 }
 
-/// Describes the entity if it lacks the part.
+/// Returns a description of the entity if it lacks the part.
 fn lack_of_entity(entity: KnownEntity<'_>, part: Part) -> Option<&'static str> {
     use ShapeDocument::{Box, Plane, Sphere};
     let lacks = |material: Option<&MaterialDocument>| material.is_none_or(|material| lacks(material, part));
@@ -134,7 +134,7 @@ fn lack_of_entity(entity: KnownEntity<'_>, part: Part) -> Option<&'static str> {
     (!fits).then_some(otherwise)
 }
 
-/// Describes the entity if its light lacks the part.
+/// Returns a description of the entity if its light lacks the part.
 fn lack_of_light(light: Option<&LightDocument>, part: Part) -> Option<&'static str> {
     use AreaShapeDocument::{Rectangle, Sphere};
     use LightDocument::{Area, Directional, Point, Spot};
@@ -177,7 +177,7 @@ fn lacks(material: &MaterialDocument, part: Part) -> bool {
     missing(material, part).is_some()
 }
 
-/// Returns message, label and help for a part that the material could have, but lacks.
+/// Returns message, label and help if the material lacks an optional part.
 fn missing(material: &MaterialDocument, part: Part) -> Option<(&'static str, &'static str, &'static str)> {
     match part {
         Part::Specular if material.specular.is_none() => Some((
@@ -209,7 +209,7 @@ fn unfit(property: Property, what: &str, at: &At<'_>, problems: &mut Problems) {
     problems.add(at, message, "not here", home(property.part()));
 }
 
-/// Describes what has the part.
+/// Returns a description of the elements that have the part.
 fn home(part: Part) -> &'static str {
     match part {
         Part::Transform => "entities have it; cameras have Position and Target",

@@ -1,4 +1,4 @@
-//! The numbers in easings.
+//! Validation of the numbers in easings.
 
 use super::{At, Problems, check};
 use crate::animation::Notation;
@@ -6,7 +6,7 @@ use crate::scene::document::{EasingDocument, OffsetDocument};
 use crate::scene::quote::Figure;
 
 pub(super) fn easing(easing: EasingDocument, notation: Notation, at: &At<'_>, problems: &mut Problems) {
-    /// The largest progress of a handle, so that values stay far from overflow.
+    /// Maximum magnitude of a handle's progress, which keeps values far from overflow.
     const FARTHEST: f64 = 1000.0;
     match easing {
         EasingDocument::Steps(count) => {

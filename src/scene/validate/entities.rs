@@ -1,4 +1,4 @@
-//! Entities.
+//! Validation of entities.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::scene::document::{
 use crate::scene::files::{Lookup, Scope};
 use crate::scene::quote::{linked, short};
 
-/// The purpose of a `/` in names, as messages say it.
+/// The purpose of a `/` in names, as a label for messages.
 pub(super) const SLASH: &str = "it is for names in parts, as \"car/wheel\"";
 
 pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_>, problems: &mut Problems) {
@@ -36,7 +36,7 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
     cycles(&document.entities, &names, &at, problems);
 }
 
-/// Reports a shape without a material, a material without a shape, and what is wrong with the shape.
+/// Reports a shape without a material, a material without a shape, and errors in the shape.
 fn look(entity: &EntityDocument, at: &At<'_>, problems: &mut Problems) {
     match (&entity.shape, &entity.material) {
         (Some(shape), material) => {
@@ -62,7 +62,7 @@ fn look(entity: &EntityDocument, at: &At<'_>, problems: &mut Problems) {
     }
 }
 
-/// Reports a material that is not there, or does not go with the shape.
+/// Reports a material that does not exist, or is incompatible with the shape.
 fn material(entity: &EntityDocument, scope: Scope<'_>, at: &At<'_>, problems: &mut Problems) {
     let Some(name) = &entity.material else { return };
     let at = at.field("material");
@@ -82,7 +82,7 @@ fn material(entity: &EntityDocument, scope: Scope<'_>, at: &At<'_>, problems: &m
     }
 }
 
-/// Returns entities by name; reports names that are taken.
+/// Returns the indices of entities by name. Reports invalid and duplicate names.
 fn names<'a>(
     entities: &'a [Arc<EntityDocument>],
     at: &At<'_>,
@@ -107,7 +107,7 @@ fn names<'a>(
     names
 }
 
-/// Checks a name of an entity.
+/// Checks the name of an entity. Returns whether it is valid.
 pub(super) fn name(name: &str, at: &At<'_>, problems: &mut Problems) -> bool {
     if name.is_empty() {
         problems.add(at, "an empty name", "names nothing", "write a name, or leave the field out");
@@ -123,7 +123,7 @@ pub(super) fn name(name: &str, at: &At<'_>, problems: &mut Problems) -> bool {
     false
 }
 
-/// Reports each ring of parents once.
+/// Reports each cycle of parents once.
 fn cycles(
     entities: &[Arc<EntityDocument>],
     names: &HashMap<&str, usize>,

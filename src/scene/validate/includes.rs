@@ -1,4 +1,4 @@
-//! Includes, and names that several files give.
+//! Validation of includes, and of names defined in several files.
 
 use super::{At, Problems};
 use crate::scene::document::SceneDocument;
@@ -17,7 +17,7 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
         }
     }
     let is_too_much = |scope: Scope<'_>| scope.included() > MOST_INCLUDED;
-    // Reported once, where it becomes too much.
+    // Reported once, in the innermost file that exceeds the limit.
     if is_too_much(scope) && !scope.any_part(is_too_much) {
         let message = format!("more than {MOST_INCLUDED} entities, materials and animations are included");
         problems.add(&list, message, "too much", "include less, or fewer times");
@@ -32,7 +32,7 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
     problems.add_unlisted(clashes.unlisted);
 }
 
-/// Reports a file that comes by several ways, each time with the same names.
+/// Reports a file that is included several times without a name, which repeats its names.
 fn repeated(clash: &Clash<'_>, scope: Scope<'_>, at: &At<'_>, problems: &mut Problems) {
     let (name, second) = (short(clash.name), clash.second);
     problems.add(
@@ -43,14 +43,14 @@ fn repeated(clash: &Clash<'_>, scope: Scope<'_>, at: &At<'_>, problems: &mut Pro
     );
 }
 
-/// Reports a name that several files give.
+/// Reports a name defined in several files.
 fn taken(clash: &Clash<'_>, scope: Scope<'_>, scene: &At<'_>, problems: &mut Problems) {
     let Clash { first, second, include, .. } = *clash;
     let name = short(clash.name);
     let is_material = second.list == "materials";
     let what = if is_material { "materials" } else { "entities" };
     let message = format!("two {what} are called \"{name}\"");
-    // Looked up only if it is reported.
+    // Locations are looked up only if the problem is listed.
     let line = |origin| if problems.is_full() { String::new() } else { scope.file_and_line(origin) };
     let (label, help) = match include {
         Some(_) => (

@@ -1,4 +1,4 @@
-//! Lights.
+//! Validation of lights.
 
 use super::{At, Problems, check};
 use crate::components::{AreaShape, Quantity};

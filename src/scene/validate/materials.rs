@@ -1,4 +1,4 @@
-//! Materials.
+//! Validation of materials.
 
 use std::collections::HashMap;
 

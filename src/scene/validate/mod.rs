@@ -1,4 +1,4 @@
-//! Validates documents: finds all mistakes of meaning at once.
+//! Validates documents: collects all semantic errors at once.
 
 mod animation;
 mod cameras;
@@ -17,7 +17,7 @@ use super::files::Scope;
 pub(super) use problems::{At, Problems, help_for};
 use problems::{Named, check};
 
-/// Adds all mistakes of a file's document to `problems`. The scope has the names that may be used in it.
+/// Adds all semantic errors of a file's document to `problems`. `scope` holds the names that the file can refer to.
 pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, problems: &mut Problems) {
     let scene = At::scene();
     settings::validate(document, &scene, problems);

@@ -1,4 +1,4 @@
-//! Paths and orbits.
+//! Validation of path and orbit tracks.
 
 use super::easing::easing;
 use super::{At, Problems, check};
@@ -7,7 +7,7 @@ use crate::components::{Property, Quantity};
 use crate::scene::document::{EasingDocument, TrackDocument};
 use crate::scene::quote::Figure;
 
-/// Checks a track that is not keyed.
+/// Checks a path or orbit track.
 pub(super) fn validate<T>(
     property: Property,
     track: &TrackDocument<T>,
@@ -53,7 +53,7 @@ fn points(points: &[[f64; 3]], at: &At<'_>, problems: &mut Problems) {
     }
 }
 
-/// Checks that there is exactly one of the two.
+/// Checks that exactly one of duration and speed is given.
 fn pace(duration: Option<f64>, speed: Option<f64>, at: &At<'_>, problems: &mut Problems) {
     match (duration, speed) {
         (None, None) => problems.add(
@@ -87,7 +87,7 @@ fn radius(radius: f64, at: &At<'_>, problems: &mut Problems) {
     }
 }
 
-/// Checks an easing of progress along a path.
+/// Checks the easing of progress along a path or an orbit.
 fn progress(ease: EasingDocument, at: &At<'_>, problems: &mut Problems) {
     match ease {
         EasingDocument::Hold

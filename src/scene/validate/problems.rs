@@ -1,4 +1,4 @@
-//! A list of mistakes with their paths in the document.
+//! A list of errors with their paths in the document.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -11,46 +11,46 @@ use crate::scene::suggest::remedy;
 use crate::scene::{Diagnostic, Source};
 use crate::script::ScriptError;
 
-/// Mistakes found so far. Beyond [`Problems::MOST`] they are only counted.
+/// The errors found so far. Beyond [`Problems::MOST`] they are only counted.
 #[derive(Debug, Default)]
 pub(in crate::scene) struct Problems {
     listed: Vec<Problem>,
     unlisted: usize,
-    /// The number of those that are counted with the last of [`Problems::EQUAL`] equal ones.
+    /// The number of errors counted with the last of [`Problems::EQUAL`] equal errors.
     repeated: usize,
     spawned: SpawnCalls,
 }
 
-/// The entities of the document that scripts spawned, which are not in the file.
+/// The origins of the entities that scripts spawned, which are not in the file.
 #[derive(Debug, Default)]
 struct SpawnCalls {
-    /// The place of the first one among the entities.
+    /// The document index of the first spawned entity.
     first: usize,
-    /// The call that spawned each: the script's place in the list, and the byte of the call in its text.
+    /// The call that spawned each entity: the script's index in the list, and the byte offset of the call in its text.
     calls: Vec<(u32, u32)>,
-    /// The scripts that are files of their own, by their places in the list.
+    /// The script files, by the script's index in the list.
     files: BTreeMap<u32, Arc<Source>>,
 }
 
 /// A span in the text of a script.
 #[derive(Debug)]
 struct Inside {
-    /// The script's own file; `None` where it is written in the scene file.
+    /// The script's own file; `None` if the script is written in the scene file.
     source: Option<Arc<Source>>,
     span: Range<usize>,
 }
 
-/// A mistake of a spawned entity, which one call in a loop may repeat again and again.
+/// The identity of an error in a spawned entity, which one call in a loop may repeat many times.
 #[derive(Debug, PartialEq)]
 struct Repeatable {
-    /// The script, and the byte of the call in its text.
+    /// The script, and the byte offset of the call in its text.
     call: (u32, u32),
-    /// The value's place in the entity.
+    /// The path of the value within the entity.
     value: Vec<PathStep>,
     label: String,
 }
 
-/// A kind of thing that has names in a scene.
+/// A kind of named scene element.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Named {
     Material,
@@ -65,15 +65,15 @@ struct Problem {
     message: String,
     label: String,
     help: Option<String>,
-    /// The identity of a mistake that may come again.
+    /// The identity of an error that may be repeated.
     repeatable: Option<Repeatable>,
-    /// The number of times it was found.
+    /// The number of occurrences.
     times: usize,
-    /// The number of equal ones that are found elsewhere and not listed.
+    /// The number of equal errors elsewhere that are not listed.
     more: usize,
 }
 
-/// A value's place in the document: a path from the scene to it, kept on the stack while the document is walked.
+/// The path from the scene to a value, kept on the stack while the document is traversed.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::scene) struct At<'a> {
     step: Option<(&'a At<'a>, PathStep)>,
@@ -109,13 +109,13 @@ impl<'a> At<'a> {
 }
 
 impl Problems {
-    /// The most mistakes that are listed.
+    /// Maximum number of listed errors.
     pub(in crate::scene) const MOST: usize = 50;
 
-    /// The most of equal mistakes that are listed.
+    /// Maximum number of listed errors that are equal.
     const EQUAL: usize = 3;
 
-    /// The label of an unknown name.
+    /// The label for an unknown name.
     const UNKNOWN: &'static str = "unknown";
 
     pub(in crate::scene) fn add(
@@ -138,7 +138,8 @@ impl Problems {
         self.listed.push(Problem { path, inside, message, label, help, repeatable, times: 1, more: 0 });
     }
 
-    /// Counts a mistake again if it was found before, in the same call or often enough elsewhere; returns whether it was.
+    /// Counts an error as repeated if it was found before in the same call, or if [`Self::EQUAL`] equal errors are listed. Returns whether
+    /// it is repeated.
     fn is_repeated(&mut self, repeatable: Option<&Repeatable>, message: &str, label: &str) -> bool {
         let is_same =
             |problem: &&mut Problem| repeatable.is_some() && problem.repeatable.as_ref() == repeatable;
@@ -153,13 +154,13 @@ impl Problems {
         true
     }
 
-    /// Counts a mistake if the list is full; returns whether it is.
+    /// Counts an error if the list is full. Returns whether the list is full.
     fn is_unlisted(&mut self) -> bool {
         self.unlisted += usize::from(self.is_full());
         self.is_full()
     }
 
-    /// Adds a mistake in a script: in the text at this place, or in a file of its own.
+    /// Adds an error in a script, which is written at this position or in a file of its own.
     pub(in crate::scene) fn add_script(
         &mut self,
         at: &At<'_>,
@@ -175,12 +176,12 @@ impl Problems {
         self.listed.push(Problem { path, inside, message, label, help, repeatable: None, times: 1, more: 0 });
     }
 
-    /// Sets the place from which on entities are spawned by scripts.
+    /// Sets the document index of the first entity spawned by a script.
     pub(in crate::scene) fn spawned_from(&mut self, first: usize) {
         self.spawned.first = first;
     }
 
-    /// Records the call that spawned the next of them: the script's index in the list, and the byte of the call in its text.
+    /// Records the call that spawned the next entity: the script's index in the list, and the byte offset of the call in its text.
     pub(in crate::scene) fn spawned_at(&mut self, script: usize, source: Option<&Arc<Source>>, byte: usize) {
         let index = |index: usize| u32::try_from(index).unwrap_or(u32::MAX);
         if let Some(source) = source {
@@ -189,7 +190,7 @@ impl Problems {
         self.spawned.calls.push((index(script), index(byte)));
     }
 
-    /// Adds an unknown name; the known ones are collected only if the mistake is listed.
+    /// Adds the error for an unknown name. The known names are collected only if the error is listed.
     pub(super) fn add_unknown<'n>(
         &mut self,
         at: &At<'_>,
@@ -212,17 +213,17 @@ impl Problems {
         self.add(at, message, Self::UNKNOWN, remedy(name, &known, plural));
     }
 
-    /// Counts mistakes that are not listed.
+    /// Counts errors that are not listed.
     pub(super) fn add_unlisted(&mut self, count: usize) {
         self.unlisted += count;
     }
 
-    /// Returns the number of mistakes that are counted with equal ones.
+    /// Returns the number of errors that are counted with equal ones.
     pub(in crate::scene) fn repeated(&self) -> usize {
         self.repeated
     }
 
-    /// Returns whether further mistakes are only counted.
+    /// Returns whether further errors are only counted.
     pub(super) fn is_full(&self) -> bool {
         self.listed.len() == Self::MOST
     }
@@ -231,7 +232,7 @@ impl Problems {
         self.listed.is_empty()
     }
 
-    /// Returns the mistakes with their places in the text, in its order, and the number of those not listed.
+    /// Returns the errors with their positions in the text, in text order, and the number of unlisted errors.
     pub(in crate::scene) fn locate(self, text: &str) -> (Vec<Diagnostic>, usize) {
         let paths: Vec<Vec<PathStep>> = self.listed.iter().map(|problem| problem.path.clone()).collect();
         let spans = locate(text, &paths);
@@ -258,7 +259,7 @@ impl Problems {
 }
 
 impl SpawnCalls {
-    /// Returns the identity of a mistake in a spawned entity, from its path.
+    /// Returns the identity of an error, given its path; `None` if it is not in a spawned entity.
     fn repeatable(&self, path: &[PathStep], label: &str) -> Option<Repeatable> {
         let [PathStep::Field("entities"), PathStep::Index(index), value @ ..] = path else { return None };
         let call = *self.calls.get(index.checked_sub(self.first)?)?;
@@ -276,14 +277,14 @@ impl SpawnCalls {
     }
 }
 
-/// Returns the remedy for a script's error: for an unknown name, the nearest known one.
+/// Returns the remedy for a script error. For an unknown name, it suggests a known one.
 pub(in crate::scene) fn help_for(error: &ScriptError) -> Option<String> {
     let Some(unknown) = &error.unknown else { return error.help.clone() };
     let known: Vec<&str> = unknown.known.iter().map(String::as_str).collect();
     Some(remedy(&unknown.name, &known, unknown.kind))
 }
 
-/// Checks of values that many fields share.
+/// Checks of values that are shared by many fields.
 pub(super) mod check {
     use super::{At, Problems};
     use crate::animation::limits::{LARGEST, MOST_LIGHT, SMALLEST};
@@ -309,7 +310,7 @@ pub(super) mod check {
         format!("write a number between -{LARGEST:e} and {LARGEST:e}")
     }
 
-    /// Checks three numbers as [`number`] does.
+    /// Checks three numbers like [`number`].
     pub(crate) fn vector(value: Triple, at: &At<'_>, problems: &mut Problems) -> bool {
         let mut good = true;
         for (index, value) in value.into_iter().enumerate() {
@@ -318,7 +319,7 @@ pub(super) mod check {
         good
     }
 
-    /// Checks three numbers, which must not all be zero.
+    /// Checks a direction: three numbers, not all of them too close to zero.
     pub(crate) fn direction(value: Triple, what: &str, at: &At<'_>, problems: &mut Problems) -> bool {
         if !vector(value, at, problems) {
             return false;
@@ -337,7 +338,7 @@ pub(super) mod check {
         positive(value, what, "write a length in scene units, as 1", at, problems)
     }
 
-    /// Checks a number, which must be greater than zero by enough to calculate with.
+    /// Checks a positive number, which must be at least `SMALLEST`.
     pub(crate) fn positive(value: f64, what: &str, help: &str, at: &At<'_>, problems: &mut Problems) -> bool {
         if !number(value, at, problems) {
             return false;
@@ -351,13 +352,13 @@ pub(super) mod check {
         value >= SMALLEST
     }
 
-    /// Reports a number other than zero that is too small to calculate with.
+    /// Reports a nonzero number with a magnitude below `SMALLEST`.
     pub(crate) fn too_small(value: f64, what: &str, at: &At<'_>, problems: &mut Problems) {
         let message = format!("{} is too small for {what}", Figure(value));
         problems.add(at, message, "out of range", format!("write at least {SMALLEST:e}"));
     }
 
-    /// Checks a whole number from 1 to `most`.
+    /// Checks an integer in 1..=`most`.
     pub(crate) fn count(value: u64, most: u32, what: &str, help: &str, at: &At<'_>, problems: &mut Problems) {
         if !(1..=u64::from(most)).contains(&value) {
             let message = format!("{what} must be from 1 to {most}, not {value}");
@@ -373,7 +374,7 @@ pub(super) mod check {
         }
     }
 
-    /// Checks an exponent of highlights.
+    /// Checks the exponent of specular highlights.
     pub(crate) fn shininess(value: f64, at: &At<'_>, problems: &mut Problems) {
         let range = Quantity::Shininess.range();
         if !range.contains(&value) {
@@ -398,7 +399,7 @@ pub(super) mod check {
         }
     }
 
-    /// Checks absorption per channel, 0 or more.
+    /// Checks absorption per channel, from 0 to `MOST_LIGHT`.
     pub(crate) fn absorption(value: Triple, at: &At<'_>, problems: &mut Problems) {
         for (index, value) in value.into_iter().enumerate() {
             let at = at.index(index);
@@ -416,7 +417,7 @@ pub(super) mod check {
         }
     }
 
-    /// Checks light per channel, 0 or more.
+    /// Checks light per channel, from 0 to `MOST_LIGHT`.
     pub(crate) fn intensity(value: Triple, what: &str, at: &At<'_>, problems: &mut Problems) {
         for (index, value) in value.into_iter().enumerate() {
             let at = at.index(index);

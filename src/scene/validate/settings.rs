@@ -1,4 +1,4 @@
-//! Timeline, film and light of the whole scene.
+//! Validation of the settings of a whole scene: timeline, film, light, quality and sampling.
 
 use super::{At, Problems, check};
 use crate::components::{FilmSettings, Quality, Sampling};
