@@ -1,4 +1,4 @@
-//! The `rayreel` command: arguments to settings to calls of the library, and all printing.
+//! The `rayreel` command: parses arguments, calls the library and prints the results.
 
 mod cli;
 

@@ -1,4 +1,4 @@
-//! The command line's arguments, as they are typed. Their doc comments are the text of `--help`.
+//! Command-line arguments as typed. Their doc comments are the text of `--help`.
 
 mod measuring;
 
@@ -231,17 +231,17 @@ pub(super) struct OverrideArguments {
 }
 
 impl OverrideArguments {
-    /// Returns the samples per pixel, if they are given by themselves.
+    /// Returns the samples per pixel, if an override sets that value itself.
     pub(super) fn samples(&self) -> Option<u32> {
         self.last("sampling.samples")?.value().parse().ok()
     }
 
-    /// Returns what stands in the place of a value in the end.
+    /// Returns the last override of a value, which is the effective one.
     pub(super) fn last(&self, path: &str) -> Option<Override> {
         self.all().into_iter().rfind(|value| value.path().iter().map(String::as_str).eq(path.split('.')))
     }
 
-    /// Returns all values, in the order in which they are put in.
+    /// Returns all overrides in the order of application.
     pub(super) fn all(&self) -> Vec<Override> {
         let counts = self.samples.iter().chain(&self.min_samples).chain(&self.norm).chain(&self.depth);
         counts.chain(&self.values).cloned().collect()

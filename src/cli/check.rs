@@ -69,7 +69,7 @@ fn frames(count: u32) -> String {
     if count == 1 { "1 frame".to_owned() } else { format!("{count} frames") }
 }
 
-/// A scene without mistakes.
+/// A valid scene.
 struct Good {
     /// The number of frames.
     count: u32,
@@ -83,7 +83,7 @@ enum Wrong {
     Script(Box<ScriptMistake>),
 }
 
-/// Reads a scene, prepares its first frame, one half-way and the last, and counts the frames.
+/// Loads a scene, prepares its first, middle and last frame, and counts the frames.
 fn check(path: &Path, overrides: &[Override]) -> Result<Good, Wrong> {
     let (scene, sources) = Scene::load_overridden(path, overrides).map_err(Wrong::Scene)?;
     let timeline = scene.timeline;

@@ -1,7 +1,7 @@
-//! With how many samples each frame is rendered: the scene's own, as many as an error or a deadline asks for, or those of an earlier
-//! run.
+//! Selection of the samples of each frame: by the scene, an error target, a deadline, or the settings file of an earlier run.
 //!
-//! What is chosen is written beside the frames, and read back by `--settings`: the same pictures then come without a clock.
+//! Samples selected for an error target or a deadline are written to a settings file next to the frames. `--settings` reads that file and
+//! reproduces the same pictures independently of timing.
 
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -24,64 +24,65 @@ use super::exit::Failure;
 use super::settings::RenderSettings;
 use super::settings_file::{FrameSettings, Picture, SettingsFile};
 
-/// The samples of frames.
+/// Selects the samples of each frame and records the selection.
 pub(super) struct Choice {
     by: By,
-    /// Where the chosen ones are written, and with them those of other frames in the same folder.
+    /// Record of the selected samples; it includes the entries of other frames in the same folder.
     record: Option<Record>,
     start: Instant,
-    /// When the frame in hand was begun.
+    /// Start time of the current frame.
     begun: Instant,
-    /// Its samples, if they are not the scene's own.
+    /// Samples of the current frame; `None` for the scene's own.
     samples: Option<FrameSamples>,
 }
 
-/// Who chooses.
+/// Source of the samples.
 enum By {
-    /// The scene.
+    /// The scene's own settings.
     Scene,
-    /// One for all frames.
+    /// An error target, the same for all frames.
     Error(FrameSamples),
     Deadline(Paced),
-    /// What an earlier run has written.
+    /// The settings file of an earlier run.
     Settings(SettingsFile),
 }
 
-/// What is written of the chosen samples.
+/// The settings file that this run writes.
 struct Record {
     file: PathBuf,
     settings: SettingsFile,
     scene: PathBuf,
-    /// In seconds.
+    /// The deadline in seconds, if one is given.
     deadline: Option<f64>,
-    /// The next time at which it is to be written.
+    /// Earliest time of the next intermediate write.
     due: Instant,
-    /// Whether each frame has a file of its own. Of a sheet there is all or nothing.
+    /// True if each frame has its own file. The record of a sheet is written only once the sheet is complete.
     is_of_files: bool,
-    /// The pictures that were noted.
+    /// The pictures recorded by this run.
     noted: BTreeSet<Picture>,
-    /// The frames that are not as good as they were to be, as far as their pixels tell, and those that may be worse than that.
+    /// Frames whose estimated error exceeds the target, with that error.
     worse: Vec<(String, f64)>,
+    /// Frames that may exceed the target because of features that no sample hit, with the error of those features.
     hidden: Vec<(String, f64)>,
 }
 
-/// What is told of the choice in the end.
+/// Summary of the recorded samples.
 #[derive(Debug)]
 pub(super) struct Chosen {
-    /// The file with the settings.
+    /// The settings file.
     pub(super) file: PathBuf,
-    /// The frames for which they were chosen.
+    /// Number of frames recorded by this run.
     pub(super) frames: usize,
-    /// What was not reached, in words.
+    /// Message about the missed deadline or error target, if one was missed.
     pub(super) missed: Option<String>,
 }
 
 impl Choice {
-    /// Finds out what can be had, for a run that began at `start`. `None` if it was cancelled meanwhile.
+    /// Determines the source of the samples for a run that began at `start`. Returns `None` on cancellation.
     ///
     /// # Errors
     ///
-    /// If it cannot be had, or if the settings of an earlier run cannot be read or lack a frame.
+    /// If options conflict, if the deadline is too short, or if the settings of an earlier run cannot be read or lack a frame.
     pub(super) fn new(
         arguments: &RenderArguments,
         engine: &mut Engine,
@@ -116,7 +117,7 @@ impl Choice {
         Ok(Some(Self { by, record, start, begun: start, samples: None }))
     }
 
-    /// Sets the engine up for looking whether a frame is done already.
+    /// Configures the engine for checking whether the file of a frame can be kept.
     pub(super) fn begin(&mut self, engine: &mut Engine, shot: &Shot) {
         self.begun = Instant::now();
         self.samples = match &self.by {
@@ -130,14 +131,14 @@ impl Choice {
         }
     }
 
-    /// Sets the engine up for rendering it.
+    /// Configures the engine for rendering the frame.
     pub(super) fn render(&mut self, engine: &mut Engine) {
         if let By::Deadline(paced) = &mut self.by {
             self.samples = Some(paced.begin(engine));
         }
     }
 
-    /// Notes that it was done already.
+    /// Records that the file of the frame was kept.
     pub(super) fn keep(&mut self, shot: &Shot) {
         if let By::Deadline(paced) = &mut self.by {
             paced.keep();
@@ -147,7 +148,7 @@ impl Choice {
         }
     }
 
-    /// Notes what became of it.
+    /// Records the samples and the result of the rendered frame.
     pub(super) fn end(&mut self, engine: &Engine, shot: &Shot) -> anyhow::Result<()> {
         let took = self.begun.elapsed();
         if let By::Deadline(paced) = &mut self.by {
@@ -159,20 +160,20 @@ impl Choice {
         record.write_if_due()
     }
 
-    /// Notes that a frame is written.
+    /// Records the time taken to write a frame.
     pub(super) fn written(&mut self, took: Duration) {
         if let By::Deadline(paced) = &mut self.by {
             paced.written(took);
         }
     }
 
-    /// Returns by how much the deadline is over, in words, if it is.
+    /// Returns a message if the deadline is missed.
     pub(super) fn late(&self) -> Option<String> {
         let By::Deadline(paced) = &self.by else { return None };
         paced.late(self.start.elapsed())
     }
 
-    /// Writes what was chosen beside the frames. Returns what is to be told of it, if anything was.
+    /// Writes the settings file. Returns its summary, or `None` if nothing was recorded.
     pub(super) fn finish(&mut self) -> anyhow::Result<Option<Chosen>> {
         let Some(mut record) = self.record.take().filter(|record| !record.noted.is_empty()) else {
             return Ok(None);
@@ -184,7 +185,7 @@ impl Choice {
 }
 
 impl Record {
-    /// Reads what is there of other frames.
+    /// Creates a record with the entries of the existing settings file, if there is one.
     fn new(settings: &RenderSettings, scene: &Path, deadline: Option<Duration>) -> anyhow::Result<Self> {
         let file = settings.file_of_settings();
         let known = if file.exists() {
@@ -241,12 +242,12 @@ impl Record {
         });
     }
 
-    /// Returns the samples that a frame got for the same deadline.
+    /// Returns the recorded samples of a shot, if they were selected for the same deadline.
     fn of_deadline(&self, shot: &Shot) -> Option<FrameSamples> {
         Some(self.settings.of_deadline(shot, self.deadline?)?.0)
     }
 
-    /// Notes the samples of a frame that was done already, unless more is known of it.
+    /// Records the samples of a kept frame. An existing entry stays unchanged.
     fn note_kept(&mut self, samples: Option<FrameSamples>, shot: &Shot) {
         let Some(FrameSamples { samples, max_error, rounds }) = samples else { return };
         self.noted.insert(Picture::of_shot(shot));
@@ -265,27 +266,28 @@ impl Record {
         }
     }
 
-    /// Writes what is known, with what other processes have written of other frames meanwhile.
+    /// Writes the settings file, merged with the entries that other processes have written for other frames.
     fn write(&mut self) -> anyhow::Result<()> {
         let begun = Instant::now();
-        // Others wait with their own until this is there. Where folders have no locks, nobody does.
+        // The lock makes concurrent processes update the file one after the other. On file systems without folder locks,
+        // updates are not synchronized.
         let folder = File::open(folder_of(&self.file));
         let _lock = folder.and_then(|folder| folder.lock().map(|()| folder)).ok();
         if self.file.exists() {
             self.settings.put_others(SettingsFile::read(&self.file)?, &self.noted);
         }
         self.settings.write(&self.file, &self.scene)?;
-        // It takes a thirtieth of the time at most.
+        // Limits writing to at most a thirtieth of the time.
         self.due = Instant::now() + 30 * begun.elapsed();
         Ok(())
     }
 
-    /// Writes what is known from time to time: long sequences may come to an end that nobody has foreseen.
+    /// Writes the settings file from time to time, because long runs may end unexpectedly.
     fn write_if_due(&mut self) -> anyhow::Result<()> {
         if self.is_of_files && Instant::now() >= self.due { self.write() } else { Ok(()) }
     }
 
-    /// Names the worst of the frames that are not as good as they were to be, or may not be.
+    /// Returns a message that names the worst of the frames that miss, or may miss, the error target.
     fn worse(&self) -> Option<String> {
         let worst = |frames: &[(String, f64)]| {
             let (moment, error) = frames.iter().max_by(|(_, one), (_, other)| one.total_cmp(other))?;
@@ -314,7 +316,7 @@ impl Record {
     }
 }
 
-/// Returns an error if values are set that are to be chosen.
+/// Returns an error if an override sets a value that an option selects.
 fn ensure_unset(arguments: &RenderArguments) -> anyhow::Result<()> {
     let option = match arguments {
         RenderArguments { max_error: Some(_), .. } => "--max-error",
@@ -323,7 +325,7 @@ fn ensure_unset(arguments: &RenderArguments) -> anyhow::Result<()> {
         _ => return Ok(()),
     };
     let chosen = ["sampling.max_error", "sampling.samples"];
-    // With an error they are the most that a pixel gets.
+    // With an error target, the samples are the maximum per pixel.
     let count = if arguments.max_error.is_some() { 1 } else { 2 };
     match chosen.into_iter().take(count).find_map(|path| arguments.overrides.last(path)) {
         Some(set) => Err(anyhow!("{option} decides over `{set}`: leave one of them out")),
@@ -331,7 +333,7 @@ fn ensure_unset(arguments: &RenderArguments) -> anyhow::Result<()> {
     }
 }
 
-/// Reads settings, which must have every picture that is wanted.
+/// Reads a settings file, which must cover every picture of this run.
 fn read(file: &Path, settings: &RenderSettings) -> anyhow::Result<SettingsFile> {
     let known = SettingsFile::read(file)?;
     match settings.shots().find(|shot| known.samples_of(shot).is_none()) {

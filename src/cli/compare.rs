@@ -49,18 +49,18 @@ fn load(path: &Path, transfer: Transfer) -> anyhow::Result<PictureFile> {
     PictureFile::read(path, transfer).map_err(|reason| anyhow!("cannot read `{}`: {reason}", path.display()))
 }
 
-/// The differences of two pictures.
+/// The differences between two pictures.
 struct Comparison {
     size: (u32, u32),
     is_equal: bool,
     error: FilmError,
     similarity: f64,
     flip: f64,
-    /// The relative mean square error of linear light, if both have it.
+    /// Relative mean square error of linear light, if both files contain it.
     relative_mse: Option<f64>,
-    /// The largest difference of alpha, in steps, if either has it.
+    /// Largest difference of alpha in 8-bit levels, if either file contains it.
     alpha: Option<f64>,
-    /// The largest difference of each pixel, alpha included, row by row from the top.
+    /// Largest difference of each pixel in 8-bit levels, including alpha, row by row from the top.
     differences: Vec<f64>,
 }
 
@@ -93,7 +93,7 @@ impl Comparison {
             alpha = Some(most);
         }
         let most = error.max.max(alpha.unwrap_or(0.0));
-        // Light above 1 is clamped where it is shown.
+        // Output values are clamped at 1: equal output values do not imply equal light.
         let is_same_light = light.as_ref().is_none_or(|(one, other)| one == other);
         Ok(Self {
             size,
@@ -107,7 +107,7 @@ impl Comparison {
         })
     }
 
-    /// Returns column and row of the largest difference, if there is one.
+    /// Returns the column and row of the largest difference, or `None` if there is no difference.
     fn place(&self) -> Option<(usize, usize)> {
         let most = self.differences.iter().copied().fold(0.0, f64::max);
         let index = self.differences.iter().position(|apart| *apart == most).filter(|_| most > 0.0)?;
@@ -169,12 +169,12 @@ impl Comparison {
     }
 }
 
-/// Writes a number with four digits that count.
+/// Formats a number with about four significant digits.
 fn number(value: f64) -> String {
     match value {
         0.0 => "0".to_owned(),
         small if small.abs() < 1e-3 => format!("{small:.3e}"),
-        // So that nothing but equal pictures has a similarity of 1.
+        // Only equal pictures show a similarity of 1.
         nearly if nearly < 1.0 && nearly > 0.9999 => format!("{nearly:.8}"),
         one if one.abs() < 10.0 => format!("{one:.4}"),
         large => format!("{large:.2}"),

@@ -1,4 +1,4 @@
-//! `rayreel render --deadline`: all frames within a time.
+//! `rayreel render --deadline`: renders all frames within a time limit.
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -20,26 +20,28 @@ use super::movie;
 use super::settings::RenderSettings;
 use super::settings_file::SettingsFile;
 
-/// Frames that are rendered within a time, in the order of the shots.
+/// Frames that are rendered within a time limit, in the order of the shots.
 pub(super) struct Paced {
     deadline: Arc<Mutex<Deadline>>,
+    /// Index of the current or next frame among the shots.
     place: usize,
-    /// The time of this run.
+    /// Time limit of this run, less the time that kept frames took.
     within: Duration,
 }
 
-/// The error that ends a frame early: no picture shows less.
+/// Error at which a frame ends early, in 8-bit levels. Smaller errors are invisible.
 const LEAST_ERROR: f32 = 1.0 / 1024.0;
-/// The part of the time in which frames are surveyed, and that of the first one.
+/// Fraction of the time that is spent on surveying frames.
 const SURVEY: f64 = 0.1;
+/// Fraction of the time that is spent on surveying the first frame.
 const LONG: f64 = 0.03;
 
 impl Paced {
-    /// Looks at frames to find out what they take. `None` if it was cancelled.
+    /// Surveys frames to estimate their cost. Returns `None` on cancellation.
     ///
     /// # Errors
     ///
-    /// If there is not even time for one sample per pixel.
+    /// If the time does not suffice for one sample per pixel.
     pub(super) fn new(
         engine: &mut Engine,
         (settings, known): (&RenderSettings, &SettingsFile),
@@ -86,7 +88,7 @@ impl Paced {
         Ok(Some(Self { deadline: Arc::new(Mutex::new(deadline)), place: 0, within }))
     }
 
-    /// Sets the engine up for the next frame. Returns its samples.
+    /// Configures the engine for the next frame and returns its samples.
     pub(super) fn begin(&mut self, engine: &mut Engine) -> FrameSamples {
         let samples = FrameSamples::for_error(LEAST_ERROR, Sampling::LARGEST_COUNT);
         samples.set_up(engine);
@@ -96,25 +98,25 @@ impl Paced {
         samples
     }
 
-    /// Notes that the next frame is there already.
+    /// Records that the next frame is kept.
     pub(super) fn keep(&mut self) {
         let place = self.place;
         self.locked().keep(place);
         self.place += 1;
     }
 
-    /// Notes that the frame is rendered.
+    /// Records that the current frame is rendered.
     pub(super) fn end(&mut self) {
         self.locked().end();
         self.place += 1;
     }
 
-    /// Notes that a frame is written, which took so long.
+    /// Records the time taken to write a frame.
     pub(super) fn written(&mut self, took: Duration) {
         self.locked().written(took);
     }
 
-    /// Returns by how much a time is longer than it was to be, in words.
+    /// Returns a message if a duration exceeds the time limit.
     pub(super) fn late(&self, took: Duration) -> Option<String> {
         (took > self.within).then(|| {
             format!(
@@ -130,7 +132,7 @@ impl Paced {
     }
 }
 
-/// Returns the seconds that a shot took, if it is there as it was chosen for the same deadline.
+/// Returns the seconds that a shot took, if its file is valid and its samples were selected for the same deadline.
 fn kept_seconds(
     engine: &mut Engine,
     shot: &Shot,
@@ -145,15 +147,15 @@ fn kept_seconds(
     Ok((verdict == FrameVerdict::Whole).then_some(seconds))
 }
 
-/// The frames that were surveyed.
+/// The surveyed frames.
 struct Surveyed {
     files: Vec<PathBuf>,
-    /// The seconds of the one that took the least.
+    /// Shortest time in seconds for one sample of every pixel of a frame.
     quickest: f64,
 }
 
-/// Takes a few samples of frames that are spread over the sequence, as many frames as a part of the time allows, and writes them into a folder
-/// as frames are written.
+/// Renders frames that are spread over the sequence with a few samples each, until a fraction of the time is spent, and writes them to a
+/// folder in the format of the sequence.
 fn survey(
     engine: &mut Engine,
     (shots, wanted): (&[Shot], &[usize]),
@@ -171,7 +173,7 @@ fn survey(
         let name = format!("{place}");
         let sequence = Sequence::new(folder.to_owned(), name, shot.frame.unwrap_or(0), format);
         let begun = Instant::now();
-        // The first one is looked at for longer.
+        // The first frame is surveyed for longer, to calibrate the estimates.
         let long = if surveyed.files.is_empty() { LONG * deadline.left() } else { 0.0 };
         let survey = Arc::new(Mutex::new(FrameSurvey::until(begun + Duration::from_secs_f64(long))));
         let mut surveyor = Surveyor { survey, begun, first: 0.0, writing: 0.0, refused: None };
@@ -197,12 +199,13 @@ fn survey(
     Ok(surveyed)
 }
 
-/// Hears what a surveyed frame takes.
+/// Observer that measures a surveyed frame.
 struct Surveyor {
     survey: Arc<Mutex<FrameSurvey>>,
     begun: Instant,
-    /// Seconds until there was a sample of each pixel, and of writing.
+    /// Seconds until every pixel had one sample.
     first: f64,
+    /// Seconds for encoding and writing.
     writing: f64,
     refused: Option<WriteError>,
 }
@@ -228,10 +231,10 @@ impl SequenceObserver for Surveyor {
     }
 }
 
-/// Returns an error if there is not enough time for frames that take at least so many seconds, as the quickest of those that were surveyed
-/// tells.
+/// Returns an error if the frames do not fit into the limit `within` less the elapsed time `gone`. They need at least `least` seconds, as
+/// estimated from the fastest surveyed frame.
 fn require_time(least: f64, frames: usize, within: Duration, gone: Duration) -> anyhow::Result<()> {
-    /// By how much a measurement may be wrong: what may be possible is not refused.
+    /// Assumed error factor of the measurement. A deadline that might be met is accepted.
     const WRONG: f64 = 2.0;
     if least / WRONG <= within.saturating_sub(gone).as_secs_f64() {
         return Ok(());
@@ -248,7 +251,7 @@ fn require_time(least: f64, frames: usize, within: Duration, gone: Duration) -> 
     ))
 }
 
-/// Writes a time as `90 s` or `0.4 s`.
+/// Formats a time as `90 s` or `0.4 s`.
 fn in_words(time: Duration) -> String {
     let seconds = time.as_secs_f64();
     let decimals = if seconds < 0.1 { 3 } else { usize::from(seconds < 10.0) };

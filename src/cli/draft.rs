@@ -1,23 +1,23 @@
-//! `rayreel render --draft`: reduced settings, enough to recognise a scene by.
+//! `rayreel render --draft`: reduced settings that keep a scene recognisable.
 
 use rayreel::Engine;
 use rayreel::components::{FilmSettings, Light, LightKind, Quality, Sampling};
 
 /// The divisor of the film's width and height.
 const SHRINKING: u32 = 3;
-/// The most generations of rays: enough to see through a glass. Fewer save little, and leave clear things black.
+/// Maximum ray depth, enough to see through a glass. Lower limits save little time and leave transparent objects black.
 const DEPTH: u32 = 5;
-/// The most samples of an area light: fewer leave soft shadows unrecognisable.
+/// Maximum number of samples of an area light. Fewer make soft shadows unrecognisable.
 const LIGHT_SAMPLES: u32 = 4;
 
-/// Lowers the settings that cost time, and raises none.
+/// Lowers the settings that cost time; raises none.
 pub(super) fn apply(engine: &mut Engine) {
     let world = engine.world_mut();
     for film in world.query_mut::<&mut FilmSettings>() {
         let shrunk = |side: u32| (side / SHRINKING).max(1);
         *film = FilmSettings { width: shrunk(film.width), height: shrunk(film.height), ..*film };
     }
-    // One sample is one instant, through the lens' centre.
+    // A single sample is taken at one instant, through the centre of the lens.
     for sampling in world.query_mut::<&mut Sampling>() {
         sampling.samples = 1;
         sampling.max_error = 0.0;

@@ -1,4 +1,4 @@
-//! The failures of commands, and their exit codes.
+//! Failures of commands and their exit codes.
 
 use std::process::ExitCode;
 
@@ -7,25 +7,25 @@ use rayreel::scene::{LoadError, ScriptMistake};
 
 use super::print;
 
-/// The reason why a command did not succeed.
+/// The reason for the failure of a command.
 #[derive(Debug)]
 pub(super) enum Failure {
-    /// A mistake in a scene; shown as a compiler would.
+    /// A mistake in a scene, printed in the style of compiler errors.
     Scene(LoadError),
-    /// A mistake in a script of a scene; shown likewise.
+    /// A mistake in a script of a scene, printed in the style of compiler errors.
     Script(Box<ScriptMistake>),
-    /// Anything else, with its causes.
+    /// Any other error, with its causes.
     Other(anyhow::Error),
-    /// An error of a command that exits with 1 for another reason.
+    /// An error of a command whose exit code 1 has another meaning, such as `compare`.
     Trouble(anyhow::Error),
-    /// A failure that was reported already.
+    /// A failure that is already reported.
     Reported,
-    /// Ctrl-C, or another signal that asks for an end; with the exit code of that signal.
+    /// Ctrl-C or another termination signal, with its exit code.
     Interrupted(u8),
 }
 
 impl Failure {
-    /// Returns the exit code: 1 for errors, and 2 for those of `compare`. Wrong usage exits with 2 before.
+    /// Returns the exit code: 1 for errors, 2 for errors of `compare`, or the code of a signal. Usage errors exit with 2 earlier.
     pub(super) fn code(&self) -> ExitCode {
         match self {
             Self::Interrupted(code) => ExitCode::from(*code),

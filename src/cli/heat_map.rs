@@ -1,19 +1,20 @@
-//! Numbers of pixels as colours.
+//! Heat maps of one number per pixel.
 
 use rayreel::color::{Rgb, Transfer};
 use rayreel::output::{FrameFormat, encode};
 use rayreel::trace::Film;
 
-/// Returns the PNG of a number per pixel, row by row from the top: from 0, black, over red and yellow to the largest, white.
+/// Returns a heat map of one number per pixel, row by row from the top, as PNG. Colours range from black for 0 through red and yellow to
+/// white for the largest number.
 pub(super) fn heat_map((width, height): (u32, u32), numbers: &[f64]) -> anyhow::Result<Vec<u8>> {
     let most = numbers.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     let pixels = numbers.iter().map(|number| heat(number / most));
     Ok(encode(&Film::from_pixels(width, height, pixels), Transfer::Classic, FrameFormat::default())?)
 }
 
-/// Returns the colour of a share from 0 to 1, as a body that is heated. Any share above 0 is brighter than black.
+/// Returns the heat colour of a share from 0 to 1. Every share above 0 is brighter than black.
 fn heat(share: f64) -> Rgb {
-    /// The share of the faintest that can be seen on black.
+    /// Position in the colour range of the darkest colour that is visible on black.
     const FAINT: f64 = 0.1;
     if share <= 0.0 {
         return Rgb::ZERO;

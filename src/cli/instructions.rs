@@ -1,10 +1,10 @@
-//! The instructions that the program executes, where they are counted: on Linux, if the processor has counters and the system lets
-//! programs read them. Unlike seconds they do not depend on what else the machine does.
+//! Counts of executed instructions. They are available on Linux, if the processor has counters and the system allows programs to read
+//! them. Unlike times, they do not depend on other load of the machine.
 
 #[cfg(target_os = "linux")]
 use perf_event::{Builder, Counter, events::Hardware};
 
-/// Counts the instructions of the thread that starts it, and of all threads that this one starts later.
+/// Counter of the instructions of the thread that starts it, and of all threads which that thread starts later.
 pub(super) struct Instructions {
     #[cfg(target_os = "linux")]
     counter: Option<Counter>,
@@ -18,7 +18,7 @@ impl Instructions {
         Self { counter: started.ok() }
     }
 
-    /// Returns how many there were since the start; `None` where they are not counted.
+    /// Returns the number of instructions since the start, or `None` if they are not counted.
     pub(super) fn so_far(&mut self) -> Option<u64> {
         self.counter.as_mut()?.read().ok()
     }
@@ -30,7 +30,7 @@ impl Instructions {
         Self {}
     }
 
-    /// Returns `None`: they are not counted here.
+    /// Returns `None`: instructions are not counted on this system.
     #[expect(clippy::unused_self, reason = "where there are counters, one is read")]
     pub(super) fn so_far(&mut self) -> Option<u64> {
         None

@@ -1,7 +1,7 @@
-//! Ctrl-C, and the signals by which terminals and schedulers ask for the same.
+//! Ctrl-C and the termination signals of terminals and schedulers.
 //!
-//! A signal that was ignored when the program started, as SIGHUP under `nohup`, stays so. Exit codes are as shells have them: 128
-//! and the signal's number.
+//! A signal that was ignored when the program started, such as SIGHUP under `nohup`, stays ignored. Exit codes follow the convention of
+//! shells: 128 plus the signal number.
 
 use std::panic::resume_unwind;
 use std::sync::Arc;
@@ -14,32 +14,33 @@ use anyhow::Context;
 
 use super::exit::Failure;
 
-/// Whether an interruption has come. It ends the process at once, and so does a second one: no file is ever half-written under
-/// its name. A command that ends by itself asks for the first to be [deferred](Interruption::deferred).
+/// State of interruptions. By default, an interruption ends the process at once. A command that shuts down by itself
+/// [defers](Interruption::deferred) the first interruption; a second one still ends the process. Ending it is always safe: no file is ever
+/// half-written under its final name.
 #[derive(Debug, Default)]
 pub(super) struct Interruption {
     raised: Arc<AtomicBool>,
-    /// Whether the next one ends the process.
+    /// True if the next interruption ends the process.
     ends: Arc<AtomicBool>,
-    /// The exit code of the process then.
+    /// Exit code of the process after an interruption.
     code: Arc<AtomicUsize>,
 }
 
 impl Interruption {
-    /// Starts to listen.
+    /// Installs the signal handlers.
     pub(super) fn listen() -> anyhow::Result<Self> {
         let interruption = Self { ends: Arc::new(true.into()), ..Self::default() };
         interruption.register().context("cannot listen to signals")?;
         Ok(interruption)
     }
 
-    /// Defers the first interruption from now on; it only sets the returned flag.
+    /// Defers the first interruption from now on: it only sets the returned flag.
     pub(super) fn deferred(&self) -> &AtomicBool {
         self.ends.store(false, Ordering::SeqCst);
         &self.raised
     }
 
-    /// Returns the failure of a command that was interrupted.
+    /// Returns the failure of an interrupted command.
     pub(super) fn failure(&self) -> Failure {
         Failure::Interrupted(u8::try_from(self.code.load(Ordering::SeqCst)).unwrap_or(u8::MAX))
     }
@@ -52,7 +53,7 @@ impl Interruption {
             if is_ignored(signal) {
                 continue;
             }
-            // The actions happen in this order.
+            // Actions run in the order of registration.
             flag::register_conditional_shutdown(signal, code, Arc::clone(&self.ends))?;
             flag::register_usize(signal, Arc::clone(&self.code), code.unsigned_abs() as usize)?;
             flag::register(signal, Arc::clone(&self.ends))?;
@@ -75,11 +76,11 @@ impl Interruption {
     }
 }
 
-/// The time between two looks at the flag of an interruption: short enough that nobody notices, and long enough to cost nothing.
+/// Time between two checks of the interruption flag: short enough to be imperceptible, long enough to cost nothing.
 pub(super) const POLL_INTERVAL: Duration = Duration::from_millis(10);
 
-/// Runs a task on a thread of its own, and returns its result. Returns `None` after cancellation; the thread then ends with the process,
-/// as one that waits for the reader of a full pipe cannot be stopped.
+/// Runs a task on its own thread and returns its result. Returns `None` on cancellation; the thread then ends with the process, because a
+/// thread that is blocked on a full pipe cannot be stopped.
 pub(super) fn unless_cancelled<T: Send + 'static>(
     cancelled: &AtomicBool,
     task: impl FnOnce() -> T + Send + 'static,
@@ -99,13 +100,13 @@ pub(super) fn unless_cancelled<T: Send + 'static>(
     }
 }
 
-/// Returns whether a signal is ignored, by the will of whoever started the program.
+/// Returns whether a signal is ignored, as inherited from the parent process.
 #[cfg(unix)]
 #[expect(unsafe_code, reason = "nothing safe tells what happens at a signal without changing it")]
 fn is_ignored(signal: std::ffi::c_int) -> bool {
     let mut action = std::mem::MaybeUninit::<libc::sigaction>::zeroed();
-    // SAFETY: without a new action, the call changes nothing and writes the present one to where there is room for it; zeros are
-    // a valid action, too.
+    // SAFETY: with a null pointer as the new action, the call changes nothing and writes the current action to `action`, which has
+    // room for it. A zeroed `sigaction` is valid as well.
     unsafe {
         libc::sigaction(signal, std::ptr::null(), action.as_mut_ptr()) == 0
             && action.assume_init().sa_sigaction == libc::SIG_IGN

@@ -1,4 +1,4 @@
-//! `rayreel man`: manual pages, of the same definitions as `--help`.
+//! `rayreel man`: manual pages, generated from the same definitions as `--help`.
 
 use anyhow::{Context, anyhow};
 use clap::CommandFactory;
@@ -10,7 +10,7 @@ use super::print;
 
 pub(super) fn run(arguments: &ManArguments) -> Result<(), Failure> {
     let mut all = Arguments::command();
-    // Subcommands are then called by their whole names.
+    // Sets the full names of subcommands.
     all.build();
     let command = match &arguments.command {
         None => all,

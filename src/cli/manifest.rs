@@ -1,4 +1,4 @@
-//! What a folder of frames says of itself: which scene they are of, and with which settings. `verify` reads it.
+//! The manifest of a folder of frames: the scene and the settings they were rendered with. `verify` reads it.
 
 use std::ffi::OsString;
 use std::fs;
@@ -14,21 +14,21 @@ use rayreel::scene::input::{self, Offered};
 use super::args::{Arguments, Command, RenderArguments};
 use super::settings::RenderSettings;
 
-/// The end of its name, behind that of the frames.
+/// Suffix of the file name of a manifest, after the name of the frames.
 const ENDING: &str = ".sequence.json";
 
-/// What stands in the file.
+/// Contents of the manifest file.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct Manifest {
-    /// The version that wrote it.
+    /// The version of rayreel that wrote the file.
     rayreel: String,
-    /// From the folder, where there is a way.
+    /// Path of the scene, relative to the folder where possible.
     scene: String,
-    /// The arguments of `render` on which pictures depend.
+    /// The arguments of `render` that affect pictures.
     arguments: Vec<String>,
 }
 
-/// Writes what a folder's frames are rendered from, unless it says so already.
+/// Writes the manifest of a folder, unless an equal one exists.
 pub(super) fn write(arguments: &RenderArguments, settings: &RenderSettings) -> anyhow::Result<()> {
     let file = settings.sequence.manifest();
     let folder = settings.sequence.directory();
@@ -41,7 +41,7 @@ pub(super) fn write(arguments: &RenderArguments, settings: &RenderSettings) -> a
         from_folder(folder, &arguments.scene)?.to_str().map(str::to_owned),
         picture_arguments(arguments, samples),
     ) else {
-        // Names that are no text cannot be told; `verify` then asks for them.
+        // Paths that are not UTF-8 cannot be stored. `verify` then reports a missing manifest.
         return Ok(());
     };
     let manifest = Manifest { rayreel: env!("CARGO_PKG_VERSION").to_owned(), scene, arguments: pictures };
@@ -51,7 +51,7 @@ pub(super) fn write(arguments: &RenderArguments, settings: &RenderSettings) -> a
     Ok(())
 }
 
-/// Returns the arguments with which a folder's frames were rendered: those of its only manifest, or of this scene.
+/// Returns the arguments that the frames of a folder were rendered with, from its only manifest or from the manifest of `scene`.
 pub(super) fn render_arguments(folder: &Path, scene: Option<&Path>) -> anyhow::Result<RenderArguments> {
     let file = find(folder, scene)?;
     let Manifest { scene: told, arguments, .. } = read(&file)?;
@@ -64,16 +64,16 @@ pub(super) fn render_arguments(folder: &Path, scene: Option<&Path>) -> anyhow::R
     else {
         bail!(broken());
     };
-    // It is written as seen from the folder.
+    // The stored path is relative to the folder.
     arguments.settings = arguments.settings.map(|file| folder.join(file));
     if arguments.draft {
-        // Drafts are in a folder within the one that is named.
+        // Drafts are written to a subfolder of `--out`.
         arguments.out = Some(folder_of(folder).to_owned());
     }
     Ok(arguments)
 }
 
-/// Finds the manifest of a folder; of the scene with that name, if one is given.
+/// Finds the only manifest of a folder, or the manifest of the given scene.
 fn find(folder: &Path, scene: Option<&Path>) -> anyhow::Result<PathBuf> {
     let entries =
         fs::read_dir(folder).with_context(|| format!("cannot read the folder `{}`", folder.display()))?;
@@ -97,7 +97,7 @@ fn find(folder: &Path, scene: Option<&Path>) -> anyhow::Result<PathBuf> {
 }
 
 fn read(file: &Path) -> anyhow::Result<Manifest> {
-    /// Far more than any command line has.
+    /// Maximum size in bytes, far more than any command line has.
     const MOST: u64 = 1 << 24;
     let bytes = input::read(file, Offered::Refused, MOST)
         .with_context(|| format!("cannot read `{}`", file.display()))?;
@@ -105,8 +105,8 @@ fn read(file: &Path) -> anyhow::Result<Manifest> {
         .with_context(|| format!("`{}` is not what `render` writes beside frames", file.display()))
 }
 
-/// Returns the arguments on which pictures depend, as they are typed. `samples` is the file with the samples of each frame, if they were
-/// chosen. `None` if one is no text.
+/// Returns the arguments that affect pictures, in command-line form. `samples` is the settings file, if samples were selected. Returns
+/// `None` if its path is not UTF-8.
 fn picture_arguments(arguments: &RenderArguments, samples: Option<PathBuf>) -> Option<Vec<String>> {
     let mut words = Vec::new();
     let mut add = |option: &str, value: String| words.extend([format!("--{option}={value}")]);
@@ -115,7 +115,7 @@ fn picture_arguments(arguments: &RenderArguments, samples: Option<PathBuf>) -> O
     }
     if let Some(names) = &arguments.name {
         add("name", names.to_string());
-        // The name is that of one frame.
+        // A name without a place for numbers names a single frame.
         if let Some(frames) = arguments.frames.as_ref().filter(|_| !names.have_numbers()) {
             add("frames", frames.to_string());
         }
@@ -136,7 +136,7 @@ fn picture_arguments(arguments: &RenderArguments, samples: Option<PathBuf>) -> O
     }
     let chosen = arguments.max_error.is_some();
     for value in arguments.overrides.all() {
-        // With an error they are the most that a pixel gets, and what each gets is with the chosen ones.
+        // With an error target, the samples are the maximum per pixel, which the settings file holds for each frame.
         if !(chosen && value.path() == ["sampling", "samples"]) {
             add("set", value.to_string());
         }
@@ -149,7 +149,7 @@ fn picture_arguments(arguments: &RenderArguments, samples: Option<PathBuf>) -> O
     Some(words)
 }
 
-/// Returns a file's path without detours, where it is below the working directory.
+/// Returns the path relative to the working directory, or the path unchanged if the file is elsewhere.
 fn from_here(file: PathBuf) -> PathBuf {
     let short = || {
         let here = std::env::current_dir().ok()?.canonicalize().ok()?;
@@ -158,7 +158,7 @@ fn from_here(file: PathBuf) -> PathBuf {
     short().unwrap_or(file)
 }
 
-/// Returns the way to a file from a folder, or its full path where there is none.
+/// Returns the relative path from a folder to a file, or the absolute path if the two have no common root.
 fn from_folder(folder: &Path, file: &Path) -> anyhow::Result<PathBuf> {
     let full = |path: &Path| path.canonicalize().with_context(|| format!("cannot find `{}`", path.display()));
     let (folder, file) = (full(folder)?, full(file)?);

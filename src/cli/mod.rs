@@ -1,7 +1,7 @@
-//! The command line.
+//! The command-line interface.
 //!
-//! [`args`] holds the arguments as they are typed, [`settings`] their meaning; every command has a file of its own. Results go to
-//! standard output, everything else to standard error.
+//! [`args`] defines the arguments as typed, [`settings`] holds the validated settings of `render`, and every command has its own
+//! file. Results go to standard output, everything else to standard error.
 
 mod accuracy;
 mod args;
@@ -48,7 +48,7 @@ use args::{Arguments, Command};
 use exit::Failure;
 use interrupt::Interruption;
 
-/// Runs the command that was typed.
+/// Parses the command line and runs the command.
 pub(crate) fn run() -> ExitCode {
     let Ok(arguments) =
         Arguments::try_parse().or_else(|_| match Arguments::try_parse_from(printable_arguments()) {
@@ -56,7 +56,7 @@ pub(crate) fn run() -> ExitCode {
             Ok(_) => Err(()),
         })
     else {
-        // They could be read only because others were put in their place.
+        // Parsing succeeded only with the escaped arguments.
         print::error(
             "an argument has bytes that are not UTF-8, or control characters, where text is needed: write it as text",
         );
@@ -74,14 +74,14 @@ pub(crate) fn run() -> ExitCode {
     }
 }
 
-/// Returns the arguments as messages may show them: names of files may hold anything.
+/// Returns the arguments with unprintable characters escaped, for error messages. File names may contain any bytes.
 fn printable_arguments() -> impl Iterator<Item = String> {
     std::env::args_os().map(|argument| Printable(&argument.to_string_lossy()).to_string())
 }
 
-/// Returns an error that quotes no argument at length.
+/// Truncates long arguments that an error quotes.
 fn shortened(mut error: clap::Error) -> clap::Error {
-    /// The most characters of an argument, more than in those that people write.
+    /// Maximum number of characters quoted, more than realistic arguments have.
     const LONGEST: usize = 200;
     for kind in [ContextKind::InvalidArg, ContextKind::InvalidValue, ContextKind::InvalidSubcommand] {
         if let Some(ContextValue::String(argument)) = error.get(kind)

@@ -1,4 +1,4 @@
-//! `rayreel render --movie`: one file of all frames, once they are there.
+//! `rayreel render --movie`: encodes the finished frames into one file.
 
 use std::ffi::OsString;
 use std::io::{self, BufWriter, Write};
@@ -19,24 +19,24 @@ use rayreel::trace::EncodedFilm;
 use super::interrupt::{POLL_INTERVAL, unless_cancelled};
 use super::settings::RenderSettings;
 
-/// Who makes a movie.
+/// Encoder of a movie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Maker {
     Loop(LoopFormat),
     Ffmpeg {
-        /// The format of the file, by ffmpeg's name.
+        /// Container format, as named by ffmpeg.
         container: &'static str,
         /// Arguments for the codec.
         codec: &'static [&'static str],
     },
 }
 
-/// As good as one sees, in a file that plays everywhere and while it is still being loaded.
+/// H.264 at visually lossless quality. The file plays everywhere, even while it is still loading.
 const H264: &[&str] = &["-c:v", "libx264", "-crf", "17", "-movflags", "+faststart"];
 const VP9: &[&str] = &["-c:v", "libvpx-vp9", "-crf", "20", "-b:v", "0"];
 
 impl Maker {
-    /// Returns who makes a file of this name.
+    /// Returns the encoder for the extension of a file name, or a message that lists the valid ones.
     pub(super) fn of(movie: &Path) -> Result<Self, String> {
         let ending = movie.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
         match ending.to_ascii_lowercase().as_str() {
@@ -54,7 +54,7 @@ impl Maker {
     }
 }
 
-/// Returns an error if a movie cannot be made here, before anything is rendered for it. Removes what killed processes left in its folder.
+/// Returns an error, before anything is rendered, if the movie cannot be made. Removes leftover files of killed processes from its folder.
 pub(super) fn ensure_possible(movie: &Path) -> anyhow::Result<()> {
     let maker = Maker::of(movie).map_err(|message| anyhow!(message))?;
     let folder = folder_of(movie);
@@ -78,15 +78,15 @@ pub(super) fn ensure_possible(movie: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Returns the distance of frames, `None` if it is not the same between all of them.
+/// Returns the distance between consecutive frames, or `None` if it varies.
 fn step(frames: &[u32]) -> Option<u32> {
     let mut steps = frames.windows(2).map(|pair| pair[1] - pair[0]);
     let step = steps.next().unwrap_or(1);
     steps.all(|other| other == step).then_some(step)
 }
 
-/// Returns the rate at which frames of a timeline play as fast as the timeline: frames that are equally far apart last as long as
-/// their distance.
+/// Returns the rate at which the given frames play at the speed of their timeline: equally spaced frames last as long as their distance.
+/// Unevenly spaced frames play at `rate`.
 fn played(rate: FrameRate, frames: &[u32]) -> FrameRate {
     let (numerator, denominator) = rate.parts();
     FrameRate::new(numerator, denominator.saturating_mul(step(frames).unwrap_or(1))).unwrap_or(rate)
@@ -100,7 +100,7 @@ pub(super) struct Remarks {
 }
 
 impl Remarks {
-    /// Describes a movie of frames of this size.
+    /// Collects the remarks on a movie of frames of this size.
     pub(super) fn new(
         movie: &Path,
         size: (u32, u32),
@@ -133,7 +133,7 @@ impl Remarks {
         remarks
     }
 
-    /// Describes frames that do not last as long as the timeline does.
+    /// Returns a remark if the frames are unevenly spaced or if the movie ends after the timeline.
     fn of_steps(timeline: Timeline, frames: &[u32]) -> Option<String> {
         let seconds = |frames: u32| (timeline.time_of(frames).seconds() * 1e3).round() / 1e3;
         let (count, last) = (timeline.frame_count(), *frames.last()?);
@@ -153,12 +153,12 @@ impl Remarks {
     }
 }
 
-/// Returns a size with even sides, not smaller.
+/// Rounds both sides up to even numbers.
 fn even((width, height): (u32, u32)) -> (u32, u32) {
     (width.next_multiple_of(2), height.next_multiple_of(2))
 }
 
-/// Makes a movie of the frames, which are all there. Returns `false` after cancellation; then nothing is left of it.
+/// Makes a movie of the frames, which must all be rendered. Returns `false` on cancellation; no file is left then.
 pub(super) fn make(
     movie: &Path,
     settings: &RenderSettings,
@@ -170,7 +170,7 @@ pub(super) fn make(
     make_of(movie, (files, settings.sequence.format()), played(rate, &frames), cancelled)
 }
 
-/// Makes a movie of these files. Returns `false` after cancellation; then nothing is left of it.
+/// Makes a movie of these files. Returns `false` on cancellation; no file is left then.
 pub(super) fn make_of(
     movie: &Path,
     (files, format): (Vec<PathBuf>, FrameFormat),
@@ -206,7 +206,7 @@ pub(super) fn make_of(
         Maker::Ffmpeg { container, codec } => {
             let mut command = Command::new("ffmpeg");
             command.args(arguments(codec, &first, rate)).args(["-f", container]);
-            // Otherwise a colon would end the name of a protocol, and a hyphen begin an option.
+            // Without this prefix, ffmpeg would read a colon as the end of a protocol and a leading hyphen as an option.
             let mut target = OsString::from("file:");
             target.push(partial.lend().with_context(|| unwritable.clone())?);
             command.arg(target).stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
@@ -225,8 +225,8 @@ pub(super) fn make_of(
     Ok(is_whole)
 }
 
-/// Returns ffmpeg's arguments before the file: sRGB in, BT.709 of limited range out, as players expect it, and even sides, for which a
-/// last row or column is repeated.
+/// Returns ffmpeg's arguments before the output file. The input is sRGB; the output is BT.709 of limited range, as players expect. Odd
+/// sides are made even by repeating the last column or row.
 fn arguments(codec: &[&str], first: &EncodedFilm, rate: FrameRate) -> Vec<String> {
     let (frames, seconds) = rate.parts();
     let rate = format!("{frames}/{seconds}");
@@ -270,7 +270,7 @@ fn arguments(codec: &[&str], first: &EncodedFilm, rate: FrameRate) -> Vec<String
     all.map(|word| (*word).to_owned()).collect()
 }
 
-/// Lets ffmpeg encode frames. Returns `false` after cancellation, which ends ffmpeg.
+/// Encodes frames with ffmpeg. Returns `false` on cancellation, which kills ffmpeg.
 fn encode(
     mut child: Child,
     frames: impl Iterator<Item = anyhow::Result<EncodedFilm>> + Send + 'static,
@@ -281,7 +281,7 @@ fn encode(
     let listener = thread::spawn(move || errors.map(io::read_to_string));
     let status = loop {
         let ended = child.try_wait().context("cannot wait for ffmpeg")?;
-        // Ctrl-C in a terminal ends ffmpeg, too, so that its end is looked at first.
+        // Ctrl-C in a terminal also ends ffmpeg. The exit status is read before the flag, so that such an exit counts as cancellation.
         if cancelled.load(Ordering::Relaxed) {
             let _ = child.kill();
             let _ = child.wait();
@@ -304,7 +304,7 @@ fn encode(
     Ok(true)
 }
 
-/// Gives frames to ffmpeg.
+/// Writes frames to the standard input of ffmpeg.
 fn feed(
     input: Option<ChildStdin>,
     frames: impl Iterator<Item = anyhow::Result<EncodedFilm>>,
@@ -354,7 +354,7 @@ mod tests {
             assert_eq!(told(movie, (32, 18), 50, "0-"), nothing);
             assert_eq!(told(movie, (32, 18), 60, "0-x2"), nothing);
             assert_eq!(told(movie, (32, 18), 24, "5"), nothing);
-            // As much of the timeline as is shown is there.
+            // The movie does not reach the end of the timeline.
             assert_eq!(told(movie, (32, 18), 24, "1-10x4"), nothing);
             assert!(told(movie, (32, 18), 10, "0-x3")[1].starts_with("the movie ends 0.2 s after"));
             assert!(told(movie, (32, 18), 10, "0-x3")[1].contains("with a stride of 3"));

@@ -1,4 +1,4 @@
-//! What one run does otherwise than the scene says.
+//! Overrides of the scene for one run.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use rayreel::{Effect, Engine, EngineError, Scene};
 
 use super::args::OverrideArguments;
 
-/// Loads a scene, with values in the place of some of its own, and without some effects.
+/// Loads a scene with overridden values and disabled effects.
 pub(super) fn load(scene: &Path, overrides: &OverrideArguments) -> Result<Engine, EngineError> {
     let values = overrides.all();
     let mut engine = if values.is_empty() {
@@ -20,7 +20,7 @@ pub(super) fn load(scene: &Path, overrides: &OverrideArguments) -> Result<Engine
     Ok(engine)
 }
 
-/// What is not as the scene has it.
+/// The overridden values and disabled effects of a run.
 #[derive(Clone, Debug)]
 pub(super) struct Changed {
     overrides: Vec<String>,
@@ -33,14 +33,14 @@ impl Changed {
         Self { overrides: values, without: overrides.without.clone() }
     }
 
-    /// Names it in a line, if there is anything.
+    /// Returns a line that lists the changes, or `None` if there are none.
     pub(super) fn in_words(&self) -> Option<String> {
         let without = self.without.iter().map(|effect| format!("no {effect}"));
         let changed: Vec<String> = self.overrides.iter().cloned().chain(without).collect();
         (!changed.is_empty()).then(|| format!("instead of the scene's own: {}", changed.join(", ")))
     }
 
-    /// Adds it to a report.
+    /// Adds the changes to a report.
     pub(super) fn tell(&self, report: &mut Value) {
         report["overrides"] = json!(self.overrides);
         report["without"] = self.without.iter().map(|effect| effect.name()).collect();

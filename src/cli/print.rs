@@ -1,7 +1,7 @@
-//! Printing that survives a closed pipe, knows when colours are welcome, and sends no terminal what it would obey.
+//! Printing: handles closed pipes, uses colours only where they are supported, and escapes control characters.
 //!
-//! Names, paths and texts from files may hold anything. Everything that is printed goes through here, and what a terminal could
-//! take for a command is written as an escape; only [`mistakes`] are printed as they are, and escape what they quote themselves.
+//! Names, paths and texts from files may contain any character. All output passes through this module, which escapes the characters
+//! that a terminal could interpret as a command. Only [`mistakes`] prints its text unchanged; that text is escaped when it is rendered.
 
 use std::borrow::Cow;
 use std::io::{ErrorKind, IsTerminal, Write, stderr, stdout};
@@ -12,12 +12,12 @@ use serde_json::Value;
 
 use rayreel::scene::{Printable, is_printable};
 
-/// Writes results, line by line. A reader that has gone away is no error of ours; a full disk is.
+/// Writes results to standard output. A closed pipe is not an error; a full disk is.
 pub(super) fn result(text: &str) -> anyhow::Result<()> {
     result_part(text).map(|_| ())
 }
 
-/// Writes some of the results like [`result`]. Returns whether there is still a reader for more.
+/// Writes a part of the results like [`result`]. Returns `Break` if the pipe is closed.
 pub(super) fn result_part(text: &str) -> anyhow::Result<ControlFlow<()>> {
     write_result(&escaped(text, |character| Printable(character.encode_utf8(&mut [0; 4])).to_string()))
 }
@@ -27,11 +27,11 @@ pub(super) fn result_line(text: &str) -> anyhow::Result<()> {
     result(&format!("{}\n", Printable(text)))
 }
 
-/// The version of what is said in JSON, in every object that stands alone. It is raised when a field goes or means something else; others
-/// may come at any time.
+/// Version of the JSON output, contained in every top-level object. It is raised when a field is removed or changes its meaning; fields may
+/// be added at any time.
 const JSON_VERSION: u32 = 2;
 
-/// Writes a JSON value: an object, or a list of them.
+/// Writes a JSON object or a list of JSON objects.
 pub(super) fn json(value: Value) -> anyhow::Result<()> {
     json_part(&format!("{:#}\n", versioned(value))).map(|_| ())
 }
@@ -51,8 +51,7 @@ fn versioned(mut value: Value) -> Value {
     value
 }
 
-/// Writes some JSON values like [`result_part`]. Characters that a terminal would obey are in their texts only, where they may be
-/// escaped.
+/// Writes JSON text like [`result_part`]. Control characters occur only inside strings, where they can be escaped.
 pub(super) fn json_part(text: &str) -> anyhow::Result<ControlFlow<()>> {
     write_result(&escaped(text, |character| format!("\\u{:04x}", u32::from(character))))
 }
@@ -66,7 +65,7 @@ fn write_result(text: &str) -> anyhow::Result<ControlFlow<()>> {
     }
 }
 
-/// Escapes all unprintable characters of a text but its line ends.
+/// Escapes all unprintable characters of a text except line ends.
 fn escaped(text: &str, escape: impl Fn(char) -> String) -> Cow<'_, str> {
     let stays = |character: char| character == '\n' || is_printable(character);
     if text.chars().all(stays) {
@@ -83,18 +82,18 @@ fn escaped(text: &str, escape: impl Fn(char) -> String) -> Cow<'_, str> {
     Cow::Owned(escaped)
 }
 
-/// Prints a JSON value in a line for the program that follows this one.
+/// Prints a JSON value on one line of standard error, for programs that read the progress.
 pub(super) fn error_json(value: Value) {
     let line = format!("{}\n", versioned(value));
     write_at_once(&escaped(&line, |character| format!("\\u{:04x}", u32::from(character))));
 }
 
-/// Prints a line for the person at the terminal, or the log.
+/// Prints a line on standard error, for a terminal or a log.
 pub(super) fn error_line(text: &str) {
     write_at_once(&format!("{}\n", Printable(text)));
 }
 
-/// Writes a text to standard error, which is not buffered, in one piece.
+/// Writes a text to standard error, which is unbuffered, in a single call.
 fn write_at_once(text: &str) {
     let _ = stderr().lock().write_all(text.as_bytes());
 }
@@ -104,7 +103,7 @@ pub(super) fn error(text: &str) {
     write_at_once(&format!("{} {}\n", error_word(), Printable(text)));
 }
 
-/// Prints a warning, and lines about it.
+/// Prints a warning and the lines about it.
 pub(super) fn warning(text: &str, about: &[String]) {
     let mut told = format!("{} {}\n", warning_word(), Printable(text));
     for line in about {
@@ -113,8 +112,8 @@ pub(super) fn warning(text: &str, about: &[String]) {
     write_at_once(&told);
 }
 
-/// Prints mistakes in scenes, shown as a compiler would by `render`, which is told whether colours are welcome and escapes what
-/// it shows of files: its colours are the only commands.
+/// Prints mistakes in scenes in the style of compiler errors. The argument of `render` is true if colours are allowed. `render` must
+/// escape the text it quotes from files: its colours are the only control sequences.
 pub(super) fn mistakes(render: impl FnOnce(bool) -> String) {
     write_at_once(&format!("{}\n", render(is_colorful())));
 }
@@ -125,17 +124,17 @@ fn is_colorful() -> bool {
     stderr().is_terminal() && !unwanted && !is_dumb()
 }
 
-/// Returns whether the terminal, if there is one, can do no more than print lines.
+/// Returns whether the terminal, if there is one, can only print lines.
 pub(super) fn is_dumb() -> bool {
     std::env::var_os("TERM").is_some_and(|terminal| terminal == "dumb")
 }
 
-/// Returns `error:`, as bold and red as may be.
+/// Returns `error:`, in bold red if colours are allowed.
 fn error_word() -> &'static str {
     if is_colorful() { "\u{1b}[1m\u{1b}[91merror\u{1b}[0m\u{1b}[1m:\u{1b}[0m" } else { "error:" }
 }
 
-/// Returns `warning:`, as bold and yellow as may be.
+/// Returns `warning:`, in bold yellow if colours are allowed.
 fn warning_word() -> &'static str {
     if is_colorful() { "\u{1b}[1m\u{1b}[93mwarning\u{1b}[0m\u{1b}[1m:\u{1b}[0m" } else { "warning:" }
 }

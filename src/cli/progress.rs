@@ -1,4 +1,4 @@
-//! Progress: a bar on a terminal, plain lines elsewhere, and objects for machines.
+//! Render progress: a bar on a terminal, lines elsewhere, or JSON objects for programs.
 
 use std::cell::Cell;
 use std::io::{IsTerminal, stderr};
@@ -15,49 +15,49 @@ use super::print;
 use super::report::{ShotReport, in_millions};
 use super::settings::{RenderSettings, Telling};
 
-/// Reports frames as they are done, and how far those are that take long.
+/// Reports finished frames and the progress of slow frames.
 pub(super) struct Progress {
     display: Display,
     times: FrameTimes,
-    /// The frame in hand, if it takes long.
+    /// The current frame, if it is slow.
     slow: Option<SlowFrame>,
 }
 
 enum Display {
     Bar(ProgressBar),
     Lines(LinePace),
-    /// Lines for every frame, of all that is known of it.
+    /// Lines with all details of every frame.
     Details(LinePace),
-    /// An object in a line for every frame.
+    /// A JSON object per line for every frame.
     Json,
     Nothing,
 }
 
-/// The time between lines.
+/// Rate limit of lines.
 #[derive(Debug)]
 struct LinePace {
-    /// Zero for a line for every frame.
+    /// Minimum time between lines about finished frames; zero for a line for every frame.
     apart: Duration,
     last: Cell<Option<Instant>>,
 }
 
-/// How long frames take.
+/// Frame counts and the time that frames take.
 #[derive(Debug)]
 struct FrameTimes {
-    /// How many there are, and how many are done.
     total: usize,
+    /// Number of finished frames, including kept ones.
     done: usize,
-    /// How many of these were rendered, and in how many seconds.
+    /// Number of frames that were rendered, not kept.
     rendered: usize,
+    /// Seconds that rendering those frames took.
     seconds: f64,
 }
 
-/// A frame that takes long.
+/// A slow frame.
 #[derive(Clone, Copy, Debug)]
 struct SlowFrame {
     shot: Shot,
     begun: Instant,
-    /// How far it is.
     progress: ExposureProgress,
 }
 
@@ -77,7 +77,7 @@ impl Progress {
         progress
     }
 
-    /// Reports a shot whose file was done already.
+    /// Reports a shot whose file was kept.
     pub(super) fn kept(&mut self, shot: &Shot, file: &Path) {
         self.times.done += 1;
         let FrameTimes { total, done, .. } = self.times;
@@ -96,14 +96,14 @@ impl Progress {
         }
     }
 
-    /// Reports a file that is rendered again, and what is wrong with it.
+    /// Reports a file that is rendered again, with the reason.
     pub(super) fn rejected(&self, file: &Path, verdict: &FrameVerdict) {
         if let Display::Details(_) = self.display {
             print::error_line(&format!("{} is rendered again: {verdict}", file.display()));
         }
     }
 
-    /// Reports how far a shot is that takes long.
+    /// Reports the progress of a slow shot.
     pub(super) fn rendering(&mut self, shot: &Shot, progress: ExposureProgress) {
         let now = Instant::now();
         let begun = self.slow.filter(|slow| slow.shot == *shot).map_or(now, |slow| slow.begun);
@@ -151,7 +151,7 @@ impl Progress {
         }
     }
 
-    /// Draws the bar, if there is one. The rate is that of the last frame.
+    /// Draws the bar, if there is one. `rate` is the ray rate of the last frame, or empty.
     fn draw(&self, rate: &str) {
         let Display::Bar(bar) = &self.display else { return };
         let FrameTimes { total, done, .. } = self.times;
@@ -175,15 +175,16 @@ impl FrameTimes {
         Self { total, done: 0, rendered: 0, seconds: 0.0 }
     }
 
-    /// Notes a frame that was rendered.
+    /// Records a rendered frame.
     fn note(&mut self, seconds: f64) {
         self.done += 1;
         self.rendered += 1;
         self.seconds += seconds;
     }
 
-    /// Returns what is left if the others take as long as those so far. `None` before there is one: how long the rest of a
-    /// first frame takes cannot be told from its beginning. Of the frame in hand: how long it has taken, and which share is done.
+    /// Returns the remaining time, if the remaining frames take as long on average as the rendered ones. Returns `None` before a frame is
+    /// rendered: the start of the first frame does not predict its duration. `in_hand` holds the elapsed seconds of the current frame and
+    /// its finished share, if known.
     fn left(&self, in_hand: Option<(f64, Option<f64>)>) -> Option<Duration> {
         let mean = (self.rendered > 0).then(|| self.seconds / self.rendered as f64)?;
         let all = mean * (self.total - self.done) as f64;
@@ -192,7 +193,7 @@ impl FrameTimes {
     }
 }
 
-/// Says how far a frame is.
+/// Formats the progress of a frame.
 fn so_far(progress: &ExposureProgress) -> String {
     match progress.share {
         Some(share) => format!("{:.0} %", (100.0 * share).floor()),
@@ -201,7 +202,7 @@ fn so_far(progress: &ExposureProgress) -> String {
 }
 
 impl Drop for Progress {
-    /// Removes the bar, however it ended.
+    /// Removes the bar, even after an error.
     fn drop(&mut self) {
         if let Display::Bar(bar) = &self.display {
             bar.finish_and_clear();
@@ -209,7 +210,7 @@ impl Drop for Progress {
     }
 }
 
-/// Returns a bar for work that is done quickly; hidden where none can be drawn.
+/// Returns a simple bar for quick work; hidden if bars cannot be drawn.
 pub(super) fn plain_bar(total: usize) -> ProgressBar {
     if !stderr().is_terminal() || print::is_dumb() {
         return ProgressBar::hidden();
@@ -221,7 +222,7 @@ pub(super) fn plain_bar(total: usize) -> ProgressBar {
     bar
 }
 
-/// The steps of a cell of a bar, from full to empty.
+/// Fill levels of a cell of a bar, from full to empty.
 const FILLING: &str = "█▉▊▋▌▍▎▏ ";
 
 fn bar(total: usize) -> ProgressBar {
@@ -233,26 +234,26 @@ fn bar(total: usize) -> ProgressBar {
     bar
 }
 
-/// Returns the place of a bar at a number of frames.
+/// Returns the position of a bar at a number of frames.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of frames")]
 fn steps(frames: f64) -> u64 {
-    /// How many steps a frame is.
+    /// Number of bar positions per frame.
     const STEPS: f64 = 1000.0;
     (STEPS * frames) as u64
 }
 
 impl LinePace {
-    /// The time between lines where they would scroll everything else away: on a terminal that can draw no bar. A log has a line
-    /// for every frame.
+    /// Time between lines on a terminal that cannot draw a bar, where more lines would scroll away everything else. A log gets a line for
+    /// every frame.
     const ON_DUMB_TERMINALS: Duration = Duration::from_secs(2);
-    /// The time between lines about one frame.
+    /// Time between lines about one frame.
     const WITHIN_FRAMES: Duration = Duration::from_secs(10);
 
     fn new(apart: Duration) -> Self {
         Self { apart, last: Cell::new(None) }
     }
 
-    /// Returns the pace of lines. `None` where a bar can be drawn.
+    /// Returns the rate limit of lines, or `None` if a bar can be drawn.
     fn of(is_terminal: bool, is_dumb: bool) -> Option<Self> {
         let apart = match (is_terminal, is_dumb) {
             (true, false) => return None,
@@ -262,12 +263,12 @@ impl LinePace {
         Some(Self::new(apart))
     }
 
-    /// Returns whether a line is due about a finished frame, and notes that it comes.
+    /// Returns whether a line about a finished frame is due, and if so, restarts the interval.
     fn is_due(&self, now: Instant, is_end: bool) -> bool {
         self.is_after(now, if is_end { Duration::ZERO } else { self.apart })
     }
 
-    /// Returns whether a line is due about a frame that is not finished, and notes that it comes.
+    /// Returns whether a line about an unfinished frame is due, and if so, restarts the interval.
     fn is_due_within(&self, now: Instant) -> bool {
         if self.last.get().is_none() {
             self.last.set(Some(now));
@@ -291,7 +292,7 @@ mod tests {
     #[test]
     fn dumb_terminals_have_lines_now_and_then_and_logs_have_them_all() {
         let start = Instant::now();
-        // A frame every half second, the last one right after the one before.
+        // One frame every half second, except the last, which follows at once.
         let times = [0, 500, 1000, 1500, 2000, 2500, 2501].map(|later| start + Duration::from_millis(later));
         let told = |is_terminal, is_dumb| {
             let pace = LinePace::of(is_terminal, is_dumb)?;
@@ -315,7 +316,7 @@ mod tests {
     fn the_time_left_is_that_of_frames_like_those_before() {
         let mut times = FrameTimes::new(10);
         assert_eq!((times.left(None), times.left(Some((5.0, Some(0.9))))), (None, None));
-        // Frames that were there already say nothing.
+        // Kept frames do not affect the estimate.
         times.done = 2;
         assert_eq!(times.left(None), None);
         times.note(3.0);
@@ -323,7 +324,7 @@ mod tests {
         let seconds = |in_hand| times.left(in_hand).map(|left| left.as_secs_f64());
         assert_eq!(seconds(None), Some(24.0));
         assert_eq!(seconds(Some((1.0, Some(0.5)))), Some(22.0));
-        // Where nobody knows how far it is, it takes as long as the others at least.
+        // If the finished share is unknown, the elapsed time counts, up to the mean of the other frames.
         assert_eq!((seconds(Some((1.0, None))), seconds(Some((9.0, None)))), (Some(23.0), Some(20.0)));
     }
 }

@@ -53,7 +53,7 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
         .context("cannot start the rendering threads")?;
     let chosen = pool.install(|| Choice::new(arguments, &mut engine, &settings, (start, cancelled)))?;
     let Some(mut choice) = chosen else { return Err(interruption.failure()) };
-    // What comes from a stream cannot be read again.
+    // A scene from a stream cannot be read again, so that `verify` has no use for a manifest.
     if settings.are_frames() && !is_stream(&arguments.scene) {
         manifest::write(arguments, &settings)?;
     }
@@ -67,10 +67,10 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
         }
         (None, None) => render_all(&mut engine, (&settings, &mut choice), cancelled, &mut report),
     });
-    // Ctrl-C after the last frame interrupts nothing. A reader of standard output that ends by the same signal has not seen enough.
+    // Ctrl-C after the last frame is not an interruption. A closed pipe counts as complete, unless the same Ctrl-C ended its reader.
     let unread = report.unread && !cancelled.load(Ordering::Relaxed);
     let complete = unread || report.done() == settings.count();
-    // Of a sheet there is all or nothing.
+    // An incomplete sheet is not written, and neither are its samples.
     let recorded = if complete || settings.sheet.is_none() {
         choice.finish().map(|chosen| report.chosen = chosen)
     } else {
@@ -114,7 +114,7 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
     Ok(())
 }
 
-/// Sets the engine up as the arguments want it, and returns what to render.
+/// Applies the arguments to the engine and returns the render settings.
 pub(super) fn set_up(engine: &mut Engine, arguments: &RenderArguments) -> Result<RenderSettings, Failure> {
     if arguments.draft {
         draft::apply(engine);
@@ -131,7 +131,7 @@ pub(super) fn set_up(engine: &mut Engine, arguments: &RenderArguments) -> Result
     Ok(settings)
 }
 
-/// Prints what was rendered.
+/// Prints the report, as text or as JSON.
 fn tell(
     report: &RenderReport,
     arguments: &RenderArguments,
@@ -170,7 +170,7 @@ fn tell(
     Ok(())
 }
 
-/// Prints a line about the whole run, unless `--quiet` is given: an object where programs read the progress.
+/// Prints a line about the whole run, unless `--quiet` is given. With `--progress json`, the line is a JSON object.
 fn note(arguments: &RenderArguments, text: &str) {
     match arguments.progress {
         _ if arguments.quiet => {}
@@ -179,7 +179,7 @@ fn note(arguments: &RenderArguments, text: &str) {
     }
 }
 
-/// Prints a warning, an object where programs read the progress.
+/// Prints a warning, as a JSON object with `--progress json`.
 fn warn(arguments: &RenderArguments, text: &str) {
     match arguments.progress {
         ProgressName::Json => print::error_json(json!({ "event": "warning", "message": text })),
@@ -187,7 +187,7 @@ fn warn(arguments: &RenderArguments, text: &str) {
     }
 }
 
-/// Reads the scene's texts again if there are warnings to look up in them. Mostly there are none, so that the texts are not kept.
+/// Reads the scene's source text again if there are warnings to locate in it. Warnings are rare, so the text is not kept in memory.
 fn sources_for(report: &RenderReport, arguments: &RenderArguments) -> Option<Sources> {
     if report.warnings.is_empty() || is_stream(&arguments.scene) {
         return None;
@@ -195,7 +195,7 @@ fn sources_for(report: &RenderReport, arguments: &RenderArguments) -> Option<Sou
     Scene::load_overridden(&arguments.scene, &arguments.overrides.all()).ok().map(|(_, sources)| sources)
 }
 
-/// Renders every shot that is not done. If it cannot go on, what was rendered is written.
+/// Renders every shot whose file cannot be kept. After a failure, the frames rendered so far are still written.
 fn render_all(
     engine: &mut Engine,
     (settings, choice): (&RenderSettings, &mut Choice),
@@ -214,15 +214,15 @@ fn render_all(
     outcome(refused.map(|error| Failure::Other(error.into())), rendered)
 }
 
-/// Sets the engine up for each shot, reports what becomes of it, and shows how far all are.
+/// Observer of the sequence: configures the engine for each shot, reports its result and shows the progress.
 struct Reporter<'a> {
     settings: &'a RenderSettings,
     choice: &'a mut Choice,
     report: &'a mut RenderReport,
     progress: Progress,
-    /// The shots that are rendered, and not yet written: they are written in this order.
+    /// Rendered shots that are not yet written, in the order in which they are written.
     unwritten: VecDeque<ShotReport>,
-    /// Whether chosen samples could be noted.
+    /// Result of recording the selected samples.
     noted: anyhow::Result<()>,
     refused: Option<WriteError>,
 }
@@ -275,13 +275,13 @@ impl SequenceObserver for Reporter<'_> {
     }
 }
 
-/// Names files in the folder that look like frames of the sequence and are none, and removes those that it has written itself, if that
-/// is wanted.
+/// Lists stray files: files in the folder that look like frames of the sequence but are not. With `--clean`, removes the ones that rayreel
+/// wrote.
 fn clear_up(engine: &Engine, settings: &RenderSettings, arguments: &RenderArguments) -> anyhow::Result<()> {
-    /// The most files that are named.
+    /// Maximum number of files listed.
     const MOST: usize = 5;
-    /// Leftover frames with at most this many pixels, those of 4K, are read to check who wrote them, even if the film is smaller.
-    /// Larger ones could take any amount of memory.
+    /// Stray frames with at most this many pixels (4K) are read to check that rayreel wrote them, even if the film is smaller. Larger
+    /// frames could take any amount of memory.
     const MOST_PIXELS: u64 = 3840 * 2160;
     let (film, sequence, clean) = (engine.film_settings(), &settings.sequence, arguments.clean);
     let pixels = |(width, height): (u32, u32)| u64::from(width) * u64::from(height);
@@ -332,7 +332,7 @@ fn in_files(count: usize, one: &str, several: &str) -> String {
     if count == 1 { format!("1 file {one}") } else { format!("{count} files {several}") }
 }
 
-/// Returns the first failure, and prints another one before it: a file may be refused, and rendering may stop.
+/// Combines a failure to write a file with the result of rendering. If both failed, prints the first failure and returns the second.
 fn outcome(refused: Option<Failure>, rendered: Result<(), Failure>) -> Result<(), Failure> {
     match (refused, rendered) {
         (Some(refused), Err(failure)) => {

@@ -1,4 +1,4 @@
-//! The report of a rendering, for people and for machines.
+//! The report of a run, as text and as JSON.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -16,7 +16,7 @@ use super::overrides::Changed;
 use super::settings::RenderSettings;
 use super::warnings::Warnings;
 
-/// The report of all frames of one call.
+/// The report of all frames of one run.
 #[derive(Debug)]
 pub(super) struct RenderReport {
     scene: PathBuf,
@@ -24,22 +24,22 @@ pub(super) struct RenderReport {
     size: (u32, u32),
     threads: usize,
     load: Duration,
-    /// The shots that were written, or put on the sheet, in order.
+    /// The shots that were written or added to the sheet, in order.
     pub(super) shots: Vec<ShotReport>,
-    /// The shots that were done already: frames, or `None` for a moment that is none.
+    /// The shots whose files were kept: frame numbers, or `None` for a moment that is not a frame.
     pub(super) kept: Vec<Option<u32>>,
     /// The sheet, once it is written.
     pub(super) sheet: Option<SheetReport>,
-    /// The samples that were chosen, if they were.
+    /// Summary of the recorded samples, if there are any.
     pub(super) chosen: Option<Chosen>,
     pub(super) warnings: Warnings,
     total: Duration,
     interrupted: bool,
-    /// Whether nobody reads any more what is written to standard output.
+    /// True if the reader of standard output has closed the pipe.
     pub(super) unread: bool,
 }
 
-/// The file that holds all frames.
+/// The report of the sheet that holds all frames.
 #[derive(Clone, Debug)]
 pub(super) struct SheetReport {
     pub(super) path: PathBuf,
@@ -47,7 +47,7 @@ pub(super) struct SheetReport {
     pub(super) tiles: (u32, u32),
     /// The size in pixels.
     pub(super) size: (u32, u32),
-    /// The time of encoding and writing.
+    /// Time for encoding and writing.
     pub(super) write: Duration,
 }
 
@@ -55,7 +55,7 @@ pub(super) struct SheetReport {
 #[derive(Clone, Debug)]
 pub(super) struct ShotReport {
     frame: Option<u32>,
-    /// `None` on a sheet.
+    /// Path of the frame's own file; `None` on a sheet or a stream.
     path: Option<PathBuf>,
     cost: FrameReport,
     needed: Vec<Effect>,
@@ -87,7 +87,7 @@ impl RenderReport {
         self.interrupted = interrupted;
     }
 
-    /// Returns the report as one JSON object. Lines are looked up in the sources.
+    /// Returns the report as one JSON object. The lines of warnings are looked up in `sources`.
     pub(super) fn to_json(&self, sources: Option<&Sources>) -> Value {
         let mut report = json!({
             "scene": self.scene.display().to_string(),
@@ -109,12 +109,12 @@ impl RenderReport {
         report
     }
 
-    /// Returns how many shots are done.
+    /// Returns the number of finished shots, including kept ones.
     pub(super) fn done(&self) -> usize {
         self.shots.len() + self.kept.len()
     }
 
-    /// Names the effects that any frame needed, and counts the others.
+    /// Lists the effects that any frame needed, and counts the others.
     pub(super) fn plan(&self) -> String {
         let needed = |effect: &Effect| self.shots.iter().any(|shot| shot.needed.contains(effect));
         let (needed, left_out): (Vec<_>, Vec<_>) = Effect::ALL.into_iter().partition(needed);
@@ -127,9 +127,9 @@ impl RenderReport {
         format!("needed: {names}; {others} left out (`rayreel explain` says why)")
     }
 
-    /// Names the frames that took much longer than most, the slowest first. `None` if none did.
+    /// Lists the frames that took much longer than the median, slowest first. Returns `None` if there are none.
     pub(super) fn slow_frames(&self) -> Option<String> {
-        /// The most that are named.
+        /// Maximum number of frames listed.
         const MOST: usize = 3;
         let mut shots: Vec<&ShotReport> = self.shots.iter().collect();
         shots.sort_by(|one, other| other.seconds().total_cmp(&one.seconds()));
@@ -182,13 +182,13 @@ impl SheetReport {
 }
 
 impl ShotReport {
-    /// Reports the engine's last frame, which took as much as `cost`. On a sheet it has no file of its own.
+    /// Creates the report of the engine's last frame, whose cost is `cost`. `path` is `None` if the frame has no file of its own.
     pub(super) fn new(shot: &Shot, path: Option<PathBuf>, engine: &Engine, cost: FrameReport) -> Self {
         let needed = engine.plan().into_iter().flat_map(Plan::needed).collect();
         Self { frame: shot.frame, path, cost, needed, write: Duration::ZERO }
     }
 
-    /// Returns the frame's file or, on a sheet, its number.
+    /// Returns the path of the frame's own file or, without one, its number or time.
     pub(super) fn name(&self) -> String {
         match (&self.path, self.frame) {
             (Some(path), _) => path.display().to_string(),
@@ -197,12 +197,12 @@ impl ShotReport {
         }
     }
 
-    /// Returns whether it is of this shot.
+    /// Returns whether this is the report of a shot.
     pub(super) fn is_of(&self, shot: &Shot) -> bool {
         (self.frame, self.cost.time) == (shot.frame, shot.time)
     }
 
-    /// Tells what the frame took.
+    /// Formats the times, ray counts and estimated error of the frame.
     pub(super) fn details(&self) -> String {
         let FrameReport { animate, prepare, trace, rays, error, .. } = &self.cost;
         let phases = [("animate", animate), ("prepare", prepare), ("trace", trace), ("write", &self.write)];
@@ -227,12 +227,12 @@ impl ShotReport {
         format!("{phases}; rays: {rays}{error}")
     }
 
-    /// Returns the report with the time of writing.
+    /// Returns the report with the given write time.
     pub(super) fn written(&self, write: Duration) -> Self {
         Self { write, ..self.clone() }
     }
 
-    /// Returns the time to animate, prepare and trace; writing goes on in parallel.
+    /// Returns the seconds to animate, prepare and trace. Writing is not included, as it runs in parallel.
     pub(super) fn seconds(&self) -> f64 {
         (self.cost.animate + self.cost.prepare + self.cost.trace).as_secs_f64()
     }
@@ -271,17 +271,17 @@ impl ShotReport {
     }
 }
 
-/// Returns whether a frame takes so much longer than half of all that one would want to know: twice, and a second more.
+/// Returns whether a frame is notably slow: more than twice the median, and more than a second above it.
 fn is_slow(seconds: f64, median: f64) -> bool {
     seconds > 2.0 * median && seconds > median + 1.0
 }
 
-/// Writes a count as `12.3 M`, or in thousands where that reads better.
+/// Formats a count in millions, as `12.3 M`, or in thousands if it is below a million.
 pub(super) fn in_millions(count: f64) -> String {
     if count < 1e6 { format!("{:.0} k", count / 1e3) } else { format!("{:.1} M", count / 1e6) }
 }
 
-/// Returns the peak memory of this process, where the system tells.
+/// Returns the peak memory of this process in bytes, or `None` if the system does not report it.
 fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
@@ -296,7 +296,7 @@ mod tests {
     #[test]
     fn frames_are_slow_beside_the_others() {
         assert!(is_slow(3.1, 1.5) && is_slow(1.1, 0.01));
-        // Twice as long is nothing that one would notice, or not even that.
+        // Less than a second above the median, or at most twice the median.
         assert!(!is_slow(0.9, 0.01) && !is_slow(10.0, 6.0) && !is_slow(1.0, 1.0));
     }
 }

@@ -1,4 +1,4 @@
-//! The arguments, validated and completed.
+//! Validated render settings, derived from the arguments.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -14,25 +14,25 @@ use rayreel::{Engine, Time};
 
 use super::args::{Format, ProgressName, RenderArguments};
 
-/// The pictures to make.
+/// The pictures to render.
 #[derive(Clone, Debug)]
 enum Selection {
     Moment(Time),
     Frames(FrameList, Timeline),
-    /// A shard of fewer frames than there are shards.
+    /// An empty shard: there are more shards than frames.
     Nothing,
 }
 
-/// The pictures to make, and the place to put them.
+/// The pictures to render and their destination.
 #[derive(Debug)]
 pub(super) struct RenderSettings {
     selection: Selection,
     order: RenderOrder,
     pub(super) sequence: Sequence,
     pub(super) existing: Existing,
-    /// Columns and rows of the one sheet that all pictures go to.
+    /// Columns and rows of the sheet, if all pictures go to one.
     pub(super) sheet: Option<(u32, u32)>,
-    /// How frames are written to standard output, if they are.
+    /// Format of the frames on standard output, if they go there.
     pub(super) stream: Option<VideoFormat>,
     pub(super) progress: Telling,
     pub(super) size: Option<(u32, u32)>,
@@ -88,7 +88,7 @@ impl RenderSettings {
     }
 }
 
-/// What is told of frames as they are done.
+/// The kind of progress output.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Telling {
     Auto,
@@ -110,12 +110,12 @@ impl Telling {
 }
 
 impl RenderSettings {
-    /// Returns whether they are frames, each with a file of its own.
+    /// Returns whether the pictures are frames with a file each.
     pub(super) fn are_frames(&self) -> bool {
         self.sheet.is_none() && self.stream.is_none() && !matches!(self.selection, Selection::Moment(_))
     }
 
-    /// Returns all pictures, one after the other.
+    /// Returns all pictures in the order of rendering.
     pub(super) fn shots(&self) -> Box<dyn Iterator<Item = Shot> + '_> {
         match &self.selection {
             Selection::Moment(time) => Box::new(std::iter::once(Shot { frame: None, time: *time })),
@@ -126,7 +126,7 @@ impl RenderSettings {
         }
     }
 
-    /// Returns all pictures, in the order of their times.
+    /// Returns all pictures in ascending order of time.
     pub(super) fn ascending(&self) -> Box<dyn Iterator<Item = Shot> + '_> {
         match &self.selection {
             Selection::Frames(frames, timeline) => Box::new(Shot::frames(frames, *timeline)),
@@ -139,7 +139,7 @@ impl RenderSettings {
         self.selection.count()
     }
 
-    /// Returns the file of the samples that are chosen.
+    /// Returns the path of the settings file.
     pub(super) fn file_of_settings(&self) -> PathBuf {
         if self.sheet.is_some() { self.sequence.sheet_settings() } else { self.sequence.settings() }
     }
@@ -155,7 +155,7 @@ impl Selection {
     }
 }
 
-/// Returns the format of files, and that of standard output if frames go there.
+/// Returns the format of files and, if frames go to standard output, the format of the stream.
 fn formats(arguments: &RenderArguments) -> anyhow::Result<(FrameFormat, Option<VideoFormat>)> {
     let is_stream = arguments.out.as_deref() == Some(Path::new("-"));
     if is_stream { format_of_stream(arguments) } else { Ok((format_of_files(arguments)?, None)) }
@@ -212,32 +212,32 @@ fn format_of_stream(arguments: &RenderArguments) -> anyhow::Result<(FrameFormat,
 
 /// Returns the columns and rows that `count` pictures fill.
 fn filled(columns: u32, count: usize) -> (u32, u32) {
-    // A sheet has no more than 10 000.
+    // A sheet has at most 10 000 tiles.
     let count = u32::try_from(count).unwrap_or(u32::MAX);
     (columns.min(count), count.div_ceil(columns))
 }
 
-/// Returns an error for a frame that the timeline does not have.
+/// Returns an error if the timeline has no such frame.
 pub(super) fn require_frame(index: u32, timeline: Timeline) -> anyhow::Result<()> {
     ensure!(index < timeline.frame_count(), "there is no frame {index}: {}", timeline_in_words(timeline));
     Ok(())
 }
 
-/// Gives the scene's film another size.
+/// Changes the size of the scene's film.
 pub(super) fn resize(engine: &mut Engine, (width, height): (u32, u32)) {
     for film in engine.world_mut().query_mut::<&mut FilmSettings>() {
         *film = FilmSettings { width, height, ..*film };
     }
 }
 
-/// Sets the cutoff below which rays are too faint to be followed, in steps of 8 bits.
+/// Sets the cutoff in 8-bit levels, below which rays are too faint to be traced.
 pub(super) fn set_cutoff(engine: &mut Engine, cutoff: f32) {
     for quality in engine.world_mut().query_mut::<&mut Quality>() {
         quality.cutoff = cutoff;
     }
 }
 
-/// Returns the file's name without its ending; that of standard input is `stdin`.
+/// Returns the file's name without its extension, or `stdin` for standard input.
 fn scene_name(path: &Path) -> anyhow::Result<&OsStr> {
     if is_stream(path) {
         return Ok(OsStr::new("stdin"));

@@ -1,4 +1,5 @@
-//! The file of the samples that were chosen for frames, beside them: with it they are rendered again without a clock.
+//! The settings file next to the frames, which holds the samples that were selected for each frame. With it, the same frames are rendered
+//! again independently of timing.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -12,44 +13,44 @@ use rayreel::output::write_bytes;
 use rayreel::scene::input::{self, Offered};
 use rayreel::sequence::Shot;
 
-/// The samples of frames, and what came of them.
+/// The samples that were selected for frames, and the results.
 #[derive(Debug, Default)]
 pub(super) struct SettingsFile {
     frames: BTreeMap<Picture, FrameSettings>,
 }
 
-/// Which picture it is: a frame by its number, or a moment by the bits of its time.
+/// Key of a picture: the number of a frame, or the bits of a moment's time in seconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Picture {
     Frame(u32),
     Moment(u64),
 }
 
-/// What was chosen for a frame.
+/// The samples that were selected for a frame, and the results.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct FrameSettings {
-    /// `null` for a moment that is no frame.
+    /// Number of the frame; `null` for a moment that is not a frame.
     pub(super) frame: Option<u32>,
-    /// In seconds.
+    /// Time on the timeline, in seconds.
     pub(super) time: f64,
     pub(super) samples: u32,
     pub(super) max_error: f32,
-    /// In steps of 8 bits; `null` where all pixels have so few samples that they do not tell.
+    /// Estimated error in 8-bit levels; `null` if the pixels have too few samples for an estimate.
     #[serde(default)]
     pub(super) estimated_error: Option<f64>,
     #[serde(default)]
     pub(super) samples_per_pixel: f64,
     #[serde(default)]
     pub(super) seconds: f64,
-    /// The deadline that they were chosen for, if it was one.
+    /// The deadline in seconds that the samples were selected for, if there was one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) deadline_seconds: Option<f64>,
-    /// The least gains of the rounds, if they do not follow from `max_error`.
+    /// Minimum gains of the adaptive rounds, if they do not follow from `max_error`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) rounds: Option<Vec<u32>>,
 }
 
-/// What stands in the file.
+/// Contents of the settings file.
 #[derive(Serialize, Deserialize)]
 struct Content {
     #[serde(default)]
@@ -60,10 +61,10 @@ struct Content {
 }
 
 impl SettingsFile {
-    /// Reads one.
+    /// Reads and validates a settings file.
     pub(super) fn read(file: &Path) -> anyhow::Result<Self> {
         let name = file.display();
-        /// The most bytes, of more frames than a sequence has.
+        /// Maximum size in bytes, enough for more frames than a sequence has.
         const MOST: u64 = 1 << 28;
         let bytes =
             input::read(file, Offered::Refused, MOST).with_context(|| format!("cannot read `{name}`"))?;
@@ -91,24 +92,24 @@ impl SettingsFile {
         Some(FrameSamples { samples: *samples, max_error: *max_error, rounds: rounds.clone() })
     }
 
-    /// Returns the samples that a shot got for a deadline, and the seconds that it took.
+    /// Returns the samples that were selected for a shot under this deadline, and the seconds that it took.
     pub(super) fn of_deadline(&self, shot: &Shot, deadline: f64) -> Option<(FrameSamples, f64)> {
         let frame = self.frames.get(&Picture::of_shot(shot))?;
         let is_it = frame.deadline_seconds == Some(deadline);
         is_it.then(|| self.samples_of(shot)).flatten().map(|samples| (samples, frame.seconds))
     }
 
-    /// Puts a frame in, in the place of what is known of it.
+    /// Inserts a frame, replacing its existing entry.
     pub(super) fn put(&mut self, frame: FrameSettings) {
         self.frames.insert(frame.picture(), frame);
     }
 
-    /// Puts in what another has of all pictures but these.
+    /// Inserts the entries of another file, except for the pictures in `own`.
     pub(super) fn put_others(&mut self, other: Self, own: &BTreeSet<Picture>) {
         self.frames.extend(other.frames.into_iter().filter(|(picture, _)| !own.contains(picture)));
     }
 
-    /// Writes it, whole or not at all.
+    /// Writes the file atomically.
     pub(super) fn write(&self, file: &Path, scene: &Path) -> anyhow::Result<()> {
         let content = Content {
             rayreel: env!("CARGO_PKG_VERSION").to_owned(),
@@ -126,7 +127,7 @@ impl FrameSettings {
 }
 
 impl Picture {
-    /// Returns that of a shot.
+    /// Returns the key of a shot.
     pub(super) fn of_shot(shot: &Shot) -> Self {
         Self::of(shot.frame, shot.time.seconds())
     }

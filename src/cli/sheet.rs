@@ -1,4 +1,4 @@
-//! `rayreel render --sheet`: all pictures in one.
+//! `rayreel render --sheet`: renders all pictures onto one contact sheet.
 
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -13,12 +13,12 @@ use super::progress::Progress;
 use super::report::{RenderReport, SheetReport, ShotReport};
 use super::settings::RenderSettings;
 
-/// Creates a sheet of columns and rows of films.
+/// Creates an empty sheet with the given columns and rows of films.
 pub(super) fn empty((columns, rows): (u32, u32), film: FilmSettings) -> anyhow::Result<Sheet> {
     Ok(Sheet::new(columns, rows, (film.width, film.height))?)
 }
 
-/// Renders every shot onto the sheet, and writes it at the end, unless cancelled before.
+/// Renders every shot onto the sheet and then writes it. Writes nothing on cancellation.
 pub(super) fn render(
     engine: &mut Engine,
     (settings, choice): (&RenderSettings, &mut Choice),

@@ -1,4 +1,4 @@
-//! `rayreel render --out -`: frames on standard output, as they come.
+//! `rayreel render --out -`: streams frames to standard output.
 
 use std::io::{ErrorKind, stdout};
 use std::sync::atomic::AtomicBool;
@@ -15,7 +15,7 @@ use super::progress::Progress;
 use super::report::{RenderReport, ShotReport};
 use super::settings::RenderSettings;
 
-/// Renders every shot and writes it, until cancelled or until nobody reads any more, which is no failure.
+/// Renders and writes every shot, until cancellation or until the reader closes the pipe, which is not a failure.
 pub(super) fn render(
     engine: &mut Engine,
     (settings, choice): (&RenderSettings, &mut Choice),

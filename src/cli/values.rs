@@ -1,4 +1,4 @@
-//! Values of options, as they are typed: what they mean, or what would be right.
+//! Parsers of option values. Their errors state the valid form.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -62,7 +62,7 @@ pub(super) fn parse_depth(text: &str) -> Result<Override, String> {
     parse_count("quality.depth", text)
 }
 
-/// Reads a whole number for a path; which are too small or too large the scene says.
+/// Parses an integer override of a path. Its range is checked when the scene is loaded.
 pub(super) fn parse_count(path: &str, text: &str) -> Result<Override, String> {
     let count = parse_index(text)?;
     format!("{path}={count}").parse().map_err(|error: OverrideError| error.to_string())
@@ -78,7 +78,7 @@ pub(super) fn parse_effect(text: &str) -> Result<Effect, String> {
         .ok_or_else(|| format!("the effects are {}", names()))
 }
 
-/// Reads two whole numbers with a separator between them.
+/// Parses two integers separated by one of the given characters.
 fn pair<const SIGNS: usize>(text: &str, between: [char; SIGNS]) -> Option<(u32, u32)> {
     let (first, second) = text.split_once(between)?;
     Some((first.trim().parse().ok()?, second.trim().parse().ok()?))

@@ -67,7 +67,7 @@ pub(super) fn run(arguments: &VerifyArguments, interruption: &Interruption) -> R
     if verdict.is_whole() { Ok(()) } else { Err(Failure::Reported) }
 }
 
-/// What is wrong with frames, in the order in which it is told.
+/// Returns the kinds of invalid frames with the frames of each kind, in the order of the report.
 fn kinds(verdict: &SequenceVerdict) -> [(&'static str, Option<FrameList>); 4] {
     [
         ("missing", verdict.those(|frame| *frame == FrameVerdict::Missing)),
@@ -104,7 +104,7 @@ fn tell(verdict: &SequenceVerdict, arguments: &VerifyArguments, scene: &Path) ->
     Ok(())
 }
 
-/// The most frames whose damage is described.
+/// Maximum number of frames whose damage is described.
 const MOST: usize = 10;
 
 fn torn(verdict: &SequenceVerdict) -> impl Iterator<Item = (u32, &str)> {

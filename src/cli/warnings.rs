@@ -1,4 +1,4 @@
-//! Warnings about parts of a scene that are not drawn as described.
+//! Warnings about parts of a scene that are not rendered as described.
 
 use std::collections::HashSet;
 use std::mem::discriminant;
@@ -11,10 +11,10 @@ use rayreel::{Engine, Entity, Fault, World};
 
 use super::print;
 
-/// The most warnings that are listed; further entities are only counted.
+/// Maximum number of warnings listed; further entities are only counted.
 const MOST: usize = 10;
 
-/// The faults of some moments.
+/// Faults collected over several moments.
 #[derive(Debug, Default)]
 pub(super) struct Warnings {
     listed: Vec<Warning>,
@@ -22,20 +22,21 @@ pub(super) struct Warnings {
     others: HashSet<Entity>,
 }
 
-/// A fault, at one moment or several.
+/// A fault that occurs at one or more moments.
 #[derive(Debug)]
 struct Warning {
     fault: Fault,
     whose: Whose,
-    /// The first moment, and below the number of further ones.
+    /// The first moment of the fault.
     moment: String,
+    /// Number of further moments with the fault.
     more: usize,
 }
 
 /// The owner of a fault.
 #[derive(Debug)]
 enum Whose {
-    /// An entity, with its name and its place in document order, if it has them.
+    /// An entity, with its name and its index in document order, if it has them.
     Entity(Option<String>, Option<usize>),
     /// A camera, by its name.
     Camera(String),
@@ -63,7 +64,7 @@ impl Whose {
 
     fn text(&self) -> String {
         match self {
-            // As in the scene file: a name may hold anything.
+            // Quoted as in the scene file: a name may contain any character.
             Self::Entity(Some(name), _) => format!("{name:?}"),
             Self::Entity(None, Some(order)) => format!("entity #{order}"),
             Self::Entity(None, None) => "an entity".to_owned(),
@@ -75,7 +76,7 @@ impl Whose {
 }
 
 impl Warnings {
-    /// Takes note of what is wrong at the engine's moment, which is called `moment`.
+    /// Collects the faults at the engine's current moment, which is reported as `moment`.
     pub(super) fn look(&mut self, engine: &Engine, moment: &str) {
         for fault in engine.faults() {
             let same = |known: &&mut Warning| {
@@ -97,7 +98,7 @@ impl Warnings {
         self.listed.is_empty()
     }
 
-    /// Writes the number of warnings, as `, 3 warnings`; nothing for none.
+    /// Formats the number of warnings as `, 3 warnings`, or as an empty string if there are none.
     pub(super) fn count(&self) -> String {
         match self.listed.len() + self.others.len() {
             0 => String::new(),
@@ -106,7 +107,7 @@ impl Warnings {
         }
     }
 
-    /// Prints the warnings; those of entities that are in the sources, with their lines.
+    /// Prints the warnings, with line numbers for entities found in `sources`.
     pub(super) fn tell(&self, sources: Option<&Sources>) {
         for Warning { fault, whose, moment, more } in &self.listed {
             let line = sources.and_then(|sources| whose.line(sources));
@@ -126,7 +127,7 @@ impl Warnings {
         }
     }
 
-    /// Prints the warnings like [`Self::tell`], each as an object for programs that read the progress.
+    /// Prints the warnings like [`Self::tell`], but each as a JSON object for programs that read the progress.
     pub(super) fn tell_events(&self, sources: Option<&Sources>) {
         let Value::Array(warnings) = self.to_json(sources) else { return };
         for mut warning in warnings {

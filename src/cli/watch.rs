@@ -19,7 +19,7 @@ use super::interrupt::Interruption;
 use super::print;
 use super::report::in_millions;
 
-/// The longest time that Ctrl-C goes unnoticed.
+/// Maximum delay until Ctrl-C is noticed.
 const ATTENTION: Duration = Duration::from_millis(50);
 
 pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Result<(), Failure> {
@@ -38,10 +38,10 @@ pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Re
         finish: arguments.out.is_some(),
     };
     let mut told = 0;
-    // It ends with the program, which does not wait for its reading or rendering; it writes nothing.
+    // The session ends with the program, which does not wait for loading or rendering. The session writes no files.
     let session = ManuallyDrop::new(Session::start(settings, move |event| {
         if is_worth_telling(&event, &mut told) {
-            // The receiver is gone when the program ends.
+            // The receiver is dropped when the program ends.
             let _ = sender.send(event);
         }
     }));
@@ -65,18 +65,18 @@ pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Re
     Err(interruption.failure())
 }
 
-/// Returns whether to report an event: of pictures only the first full one after each reload, which `told` remembers. The others
-/// are for those who look at the page.
+/// Returns whether to report an event. Only the first full picture after each reload is reported; the other pictures appear only on the
+/// page. `told` holds the reload count of the last reported picture.
 fn is_worth_telling(event: &Event, told: &mut u64) -> bool {
     let Event::Shown(shown) = event else { return true };
     shown.info.full && std::mem::replace(told, shown.info.reloads.max(*told)) < shown.info.reloads
 }
 
-/// Reports events, and writes the current frame to a file.
+/// Reports events and writes the current frame to a file.
 struct Teller {
     scene: String,
     out: Option<(PathBuf, FrameFormat)>,
-    /// Whether there has been a good scene.
+    /// True once a scene has been loaded without mistakes.
     good: bool,
 }
 

@@ -1,17 +1,18 @@
-//! The price and the worth of every effect, as bars side by side.
+//! Bar chart of the cost and the worth of every effect, side by side.
 
 use std::fmt::Write;
 
 use super::chart::escaped;
 
-/// An effect's two numbers.
+/// The cost and the worth of an effect.
 pub(super) struct Bar {
     pub(super) name: String,
-    /// The part of the time that it takes, and how far that scatters.
+    /// Fraction of the time that the effect takes.
     pub(super) share: f64,
+    /// Deviation of `share` between measurements.
     pub(super) deviation: f64,
     pub(super) share_in_words: String,
-    /// The RMS error without it.
+    /// RMS error without the effect, in 8-bit levels.
     pub(super) error: f64,
     pub(super) error_in_words: String,
 }
@@ -19,12 +20,14 @@ pub(super) struct Bar {
 const WIDTH: f64 = 720.0;
 const TOP: f64 = 30.0;
 const ROW: f64 = 26.0;
-/// The end of names, the beginning of the bars of both halves, and the length of the longest bar of each.
+/// Right edge of the names.
 const NAMES: f64 = 118.0;
+/// Left edges of the bars of both halves.
 const STARTS: [f64; 2] = [126.0, 440.0];
+/// Length of the longest bar of each half, without its label.
 const LONGEST: f64 = 200.0;
 
-/// Draws the bars, from the most expensive effect to the cheapest, as SVG with classes in the place of colours.
+/// Draws the bars as SVG, from the most expensive effect to the cheapest. Colours are given as CSS classes.
 pub(super) fn svg(bars: &mut [Bar]) -> String {
     bars.sort_by(|one, other| other.share.total_cmp(&one.share));
     let height = TOP + ROW * bars.len() as f64 + 6.0;

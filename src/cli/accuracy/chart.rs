@@ -1,20 +1,20 @@
-//! Errors as drawings: on logarithmic axes, in the page's own colours.
+//! Charts of errors on logarithmic axes, in the colours of the page.
 
 use std::fmt::Write;
 
 use super::labels::{Area, place};
 
-/// A mark at a place.
+/// A mark on a chart.
 #[derive(Clone, Debug)]
 pub(super) struct Mark {
     pub(super) x: f64,
     pub(super) y: f64,
-    /// From where to where x may be.
+    /// Lowest and highest value of `x`, if it is uncertain.
     pub(super) reach: Option<(f64, f64)>,
     pub(super) form: Form,
-    /// What it is, on being pointed at.
+    /// Text of the tooltip.
     pub(super) title: String,
-    /// A few words near it.
+    /// Text of the label near the mark.
     pub(super) label: Option<String>,
 }
 
@@ -26,31 +26,32 @@ pub(super) enum Form {
     Star,
 }
 
-/// Marks of one colour, joined if they follow each other.
+/// Marks of one colour.
 #[derive(Clone, Debug)]
 pub(super) struct Series {
     pub(super) name: String,
     pub(super) marks: Vec<Mark>,
+    /// True if a line joins the marks.
     pub(super) joined: bool,
 }
 
-/// A drawing of several series.
+/// A chart of several series.
 #[derive(Clone, Debug)]
 pub(super) struct Chart<'a> {
     pub(super) title: &'a str,
     pub(super) x: &'a str,
     pub(super) y: &'a str,
     pub(super) series: Vec<Series>,
-    /// Lines through places, dashed.
+    /// Dashed polylines.
     pub(super) lines: Vec<Vec<(f64, f64)>>,
-    /// A place through which a dotted line goes that falls as n^-1/2.
+    /// A point on a dotted line that falls as n^-1/2.
     pub(super) guide: Option<(f64, f64)>,
-    /// Below this nothing is known.
+    /// Uncertainty of the reference; smaller errors cannot be measured.
     pub(super) floor: Option<f64>,
     pub(super) layout: Layout,
 }
 
-/// Where the axes are on a drawing.
+/// Size of a chart, which determines the positions of its axes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
     width: f64,
@@ -58,9 +59,9 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// As wide as a page.
+    /// A chart as wide as the page.
     pub(super) const WIDE: Self = Self { width: 720.0, height: 400.0 };
-    /// Half of that.
+    /// A chart about half as wide as the page.
     pub(super) const NARROW: Self = Self { width: 420.0, height: 270.0 };
     const LEFT: f64 = 62.0;
     const TOP: f64 = 16.0;
@@ -74,7 +75,7 @@ impl Layout {
     }
 }
 
-/// A logarithmic axis.
+/// A logarithmic axis, between two base-10 logarithms.
 #[derive(Clone, Copy, Debug)]
 struct Axis {
     from: f64,
@@ -82,7 +83,7 @@ struct Axis {
 }
 
 impl Axis {
-    /// Returns one over all values above 0.
+    /// Returns an axis that covers all finite values above 0, with a margin.
     fn over(values: impl Iterator<Item = f64>) -> Self {
         let positive = values.filter(|value| *value > 0.0 && value.is_finite()).map(libm::log10);
         let (from, to) = positive
@@ -94,14 +95,14 @@ impl Axis {
         Self { from: from - room, to: to + room }
     }
 
-    /// Returns which part of the way a value is.
+    /// Returns the position of a value along the axis, where 0 and 1 are the ends. It is clamped just outside of them.
     fn share(self, value: f64) -> f64 {
         ((libm::log10(value) - self.from) / (self.to - self.from)).clamp(-0.02, 1.02)
     }
 
-    /// Returns round values, with labels where there is room and empty ones elsewhere: 1, 2 and 5 times powers of ten.
+    /// Returns the ticks at 1, 2 and 5 times powers of ten, with their labels. Labels are empty where there is no room.
     fn ticks(self) -> Vec<(f64, String)> {
-        /// Decades over which other digits are labelled too.
+        /// Length of an axis, in decades, below which 2 and 5 are labelled as well.
         const SHORT: f64 = 2.2;
         let mut ticks = Vec::new();
         let mut power = self.from.floor();
@@ -119,7 +120,7 @@ impl Axis {
     }
 }
 
-/// Writes a number in a few characters.
+/// Formats a number in a few characters.
 fn short(value: f64) -> String {
     if (1e-3..1e5).contains(&value) {
         let decimals = (-libm::log10(value) - 1e-9).ceil().max(0.0);
@@ -131,7 +132,7 @@ fn short(value: f64) -> String {
     }
 }
 
-/// A drawing's layout with its axes.
+/// The layout and the axes of a chart.
 struct Plot {
     layout: Layout,
     x: Axis,
@@ -139,7 +140,7 @@ struct Plot {
 }
 
 impl Plot {
-    /// Returns the place of a value and an error, to the right and down.
+    /// Returns the position of a value and an error on the chart; x points right and y points down.
     fn place(&self, (value, error): (f64, f64)) -> (f64, f64) {
         let Self { layout, x, y } = self;
         let across = Layout::LEFT + x.share(value) * (layout.right() - Layout::LEFT);
@@ -152,7 +153,7 @@ impl Plot {
         let _ = writeln!(svg, "<polyline class=\"{class}\" points=\"{}\"/>", points.join(" "));
     }
 
-    /// Returns small areas along a line, which labels are not to cover.
+    /// Returns small areas along a line, which labels must not cover.
     fn along(&self, line: &[(f64, f64)]) -> Vec<Area> {
         const BETWEEN: f64 = 5.0;
         let pieces = line.windows(2).flat_map(|ends| {
@@ -191,7 +192,7 @@ impl Plot {
         );
     }
 
-    /// Covers where nothing is known.
+    /// Shades the area of errors below the floor.
     fn floor(&self, svg: &mut String, floor: f64) {
         let (left, (_, top)) = (Layout::LEFT, self.place((1.0, floor)));
         let (width, height) = (self.layout.right() - left, (self.layout.bottom() - top).max(0.0));
@@ -223,7 +224,7 @@ impl Plot {
         };
     }
 
-    /// Returns the ends of the line that falls as n^-1/2 through a place, as far as it is on the drawing.
+    /// Returns the ends of the line through a point that falls as n^-1/2, clipped to the chart.
     fn guide(&self, (x, y): (f64, f64)) -> Option<[(f64, f64); 2]> {
         let (x, y) = (libm::log10(x), libm::log10(y));
         let first = self.x.from.max(x + 2.0 * (y - self.y.to));
@@ -232,11 +233,11 @@ impl Plot {
         (first < last).then(|| [at(first), at(last)])
     }
 
-    /// Writes labels near places, and lines to those that are further away.
+    /// Draws labels near their points, and leader lines to distant labels.
     fn labels(&self, svg: &mut String, labels: &[((f64, f64), &str)], obstacles: &[Area]) {
-        /// The largest distance at which a label needs no line.
+        /// Maximum distance of a label without a leader line.
         const NEAR: f64 = 12.0;
-        /// The height of letters below their line.
+        /// Descent of letters below the baseline.
         const BELOW: f64 = 3.0;
         let within = Area {
             left: Layout::LEFT,
@@ -256,7 +257,7 @@ impl Plot {
     }
 }
 
-/// Returns the path of a star with five points.
+/// Returns the SVG path of a star with five points.
 fn star((x, y): (f64, f64)) -> String {
     let corner = |corner: u8| {
         let radius = if corner.is_multiple_of(2) { 7.0 } else { 3.0 };
@@ -274,7 +275,7 @@ fn text(svg: &mut String, (x, y): (f64, f64), anchor: &str, text: &str) {
 }
 
 impl Chart<'_> {
-    /// Writes the drawing as SVG, with classes in the place of colours.
+    /// Returns the chart as SVG, followed by its legend. Colours are given as CSS classes.
     pub(super) fn svg(&self) -> String {
         let marks = || self.series.iter().flat_map(|series| &series.marks);
         let reaches = marks().flat_map(|mark| mark.reach.map_or([mark.x; 2], |(low, high)| [low, high]));
@@ -306,7 +307,7 @@ impl Chart<'_> {
             others.for_each(|mark| plot.mark(&mut svg, mark));
             svg += "</g>\n";
         }
-        // Above all others.
+        // Stars are drawn above all other marks.
         for (index, series) in self.series.iter().enumerate() {
             let _ = writeln!(svg, "<g class=\"{}\">", color(index));
             let stars = series.marks.iter().filter(|mark| mark.form == Form::Star);
@@ -323,7 +324,7 @@ impl Chart<'_> {
         let obstacles: Vec<Area> =
             places.iter().map(|place| Area::around(*place, 5.0)).chain(on_lines).collect();
         let labelled = marks().zip(&places).filter_map(|(mark, at)| Some((*at, mark.label.as_deref()?)));
-        // Near its end marks are few.
+        // The label of the guide is near its end, where marks are few.
         let near_end = |first: f64, last: f64| first * libm::pow(last / first, 0.9);
         let at =
             guide.map(|[(x, y), (last_x, last_y)]| plot.place((near_end(x, last_x), near_end(y, last_y))));
@@ -349,12 +350,12 @@ impl Chart<'_> {
     }
 }
 
-/// Returns the class of a series' colour, of which there are nine.
+/// Returns the CSS class of a series' colour. There are nine colours.
 fn color(index: usize) -> String {
     format!("s{}", index % 9)
 }
 
-/// Writes a text as HTML has it.
+/// Escapes a text for HTML.
 pub(super) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

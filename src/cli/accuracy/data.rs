@@ -1,4 +1,4 @@
-//! The measurements for other programs.
+//! The measurements as JSON and CSV.
 
 use anyhow::Context;
 use serde_json::{Value, json};
@@ -82,7 +82,7 @@ fn spread(spread: &Spread) -> Value {
     json!({ "median": spread.median, "low": spread.low, "high": spread.high })
 }
 
-/// Equal films have no PSNR.
+/// Returns an error as JSON. Equal films have no PSNR.
 fn error(error: &FilmError, compared: Option<(f64, (f64, f64))>) -> Value {
     let psnr = Some(error.psnr()).filter(|psnr| psnr.is_finite());
     let mut told = json!({ "max": error.max, "rms": error.rms, "psnr": psnr, "share_off": error.share_off });
@@ -94,7 +94,7 @@ fn error(error: &FilmError, compared: Option<(f64, (f64, f64))>) -> Value {
     told
 }
 
-/// The columns of a table, and where their values are in a report and in its rows.
+/// Names of the CSV columns, and the JSON pointers to their values in a row or, failing that, in the report.
 const COLUMNS: [(&str, &str); 40] = [
     ("scene", "/scene"),
     ("version", "/machine/rayreel"),
@@ -138,7 +138,7 @@ const COLUMNS: [(&str, &str); 40] = [
     ("pareto", "/pareto"),
 ];
 
-/// Returns the rows as CSV, with a line of names.
+/// Returns the rows as CSV, with a header line.
 pub(super) fn csv(measured: &Measured) -> anyhow::Result<Vec<u8>> {
     let report = json(measured);
     let mut writer = csv::Writer::from_writer(Vec::new());

@@ -1,4 +1,4 @@
-//! The measurements as a page that needs nothing else: for a paper, a lecture, or oneself.
+//! The measurements as a self-contained HTML page.
 
 use std::fmt::Write;
 
@@ -20,10 +20,10 @@ use super::table::{
 };
 
 const STYLE: &str = include_str!("page.css");
-/// How much brighter differences are shown than they are.
+/// Brightness factor of difference pictures.
 const BRIGHTER: f64 = 8.0;
 
-/// Returns the page.
+/// Returns the HTML page.
 pub(super) fn page(measured: &Measured, transfer: Transfer) -> anyhow::Result<String> {
     let title = format!("What accuracy costs in {}", measured.scene);
     let report = &measured.report;
@@ -59,7 +59,7 @@ fn head(page: &mut String, measured: &Measured) {
     line(&measured.machine.in_words());
 }
 
-/// The picture as the scene has it, as it would be without error, and what is between them.
+/// Returns the figures of the scene's own picture, the reference and their difference.
 fn pictures(report: &Report, transfer: Transfer) -> anyhow::Result<String> {
     let own = report.own();
     let Some(film) = &own.film else { return Ok(String::new()) };
@@ -93,7 +93,7 @@ fn figure(film: &Film, transfer: Transfer, caption: &str) -> anyhow::Result<Stri
     ))
 }
 
-/// Returns what differs in two films: by how many steps of 8 bits, so many times as bright.
+/// Returns the absolute difference of the output values of two films, multiplied by `times`.
 fn difference(film: &Film, other: &Film, transfer: Transfer, times: f64) -> Film {
     let pixels = film.pixels().iter().zip(other.pixels()).map(|(pixel, other)| {
         let [values, others] = [*pixel, *other].map(|pixel| DVec3::from(transfer.encode_unrounded(pixel)));
@@ -102,7 +102,7 @@ fn difference(film: &Film, other: &Film, transfer: Transfer, times: f64) -> Film
     Film::from_pixels(film.width(), film.height(), pixels)
 }
 
-/// All settings by time and error.
+/// Returns the chart of all settings by time and error.
 fn overview(report: &Report) -> Chart<'_> {
     let mark = |row: &Row| Mark {
         x: row.seconds.median,
@@ -160,7 +160,7 @@ fn overview(report: &Report) -> Chart<'_> {
     }
 }
 
-/// What is drawn for no error at all, which has no logarithm.
+/// Error that is drawn for an error of 0, which has no logarithm.
 const LEAST: f64 = 1e-4;
 
 fn table(measured: &Measured) -> String {
@@ -186,7 +186,7 @@ fn table(measured: &Measured) -> String {
     table + "<p class=\"dim\">Errors are in steps of 8 bits. Alone: what is due to this knob only.</p>\n"
 }
 
-/// The price and the worth of each effect.
+/// Returns the section on the cost and the worth of each effect.
 fn effects(report: &Report, transfer: Transfer) -> anyhow::Result<String> {
     if report.without().next().is_none() {
         return Ok(String::new());
@@ -201,7 +201,7 @@ fn effects(report: &Report, transfer: Transfer) -> anyhow::Result<String> {
     for row in report.without() {
         let Subject::Without(effect) = row.subject else { continue };
         let share = row.share();
-        // 0 is what is known of an effect that takes less than times scatter.
+        // A clamped share of 0 means that the effect takes less time than measurements scatter.
         let price = format!("{}{}", percent(share.median), if share.is_clamped { " †" } else { "" });
         bars.push(Bar {
             name: effect.name().to_owned(),
@@ -237,11 +237,11 @@ fn effects(report: &Report, transfer: Transfer) -> anyhow::Result<String> {
     Ok(format!("<h2>Effects</h2>\n{}{text}", bars::svg(&mut bars)))
 }
 
-/// Explains the mark of shares that are 0.
+/// Explanation of the mark of clamped shares.
 const CLAMPED: &str =
     "<p class=\"dim\">† less than times scatter: without it frames took no less time.</p>\n";
 
-/// Every knob's curve.
+/// Returns the section with a chart of the error for each knob.
 fn knobs(report: &Report) -> String {
     let mut text = "<h2>Knobs</h2>\n<div class=\"charts\">\n".to_owned();
     for knob in Knob::ALL.into_iter().filter(|knob| *knob != Knob::Precision) {

@@ -1,6 +1,6 @@
-//! Labels of marks in drawings, which cover neither each other nor marks.
+//! Placement of labels in charts, so that they cover neither each other nor the marks.
 
-/// A rectangle, x to the right and y down.
+/// A rectangle; x points right and y points down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Area {
     pub(super) left: f64,
@@ -10,7 +10,7 @@ pub(super) struct Area {
 }
 
 impl Area {
-    /// Returns the surroundings of a place.
+    /// Returns the square around a point, with sides of twice `radius`.
     pub(super) fn around((x, y): (f64, f64), radius: f64) -> Self {
         Self { left: x - radius, top: y - radius, right: x + radius, bottom: y + radius }
     }
@@ -29,26 +29,29 @@ impl Area {
             && self.bottom >= other.bottom
     }
 
-    /// Returns the place in it that is nearest to another one.
+    /// Returns the point of the area that is nearest to the given point.
     pub(super) fn nearest(&self, (x, y): (f64, f64)) -> (f64, f64) {
         (x.clamp(self.left, self.right), y.clamp(self.top, self.bottom))
     }
 }
 
-/// The width of a character and the height of a line, in the font of drawings; and the room to both sides of a label.
+/// Width of a character in the font of charts.
 const CHARACTER: f64 = 6.6;
+/// Height of a line in the font of charts.
 const LINE: f64 = 13.0;
+/// Space on both sides of a label.
 const MARGIN: f64 = 3.0;
 
-/// Finds room for labels within an area: each as near to its place as those before it and the obstacles leave, the first direction
-/// being to the right and up. `None` for those for which there is no room.
+/// Places labels within an area. Each label is put as near to its point as the obstacles and the labels before it allow; the first
+/// direction tried is to the upper right. Labels without room get `None`.
 pub(super) fn place(labels: &[((f64, f64), &str)], obstacles: &[Area], within: Area) -> Vec<Option<Area>> {
-    /// Directions that are tried.
+    /// Number of directions tried.
     const DIRECTIONS: u16 = 16;
-    /// The least distance from a mark, and the step between those that are tried.
+    /// Minimum distance from a mark.
     const NEAREST: f64 = 7.0;
+    /// Step between the distances tried.
     const STEP: f64 = 6.0;
-    /// The number of distances that are tried.
+    /// Number of distances tried.
     const DISTANCES: u16 = 30;
     let mut taken = obstacles.to_vec();
     let candidates = |(x, y): (f64, f64), text: &str| {
@@ -82,7 +85,7 @@ pub(super) fn place(labels: &[((f64, f64), &str)], obstacles: &[Area], within: A
 mod tests {
     use super::*;
 
-    /// Marks in clusters, as settings with nearly the same time and error are.
+    /// Places labels at clustered marks, as made by settings with nearly the same time and error.
     #[test]
     fn labels_cover_neither_each_other_nor_marks() {
         let within = Area { left: 0.0, top: 0.0, right: 640.0, bottom: 340.0 };

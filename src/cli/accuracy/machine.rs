@@ -1,10 +1,10 @@
-//! On what it was measured.
+//! The machine and the program version of a measurement.
 
 use serde_json::{Value, json};
 
-/// The machine and the program.
+/// The machine and the program version.
 pub(super) struct Machine {
-    /// The processor's name, where the system tells it.
+    /// Name of the processor, or its architecture if the name is unknown.
     processor: String,
     system: String,
     threads: usize,
@@ -12,7 +12,7 @@ pub(super) struct Machine {
 }
 
 impl Machine {
-    /// Returns this one, with so many threads.
+    /// Returns the current machine with the given number of threads.
     pub(super) fn this(threads: usize) -> Self {
         let system = format!("{} {}", std::env::consts::OS, std::env::consts::ARCH);
         let processor = processor().unwrap_or_else(|| std::env::consts::ARCH.to_owned());

@@ -1,6 +1,6 @@
 //! `rayreel accuracy`
 //!
-//! [`rayreel::accuracy`] measures; [`table`], [`data`] and [`html`] tell, and [`progress`] while it takes.
+//! [`rayreel::accuracy`] measures, [`progress`] shows the progress, and [`table`], [`data`] and [`html`] format the results.
 
 mod bars;
 mod chart;
@@ -31,16 +31,16 @@ use super::write_file::{ensure_not_the_scene, write_file};
 use machine::Machine;
 use progress::MeasureProgress;
 
-/// The most frames that are measured.
+/// Maximum number of frames measured.
 const MOST_FRAMES: u32 = 8;
 
-/// What has been measured, and where.
+/// The measurements of a scene, with the machine they were made on.
 struct Measured {
     scene: String,
     changed: Changed,
     machine: Machine,
     is_quick: bool,
-    /// The number of chosen frames, if those are only some of them.
+    /// Number of chosen frames, if not all of them were measured.
     spread_over: Option<usize>,
     report: Report,
 }
@@ -95,7 +95,7 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
     tell(&measured, arguments, &engine)
 }
 
-/// Returns the PNG of the samples of the last picture's pixels, by powers of two.
+/// Returns a PNG heat map of the samples per pixel of the last picture, on a logarithmic scale.
 fn sample_map(engine: &Engine) -> anyhow::Result<Vec<u8>> {
     let FilmSettings { width, height, .. } = engine.film_settings();
     let mut counts = engine.sample_counts();
@@ -106,7 +106,7 @@ fn sample_map(engine: &Engine) -> anyhow::Result<Vec<u8>> {
     heat_map((width, height), &powers)
 }
 
-/// Returns the frames to measure: the middle one, unless others are asked for.
+/// Returns the frames to measure, by default the middle one. Also returns the number of chosen frames, if not all of them are measured.
 fn frames(arguments: &AccuracyArguments, engine: &Engine) -> anyhow::Result<(Vec<u32>, Option<usize>)> {
     let timeline = engine.timeline();
     let Some(list) = &arguments.frames else { return Ok((vec![timeline.frame_count() / 2], None)) };

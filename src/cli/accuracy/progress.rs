@@ -1,4 +1,4 @@
-//! What is being measured, and how long it still takes.
+//! Progress of measurements: the current setting and the remaining time.
 
 use std::io::{IsTerminal, stderr};
 use std::time::{Duration, Instant};
@@ -10,11 +10,11 @@ use rayreel::accuracy::{Observer, Subject};
 use super::super::instructions::Instructions;
 use super::super::print;
 
-/// Shows it: as a bar on a terminal, elsewhere as a line now and then.
+/// Display of the progress: a bar on a terminal, occasional lines elsewhere.
 pub(super) struct MeasureProgress {
     start: Instant,
     bar: Option<ProgressBar>,
-    /// When the last line was printed.
+    /// Time of the last printed line.
     last: Instant,
     instructions: Instructions,
 }
@@ -23,7 +23,7 @@ impl MeasureProgress {
     const STEPS: u64 = 1000;
     const BETWEEN_LINES: Duration = Duration::from_secs(10);
 
-    /// Starts before there are threads whose instructions count.
+    /// Starts the display and the instruction counter. Must be called before the threads start whose instructions are counted.
     pub(super) fn start() -> Self {
         let bar = (stderr().is_terminal() && !print::is_dumb()).then(|| {
             let bar = ProgressBar::new(Self::STEPS);
@@ -40,7 +40,7 @@ impl MeasureProgress {
 
 impl Observer for MeasureProgress {
     fn at(&mut self, subject: Option<Subject>, share: f64) {
-        /// The share of the work before which nothing is known of how long it takes.
+        /// Fraction of the work that must be done before the remaining time is estimated.
         const LEAST: f64 = 0.02;
         let step = subject.map_or_else(|| "the reference".to_owned(), |subject| subject.to_string());
         let left = self.start.elapsed().as_secs_f64() * (1.0 - share) / share.max(LEAST);
@@ -65,7 +65,7 @@ impl Observer for MeasureProgress {
 }
 
 impl Drop for MeasureProgress {
-    /// Removes the bar, however it ended.
+    /// Removes the bar, even after an error.
     fn drop(&mut self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();

@@ -8,7 +8,7 @@ use rayreel::scene::Printable;
 use super::super::report::in_millions;
 use super::Measured;
 
-/// The columns' heads. Those of instructions and of estimates are there where there are any.
+/// Headings of the columns. The columns of instructions and estimates are shown only if they have values.
 const HEADS: [&str; 13] = [
     "",
     "setting",
@@ -53,7 +53,7 @@ pub(super) fn draw(measured: &Measured) -> String {
     text
 }
 
-/// Explains the marks of settings.
+/// Returns the notes that explain the marks of settings.
 pub(super) fn notes(report: &Report, is_quick: bool) -> Vec<String> {
     let resolution = report.resolution;
     let mut notes = vec![format!(
@@ -81,7 +81,7 @@ pub(super) fn notes(report: &Report, is_quick: bool) -> Vec<String> {
     notes
 }
 
-/// Says what numerical safety is worth.
+/// Describes the number of pixels that a precision gets wrong.
 pub(super) fn precision_in_words(row: &Row, report: &Report) -> String {
     let pixels = f64::from(report.size.0) * f64::from(report.size.1);
     format!(
@@ -114,12 +114,12 @@ pub(super) fn reference_in_words(report: &Report) -> String {
     )
 }
 
-/// Returns a knob's letter in a formula.
+/// Returns a knob's symbol in a formula.
 fn symbol(knob: Knob) -> String {
     knob.name().replace(' ', "_")
 }
 
-/// Returns the columns' heads that there are cells for.
+/// Returns the headings of the columns that are shown.
 pub(super) fn heads(report: &Report) -> Vec<&'static str> {
     let is_shown = |head: &&str| match *head {
         INSTRUCTIONS => report.rows.iter().all(|row| row.instructions.is_some()),
@@ -158,12 +158,12 @@ fn rows(report: &Report) -> String {
     text
 }
 
-/// Rows of a kind stand together.
+/// Returns the kind of a row. Rows of different kinds are separated by an empty line.
 fn kind(row: &Row) -> (Option<Knob>, bool) {
     (row.subject.knob(), matches!(row.subject, Subject::Without(_)))
 }
 
-/// Writes the cell of a row below a head.
+/// Formats the cell of a row in the column with this heading.
 pub(super) fn cell(row: &Row, head: &str) -> String {
     let mark = match row {
         Row { on_front: true, .. } => "*",
@@ -192,12 +192,12 @@ pub(super) fn cell(row: &Row, head: &str) -> String {
     }
 }
 
-/// Writes seconds, with more digits if they are few.
+/// Formats seconds, with more digits for small values.
 pub(super) fn seconds(value: f64) -> String {
     if value < 0.01 { format!("{value:.5}") } else { format!("{value:.3}") }
 }
 
-/// Writes the half of the distance between the extremes.
+/// Formats half of the distance between the extremes.
 fn spread(Spread { low, high, .. }: &Spread) -> String {
     format!("±{:.2}", 0.5 * (high - low))
 }

@@ -1,4 +1,4 @@
-//! The cost and the worth of effects: the difference that leaving one out makes.
+//! The cost and the worth of effects: the differences in time and error when an effect is disabled.
 
 use serde_json::{Value, json};
 
@@ -9,30 +9,30 @@ use super::super::instructions::Instructions;
 use super::super::report::in_millions;
 use super::timeline::PlannedTimeline;
 
-/// Means over the measured frames.
+/// Costs as means over the measured frames.
 pub(super) struct Costs {
     frames: Vec<u32>,
     rays: f64,
-    /// Where they are counted.
+    /// Instructions per frame, if they are counted.
     instructions: Option<f64>,
     seconds: Spread,
     effects: Vec<(Effect, Cost)>,
 }
 
-/// The savings and the errors of leaving an effect out.
+/// The savings and the error of disabling an effect.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cost {
-    /// The rays saved per frame.
+    /// Rays saved per frame.
     pub(super) rays: f64,
-    /// The instructions saved per frame, where they are counted.
+    /// Instructions saved per frame, if they are counted.
     pub(super) instructions: Option<f64>,
-    /// The share of the time saved, in every round.
+    /// Fraction of the time saved in each round.
     shares: Vec<f64>,
-    /// The largest of any frame, and the root of the mean square of all.
+    /// Error without the effect: the largest of any frame, and the RMS over all frames.
     pub(super) error: FilmError,
 }
 
-/// All measured frames, rendered in one way.
+/// All measured frames, rendered with one set of effects.
 struct Rendered {
     films: Vec<Film>,
     rays: f64,
@@ -41,8 +41,8 @@ struct Rendered {
 }
 
 impl Costs {
-    /// Measures each effect in as many rounds, one effect after the other, each between two pictures with all of them: machines become
-    /// slower and faster meanwhile.
+    /// Measures each effect once per round. Every measurement without an effect lies between two measurements with all effects, because the
+    /// speed of machines varies over time.
     pub(super) fn of(
         engine: &mut Engine,
         timeline: &PlannedTimeline,
@@ -53,7 +53,7 @@ impl Costs {
         let count = frames.len().max(1) as f64;
         let needed = timeline.effects().filter(|told| told.is_ever_needed());
         let mut effects: Vec<(Effect, Cost)> = needed.map(|told| (told.effect, Cost::default())).collect();
-        // Caches are warm from the second time on.
+        // The first render warms up the caches and is not measured.
         render(engine, &frames, None, counter)?;
         let mut seconds = Vec::new();
         let mut whole = render(engine, &frames, None, counter)?;
@@ -81,12 +81,12 @@ impl Costs {
         Ok(Self { frames, rays, instructions, seconds, effects })
     }
 
-    /// Returns the cost of an effect that is needed.
+    /// Returns the cost of an effect, or `None` if the effect is never needed.
     pub(super) fn effect(&self, effect: Effect) -> Option<&Cost> {
         Some(&self.effects.iter().find(|(other, _)| *other == effect)?.1)
     }
 
-    /// Returns whether the machine counts instructions.
+    /// Returns whether instructions are counted on this machine.
     pub(super) fn are_instructions_counted(&self) -> bool {
         self.instructions.is_some()
     }
@@ -128,7 +128,7 @@ impl Costs {
 }
 
 impl Cost {
-    /// Returns the share of the time that is saved, over all rounds.
+    /// Returns the fraction of the time that is saved, over all rounds.
     pub(super) fn share(&self) -> Spread {
         Spread::of(&self.shares)
     }

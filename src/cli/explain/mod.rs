@@ -1,7 +1,7 @@
 //! `rayreel explain`
 //!
-//! [`timeline`] collects when each effect is needed and why, [`cost`] renders with and without each of them, [`table`] tells.
-//! [`path`] draws the camera's path instead.
+//! [`timeline`] collects the frames that need each effect, with the reasons; [`cost`] renders with and without each effect; [`table`]
+//! formats the results. [`path`] draws the camera's path instead.
 
 mod cost;
 mod path;
@@ -38,7 +38,7 @@ pub(super) fn run(arguments: &ExplainArguments) -> Result<(), Failure> {
     if let Some(size) = arguments.size {
         resize(&mut engine, size);
     }
-    // Before there are threads whose instructions count.
+    // The counter must start before the threads whose instructions it counts.
     let mut counter = Instructions::start();
     let threads = arguments.threads.map_or(0, usize::from);
     let pool: ThreadPool = rayon::ThreadPoolBuilder::new()
@@ -54,7 +54,7 @@ pub(super) fn run(arguments: &ExplainArguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// How often every effect is measured where it counts.
+/// Number of rounds in which every effect is measured with `--measure`.
 const ROUNDS: u32 = 5;
 
 /// The contents of an explanation.

@@ -6,10 +6,10 @@ use super::super::report::in_millions;
 use super::cost::Costs;
 use super::timeline::PlannedTimeline;
 
-/// The place of the time among the columns.
+/// Index of the time column.
 const TIME: usize = 4;
 
-/// Writes the needed effects above, those left out below.
+/// Formats a table of the needed effects, followed by a table of the effects that are not needed.
 pub(super) fn draw(timeline: &PlannedTimeline, costs: &Costs, measure: bool) -> String {
     let (mut needed, mut left_out) = (Vec::new(), Vec::new());
     for told in timeline.effects() {
@@ -57,7 +57,7 @@ fn cost_cells(effect: Effect, costs: &Costs, measure: bool) -> Vec<String> {
     cells
 }
 
-/// Writes a count that was saved or, below 0, spent.
+/// Formats a saved count. Negative counts were spent.
 fn signed(count: f64) -> String {
     match count {
         0.0 => "-".to_owned(),
@@ -67,7 +67,7 @@ fn signed(count: f64) -> String {
     }
 }
 
-/// Aligns words to the left and, from the fourth column on, numbers to the right.
+/// Formats a table. The first three columns hold words, aligned to the left; the others hold numbers, aligned to the right.
 fn columns(heads: &[&str], rows: &[Vec<String>]) -> String {
     const WORDS: usize = 3;
     let width = |column: usize| {

@@ -1,4 +1,4 @@
-//! The frames in which each effect is needed, and why.
+//! The frames that need each effect, with the reasons.
 
 use rayreel::time::FrameList;
 use rayreel::{Effect, Engine, EngineError, Need};
@@ -7,33 +7,33 @@ use rayreel::{Effect, Engine, EngineError, Need};
 pub(super) struct PlannedTimeline {
     /// The examined frames, ascending.
     frames: Vec<u32>,
-    /// The number of chosen frames, if that is more.
+    /// Number of chosen frames, if not all of them are examined.
     spread_over: Option<usize>,
     told: Vec<Told>,
 }
 
-/// The frames that need an effect.
+/// An effect and its need over the examined frames.
 pub(super) struct Told {
     pub(super) effect: Effect,
-    /// One span for each answer, in the order in which they first appear.
+    /// One span for each distinct need, in the order of first appearance.
     pub(super) spans: Vec<Span>,
 }
 
-/// The frames with the same answer.
+/// The frames with the same need.
 pub(super) struct Span {
     pub(super) need: Need,
-    /// The first and last frames of runs, each without a gap among the examined frames.
+    /// First and last frames of runs without gaps among the examined frames.
     runs: Vec<(u32, u32)>,
     count: usize,
-    /// Whether these are all frames.
+    /// True if the span holds all examined frames.
     all: bool,
 }
 
 impl PlannedTimeline {
-    /// The most frames that are examined: seven minutes at 24 frames a second.
+    /// Maximum number of frames examined: seven minutes at 24 frames per second.
     pub(super) const MOST: u32 = 10_000;
 
-    /// Plans these frames; [`PlannedTimeline::MOST`] of them, spread evenly, where there are more.
+    /// Plans these frames, or [`PlannedTimeline::MOST`] of them, spread evenly, if there are more.
     pub(super) fn of(engine: &mut Engine, list: &FrameList) -> Result<Self, EngineError> {
         let spread = list.spread_frames(Self::MOST);
         let spread_over = spread.is_some().then(|| list.count());
@@ -60,7 +60,7 @@ impl PlannedTimeline {
         self.frames.len()
     }
 
-    /// Returns the number of chosen frames, if that is more.
+    /// Returns the number of chosen frames, if not all of them are examined.
     pub(super) fn spread_over(&self) -> Option<usize> {
         self.spread_over
     }
@@ -69,7 +69,7 @@ impl PlannedTimeline {
         self.told.iter()
     }
 
-    /// Returns the first, the middle and the last frame, and further ones so that every needed effect is needed in one of them.
+    /// Returns the first, middle and last frame, plus further frames, so that every needed effect is needed in at least one of them.
     pub(super) fn samples(&self) -> Vec<u32> {
         let last = self.frames.len().saturating_sub(1);
         let mut samples: Vec<u32> =
@@ -86,7 +86,7 @@ impl PlannedTimeline {
         samples
     }
 
-    /// Describes the needs in a few sentences.
+    /// Summarises the needs in a few sentences.
     pub(super) fn in_words(&self) -> String {
         let names = |chosen: &dyn Fn(&Told) -> bool| {
             let names: Vec<_> =
@@ -136,7 +136,7 @@ impl Told {
 }
 
 impl Span {
-    /// Lists the frames, as `all` or `0-40, 60`, shortened where there are many runs.
+    /// Formats the frames as `all` or `0-40, 60`, shortened if there are many runs.
     pub(super) fn in_words(&self) -> String {
         const MOST: usize = 3;
         if self.all {

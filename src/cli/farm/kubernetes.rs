@@ -1,14 +1,14 @@
-//! Kubernetes: an indexed job, and one that verifies the frames.
+//! Kubernetes: an indexed job that renders the shards, and a job that verifies the frames.
 //!
-//! Jobs cannot wait for each other, so that the second one verifies repeatedly until the frames are there, or its time is over.
+//! Jobs cannot depend on each other, so the second job repeats the verification until it succeeds or until its time limit.
 
 use serde_json::{Value, json};
 
 use super::{Farm, document, one_line};
 
-/// Returns both, as documents of JSON, which is YAML, too.
+/// Returns both jobs as JSON documents, which are also valid YAML.
 pub(super) fn manifests(farm: &Farm, image: &str, claim: &str) -> anyhow::Result<String> {
-    /// Seconds until the verifying job gives up: a day.
+    /// Time limit of the verifying job in seconds: one day.
     const LONGEST_WAIT: u32 = 86_400;
     let shard = format!("--shard=$(JOB_COMPLETION_INDEX)/{}", farm.shards);
     let render = farm.render(literal, shard)?;
@@ -26,7 +26,7 @@ pub(super) fn manifests(farm: &Farm, image: &str, claim: &str) -> anyhow::Result
             "completionMode": "Indexed",
             "completions": farm.shards,
             "parallelism": farm.shards,
-            // A shard that is started again renders the frames that are left.
+            // A restarted shard renders only the remaining frames.
             "backoffLimitPerIndex": 6,
             "template": render,
         },
@@ -44,12 +44,12 @@ pub(super) fn manifests(farm: &Farm, image: &str, claim: &str) -> anyhow::Result
     ))
 }
 
-/// Escapes a word of a command: Kubernetes replaces `$(NAME)`, and reads `$$` as `$`.
+/// Escapes a word of a command: Kubernetes replaces `$(NAME)` and reads `$$` as `$`.
 fn literal(word: &str) -> anyhow::Result<String> {
     Ok(one_line(word)?.replace('$', "$$"))
 }
 
-/// Returns a pod that runs a command in the claim's folder.
+/// Returns a pod that runs a command in the folder of the volume claim.
 fn pod(image: &str, claim: &str, command: &[String]) -> Value {
     const FOLDER: &str = "/frames";
     json!({

@@ -1,7 +1,7 @@
-//! `rayreel farm`: job scripts for the schedulers of render farms. They are printed, to be looked at and handed over.
+//! `rayreel farm`: job scripts for the schedulers of render farms. They are printed for review and submission.
 //!
-//! Each renders a sequence in shards, which share a folder, and looks afterwards at what is there: schedulers call jobs complete whose files
-//! are not.
+//! Each script renders a sequence in shards that share a folder, and then verifies the frames: schedulers report jobs as complete even if
+//! their files are incomplete.
 
 mod kubernetes;
 mod openjd;
@@ -44,21 +44,21 @@ pub(super) fn run(arguments: &FarmArguments) -> Result<(), Failure> {
 
 /// The sequence to render, and the number of jobs.
 struct Farm {
-    /// The scene file, as a job sees it from the folder where it was submitted.
+    /// Path of the scene file, as seen from the folder where the job is submitted.
     scene: String,
-    /// The folder of the frames, likewise.
+    /// Path of the folder of the frames, as seen from the folder where the job is submitted.
     out: String,
     /// The name of the jobs.
     name: String,
     shards: u32,
-    /// The frames to render, if not all.
+    /// The frames to render; `None` for all.
     frames: Option<FrameList>,
     /// Further options of `render`.
     options: Vec<String>,
 }
 
 impl Farm {
-    /// Checks everything that would make jobs fail: the scene, the options, and the number of shards.
+    /// Checks everything that could make jobs fail: the scene, the options and the number of shards.
     fn new(arguments: &FarmArguments) -> Result<Self, Failure> {
         if is_stream(&arguments.scene) {
             return Err(anyhow!("jobs read the scene later, and not from standard input: name a file").into());
@@ -87,7 +87,7 @@ impl Farm {
         let out = in_words(settings.sequence.directory())?;
         Ok(Self {
             scene: in_words(&arguments.scene)?,
-            // `verify` would take it for an option.
+            // `verify` would parse a leading hyphen as an option.
             out: if out.starts_with('-') { format!("./{out}") } else { out },
             name: job_name(&arguments.scene)?,
             shards,
@@ -96,8 +96,8 @@ impl Farm {
         })
     }
 
-    /// Returns the words of the command of a shard. `literal` makes a word of the scheduler's language, and `shard` is the word of
-    /// the option `--shard`, in which the scheduler puts the index.
+    /// Returns the words of the command of a shard. `literal` converts a text to a word of the scheduler's language. `shard` is the word of
+    /// the option `--shard`, in which the scheduler substitutes the index.
     fn render<W>(&self, literal: impl Fn(&str) -> anyhow::Result<W>, shard: W) -> anyhow::Result<Vec<W>> {
         let out = format!("--out={}", self.out);
         let fixed = ["rayreel", "render", &self.scene, &out].map(&literal).into_iter();
@@ -112,7 +112,7 @@ impl Farm {
     }
 }
 
-/// Reads the options after `--` as `render` would, and refuses those that shards cannot have.
+/// Parses the options after `--` as options of `render`, and rejects those that shards do not support.
 fn render_arguments(arguments: &FarmArguments) -> anyhow::Result<RenderArguments> {
     let mut words: Vec<OsString> = ["rayreel", "render"].map(OsString::from).into();
     words.push(arguments.scene.clone().into());
@@ -123,7 +123,7 @@ fn render_arguments(arguments: &FarmArguments) -> anyhow::Result<RenderArguments
         if !error.use_stderr() {
             return anyhow!("--help and --version are not for farms: try `rayreel render --help`");
         }
-        // Only the cause: its usage is that of another command.
+        // Only the cause is kept: the usage describes another command.
         let message = error.to_string();
         let cause = message.split("\n\n").next().unwrap_or_default().trim_start_matches("error: ");
         let cause: Vec<&str> = cause.lines().map(str::trim).collect();
@@ -151,7 +151,7 @@ fn render_arguments(arguments: &FarmArguments) -> anyhow::Result<RenderArguments
     Ok(rendered)
 }
 
-/// Returns the text of a path.
+/// Returns the text of a path, or an error if it is not UTF-8.
 fn in_words(path: &Path) -> anyhow::Result<String> {
     let words = path.to_str();
     words
@@ -159,7 +159,7 @@ fn in_words(path: &Path) -> anyhow::Result<String> {
         .with_context(|| format!("`{}` is not UTF-8 text, as scripts are", path.display()))
 }
 
-/// Returns the text, if a script can hold it: it must be printable and on one line.
+/// Returns the text, or an error if a script cannot hold it: it must be printable and on one line.
 fn one_line(text: &str) -> anyhow::Result<&str> {
     ensure!(
         text.chars().all(is_printable),
@@ -168,13 +168,13 @@ fn one_line(text: &str) -> anyhow::Result<&str> {
     Ok(text)
 }
 
-/// Writes a document of JSON that readers of YAML take, too: they refuse two characters that JSON may hold as they are.
+/// Formats a JSON document that is also valid YAML: escapes the two characters that JSON allows and YAML does not.
 fn document(value: &Value) -> anyhow::Result<String> {
     let text = serde_json::to_string_pretty(value)?;
     Ok(format!("{}\n", text.replace('\u{fffe}', "\\ufffe").replace('\u{ffff}', "\\uffff")))
 }
 
-/// Returns a name that every scheduler takes: small letters, digits and hyphens.
+/// Returns a job name that every scheduler accepts: lower-case letters, digits and hyphens.
 fn job_name(scene: &Path) -> anyhow::Result<String> {
     let stem = PathBuf::from(scene.file_stem().context("the scene has no name")?);
     let letters = stem.to_string_lossy().to_lowercase();

@@ -1,6 +1,6 @@
-//! Open Job Description, as AWS Deadline Cloud and others take it: a step of shards, and one that verifies the frames.
+//! Open Job Description, as accepted by AWS Deadline Cloud and others: a step that renders the shards, and a step that verifies the frames.
 //!
-//! The template is JSON, which is YAML, too.
+//! The template is JSON, which is also valid YAML.
 
 use anyhow::{Context, ensure};
 use serde_json::{Value, json};
@@ -26,7 +26,8 @@ pub(super) fn template(farm: &Farm) -> anyhow::Result<String> {
     }))
 }
 
-/// Returns a word in which the scheduler replaces nothing: it replaces what is in double braces, and has no escape for them.
+/// Returns a word in which the scheduler replaces nothing, or an error if it contains `{{`: the scheduler replaces text in double braces,
+/// which cannot be escaped.
 fn literal(word: &str) -> anyhow::Result<String> {
     ensure!(
         !word.contains("{{"),
@@ -35,7 +36,7 @@ fn literal(word: &str) -> anyhow::Result<String> {
     Ok(one_line(word)?.to_owned())
 }
 
-/// Returns a step that runs a command in a folder: sessions have working directories of their own.
+/// Returns a step that runs a command in a folder, because sessions start in their own working directories.
 fn step(name: &str, folder: &str, words: Vec<String>) -> Value {
     let fixed = ["-c", "cd -- \"$0\" && exec \"$@\"", folder].map(str::to_owned);
     let arguments: Vec<String> = fixed.into_iter().chain(words).collect();

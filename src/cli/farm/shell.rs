@@ -1,15 +1,15 @@
-//! Words of POSIX shell scripts, which can only be made by quoting.
+//! Words of POSIX shell scripts, which can only be created by quoting.
 
 use std::fmt::{self, Display, Formatter};
 use std::ops::Add;
 
 use super::one_line;
 
-/// A word that a shell reads as exactly one argument. Words that are added together are one word.
+/// A word that a shell reads as exactly one argument. Adding words joins them into one word.
 pub(super) struct ShellWord(String);
 
 impl ShellWord {
-    /// Quotes a text, which must be printable and on one line: scripts are read by people, and here-documents end at lines.
+    /// Quotes a text, which must be printable and on one line: scripts must be readable, and a line of the text could end a here-document.
     pub(super) fn quote(text: &str) -> anyhow::Result<Self> {
         let text = one_line(text)?;
         let is_plain = |character: char| character.is_ascii_alphanumeric() || "-_./:=,@+".contains(character);
@@ -17,12 +17,12 @@ impl ShellWord {
         Ok(Self(if is_bare { text.to_owned() } else { format!("'{}'", text.replace('\'', "'\\''")) }))
     }
 
-    /// Returns the value of a variable, whatever it holds.
+    /// Returns a word that expands to the value of a variable, whatever characters the value contains.
     pub(super) fn variable(name: &'static str) -> Self {
         Self(format!("\"${{{name}}}\""))
     }
 
-    /// Returns the words of one command.
+    /// Joins words into one command.
     pub(super) fn command(words: &[Self]) -> String {
         words.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
     }

@@ -1,11 +1,11 @@
-//! Slurm: a job array, and a job that verifies the frames when all of it has ended.
+//! Slurm: a job array, and a job that verifies the frames after the whole array has ended.
 
 use anyhow::ensure;
 
 use super::Farm;
 use super::shell::ShellWord;
 
-/// Returns a script that submits both.
+/// Returns a script that submits both jobs.
 pub(super) fn script(farm: &Farm) -> anyhow::Result<String> {
     let shard = ShellWord::quote("--shard=")?
         + ShellWord::variable("SLURM_ARRAY_TASK_ID")
@@ -50,8 +50,8 @@ echo "shards are job $array; job ${{verify%%;*}} verifies them"
     ))
 }
 
-/// Returns the option for a log in the folder of the frames. Slurm replaces `%a` in its path, and reads `%%` as `%`; a backslash
-/// anywhere in the path would switch that off.
+/// Returns the option for a log in the folder of the frames. Slurm replaces `%a` in its path and reads `%%` as `%`. A backslash anywhere
+/// in the path would disable these replacements.
 fn log(farm: &Farm, ending: &str) -> anyhow::Result<ShellWord> {
     let out = &farm.out;
     ensure!(!out.contains('\\'), "`{out}` has a backslash, an escape in Slurm's paths: name another --out");

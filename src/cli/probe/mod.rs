@@ -1,6 +1,6 @@
 //! `rayreel probe`
 //!
-//! [`pixel`] explains a pixel, as a [`tree`] or as JSON; [`rays`] answers given rays, which [`read`] reads.
+//! [`pixel`] explains a pixel, as a [`tree`] or as JSON. [`rays`] casts given rays, which [`read`] parses.
 
 mod names;
 mod numbers;
@@ -23,7 +23,7 @@ pub(super) fn run(arguments: &ProbeArguments) -> Result<(), Failure> {
             "both the scene and the rays are to be read from standard input: name a file for one of them";
         return Err(anyhow::anyhow!(message).into());
     }
-    // Read once: it may be a pipe, and lines are looked up in it later.
+    // The scene is read only once, because it may be a pipe. Its sources are kept to look up lines later.
     let (scene, sources) = Scene::load_overridden(&arguments.scene, &arguments.overrides.all())?;
     let file = arguments.scene.display().to_string();
     let mut engine = Engine::from_scene(scene);

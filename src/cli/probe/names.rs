@@ -1,4 +1,4 @@
-//! The names of entities, and their lines in the scene's files.
+//! The names of entities and their lines in the scene's files.
 
 use std::collections::HashMap;
 
@@ -8,7 +8,7 @@ use rayreel::components::{Name, Order};
 use rayreel::scene::{SourceLine, Sources};
 use rayreel::{Entity, World};
 
-/// Returns an entity's name, or `#17` with its place in document order.
+/// Returns an entity's name or, without one, its index in document order, as `#17`.
 pub(super) fn label(world: &World, entity: Entity) -> String {
     match world.get::<&Name>(entity) {
         Ok(name) => name.0.clone(),
@@ -23,14 +23,14 @@ fn order(world: &World, entity: Entity) -> Option<u64> {
     world.get::<&Order>(entity).ok().map(|order| order.0)
 }
 
-/// Some entities, with the lines in which they start.
+/// Entities with the lines on which they start.
 pub(super) struct EntityLines<'a> {
     world: &'a World,
     lines: HashMap<Entity, SourceLine<'a>>,
 }
 
 impl<'a> EntityLines<'a> {
-    /// Looks the lines up.
+    /// Looks up the lines of entities.
     pub(super) fn of(world: &'a World, sources: &'a Sources, entities: &[Entity]) -> Self {
         let index = |entity: &Entity| Some((*entity, usize::try_from(order(world, *entity)?).ok()?));
         let (entities, indices): (Vec<_>, Vec<_>) = entities.iter().filter_map(index).unzip();
@@ -38,10 +38,10 @@ impl<'a> EntityLines<'a> {
         Self { world, lines }
     }
 
-    /// Writes name and line, as `"globe" (scenes/first_light.ron:21)`.
+    /// Formats the name and line of an entity, as `"globe" (scenes/first_light.ron:21)`.
     pub(super) fn text(&self, entity: Entity) -> String {
         let name = match self.world.get::<&Name>(entity) {
-            // As in the scene file: a name may hold anything.
+            // Quoted as in the scene file: a name may contain any character.
             Ok(name) => format!("{:?}", name.0),
             Err(_) => label(self.world, entity),
         };
@@ -51,7 +51,7 @@ impl<'a> EntityLines<'a> {
         }
     }
 
-    /// Returns the name, or null, the place in document order, the file and the line.
+    /// Returns the name (or null), the index in document order, the file and the line of an entity.
     pub(super) fn json(&self, entity: Entity) -> Value {
         json!({
             "name": self.world.get::<&Name>(entity).ok().map(|name| name.0.clone()),

@@ -1,8 +1,8 @@
-//! Numbers that read back to the same bits.
+//! Formatting of numbers that parse back to the same bits.
 
 use std::fmt::{Display, Formatter, LowerExp, Result};
 
-/// Writes 17 significant digits, which tell every `f64` from every other. Zero is written as short as it is.
+/// Formats a number with 17 significant digits, which distinguish all `f64` values. Zero is formatted as `0` or `-0`.
 pub(super) fn exact(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
@@ -18,7 +18,7 @@ pub(super) fn exact(value: f64) -> String {
     }
 }
 
-/// A number in as few digits as tell it from every other of its type.
+/// A number displayed with the fewest digits that distinguish it from all other values of its type.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shortest<T>(pub(super) T);
 
@@ -37,7 +37,7 @@ impl<T: Copy + Display + LowerExp + Into<f64>> Display for Shortest<T> {
 mod tests {
     use super::*;
 
-    /// Many magnitudes, both signs, and bit patterns without a pattern.
+    /// Returns numbers of many magnitudes, of both signs and with pseudo-random bits.
     fn values() -> Vec<f64> {
         let mut values =
             vec![0.0, f64::MAX, f64::MIN_POSITIVE, 5e-324, 0.1, 1.0 / 3.0, 9.999_999_999_999_999e16];
@@ -47,7 +47,7 @@ mod tests {
         let mut bits = 1_u64;
         for _ in 0..20_000 {
             bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            // Whole range, and the ordinary one.
+            // The whole range of `f64`, and the range from 0 to 2.
             values.push(f64::from_bits(bits));
             values.push((bits >> 11) as f64 / 4_503_599_627_370_496.0);
         }

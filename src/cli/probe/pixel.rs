@@ -1,4 +1,4 @@
-//! Explains the colour of a pixel.
+//! Explanation of the colour of a pixel.
 
 use anyhow::{Context, ensure};
 use serde_json::{Value, json};
@@ -17,10 +17,10 @@ use super::names::EntityLines;
 use super::numbers::{Shortest, exact};
 use super::tree::Node;
 
-/// The generations that are drawn inside each other; the next ones start at the margin again.
+/// Number of ray depths that are drawn nested; rays at the next depth become separate trees at the margin.
 const NESTED: usize = 6;
 
-/// The pixel, the scene and the moment in question.
+/// The pixel to explain, with its scene and moment.
 pub(super) struct At<'a> {
     pub(super) file: &'a str,
     pub(super) sources: &'a Sources,
@@ -28,9 +28,9 @@ pub(super) struct At<'a> {
     pub(super) pixel: (u32, u32),
     /// The index of the sample.
     pub(super) sample: u32,
-    /// The number of the pixel's samples.
+    /// Number of samples of the pixel.
     pub(super) samples: u32,
-    /// `None` for a moment that is no frame.
+    /// Number of the frame; `None` for a moment that is not a frame.
     pub(super) frame: Option<u32>,
     pub(super) time: Time,
 }
@@ -74,7 +74,7 @@ fn ensure_sample(sample: u32, samples: u32) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Returns all entities that a ray, or a shadow ray from where it ends, meets.
+/// Returns all entities that are hit by a ray or by the shadow rays from its end.
 fn met(probe: &Probe<'_>, traced: &TracedRay) -> Vec<Entity> {
     let RayEnd::Surface(lit) = &traced.end else { return Vec::new() };
     let hiding = lit.lights.iter().filter_map(|reach| match reach {
@@ -98,7 +98,7 @@ impl PixelExplanation<'_> {
         self.engine.film_settings().transfer.encode(self.probe.color())
     }
 
-    /// Returns the line in which the active camera of the moment starts.
+    /// Returns the line on which the active camera of the moment starts.
     fn camera(&self) -> SourceLine<'_> {
         let world = self.engine.world();
         let name =
@@ -136,7 +136,7 @@ impl PixelExplanation<'_> {
         text
     }
 
-    /// Returns the tree of rays. Parts too far to the right become trees of their own.
+    /// Returns the tree of rays. Subtrees nested deeper than [`NESTED`] become separate trees.
     fn roots(&self) -> Vec<Node> {
         let rays = &self.probe.tree.rays;
         let mut generations: Vec<usize> = Vec::with_capacity(rays.len());
@@ -149,7 +149,7 @@ impl PixelExplanation<'_> {
             .zip(&generations)
             .map(|(traced, generation)| self.node(traced, *generation))
             .collect();
-        // Every ray comes after its parent, so that the children of the last one are in it already.
+        // Rays are stored after their parents, so the last node already has all its children.
         while let Some(mut node) = nodes.pop() {
             let index = nodes.len();
             if let Some(parent) = rays[index].parent {
@@ -209,7 +209,7 @@ impl PixelExplanation<'_> {
         Node { title: format!("{name} {found}"), facts, children }
     }
 
-    /// Lists everything that makes up the light from a surface.
+    /// Lists all contributions to the light from a surface: the ambient light and each light source.
     fn contributions(&self, lit: &LitSurface) -> Vec<Node> {
         let lights =
             self.probe.lights().iter().zip(&lit.lights).enumerate().map(|(index, (entity, reach))| {
@@ -329,7 +329,7 @@ fn rays(count: u64) -> String {
     if count == 1 { "1 ray".to_owned() } else { format!("{count} rays") }
 }
 
-/// Pads a number so that signs and points stand in columns, with a space after it.
+/// Pads a number so that signs and decimal points align in columns, with a space after it.
 fn column_of(number: &str) -> String {
     let sign = if number.starts_with('-') { "" } else { " " };
     format!("{:<22}", format!("{sign}{number} "))

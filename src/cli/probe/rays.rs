@@ -1,4 +1,4 @@
-//! Answers given rays: a line for every line, in batches, so that any number of rays streams through.
+//! Casts given rays and prints one line per ray. Rays are processed in batches, so that inputs of any length can be streamed.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -14,9 +14,9 @@ use super::names::label;
 use super::numbers::Shortest;
 use super::read::RayReader;
 
-/// The number of rays that are cast together.
+/// Number of rays that are cast together.
 const BATCH: usize = 8192;
-/// The number of answers that a thread writes at a time.
+/// Number of hits that a thread formats at a time.
 const CHUNK: usize = 1024;
 
 const HEADER: &str = "hit,entity,t,px,py,pz,nx,ny,nz\n";
@@ -45,8 +45,8 @@ pub(super) fn run(path: &Path, engine: &Engine, json: bool) -> Result<(), Failur
     }
 }
 
-/// Writes the nine columns of the header. Only the first is filled for a ray that meets nothing; `t` is left out where no `f64`
-/// holds it.
+/// Formats hits as CSV with the nine columns of [`HEADER`]. For a ray without a hit, only the first column is filled. `t` is empty if no
+/// `f64` can hold it.
 fn csv_lines(world: &World, hits: &[Option<Hit>]) -> anyhow::Result<Vec<u8>> {
     let mut lines = Vec::new();
     let mut writer = csv::Writer::from_writer(&mut lines);
@@ -73,7 +73,7 @@ fn csv_lines(world: &World, hits: &[Option<Hit>]) -> anyhow::Result<Vec<u8>> {
     Ok(lines)
 }
 
-/// Writes one JSON object a line.
+/// Formats hits as JSON, one object per line.
 fn json_lines(world: &World, hits: &[Option<Hit>]) -> anyhow::Result<Vec<u8>> {
     let mut lines = Vec::new();
     for hit in hits {

@@ -1,4 +1,4 @@
-//! Reads rays as people and programs write them: lines of six numbers.
+//! Reads rays from text: lines of six numbers, separated by commas.
 
 use std::io::{BufRead, BufReader, Read, stdin};
 use std::path::Path;
@@ -8,25 +8,25 @@ use anyhow::{Context, anyhow};
 use rayreel::Ray;
 use rayreel::scene::input::{self, InputError, Offered};
 
-/// The names of the six numbers. A first line of just these is no ray.
+/// The names of the six numbers. A first line that consists of this header is skipped.
 const HEADER: &str = "ox,oy,oz,dx,dy,dz";
 
-/// The most bytes of a line, which bound memory: far more than six numbers with all their digits need.
+/// Maximum length of a line in bytes, which bounds memory: far more than six numbers with all their digits need.
 const LONGEST_LINE: u64 = 1 << 16;
 
-/// Reads rays line after line.
+/// Reader of rays, line by line.
 pub(super) struct RayReader {
     source: Box<dyn BufRead>,
-    /// The name in messages.
+    /// Name of the source in messages.
     name: String,
     line: Vec<u8>,
     /// The number of lines read so far.
     count: u64,
-    /// Whether there may still be a header.
+    /// True until the first line that is not blank has been read; that line may be a header.
     at_start: bool,
 }
 
-/// A mistake in a line, with its column, from 1, if it is in one place.
+/// A mistake in a line, with its column, counted from 1, if it is in a single field.
 #[derive(Debug, PartialEq)]
 struct LineMistake {
     column: Option<usize>,
@@ -53,7 +53,7 @@ impl RayReader {
         Self { source: Box::new(source), name, line: Vec::new(), count: 0, at_start: true }
     }
 
-    /// Appends the next rays, until there are `count`, the input ends, or with an error.
+    /// Appends the next rays, until there are `count` or the input ends. After an error, `rays` holds the rays before the mistake.
     pub(super) fn read(&mut self, rays: &mut Vec<Ray>, count: usize) -> anyhow::Result<()> {
         while rays.len() < count && self.read_line()? {
             let line = String::from_utf8_lossy(&self.line);
@@ -72,7 +72,7 @@ impl RayReader {
         Ok(())
     }
 
-    /// Reads the next line that is not blank; returns `false` at the end.
+    /// Reads the next line that is not blank. Returns `false` at the end of the input.
     fn read_line(&mut self) -> anyhow::Result<bool> {
         loop {
             self.line.clear();
@@ -91,7 +91,7 @@ impl RayReader {
                     self.count
                 ));
             }
-            // A byte order mark is no part of the first number.
+            // Removes a byte order mark before the first number.
             if self.count == 1 && self.line.starts_with("\u{feff}".as_bytes()) {
                 self.line.drain(.."\u{feff}".len());
             }

@@ -1,6 +1,6 @@
-//! Trees in a terminal.
+//! Trees drawn as text.
 
-/// Something with facts about it and things that belong to it.
+/// A node of a tree, with its facts and children.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Node {
     pub(super) title: String,
@@ -10,7 +10,7 @@ pub(super) struct Node {
 }
 
 impl Node {
-    /// Creates a node that is only a line.
+    /// Creates a node with only a title.
     pub(super) fn leaf(title: String) -> Self {
         Self { title, ..Self::default() }
     }
@@ -22,7 +22,7 @@ impl Node {
         drawn
     }
 
-    /// Draws the tree below `prefix`, which stands before every line but the first, as that continues the text.
+    /// Appends the drawn tree. Every line starts with `prefix`, except the first, which continues the current line.
     fn draw_into(&self, drawn: &mut String, prefix: &str) {
         drawn.push_str(self.title.trim_end());
         drawn.push('\n');

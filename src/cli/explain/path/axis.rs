@@ -4,12 +4,12 @@
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Steps {
     size: f64,
-    /// The digits after the point that tell them apart.
+    /// Number of decimals that distinguish the multiples of the step.
     decimals: usize,
 }
 
 impl Steps {
-    /// Creates steps of which at most `most` make up a length; of 1 for lengths that are not above 0.
+    /// Creates steps that divide a length into at most `most` parts. The step is 1 if the length is not above 0.
     pub(super) fn over(length: f64, most: f64) -> Self {
         let least = length / most;
         if !(least > 0.0 && least.is_finite()) {
@@ -29,9 +29,9 @@ impl Steps {
         self.size
     }
 
-    /// Returns the multiples from one number to another, with their labels.
+    /// Returns the multiples of the step from one number to another, with their labels.
     pub(super) fn within(self, from: f64, to: f64) -> impl Iterator<Item = (f64, String)> {
-        /// The most multiples on an axis.
+        /// Maximum number of multiples on an axis.
         const MOST: usize = 100;
         let first = (from / self.size - 1e-9).ceil();
         let multiples = (0..MOST).map(move |index| (first + index as f64) * self.size);

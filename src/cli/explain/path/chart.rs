@@ -1,4 +1,4 @@
-//! A value over time.
+//! Charts of a value over time.
 
 use super::axis::Steps;
 use super::sample::Rates;
@@ -31,7 +31,7 @@ pub(super) fn draw(svg: &mut Svg, rates: &Rates, frame: Frame, title: &str) {
     svg.lines("value", &shots);
 }
 
-/// Leaves out points that are hardly apart from the one before, but keeps the last.
+/// Drops points that are very close to the previously kept point, except for the last point.
 pub(super) fn thinned(places: impl Iterator<Item = PagePoint>) -> Vec<PagePoint> {
     const APART: f64 = 0.4;
     let mut kept: Vec<PagePoint> = Vec::new();

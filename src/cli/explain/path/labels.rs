@@ -1,19 +1,21 @@
-//! Texts beside points, clear of each other and of the lines that matter.
+//! Texts next to points, clear of each other and of the main lines.
 
 use super::svg::{Anchor, Frame, PagePoint, Svg};
 
-/// The free and the taken parts of a frame.
+/// The occupied parts of a frame.
 pub(super) struct Labels {
     within: Frame,
-    /// Points on lines.
+    /// Points on the lines that texts must not cover.
     lines: Vec<PagePoint>,
-    /// The texts, and below the points that they are about.
+    /// The frames of the placed texts.
     taken: Vec<Frame>,
+    /// The labelled points.
     places: Vec<PagePoint>,
 }
 
-/// The height of a text, and the width of a character, in pixels.
+/// Height of a text in pixels.
 const HEIGHT: f64 = 12.0;
+/// Width of a character in pixels.
 const CHARACTER: f64 = 6.4;
 
 impl Labels {
@@ -32,8 +34,8 @@ impl Labels {
         }
     }
 
-    /// Writes a text beside a place, rather across the direction in which the way goes on there. Does not where there is no
-    /// room, or where the same place has one.
+    /// Writes a text next to a point, preferably perpendicular to the path's `heading`. Returns `false` without writing if there is no room or
+    /// if the point already has a text.
     pub(super) fn add(
         &mut self,
         svg: &mut Svg,
@@ -42,7 +44,7 @@ impl Labels {
         heading: Option<PagePoint>,
         text: &str,
     ) -> bool {
-        /// The distance within which points are the same.
+        /// Distance in pixels within which two points count as the same.
         const SAME: f64 = 6.0;
         let same = |[x, y]: &PagePoint| (place[0] - x).abs().max((place[1] - y).abs()) < SAME;
         if self.places.iter().any(same) {
@@ -65,7 +67,7 @@ impl Labels {
     }
 }
 
-/// Returns the directions to try: across the path, and then all around.
+/// Returns the directions to try: perpendicular to the path, and then all around.
 fn sides(heading: Option<PagePoint>) -> Vec<PagePoint> {
     const DIAGONAL: f64 = std::f64::consts::FRAC_1_SQRT_2;
     let [right, down] = heading.unwrap_or([0.0, 1.0]);
@@ -77,7 +79,7 @@ fn sides(heading: Option<PagePoint>) -> Vec<PagePoint> {
     sides
 }
 
-/// Returns the frame of a text of the given width, in a direction from a point and at a distance from it.
+/// Returns the frame of a text of the given width, at a distance from a point in the given direction.
 fn around([x, y]: PagePoint, [right, down]: PagePoint, width: f64, distance: f64) -> Frame {
     let middle = [x + right * (distance + 0.5 * width), y + down * (distance + 0.5 * HEIGHT)];
     Frame { left: middle[0] - 0.5 * width, top: middle[1] - 0.5 * HEIGHT, width, height: HEIGHT }

@@ -1,8 +1,7 @@
 //! `rayreel explain --path`: the camera's path as a drawing.
 //!
-//! [`sample`] asks the engine where the camera is frame by frame, [`view`] draws that from above and from the side, [`chart`]
-//! draws speeds over time, and [`svg`] writes the lines down. [`axis`] chooses
-//! round numbers, [`labels`] places for texts.
+//! [`sample`] samples the camera frame by frame, [`view`] draws its path from above and from the side, [`chart`] draws speeds over time,
+//! and [`svg`] writes the drawing. [`axis`] chooses round numbers and [`labels`] places texts.
 
 mod axis;
 mod chart;
@@ -23,7 +22,7 @@ use super::super::write_file::{ensure_not_the_scene, write_file};
 use sample::Journey;
 use svg::{Anchor, Frame, Svg};
 
-/// Draws the camera's path over these frames into a file, and prints its length and speed.
+/// Draws the camera's path over these frames to a file and prints its length and speed.
 pub(super) fn draw(
     engine: &mut Engine,
     frames: &FrameList,
@@ -80,7 +79,7 @@ mod tests {
         }
     }
 
-    /// A second straight on, and from there a second elsewhere.
+    /// Returns a path of two shots: one second along a line, then one second along another line.
     fn with_a_cut(size: f64) -> Journey {
         let at = |index: u32, from: DVec3, camera| {
             let along = size * f64::from(index) * DVec3::new(0.1, 0.0, 0.05);
@@ -91,7 +90,7 @@ mod tests {
         Journey { samples: first.chain(second).collect(), spread_over: None, things: Vec::new() }
     }
 
-    /// The lines of a class, each with the number of its points, view by view.
+    /// Returns the number of points of each line of a class, path element by path element.
     fn lines(drawing: &str, class: &str) -> Vec<Vec<usize>> {
         let start = format!("<path class=\"{class}\" d=\"");
         let paths = drawing.split(&start).skip(1).filter_map(|rest| rest.split('"').next());
@@ -102,7 +101,7 @@ mod tests {
     #[test]
     fn a_cut_is_a_gap_in_the_way_and_in_the_charts() {
         let drawing = drawing(&with_a_cut(1.0), "two.ron");
-        // Two views of two lines each, with a point a frame, and the legend.
+        // Two views with two lines each, one point per frame, and the legend.
         assert_eq!(lines(&drawing, "eye"), [[10], [10], [10], [10], [2]]);
         assert_eq!(lines(&drawing, "value"), [[9, 9], [9, 9]]);
         assert!(
@@ -119,14 +118,14 @@ mod tests {
                 let u = f64::from(index) / f64::from(count - 1);
                 sample(f64::from(index) / 24.0, DVec3::new(length * u, 0.0, 0.0), "camera")
             };
-            // What is looked at makes the views as large as this.
+            // The distant target fixes the scale of the views.
             let mut samples: Vec<_> = (0..count).map(at).collect();
             samples[0].target = Some(DVec3::new(0.0, 0.0, 100.0));
             drawing(&Journey { samples, spread_over: None, things: Vec::new() }, "many.ron")
         };
         for (count, length, stride) in [(50, 100.0, 1), (150, 100.0, 2), (2000, 100.0, 50), (50, 10.0, 10)] {
             let drawing = many(count, length);
-            // From the side it goes along the line of sight.
+            // In the side view the path runs along the line of sight and has no ticks.
             let ticks: usize = lines(&drawing, "ticks").iter().map(Vec::len).sum();
             assert_eq!(ticks, count.div_ceil(stride) as usize, "{count} frames over {length}");
             let said = if stride == 1 { "every frame".to_owned() } else { format!("every {stride} frames") };

@@ -1,4 +1,4 @@
-//! Samples the camera, frame by frame.
+//! Samples of the camera, frame by frame.
 
 use glam::DVec3;
 
@@ -12,11 +12,11 @@ use super::things::Thing;
 
 /// The camera's path over the chosen frames.
 pub(super) struct Journey {
-    /// In the order of time; not empty, unless no frame was chosen.
+    /// Samples in ascending order of time. Frames without a finite camera have none.
     pub(super) samples: Vec<CameraSample>,
-    /// The number of chosen frames, if there are too many for each to be sampled.
+    /// Number of chosen frames, if there are too many to sample each.
     pub(super) spread_over: Option<usize>,
-    /// The things around, as they are in the first of them.
+    /// Outlines of the scene's shapes at the first sample.
     pub(super) things: Vec<Thing>,
 }
 
@@ -25,19 +25,19 @@ pub(super) struct Journey {
 pub(super) struct CameraSample {
     pub(super) seconds: f64,
     pub(super) eye: DVec3,
-    /// Right, up and forward; unit vectors.
+    /// Unit vectors to the right, up and forward.
     pub(super) axes: [DVec3; 3],
-    /// The point that it looks at, if it looks at one.
+    /// The point that the camera looks at, if it has a target.
     pub(super) target: Option<DVec3>,
     /// The camera's name.
     pub(super) camera: Option<String>,
 }
 
 impl Journey {
-    /// The most samples; a drawing cannot show more.
+    /// Maximum number of samples; a drawing cannot show more.
     const MOST: u32 = 4000;
 
-    /// Samples the camera over these frames; over [`Journey::MOST`] of them, spread evenly, where there are more.
+    /// Samples the camera at these frames, or at [`Journey::MOST`] of them, spread evenly, if there are more.
     pub(super) fn of(engine: &mut Engine, frames: &FrameList) -> Result<Self, EngineError> {
         let chosen = frames.count();
         let frames = frames.spread(Self::MOST);
@@ -56,12 +56,12 @@ impl Journey {
         Ok(Self { samples, spread_over, things })
     }
 
-    /// Returns the shots: runs of frames between which there is no cut.
+    /// Returns the shots: runs of samples of the same camera.
     pub(super) fn shots(&self) -> impl Iterator<Item = &[CameraSample]> {
         self.samples.chunk_by(|one, next| one.camera == next.camera)
     }
 
-    /// Returns the frames of a shot that are labelled with their seconds: the first at or after each of a few round ones.
+    /// Returns the indices of the samples of a shot that are labelled with their time: the first, and the first at or after each round time.
     pub(super) fn told(&self, shot: &[CameraSample]) -> impl Iterator<Item = usize> {
         let (from, to) = self.span();
         let size = Steps::over(to - from, 12.0).size();
@@ -74,18 +74,18 @@ impl Journey {
         (0..shot.len()).filter(is_round).collect::<Vec<_>>().into_iter()
     }
 
-    /// Returns the first and the last second.
+    /// Returns the times of the first and the last sample in seconds.
     fn span(&self) -> (f64, f64) {
         let seconds = |sample: &CameraSample| sample.seconds;
         (self.samples.first().map_or(0.0, seconds), self.samples.last().map_or(0.0, seconds))
     }
 
-    /// Returns the speeds in scene units per second, from frame to frame.
+    /// Returns the speeds between consecutive samples, in scene units per second.
     pub(super) fn speeds(&self) -> Rates {
         self.rates(|one, next| one.eye.distance(next.eye))
     }
 
-    /// Returns the rates of turning in degrees per second, from frame to frame, about whatever axis.
+    /// Returns the rotation rates between consecutive samples about any axis, in degrees per second.
     pub(super) fn turn_rates(&self) -> Rates {
         self.rates(|one, next| one.turned_to(next).to_degrees())
     }
@@ -148,7 +148,7 @@ impl CameraSample {
         finite.then_some(Self { seconds: time.seconds(), eye, axes, target, camera: active.and_then(name) })
     }
 
-    /// Writes its second, and the camera's name if wanted.
+    /// Formats the time and, if `named`, the name of the camera.
     pub(super) fn in_words(&self, named: bool) -> String {
         let seconds = format!("{:.3}", self.seconds);
         let seconds = seconds.trim_end_matches('0').trim_end_matches('.');
@@ -158,8 +158,8 @@ impl CameraSample {
         }
     }
 
-    /// Returns the angle, in radians, of the one rotation that leads from here to there: the sum of squares by which the axes
-    /// differ is 8 sin^2(angle / 2).
+    /// Returns the angle in radians of the rotation from this orientation to the next. The sum of the squared differences of the axes is
+    /// 8 sin^2(angle / 2).
     fn turned_to(&self, next: &Self) -> f64 {
         let squares: f64 =
             self.axes.iter().zip(next.axes).map(|(one, next)| one.distance_squared(next)).sum();
@@ -169,21 +169,21 @@ impl CameraSample {
 
 /// A rate per second over time, shot by shot.
 pub(super) struct Rates {
-    /// The first and the last second.
+    /// Times of the first and the last sample in seconds.
     pub(super) span: (f64, f64),
-    /// The seconds and the rates.
+    /// Pairs of time in seconds and rate, shot by shot.
     pub(super) shots: Vec<Vec<(f64, f64)>>,
 }
 
 impl Rates {
-    /// Returns the least and the greatest rate; 0 where there are none.
+    /// Returns the lowest and the highest rate, or 0 if there are none.
     pub(super) fn range(&self) -> (f64, f64) {
         let rates = || self.shots.iter().flatten().map(|(_, rate)| *rate);
         (rates().reduce(f64::min).unwrap_or(0.0), rates().reduce(f64::max).unwrap_or(0.0))
     }
 }
 
-/// Writes a number with about three digits.
+/// Formats a number with about three significant digits.
 fn short(value: f64) -> String {
     match value.abs() {
         size if size >= 1e6 || size > 0.0 && size < 1e-3 => format!("{value:.2e}"),

@@ -1,4 +1,4 @@
-//! A little SVG: what the drawing needs, and no more.
+//! A minimal SVG writer for the drawing.
 
 use std::fmt::Write;
 
@@ -46,7 +46,7 @@ impl Frame {
     }
 }
 
-/// The side of its point on which a text is.
+/// The alignment of a text relative to its point.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Anchor {
     Start,
@@ -54,13 +54,13 @@ pub(super) enum Anchor {
     End,
 }
 
-/// A drawing in the making.
+/// A drawing under construction.
 pub(super) struct Svg {
     text: String,
     clips: usize,
 }
 
-/// Middle tones, which show on light and on dark ground.
+/// Style sheet with mid-tones, which are visible on light and on dark backgrounds.
 const STYLE: &str = "
 text { font: 11px sans-serif; fill: #808080 }
 .title { font-size: 15px; font-weight: bold }
@@ -95,7 +95,7 @@ impl Svg {
         self.text
     }
 
-    /// Draws lines from point to point, each list for itself.
+    /// Draws one polyline for each list of points.
     pub(super) fn lines(&mut self, class: &str, lines: &[Vec<PagePoint>]) {
         let mut path = String::new();
         for line in lines {
@@ -114,7 +114,7 @@ impl Svg {
         self.lines(class, &[vec![from, to]]);
     }
 
-    /// Draws an ellipse whose first radius is turned by `degrees`.
+    /// Draws an ellipse that is rotated by `degrees`.
     pub(super) fn ellipse(&mut self, class: &str, at: PagePoint, radii: PagePoint, degrees: f64) {
         let [x, y] = at.map(coordinate);
         let [rx, ry] = radii.map(coordinate);
@@ -152,7 +152,7 @@ impl Svg {
         self.lines(class, &[vec![[left, top], [right, top], [right, bottom], [left, bottom], [left, top]]]);
     }
 
-    /// Clips what is drawn from here to [`Svg::unclip`] to a frame.
+    /// Clips everything drawn until [`Svg::unclip`] to a frame.
     pub(super) fn clip(&mut self, frame: Frame) {
         self.clips += 1;
         let (index, Frame { left, top, width, height }) = (self.clips, frame);
@@ -176,7 +176,7 @@ fn pair([x, y]: PagePoint) -> String {
     format!("{} {} ", coordinate(x), coordinate(y))
 }
 
-/// Rounds to a hundredth of a pixel, and keeps far away points within bounds.
+/// Rounds to a hundredth of a pixel and clamps distant points. Returns 0 for values that are not finite.
 fn coordinate(value: f64) -> f64 {
     const FAR: f64 = 1e5;
     if value.is_finite() { (value.clamp(-FAR, FAR) * 100.0).round() / 100.0 } else { 0.0 }

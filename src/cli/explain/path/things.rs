@@ -1,24 +1,24 @@
-//! Outlines of the things around the camera's path.
+//! Outlines of the shapes around the camera's path.
 
 use glam::{DMat3, DVec3};
 
 use rayreel::Engine;
 use rayreel::components::{Order, Shape, WorldTransform};
 
-/// The most things that are drawn.
+/// Maximum number of shapes drawn.
 const MOST: usize = 400;
 
-/// An outline in space.
+/// The outline of a shape in world space.
 pub(super) enum Thing {
-    /// The image of the unit ball about a centre.
+    /// The image of the unit ball under a linear map, around a centre.
     Ball { center: DVec3, image: DMat3 },
-    /// Eight corners; those whose indices differ in one bit share an edge.
+    /// Eight corners. Two corners share an edge if their indices differ in one bit.
     Box([DVec3; 8]),
-    /// Through a point, across a unit vector.
+    /// A plane through a point, with a unit normal.
     Plane { point: DVec3, normal: DVec3 },
 }
 
-/// Returns the first things in the scene's order.
+/// Returns the outlines of the first shapes in document order.
 pub(super) fn all(engine: &Engine) -> Vec<Thing> {
     let mut query = engine.world().query::<(&Order, &Shape, &WorldTransform)>();
     let mut found: Vec<_> = query.iter().collect();
@@ -44,7 +44,7 @@ impl Thing {
         affine.is_finite().then_some(thing)
     }
 
-    /// Returns its middle and its radius about that; planes have no end.
+    /// Returns the centre and the radius of the outline, or `None` for planes, which are unbounded.
     pub(super) fn extent(&self) -> Option<(DVec3, f64)> {
         match self {
             Self::Ball { center, image } => Some((

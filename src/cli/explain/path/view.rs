@@ -1,4 +1,4 @@
-//! The path from above and from the side.
+//! Views of the path from above and from the side.
 
 use glam::DVec3;
 
@@ -9,20 +9,21 @@ use super::sample::{CameraSample, Journey};
 use super::svg::{Anchor, Frame, PagePoint, Svg};
 use super::things::Thing;
 
-/// Space seen along one of its axes.
+/// An orthographic view along a coordinate axis.
 struct View {
     name: &'static str,
     /// The indices of the coordinates to the right, upwards, and along the line of sight.
     axes: [usize; 3],
     frame: Frame,
-    /// The point in the frame's middle, and below the pixels per unit.
+    /// World point at the centre of the frame.
     center: DVec3,
+    /// Pixels per scene unit.
     scale: f64,
 }
 
-/// Draws the path from above and from the side, to the same scale.
+/// Draws the path from above and from the side, at the same scale.
 pub(super) fn draw(svg: &mut Svg, journey: &Journey, [left, right]: [Frame; 2]) {
-    /// The share of a frame that is left free at each side.
+    /// Width of the margin at each side, as a fraction of the frame.
     const MARGIN: f64 = 0.08;
     let (least, most) = bounds(journey);
     let size = (most - least).max_element();
@@ -40,7 +41,7 @@ pub(super) fn draw(svg: &mut Svg, journey: &Journey, [left, right]: [Frame; 2]) 
     legend(svg, [left.left, left.bottom() + 46.0], stride, journey);
 }
 
-/// Returns the bounds of the path, of its targets, and of the things near them.
+/// Returns the bounds of the path, its targets and the outlines near them.
 fn bounds(journey: &Journey) -> (DVec3, DVec3) {
     let seen = journey.samples.iter().flat_map(|sample| [Some(sample.eye), sample.target]).flatten();
     let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -69,12 +70,12 @@ impl View {
         [x + right * self.scale, y - up * self.scale]
     }
 
-    /// Returns the parts of a vector to the right and upwards.
+    /// Returns the components of a vector to the right and upwards.
     fn across(&self, vector: DVec3) -> [f64; 2] {
         [vector[self.axes[0]], vector[self.axes[1]]]
     }
 
-    /// Returns the number of frames from tick to tick: ticks are at least 4 pixels apart on average, and at most 240.
+    /// Returns the number of frames between ticks. There are at most 240 ticks, at least 4 pixels apart on average.
     fn tick_stride(&self, journey: &Journey) -> usize {
         const NEAREST: f64 = 4.0;
         const MOST: f64 = 240.0;
@@ -118,7 +119,7 @@ impl View {
         svg.text("note", [left, top - 8.0], Anchor::Start, self.name);
     }
 
-    /// Draws an outline, if it is in the frame and not so large that it would only be a line there.
+    /// Draws an outline, unless it is outside the frame or so large that it would appear as a line.
     fn thing(&self, svg: &mut Svg, thing: &Thing) {
         if let Some((middle, radius)) = thing.extent() {
             let ([x, y], reach) = (self.project(middle), radius * self.scale);
@@ -130,7 +131,7 @@ impl View {
         match thing {
             Thing::Ball { center, image } => {
                 let [a, b] = [self.axes[0], self.axes[1]].map(|axis| image.row(axis) * self.scale);
-                // The image of the unit ball: its radii are the roots of the eigenvalues of (a b)^T (a b).
+                // The projection of the unit ball is an ellipse. Its radii are the square roots of the eigenvalues of (a b)^T (a b).
                 let (mean, half) = (0.5 * (a.dot(a) + b.dot(b)), 0.5 * (a.dot(a) - b.dot(b)));
                 let apart = libm::hypot(half, a.dot(b));
                 let radii = [mean + apart, (mean - apart).max(0.0)].map(f64::sqrt);
@@ -149,14 +150,14 @@ impl View {
         }
     }
 
-    /// Draws a plane that is seen edge-on, as a line.
+    /// Draws a plane as a line, if it is seen edge-on.
     fn plane(&self, svg: &mut Svg, point: DVec3, normal: DVec3) {
         if normal[self.axes[2]].abs() > 1e-6 {
             return;
         }
         let [right, up] = self.across(normal);
         let ([x, y], middle) = (self.project(point), self.frame.middle());
-        // Up is towards smaller y on the page.
+        // The y axis of the page points down.
         let away = (middle[0] - x) * right - (middle[1] - y) * up;
         let foot = [middle[0] - away * right, middle[1] + away * up];
         let reach = 2.0 * self.frame.width;
@@ -179,15 +180,15 @@ impl View {
         svg.lines("ticks", &ticks);
     }
 
-    /// Returns a tick across the path.
+    /// Returns a tick perpendicular to the path.
     fn tick(&self, shot: &[CameraSample], index: usize) -> Option<Vec<PagePoint>> {
         const HALF: f64 = 3.0;
         let ([x, y], [right, down]) = (self.project(shot[index].eye), self.heading(shot, index)?);
         Some(vec![[x - HALF * down, y + HALF * right], [x + HALF * down, y - HALF * right]])
     }
 
-    /// Returns the direction of the path in this view, as a unit vector on the page: from the frame before to the one after or,
-    /// where it turns straight back there, from the frame itself.
+    /// Returns the direction of the path in this view, as a unit vector on the page. It is the direction from the previous to the next frame
+    /// or, if both are at the same point, from this frame to the next.
     fn heading(&self, shot: &[CameraSample], index: usize) -> Option<PagePoint> {
         let here = &shot[index];
         let [before, after] =
@@ -202,7 +203,7 @@ impl View {
         thinned(shot.iter().map(|sample| self.project(sample.eye)))
     }
 
-    /// Returns short strokes from the eye along the view.
+    /// Returns short strokes from the eye in the viewing direction.
     fn glances(&self, shot: &[CameraSample]) -> Vec<Vec<PagePoint>> {
         const LENGTH: f64 = 24.0;
         const MOST: usize = 32;
@@ -213,7 +214,7 @@ impl View {
         shot.iter().step_by(shot.len().div_ceil(MOST).max(1)).map(stroke).collect()
     }
 
-    /// Labels the path with seconds and, where there are several cameras, their names.
+    /// Labels the path with times and, if there are several shots, with the names of the cameras.
     fn labels(&self, svg: &mut Svg, journey: &Journey) {
         let mut labels = Labels::within(self.frame);
         for shot in journey.shots() {
