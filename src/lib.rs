@@ -1,18 +1,18 @@
 //! rayreel renders animated frame sequences of scenes made of spheres, planes and boxes, by recursive ray tracing on the CPU.
 //!
-//! It is an entity-component-system engine with a timeline: entities of a [hecs](hecs::World) world carry [components], [systems]
-//! bring the world to a moment in time, and the [trace] kernel renders the picture. A frame is a pure function of the scene and
-//! its index: the same bits on any number of threads, alone or in sequence.
+//! rayreel is an entity-component-system engine with a timeline. Entities of a [hecs](hecs::World) world carry [components], [systems]
+//! advance the world to a moment in time, and the [trace] kernel renders the image. A frame is a pure function of the scene and its index:
+//! its bits are the same on any number of threads, whether it is rendered alone or in a sequence.
 //!
 //! # From scene to frame
 //!
 //! ```text
 //! RON text -> scene::document -> scene::spawn -> hecs World
 //!    each frame: stepped systems -> animate(t) -> scripts -> pure systems -> propagate -> prepare -> trace -> Film
-//!    Film -> output (frame files; sequence decides which are to be rendered), or live (a preview in the browser)
+//!    Film -> output (frame files; sequence selects the frames to render), or live (a preview in the browser)
 //! ```
 //!
-//! # A picture in a few lines
+//! # Rendering a scene
 //!
 //! ```
 //! use rayreel::{Engine, Ray, Scene};
@@ -41,20 +41,27 @@
 //!
 //! # Terms
 //!
-//! *Track*: a value over time. *Film*: the linear pixels of one frame. *Sequence*: the frames of a timeline. *Frame file*: a
-//! frame as written to disk. *Order*: an entity's place in document order; every order that can affect a bit of a picture is this
-//! one. *Kernel*: the ray tracer proper, module [`trace`], which knows arrays and no entities. *Prepared*: in the kernel's arrays.
-//! *Fast path*: the kernel's tree of bounding boxes, over all threads. *Reference path*: the same shapes over a linear scan, the
-//! oracle of the fast path. *Moment*: a point of the timeline; each frame has one. *Instant*: one of the moments at which samples are
-//! taken while the shutter of a frame is open. *Plan*: which effects a frame needs, and why. *Clear*: transparent.
+//! - *Track*: a value as a function of time.
+//! - *Film*: the linear pixels of one frame.
+//! - *Sequence*: the frames of a timeline.
+//! - *Frame file*: a frame written to disk.
+//! - *Order*: an entity's index in document order. Every order-dependent result uses it.
+//! - *Kernel*: the ray tracer, module [`trace`]. It operates on arrays and has no entities.
+//! - *Prepared*: stored in the kernel's arrays.
+//! - *Fast path*: rendering with the kernel's tree of bounding boxes, on all threads.
+//! - *Reference path*: rendering of the same shapes with a linear scan, the test oracle of the fast path.
+//! - *Moment*: a point in time on the timeline; each frame has one.
+//! - *Instant*: one of the moments at which samples are taken while the shutter of a frame is open.
+//! - *Plan*: the effects that a frame needs, with reasons.
+//! - *Clear*: transparent.
 //!
-//! Space is left-handed as seen by the viewer: x right, y up, z forward. Colours are linear, 1 being the file's 255. Time is
-//! exact.
+//! Space is left-handed from the viewer's position: x right, y up, z forward. Colours are linear; 1 corresponds to 255 in scene files. Time
+//! is exact.
 //!
 //! # Layers
 //!
-//! The modules and crates that each module may import; a test checks the sources against this table. `std`, `thiserror` and
-//! `libm` are open to all.
+//! The table lists the modules and crates that each module may import; a test checks the sources against it. `std`, `thiserror` and `libm`
+//! are allowed in all modules.
 //!
 //! | module | holds | may import | outside crates |
 //! |---|---|---|---|

@@ -8,27 +8,28 @@ use super::Property;
 use crate::animation::{Orbit, Path, Track, Value};
 use crate::color::Rgb;
 
-/// The motions that drive this entity's values, in the order in which they are applied.
+/// The motions that drive the values of this entity, in the order in which they are applied.
 #[derive(Clone, Debug, Default)]
 pub struct Animated(pub Vec<Channel>);
 
-/// A value of an entity, and how it moves.
+/// A value of an entity and its motion.
 #[derive(Clone, Debug)]
 pub struct Channel {
     /// The value.
     pub property: Property,
-    /// How it moves: of the property's [`kind`](Property::kind), or nothing moves.
+    /// The motion of the value. It has no effect unless it is of the property's [`kind`](Property::kind).
     pub motion: Motion,
-    /// The first neighbouring rotation keys written further apart than half a turn, between which it turns the short way.
+    /// The first two neighbouring rotation keys that are written more than half a turn apart; the rotation between them takes the shorter
+    /// way.
     pub short_turn: Option<ShortTurn>,
 }
 
 /// Two neighbouring rotation keys whose angles, as written, differ by more than half a turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShortTurn {
-    /// The times of the keys; seconds.
+    /// The times of the keys in seconds.
     pub times: [f64; 2],
-    /// The angles; degrees.
+    /// The angles in degrees.
     pub angles: [f64; 2],
 }
 
@@ -40,7 +41,7 @@ impl Channel {
     }
 }
 
-/// A value as a function of time. Cheap to clone: entities made of one material share its motions.
+/// A value as a function of time. Cloning is cheap: entities with a common material share its motions.
 #[derive(Clone, Debug)]
 pub enum Motion {
     /// Keyed numbers.
@@ -49,22 +50,22 @@ pub enum Motion {
     Vector(Arc<Track<DVec3>>),
     /// Keyed rotations.
     Rotation(Arc<Track<DQuat>>),
-    /// Keyed light.
+    /// Keyed RGB values.
     Color(Arc<Track<Rgb>>),
     /// Points on a path through waypoints.
     Path(Arc<Path>),
     /// Points on a circle.
     Orbit(Arc<Orbit>),
-    /// A value given by a script.
+    /// A value computed by a script.
     Script(ScriptId),
 }
 
-/// A script of the scene, by its index.
+/// The index of a script in the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ScriptId(pub usize);
 
 impl Motion {
-    /// Returns the value at `seconds`. `None` for a script, which needs more than the time.
+    /// Returns the value at `seconds`. `None` for a script, which depends on more than the time.
     #[must_use]
     pub fn at(&self, seconds: f64) -> Option<Value> {
         Some(match self {

@@ -3,37 +3,37 @@
 use glam::DVec3;
 use hecs::Entity;
 
-/// The camera: an eye and a screen at a distance before it (see [`trace::Camera`](crate::trace::Camera) for pixels).
+/// The camera: an eye, and a screen at a distance in front of it (see [`trace::Camera`](crate::trace::Camera) for pixels).
 ///
-/// Points and directions are in the entity's own space, which its [`WorldTransform`](super::WorldTransform), if it has one,
-/// takes to the world; sizes of the screen and the lens, and distances from the eye, are the world's.
+/// Points and directions are in the entity's own space; its [`WorldTransform`](super::WorldTransform), if any, maps them to the world.
+/// Sizes of the screen and the lens, and distances from the eye, are in world units.
 ///
-/// Some moments of moving cameras have no view or no upright, and still a picture. A camera that stands at its target looks along
-/// the world's +z. Where the view is parallel to `up`, the world's y is up, or, if the view is parallel to that too, its z: so
-/// that a camera that passes over its target with y up turns about its view at that moment, and by half a turn from one side to
-/// the other.
+/// A moving camera can pass through degenerate poses, which still have an image. If the eye is at the target, the camera looks along the
+/// world's +z. If the view is parallel to `up`, the world's y axis is used as up, or its z axis if the view is parallel to y as well. A
+/// camera with y up that passes over its target is therefore rotated about its view at that moment, and by half a turn from one side to the
+/// other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// The eye, P0.
+    /// The position of the eye, P0.
     pub position: DVec3,
     /// The view direction or target.
     pub view: View,
-    /// VUP: the direction that is up in the picture; any length, not parallel to the view.
+    /// The view-up vector, VUP: the direction that is up in the image. Any length; not parallel to the view.
     pub up: DVec3,
-    /// The rotation about the view direction, radians. Positive angles tip the camera to its left, so the picture's contents turn
-    /// clockwise: at +90 degrees the camera's up points to where its left was.
+    /// The rotation about the view direction in radians. Positive angles tilt the camera to its left, so that the image contents rotate
+    /// clockwise: at +90 degrees the camera's up vector points to its former left.
     pub roll: f64,
     /// The screen's size and distance.
     pub projection: Projection,
-    /// The lens. `None` is a pinhole: everything is sharp.
+    /// The lens. `None` is a pinhole: everything is in focus.
     pub lens: Option<Lens>,
-    /// The share of the time from frame to frame during which the shutter is open, > 0, at most 1, centred on the frame's time:
-    /// what moves is blurred. `None` is an instant: everything is sharp.
+    /// The fraction of the frame interval during which the shutter is open, > 0, at most 1, centred on the frame's time; moving objects are
+    /// blurred. `None` exposes a single instant, without motion blur.
     pub shutter: Option<f64>,
 }
 
 impl Default for Camera {
-    /// Returns a camera five units before the origin, looking at it, 45 degrees high.
+    /// Returns a camera 5 units in front of the origin, looking at it, with a vertical field of view of 45 degrees.
     fn default() -> Self {
         Self {
             position: DVec3::new(0.0, 0.0, -5.0),
@@ -47,64 +47,64 @@ impl Default for Camera {
     }
 }
 
-/// The entity with which the camera moves, without turning: its place in the world is added to the camera's position and to the
-/// point that it looks at.
+/// The entity that the camera follows without rotating. Its world position is added to the camera's position and to the point that the
+/// camera looks at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Follow(pub Entity);
 
-/// The entity at whose place in the world the camera looks, whatever its [`View`] says.
+/// The entity whose world position the camera looks at. Overrides the camera's [`View`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LookAt(pub Entity);
 
-/// The cuts between cameras. A world has at most one; without it the first camera in document order is active throughout.
+/// The cuts between cameras. A world has at most one `Shots`. Without it, the first camera in document order is always active.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shots(pub Vec<Shot>);
 
-/// A camera that is active from a moment on.
+/// A camera that is active from a point in time on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shot {
-    /// Seconds; later than that of the shot before. The first shot also covers the time before it. A frame belongs to the last
-    /// shot that starts no later than the frame's moment, both rounded once to `f64`; all of the frame, even if its shutter is
-    /// open across the cut.
+    /// The start in seconds, later than the start of the preceding shot. The first shot also covers the time before its start. A frame
+    /// belongs to the last shot that starts no later than the frame's moment, both rounded once to `f64`. The whole frame belongs to that
+    /// shot, even if its shutter is open across the cut.
     pub start: f64,
     /// The entity with the camera.
     pub camera: Entity,
 }
 
-/// The direction in which a camera looks.
+/// The view direction of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum View {
-    /// Along a direction (VPN), of any length but zero.
+    /// Along a direction (VPN) of any nonzero length.
     Direction(DVec3),
     /// Towards a point.
     Target(DVec3),
 }
 
-/// A thin lens around the eye: what is not in focus is blurred. It is used where [`Sampling`](super::Sampling) has more than
-/// one sample per pixel.
+/// A thin lens around the eye: objects that are out of focus are blurred. It has an effect only if [`Sampling`](super::Sampling) has more
+/// than one sample per pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {
-    /// The diameter in scene units; 0 is no lens.
+    /// The diameter in scene units; 0 disables the lens.
     pub aperture: f64,
     /// The distance from the eye to the plane of focus, along the view direction, > 0.
     pub focus: f64,
 }
 
-/// The screen before the camera. The first and the last pixel's centres lie on the screen's edges.
+/// The screen in front of the camera. The centres of the first and the last pixels lie on the edges of the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
-    /// A screen of given size, scene units.
+    /// A screen of the given size in scene units.
     Screen {
-        /// The distance from the eye to the screen, d > 0.
+        /// The distance d from the eye to the screen, > 0.
         distance: f64,
-        /// W > 0; `None` follows from square pixels.
+        /// The width W, > 0. `None` derives it from square pixels.
         width: Option<f64>,
-        /// H > 0.
+        /// The height H, > 0.
         height: f64,
     },
-    /// Square pixels whose outer borders span a vertical angle.
+    /// Square pixels whose outer borders span the vertical angle.
     FieldOfView {
-        /// Radians, in 0..pi.
+        /// The vertical angle in radians, between 0 and pi.
         vertical: f64,
     },
 }

@@ -1,12 +1,11 @@
-//! An entity's name, and its place in document order.
+//! An entity's name and its index in document order.
 
 /// The name in the scene file.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Name(pub String);
 
-/// An entity's place in document order. Entities spawned later follow in the order they were spawned.
+/// An entity's index in document order. Entities spawned later follow in the order in which they were spawned.
 ///
-/// Every order that can affect a bit of a picture is this one: which of two coincident surfaces is seen, and in which order
-/// lights are added up.
+/// Every order-dependent result uses this index, for example the choice among coincident surfaces and the summation of lights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Order(pub u64);

@@ -1,14 +1,14 @@
-//! All component types: one row each.
+//! The list of all component types, one row each.
 
-/// Calls a macro with a row `Component: word,` for every component. The word says what follows where an edited scene has another
-/// value:
+/// Calls a macro with a row `Component: word,` for every component. The word selects the action taken if the value differs in an edited
+/// scene:
 ///
-/// | word | what follows |
+/// | word | action |
 /// |---|---|
-/// | `kept` | nothing: a name stays the same, and what is derived is never written by hand |
-/// | `transform` | it is written, and world transforms are derived again |
-/// | `shape`, `material` | it is written, and what is drawn of the entity is prepared again |
-/// | `anew` | it is written, and nothing more: it is read for every moment |
+/// | `kept` | none: names stay the same, and derived values are never written by hand |
+/// | `transform` | writes the value and derives world transforms again |
+/// | `shape`, `material` | writes the value and prepares the entity's shape or material again |
+/// | `anew` | writes the value only: it is read at every moment |
 macro_rules! with_components {
     ($rows:ident) => {
         $rows! {

@@ -1,20 +1,20 @@
 //! Components: plain data on hecs entities, without behaviour.
 //!
-//! | component | says |
+//! | component | describes |
 //! |---|---|
-//! | [`Transform`], [`Parent`] | where an entity is, and relative to what |
-//! | [`Shape`] with [`Material`] | something to be seen |
-//! | [`Specular`] | its surface shows highlights |
-//! | [`Reflective`] | its surface mirrors |
-//! | [`Refractive`] | light goes through it |
-//! | [`Checker`] | its surface has squares of two colours |
-//! | [`Light`] | it gives light |
-//! | [`Camera`], [`FilmSettings`] | from where and on what the picture is taken |
-//! | [`Follow`], [`LookAt`], [`Shots`] | what a camera goes along with and looks at, and which one is active when |
-//! | [`Ambient`], [`Background`], [`Fog`], [`Quality`], [`Sampling`] | settings of the whole scene; one of each in a world |
-//! | [`Animated`] | motions of the values above: a [`Property`] and a [`Motion`] each |
-//! | [`Name`], [`Order`] | how people and sums refer to it |
-//! | [`WorldTransform`] | derived by [`systems::propagate`](crate::systems::propagate); never written by hand |
+//! | [`Transform`], [`Parent`] | the position of an entity and the entity it is relative to |
+//! | [`Shape`] with [`Material`] | a visible object |
+//! | [`Specular`] | a surface with highlights |
+//! | [`Reflective`] | a surface that reflects |
+//! | [`Refractive`] | a surface that transmits light |
+//! | [`Checker`] | a surface with squares of two colours |
+//! | [`Light`] | a light source |
+//! | [`Camera`], [`FilmSettings`] | the view, and the size and encoding of the image |
+//! | [`Follow`], [`LookAt`], [`Shots`] | the entities that a camera follows and looks at, and the active camera over time |
+//! | [`Ambient`], [`Background`], [`Fog`], [`Quality`], [`Sampling`] | settings of the whole scene; at most one of each in a world |
+//! | [`Animated`] | motions of the values above, each a [`Property`] and a [`Motion`] |
+//! | [`Name`], [`Order`] | the name of an entity and its index in document order |
+//! | [`WorldTransform`] | the transform to world space; derived by [`systems::propagate`](crate::systems::propagate), never written by hand |
 
 mod animated;
 mod camera;

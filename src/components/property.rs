@@ -1,22 +1,22 @@
-//! Values that can be animated: all facts of a property are one row here.
+//! Properties: the values that can be animated, with all facts of each in one row.
 //!
-//! | fact | from it follows |
+//! | fact | determines |
 //! |---|---|
-//! | the name | what it is called in scene files, scripts and messages |
-//! | [`Part`]: what has it | which entities, cameras and materials it can be a channel of; what a write to it changes |
-//! | [`Quantity`]: what it is | how its values are written; which keys are good; the range to which they are held; whether it can go along a path |
+//! | the name | the name in scene files, scripts and messages |
+//! | [`Part`] | the entities, cameras and materials that have the property as a channel; the changes that a write declares |
+//! | [`Quantity`] | the notation of the values; the valid keys; the range to which values are clamped; use with paths |
 //!
-//! For a new row the compiler demands its place (`systems::parts`) and a case in `tests/engine/every_channel.rs`; a test demands
-//! its line in `scene/manual.md`. Only a new part or quantity takes more: the compiler and the tests lead there.
+//! For a new row the compiler requires an accessor (`systems::parts`) and a case in `tests/engine/every_channel.rs`; a test requires a line
+//! in `scene/manual.md`. A new part or quantity needs further changes, which the compiler and the tests report.
 
 use super::quantity::Quantity;
 use super::table::table;
 use crate::animation::{Kind, Notation};
 
-/// What an entity, a camera or the scene must have for a property to be a value of it.
+/// The requirement for an entity, a camera or the scene to have a property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Part {
-    /// Every entity has it.
+    /// No requirement: every entity has a transform.
     Transform,
     /// A shape that is a sphere.
     Sphere,
@@ -24,7 +24,7 @@ pub(crate) enum Part {
     Box,
     /// A shape that is a plane.
     Plane,
-    /// A surface: a material of the file, or the material of an entity with a shape.
+    /// A surface: a material of the scene file, or the material of an entity with a shape.
     Material,
     /// A surface with highlights.
     Specular,
@@ -36,11 +36,11 @@ pub(crate) enum Part {
     Checker,
     /// A light of any kind.
     Light,
-    /// A light from infinitely far away.
+    /// A directional light.
     DirectionalLight,
-    /// A light that shines in a cone.
+    /// A spot light.
     SpotLight,
-    /// A light that weakens with distance.
+    /// A light with a falloff.
     Falloff,
     /// An area light that is a sphere.
     SphereLight,
@@ -48,9 +48,9 @@ pub(crate) enum Part {
     RectangleLight,
     /// Any camera.
     Camera,
-    /// A camera that does not look at an entity.
+    /// A camera that does not look at an entity ([`LookAt`](super::LookAt)).
     View,
-    /// A camera without a screen.
+    /// A camera with a field of view.
     FieldOfView,
     /// A camera with a screen.
     Screen,
@@ -60,16 +60,16 @@ pub(crate) enum Part {
     Lens,
     /// The scene.
     AmbientLight,
-    /// The scene, where its background is one colour.
+    /// The scene, with a background of one colour.
     FlatBackground,
-    /// The scene, where its background is two colours.
+    /// The scene, with a gradient background.
     Gradient,
-    /// The scene, where there is fog.
+    /// The scene, with fog.
     Fog,
 }
 
 table! {
-    /// A value of an entity that a [`Motion`](super::Motion) can drive. Angles are in radians here, light is linear.
+    /// A value of an entity that a [`Motion`](super::Motion) can drive. Angles are in radians, light is linear.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum Property: (Part, Quantity) {
         /// [`Transform::translation`](super::Transform::translation).
@@ -138,7 +138,7 @@ table! {
         Fov => (Part::FieldOfView, Quantity::FieldOfView),
         /// The distance of a [`Projection::Screen`](super::Projection).
         ScreenDistance => (Part::Screen, Quantity::Length),
-        /// The width of a [`Projection::Screen`](super::Projection), where given.
+        /// The width of a [`Projection::Screen`](super::Projection), if given.
         ScreenWidth => (Part::ScreenWidth, Quantity::Length),
         /// The height of a [`Projection::Screen`](super::Projection).
         ScreenHeight => (Part::Screen, Quantity::Length),
@@ -162,18 +162,18 @@ table! {
 }
 
 impl Property {
-    /// Returns the property with a name.
+    /// Returns the property with the given name.
     pub(crate) fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|property| property.name() == name)
     }
 
-    /// Returns its name in scene files.
+    /// Returns the name of the property in scene files.
     #[must_use]
     pub const fn name(self) -> &'static str {
         self.row().0
     }
 
-    /// Returns what has such a value.
+    /// Returns the requirement for having the property.
     pub(crate) const fn part(self) -> Part {
         self.row().1.0
     }
@@ -183,7 +183,7 @@ impl Property {
         self.row().1.1
     }
 
-    /// Returns how its values are written in scene files and scripts.
+    /// Returns the notation of its values in scene files and scripts.
     #[must_use]
     #[doc(hidden)]
     pub const fn notation(self) -> Notation {

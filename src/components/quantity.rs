@@ -1,4 +1,4 @@
-//! The quantities of properties: how they are written, and their ranges.
+//! The quantities of properties, with their notations and ranges.
 
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
@@ -8,54 +8,54 @@ use super::{Refractive, Specular};
 use crate::animation::Notation;
 use crate::animation::limits::SMALLEST;
 
-/// A range from the first to the second, both included.
+/// An inclusive range: the smallest and the largest value.
 type Range = (f64, f64);
 
 const ANY: Range = (f64::NEG_INFINITY, f64::INFINITY);
 const NOT_NEGATIVE: Range = (0.0, f64::INFINITY);
-/// Greater than 0, as small as the file format allows.
+/// Greater than 0; the lower end is the smallest size that the file format allows.
 const SIZE: Range = (SMALLEST, f64::INFINITY);
 const SHARE: Range = (0.0, 1.0);
 
 table! {
-    /// What a number or three numbers measure: their notation, and the range to which each of them is clamped.
+    /// The physical quantity of a number or vector: its notation, and the range to which each component is clamped.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub(crate) enum Quantity: (Notation, Range) {
-        /// Coordinates, scene units.
+        /// Coordinates in scene units.
         Point => (Notation::Vector, ANY),
-        /// Any vector but zero, whatever its length.
+        /// A vector of any nonzero length.
         Direction => (Notation::Vector, ANY),
         /// A rotation in space.
         Rotation => (Notation::Rotation, ANY),
-        /// An angle of rotation, over any number of turns, radians.
+        /// An angle of rotation in radians, over any number of turns.
         Turn => (Notation::Degrees, ANY),
-        /// Factors along the axes, none of them 0.
+        /// Nonzero factors along the axes.
         Factors => (Notation::Scale, ANY),
-        /// Scene units, greater than 0.
+        /// A length in scene units, greater than 0.
         Length => (Notation::Number, SIZE),
-        /// The edges of a box, each a length.
+        /// The edge lengths of a box.
         Edges => (Notation::Vector, SIZE),
-        /// A share of light.
+        /// A reflection or transmission coefficient.
         Coefficient => (Notation::Number, SHARE),
         /// The exponent of highlights.
         Shininess => (Notation::Number, (0.0, Specular::LARGEST_SHININESS as f64)),
-        /// The ratio of the speed of light outside to that inside.
+        /// The speed of light outside divided by the speed of light inside.
         RefractiveIndex => (Notation::Number, (Refractive::SMALLEST_IOR, Refractive::LARGEST_IOR)),
-        /// Per scene unit of length and colour channel.
+        /// Absorption per scene unit of length and colour channel.
         Absorption => (Notation::Light, NOT_NEGATIVE),
-        /// Light per colour channel, 1 being full.
+        /// Light per colour channel; 1 is full intensity.
         Light => (Notation::Light, NOT_NEGATIVE),
         /// The colour of a surface or a background.
         Color => (Notation::Color, NOT_NEGATIVE),
-        /// From rim to rim of a spot light, radians.
+        /// The full angle of a spot light's cone in radians.
         SpotAngle => (Notation::Degrees, (SMALLEST, PI)),
-        /// The share of a spot light that fades.
+        /// The fading fraction of a spot light's cone.
         Softness => (Notation::Number, SHARE),
-        /// Coefficients c0, c1, c2, of which c0 is greater than 0.
+        /// The falloff coefficients c0, c1, c2; c0 is greater than 0.
         Falloff => (Notation::Vector, NOT_NEGATIVE),
-        /// The angle of a view, radians: less than half a turn.
+        /// The field of view in radians, less than pi.
         FieldOfView => (Notation::Degrees, (SMALLEST, PI.next_down())),
-        /// The diameter of a lens, scene units.
+        /// The diameter of a lens in scene units.
         Aperture => (Notation::Number, NOT_NEGATIVE),
         /// The density of fog, per scene unit of length.
         Density => (Notation::Number, NOT_NEGATIVE),
@@ -63,12 +63,12 @@ table! {
 }
 
 impl Quantity {
-    /// Returns how it is written in scene files and scripts.
+    /// Returns the notation in scene files and scripts.
     pub(crate) const fn notation(self) -> Notation {
         self.row().1.0
     }
 
-    /// Returns the range of each of its numbers; smaller and larger ones are clamped to its ends. Angles are in radians.
+    /// Returns the range to which each component is clamped. Angles are in radians.
     pub(crate) const fn range(self) -> RangeInclusive<f64> {
         let (smallest, largest) = self.row().1.1;
         smallest..=largest

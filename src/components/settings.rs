@@ -1,21 +1,21 @@
-//! Settings of the whole scene. A world has at most one of each; the first in document order counts.
+//! Settings of the whole scene. A world has at most one of each; if there are several, the first in document order is used.
 
 use crate::color::{ErrorNorm, Rgb, Transfer};
 
-/// The ambient light's intensity I_a, the same everywhere.
+/// The intensity I_a of the ambient light, constant everywhere.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ambient(pub Rgb);
 
 /// The radiance of a ray that hits nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Background {
-    /// The same in all directions.
+    /// A constant radiance in all directions.
     Flat(Rgb),
-    /// A blend along the world's y axis: in a direction of unit length, (1 + y) / 2 of it is the top.
+    /// A gradient along the world's y axis. In a direction of unit length, `top` has the weight (1 + y) / 2 and `bottom` the rest.
     Gradient {
-        /// Straight down, -y.
+        /// The radiance straight down, -y.
         bottom: Rgb,
-        /// Straight up, +y.
+        /// The radiance straight up, +y.
         top: Rgb,
     },
 }
@@ -27,33 +27,34 @@ impl Default for Background {
     }
 }
 
-/// Fog everywhere: over a length l, exp(-density l) of what is behind is seen, and the fog's colour makes up the rest.
+/// Uniform fog. Over a length l, the fraction exp(-density l) of the light from behind is transmitted, and the fog's colour contributes the
+/// remaining fraction.
 ///
-/// It attenuates camera, reflection and refraction rays, but not shadow rays. With a density above 0, a ray that hits nothing
-/// sees only fog.
+/// Fog attenuates camera, reflection and refraction rays, but not shadow rays. With a density above 0, a ray that hits nothing sees only
+/// fog.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fog {
     /// The colour of fog of infinite depth.
     pub color: Rgb,
-    /// Per scene unit of length in the world, 0 or more; 0 is no fog.
+    /// The density per scene unit of length in the world, 0 or more; 0 disables fog.
     pub density: f64,
 }
 
-/// The picture's size and encoding.
+/// The size and the encoding of the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FilmSettings {
-    /// Columns, 1..=[`Self::LARGEST_SIDE`].
+    /// The number of columns, 1..=[`Self::LARGEST_SIDE`].
     pub width: u32,
-    /// Rows, 1..=[`Self::LARGEST_SIDE`].
+    /// The number of rows, 1..=[`Self::LARGEST_SIDE`].
     pub height: u32,
     /// The conversion from linear light to bytes.
     pub transfer: Transfer,
 }
 
 impl FilmSettings {
-    /// The most columns or rows.
+    /// The maximum number of columns or rows.
     pub const LARGEST_SIDE: u32 = 32_768;
-    /// The most pixels, 2^28: about 3 GB of film.
+    /// The maximum number of pixels, 2^28: about 3 GB of film.
     pub const LARGEST_AREA: u64 = 1 << 28;
 }
 
@@ -63,45 +64,46 @@ impl Default for FilmSettings {
     }
 }
 
-/// The number of samples per pixel, and their choice.
+/// The number and the choice of samples per pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampling {
-    /// Samples per pixel, 1..=[`Self::LARGEST_COUNT`]. A single sample is in the pixel's centre; several are spread over the
-    /// pixel, which is their mean. With a `max_error`, the most that a pixel gets; 1 sets no limit then.
+    /// The number of samples per pixel, 1..=[`Self::LARGEST_COUNT`]. A single sample is at the pixel's centre. Several samples are
+    /// distributed over the pixel, whose colour is their mean. With a `max_error` this is the maximum number per pixel, and 1 means no
+    /// limit.
     pub samples: u32,
-    /// The fewest samples of a pixel with a `max_error`, 1..=[`Self::LARGEST_COUNT`], though not more than `samples`.
+    /// The minimum number of samples per pixel with a `max_error`, 1..=[`Self::LARGEST_COUNT`]; at most `samples`.
     pub min_samples: u32,
-    /// The target for the picture's error in the `norm`, in steps of 8-bit output, 0..=[`Self::LARGEST_ERROR`]. Samples are added where they are needed until the estimate of the error, [`FrameReport::error`](crate::FrameReport::error), meets it. 0
-    /// gives all pixels the same number.
+    /// The target for the image error in the `norm`, in 8-bit levels, 0..=[`Self::LARGEST_ERROR`]. Samples are added where needed until the
+    /// estimated error, [`FrameReport::error`](crate::FrameReport::error), meets the target. 0 gives all pixels the same number of samples.
     pub max_error: f32,
-    /// The norm of that error.
+    /// The norm of `max_error`.
     pub norm: ErrorNorm,
-    /// The seed: another seed gives other samples.
+    /// The seed of the sample patterns.
     pub seed: u64,
-    /// How the samples of different frames are related.
+    /// The relation between the samples of different frames.
     pub noise: Noise,
-    /// The most instants at which the scene is drawn while the shutter is open, 1..=[`Self::LARGEST_INSTANTS`]; there are never
-    /// more instants than samples. With a `max_error` their number follows from it, up to 256. See [`Camera::shutter`](super::Camera::shutter).
+    /// The maximum number of instants at which the scene is rendered while the shutter is open, 1..=[`Self::LARGEST_INSTANTS`]; never more
+    /// than the number of samples. With a `max_error`, the number of instants is adaptive, up to 256. See
+    /// [`Camera::shutter`](super::Camera::shutter).
     pub instants: u32,
 }
 
-/// How the noise of different frames is related.
+/// The relation between the noise of different frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Noise {
-    /// The samples of all frames are the same: what does not change does not flicker.
+    /// All frames have the same samples, so that static content does not flicker.
     #[default]
     Fixed,
-    /// Every moment has its own samples, so that noise averages out to the eye. They are a function of the seed and the exact
-    /// time.
+    /// Every moment has its own samples, so that noise averages out to the eye. They are a function of the seed and the exact time.
     PerFrame,
 }
 
 impl Sampling {
-    /// The most samples per pixel.
+    /// The maximum number of samples per pixel.
     pub const LARGEST_COUNT: u32 = 65_536;
     /// The largest error: the whole range of 8-bit output.
     pub const LARGEST_ERROR: f32 = 255.0;
-    /// The most instants while the shutter is open.
+    /// The maximum number of instants while the shutter is open.
     pub const LARGEST_INSTANTS: u32 = 256;
 }
 
@@ -122,16 +124,15 @@ impl Default for Sampling {
 /// The depth and the cutoff of ray tracing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
-    /// The most generations of rays that are traced: 1 is camera rays alone, 5 adds four reflections. A ray beyond that sees the
-    /// background.
+    /// The maximum ray depth: 1 traces camera rays only, 5 allows four reflections. A ray beyond it sees the background.
     pub depth: u32,
-    /// The cutoff: rays whose contributions to a pixel are together certainly less than this many steps of 8-bit output are not
-    /// traced, 0..=[`Self::LARGEST_CUTOFF`]; 0 traces all.
+    /// The cutoff in 8-bit levels, 0..=[`Self::LARGEST_CUTOFF`]. Rays whose contributions to a pixel are certain to sum to less than the
+    /// cutoff are not traced; 0 traces all rays.
     pub cutoff: f32,
 }
 
 impl Quality {
-    /// The most generations.
+    /// The maximum ray depth.
     pub const LARGEST_DEPTH: u32 = 1000;
     /// The largest cutoff: the whole range of 8-bit output.
     pub const LARGEST_CUTOFF: f32 = 255.0;

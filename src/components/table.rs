@@ -1,7 +1,7 @@
-//! Enums whose variants carry facts: one row each.
+//! Enums whose variants carry constant data, one row each.
 
-/// Defines an enum of rows `Variant => facts,` with the list `ALL` of its variants, in the order of the rows, and a method `row`
-/// that returns a variant's name and its facts.
+/// Defines an enum from rows `Variant => facts,`, with the list `ALL` of its variants in the order of the rows, and a method `row` that
+/// returns the name and the facts of a variant.
 macro_rules! table {
     (
         $(#[$about:meta])*

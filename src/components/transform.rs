@@ -4,14 +4,14 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 /// Position, orientation and size relative to the [`Parent`], or to the world.
 ///
-/// A point `p` of the entity's own space is at `translation + rotation * (scale * p)`.
+/// A point `p` of the entity's own space is mapped to `translation + rotation * (scale * p)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
-    /// Scene units.
+    /// The translation in scene units.
     pub translation: DVec3,
-    /// A unit quaternion, to the precision of `f64`: its length does not scale anything.
+    /// The rotation, a unit quaternion to `f64` precision. Its length has no effect on the scale.
     pub rotation: DQuat,
-    /// Factor per own axis; never zero.
+    /// The scale factors along the entity's own axes; never zero.
     pub scale: DVec3,
 }
 
@@ -33,21 +33,22 @@ impl Default for Transform {
     }
 }
 
-/// The entity whose space a [`Transform`] is relative to.
+/// The parent: the entity whose space a [`Transform`] is relative to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parent(pub hecs::Entity);
 
-/// Own space to world space, as a matrix, with what is known of its structure.
+/// The map from own space to world space as a matrix, with structural information.
 ///
-/// Structure is tracked through the products instead of being read off the rounded matrix: a turned sphere under a turned parent
+/// The structure is tracked through the products instead of being derived from the rounded matrix: a rotated sphere under a rotated parent
 /// is still exactly a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldTransform {
     /// The map, rounded.
     pub affine: DAffine3,
-    /// The rounding error: the map is the sum of both, so that faces that are flush as written stay so through parents.
+    /// The rounding error. The exact map is the sum of `affine` and `rest`, so that faces that are flush as written stay flush through
+    /// parents.
     pub rest: DAffine3,
-    /// The factor of all lengths, if there is a single one (rotations, uniform scales and reflections only).
+    /// The scale factor of all lengths, if it is the same in all directions (rotations, uniform scales and reflections only).
     pub uniform_scale: Option<f64>,
 }
 

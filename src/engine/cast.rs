@@ -1,11 +1,11 @@
-//! Single rays through the renderer's own path.
+//! Casting of single rays with the renderer's intersection code.
 
 use glam::DVec3;
 use hecs::Entity;
 
 use crate::trace;
 
-/// A ray from any point: `origin + t direction`, t >= 0. The direction may have any length but zero.
+/// A ray from any point: `origin + t direction`, t >= 0. The direction may have any nonzero length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// The start point.
@@ -19,23 +19,22 @@ pub struct Ray {
 pub struct Hit {
     /// The entity whose shape is hit.
     pub entity: Entity,
-    /// The ray's parameter, for the direction as it was given: the point is origin + t direction. `None` where no `f64` can hold
-    /// it, because the direction is so short that the distance takes more than 1.8e308 of it; [`Hit::distance`] is right then
-    /// too.
+    /// The ray parameter for the direction as given: the point is origin + t direction. `None` if no `f64` can represent it, because the
+    /// direction is so short that the distance is more than 1.8e308 times its length; [`Hit::distance`] is correct in that case too.
     pub t: Option<f64>,
     /// The distance from the ray's origin, in scene units.
     pub distance: f64,
     /// The point on the surface.
     pub point: DVec3,
-    /// The unit normal, on the side that the ray came from.
+    /// The unit normal on the side that the ray came from.
     pub normal: DVec3,
     surface: trace::CastHit,
 }
 
 impl Hit {
-    /// Describes a hit of the kernel's ray; `exponent` is the power of two by which the direction was scaled for the kernel.
+    /// Creates a hit from the kernel's ray and hit. `exponent` is the power of two by which the direction was scaled for the kernel.
     pub(super) fn new(entity: Entity, ray: &trace::CastRay, exponent: i32, surface: trace::CastHit) -> Self {
-        // However short the direction was, no way is none. Adding zero makes negative zeros positive.
+        // A hit at the origin has t = 0 for any scaling. Adding zero makes negative zeros positive.
         let t = if surface.t.rounded() == 0.0 { 0.0 } else { libm::ldexp(surface.t.rounded(), exponent) };
         Self {
             entity,
@@ -47,8 +46,8 @@ impl Hit {
         }
     }
 
-    /// Returns a ray that leaves this surface. It knows which surfaces it starts on and never hits them by rounding; there is no
-    /// offset to choose. `None` if the direction is zero or not finite.
+    /// Returns a ray that leaves this surface. It stores the surfaces that it starts on and does not hit them again through rounding, so
+    /// that no offset is needed. `None` if the direction is zero or not finite.
     #[must_use]
     pub fn leave_towards(&self, direction: DVec3) -> Option<SecondaryRay> {
         let ray = self.surface.leave_towards(direction)?;
@@ -57,14 +56,14 @@ impl Hit {
     }
 }
 
-/// A secondary ray: it leaves the surface that another ray hit.
+/// A secondary ray, which leaves a surface that another ray hit.
 #[derive(Clone, Debug)]
 pub struct SecondaryRay {
     ray: trace::CastRay,
     exponent: i32,
 }
 
-/// Returns the power of two by which the kernel's direction is longer than the given one.
+/// Returns the exponent of the power of two by which the kernel's direction is longer than the given one.
 fn exponent(ray: &trace::CastRay, direction: DVec3) -> i32 {
     let exponent = |vector: DVec3| libm::ilogb(vector.abs().max_element());
     exponent(ray.direction()) - exponent(direction)
@@ -72,8 +71,8 @@ fn exponent(ray: &trace::CastRay, direction: DVec3) -> i32 {
 
 /// A ray that [`Engine::cast`](super::Engine::cast) can trace.
 pub trait IntoRay {
-    /// Returns the kernel's ray, and the power of two by which its direction is longer than the given one. `None` if a number is
-    /// not finite or the direction is zero.
+    /// Returns the kernel's ray, and the exponent of the power of two by which its direction is longer than the given one. `None` if a
+    /// number is not finite or the direction is zero.
     #[doc(hidden)]
     fn into_ray(self) -> Option<(trace::CastRay, i32)>;
 }

@@ -1,4 +1,4 @@
-//! The engine.
+//! The engine: a world with its systems and its prepared data.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -18,12 +18,12 @@ use crate::time::Timeline;
 use crate::trace::reference::Reference;
 use crate::trace::{self, Effects, Lighting, Precision, SampleMemory, SharedRoundPolicy, SimdLevel};
 
-/// A world of entities that is rendered moment by moment.
+/// A world of entities that is rendered at any moment of its timeline.
 ///
-/// # A simulation as a movie
+/// # Simulation
 ///
-/// Balls that bounce, stepped 240 times a second. Frames may be requested in any order: going back replays the steps from the
-/// start, and gives the same bits.
+/// Bouncing balls, stepped 240 times per second. Frames may be requested in any order: going back in time replays the steps from the start
+/// and gives the same bits.
 ///
 /// ```
 /// use glam::DVec3;
@@ -82,25 +82,25 @@ pub struct Engine {
     pub(super) world: World,
     pub(super) timeline: Timeline,
     pub(super) systems: Schedule,
-    /// Writes since the last preparation.
+    /// The writes since the last preparation.
     pub(super) changes: Changes,
     pub(super) preparation: Option<Preparation>,
     pub(super) precision: Precision,
     pub(super) simd: SimdLevel,
-    /// Whether to render with everything compiled in.
+    /// True if all effects are rendered, even those that the scene does not need.
     pub(super) full: bool,
-    /// The effects that are left out, even if a scene calls for them.
+    /// The disabled effects.
     pub(super) left_out: Vec<Effect>,
     pub(super) knobs: Knobs,
-    /// The exposure of frames, once it has been read.
+    /// The exposure of frames; `None` until it is read from the world.
     pub(super) shutters: Option<Shutters>,
     pub(super) plan: Option<Plan>,
     pub(super) report: FrameReport,
-    /// The choice of the samples of rounds, if it is not the target's.
+    /// The policy that chooses the samples of each round. `None` uses the error target alone.
     pub(super) policy: Option<SharedRoundPolicy>,
-    /// The least gains of the last picture's rounds, where a policy has chosen them.
+    /// The least gains of the last image's rounds, if a policy chose them.
     pub(super) rounds: Vec<u32>,
-    /// The last picture's, kept for their memory.
+    /// The sample buffers of the last image, kept for reuse and for [`Engine::sample_counts`].
     pub(super) sample_memory: SampleMemory,
     pub(super) script_sources: ScriptSources,
 }
@@ -111,16 +111,16 @@ pub enum EngineError {
     /// The scene file could not be loaded.
     #[error(transparent)]
     Scene(#[from] LoadError),
-    /// The world cannot be copied, which custom systems need.
+    /// The world cannot be copied, as custom systems require.
     #[error(transparent)]
     UnknownComponent(#[from] UnknownComponent),
-    /// A script gave no value.
+    /// A script failed to return a value.
     #[error(transparent)]
     Script(#[from] ScriptMistake),
 }
 
 impl EngineError {
-    /// Returns the error of a halt; `None` if nothing is wrong and the frame was only cancelled.
+    /// Returns the error for a halt. `None` if the frame was only cancelled.
     pub(super) fn of(halt: Halt, sources: &ScriptSources) -> Option<Self> {
         Some(match halt {
             Halt::Cancelled => return None,
@@ -135,7 +135,7 @@ impl EngineError {
 }
 
 impl Engine {
-    /// Loads a scene file, at its first moment.
+    /// Loads a scene file and creates an engine at its first moment.
     ///
     /// # Errors
     ///
@@ -144,7 +144,7 @@ impl Engine {
         Ok(Self::from_scene(Scene::load(path.as_ref())?))
     }
 
-    /// Creates an engine for a scene that has been read.
+    /// Creates an engine for a loaded scene.
     #[must_use]
     pub fn from_scene(scene: Scene) -> Self {
         let Scene { world, timeline, scripts, .. } = scene;
@@ -153,7 +153,7 @@ impl Engine {
         engine
     }
 
-    /// Starts with the timeline and the scripts of a scene whose world is this one.
+    /// Starts with the timeline and the scripts of a scene, after its world has been set.
     pub(super) fn start(&mut self, timeline: Timeline, scripts: SceneScripts) {
         let (scripts, sources) = scripts.into_parts();
         self.systems.set_scripts(Scripts::new(scripts, timeline));
@@ -162,9 +162,9 @@ impl Engine {
         self.shutters = None;
     }
 
-    /// Creates an engine for a world. Its timeline has 24 frames per second and a single frame, which
-    /// [`set_timeline`](Engine::set_timeline) changes; others can be rendered all the same. What the world lacks (a camera, film
-    /// settings) has defaults.
+    /// Creates an engine for a world. Its timeline has 24 frames per second and a single frame; [`set_timeline`](Engine::set_timeline)
+    /// changes it. Frames beyond the end of the timeline can be rendered too. Missing parts of the world (a camera, film settings) have
+    /// defaults.
     #[must_use]
     pub fn new(world: World) -> Self {
         Self {
@@ -188,7 +188,7 @@ impl Engine {
         }
     }
 
-    /// Adds a pure function of time that writes to the world. Its writes are undone before every frame.
+    /// Adds a pure system: a function of time that writes to the world. Its writes are undone before every frame.
     pub fn add_system(&mut self, system: impl Fn(&mut Context<'_>) + Send + 'static) {
         self.systems.rewind(&mut self.world);
         self.changes.mark_all();
@@ -196,8 +196,8 @@ impl Engine {
         self.systems.add(system);
     }
 
-    /// Adds a system that carries state from step to step. The engine runs it `floor(t / step)` times for the moment `t`, from a
-    /// copy of the world at 0; going back starts over.
+    /// Adds a system that carries state from step to step. For the moment `t` the engine runs it `floor(t / step)` times, starting from a
+    /// copy of the world at time 0. Going back in time starts over.
     pub fn add_stepped_system(&mut self, step: Step, system: impl Fn(&mut Context<'_>) + Send + 'static) {
         self.systems.rewind(&mut self.world);
         self.changes.mark_all();
@@ -205,20 +205,20 @@ impl Engine {
         self.systems.add_stepped(step, system);
     }
 
-    /// Registers a custom component type as part of the state that is copied and restored. Required for every such type once
-    /// there are custom systems.
+    /// Registers a custom component type as part of the state that is copied and restored. Custom systems require this for every custom
+    /// component type.
     pub fn register<T: Component + Clone>(&mut self) {
         self.systems.registry_mut().register::<T>();
     }
 
-    /// Returns the world at the moment of the last frame, or, if its shutter was open, at the last of its instants;
+    /// Returns the world at the moment of the last frame. If the shutter was open, the world is at the last instant of the frame;
     /// [`seek`](Engine::seek) brings it to the frame's own moment.
     #[must_use]
     pub fn world(&self) -> &World {
         &self.world
     }
 
-    /// Returns the world as it was at the start, before any step, for editing. Everything is read again for the next frame.
+    /// Returns the world as it was at the start, before any step, for editing. The next frame reads the whole world again.
     pub fn world_mut(&mut self) -> &mut World {
         self.systems.rewind(&mut self.world);
         self.changes.mark_all();
@@ -238,7 +238,8 @@ impl Engine {
         self.systems.scripts_mut().set_timeline(timeline);
     }
 
-    /// Sets the precision of intersections from the next frame on: guaranteed, unless a comparison with textbooks is wanted.
+    /// Sets the precision of intersections from the next frame on. The default is guaranteed; the other values are for comparisons with
+    /// textbook formulas.
     pub fn set_precision(&mut self, precision: Precision) {
         self.precision = precision;
     }
@@ -249,21 +250,21 @@ impl Engine {
         self.precision
     }
 
-    /// Sets the vector instructions from the next frame on: the best that the processor has, unless they are compared. Pictures are
-    /// the same with all.
+    /// Sets the SIMD level from the next frame on. The default is the best level that the processor supports; the others are for
+    /// comparisons. Images are the same at all levels.
     #[doc(hidden)]
     pub fn set_simd_level(&mut self, simd: SimdLevel) {
         self.simd = simd;
     }
 
-    /// Returns the film's size and transfer.
+    /// Returns the size and the encoding of the film.
     #[must_use]
     pub fn film_settings(&self) -> FilmSettings {
         systems::film_settings(&self.world)
     }
 
-    /// Returns the prepared camera at the moment of the last frame (the last of its instants, if its shutter was open) or
-    /// [`seek`](Engine::seek). `None` before the first of them.
+    /// Returns the prepared camera at the moment of the last frame (the last instant, if the shutter was open) or [`seek`](Engine::seek).
+    /// `None` before the first frame or seek.
     ///
     /// ```no_run
     /// use rayreel::Engine;
@@ -283,70 +284,70 @@ impl Engine {
         Some(self.preparation.as_ref()?.camera())
     }
 
-    /// Returns the effects that the last frame needed or left out, and why. `None` before the first frame.
+    /// Returns the effects that the last frame needed or omitted, with reasons. `None` before the first frame.
     #[must_use]
     pub fn plan(&self) -> Option<&Plan> {
         self.plan.as_ref()
     }
 
-    /// Leaves these effects, and no others, out of the frames from now on, even if a scene calls for them: to see what they are worth.
-    /// Without shadows of transparent objects, they occlude lights like opaque ones.
+    /// Disables these effects, and no others, from the next frame on, even if a scene needs them, to measure their contribution. If the
+    /// shadows of transparent objects are disabled, these objects occlude lights like opaque ones.
     pub fn set_left_out(&mut self, effects: impl IntoIterator<Item = Effect>) {
         self.left_out = effects.into_iter().collect();
     }
 
-    /// Returns the effects that are left out of frames even if a scene calls for them.
+    /// Returns the disabled effects.
     #[must_use]
     pub fn left_out(&self) -> &[Effect] {
         &self.left_out
     }
 
-    /// Sets what frames are rendered with from now on in the place of the scene's own settings. Drafts keep to the scene's.
+    /// Sets the render settings that override the scene's own from the next frame on. Drafts use the scene's own settings.
     pub fn set_knobs(&mut self, knobs: Knobs) {
         self.knobs = knobs;
     }
 
-    /// Sets what chooses the samples of each round of pictures that have a target, in the place of the target.
+    /// Sets the policy that chooses the samples of each round, for images with an error target. `None` uses the target alone.
     pub fn set_round_policy(&mut self, policy: Option<SharedRoundPolicy>) {
         self.policy = policy;
     }
 
-    /// Returns the least gains of the last picture's rounds, where a policy has chosen them: a [`Replay`](trace::Replay) of them gives the
-    /// same picture.
+    /// Returns the least gains of the last image's rounds, if a policy chose them. A [`Replay`](trace::Replay) of them gives the same
+    /// image.
     #[must_use]
     pub fn rounds(&self) -> &[u32] {
         &self.rounds
     }
 
-    /// Returns how many samples each pixel of the last picture took, row by row from the top. Empty where all took the same: without
-    /// a [target](Engine::is_adaptive).
+    /// Returns the number of samples of each pixel of the last image, row by row from the top. Empty if all pixels have the same number,
+    /// that is, without an [error target](Engine::is_adaptive).
     #[must_use]
     pub fn sample_counts(&self) -> Vec<u32> {
         let FilmSettings { width, height, .. } = self.film_settings();
         self.sample_memory.counts((width, height))
     }
 
-    /// Returns what frames are rendered with in the place of the scene's own settings.
+    /// Returns the render settings that override the scene's own.
     #[must_use]
     pub fn knobs(&self) -> Knobs {
         self.knobs
     }
 
-    /// Sets whether to render with every effect, even those that a scene does not call for: slower, and the same bits. For
-    /// comparisons.
+    /// Sets whether to render with all effects, even those that a scene does not need. This is slower and gives the same bits; it is meant
+    /// for comparisons.
     pub fn set_full(&mut self, full: bool) {
         self.full = full;
     }
 
-    /// Returns the entities whose shapes are in the picture at the moment of the last frame or [`seek`](Engine::seek), in
-    /// document order. None before the first of them.
+    /// Returns the entities whose shapes are rendered at the moment of the last frame or [`seek`](Engine::seek), in document order. Empty
+    /// before the first frame or seek.
     pub fn drawn(&self) -> impl Iterator<Item = hecs::Entity> {
         self.preparation.iter().flat_map(|preparation| preparation.drawn().iter().copied())
     }
 
-    /// Returns what is wrong with the world at the moment of the last frame (the last of its instants, if its shutter was open)
-    /// or [`seek`](Engine::seek), in document order: what is not drawn or not used as given, why, and how to fix it. Nothing
-    /// before the first of them.
+    /// Returns the faults of the world at the moment of the last frame (the last instant, if the shutter was open) or
+    /// [`seek`](Engine::seek), in document order: each entity that is not drawn or not used as given, the cause and the remedy. Empty
+    /// before the first frame or seek.
     ///
     /// ```
     /// use rayreel::components::{Material, Shape, Transform};
@@ -374,9 +375,9 @@ impl Engine {
         &self.report
     }
 
-    /// Returns the closest hit of a ray, at the moment of the last frame (the last of its instants, if its shutter was open) or
-    /// [`seek`](Engine::seek), exactly as the renderer sees it. `None` before the first of them, for a ray that hits nothing, and
-    /// for one without a direction.
+    /// Returns the closest hit of a ray at the moment of the last frame (the last instant, if the shutter was open) or
+    /// [`seek`](Engine::seek), exactly as the renderer computes it. `None` before the first frame or seek, for a ray that hits nothing, and
+    /// for a ray without a direction.
     ///
     /// ```no_run
     /// use glam::DVec3;
@@ -400,7 +401,7 @@ impl Engine {
         Some(Hit::new(preparation.entity(surface.hit.id), &ray, exponent, surface))
     }
 
-    /// Casts many rays as [`cast`](Engine::cast) does, on the current rayon pool's threads. The hits are in the rays' order.
+    /// Casts many rays like [`cast`](Engine::cast), on the threads of the current rayon pool. The hits are in the order of the rays.
     #[must_use]
     pub fn cast_all(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
         let Some(preparation) = &self.preparation else {
@@ -424,17 +425,17 @@ impl Engine {
             .collect()
     }
 
-    /// Returns everything that goes into the first sample of the pixel in column `i` and row `j`: the only one, unless
-    /// [`Sampling`](crate::components::Sampling) has more. As [`probe_sample`](Engine::probe_sample).
+    /// Returns the ray tree of the first sample of the pixel in column `i` and row `j`. It is the only sample unless
+    /// [`Sampling`](crate::components::Sampling) has more. See [`probe_sample`](Engine::probe_sample).
     #[doc(hidden)]
     #[must_use]
     pub fn probe(&self, i: u32, j: u32) -> Option<Probe<'_>> {
         self.probe_sample(i, j, 0)
     }
 
-    /// Returns everything that goes into sample `index` of the pixel in column `i` and row `j`, at the moment of the last
-    /// [`seek`](Engine::seek) or, where a shutter is open, [`seek_sample`](Engine::seek_sample), by the reference path. `None`
-    /// before the first of them, outside the film, and for a sample that the pixel does not have.
+    /// Returns the ray tree of sample `index` of the pixel in column `i` and row `j`, traced by the reference path, at the moment of the
+    /// last [`seek`](Engine::seek) or, if the shutter is open, [`seek_sample`](Engine::seek_sample). `None` before the first of them,
+    /// outside the film, and for a sample that the pixel does not have.
     #[doc(hidden)]
     #[must_use]
     pub fn probe_sample(&self, i: u32, j: u32, index: u32) -> Option<Probe<'_>> {
@@ -447,8 +448,8 @@ impl Engine {
         Some(Probe::new(self.preparation.as_ref()?, tree))
     }
 
-    /// Returns the number of samples per pixel, and their choice, at the moment of the last frame or [`seek`](Engine::seek).
-    /// `None` before the first of them.
+    /// Returns the number and the choice of samples per pixel at the moment of the last frame or [`seek`](Engine::seek). `None` before the
+    /// first frame or seek.
     #[must_use]
     pub fn sampling(&self) -> Option<trace::Sampling> {
         let sampling = self.preparation.as_ref()?.sampling(self.report.time);
@@ -456,14 +457,14 @@ impl Engine {
         Some(trace::Sampling { samples, ..sampling })
     }
 
-    /// Returns whether pixels get as many samples as they need: see [`Sampling::max_error`](crate::components::Sampling::max_error).
+    /// Returns whether sampling is adaptive: see [`Sampling::max_error`](crate::components::Sampling::max_error).
     #[must_use]
     pub fn is_adaptive(&self) -> bool {
         let sampling = self.knobs.sampling(sampling_settings(&self.world));
         sampling.max_error > 0.0 && !self.left_out.contains(&Effect::Antialiasing)
     }
 
-    /// Returns what is prepared, without what is left out.
+    /// Returns the prepared data without the disabled effects.
     pub(super) fn shown(&self) -> Option<Cow<'_, Preparation>> {
         let mut shown = Cow::Borrowed(self.preparation.as_ref()?);
         for effect in &self.left_out {
@@ -472,7 +473,8 @@ impl Engine {
         Some(shown)
     }
 
-    /// Returns the effects that pictures may have, if a scene calls for them. Others are not in what is [shown](Engine::shown).
+    /// Returns the effects that images may have if a scene needs them. The other disabled effects are already absent from the
+    /// [shown](Engine::shown) data.
     pub(super) fn effects_left(&self) -> Effects {
         let lighting = match self.left_out.contains(&Effect::ClearShadows) {
             true => Lighting::Shadows,

@@ -1,4 +1,4 @@
-//! The engine: world, systems and kernel put together.
+//! The engine, which combines the world, the systems and the kernel.
 
 mod cast;
 #[expect(clippy::module_inception, reason = "what the folder is about")]

@@ -1,4 +1,4 @@
-//! Everything that one sample of a pixel sees.
+//! The ray tree of a single sample.
 
 use hecs::Entity;
 
@@ -7,11 +7,11 @@ use crate::systems::Preparation;
 use crate::trace::ShapeId;
 use crate::trace::reference::RayTree;
 
-/// Everything that goes into a sample of a pixel: its rays, their hits, and the contributions to the colour.
+/// The ray tree of a sample of a pixel: its rays, their hits, and their contributions to the colour.
 #[derive(Clone, Debug)]
 pub struct Probe<'a> {
     preparation: &'a Preparation,
-    /// The rays, breadth first.
+    /// The rays in breadth-first order.
     pub tree: RayTree,
 }
 
@@ -20,8 +20,8 @@ impl<'a> Probe<'a> {
         Self { preparation, tree }
     }
 
-    /// Returns the sample's colour. Where pixels have one sample it is the pixel's, as it is in the film, or would be if it had
-    /// not overflowed; where they have more the pixel is the mean of all.
+    /// Returns the colour of the sample. If pixels have one sample, it is the pixel's colour in the film, unless that has overflowed. If
+    /// they have several, the pixel's colour is the mean of all samples.
     #[must_use]
     pub fn color(&self) -> Rgb {
         self.tree.color()
@@ -33,13 +33,13 @@ impl<'a> Probe<'a> {
         self.preparation.entity(slot)
     }
 
-    /// Returns the lights, in the order in which surfaces list them.
+    /// Returns the entities of the lights, in the order in which surfaces list them.
     #[must_use]
     pub fn lights(&self) -> &[Entity] {
         self.preparation.lights()
     }
 
-    /// Returns the number of samples of a light at every point: 1 unless it has a size.
+    /// Returns the number of samples of a light per lit point: 1 except for area lights.
     #[must_use]
     pub fn light_samples(&self, index: usize) -> u32 {
         self.preparation.scene().lights.get(index).map_or(1, |light| light.samples)

@@ -1,35 +1,34 @@
-//! The cost of a frame.
+//! The cost report of a frame.
 
 use std::time::Duration;
 
 use crate::time::Time;
 use crate::trace::{Escalations, EstimatedError, FrameFingerprint, RayCounts, TreeEnds};
 
-/// The cost of the last frame, phase by phase.
+/// The cost of the last frame by phase, and the statistics of its rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameReport {
-    /// The frame's moment.
+    /// The moment of the frame.
     pub time: Time,
     /// The time spent on tracks, scripts and custom systems.
     pub animate: Duration,
     /// The time spent on world transforms and the kernel's arrays.
     pub prepare: Duration,
-    /// How often the BVH, the tree over the shapes, was built. It is kept where no shape has changed, and mostly where few have.
+    /// The number of BVH builds. The BVH, the tree over the shapes, is kept if no shape has changed, and usually if few have.
     pub bvh_builds: u32,
-    /// How often the BVH was kept, and made to fit around the few shapes that had moved.
+    /// The number of BVH refits: the BVH was kept and adapted to the few shapes that had moved.
     pub bvh_refits: u32,
-    /// The time spent on rays.
+    /// The time spent on tracing rays.
     pub trace: Duration,
-    /// What identifies the picture, once it is rendered in full.
+    /// The fingerprint that identifies the image, if it is fully rendered.
     pub fingerprint: Option<FrameFingerprint>,
     /// The number of rays.
     pub rays: RayCounts,
-    /// The estimate of the picture's error, if it has a target: see
-    /// [`Sampling::max_error`](crate::components::Sampling::max_error).
+    /// The estimated error of the image, if it has an error target: see [`Sampling::max_error`](crate::components::Sampling::max_error).
     pub error: Option<EstimatedError>,
-    /// The number of rays not traced, though a surface sent them on.
+    /// The number of rays that surfaces spawned but that were not traced.
     pub ends: TreeEnds,
-    /// How often arithmetic had to be escalated.
+    /// The number of escalations to more exact arithmetic.
     pub escalations: Escalations,
 }
 

@@ -1,4 +1,4 @@
-//! Writes the values of motions at a moment.
+//! Evaluates motions at a moment.
 
 use hecs::{Entity, World};
 
@@ -11,10 +11,10 @@ use crate::time::Time;
 
 type Moving<'a> = (Entity, &'a Animated, PartsQuery<'a>);
 
-/// Sets every animated value to the value of its motion at `time`, and records what really changed.
+/// Sets every animated value to the value of its motion at `time`, and records the changes.
 ///
-/// A channel whose value the entity lacks, or whose motion is of another kind than its value, does nothing. Many entities are
-/// distributed over the current rayon pool's threads; the record does not depend on how.
+/// A channel has no effect if the entity does not have the value, or if the motion is of another kind than the value. Many entities are
+/// distributed over the threads of the current rayon pool; the recorded changes do not depend on the distribution.
 pub fn animate(world: &mut World, time: Time, changes: &mut Changes) {
     let seconds = time.seconds();
     let (count, moving) = (world.len(), world.query_mut::<Moving<'_>>().into_iter_batched(BATCH));
@@ -51,7 +51,7 @@ mod tests {
         Track::new(vec![key(0.0, from), key(1.0, to)]).unwrap()
     }
 
-    /// Returns so many entities that they are distributed, in two archetypes; every third stands still.
+    /// Returns a world with enough entities for several batches, in two archetypes; every third entity does not move.
     fn crowd() -> World {
         let mut world = World::new();
         for index in 0..5000 {

@@ -1,12 +1,12 @@
-//! Distributes many entities over many threads.
+//! Distributes entities over threads in batches.
 
 use rayon::prelude::*;
 
 /// The number of entities in a batch.
 pub(super) const BATCH: u32 = 1024;
 
-/// Processes `count` entities in batches, on the current rayon pool's threads if there are enough of them. The results are in the
-/// batches' order.
+/// Processes `count` entities in batches, on the threads of the current rayon pool if there are more than two full batches. The results are
+/// in the order of the batches.
 pub(super) fn in_batches<B: Send, R: Send>(
     count: u32,
     batches: impl Iterator<Item = B>,

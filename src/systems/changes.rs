@@ -1,11 +1,11 @@
-//! Writes since the kernel's arrays were last brought up to date.
+//! The writes to the world since the kernel's arrays were last updated.
 
 use hecs::Entity;
 
 /// A record of writes to the world.
 ///
-/// A system that declares nothing is assumed to have written anything, and the whole world is read again; one that declares its
-/// writes, with the methods here, pays for those only. Declaring too little shows a stale picture.
+/// A system that declares no writes may have written anything, so the whole world is read again. After a system that declares its writes
+/// with the methods here, only these are read. Undeclared writes of such a system leave the image out of date.
 #[derive(Clone, Debug, Default)]
 pub struct Changes {
     all: bool,
@@ -16,14 +16,13 @@ pub struct Changes {
 }
 
 impl Changes {
-    /// Creates a record in which anything may have changed, and entities may have come and gone.
+    /// Creates a record in which everything may have changed, including the set of entities.
     #[must_use]
     pub fn all() -> Self {
         Self { all: true, ..Self::default() }
     }
 
-    /// Declares that anything may have been written: entities spawned or despawned, components added or removed,
-    /// parents changed.
+    /// Declares that anything may have been written: entities spawned or despawned, components added or removed, parents changed.
     pub fn mark_all(&mut self) {
         self.all = true;
         self.declared = true;
@@ -49,8 +48,8 @@ impl Changes {
         self.materials.push(entity);
     }
 
-    /// Declares that nothing else was written than, at most, lights, cameras and settings of the whole scene, which are read
-    /// again for every frame.
+    /// Declares that there are no other writes, except to lights, cameras and settings of the whole scene, which are read again for every
+    /// frame.
     pub fn mark_settings(&mut self) {
         self.declared = true;
     }
@@ -61,25 +60,25 @@ impl Changes {
         self.all
     }
 
-    /// Returns the entities whose transforms were written; may repeat.
+    /// Returns the entities whose transforms were written. An entity may occur more than once.
     #[must_use]
     pub fn transforms(&self) -> &[Entity] {
         &self.transforms
     }
 
-    /// Returns the entities whose shapes were written; may repeat.
+    /// Returns the entities whose shapes were written. An entity may occur more than once.
     #[must_use]
     pub fn shapes(&self) -> &[Entity] {
         &self.shapes
     }
 
-    /// Returns the entities whose materials were written; may repeat.
+    /// Returns the entities whose materials were written. An entity may occur more than once.
     #[must_use]
     pub fn materials(&self) -> &[Entity] {
         &self.materials
     }
 
-    /// Runs a system and trusts its declarations; if it declares nothing, all is assumed to be written.
+    /// Runs a system and records its declarations. If it declares nothing, everything is assumed to be written.
     pub(super) fn watch(&mut self, system: impl FnOnce(&mut Self)) {
         let before = std::mem::replace(&mut self.declared, false);
         system(self);
@@ -89,7 +88,7 @@ impl Changes {
         self.declared = before;
     }
 
-    /// Adds another record's writes.
+    /// Adds the writes of another record.
     pub(crate) fn merge(&mut self, other: &Self) {
         self.all |= other.all;
         self.transforms.extend(&other.transforms);

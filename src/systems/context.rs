@@ -9,7 +9,7 @@ use crate::time::Time;
 pub struct Context<'a> {
     /// All entities.
     pub world: &'a mut World,
-    /// The moment: of the frame for pure systems, of the step's start for stepped ones.
+    /// The moment of the frame for pure systems, the start of the step for stepped systems.
     pub time: Time,
     /// The record in which the system declares its writes.
     pub changes: &'a mut Changes,
@@ -24,8 +24,8 @@ impl Context<'_> {
         self.step.unwrap_or(0.0)
     }
 
-    /// Spawns an entity after all others in document order, and declares it. Entities that are spawned directly into the world
-    /// get their positions after the system has run, by their ids.
+    /// Spawns an entity after all others in document order, and declares it. Entities that are spawned directly into the world are ordered
+    /// by id after the system has run.
     pub fn spawn(&mut self, components: impl DynamicBundle) -> Entity {
         let entity = self.world.spawn(components);
         self.spawned.push(entity);

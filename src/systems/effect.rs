@@ -4,48 +4,48 @@ use std::fmt;
 
 use crate::components::table;
 
-/// Chosen together with all other extras.
+/// Enabled together with all other extras.
 const EXTRA: bool = true;
-/// Chosen by itself, or follows from the data.
+/// Enabled separately, or derived from the data.
 const APART: bool = false;
 
 table! {
-    /// A rendering effect that a picture may or may not need.
+    /// A rendering effect that a frame may or may not need.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
     pub enum Effect: (&'static str, bool) {
-        /// Light from everywhere.
+        /// Ambient light.
         Ambient => ("ambient light", APART),
-        /// Light scattered by matt surfaces.
+        /// Diffuse reflection of lights.
         Diffuse => ("diffuse light", APART),
-        /// Highlights.
+        /// Specular highlights of lights.
         Specular => ("highlights", EXTRA),
         /// Shadows of opaque objects.
         Shadows => ("shadows", APART),
         /// Shadows of transparent objects.
         ClearShadows => ("clear shadows", APART),
-        /// Lights with a size, and soft shadows.
+        /// Area lights with soft shadows.
         AreaLights => ("area lights", EXTRA),
-        /// Lights that shine in a cone.
+        /// Spot lights.
         SpotLights => ("spot lights", EXTRA),
-        /// Lights that weaken with distance.
+        /// Lights with a falloff.
         Falloff => ("falloff", EXTRA),
         /// Mirror reflection.
         Reflection => ("reflection", APART),
-        /// Transparent media.
+        /// Refraction by transparent media.
         Refraction => ("refraction", APART),
-        /// Transparent media that reflect according to Fresnel's equations.
+        /// Fresnel reflectance of transparent media.
         Fresnel => ("Fresnel", APART),
-        /// Tinted transparent media.
+        /// Absorption in transparent media.
         Absorption => ("absorption", APART),
         /// Checker patterns.
         Checker => ("checker", EXTRA),
         /// Fog.
         Fog => ("fog", EXTRA),
-        /// A background that is not the same everywhere.
+        /// A gradient background.
         Gradient => ("gradient", APART),
         /// Several samples per pixel.
         Antialiasing => ("antialiasing", APART),
-        /// A lens.
+        /// The depth of field of a lens.
         DepthOfField => ("depth of field", APART),
         /// Several instants per frame.
         MotionBlur => ("motion blur", APART),
@@ -53,13 +53,13 @@ table! {
 }
 
 impl Effect {
-    /// Returns its name in words.
+    /// Returns the name of the effect in words.
     #[must_use]
     pub fn name(self) -> &'static str {
         self.row().1.0
     }
 
-    /// Returns whether it is one of the extras, which are chosen all together or not at all.
+    /// Returns whether the effect is an extra. Extras are enabled all together or not at all.
     pub(super) fn is_extra(self) -> bool {
         self.row().1.1
     }

@@ -1,8 +1,7 @@
 //! Faults of a world at a moment.
 //!
-//! Files are refused when something in them is wrong. A world built in code is not, nor is what tracks, scripts and systems make
-//! of one halfway through: whatever cannot be drawn is left out of the picture, and whatever is out of range is clamped. A fault
-//! reports that.
+//! Invalid scene files are rejected when they are loaded. Worlds built in code, and later changes by tracks, scripts and systems, are not
+//! rejected: whatever cannot be drawn is omitted from the image, and out-of-range values are clamped. A fault reports such an entity.
 
 use std::fmt;
 
@@ -24,85 +23,85 @@ pub struct Fault {
 /// The consequence of a [`Fault`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Consequence {
-    /// Its shape is not in the picture.
+    /// The entity's shape is not drawn.
     NotDrawn,
-    /// Its light lights nothing.
+    /// The entity's light gives no light.
     NoLight,
-    /// The picture shows the background alone.
+    /// The image shows only the background.
     NothingSeen,
-    /// It keeps moving after its target has come to rest.
+    /// The camera keeps moving after its target has come to rest.
     FixedTarget,
-    /// It turns the short way between two keys, not as far as they are written.
+    /// The rotation between two keys takes the shorter way instead of the angle as written.
     ShortTurn,
-    /// The picture is mirrored, or squeezed to nothing.
+    /// The image is mirrored or collapsed.
     Distorted,
-    /// It is drawn with another number, or as if the part were missing.
+    /// A replacement is used for an invalid number or part.
     Instead(Instead),
 }
 
-/// What is used in place of a part that is wrong.
+/// The replacement for an invalid number or part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Instead {
     /// This number.
     Number(f64),
-    /// Nothing: it is as if it were not there.
+    /// No replacement: the part is ignored.
     Nothing,
-    /// A camera looks along the world's +z.
+    /// The world's +z as the view direction of a camera.
     AlongZ,
 }
 
 /// The cause of a [`Fault`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FaultCause {
-    /// It has a [`Shape`](crate::components::Shape) and no [`Material`](crate::components::Material).
+    /// The entity has a [`Shape`](crate::components::Shape) and no [`Material`](crate::components::Material).
     NoMaterial,
-    /// It was spawned without being declared, see [`Changes::mark_all`](super::Changes::mark_all).
+    /// The entity was spawned without being declared, see [`Changes::mark_all`](super::Changes::mark_all).
     Undeclared,
-    /// A number of a part of it is not finite.
+    /// A number in the named part is not finite.
     NotFinite(&'static str),
-    /// Its own transform is finite; combined with those of its parents it is not.
+    /// The entity's own transform is finite, but its product with the transforms of its parents is not.
     Overflow,
-    /// A factor of its own scale is 0.
+    /// A factor of the entity's own scale is 0.
     NoScale,
-    /// Its transform flattens it in some direction: by the scales of its parents, or by rounding.
+    /// The transform flattens the entity in some direction, through the scales of its parents or through rounding.
     Flat,
-    /// A coordinate or a size, in the world, is not within 1e-150 and 1e150.
+    /// A coordinate in the world is 1e150 or more in magnitude, or a size in the world is not between 1e-150 and 1e150.
     BeyondMeasure,
-    /// A number that must be greater than 0 is not.
+    /// The named number, which must be greater than 0, has this value.
     NotPositive(&'static str, f64),
-    /// A vector that must have a direction has none.
+    /// The named vector, which must have a direction, has none.
     NoDirection(&'static str),
-    /// An edge of a box is so short, and the box so far away, that its ends are rounded to one number.
+    /// An edge of a box is so short, and the box so far from the origin, that both ends round to the same number.
     Lost {
-        /// The edge's length in the world.
+        /// The length of the edge in the world.
         edge: f64,
-        /// The coordinate of its middle.
+        /// The coordinate of the edge's centre.
         coordinate: f64,
     },
-    /// A number is not in its range.
+    /// A number is out of its range.
     OutOfRange {
         /// The name of the number.
         what: &'static str,
-        /// Its value.
+        /// The value of the number.
         value: f64,
         /// The valid range.
         range: &'static str,
     },
-    /// An entity that it refers to does not exist, or has no position.
+    /// The entity at the end of the named link ("follows", for example) does not exist or has no position.
     Missing(&'static str),
-    /// Two neighbouring rotation keys are written further apart than half a turn.
+    /// Two neighbouring rotation keys are written more than half a turn apart.
     ShortTurn(ShortTurn),
-    /// The path of a camera's target ends before that of its position; seconds.
+    /// The path of a camera's target ends before the path of its position.
     TargetEnds {
-        /// The end of the target's path.
+        /// The end of the target's path in seconds.
         target: f64,
-        /// The end of the position's path.
+        /// The end of the position's path in seconds.
         position: f64,
     },
 }
 
 impl Fault {
-    /// Returns how to fix it.
+    /// Returns the remedy.
     #[must_use]
     pub fn remedy(&self) -> String {
         match self.cause {
@@ -147,7 +146,7 @@ impl Fault {
 }
 
 impl fmt::Display for Fault {
-    /// Writes the consequence and the cause: to follow the entity's name.
+    /// Writes the consequence and the cause, as a predicate to follow the entity's name.
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.consequence {
             Consequence::NotDrawn => write!(formatter, "is not drawn: {}", self.cause),
@@ -209,7 +208,7 @@ impl fmt::Display for FaultCause {
     }
 }
 
-/// Formats a number for people.
+/// Formats a number, with an exponent if it is very large or very small.
 fn brief(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || !size.is_finite() || (1e-4..1e7).contains(&size) {

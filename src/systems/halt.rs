@@ -1,28 +1,26 @@
-//! The reasons for which the systems of a frame end early.
+//! The reasons for which the systems of a frame stop early.
 
 use super::UnknownComponent;
 use crate::components::ScriptId;
 use crate::script::ScriptError;
 
-/// A script that gave no value.
+/// A script that failed to return a value.
 #[derive(Clone, Debug)]
 pub(crate) struct ScriptFailure {
-    /// The script.
     pub(crate) script: ScriptId,
-    /// The value that it drives: `Radius of "ball"`.
+    /// The value that the script drives, such as `Radius of "ball"`.
     pub(crate) channel: String,
     /// The moment, in seconds.
     pub(crate) seconds: f64,
-    /// The error.
     pub(crate) error: Box<ScriptError>,
 }
 
-/// The reason why a world could not be brought to a moment.
+/// The reason why the world could not be advanced to a moment.
 #[derive(Clone, Debug)]
 pub(crate) enum Halt {
-    /// It cannot be copied.
+    /// The world cannot be copied.
     UnknownComponent(UnknownComponent),
-    /// A script gave no value.
+    /// A script failed to return a value.
     Script(Box<ScriptFailure>),
     /// The request was cancelled.
     Cancelled,

@@ -1,12 +1,12 @@
-//! A moment as it would be without an effect: the difference is what the effect is worth.
+//! Removes effects from prepared data, to measure their contribution to the image.
 
 use super::{Effect, Preparation};
 use crate::color::Rgb;
 use crate::trace::{Background, Fog, LightSource, SurfaceMaterial};
 
 impl Preparation {
-    /// Takes away what calls for an effect. Motion blur and shadows of transparent objects are not called for by anything that is
-    /// prepared: the renderer leaves them out.
+    /// Removes the data that causes an effect. Motion blur and shadows of transparent objects are not caused by prepared data; the renderer
+    /// disables them.
     pub(crate) fn leave_out(&mut self, effect: Effect) {
         match effect {
             Effect::Ambient => self.scene.ambient = Rgb::ZERO,

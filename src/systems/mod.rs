@@ -1,21 +1,21 @@
-//! What happens each frame, in this order:
+//! The systems that run for each frame, in this order:
 //!
 //! ```text
 //! stepped systems up to this moment -> animate -> scripts -> pure systems -> propagate -> prepare   (-> trace)
 //! ```
 //!
-//! - Systems of your own are pure or stepped: [`Engine::add_system`](crate::Engine::add_system) and
-//!   [`Engine::add_stepped_system`](crate::Engine::add_stepped_system). Tracks and scripts also run before each step, and again after
-//!   the steps: what a track or a script drives, a step cannot change for good.
+//! - Custom systems are pure or stepped: [`Engine::add_system`](crate::Engine::add_system) and
+//!   [`Engine::add_stepped_system`](crate::Engine::add_stepped_system). Tracks and scripts run before each step and again after the steps,
+//!   so a step cannot permanently change a value that a track or a script drives.
 //! - [`animate()`] writes the values of motions at this moment.
-//! - Scripts write theirs, after all tracks.
-//! - [`propagate()`] turns transforms into world transforms, parents first.
-//! - [`Plan`] lists the effects that the moment calls for, and why.
-//! - [`Fault`]s report what is wrong with the moment, so that something is not drawn as specified.
-//! - The preparation is the only bridge from the world to the kernel: it carries shapes, materials, lights and the camera over
-//!   into arrays, in document order, and only what has changed.
+//! - Scripts write their values after all tracks.
+//! - [`propagate()`] derives world transforms from transforms, parents first.
+//! - [`Plan`] lists the effects that the moment needs, with reasons.
+//! - [`Fault`]s report the entities that are not drawn as specified.
+//! - The preparation is the only bridge from the world to the kernel: it copies shapes, materials, lights and the camera into arrays, in
+//!   document order, and updates only the data that has changed.
 //!
-//! hecs keeps no record of changes, so systems declare their writes: see [`Changes`].
+//! hecs does not track changes, so systems declare their writes: see [`Changes`].
 
 mod animate;
 mod batches;

@@ -1,13 +1,13 @@
-//! Gives newcomers what they lack.
+//! Assigns document order to new entities.
 
 use hecs::{Entity, World};
 
 use super::world_transform;
 use crate::components::{Light, Order, Shape, Transform, WorldTransform};
 
-/// Gives positions to visible entities and lights that have none yet, after all that are taken: first to `spawned`, in that
-/// order, then to the rest by their ids, which in a fresh world is the order in which they were spawned. Those without a world
-/// transform get one, too: whatever an entity is given, all of its components are moved for, so that it is given all at once.
+/// Assigns an [`Order`] to visible entities and lights that have none, after all existing ones: first to `spawned`, in that order, then to
+/// the others by id, which in a fresh world is the order in which they were spawned. A missing world transform is added in the same
+/// insertion, since every insertion moves all components of an entity.
 pub(crate) fn order_newcomers(world: &mut World, spawned: &[Entity]) {
     type Visible<'a> = hecs::Or<&'a Shape, &'a Light>;
     type Newcomer<'a> = hecs::Without<(Entity, Visible<'a>), &'a Order>;
@@ -24,7 +24,7 @@ pub(crate) fn order_newcomers(world: &mut World, spawned: &[Entity]) {
         let newcomer = world.query_one_mut::<hecs::Without<(Spatial<'_>, Visible<'_>), &Order>>(*entity);
         let Ok(((transform, complete), _)) = newcomer else { continue };
         let transform = transform.copied().unwrap_or(Transform::IDENTITY);
-        // The entity exists: it satisfied the query just now.
+        // The entity exists: it satisfied the query above.
         let _ = if complete {
             world.insert_one(*entity, Order(next))
         } else {

@@ -1,4 +1,4 @@
-//! Finds properties' values in the components of an entity: one line for each property.
+//! Accesses the values of properties in the components of an entity, one line per property.
 
 use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
@@ -11,11 +11,11 @@ use crate::components::{
     Property, Quantity, Reflective, Refractive, Shape, Specular, Transform, View,
 };
 
-/// Defines, from a list of the components that hold properties, the query for those that an entity has, its result, and a
+/// Defines from a list of the components that hold properties: the query for these components of an entity, the result of the query, and a
 /// function that reads one value of an entity.
 macro_rules! parts {
     ($($part:ident: $component:ident,)*) => {
-        /// A query for the components that hold properties, where an entity has them.
+        /// A query for the components that hold properties, each of which an entity may lack.
         pub(super) type PartsQuery<'a> = ($(Option<&'a mut $component>,)*);
 
         /// The components of an entity that hold properties.
@@ -29,13 +29,13 @@ macro_rules! parts {
             }
         }
 
-        /// Returns a value of an entity. `None` if the entity lacks it.
+        /// Returns a value of an entity. `None` if the entity does not have it.
         ///
-        /// What is not stored has the value that stands for it: an ambient colour is the colour, and a camera with a view
-        /// direction has a target in that direction.
+        /// A value that is not stored is derived: the ambient colour defaults to the colour, and a camera with a view direction has a
+        /// target in that direction.
         #[must_use]
         pub fn value(world: &World, entity: Entity, property: Property) -> Option<Value> {
-            // Of copies, so that nothing is written.
+            // Reads from copies, so that deriving a value does not write to the world.
             $(let mut $part = world.get::<&$component>(entity).ok().map(|found| *found);)*
             let mut parts = Parts { $($part: $part.as_mut(),)* };
             parts.get(property)
@@ -68,7 +68,7 @@ enum ValueMut<'a> {
     Color(&'a mut Rgb),
 }
 
-/// Matches a pattern in a component, if there is one.
+/// Matches a component with a pattern. If it does not match, the calling function returns `None`.
 macro_rules! within {
     ($part:expr, $pattern:pat => $value:expr) => {
         match $part {
@@ -79,8 +79,8 @@ macro_rules! within {
 }
 
 impl Parts<'_> {
-    /// Writes a value, clamped to its range, and returns whether it is different from before. Nothing is written if the entity
-    /// lacks it, or if it is of another kind.
+    /// Writes a value, clamped to its range, and returns whether it differs from the previous value. Writes nothing if the entity does not
+    /// have the value, or if it is of another kind.
     pub(super) fn set(&mut self, property: Property, value: Value) -> bool {
         self.value_mut(property).is_some_and(|stored| stored.write(held(value, property.quantity())))
     }
@@ -136,7 +136,7 @@ impl Parts<'_> {
         }
     }
 
-    /// Returns a reference to a value of its transform or its shape.
+    /// Returns a reference to a value of the transform or the shape.
     fn shape_value(&mut self, property: Property) -> Option<ValueMut<'_>> {
         use ValueMut::{Number, Rotation, Vector};
         Some(match property {
@@ -150,7 +150,7 @@ impl Parts<'_> {
         })
     }
 
-    /// Returns a reference to a value of its surface.
+    /// Returns a reference to a value of the surface.
     fn surface_value(&mut self, property: Property) -> Option<ValueMut<'_>> {
         use ValueMut::{Color, Number, Single};
         Some(match property {
@@ -170,7 +170,7 @@ impl Parts<'_> {
         })
     }
 
-    /// Returns a reference to a value of its light.
+    /// Returns a reference to a value of the light.
     fn light_value(&mut self, property: Property) -> Option<ValueMut<'_>> {
         use AreaShape::Rectangle;
         use LightKind::{Directional, Spot};
@@ -192,7 +192,7 @@ impl Parts<'_> {
         })
     }
 
-    /// Returns a reference to a value of its camera.
+    /// Returns a reference to a value of the camera.
     fn camera_value(&mut self, property: Property) -> Option<ValueMut<'_>> {
         use Projection::{FieldOfView, Screen};
         use ValueMut::{Number, Vector};
@@ -216,7 +216,7 @@ impl Parts<'_> {
         })
     }
 
-    /// Returns a reference to a value of what is around everything.
+    /// Returns a reference to a value of the scene: ambient light, background or fog.
     fn scene_value(&mut self, property: Property) -> Option<ValueMut<'_>> {
         use Background::{Flat, Gradient};
         use ValueMut::{Color, Number};
@@ -249,12 +249,12 @@ impl Parts<'_> {
     }
 }
 
-/// Returns the colour in ambient light; a material without one is given its colour.
+/// Returns the ambient colour of a material, which is first set to the colour if it is missing.
 fn ambient_color(material: &mut Material) -> &mut Rgb {
     material.ambient_color.get_or_insert(material.color)
 }
 
-/// Returns the point that a camera looks at; one with a direction is given one.
+/// Returns the target of a camera. A view direction is first converted to a target.
 fn target(camera: &mut Camera) -> &mut DVec3 {
     if let View::Direction(direction) = camera.view {
         camera.view = View::Target(camera.position + direction);
@@ -262,7 +262,7 @@ fn target(camera: &mut Camera) -> &mut DVec3 {
     vector(&mut camera.view)
 }
 
-/// Returns the direction in which a camera looks; one with a target is given one.
+/// Returns the view direction of a camera. A target is first converted to a direction.
 fn view(camera: &mut Camera) -> &mut DVec3 {
     if let View::Target(point) = camera.view {
         camera.view = View::Direction(point - camera.position);
@@ -276,7 +276,7 @@ fn vector(view: &mut View) -> &mut DVec3 {
     }
 }
 
-/// Clamps a value to the range of its quantity: a curve through values of a range may leave it.
+/// Clamps a value to the range of its quantity: interpolation between values in range can overshoot it.
 fn held(value: Value, quantity: Quantity) -> Value {
     let range = quantity.range();
     let within = |number: f64| number.clamp(*range.start(), *range.end());
@@ -318,7 +318,7 @@ impl ValueMut<'_> {
     }
 }
 
-/// Writes a value, and returns whether it is different from before.
+/// Writes a value, and returns whether it differs from the previous one.
 fn put<T: PartialEq>(stored: &mut T, value: T) -> bool {
     let differs = *stored != value;
     *stored = value;

@@ -1,7 +1,7 @@
-//! The effects that a moment calls for, and why, or why not.
+//! The effects that a moment needs, with reasons.
 //!
-//! An effect that is left out would not have changed a bit of the picture: pictures with only the planned effects are tested
-//! against pictures with all of them.
+//! Omitting an effect that is not needed changes no bit of the image. Tests compare images with the planned effects to images with all
+//! effects.
 
 use hecs::{Component, World};
 
@@ -10,16 +10,16 @@ use crate::color::Rgb;
 use crate::components::{Checker, Fog, Light, Reflective, Refractive, Specular};
 use crate::trace::{self, Background, Effects, LightSource, Lighting, Paths, ShapeId};
 
-/// Whether an effect is needed, and why.
+/// The need for an effect, with a reason.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Need {
-    /// It is needed; the reason.
+    /// The effect is needed for this reason.
     Needed(&'static str),
-    /// It is not needed; what is missing.
+    /// The effect is not needed for this reason.
     LeftOut(&'static str),
 }
 
-/// The effects that one moment calls for.
+/// The effects that one moment needs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plan {
     needs: [Need; Effect::ALL.len()],
@@ -27,13 +27,13 @@ pub struct Plan {
 }
 
 impl Need {
-    /// Returns whether it is needed.
+    /// Returns whether the effect is needed.
     #[must_use]
     pub fn is_needed(self) -> bool {
         matches!(self, Self::Needed(_))
     }
 
-    /// Returns why it is needed, or why not.
+    /// Returns the reason why the effect is needed or not needed.
     #[must_use]
     pub fn reason(self) -> &'static str {
         match self {
@@ -43,14 +43,14 @@ impl Need {
 }
 
 impl Plan {
-    /// Plans a moment as if it were drawn at one instant.
+    /// Plans a moment that is rendered at a single instant.
     #[must_use]
     pub(super) fn of(world: &World, preparation: &Preparation) -> Self {
         let survey = Survey::new(world, preparation);
         Self { needs: Effect::ALL.map(|effect| survey.need(effect)), effects: survey.effects() }
     }
 
-    /// Returns whether the effect is needed, and why.
+    /// Returns the need for an effect, with the reason.
     #[must_use]
     pub fn need(&self, effect: Effect) -> Need {
         self.needs[effect as usize]
@@ -67,7 +67,7 @@ impl Plan {
         Effect::ALL.into_iter().filter(|effect| self.needs(*effect))
     }
 
-    /// Returns the effects that the kernel's stages need.
+    /// Returns the effects for which the kernel selects its stages.
     #[doc(hidden)]
     #[must_use]
     pub fn effects(&self) -> Effects {
@@ -84,24 +84,24 @@ impl Plan {
         self.effects = self.effects.join(other.effects);
     }
 
-    /// Says of effects that they are left out, whatever the scene calls for.
+    /// Marks effects as disabled by request.
     pub(crate) fn leave_out(&mut self, effects: &[Effect]) {
         for effect in effects {
             self.needs[*effect as usize] = Need::LeftOut("it is left out by request");
         }
     }
 
-    /// Sets the need of motion blur.
+    /// Sets the need for motion blur.
     pub(crate) fn set_motion_blur(&mut self, need: Need) {
         self.needs[Effect::MotionBlur as usize] = need;
     }
 }
 
-/// What the needs follow from.
+/// The prepared moment from which needs are derived.
 struct Survey<'a> {
     world: &'a World,
     preparation: &'a Preparation,
-    /// Whether a camera ray can hit a mirror or something transparent.
+    /// True if a camera ray can hit a mirror or a transparent surface.
     continues: bool,
 }
 
@@ -116,9 +116,10 @@ impl<'a> Survey<'a> {
         self.world.archetypes().any(|archetype| !archetype.is_empty() && archetype.has::<T>())
     }
 
-    /// Returns whether reflection or refraction rays can begin at all: the first of them start where a camera ray hits.
+    /// Returns whether there can be reflection or refraction rays. The first of them start where camera rays hit, so a mirror or a
+    /// transparent surface must be in view.
     fn is_any_in_view(&self) -> bool {
-        /// With more than these, checking takes longer than it could save.
+        /// The maximum number of surfaces to check. With more, the check takes longer than it could save.
         const MOST: usize = 4096;
         let scene = self.preparation.scene();
         let surfaces = scene.surfaces();
@@ -245,8 +246,8 @@ impl<'a> Survey<'a> {
         }
     }
 
-    /// Returns whether anything can occlude: a single plane hides nothing from itself; anything else may, if only from a camera
-    /// inside it.
+    /// Returns whether anything can occlude. A single plane does not occlude itself; a single shape of another kind may, at least for a
+    /// camera inside it.
     fn can_occlude(&self) -> bool {
         let geometry = self.preparation.scene().geometry();
         geometry.len() > 1 || geometry.planes() < geometry.len()
@@ -272,7 +273,7 @@ impl<'a> Survey<'a> {
             _ if !self.has::<Refractive>() => LeftOut("no material has `refractive`"),
             _ if surfaces.clear.is_empty() => LeftOut("k_t is 0 at this time"),
             Effect::Absorption if !surfaces.absorbs => LeftOut("no medium absorbs"),
-            // Shadows are tinted wherever they are seen.
+            // Tinted shadows can be in view when the object that casts them is not.
             Effect::Absorption if self.need(Effect::ClearShadows).is_needed() => Needed("a medium absorbs"),
             _ if !self.continues => LeftOut(OUT_OF_REACH),
             Effect::Fresnel if !surfaces.fresnel => LeftOut("no material asks for it"),

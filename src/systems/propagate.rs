@@ -8,10 +8,10 @@ use super::batches::{BATCH, in_batches};
 use super::{Changes, world_transform};
 use crate::components::{Light, Parent, Shape, Transform, WorldTransform};
 
-/// Brings [`WorldTransform`] up to date, and returns the entities for which it may have changed: those that were written,
-/// and all that have a parent. When all may have changed, the list is not needed and stays empty.
+/// Updates [`WorldTransform`]s, and returns the entities whose world transforms may have changed: those whose transforms were written, and
+/// all that have a parent. If everything may have changed, the list is not needed and is empty.
 ///
-/// An entity whose parent is gone, or that is its own ancestor, counts as a root.
+/// An entity whose parent does not exist, or that is its own ancestor, counts as a root.
 pub fn propagate(world: &mut World, changes: &Changes) -> Vec<Entity> {
     if changes.is_all() {
         complete(world);
@@ -23,7 +23,7 @@ pub fn propagate(world: &mut World, changes: &Changes) -> Vec<Entity> {
         return Vec::new();
     }
     let mut moved = changes.transforms().to_vec();
-    // One after another as they are stored is faster than here and there, unless they are few.
+    // Sequential access in storage order is faster than random access, unless few entities moved.
     if moved.len() > world.len() as usize / 4 {
         propagate_roots(world);
     } else {
@@ -49,7 +49,7 @@ fn propagate_roots(world: &mut World) {
     });
 }
 
-/// Gives transforms to entities that need them and lack them.
+/// Adds missing transforms and world transforms to the entities that need them.
 fn complete(world: &mut World) {
     type Spatial<'a> = hecs::Or<hecs::Or<&'a Shape, &'a Light>, hecs::Or<&'a Transform, &'a Parent>>;
     let incomplete = |world: &World| -> Vec<Entity> {
@@ -60,7 +60,7 @@ fn complete(world: &mut World) {
     };
     for entity in incomplete(world) {
         let transform = world.get::<&Transform>(entity).map_or(Transform::IDENTITY, |transform| *transform);
-        // The entity exists: it was found just now.
+        // The entity exists: the query above found it.
         let _ = world.insert(entity, (transform, world_transform::root(&transform)));
     }
 }
@@ -75,7 +75,7 @@ fn propagate_children(world: &mut World) -> Vec<Entity> {
     let parents: HashMap<Entity, Entity> = children.iter().copied().collect();
     let mut known: HashMap<Entity, WorldTransform> = HashMap::with_capacity(children.len());
     for (entity, _) in &children {
-        // Upwards to an ancestor that is known or has no parent, then down again.
+        // Walks up to an ancestor that is known or has no parent, then back down.
         let mut chain = Vec::new();
         let mut current = *entity;
         while !known.contains_key(&current)
@@ -113,7 +113,7 @@ fn propagate_children(world: &mut World) -> Vec<Entity> {
     children.into_iter().map(|(entity, _)| entity).collect()
 }
 
-/// Makes roots of all entities in a ring of parents.
+/// Makes all entities in a cycle of parents roots.
 fn break_ring(
     world: &World,
     parents: &HashMap<Entity, Entity>,

@@ -1,4 +1,4 @@
-//! The stored form of animated values, their sources, and what changes with them.
+//! The stored form of animated values, their sources, and the changes that writes declare.
 
 use hecs::{Entity, World};
 
@@ -8,7 +8,7 @@ use crate::animation::Value;
 use crate::color::Rgb;
 use crate::components::{Camera, Material, Part, Property, View};
 
-/// The stored form of a value, which need not be the value itself.
+/// The stored form of a value, which can differ from the value itself.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Stored {
     Value(Value),
@@ -17,7 +17,7 @@ pub(super) enum Stored {
 }
 
 impl Stored {
-    /// Reads a value as it is stored. `None` if the entity lacks the value.
+    /// Returns a value as it is stored. `None` if the entity does not have the value.
     pub(super) fn of(world: &World, entity: Entity, property: Property) -> Option<Self> {
         Some(match property {
             Property::Target | Property::View => Self::View(world.get::<&Camera>(entity).ok()?.view),
@@ -27,8 +27,8 @@ impl Stored {
     }
 }
 
-/// Returns the values that a value is made of: itself alone, or, where it is not stored, those that stand for it. `is_driven`
-/// are those that will be written before they are read.
+/// Returns the properties from which a value is derived: the property itself or, if it is not stored, the properties that define it.
+/// `is_driven` returns true for properties that will be written before they are read.
 pub(super) fn sources(
     world: &World,
     entity: Entity,
@@ -56,7 +56,7 @@ pub(super) fn sources(
 }
 
 impl Parts<'_> {
-    /// Writes what [was there](Stored::of).
+    /// Restores a value from its [stored form](Stored::of).
     pub(super) fn put_back(&mut self, property: Property, stored: Stored) {
         match stored {
             Stored::Value(value) => {
@@ -76,8 +76,7 @@ impl Parts<'_> {
     }
 }
 
-/// Declares that a property of an entity has another value. Lights, cameras and settings of the whole scene are read for every
-/// moment anyway.
+/// Declares that a property of an entity has changed. Lights, cameras and settings of the whole scene are read at every moment anyway.
 pub(super) fn declare(property: Property, entity: Entity, changes: &mut Changes) {
     match property.part() {
         Part::Transform => changes.mark_transform(entity),

@@ -1,5 +1,5 @@
-//! Values that scripts may not give, as they may not be written in a file either. Light, colours and coefficients are not
-//! refused but clamped to their ranges.
+//! Rejects values from scripts that are invalid in scene files too. Light, colours and coefficients are not rejected but clamped to their
+//! ranges.
 
 use glam::DVec3;
 
@@ -7,7 +7,7 @@ use crate::animation::limits::SMALLEST;
 use crate::animation::{Notation, Value};
 use crate::components::{Property, Quantity};
 
-/// Returns what is wrong with a value, and how to fix it.
+/// Returns an error message and a remedy if the value is invalid.
 pub(super) fn refusal(property: Property, value: Value) -> Option<(String, &'static str)> {
     match value {
         Value::Number(number) => refused_number(property.quantity(), number),
@@ -16,7 +16,7 @@ pub(super) fn refusal(property: Property, value: Value) -> Option<(String, &'sta
     }
 }
 
-/// Whether a number is good, what is expected of it, and how to keep it so.
+/// The result of a check: true if the number is valid, the requirement, and the remedy.
 type Expected = (bool, String, &'static str);
 
 fn refused_number(quantity: Quantity, number: f64) -> Option<(String, &'static str)> {
@@ -82,13 +82,13 @@ fn nothing_negative(what: &str, number: f64) -> Expected {
     (number >= 0.0, format!("{what} must be 0 or more"), "max(x, 0) keeps it from falling below")
 }
 
-/// Formats a number without very many zeros.
+/// Formats a number, with an exponent if it is very large or very small.
 fn figure(number: f64) -> String {
     let plain = number == 0.0 || (1e-6..1e9).contains(&number.abs());
     if plain { number.to_string() } else { format!("{number:e}") }
 }
 
-/// Converts to degrees, without the rounding error of the conversion to radians.
+/// Converts radians to degrees, without the rounding error of the conversion to radians.
 fn in_degrees(radians: f64) -> f64 {
     const DIGITS: f64 = 1e9;
     libm::round(radians.to_degrees() * DIGITS) / DIGITS

@@ -1,4 +1,4 @@
-//! Schedules the systems added by the program that uses the library.
+//! Schedules custom systems.
 
 use std::sync::atomic::AtomicBool;
 
@@ -32,30 +32,30 @@ impl Step {
 struct Stepped {
     step: Step,
     system: System,
-    /// The number of steps that the world has been through.
+    /// The number of completed steps.
     done: u64,
 }
 
-/// Pure and stepped systems, and the copies of the world that let them start over.
+/// Pure and stepped systems, and the copies of the world that allow them to restart.
 ///
-/// A *pure* system is a function of the moment: its writes are undone before every frame. A *stepped* system carries state from
-/// step to step; the state at `t` is that after `floor(t / step)` steps, each of which sees tracks at its own start. Going back
-/// in time starts over from the beginning, so that a frame does not depend on what was rendered before it.
+/// A *pure* system is a function of the moment: its writes are undone before every frame. A *stepped* system carries state from step to
+/// step. The state at `t` is the state after `floor(t / step)` steps, each of which sees the tracks at its own start. Going back in time
+/// restarts from the beginning, so that a frame does not depend on previously rendered frames.
 ///
-/// Where there are both, steps work on a world of their own, and pure systems on a fresh copy of it for every frame. World
+/// If there are systems of both kinds, steps run in a separate world, and pure systems run on a fresh copy of it for every frame. World
 /// transforms are up to date whenever a system runs.
 #[derive(Default)]
 pub(crate) struct Schedule {
     pure: Vec<System>,
     stepped: Vec<Stepped>,
     registry: Registry,
-    /// The world before anything ran.
+    /// The world before any system ran.
     start: Option<Snapshot>,
-    /// The world that steps work on, where pure systems have the shown one.
+    /// The separate world in which steps run if there are pure systems.
     base: World,
-    /// A copy of the base after its last step.
+    /// A copy of `base` after its last step.
     state: Option<Snapshot>,
-    /// The writes of tracks and pure systems over the state for the last frame.
+    /// The writes of tracks and pure systems to the copy of `state` for the last frame.
     written: Changes,
     scripts: Scripts,
 }
@@ -92,7 +92,7 @@ impl Schedule {
         &mut self.registry
     }
 
-    /// Makes the world what it was before anything ran, and forgets that moment: the world may be edited now.
+    /// Restores the world before any system ran, and discards the copies: the world may then be edited.
     pub(crate) fn rewind(&mut self, world: &mut World) {
         if let Some(start) = self.start.take() {
             start.restore(world);
@@ -106,7 +106,7 @@ impl Schedule {
         }
     }
 
-    /// Brings the world to a moment: tracks, scripts, steps, and pure systems.
+    /// Advances the world to a moment: runs steps, tracks, scripts and pure systems.
     ///
     /// # Errors
     ///
@@ -129,7 +129,7 @@ impl Schedule {
             order_newcomers(world, &[]);
             propagate(world, &Changes::all());
             let start = Snapshot::take(world, &self.registry)?;
-            // From here on ids are given out as they will be after every return to the start.
+            // Restoring resets the allocation of ids, which then proceeds as after every later restart.
             start.restore(world);
             start.restore(&mut self.base);
             self.start = Some(start);
@@ -139,7 +139,7 @@ impl Schedule {
             self.run_steps(world, time, changes, cancelled)?;
             let result = animate_all(&mut self.scripts, world, time, changes, cancelled);
             if result.is_err() {
-                // The next step sees only what is written from then on.
+                // Propagates now, since the next step propagates only later writes.
                 propagate(world, changes);
             }
             return result;
@@ -154,15 +154,15 @@ impl Schedule {
         };
         state.restore(world);
         self.state = Some(state);
-        // What the last frame wrote is undone.
+        // The writes of the last frame are undone.
         changes.merge(&std::mem::take(&mut self.written));
         let result = self.run_pure(world, time, cancelled);
         changes.merge(&self.written);
         result
     }
 
-    /// Runs all steps that end by `time`, in the order of their ends; of several with the same end, those of the system that was
-    /// added first. So the steps until an earlier time are the first of the steps until a later one.
+    /// Runs all steps that end by `time`, in the order of their ends. Steps with the same end run in the order in which their systems were
+    /// added. The steps up to an earlier time are therefore a prefix of the steps up to a later time.
     fn run_steps(
         &mut self,
         world: &mut World,
@@ -190,7 +190,7 @@ impl Schedule {
             let stepped = &mut self.stepped[index];
             let Some(start) = stepped.step.0.times(stepped.done) else { break };
             let animated = animate_all(&mut self.scripts, world, start, &mut fresh, cancelled);
-            // Tracks have written even where a script goes wrong.
+            // Tracks have written their values even if a script fails.
             propagate(world, &fresh);
             changes.merge(&std::mem::take(&mut fresh));
             animated?;
@@ -232,7 +232,7 @@ fn animate_all(
     scripts.run(world, time, changes, cancelled)
 }
 
-/// Runs one system, trusts its declarations, and gives newcomers their positions in document order.
+/// Runs one system, records its declarations, and assigns document order to new entities.
 fn run(system: &System, world: &mut World, time: Time, step: Option<f64>, changes: &mut Changes) {
     let mut spawned = Vec::new();
     changes.watch(|changes| {

@@ -1,4 +1,4 @@
-//! Writes the values of scripts at a moment, after all tracks.
+//! Evaluates scripts at a moment, after all tracks.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -28,13 +28,13 @@ struct Running {
     context: ScriptContext,
     /// The channels that scripts drive, in document order; `None` until looked up.
     driven: Option<Driven>,
-    /// The values without scripts.
+    /// The values without the effect of scripts.
     bases: HashMap<(Entity, Property), Base>,
-    /// The prefix of the names that the last script read.
+    /// The prefix of the entity names that the last script read.
     prefix: String,
 }
 
-/// A value without scripts.
+/// A value without the effect of scripts.
 #[derive(Clone, Copy, Debug)]
 struct Base {
     value: Value,
@@ -45,7 +45,7 @@ struct Base {
 struct Driven {
     channels: Vec<Channel>,
     indices: HashMap<(Entity, Property), usize>,
-    /// The entities by their names; `None` until a script reads one.
+    /// The entities by name; `None` until a script reads one.
     names: Option<HashMap<String, Entity>>,
 }
 
@@ -57,8 +57,8 @@ struct Channel {
     script: ScriptId,
     order: Option<Order>,
     name: String,
-    /// Whether a track drives it too, for everything made of a material. Then the base is the track's value, and a script for
-    /// the material is not run at all.
+    /// True if a track of the material also drives the value. The base is then the value of the track. If the material has a script
+    /// instead, that script is not run.
     on_track: bool,
 }
 
@@ -66,7 +66,7 @@ struct Channel {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
     Waiting,
-    /// It waits for another.
+    /// The channel waits for another.
     Underway,
     Done,
 }
@@ -90,14 +90,14 @@ impl Scripts {
         }
     }
 
-    /// Forgets which values are driven, as entities came or went.
+    /// Discards the lookup of driven values, after entities were added or removed.
     pub(crate) fn look_up_again(&mut self) {
         if let Some(running) = &mut self.running {
             running.driven = None;
         }
     }
 
-    /// Restores all values that scripts drove: the world may be edited now.
+    /// Restores all values that scripts drove; the world may then be edited.
     pub(crate) fn release(&mut self, world: &mut World) {
         let Some(running) = &mut self.running else { return };
         running.driven = None;
@@ -109,14 +109,14 @@ impl Scripts {
         }
     }
 
-    /// Looks up which values scripts drive, and their values without scripts. To be called before tracks write to a world.
+    /// Looks up the values that scripts drive, and their bases. Must be called before tracks write to the world.
     pub(crate) fn look_up(&mut self, world: &mut World) {
         if let Some(running) = &mut self.running
             && running.driven.is_none()
         {
             let driven = Driven::of(world);
             for channel in &driven.channels {
-                // What the value is made of is driven by tracks, perhaps: it has to be given back too, to be the same base again.
+                // Tracks may drive the sources of the value, which must be restored too for the base to be the same again.
                 let made_of = sources(world, channel.entity, channel.property, |_| false);
                 for property in [channel.property].into_iter().chain(made_of) {
                     if let Some(base) = Base::of(world, channel.entity, property) {
@@ -128,8 +128,8 @@ impl Scripts {
         }
     }
 
-    /// Sets every value that a script drives, and records what really changed. Values that others read come first, and otherwise
-    /// the order is that of the document.
+    /// Sets every value that a script drives, and records the changes. Values that other scripts read are set first; otherwise values are
+    /// set in document order.
     ///
     /// # Errors
     ///
@@ -180,7 +180,7 @@ impl Driven {
                 let same = |other: &components::Channel| other.property == channel.property;
                 let is_track =
                     |other: &components::Channel| same(other) && !matches!(other.motion, Motion::Script(_));
-                // What an entity says of itself wins over what its material says.
+                // The motion of an entity overrides the motion of its material.
                 if !after.iter().any(same) {
                     let name = name.map(|name| name.0.clone()).unwrap_or_default();
                     let (property, order, on_track) =
@@ -209,7 +209,7 @@ struct Evaluation<'a> {
     running: &'a mut Running,
     driven: Driven,
     states: Vec<State>,
-    /// The operations of channels' scripts that ended at an unknown value.
+    /// The number of operations per channel in script runs that stopped at an unknown value.
     in_vain: HashMap<usize, u64>,
     seconds: f64,
     world: &'a mut World,
@@ -223,7 +223,7 @@ impl Evaluation<'_> {
         (self.driven, result)
     }
 
-    /// Sets a value, after those that it depends on.
+    /// Sets a value, after the values that it depends on.
     fn drive(&mut self, index: usize) -> Result<(), Halt> {
         let mut stack = vec![index];
         while let Some(&index) = stack.last() {
@@ -267,7 +267,7 @@ impl Evaluation<'_> {
             return Err(Stop::Error(Box::new(error)));
         };
         if last != prefix {
-            // The same names mean other entities.
+            // The same names refer to other entities.
             context.forget();
             prefix.clone_into(last);
         }
@@ -275,7 +275,7 @@ impl Evaluation<'_> {
         let base =
             known.map(|base| base.value).or_else(|| value(self.world, channel.entity, channel.property));
         let base = base.map_or(Data::Nothing, |base| notation.data(base, transfer));
-        // A part's scripts see names as the part has them.
+        // Scripts of a part use names without the prefix of the part.
         let name = channel.name.strip_prefix(prefix).unwrap_or(&channel.name);
         context.belong(channel.order.map_or(0, |order| order.0), name, base);
         let data = scripts.language.run(script, context)?;
@@ -297,7 +297,7 @@ impl Evaluation<'_> {
         }
     }
 
-    /// Provides what a script reads, or returns the index of the channel that has to be driven first.
+    /// Stores a value that a script reads, or returns the index of the channel that must be driven first.
     fn answer(&mut self, read: &Read, stack: &[usize]) -> Result<Option<usize>, Box<ScriptError>> {
         let (_, prefix) = self.used(stack);
         let target = format!("{prefix}{}", read.target);
@@ -342,7 +342,7 @@ impl Evaluation<'_> {
         Ok(None)
     }
 
-    /// Returns the text of the script that runs, and the prefix of the names that it reads.
+    /// Returns the text of the running script, and the prefix of the names that it reads.
     fn used(&self, stack: &[usize]) -> (&str, &str) {
         let script = stack.last().map(|index| self.driven.channels[*index].script);
         let used = script.and_then(|script| self.running.scripts.used(script.0));
@@ -375,7 +375,7 @@ impl Evaluation<'_> {
 }
 
 impl Channel {
-    /// Returns the key by which channels are sorted in document order; cameras and settings have none, and follow by their names.
+    /// Returns the sort key for document order. Channels of cameras and settings have no order and come last, sorted by name.
     fn sort_key(&self) -> (bool, Option<Order>, &str) {
         (self.order.is_none(), self.order, &self.name)
     }

@@ -19,7 +19,7 @@ struct Entry {
     copy: fn(EntityRef<'_>, &mut EntityBuilderClone),
 }
 
-/// The error of a world with a component of a type that a snapshot cannot copy.
+/// The error for a world with a component whose type a snapshot cannot copy.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "an entity carries a component of a type that was not registered, so that time could not be turned back: call \
@@ -30,7 +30,7 @@ pub struct UnknownComponent {
 }
 
 impl Default for Registry {
-    /// Returns a registry of all components of this crate.
+    /// Returns a registry of all component types of this crate.
     fn default() -> Self {
         let mut registry = Self { entries: Vec::new() };
         macro_rules! register {
@@ -70,7 +70,7 @@ impl Registry {
 
 /// A copy of all entities, with their ids.
 pub(crate) struct Snapshot {
-    /// Ascending by id.
+    /// The entities with their components, ascending by id.
     entities: Vec<(Entity, BuiltEntityClone)>,
 }
 
@@ -96,7 +96,7 @@ impl Snapshot {
         Ok(Self { entities })
     }
 
-    /// Makes the world what it was. Entities keep their ids, and ids are given out in the same order again.
+    /// Restores the copied world. Entities keep their ids, and new ids are allocated in the same order again.
     pub(crate) fn restore(&self, world: &mut World) {
         *world = World::new();
         for (entity, components) in &self.entities {

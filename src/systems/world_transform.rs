@@ -1,15 +1,15 @@
 //! World transforms, in double-double arithmetic.
 //!
-//! What people write are decimal numbers: a table of height 0.6 at 0.4 and a glass of height 0.8 at 1.1 touch, though neither sum
-//! is exact in binary. Hence a number of a transform stands for the short decimal number that it was rounded from, if there is
-//! one, and everything is rounded once, at the end: what is flush as written is flush.
+//! Scene files contain decimal numbers: a table of height 0.6 at 0.4 and a glass of height 0.8 at 1.1 touch, though neither sum is exact in
+//! binary. A number of a transform therefore stands for the short decimal number that it was rounded from, if there is one, and results are
+//! rounded once, at the end. Faces that are flush as written stay flush.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use crate::components::{Transform, WorldTransform};
 use crate::trace::math::{Double, Double3};
 
-/// An affine map whose numbers are [`Double`]s, by columns.
+/// An affine map with entries of type [`Double`], by columns.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ExactAffine {
     pub(super) columns: [Double3; 3],
@@ -46,13 +46,13 @@ impl ExactAffine {
         }
     }
 
-    /// Returns the image of a vector, without the translation.
+    /// Returns the image of a vector under the linear part of the map.
     fn linear(&self, vector: Double3) -> Double3 {
         let [a, b, c] = self.columns;
         a.scaled(vector.x) + b.scaled(vector.y) + c.scaled(vector.z)
     }
 
-    /// Returns the composition: first the other map, then this one.
+    /// Returns the composition that applies `other` first, then this map.
     fn after(&self, other: &Self) -> Self {
         Self {
             columns: other.columns.map(|column| self.linear(column)),
@@ -75,7 +75,7 @@ pub(super) fn root(local: &Transform) -> WorldTransform {
     ExactAffine::new(local).rounded(uniform_scale(local))
 }
 
-/// Returns the world transform of an entity whose parent has this one.
+/// Returns the world transform of an entity, given the world transform of its parent.
 pub(super) fn child(parent: &WorldTransform, local: &Transform) -> WorldTransform {
     let uniform_scale = parent.uniform_scale.zip(uniform_scale(local)).map(|(outer, inner)| outer * inner);
     ExactAffine::of(parent).after(&ExactAffine::new(local)).rounded(uniform_scale)
@@ -86,8 +86,8 @@ fn uniform_scale(local: &Transform) -> Option<f64> {
     (size.x == size.y && size.y == size.z).then_some(size.x)
 }
 
-/// Returns the columns of a quaternion's rotation matrix. Its length cancels: a matrix is orthogonal to a hundred bits, and for
-/// turns by right angles, in whose quaternions numbers are equal, it is exact.
+/// Returns the columns of a quaternion's rotation matrix. The quaternion's length cancels: the matrix is orthogonal to a hundred bits. It
+/// is exact for rotations by right angles, whose quaternions have equal components.
 fn columns(rotation: DQuat) -> [Double3; 3] {
     let [x, y, z, w] = rotation.to_array();
     let square = |part: f64| Double::product(part, part);

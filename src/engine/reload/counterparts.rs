@@ -1,12 +1,12 @@
-//! The entities of a world that continue as those of another scene.
+//! A map from the entities of a scene to their counterparts in the world.
 
 use hecs::Entity;
 
-/// A map from the entities of the scene. Their ids are dense, as its world is fresh, so that a list suffices.
+/// A map from entities of the scene to entities of the world. The scene's world is newly created, so its ids are dense and a list suffices.
 pub(super) struct Counterparts(Vec<Entity>);
 
 impl Counterparts {
-    /// Creates a map with capacity for this many.
+    /// Creates an empty map with capacity for `count` entities.
     pub(super) fn of_many(count: usize) -> Self {
         Self(Vec::with_capacity(count))
     }
@@ -19,7 +19,7 @@ impl Counterparts {
         self.0[at] = own;
     }
 
-    /// Returns the counterpart of an entity; [`Entity::DANGLING`] for one that is not in the scene.
+    /// Returns the counterpart of an entity, or [`Entity::DANGLING`] if the entity is not in the scene.
     pub(super) fn of(&self, entity: Entity) -> Entity {
         self.0.get(entity.id() as usize).copied().unwrap_or(Entity::DANGLING)
     }

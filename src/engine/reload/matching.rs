@@ -1,4 +1,4 @@
-//! Matches the entities of a world with those of another scene.
+//! Matches the entities of a world with the entities of another scene.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -12,19 +12,19 @@ use crate::components::{Material, Name, Order, Shape, Transform};
 
 /// The correspondence between two worlds.
 pub(super) struct Matching {
-    /// The entities of the world that continue as those of the scene.
+    /// The entities of the world that have a counterpart in the scene.
     pub(super) own: Counterparts,
-    /// The entities of the scene that the world does not have, in document order.
+    /// The entities of the scene without a counterpart in the world, in document order.
     pub(super) new: Vec<Entity>,
-    /// The entities of the scene that have components of other types than in the world.
+    /// The entities of the scene whose counterparts have components of other types.
     pub(super) of_other_types: Vec<Entity>,
-    /// The entities of the world that the scene does not have.
+    /// The entities of the world without a counterpart in the scene.
     pub(super) gone: Vec<Entity>,
-    /// Whether the same entities are drawn, in the same order.
+    /// True if the drawn entities are the same, in the same order.
     pub(super) same_drawn: bool,
 }
 
-/// The entities of a world with components of the same types.
+/// The entities of a world that have components of the same types.
 struct Table<'a> {
     entities: Vec<Entity>,
     orders: Option<&'a [Order]>,
@@ -34,7 +34,7 @@ struct Table<'a> {
     drawn: bool,
 }
 
-/// What a table borrows.
+/// The borrowed component columns of a table.
 struct Columns<'a> {
     archetype: &'a Archetype,
     orders: Option<ArchetypeColumn<'a, Order>>,
@@ -43,7 +43,7 @@ struct Columns<'a> {
     shapes: Option<ArchetypeColumn<'a, Shape>>,
 }
 
-/// All entities of a world, in document order.
+/// All entities of a world in document order.
 struct Things<'a> {
     tables: &'a [Table<'a>],
     locations: Vec<Location>,
@@ -57,8 +57,8 @@ struct Location {
     row: u32,
 }
 
-/// The mark by which an entity is recognised: the name, or else its transform and shape. Materials do not count: they alone are
-/// animated in entities without a name.
+/// The key by which an entity is matched: its name or, without a name, its transform and shape. Materials are not part of the key: in
+/// entities without a name, they alone can be animated.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum Mark<'a> {
     Name(&'a str),
@@ -131,7 +131,7 @@ fn columns(world: &World) -> Vec<Columns<'_>> {
     world.archetypes().map(Columns::of).collect()
 }
 
-/// Lists the world's archetypes one after the other, in the order of its entities.
+/// Lists the world's archetypes in storage order.
 fn tables<'a>(world: &World, columns: &'a [Columns<'_>]) -> Vec<Table<'a>> {
     let mut entities = world.query::<Entity>();
     let mut entities = entities.iter();
@@ -146,7 +146,7 @@ fn tables<'a>(world: &World, columns: &'a [Columns<'_>]) -> Vec<Table<'a>> {
     columns.iter().map(table).collect()
 }
 
-/// Returns, for each of `new`, the one of `old` that has components of the same types.
+/// Returns, for each of the `new` archetypes, the index of the `old` archetype with the same component types.
 fn same_types(old: &[Columns<'_>], new: &[Columns<'_>]) -> Vec<Option<usize>> {
     let same = |old: &Columns<'_>, new: &Columns<'_>| {
         old.archetype.component_types().eq(new.archetype.component_types())
@@ -154,8 +154,8 @@ fn same_types(old: &[Columns<'_>], new: &[Columns<'_>]) -> Vec<Option<usize>> {
     new.iter().map(|new| old.iter().position(|old| same(old, new))).collect()
 }
 
-/// Returns the entities of the world if they are stored as those of the scene are: in sequence they have the same marks, the same
-/// positions in document order and components of the same types. This holds while edits change values only.
+/// Matches the entities of the world with the scene's in storage order. Returns `None` unless each pair has the same mark, the same
+/// document order and components of the same types, as after edits that change values only.
 fn stored_alike(old: &[Table<'_>], new: &[Table<'_>], types: &[Option<usize>]) -> Option<Counterparts> {
     let count = |tables: &[Table<'_>]| -> usize { tables.iter().map(|table| table.entities.len()).sum() };
     if count(old) != count(new) {
@@ -225,7 +225,7 @@ impl<'a> Things<'a> {
     }
 }
 
-/// The indices of a new list's entities in an old one: at the beginning and at the end both agree, one after the other.
+/// The matches between an old and a new list of entities. The lists agree before and after the middle ranges `old` and `new`.
 struct Found {
     middle: Vec<Option<usize>>,
     old: Range<usize>,
@@ -233,7 +233,7 @@ struct Found {
 }
 
 impl Found {
-    /// Matches by name; without one by content, then by position among those that are left.
+    /// Matches entities with names by name. Matches entities without names by content, and the remaining ones by position.
     fn of(old: &Things<'_>, new: &Things<'_>) -> Self {
         let shorter = old.len().min(new.len());
         let differ = |at: usize| old.mark(at) != new.mark(at);
@@ -265,7 +265,7 @@ impl Found {
         }
     }
 
-    /// Returns the indices in the old list that are not among those found.
+    /// Returns the indices in the old list that have no match.
     fn missed(&self) -> impl Iterator<Item = usize> + use<> {
         let mut is_found = vec![false; self.old.len()];
         for at in self.middle.iter().flatten() {
@@ -275,14 +275,14 @@ impl Found {
     }
 }
 
-/// Returns the bits of a transform.
+/// Returns the bits of all numbers of a transform.
 pub(super) fn transform_bits(transform: &Transform) -> [u64; 10] {
     let ([x, y, z], [i, j, k, w]) = (transform.translation.to_array(), transform.rotation.to_array());
     let [a, b, c] = transform.scale.to_array();
     [x, y, z, i, j, k, w, a, b, c].map(f64::to_bits)
 }
 
-/// Returns the bits of a shape.
+/// Returns the kind of a shape and the bits of its numbers.
 pub(super) fn shape_bits(shape: &Shape) -> [u64; 4] {
     let (kind, DVec3 { x, y, z }) = match *shape {
         Shape::Sphere { radius } => (1, DVec3::splat(radius)),

@@ -1,4 +1,4 @@
-//! Another scene in place of the one before: its entities are matched with the existing ones, and the differences are patched.
+//! Reloading: matches the entities of the old and the new scene and patches the differences.
 
 mod counterparts;
 mod matching;

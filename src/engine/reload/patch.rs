@@ -1,4 +1,4 @@
-//! Turns a world into that of another scene, with as few changes as possible.
+//! Patches a world to equal the world of another scene, with as few changes as possible.
 
 use hecs::{Component, Entity, World};
 use rayon::prelude::*;
@@ -11,9 +11,9 @@ use crate::components::{
 };
 use crate::systems::Changes;
 
-/// Gives `world` the entities and components of `scene`, and returns what really changed. It does not matter what has been done
-/// to the world: every component is what the scene says, except for world transforms, which are to be derived again where that is
-/// recorded. Entities with the same name, or without one and with the same content or position, keep their identity.
+/// Gives `world` the entities and components of `scene`, and returns the changes. The previous state of the world does not matter: every
+/// component gets the value in the scene, except for world transforms, which the returned changes cause to be derived again. Entities with
+/// the same name, or without a name and with the same content or position, keep their identity.
 pub(super) fn patch(world: &mut World, mut scene: World) -> Changes {
     world.flush();
     let Matching { mut own, new, of_other_types, gone, same_drawn } = Matching::of(world, &scene);
@@ -26,7 +26,7 @@ pub(super) fn patch(world: &mut World, mut scene: World) -> Changes {
     }
     world.flush();
     translate_links(&mut scene, &own);
-    // Each id would be looked for among the free ones, and there may be many.
+    // `spawn_at` searches the free list for each id, and the list may be long.
     let free: Vec<Entity> = world.freelist().collect();
     world.set_freelist(&[]);
     for entity in new.into_iter().chain(of_other_types) {
@@ -44,12 +44,12 @@ pub(super) fn patch(world: &mut World, mut scene: World) -> Changes {
         // The entity exists: it was found just now.
         let _ = world.despawn(entity);
     }
-    // What many entities had is given back while the next picture is made.
+    // Dropping the components of many entities takes time; it overlaps with the next frame.
     rayon::spawn(move || drop((scene, own)));
     changes
 }
 
-/// Makes all components that refer to entities refer to those of the world.
+/// Replaces all references to entities of the scene with references to their counterparts in the world.
 fn translate_links(scene: &mut World, own: &Counterparts) {
     for parent in scene.query_mut::<&mut Parent>() {
         parent.0 = own.of(parent.0);
@@ -67,7 +67,7 @@ fn translate_links(scene: &mut World, own: &Counterparts) {
     }
 }
 
-/// Writes the entities that have components of the same types as before.
+/// Writes the components of the entities whose component types are the same as before.
 fn write(worlds: Worlds<'_>, changes: &mut Changes) {
     macro_rules! writers {
         ($($component:ident: $written:ident,)*) => {
@@ -81,18 +81,18 @@ fn write(worlds: Worlds<'_>, changes: &mut Changes) {
     }
 }
 
-/// The entities of the world in which components of one type have changed, and how that is declared.
+/// The entities of the world whose components of one type have changed, and the function that declares the change.
 struct ComponentChanges {
     entities: Vec<Entity>,
     declare: fn(&mut Changes, Entity),
 }
 
 impl ComponentChanges {
-    /// Nothing to declare.
+    /// No changes.
     const NONE: Self = Self { entities: Vec::new(), declare: |_, _| {} };
 }
 
-/// Two worlds, the components of which are moved from one to the other type by type.
+/// Two worlds between which components are swapped, one type at a time.
 #[derive(Clone, Copy)]
 struct Worlds<'a> {
     world: &'a World,
@@ -100,7 +100,7 @@ struct Worlds<'a> {
     own: &'a Counterparts,
 }
 
-/// One method per word of [`with_components`].
+/// The methods are named after the words of [`with_components`].
 impl Worlds<'_> {
     fn transform<T: Put>(self) -> ComponentChanges {
         ComponentChanges { entities: self.put(T::put), declare: Changes::mark_transform }
@@ -127,7 +127,7 @@ impl Worlds<'_> {
         ComponentChanges::NONE
     }
 
-    /// Returns the entities of the world for which `put` reports a change.
+    /// Swaps in the components of the scene. Returns the entities of the world for which `put` reports a change.
     fn put<T: Component>(self, put: impl Fn(&mut T, &mut T) -> bool) -> Vec<Entity> {
         let (mut old, mut new) = (self.world.query::<&mut T>(), self.scene.query::<(Entity, &mut T)>());
         let mut old = old.view();
@@ -142,9 +142,9 @@ impl Worlds<'_> {
     }
 }
 
-/// A component from whose value something is prepared that is kept from moment to moment.
+/// A component from which data is prepared that is kept from moment to moment.
 trait Put: Component + PartialEq + Sized {
-    /// Puts the new value in place, to the last bit. Returns whether it is different.
+    /// Swaps in the new value. Returns whether it differs from the old one.
     fn put(&mut self, new: &mut Self) -> bool {
         let differs = *self != *new;
         std::mem::swap(self, new);
@@ -159,14 +159,14 @@ impl Put for Reflective {}
 impl Put for Refractive {}
 impl Put for Checker {}
 
-/// Compares bits, as zeros of different signs give different world transforms.
+/// Compares bits, since zeros of different signs give different world transforms.
 impl Put for Transform {
     fn put(&mut self, new: &mut Self) -> bool {
         put_bits(self, new, transform_bits)
     }
 }
 
-/// Compares bits, as for transforms.
+/// Compares bits, like the implementation for transforms.
 impl Put for Shape {
     fn put(&mut self, new: &mut Self) -> bool {
         put_bits(self, new, shape_bits)

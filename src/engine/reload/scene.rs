@@ -1,20 +1,19 @@
-//! Another scene in place of the one before.
+//! Replacement of the engine's scene.
 
 use super::patch::patch;
 use crate::engine::engine::Engine;
 use crate::scene::Scene;
 
 impl Engine {
-    /// Continues with another scene, usually the same one after an edit: from the next frame on everything is as if the engine
-    /// had been made [`from_scene`](Engine::from_scene), to the last bit, whatever was rendered, reloaded or written to the world
-    /// before.
+    /// Replaces the scene, usually after an edit of its file. From the next frame on, all results are bit-identical to the results of an
+    /// engine created with [`from_scene`](Engine::from_scene), independent of earlier frames, reloads and writes to the world.
     ///
-    /// What is in both scenes stays the same entity, and what was prepared for it is kept, so that the cost is proportional to
-    /// the edit. Entities are recognised by their names; those without one by their transforms and shapes, and the rest by
-    /// position. The BVH over the shapes is rebuilt only if any of them is different, elsewhere or in another order.
+    /// An entity in both scenes keeps its identity and its prepared data, so that the cost is proportional to the edit. Entities are
+    /// matched by name; entities without names by transform and shape, and the remaining ones by position. The BVH over the shapes is
+    /// rebuilt only if a shape, its transform or the order of the shapes differs.
     ///
-    /// Custom systems stay and start over, on the new scene's world as it is: all entities are new then. Precision and the effect
-    /// left out stay too. Until the next frame or [`seek`](Engine::seek), the engine reports on the last one.
+    /// Custom systems are kept and start over on the world of the new scene, in which all entities are new. The precision and the disabled
+    /// effects are kept too. Until the next frame or [`seek`](Engine::seek), the engine reports on the last one.
     ///
     /// ```
     /// use rayreel::{Engine, Scene};
@@ -42,7 +41,7 @@ impl Engine {
         if self.systems.is_empty() {
             self.changes.merge(&patch(&mut self.world, world));
         } else {
-            // They may depend on the order in which a world has come about.
+            // Custom systems may depend on the order in which the entities of a world were spawned.
             self.systems.rewind(&mut self.world);
             self.world = world;
             self.changes.mark_all();

@@ -1,4 +1,4 @@
-//! Drafts: quick pictures that precede the full ones.
+//! Drafts: quick, reduced images that precede the full frames.
 
 use std::ops::ControlFlow::{self, Continue};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,16 +12,16 @@ use crate::systems::FrameSettings;
 use crate::time::Time;
 use crate::trace::{Developed, Exposure, Film, Lighting, Signals};
 
-/// The reductions of a quick picture, which also has one sample per pixel, at the frame's own moment.
+/// The reductions of a draft. A draft also has one sample per pixel and is rendered at the frame's own moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Draft {
     /// The divisor of the film's width and height; at least one pixel remains.
     pub divisor: u32,
-    /// The most samples of each light with a size; 1 or more.
+    /// The maximum number of samples of each area light, 1 or more.
     pub light_samples: u32,
-    /// The most generations of rays; 1 or more.
+    /// The maximum ray depth, 1 or more.
     pub depth: u32,
-    /// Whether lights can be occluded.
+    /// True if objects occlude lights.
     pub shadows: bool,
 }
 
@@ -34,8 +34,8 @@ impl Draft {
 }
 
 impl Engine {
-    /// Renders a quick picture of a moment, unless `cancelled` becomes true meanwhile. [`report`](Engine::report) then describes
-    /// it; [`plan`](Engine::plan) still describes the last frame.
+    /// Renders a draft of a moment. Returns `None` if `cancelled` becomes true during rendering. Afterwards [`report`](Engine::report)
+    /// describes the draft; [`plan`](Engine::plan) still describes the last frame.
     ///
     /// # Errors
     ///
@@ -49,7 +49,7 @@ impl Engine {
         self.render_draft_on(time, draft, &mut None, Signals::unless(cancelled), &mut |_| Continue(()))
     }
 
-    /// Renders a quick picture as [`render_on`](Engine::render_on) does.
+    /// Renders a draft incrementally, like [`render_on`](Engine::render_on).
     ///
     /// # Errors
     ///
@@ -93,7 +93,7 @@ impl Engine {
         Ok(begun.take().map(|exposure| self.develop(exposure).film))
     }
 
-    /// Finishes a picture, and its alpha if it was to have any; the report describes it.
+    /// Finishes an exposure, including its alpha channel, if any, and updates the report.
     pub(in crate::engine) fn develop<E: Encoding>(&mut self, exposure: Exposure<E>) -> Developed<E::Pixel> {
         let start = Instant::now();
         let error = exposure.estimated_error();
@@ -111,7 +111,7 @@ impl Engine {
     }
 }
 
-/// Adds to a picture until it is complete, and visits it at every pause; `false` if it ends before.
+/// Adds samples to an exposure until it is complete, and calls `visit` at every pause. Returns `false` if cancelled or stopped by `visit`.
 pub(in crate::engine) fn add_all<E: Encoding>(
     signals: Signals<'_>,
     visit: &mut dyn FnMut(&Exposure<E>) -> ControlFlow<()>,

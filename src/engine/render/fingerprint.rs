@@ -1,30 +1,30 @@
-//! What identifies a frame, found instant by instant.
+//! The fingerprint of a frame, computed instant by instant.
 
 use crate::systems::Preparation;
 use crate::time::Time;
 use crate::trace::{FrameConstants, FrameFingerprint, FrameHasher, Lighting};
 
-/// The fingerprint of a frame of which some instants are known.
+/// The incremental fingerprint of a frame.
 pub(super) struct HashedInstants {
     lighting: Lighting,
-    /// The instants that identify the frame, and how many of them are known.
+    /// The indices of the instants that identify the frame. The first `known` of them are hashed.
     instants: Vec<u32>,
     known: usize,
     hasher: Option<FrameHasher>,
 }
 
 impl HashedInstants {
-    /// Creates the fingerprint of a frame that these instants identify, with the most that is asked of lights.
+    /// Creates the fingerprint of a frame that is identified by these instants. `lighting` is the most elaborate lighting that is enabled.
     pub(super) fn new(lighting: Lighting, instants: Vec<u32>) -> Self {
         Self { lighting, instants, known: 0, hasher: None }
     }
 
-    /// Returns the instants that identify the frame.
+    /// Returns the indices of the instants that identify the frame.
     pub(super) fn instants(&self) -> &[u32] {
         &self.instants
     }
 
-    /// Notes an instant of the frame at `time`, unless it is known.
+    /// Hashes an instant of the frame at `time` if it is the next of the identifying instants.
     pub(super) fn note(&mut self, preparation: &Preparation, time: Time, instant: u32) {
         if self.instants.get(self.known) != Some(&instant) {
             return;
@@ -39,7 +39,6 @@ impl HashedInstants {
         hasher.add(preparation.scene(), preparation.camera(), sampling);
     }
 
-    /// Returns the fingerprint.
     pub(super) fn finish(self) -> FrameFingerprint {
         self.hasher.map_or_else(FrameFingerprint::of_nothing, |hasher| hasher.finish())
     }

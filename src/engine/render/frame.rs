@@ -1,4 +1,4 @@
-//! Renders frames: instant after instant while the shutter is open.
+//! Renders frames, instant by instant while the shutter is open.
 
 use std::collections::VecDeque;
 use std::ops::ControlFlow::{self, Continue};
@@ -26,7 +26,7 @@ use crate::trace::{
 static NEVER: AtomicBool = AtomicBool::new(false);
 
 impl Engine {
-    /// Renders frame `index` of the timeline, which may be beyond its end. Which frames were rendered before does not matter.
+    /// Renders frame `index` of the timeline, which may be beyond its end. The result does not depend on previously rendered frames.
     ///
     /// # Errors
     ///
@@ -45,7 +45,7 @@ impl Engine {
         Ok(film.unwrap_or_else(|| Film::new(0, 0)))
     }
 
-    /// Renders a moment unless `cancelled` becomes true meanwhile; then there is no film.
+    /// Renders a moment. Returns `None` if `cancelled` becomes true during rendering.
     ///
     /// # Errors
     ///
@@ -54,8 +54,8 @@ impl Engine {
         self.render_on(time, &mut None, Signals::unless(cancelled), &mut |_| Continue(()))
     }
 
-    /// Renders a moment in portions. At every pause that `signals` asks for, `visit` is called and decides whether to go on. If it
-    /// does not, `begun` keeps what has been traced, and a later call with it continues, to the same bits, provided that neither
+    /// Renders a moment incrementally. At every pause that `signals` requests, `visit` is called and decides whether to continue. If it
+    /// stops, `begun` keeps the samples traced so far. A later call with `begun` continues and gives the same bits, provided that neither
     /// the moment nor the world has changed.
     ///
     /// ```
@@ -88,8 +88,8 @@ impl Engine {
         Ok(exposed.map(|exposed| exposed.film))
     }
 
-    /// Renders a moment as output bytes, by the film settings' transfer, in portions as [`render_on`](Engine::render_on) does. They are
-    /// those of its film, [encoded](Film::encoded), and take less time and memory.
+    /// Renders a moment to output bytes with the transfer function of the film settings, incrementally like
+    /// [`render_on`](Engine::render_on). The bytes are the same as from the [encoded](Film::encoded) film, and take less time and memory.
     ///
     /// # Errors
     ///
@@ -105,8 +105,8 @@ impl Engine {
         Ok(exposed.map(|exposed| exposed.film))
     }
 
-    /// Renders a moment without its background, in portions as [`render_on`](Engine::render_on) does. With a target, the error of alpha counts
-    /// as that of light does.
+    /// Renders a moment with an alpha channel and without its background, incrementally like [`render_on`](Engine::render_on). With an
+    /// error target, the error of alpha counts like the error of light.
     ///
     /// ```
     /// use std::ops::ControlFlow::Continue;
@@ -134,7 +134,7 @@ impl Engine {
         Ok(exposed.and_then(|exposed| Some(AlphaFilm { light: exposed.film, alpha: exposed.alpha? })))
     }
 
-    /// Renders a moment in portions, as [`render_on`](Engine::render_on) does: with its background, or with alpha.
+    /// Renders a moment incrementally like [`render_on`](Engine::render_on), with its background or with an alpha channel.
     fn expose<E: Encoding>(
         &mut self,
         (encoding, alpha): (E, bool),
@@ -223,8 +223,8 @@ impl Engine {
         Ok(Some(developed))
     }
 
-    /// Renders a moment by the reference path, which tests every ray against every shape: slow, single-threaded, and the same
-    /// bits.
+    /// Renders a moment by the reference path, which tests every ray against every shape. It is slow and single-threaded, and gives the
+    /// same bits.
     ///
     /// # Errors
     ///
@@ -235,7 +235,7 @@ impl Engine {
         Ok(sums.map_or_else(|| Film::new(width, height), |sums| sums.develop()))
     }
 
-    /// Renders a moment without its background by the reference path.
+    /// Renders a moment by the reference path, with an alpha channel and without the background.
     ///
     /// # Errors
     ///
@@ -246,7 +246,7 @@ impl Engine {
         Ok(sums.map_or_else(|| AlphaFilm::empty(width, height), |sums| sums.develop_with_alpha()))
     }
 
-    /// Takes all samples of a moment by the reference path, whose alpha counts or not. `None` without a camera.
+    /// Takes all samples of a moment by the reference path, with or without an alpha channel.
     fn reference_sums(&mut self, time: Time, alpha: bool) -> Result<Option<ReferenceSums>, EngineError> {
         let instants = self.instants(time);
         let (mut sums, count, left) = (None, count_of(&instants), self.effects_left());
@@ -282,8 +282,8 @@ impl Engine {
         Ok(sums)
     }
 
-    /// Returns what identifies the picture of a moment: that of the [report](FrameReport::fingerprint) if it were rendered. The world is
-    /// brought there.
+    /// Returns the fingerprint that the [report](FrameReport::fingerprint) would have if the moment were rendered. Brings the world to the
+    /// moment.
     ///
     /// # Errors
     ///
@@ -298,11 +298,11 @@ impl Engine {
         })?;
         let fingerprint = hashed.finish();
         let Some(policy) = &self.policy else { return Ok(fingerprint) };
-        // No round has a least gain of 0: nothing that is there is the same as what a clock will decide.
+        // No round has a least gain of 0, so this fingerprint matches no image whose rounds depended on a clock.
         Ok(fingerprint.with_rounds(round_policy::locked(policy).rounds().unwrap_or(&[0])))
     }
 
-    /// Plans a moment, with reasons, without rendering a picture: see [`Engine::plan`].
+    /// Plans a moment, with reasons, without rendering it: see [`Engine::plan`].
     ///
     /// # Errors
     ///
@@ -314,20 +314,20 @@ impl Engine {
         Ok(self.plan.as_ref())
     }
 
-    /// Returns the exposure of a frame, from the world as it is before custom systems: when a frame begins cannot depend on what
-    /// is there then.
+    /// Returns the exposure of a frame. It is read from the world before custom systems run, since the instants of a frame must not depend
+    /// on the state of the world at those instants.
     fn shutter(&mut self, time: Time) -> Shutter {
         self.shutters.get_or_insert_with(|| Shutters::of(&self.world)).at(time, &self.knobs)
     }
 
-    /// Returns the number of samples of each pixel of the last frame; 1, the least, where pixels take as many as they need.
+    /// Returns the number of samples of each pixel of the last frame; 1, the minimum, if sampling is adaptive.
     #[must_use]
     pub fn least_samples(&self) -> u32 {
         let own = || self.knobs.sampling(sampling_settings(&self.world)).samples;
         if self.is_adaptive() { 1 } else { self.sampling().map_or_else(own, |sampling| sampling.samples) }
     }
 
-    /// Returns the instants at which a frame is drawn: its moment, or several while the shutter is open.
+    /// Returns the instants at which a frame is rendered: its moment, or several instants while the shutter is open.
     pub(super) fn instants(&mut self, time: Time) -> Vec<Time> {
         let shutter = self.shutter(time);
         self.instants_of(shutter, time)
@@ -346,7 +346,7 @@ impl Engine {
         }
     }
 
-    /// Returns the instants of a frame that its first round visits.
+    /// Returns the indices of the instants that the first round of a frame visits.
     fn first_instants(&self, instants: &[Time]) -> Vec<u32> {
         if instants.len() > 1 && self.is_adaptive() {
             return InstantOrder::new(true).first();
@@ -354,7 +354,7 @@ impl Engine {
         (0..count_of(instants)).collect()
     }
 
-    /// Returns the instants of a frame that identify it: all, or as many of a frame with adaptive samples as scenes have by default.
+    /// Returns the indices of the instants that identify a frame: all of them or, if sampling is adaptive, the default number of instants.
     fn hashed_instants(&self, instants: &[Time]) -> Vec<u32> {
         if instants.len() > 1 && self.is_adaptive() {
             let count = Sampling::default().instants;
@@ -363,15 +363,15 @@ impl Engine {
         (0..count_of(instants)).collect()
     }
 
-    /// Returns whether there is anything that could move.
+    /// Returns whether any entity can move.
     fn may_move(&self) -> bool {
         let animated = |archetype: &hecs::Archetype| !archetype.is_empty() && archetype.has::<Animated>();
         !self.systems.is_empty() || self.world.archetypes().any(animated)
     }
 
-    /// Visits instants of the frame at `time`, by their indices, and calls `each` with the prepared data of each, the effects that it needs,
-    /// and its index, which decides what follows. The film and the samples are those of the first instant throughout.
-    /// Returns `false` if cancelled.
+    /// Visits instants of the frame at `time`, given by their indices, and calls `each` with the prepared data of each instant, the effects
+    /// that it needs, and its index. The result of `each` determines the next instant. All instants use the film and the sampling of the
+    /// first one. Returns `false` if cancelled.
     pub(super) fn seek_all(
         &mut self,
         time: Time,
@@ -397,7 +397,7 @@ impl Engine {
                 None => plan = Some(now),
             }
             let mut then = each(&shown, effects, index);
-            // A single instant is there already.
+            // The world is already at a single instant.
             while instants.len() == 1 && matches!(then, Then::Visit(_)) {
                 then = each(&shown, effects, index);
             }
@@ -419,8 +419,8 @@ impl Engine {
         Ok(true)
     }
 
-    /// Draws the prepared instant with the film and the samples of the frame's first one, noted in `exposure`, and with what knobs
-    /// turn. Returns its own settings.
+    /// Applies the render settings overrides to the prepared instant, and the film and the sampling of the frame's first instant, which
+    /// `exposure` stores. Returns the instant's own settings.
     fn turn_knobs(&mut self, exposure: &mut Option<(FilmSettings, Sampling)>) -> Option<FrameSettings> {
         let preparation = self.preparation.as_mut()?;
         let mut settings = preparation.frame_settings();
@@ -438,7 +438,7 @@ impl Engine {
         }
     }
 
-    /// Brings the world, and the kernel's data, to a moment, without rendering a picture.
+    /// Advances the world and the kernel's data to a moment, without rendering.
     ///
     /// # Errors
     ///
@@ -447,7 +447,7 @@ impl Engine {
         self.seek_unless(time, &NEVER).map(|_| ())
     }
 
-    /// Seeks as [`Engine::seek`] does, and returns whether it was not cancelled.
+    /// Seeks like [`Engine::seek`], and returns `false` if cancelled.
     pub(in crate::engine) fn seek_unless(
         &mut self,
         time: Time,
@@ -457,8 +457,8 @@ impl Engine {
         Ok(self.bring(time, cancelled)?.is_some())
     }
 
-    /// Seeks as [`Engine::seek`] does, to the instant at which sample `index` of the frame at `time` is taken: while a shutter is
-    /// open, not all are taken at once.
+    /// Seeks like [`Engine::seek`], to the instant of sample `index` of the frame at `time`. While the shutter is open, samples are taken
+    /// at different instants.
     ///
     /// # Errors
     ///
@@ -485,8 +485,8 @@ impl Engine {
         Ok(())
     }
 
-    /// Brings the world to an instant of the reported frame, and returns what is different then for the kernel; nothing
-    /// if it was cancelled.
+    /// Advances the world and the kernel's data to an instant of the reported frame. Returns the changes of the kernel's data, or `None` if
+    /// cancelled.
     fn bring(&mut self, instant: Time, cancelled: &AtomicBool) -> Result<Option<SceneChanges>, EngineError> {
         let start = Instant::now();
         if let Err(halt) = self.systems.advance(&mut self.world, instant, &mut self.changes, cancelled) {
@@ -517,22 +517,22 @@ impl Engine {
     }
 }
 
-/// What comes after an instant of a frame.
+/// The action after an instant of a frame.
 pub(super) enum Then {
-    /// The next one, if there is one.
+    /// Continues with the next instant, if any.
     GoOn,
-    /// These, in turn.
+    /// Visits these instants next, in this order.
     Visit(Vec<u32>),
-    /// Nothing.
+    /// Ends the frame.
     Stop,
 }
 
-/// Returns how many instants there are, which are never more than samples.
+/// Returns the number of instants, which is never more than the number of samples.
 fn count_of(instants: &[Time]) -> u32 {
     u32::try_from(instants.len()).unwrap_or(u32::MAX)
 }
 
-/// Returns the samples that a picture at so many instants gets. It has its background.
+/// Returns the sample plan of an image with this number of instants, without an alpha channel.
 fn sample_plan(preparation: &Preparation, instants: u32) -> SamplePlan {
     let samples = preparation.samples();
     let target = preparation.error_target(instants > 1);

@@ -1,4 +1,4 @@
-//! Pictures of a moment: full frames, drafts that precede them, and what pixels meet first.
+//! Rendering of a moment: full frames, drafts that precede them, and first-hit passes.
 
 mod draft;
 mod fingerprint;

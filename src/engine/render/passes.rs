@@ -1,4 +1,4 @@
-//! What pixels meet first, beside pictures of light.
+//! First-hit passes: depth, normals and other data of the surface seen by each pixel.
 
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -9,10 +9,9 @@ use crate::time::Time;
 use crate::trace::PassPixel;
 
 impl Engine {
-    /// Returns what the ray through the middle of each pixel meets first, row by row from the top, on the current rayon pool's threads:
-    /// at the moment or, while the shutter is open, at its first instant. The [report](Engine::report) and the plan stay those of the
-    /// last picture; the time that this takes is added to that of tracing. `None` without a camera, and if `cancelled` became true
-    /// meanwhile.
+    /// Returns the first hit of the ray through the centre of each pixel, row by row from the top, computed on the threads of the current
+    /// rayon pool. The scene is at the moment or, while the shutter is open, at the frame's first instant. The [report](Engine::report) and
+    /// the plan of the last image are kept; the time taken is added to the report's tracing time. `None` if `cancelled` became true.
     ///
     /// ```
     /// use std::sync::atomic::AtomicBool;

@@ -11,12 +11,13 @@ use crate::components::{
 use crate::time::Time;
 use crate::trace;
 
-/// Prepares the active camera of the frame at `moment`.
+/// Returns the prepared active camera of the frame at `moment`.
 pub(super) fn prepared_camera(world: &World, film: FilmSettings, moment: Time) -> trace::Camera {
     let entity = active_camera_entity(world, moment);
     let camera = component::<Camera>(world, entity).unwrap_or_default();
     let Stance { eye, view, up, .. } = stance(world, entity, &camera);
-    // The first and last pixel lie on the screen's edges, so that there is one pitch less than there are pixels.
+    // The centres of the first and the last pixel lie on the edges of the screen, so the screen spans one pixel pitch less than there are
+    // pixels.
     let gaps = |pixels: u32| f64::from(pixels.saturating_sub(1).max(1));
     let (across, down) = (gaps(film.width), gaps(film.height));
     let (distance, size) = match camera.projection {
@@ -33,16 +34,16 @@ pub(super) fn prepared_camera(world: &World, film: FilmSettings, moment: Time) -
     camera.lens.map_or(pinhole, |lens| pinhole.with_lens(lens.aperture, lens.focus))
 }
 
-/// The camera through which a frame is seen.
+/// The active camera of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActiveCamera {
     /// The entity with the camera.
     pub entity: Entity,
-    /// The point in the world that it looks at, if it looks at one.
+    /// The position of its target in the world, if it looks at a point.
     pub target: Option<DVec3>,
 }
 
-/// Returns the active camera of the frame at `moment`, to which the world has been brought. `None` in a world without cameras.
+/// Returns the active camera of the frame at `moment`. The world must be at that moment. `None` in a world without cameras.
 #[must_use]
 pub fn active_camera(world: &World, moment: Time) -> Option<ActiveCamera> {
     let entity = active_camera_entity(world, moment)?;
@@ -51,7 +52,7 @@ pub fn active_camera(world: &World, moment: Time) -> Option<ActiveCamera> {
     Some(ActiveCamera { entity, target: looks_at_point.then_some(eye + view) })
 }
 
-/// Returns the entity whose camera is active in the frame at `moment`: that of the shot, or else the first in document order.
+/// Returns the entity whose camera is active in the frame at `moment`: the camera of the shot, or else the first camera in document order.
 pub(super) fn active_camera_entity(world: &World, moment: Time) -> Option<Entity> {
     let shots = first::<Shots>(world).0;
     let begun = shots.partition_point(|shot| shot.start <= moment.seconds());
@@ -59,7 +60,7 @@ pub(super) fn active_camera_entity(world: &World, moment: Time) -> Option<Entity
     shot.filter(|camera| world.satisfies::<&Camera>(*camera)).or_else(|| first_entity::<Camera>(world))
 }
 
-/// Returns an entity's position in the world.
+/// Returns the position of an entity in the world.
 pub(super) fn position_of(world: &World, entity: Option<Entity>) -> Option<DVec3> {
     component::<WorldTransform>(world, entity).map(|transform| transform.affine.translation)
 }
@@ -68,7 +69,7 @@ fn component<T: Component + Copy>(world: &World, entity: Option<Entity>) -> Opti
     world.get::<&T>(entity?).ok().map(|component| *component)
 }
 
-/// The position and direction of a camera in the world.
+/// The pose of a camera in the world.
 struct Stance {
     eye: DVec3,
     view: DVec3,
@@ -85,7 +86,7 @@ fn stance(world: &World, entity: Option<Entity>, camera: &Camera) -> Stance {
     let eye = followed.map_or(own_eye, |followed| own_eye + followed);
     let view = match (looked_at, camera.view) {
         (Some(point), _) => point - eye,
-        // Of two points that go along together the difference is that in their own space.
+        // Eye and target are translated together, so their difference is the transformed difference of the untranslated points.
         (None, View::Target(target)) => direction(target - camera.position),
         (None, View::Direction(own)) => direction(own),
     };
@@ -96,21 +97,21 @@ fn stance(world: &World, entity: Option<Entity>, camera: &Camera) -> Stance {
 /// The exposure of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Shutter {
-    /// At one instant: the camera has no shutter.
+    /// A single instant: the camera has no shutter.
     None,
-    /// At one instant: no more are set, or a pixel has no more samples.
+    /// A single instant: the number of instants is 1, or pixels have one sample.
     OneInstant,
-    /// Open for a share of the time from frame to frame, at this many instants, more than one.
+    /// Open for a fraction of the frame interval, with this number of instants, more than one.
     Open(f64, u32),
 }
 
-/// The exposure of frames, from the world as it is.
+/// The exposure of all frames, read from the world.
 #[derive(Clone, Debug)]
 pub(crate) struct Shutters {
-    /// The start of each shot in seconds, ascending, with the share of the time from frame to frame that its shutter is open; 0 without
-    /// one.
+    /// The start of each shot in seconds, ascending, and the fraction of the frame interval during which its shutter is open; 0 without a
+    /// shutter.
     shots: Vec<(f64, f64)>,
-    /// The same without shots.
+    /// The open fraction of the shutter if there are no shots.
     single: f64,
     sampling: Sampling,
 }
@@ -129,7 +130,7 @@ impl Shutters {
         }
     }
 
-    /// Returns the exposure of the frame at `moment`, with what knobs turn of the scene's samples.
+    /// Returns the exposure of the frame at `moment`, with the sampling as overridden by `knobs`.
     #[must_use]
     pub(crate) fn at(&self, moment: Time, knobs: &Knobs) -> Shutter {
         let begun = self.shots.partition_point(|(start, _)| *start <= moment.seconds());

@@ -1,4 +1,4 @@
-//! Finds out why something is not drawn as specified.
+//! Finds the faults of a prepared world.
 
 use std::f64::consts::PI;
 
@@ -20,15 +20,14 @@ use crate::components::{
 use crate::systems::{Consequence, Fault, FaultCause, Instead};
 use crate::trace::LightSource;
 
-/// The range of a coefficient.
+/// The valid range of coefficients.
 const SHARE: &str = "from 0 to 1";
-/// The range of light and colours.
+/// The valid range of light and colours.
 const POSITIVE: &str = "0 or more, and finite";
 
 impl Preparation {
-    /// Returns what is wrong with the world, which is at the moment that was prepared: every entity with a shape that is not
-    /// drawn, every light that lights nothing through a fault of its own, and whatever else is not used as given. In document
-    /// order.
+    /// Returns the faults of the world, which must be at the prepared moment, in document order. They cover every shape that is not drawn,
+    /// every light that gives no light because of an invalid value, and all other values that are not used as given.
     #[must_use]
     pub fn faults(&self, world: &World) -> Vec<Fault> {
         let mut faults = Vec::new();
@@ -77,7 +76,7 @@ impl Preparation {
     }
 }
 
-/// Returns what is wrong with a transform, with its own part in it.
+/// Refines the cause of a transform fault, given the entity's own transform.
 fn explained(cause: FaultCause, own: Option<&Transform>) -> FaultCause {
     let Some(Transform { translation, rotation, scale }) = own else { return cause };
     match cause {
@@ -96,7 +95,7 @@ fn instead(entity: Entity, cause: FaultCause, instead: Instead) -> Fault {
     Fault { entity, consequence: Consequence::Instead(instead), cause }
 }
 
-/// The first number that is not in its range, and the value used in its place.
+/// The first fault found in the values of an entity.
 struct Checked {
     entity: Entity,
     fault: Option<Fault>,
@@ -107,7 +106,7 @@ impl Checked {
         Self { entity, fault: None }
     }
 
-    /// Checks another number. Out of range, it is clamped.
+    /// Checks a number, which is clamped if it is out of range.
     fn number(&mut self, what: &'static str, value: f64, (least, most): (f64, f64), range: &'static str) {
         if !(least..=most).contains(&value) && self.fault.is_none() {
             let held = if value > most { most } else { least };
@@ -123,7 +122,7 @@ impl Checked {
         }
     }
 
-    /// Checks an optional part of an entity.
+    /// Checks an optional part of an entity, which is ignored if it is invalid.
     fn part(&mut self, what: &'static str, value: f64, is_good: bool, range: &'static str) {
         if !is_good && self.fault.is_none() {
             let cause = FaultCause::OutOfRange { what, value, range };
@@ -132,7 +131,7 @@ impl Checked {
     }
 }
 
-/// Returns what is wrong with a surface.
+/// Returns the first fault of a surface.
 pub(super) fn surface_fault(entity: Entity, surfaced: Surfaced<'_>) -> Option<Fault> {
     let (_, _, material, specular, reflective, refractive, checker) = surfaced;
     let mut checked = Checked::new(entity);
@@ -171,7 +170,7 @@ fn light_faults(world: &World, faults: &mut Vec<Fault>) {
         let prepared = transform
             .ok_or(FaultCause::Undeclared)
             .and_then(|transform| prepared_light(light, transform, None));
-        // It keeps its place among the lights, which are numbered.
+        // Such a light is still prepared, so that it keeps its index among the lights.
         let prepared = prepared.and_then(|light| match light.source {
             LightSource::Directional(DVec3::ZERO) => Err(FaultCause::NoDirection("direction")),
             _ => Ok(light),
@@ -251,7 +250,7 @@ fn camera_faults(world: &World, prepared: &Preparation, faults: &mut Vec<Fault>)
     faults.extend(checked.fault);
 }
 
-/// Returns the fault of a camera whose target's path ends before that of its position, by more than rounding.
+/// Returns a fault if the path of a camera's target ends earlier than the path of its position, by more than rounding.
 fn target_ends(world: &World, camera: Entity) -> Option<FaultCause> {
     const ROUNDING: f64 = 1e-9;
     let animated = world.get::<&Animated>(camera).ok()?;
@@ -266,7 +265,7 @@ fn target_ends(world: &World, camera: Entity) -> Option<FaultCause> {
     (position - target > ROUNDING).then_some(FaultCause::TargetEnds { target, position })
 }
 
-/// Returns what makes a screen empty or inverted, with the number that does.
+/// Returns the cause of an empty or inverted screen, with the value responsible.
 fn projection_fault(projection: Projection) -> Option<(FaultCause, f64)> {
     let wrong = |what, value: f64| (!(value > 0.0 && value.is_finite())).then_some((what, value));
     match projection {
@@ -282,7 +281,7 @@ fn projection_fault(projection: Projection) -> Option<(FaultCause, f64)> {
     }
 }
 
-/// Reports rotation tracks that turn the short way between keys written further apart.
+/// Reports rotation tracks with neighbouring keys more than half a turn apart, between which the rotation takes the shorter way.
 fn turn_faults(world: &World, faults: &mut Vec<Fault>) {
     let mut query = world.query::<(Entity, &Animated)>();
     faults.extend(query.iter().filter_map(|(entity, Animated(channels))| {
@@ -343,7 +342,7 @@ fn setting_faults(world: &World, faults: &mut Vec<Fault>) {
     }));
 }
 
-/// Returns what is wrong with the one that counts.
+/// Returns the fault of a setting, checked in the first entity in document order that has it.
 fn setting<T: Component>(world: &World, check: impl FnOnce(&mut Checked, &T)) -> Option<Fault> {
     let entity = first_entity::<T>(world)?;
     let mut checked = Checked::new(entity);

@@ -1,23 +1,23 @@
-//! The settings that decide between accuracy and time.
+//! The settings that trade accuracy for time.
 
 use super::settings::{linear_cutoff, sane_film, sane_sampling};
 use crate::components::{AreaShape, FilmSettings, Quality, Sampling};
 
-/// The settings of one frame that decide between accuracy and time, within their limits.
+/// The settings of one frame that trade accuracy for time, clamped to their limits.
 #[derive(Clone, Debug)]
 pub(crate) struct FrameSettings {
     pub(crate) film: FilmSettings,
     pub(crate) sampling: Sampling,
-    /// The most generations of rays, 1 or more.
+    /// The maximum ray depth, 1 or more.
     pub(crate) depth: u32,
     /// The cutoff in linear light, 0 or more.
     pub(crate) cutoff: f32,
-    /// The samples of every light, 1 or more.
+    /// The number of samples of each light, 1 or more.
     pub(crate) light_samples: Vec<u32>,
 }
 
-/// Values in the place of a scene's own, by which accuracy is traded for time. `None` leaves the scene's; others are clamped to their
-/// limits.
+/// Render settings that override the scene's own and trade accuracy for time. `None` keeps the scene's value; other values are clamped to
+/// their limits.
 ///
 /// ```
 /// use rayreel::components::FilmSettings;
@@ -33,26 +33,26 @@ pub(crate) struct FrameSettings {
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Knobs {
-    /// The film's columns and rows.
+    /// The number of columns and rows of the film.
     pub size: Option<(u32, u32)>,
-    /// Samples per pixel: [`Sampling::samples`].
+    /// The number of samples per pixel: [`Sampling::samples`].
     pub samples: Option<u32>,
-    /// The error that pictures are meant to have: [`Sampling::max_error`].
+    /// The target for the image error: [`Sampling::max_error`].
     pub max_error: Option<f32>,
     /// The seed of all samples: [`Sampling::seed`].
     pub seed: Option<u64>,
-    /// Instants while the shutter is open: [`Sampling::instants`].
+    /// The maximum number of instants while the shutter is open: [`Sampling::instants`].
     pub instants: Option<u32>,
-    /// Samples of every light with a size, for each of a pixel's.
+    /// The number of samples of each area light per lit point.
     pub light_samples: Option<u32>,
-    /// Generations of rays: [`Quality::depth`].
+    /// The maximum ray depth: [`Quality::depth`].
     pub depth: Option<u32>,
-    /// Steps of 8 bits below which rays are not traced: [`Quality::cutoff`].
+    /// The cutoff in 8-bit levels: [`Quality::cutoff`].
     pub cutoff: Option<f32>,
 }
 
 impl Knobs {
-    /// Returns the samples with what is turned of them.
+    /// Returns the sampling with the overrides applied.
     pub(crate) fn sampling(&self, own: Sampling) -> Sampling {
         sane_sampling(Sampling {
             samples: self.samples.unwrap_or(own.samples),
@@ -63,7 +63,7 @@ impl Knobs {
         })
     }
 
-    /// Turns settings.
+    /// Applies the overrides to the settings.
     pub(crate) fn turn(&self, settings: &mut FrameSettings) {
         settings.sampling = self.sampling(settings.sampling);
         if let Some((width, height)) = self.size {
@@ -76,7 +76,7 @@ impl Knobs {
             settings.cutoff = linear_cutoff(cutoff, settings.film.transfer);
         }
         if let Some(samples) = self.light_samples {
-            // Lights without a size are asked once, however many samples they have.
+            // Lights without an extent take one sample, regardless of this number.
             settings.light_samples.fill(samples.clamp(1, AreaShape::LARGEST_SAMPLES));
         }
     }

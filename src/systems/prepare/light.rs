@@ -8,7 +8,7 @@ use crate::components::{AreaShape, Falloff, Light, LightKind, WorldTransform};
 use crate::systems::FaultCause;
 use crate::trace::{self, Cone, LightSource, ShapeId};
 
-/// Returns a light in world space, or why there is none.
+/// Returns a light in world space, or the cause for which it gives no light.
 pub(super) fn prepared_light(
     light: &Light,
     transform: &WorldTransform,
@@ -75,7 +75,7 @@ fn out_of_size(what: &'static str, value: f64) -> FaultCause {
     FaultCause::OutOfRange { what, value, range: "0 or more, and finite" }
 }
 
-/// Returns the cone about +z, turned by the transform.
+/// Returns the cone of a spot light, about the own +z axis as rotated by the transform.
 fn prepared_cone(angle: f64, softness: f64, transform: &WorldTransform) -> Result<Cone, FaultCause> {
     let forward = transform.affine.matrix3.z_axis;
     let axis = (forward * towards_one(forward.abs().max_element())).try_normalize();
@@ -90,7 +90,7 @@ fn prepared_cone(angle: f64, softness: f64, transform: &WorldTransform) -> Resul
     Ok(Cone { axis, inner: libm::cos((1.0 - softness) * half), outer: libm::cos(half) })
 }
 
-/// Prepares a falloff: a light must not brighten without bounds.
+/// Returns a falloff that keeps the intensity bounded: its constant must be greater than 0.
 fn prepared_falloff(falloff: Falloff) -> Result<trace::Falloff, FaultCause> {
     let Falloff { constant, linear, quadratic } = falloff;
     for part in [constant, linear, quadratic] {

@@ -1,4 +1,4 @@
-//! Surfaces, and their checker patterns.
+//! Surface materials and their checker patterns.
 
 use super::settings::sane;
 use crate::components::{Checker, Material, Reflective, Refractive, Shape, Specular, WorldTransform};
@@ -53,7 +53,7 @@ fn prepared_refraction(refractive: &Refractive) -> Option<Refraction> {
     })
 }
 
-/// Prepares a checker pattern; `None` where there is none: on spheres, and where squares have no size.
+/// Returns the prepared checker pattern. `None` on spheres, and for squares without a size.
 fn prepared_squares(checker: &Checker, shape: &Shape, transform: &WorldTransform) -> Option<CheckerPattern> {
     let (map, size) = (transform.affine, checker.size);
     if size.is_nan() || size <= 0.0 {

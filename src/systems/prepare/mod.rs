@@ -37,12 +37,11 @@ pub use frame_settings::Knobs;
 pub use settings::film_settings;
 pub(crate) use settings::{quality_settings, sampling_settings};
 
-/// The kernel's arrays, and the entity of each of their slots.
+/// The kernel's arrays, and the entity in each of their slots.
 ///
-/// Entities with a [`Shape`](crate::components::Shape) and a [`Material`](crate::components::Material) are drawn. Values that
-/// cannot be drawn, such as a scale of zero halfway through an animation or a NaN from a system, leave the entity out of the
-/// picture; nothing non-finite reaches the kernel.
-/// [`faults`](Preparation::faults) reports which are left out, and why.
+/// Entities with a [`Shape`](crate::components::Shape) and a [`Material`](crate::components::Material) are drawn. Entities with values that
+/// cannot be drawn, such as a scale of zero in the middle of an animation or a NaN from a system, are omitted; nothing non-finite reaches
+/// the kernel. [`faults`](Preparation::faults) reports the omitted entities, with causes.
 #[derive(Clone, Debug)]
 pub struct Preparation {
     pub(super) scene: PreparedScene,
@@ -54,16 +53,16 @@ pub struct Preparation {
     entities: Vec<Entity>,
     lights: Vec<Entity>,
     slots: SlotTable,
-    /// Entities whose surfaces have numbers that are out of range.
+    /// Entities whose surfaces have out-of-range numbers.
     unsound: BTreeSet<Entity>,
 }
 
-/// Slots by entity. Ids are small and dense, so that a list suffices.
+/// Slots by entity. Entity ids are small and dense, so a list suffices.
 #[derive(Clone, Debug, Default)]
 struct SlotTable(Vec<Option<(Entity, ShapeId)>>);
 
 impl SlotTable {
-    /// Gives slots to these entities, in turn, and to no others.
+    /// Assigns slots to these entities, in order, and discards all other slots.
     fn fill(&mut self, entities: &[Entity]) {
         self.0.clear();
         let largest = entities.iter().map(|entity| entity.id()).max();
@@ -99,7 +98,7 @@ impl Preparation {
         preparation
     }
 
-    /// Reads the whole world, in the memory of what was there before.
+    /// Reads the whole world and reuses the memory of the previous data.
     fn read_all(&mut self, world: &mut World) {
         order_newcomers(world, &[]);
         let mut drawn = Drawn::default();
@@ -110,8 +109,8 @@ impl Preparation {
         self.read_settings(world);
     }
 
-    /// Reads what has changed, for an instant of the frame at `moment`. `moved` are the entities whose world transform changed.
-    /// Returns what is different.
+    /// Reads the changed parts of the world, for an instant of the frame at `moment`. `moved` lists the entities whose world transform
+    /// changed. Returns the changes of the kernel's data.
     pub fn update(
         &mut self,
         world: &mut World,
@@ -131,7 +130,7 @@ impl Preparation {
         let bvh = self.scene.update_tree(&shapes);
         let order = self.scene.order();
         shapes.sort_unstable_by_key(|change| order.rank(change.id));
-        // Squares go with what they are on.
+        // Checker patterns move with their surfaces.
         let is_checkered = |entity: &&Entity| world.satisfies::<&Checker>(**entity);
         let checkered: Vec<Entity> = match self.scene.surfaces().checkered {
             true => reshaped().flatten().filter(is_checkered).copied().collect(),
@@ -152,13 +151,13 @@ impl Preparation {
         SceneChanges { shapes, bvh, materials, ..self.read_settings(world) }
     }
 
-    /// Returns whether so many have moved that all threads read the whole world sooner than one puts each of these into its slot.
+    /// Returns whether so many entities moved that reading the whole world on all threads is faster than replacing their shapes one by one.
     fn moved_most(&self, moved: &[Entity]) -> bool {
         const FEWEST: usize = 65_536;
         moved.len() > FEWEST && moved.len() > self.entities.len() / 2
     }
 
-    /// Reads the whole world again: anything may be different.
+    /// Reads the whole world again, since anything may have changed.
     fn start_over(&mut self, world: &mut World) -> SceneChanges {
         self.read_all(world);
         SceneChanges::remade()
@@ -175,7 +174,7 @@ impl Preparation {
         self.scene.precision = precision;
     }
 
-    /// Sets the vector instructions with which rays are followed.
+    /// Sets the SIMD level of ray tracing.
     pub(crate) fn set_simd_level(&mut self, simd: SimdLevel) {
         self.scene.simd = simd;
     }
@@ -192,7 +191,7 @@ impl Preparation {
         self.film
     }
 
-    /// Returns the number of samples per pixel at this moment, and their choice.
+    /// Returns the number and the choice of samples per pixel at this moment.
     #[must_use]
     pub fn sampling(&self, time: Time) -> trace::Sampling {
         let sampling = trace::Sampling { samples: self.sampling.samples, seed: self.sampling.seed };
@@ -202,7 +201,8 @@ impl Preparation {
         }
     }
 
-    /// Returns how good the picture at so many instants is meant to be, if that is said. Of a single sample in each pixel nothing is known.
+    /// Returns the error target, if there is one. `is_open` is true if the frame has several instants. A single sample per pixel allows no
+    /// error estimate, and thus no target.
     pub(crate) fn error_target(&self, is_open: bool) -> Option<ErrorTarget> {
         let error = f64::from(self.sampling.max_error);
         let convergence = Convergence::of(&self.scene, &self.camera, is_open);
@@ -227,19 +227,19 @@ impl Preparation {
         self.entities[slot.index()]
     }
 
-    /// Returns the entities of the scene's lights, in their order.
+    /// Returns the entities of the scene's lights, in the order of the lights.
     #[must_use]
     pub fn lights(&self) -> &[Entity] {
         &self.lights
     }
 
-    /// Returns the effects that this moment calls for, and why.
+    /// Returns the effects that this moment needs, with reasons.
     #[must_use]
     pub fn plan(&self, world: &World) -> Plan {
         Plan::of(world, self)
     }
 
-    /// Returns the settings that decide between accuracy and time.
+    /// Returns the settings that trade accuracy for time.
     pub(crate) fn frame_settings(&self) -> FrameSettings {
         FrameSettings {
             film: self.film,
@@ -250,7 +250,7 @@ impl Preparation {
         }
     }
 
-    /// Sets them, until the next update, and returns what they were.
+    /// Replaces these settings until the next update, and returns the previous ones.
     pub(crate) fn replace_frame_settings(
         &mut self,
         settings: &FrameSettings,
@@ -275,8 +275,8 @@ impl Preparation {
         self.sampling.samples
     }
 
-    /// Puts the shapes of entities that were moved or changed into their slots, and notes those that differ. Returns `None` if slots
-    /// no longer fit and all must be read again.
+    /// Replaces the shapes of entities that were moved or changed, and adds those that differ to `changes`. Returns `None` if the slots no
+    /// longer fit, so that the whole world must be read again.
     fn replace_shapes(
         &mut self,
         world: &mut World,
@@ -290,8 +290,7 @@ impl Preparation {
         })
     }
 
-    /// Reads the camera, lights and the settings of the whole scene, which are few, for every frame. Returns what of them is
-    /// different.
+    /// Reads the camera, the lights and the settings of the whole scene. They are few and are read for every frame. Returns their changes.
     fn read_settings(&mut self, world: &mut World) -> SceneChanges {
         let mut lights: Vec<(Order, Entity, trace::Light)> = world
             .query_mut::<(Entity, &Order, &Light, &WorldTransform)>()
@@ -329,7 +328,7 @@ impl Preparation {
     }
 }
 
-/// Writes a value, and returns whether it is different from before.
+/// Writes a value, and returns whether it differs from the previous one.
 fn set<T: PartialEq>(field: &mut T, value: T) -> bool {
     let differs = *field != value;
     *field = value;

@@ -1,4 +1,4 @@
-//! Many entities are read at once, by as many threads as there are.
+//! Reads many entities in parallel.
 
 use hecs::{Entity, View, World};
 use rayon::prelude::*;
@@ -9,28 +9,28 @@ use super::shape::prepared_shape;
 use crate::components::{Material, Order, Shape, WorldTransform};
 use crate::trace::{Geometry, MaterialTable, PreparedShape, SurfaceMaterial};
 
-/// How many entities a thread reads at a time.
+/// The number of entities that a thread reads at a time.
 const BATCH: usize = 4096;
 
-/// How many batches are read before what they gave is put together, so that it is still in a cache by then.
+/// The number of batches that are read before their results are merged, small enough for the results to stay in cache.
 const BATCHES: usize = 32;
 
-/// What some entities become in the kernel's arrays. It is empty but for its memory when they are put together.
+/// The kernel data of some entities. Merging empties it and keeps its memory.
 #[derive(Debug, Default)]
 struct Batch {
     geometry: Geometry,
-    /// Materials, and how many shapes in a row have each.
+    /// Materials, each with the number of consecutive shapes that have it.
     materials: Vec<(SurfaceMaterial, u32)>,
     drawn: Vec<Entity>,
     unsound: Vec<Entity>,
 }
 
-/// Entities that are drawn.
+/// The entities that are drawn.
 #[derive(Debug, Default)]
 pub(super) struct Drawn {
-    /// All of them, in document order.
+    /// All drawn entities, in document order.
     pub(super) entities: Vec<Entity>,
-    /// Those whose surfaces have numbers that are out of range.
+    /// Drawn entities whose surfaces have out-of-range numbers.
     pub(super) unsound: Vec<Entity>,
 }
 
@@ -44,7 +44,7 @@ pub(super) fn read_all(world: &mut World, geometry: &mut Geometry, materials: &m
     ordered.sort_unstable_by_key(|(order, entity)| (*order, entity.id()));
     let view = world.view_mut::<Surfaced<'_>>();
     let mut all = Drawn::default();
-    // While some are read, those before are put together.
+    // Reading one group of batches overlaps with merging the group before it.
     let (mut before, mut batches) = (Vec::new(), Vec::new());
     for entities in ordered.chunks(BATCH * BATCHES).chain([&ordered[..0]]) {
         let read = || {
@@ -59,7 +59,7 @@ pub(super) fn read_all(world: &mut World, geometry: &mut Geometry, materials: &m
 }
 
 impl Drawn {
-    /// Adds what a batch gave, and empties it.
+    /// Merges the data of a batch and empties the batch.
     fn append(&mut self, batch: &mut Batch, geometry: &mut Geometry, materials: &mut MaterialTable) {
         geometry.append(&mut batch.geometry);
         for (material, shapes) in batch.materials.drain(..) {
@@ -89,8 +89,8 @@ impl Batch {
     }
 }
 
-/// Reads the shapes of some of these entities, those that are drawn as far as their components go, and passes them on batch by
-/// batch: with `None` where it cannot be drawn as it is. Stops, and returns `None`, when `put` does.
+/// Reads the shapes of those entities that have all components of a drawn entity, and passes each to `put`, with `None` if it cannot be
+/// drawn. Stops and returns `None` if `put` does.
 pub(super) fn read_shapes(
     world: &mut World,
     entities: &[Entity],

@@ -6,7 +6,7 @@ use crate::color::{Rgb, Transfer};
 use crate::components::{Background, FilmSettings, Fog, Order, Quality, Sampling};
 use crate::trace;
 
-/// Returns the first in document order of a component that a world has at most one of, or its default.
+/// Returns the component of the first entity in document order that has it, or its default.
 pub(super) fn first<T: hecs::Component + Default + Clone>(world: &World) -> T {
     let found = first_entity::<T>(world).and_then(|entity| world.get::<&T>(entity).ok());
     found.map(|component| T::clone(&component)).unwrap_or_default()
@@ -20,13 +20,13 @@ pub(super) fn first_entity<T: hecs::Component>(world: &World) -> Option<Entity> 
     first.map(|(entity, _)| entity)
 }
 
-/// Returns the film's settings, clamped to their limits.
+/// Returns the film settings, clamped to their limits.
 #[must_use]
 pub fn film_settings(world: &World) -> FilmSettings {
     sane_film(first(world))
 }
 
-/// Clamps a film's settings to their limits.
+/// Clamps film settings to their limits.
 pub(super) fn sane_film(film: FilmSettings) -> FilmSettings {
     let side = |side: u32| side.clamp(1, FilmSettings::LARGEST_SIDE);
     let width = side(film.width);
@@ -35,7 +35,7 @@ pub(super) fn sane_film(film: FilmSettings) -> FilmSettings {
     FilmSettings { width, height, ..film }
 }
 
-/// Returns the number of samples and their choice, clamped to their limits.
+/// Returns the number and the choice of samples, clamped to their limits.
 #[must_use]
 pub(crate) fn sampling_settings(world: &World) -> Sampling {
     sane_sampling(first(world))
@@ -60,7 +60,7 @@ pub(super) fn sane_sampling(sampling: Sampling) -> Sampling {
     Sampling { samples, min_samples, instants, max_error, ..sampling }
 }
 
-/// Converts steps of 8 bits to linear light. Where output is encoded as sRGB, steps are finest near black.
+/// Converts 8-bit levels to linear light. With sRGB output, the width of a level near black, the smallest, is used.
 pub(super) fn linear_cutoff(codes: f32, transfer: Transfer) -> f32 {
     let steepest = match transfer {
         Transfer::Classic => 1.0,
@@ -83,7 +83,7 @@ pub(super) fn prepared_fog(fog: Fog) -> trace::Fog {
     trace::Fog { color: sane(fog.color), density }
 }
 
-/// Makes a colour finite and non-negative.
+/// Clamps a colour to finite, non-negative values.
 pub(super) fn sane(color: Rgb) -> Rgb {
     Rgb::from_array(color.to_array().map(|channel| if channel > 0.0 { channel.min(f32::MAX) } else { 0.0 }))
 }

@@ -11,11 +11,11 @@ use crate::trace::PreparedShape;
 use crate::trace::math::{Double, Double3};
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 
-/// The largest magnitude of world coordinates, and of the inverse of sizes.
+/// The largest magnitude of world coordinates and of inverse sizes.
 const LARGEST: f64 = 1e150;
 
-/// Returns a shape in world space, or why there is none: where it has no extent or is far out of range, squares of its
-/// coordinates would no longer be numbers.
+/// Returns a shape in world space, or the cause for which it cannot be drawn. Shapes without extent or far out of range are rejected, since
+/// the squares of their coordinates would overflow or underflow.
 pub(super) fn prepared_shape(shape: &Shape, transform: &WorldTransform) -> Result<PreparedShape, FaultCause> {
     let map = Map::new(transform)?;
     match *shape {
@@ -25,15 +25,15 @@ pub(super) fn prepared_shape(shape: &Shape, transform: &WorldTransform) -> Resul
     }
 }
 
-/// Returns whether squares of a size and of its inverse are numbers.
+/// Returns whether the squares of a size and of its inverse neither overflow nor underflow.
 fn measurable(size: f64) -> bool {
     (1.0 / LARGEST..LARGEST).contains(&size)
 }
 
-/// A transform that maps shapes: it is finite, in range and not flat.
+/// A transform that can map shapes: finite, in range and not flat.
 struct Map<'a> {
     transform: &'a WorldTransform,
-    /// The largest magnitude of its matrix' entries.
+    /// The largest magnitude of the matrix entries.
     largest: f64,
 }
 
@@ -59,19 +59,19 @@ impl<'a> Map<'a> {
         Ok(map)
     }
 
-    /// Returns the matrix with entries near 1, for which a determinant is not in danger.
+    /// Returns the matrix scaled to entries near 1, for which a determinant neither overflows nor underflows.
     fn unit(&self) -> DMat3 {
         self.transform.affine.matrix3 * towards_one(self.largest)
     }
 
-    /// Returns the map if its inverse is in range too.
+    /// Returns the map if the entries of its inverse are in range too.
     fn invertible(&self) -> Result<DAffine3, FaultCause> {
         let back = self.unit().inverse() * towards_one(self.largest);
         let good = back.to_cols_array().into_iter().all(|part| part.abs() < LARGEST);
         if good { Ok(self.transform.affine) } else { Err(FaultCause::Flat) }
     }
 
-    /// Checks a size of a shape, which has this name.
+    /// Checks a size of a shape. `what` is the name of the size.
     fn check_size(&self, what: &'static str, size: f64) -> Result<(), FaultCause> {
         match size {
             _ if size.is_nan() || size <= 0.0 => Err(FaultCause::NotPositive(what, size)),
@@ -126,8 +126,8 @@ impl<'a> Map<'a> {
     }
 }
 
-/// Returns the image of a plane's normal, of any length, rounded once: normals are transformed by the inverse transpose, whose
-/// columns are the cross products of the map's. `towards_one` is a power of two that brings the map's entries near 1.
+/// Returns the image of a plane's normal, of any length, rounded once. Normals are transformed by the inverse transpose, whose columns are
+/// the cross products of the map's columns. `towards_one` is a power of two that brings the map's entries near 1.
 fn normal_image(map: &ExactAffine, towards_one: f64, normal: DVec3) -> DVec3 {
     let [a, b, c] = map.columns.map(|column| column.times_power(towards_one));
     let normal = normal * self::towards_one(normal.abs().max_element());
@@ -139,7 +139,7 @@ fn normal_image(map: &ExactAffine, towards_one: f64, normal: DVec3) -> DVec3 {
     image.rounded() * determinant.signum()
 }
 
-/// Returns half the edge lengths along the world's axes, for a map that only exchanges, mirrors and stretches axes.
+/// Returns half the edge lengths along the world's axes for a map that only permutes, mirrors and stretches axes, `None` for other maps.
 fn aligned_half(map: &ExactAffine, half: Double3) -> Option<Double3> {
     let mut aligned = [Double::ZERO; 3];
     for (column, half) in map.columns.into_iter().zip(half.to_array()) {
