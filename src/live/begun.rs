@@ -1,4 +1,4 @@
-//! Pictures in the making: the requested one, and a full one made beside others.
+//! Pictures being rendered: the requested one, and a full one in the background.
 
 use std::time::Duration;
 
@@ -6,15 +6,15 @@ use super::mailbox::Detail;
 use super::visits::Visits;
 use crate::trace::Exposure;
 
-/// The requested picture in the making.
+/// The requested picture while it is being rendered.
 pub(super) struct Begun {
     pub(super) frame: u32,
     pub(super) detail: Detail,
     pub(super) exposure: Option<Exposure>,
     pub(super) traced: Duration,
-    /// Whether any of it has been shown.
+    /// True if any part of the picture has been shown.
     pub(super) is_shown: bool,
-    /// The times at which it is looked at; commands that come in between do not postpone them.
+    /// Schedule of the visits to the picture. Interrupting commands do not postpone them.
     pub(super) visits: Visits,
 }
 
@@ -24,7 +24,7 @@ impl Begun {
     }
 }
 
-/// A full picture that is made while others are on show.
+/// A full picture that is rendered while other pictures are shown.
 pub(super) struct Aside {
     pub(super) frame: u32,
     pub(super) exposure: Option<Exposure>,

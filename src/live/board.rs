@@ -1,4 +1,4 @@
-//! A session's state and pictures, put up for all threads to see.
+//! The published state and pictures of a session, readable from all threads.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -7,15 +7,15 @@ use tokio::sync::watch;
 
 use super::state::{PictureInfo, State};
 
-/// The number of further pictures after which a picture is dropped.
+/// Number of latest pictures that are kept.
 const KEPT: usize = 8;
 
-/// A picture.
+/// A published picture.
 #[derive(Clone, Debug)]
 pub struct Picture {
-    /// The description of the picture.
+    /// Description of the picture.
     pub info: PictureInfo,
-    /// The picture as a PNG file.
+    /// The picture encoded as a PNG file.
     pub png: Arc<[u8]>,
 }
 
@@ -41,7 +41,7 @@ impl Board {
         self.state.borrow().clone()
     }
 
-    /// Returns a receiver of the states that are put up from now on.
+    /// Returns a receiver of subsequent states.
     pub(super) fn subscribe(&self) -> watch::Receiver<State> {
         self.state.subscribe()
     }
@@ -50,7 +50,7 @@ impl Board {
         self.state.send_modify(change);
     }
 
-    /// Changes the state without waking subscribers; they see it with the next change.
+    /// Changes the state without notifying subscribers. They receive the change together with the next one.
     pub(super) fn change_silently(&self, change: impl FnOnce(&mut State)) {
         self.state.send_if_modified(|state| {
             change(state);
@@ -58,13 +58,13 @@ impl Board {
         });
     }
 
-    /// Returns a picture that is still kept.
+    /// Returns a picture if it is still kept.
     pub(super) fn picture(&self, id: u64) -> Option<Picture> {
         let pictures = self.pictures.lock().unwrap_or_else(PoisonError::into_inner);
         pictures.latest.iter().chain(&pictures.before).find(|picture| picture.info.id == id).cloned()
     }
 
-    /// Puts up a picture; the caller changes [`State::picture`].
+    /// Publishes a picture. The caller updates [`State::picture`].
     pub(super) fn hang(&self, picture: Picture) {
         let mut pictures = self.pictures.lock().unwrap_or_else(PoisonError::into_inner);
         pictures.latest.push_back(picture);
@@ -73,7 +73,7 @@ impl Board {
         }
     }
 
-    /// Keeps the latest picture of the scene as it is for later comparison, one that is not coarse if there is one.
+    /// Keeps the latest picture of the current scene for later comparison. Pictures that are not coarse take precedence.
     pub(super) fn keep_for_comparison(&self) -> Option<PictureInfo> {
         let mut pictures = self.pictures.lock().unwrap_or_else(PoisonError::into_inner);
         let reloads = pictures.latest.back().map(|latest| latest.info.reloads);

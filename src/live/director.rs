@@ -1,4 +1,4 @@
-//! The session's thread: reads the files and decides what is made next.
+//! The session's thread, which reads the files and decides what to render next.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -16,43 +16,42 @@ use super::watcher::Watcher;
 use crate::engine::EngineError;
 use crate::scene::{LoadError, Reader};
 
-/// Mistakes in files are reported once the files have been at rest for this long, as a slow writer leaves them incomplete for a
-/// while.
+/// Time for which files must be unchanged before mistakes in them are reported. Slow writers leave files incomplete for a while.
 const RESTED: Duration = Duration::from_millis(100);
-/// Mistakes in files that never rest are reported after this long.
+/// Time after which mistakes are reported even if the files keep changing.
 const DOUBT: Duration = Duration::from_secs(1);
-/// The share of the time between frames that the only, coarse picture of a frame should take while frames follow each other.
+/// Fraction of the frame interval that a coarse picture should take during playback, when it is the only picture of its frame.
 const COARSE_IN_A_ROW: f64 = 0.5;
-/// The expected time, in milliseconds, above which a picture is preceded by a coarse one.
+/// Expected render time, in milliseconds, above which a coarse picture comes first.
 const SOON: f64 = 40.0;
-/// A row of pictures is over if the next one is not requested within this time,
+/// Minimum time without a frame request after which playback counts as over.
 const REST: Duration = Duration::from_millis(500);
-/// or within this many intervals between frames, if that is longer.
+/// The same time in frame intervals. The longer one applies.
 const MISSED: f64 = 3.0;
 
-/// The next thing to make.
+/// The next task of the thread.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Next {
     Nothing,
     /// A coarse picture.
     Step(LadderStep, StepRole),
     Picture(Detail),
-    /// Nothing until then, as the next of many pictures in a row may be requested; a better one if it is not.
+    /// Nothing until the given time, since the next frame of playback may be requested. After that time, a better picture.
     Rest(Instant),
-    /// Measuring the cost of the effect with this index.
+    /// A measurement of the cost of the effect with this index.
     Cost(usize),
-    /// Measuring what samples are worth, at the place of the curve with this index.
+    /// A measurement of the error at the curve point with this index.
     Curve(usize),
 }
 
-/// The role of a coarse picture among those of its frame.
+/// The role of a coarse picture among the pictures of its frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum StepRole {
-    /// The first, which cannot wait.
+    /// The first picture, which cannot wait.
     First,
-    /// One of those between the first and the requested picture.
+    /// A picture between the first and the requested one.
     Between,
-    /// The only one of its frame, while frames follow each other.
+    /// The only picture of its frame during playback.
     InARow,
 }
 
@@ -64,20 +63,20 @@ pub(super) struct Director {
     reader: Reader,
     pub(super) stage: Option<Stage>,
     pub(super) easel: Easel,
-    /// The frame requested last, though the scene may be shorter now.
+    /// Index of the frame requested last. The current scene may be shorter.
     wanted_frame: u32,
     pub(super) detail: Detail,
     pub(super) next: Next,
-    /// Whether the frame requested last was one of many in a row.
+    /// True if the frame requested last is part of playback.
     pub(super) is_playing: bool,
-    /// The number of reloads after which the last full picture was made.
+    /// Number of reloads at the time of the last full picture.
     pub(super) full_of: u64,
     pub(super) timings: Timings,
-    /// The last coarse picture of the frame on show, and its milliseconds.
+    /// The last coarse picture of the displayed frame, and its time in milliseconds.
     pub(super) last_step: Option<(LadderStep, f64)>,
-    /// The requested picture, as far as it has come.
+    /// The requested picture, with the samples traced so far.
     pub(super) begun: Option<Begun>,
-    /// The full picture that is owed to an edit while others are on show.
+    /// The full picture that is due after an edit and is rendered while other pictures are shown.
     pub(super) aside: Option<Aside>,
 }
 
@@ -124,7 +123,7 @@ impl Director {
         }
     }
 
-    /// Returns how long to wait for commands: not at all while there is something to do.
+    /// Returns the time to wait for commands, which is zero while there is work.
     fn patience(&self) -> Patience {
         match self.next {
             Next::Nothing => Patience::Endless,
@@ -133,7 +132,7 @@ impl Director {
         }
     }
 
-    /// Reads the files. Mistakes in them leave the last good scene in place.
+    /// Reads the files. If they contain mistakes, the last good scene stays in place.
     fn reload(&mut self) {
         self.watcher.look();
         match self.read() {
@@ -146,7 +145,7 @@ impl Director {
             Err(Unread { error, is_passing }) => {
                 let mistakes = Mistakes::of_scene(&error);
                 let is_known = self.handle.board.state().mistakes.as_ref() == Some(&mistakes);
-                // When they become readable again, nothing else may tell.
+                // No event is guaranteed when they become readable again.
                 if is_passing {
                     self.watcher.doubt();
                 }
@@ -158,8 +157,8 @@ impl Director {
         }
     }
 
-    /// Reads the files; returns their scene and the milliseconds it took. Files with mistakes are read again until they are at
-    /// rest, as they may be empty or cut short for a moment while they are being written.
+    /// Reads the files. Returns their scene and the time taken in milliseconds. Files with mistakes are read again until they stop
+    /// changing, since they may be empty or truncated while they are being written.
     fn read(&mut self) -> Result<(LoadedScene, f64), Unread> {
         let first = Instant::now();
         loop {
@@ -183,14 +182,14 @@ impl Director {
         }
     }
 
-    /// Puts up the state of a scene that was read, and goes on with its first picture.
+    /// Publishes the state of a newly read scene and schedules its first picture.
     fn welcome(&mut self, times: Times) {
         let Some(stage) = &self.stage else { return };
         let (timeline, film) = (stage.timeline(), stage.film_settings());
         let before = self.handle.board.keep_for_comparison();
         let frames = timeline.frame_count();
         let frame = self.wanted_frame.min(frames - 1);
-        // Pages are told together with the first picture, so that they do not keep the machine busy before.
+        // Pages are notified together with the first picture, so that they do not keep the machine busy before it.
         self.handle.board.change_silently(|state| {
             *state = State {
                 reloads: state.reloads + 1,
@@ -243,7 +242,7 @@ impl Director {
         };
     }
 
-    /// Returns what there is time to make for the requested frame.
+    /// Returns the best task for the requested frame that fits into the available time.
     fn next_while(&self, playing: bool) -> Next {
         let time = if playing { self.interval() } else { SOON };
         let target = self.stage.as_ref().map(|stage| stage.target(self.detail));
@@ -264,12 +263,12 @@ impl Director {
         Next::Step(self.timings.first(film, milliseconds, finest), role)
     }
 
-    /// Returns the milliseconds between frames.
+    /// Returns the frame interval in milliseconds.
     fn interval(&self) -> f64 {
         1e3 / self.handle.board.state().rate
     }
 
-    /// Returns when a row of pictures is over unless another one is requested.
+    /// Returns the time at which playback counts as over unless another frame is requested.
     pub(super) fn end_of_row(&self) -> Instant {
         let missed = Duration::try_from_secs_f64(1e-3 * MISSED * self.interval()).unwrap_or(REST);
         Instant::now() + missed.max(REST)
@@ -296,10 +295,10 @@ impl Director {
     }
 }
 
-/// The reason why there is no new scene.
+/// The reason there is no new scene.
 struct Unread {
     error: LoadError,
-    /// Whether a file exists but could not be read; it may become readable without being changed.
+    /// True if a file exists but could not be read. It may become readable without being changed.
     is_passing: bool,
 }
 

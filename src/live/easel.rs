@@ -1,4 +1,4 @@
-//! Encodes pictures, puts them up and reports them.
+//! Encoding, publishing and reporting of pictures.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -10,10 +10,10 @@ use crate::color::Transfer;
 use crate::output;
 use crate::trace::Film;
 
-/// Encodes a film as a file, or returns the reason why it cannot.
+/// A function that encodes a film as a file, or returns the reason for its failure.
 type Encode = fn(&Film, Transfer) -> Result<Vec<u8>, String>;
 
-/// Puts up pictures, and reports them.
+/// The encoder and publisher of pictures, which also reports them.
 pub(super) struct Easel {
     board: Arc<Board>,
     tell: Box<dyn FnMut(Event) + Send>,
@@ -27,25 +27,25 @@ pub(super) struct Made {
     pub(super) film: Film,
     pub(super) transfer: Transfer,
     pub(super) kind: PictureKind,
-    /// The times it took, apart from encoding.
+    /// Times of the phases, except encoding.
     pub(super) times: Times,
     pub(super) rays: u64,
-    /// The plan of its frame, if known.
+    /// Effects of its frame, if known.
     pub(super) plan: Option<Vec<Planned>>,
-    /// The faults of the scene, one line each.
+    /// Faults of the scene, one line each.
     pub(super) warnings: Vec<String>,
-    /// Whether a better picture follows.
+    /// True if a better picture follows.
     pub(super) rendering: bool,
 }
 
 /// The kind of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum PictureKind {
-    /// Coarse or unfinished, with the share of the better picture that exists, 0 to 1.
+    /// A coarse or unfinished picture, with the fraction of the better picture that is finished, 0 to 1.
     Coarse(f64),
-    /// A draft that was requested as such.
+    /// A requested draft.
     Draft,
-    /// The same as rendered to a file.
+    /// A picture identical to one rendered to a file.
     Full,
 }
 
@@ -60,14 +60,14 @@ impl Easel {
         (self.tell)(event);
     }
 
-    /// Returns the latest picture if it is of the frame on show and of the scene as it is.
+    /// Returns the latest picture if it shows the current frame of the current scene.
     pub(super) fn latest(&self) -> Option<(PictureInfo, &Arc<Film>)> {
         let state = self.board.state();
         let (info, film) = self.latest.as_ref()?;
         (info.frame == state.frame && info.reloads == state.reloads).then_some((*info, film))
     }
 
-    /// Encodes and puts up a picture. Returns `false`, and reports a mistake of the frame, if it cannot be shown.
+    /// Encodes and publishes a picture. If encoding fails, reports a mistake of the frame and returns `false`.
     pub(super) fn put_up(&mut self, state: &State, made: Made) -> bool {
         let start = Instant::now();
         let png = match (self.encode)(&made.film, made.transfer) {
@@ -107,7 +107,7 @@ impl Easel {
         true
     }
 
-    /// Reports a picture that is not to be shown now.
+    /// Reports a picture without publishing it.
     pub(super) fn hand_over(&mut self, state: &State, made: Made) {
         let Made { film, transfer, kind, times, rays, warnings, .. } = made;
         let info = self.info(state, &film, kind);
@@ -161,7 +161,7 @@ mod tests {
             let told = board.state();
             assert!(!told.rendering && told.frame_mistakes.unwrap().text.contains("no room"));
             assert!(matches!(events.try_recv(), Ok(Event::NotShown(_))));
-            // The next one may be shown again.
+            // The next picture can be shown again.
             easel.encode = |_, _| Ok(Vec::new());
             assert!(easel.put_up(&state, made(kind)));
             assert_eq!(board.state().frame_mistakes, None);

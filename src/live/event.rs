@@ -1,4 +1,4 @@
-//! What happens while a scene is watched.
+//! Events of a session.
 
 use std::sync::Arc;
 
@@ -8,34 +8,34 @@ use crate::engine::EngineError;
 use crate::scene::LoadError;
 use crate::trace::Film;
 
-/// An event of a session, for whoever wants to report it.
+/// An event of a session, passed to the callback of [`Session::start`](super::Session::start).
 #[derive(Debug)]
 pub enum Event {
     /// The scene was read.
     Reloaded(Times),
-    /// The files are wrong; the last good scene stays.
+    /// The files contain mistakes. The last good scene stays.
     Broken(LoadError),
-    /// The frame cannot be made.
+    /// The frame cannot be rendered.
     Failed(EngineError),
-    /// A picture was made, but cannot be shown.
+    /// A picture was rendered but cannot be shown.
     NotShown(Mistakes),
-    /// A picture was made.
+    /// A picture was rendered.
     Shown(Shown),
 }
 
-/// A picture that was made.
+/// A rendered picture.
 #[derive(Debug)]
 pub struct Shown {
-    /// The description of the picture.
+    /// Description of the picture.
     pub info: PictureInfo,
-    /// Its pixels.
+    /// Pixels of the picture.
     pub film: Arc<Film>,
-    /// The conversion of its colours to bytes.
+    /// Transfer function that encodes the colours as bytes.
     pub transfer: Transfer,
-    /// The times it took.
+    /// Times of the phases.
     pub times: Times,
-    /// The number of rays traced.
+    /// Number of rays traced.
     pub rays: u64,
-    /// The faults of the scene, one line each; looked for in full pictures alone.
+    /// Faults of the scene, one line each. Only full pictures are checked for them.
     pub warnings: Vec<String>,
 }

@@ -1,4 +1,4 @@
-//! The known contents of a scene's files, as far as needed to detect a change.
+//! Known contents of a scene's files, for change detection.
 
 use std::collections::BTreeMap;
 use std::fs::{self, Metadata};
@@ -8,39 +8,39 @@ use std::time::{Duration, SystemTime};
 
 use crate::scene::input::{self, LARGEST_FILE, Offered};
 
-/// The clock that stamps files may lag behind the system clock by this much.
+/// Maximum lag of file timestamps behind the system clock.
 const CLOCK_TICK: Duration = Duration::from_millis(10);
-/// The coarsest resolution of modification times on common file systems.
+/// Coarsest resolution of modification times on common file systems.
 const STAMP_TICK: Duration = Duration::from_secs(2);
 
-/// The longest chain of symbolic links that is followed.
+/// Maximum length of a chain of symbolic links that is followed.
 const LONGEST_CHAIN: usize = 40;
 
-/// Files with their contents at the last look.
+/// Files and their contents at the last check.
 #[derive(Debug, Default)]
 pub(super) struct WatchedFiles(BTreeMap<PathBuf, KnownFile>);
 
-/// A file at the last look.
+/// A file at the last check.
 #[derive(Clone, Copy, Debug)]
 struct KnownFile {
     stamp: Option<Stamp>,
     content: KnownContent,
-    /// Whether it may have been written again since with the same stamp.
+    /// True if the file may have been written since then with the same stamp.
     fresh: bool,
 }
 
 /// The content of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum KnownContent {
-    /// Not known to be what the reader of the file got: the next look finds it changed.
+    /// Not known to match what the reader of the file got. The next check reports a change.
     Unknown,
-    /// None: it cannot be read, is no regular file, or is too large.
+    /// No content: the file is unreadable, too large, or not a regular file.
     Nothing,
-    /// A hash of its bytes.
+    /// Hash of the file's bytes.
     Bytes(u64),
 }
 
-/// The metadata of a file, which tell of most changes without reading it.
+/// The metadata of a file, which reveals most changes without reading the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Stamp {
     modified: Option<SystemTime>,
@@ -49,9 +49,9 @@ pub(super) struct Stamp {
 }
 
 impl WatchedFiles {
-    /// Keeps to `paths` from now on. All of them were read since `since`, and those already known after the last
-    /// [`look`](Self::look). Files written in the meantime are found changed at the next look, as their readers may have read
-    /// anything.
+    /// Replaces the files by `paths`. All of them have been read since `since`, and those already known have been read after the last
+    /// [`look`](Self::look). Files written in the meantime count as changed at the next check, since it is unknown what their readers
+    /// got.
     pub(super) fn follow(&mut self, paths: &[PathBuf], since: SystemTime) {
         let before = std::mem::take(&mut self.0);
         for path in paths {
@@ -69,7 +69,7 @@ impl WatchedFiles {
         }
     }
 
-    /// Forgets the contents: the next look finds all files changed.
+    /// Discards the known contents. The next check reports all files as changed.
     pub(super) fn forget(&mut self) {
         for seen in self.0.values_mut() {
             seen.content = KnownContent::Unknown;
@@ -81,7 +81,7 @@ impl WatchedFiles {
         self.0.keys().map(|path| Stamp::now(path)).collect()
     }
 
-    /// Returns whether any stamp has changed, without reading a file.
+    /// Returns whether any stamp has changed or any content is unknown. Reads no files.
     pub(super) fn are_touched(&self) -> bool {
         let touched = |(path, seen): (&PathBuf, &KnownFile)| {
             seen.content == KnownContent::Unknown || seen.stamp != Stamp::now(path)
@@ -89,8 +89,8 @@ impl WatchedFiles {
         self.0.iter().any(touched)
     }
 
-    /// Returns whether any content has changed under an unchanged stamp. Reads only files written so recently that their stamps
-    /// may not tell. A file that is being written has another stamp, and is left alone.
+    /// Returns whether any content has changed under an unchanged stamp. Reads only files written so recently that their stamps may hide
+    /// a change. Skips files whose stamps have changed, since they may still be being written.
     pub(super) fn differ_unstamped(&mut self) -> bool {
         let mut differ = false;
         for (path, seen) in self.0.iter_mut().filter(|(_, seen)| seen.fresh) {
@@ -104,7 +104,7 @@ impl WatchedFiles {
         differ
     }
 
-    /// Reads all files again; returns whether any content has changed.
+    /// Reads all files again. Returns whether any content has changed.
     pub(super) fn look(&mut self) -> bool {
         let mut differ = false;
         for (path, seen) in &mut self.0 {
@@ -115,20 +115,19 @@ impl WatchedFiles {
         differ
     }
 
-    /// Returns the directories in which something must change for one of the files to change: their own, and those of the files
-    /// that links lead to.
+    /// Returns the directories to watch for changes: the parents of the files, and the parents of all link targets.
     pub(super) fn directories(&self) -> impl Iterator<Item = PathBuf> {
         self.links().filter_map(|link| link.parent().map(Path::to_owned))
     }
 
-    /// Returns every file, and every link on the way to one.
+    /// Returns the paths of all files, including each link on the way to its target.
     pub(super) fn links(&self) -> impl Iterator<Item = PathBuf> {
         self.0.keys().flat_map(|path| chain(path))
     }
 }
 
 impl KnownFile {
-    /// Looks at a file. The stamp is taken first, so that a file written in between looks touched.
+    /// Reads the current state of a file. The stamp is taken first, so that a write in between is detected as a change of the stamp.
     fn now(path: &Path) -> Self {
         let stamp = Stamp::now(path);
         let fresh = stamp.is_some_and(|stamp| {
@@ -163,7 +162,7 @@ impl Stamp {
     }
 }
 
-/// Returns what tells a file apart from another one put in its place, whatever their times and lengths.
+/// Returns values that distinguish a file from a replacement with the same times and length.
 #[cfg(unix)]
 fn identity(metadata: &Metadata) -> (u64, u64, i64, i64) {
     use std::os::unix::fs::MetadataExt;
@@ -181,7 +180,7 @@ fn hash(bytes: &[u8]) -> u64 {
     hasher.finish()
 }
 
-/// Returns the absolute path of a file and, where it is a link, of each file on the way to its target.
+/// Returns the absolute path of a file and, if it is a link, the path of each file on the way to its target.
 fn chain(path: &Path) -> Vec<PathBuf> {
     let mut chain: Vec<PathBuf> = std::path::absolute(path).into_iter().collect();
     while chain.len() < LONGEST_CHAIN
@@ -206,7 +205,7 @@ mod tests {
         let path = folder.path().join("ball.ron");
         fs::write(&path, "first").unwrap();
         for (fresh, expected) in [(false, false), (true, true)] {
-            // As if it had held something else a moment ago, and its stamp had been the same.
+            // Simulates a file whose content has just changed under the same stamp.
             let seen = KnownFile { content: KnownContent::Bytes(0), fresh, ..KnownFile::now(&path) };
             let mut files = WatchedFiles(BTreeMap::from([(path.clone(), seen)]));
             assert!(!files.are_touched());
@@ -221,7 +220,7 @@ mod tests {
             stamp: Some(Stamp { modified: Some(long_ago), ..Stamp::now(&path).unwrap() }),
             ..KnownFile::now(&path)
         };
-        // What is being written is left to whoever waits until it is.
+        // Files that are being written are skipped.
         assert!(!WatchedFiles(BTreeMap::from([(path, seen)])).differ_unstamped());
     }
 }

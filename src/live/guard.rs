@@ -1,23 +1,23 @@
-//! Admits requests from pages that the server itself served, and from programs on the same machine.
+//! Request filter that admits pages served by this server, and programs on the same machine.
 //!
-//! A page from elsewhere can make a browser send requests here. It cannot hide where it comes from (`Origin`,
-//! `Sec-Fetch-Site`), nor, if it pretends to be here by name, what it is called (`Host`).
+//! A page of another origin can make a browser send requests to this server. It can hide neither its origin (`Origin`, `Sec-Fetch-Site`)
+//! nor, if its name resolves to this machine, that name (`Host`).
 
 use std::str::FromStr;
 
 use axum::http::header::{HOST, HeaderMap, ORIGIN};
 
-/// A name under which the server may be addressed besides its own: where a port of another machine, or another port of this one,
-/// is forwarded to it.
+/// An additional name under which the server may be addressed, for a port of another machine, or another port of this one, that is
+/// forwarded to it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HostName {
     /// The name in lower case.
     name: String,
-    /// The port; any if `None`.
+    /// The port; `None` for any port.
     port: Option<u16>,
 }
 
-/// The reason why a text is no host name.
+/// The error for a string that is not a host name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "write a name as a browser's address line has it, with or without a port, as in `localhost:9000` or `workstation`"
@@ -42,7 +42,7 @@ impl FromStr for HostName {
     }
 }
 
-/// Splits a host into name and port.
+/// Splits a host into name and port. Returns `None` if the port is invalid.
 fn split(host: &str) -> Option<(&str, Option<u16>)> {
     match host.rsplit_once(':') {
         Some((name, port)) if !port.ends_with(']') => Some((name, Some(port.parse().ok()?))),
@@ -50,7 +50,7 @@ fn split(host: &str) -> Option<(&str, Option<u16>)> {
     }
 }
 
-/// Refuses requests of other origins.
+/// The filter that rejects requests of other origins.
 #[derive(Clone, Debug)]
 pub(super) struct Guard(Vec<HostName>);
 
@@ -68,7 +68,7 @@ impl Guard {
         let values = |name| headers.get_all(name).iter().map(|value| value.to_str().unwrap_or_default());
         let mut hosts = values(HOST.as_str());
         let (Some(host), None) = (hosts.next(), hosts.next()) else { return false };
-        // A page asks under the name that it was served under.
+        // A page sends its requests to the host that served it.
         let origin = values(ORIGIN.as_str()).all(|origin| {
             origin.strip_prefix("http://").is_some_and(|origin| origin.eq_ignore_ascii_case(host))
         });
@@ -78,7 +78,7 @@ impl Guard {
 
     fn knows(&self, host: &str) -> bool {
         let Some((name, port)) = split(host) else { return false };
-        // Browsers leave the default port out.
+        // Browsers omit the default port.
         let port = port.unwrap_or(80);
         self.0.iter().any(|own| own.name.eq_ignore_ascii_case(name) && own.port.is_none_or(|own| own == port))
     }
@@ -116,7 +116,7 @@ mod tests {
         }
     }
 
-    /// All hosts with all origins: what is admitted is a known host with its own origin or none, and nothing else.
+    /// Checks all hosts with all origins: only a known host with its own origin or without an origin is admitted.
     #[test]
     fn names_that_are_allowed_are_checked_like_its_own() {
         let known = ["127.0.0.1:4000", "localhost:4000", "LocalHost:9000", "desk:1", "Desk", "[::1]:7"];

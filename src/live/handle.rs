@@ -1,4 +1,4 @@
-//! Requests to a session and views of it, and the settings it is started with.
+//! Handles to sessions, and the settings of sessions.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -15,21 +15,21 @@ use crate::systems::Effect;
 /// The settings of a session.
 #[derive(Clone, Debug)]
 pub struct SessionSettings {
-    /// The scene's file; it need not be there yet.
+    /// Path of the scene's file, which need not exist yet.
     pub scene: PathBuf,
-    /// Values in the place of the files' own, whatever is edited.
+    /// Values that override the values in the files, also after edits.
     pub overrides: Vec<Override>,
-    /// Effects that are left out, even if a scene calls for them.
+    /// Effects that are disabled even if the scene needs them.
     pub left_out: Vec<Effect>,
-    /// The first frame to be shown.
+    /// Index of the first frame to be shown.
     pub frame: u32,
-    /// The way in which changes of files are noticed.
+    /// Method of detecting file changes.
     pub watching: Watching,
-    /// Whether a full picture follows every edit even while drafts are requested.
+    /// True if a full picture follows every edit even while drafts are requested.
     pub finish: bool,
 }
 
-/// Sends requests to a session and reads its state, from any thread.
+/// A handle that sends commands to a session and reads its state, from any thread.
 #[derive(Clone, Debug)]
 pub struct Handle {
     pub(super) mailbox: Arc<Mailbox>,
@@ -50,12 +50,12 @@ impl Handle {
         self.board.state()
     }
 
-    /// Returns a receiver of the states to come.
+    /// Returns a receiver of subsequent states.
     pub(super) fn subscribe(&self) -> watch::Receiver<State> {
         self.board.subscribe()
     }
 
-    /// Returns a picture; `None` once it is out of date.
+    /// Returns a picture, or `None` once it is out of date.
     #[doc(hidden)]
     #[must_use]
     pub fn picture(&self, id: u64) -> Option<Picture> {

@@ -1,77 +1,77 @@
-//! The choice of quick pictures that lead up to the requested one.
+//! Selection of the coarse pictures that precede the requested one.
 //!
-//! The first comes soon, whatever the scene; each further one takes several times as long as the one before; all of them take a
-//! small part of what the picture itself does. What they take is known from those before. Where it is not, or not any more, a
-//! deadline ends what takes too long, and something lesser is tried.
+//! The first coarse picture appears quickly for any scene. Each further one takes several times as long as its predecessor, and all of
+//! them take a small fraction of the time of the requested picture. Their times are predicted from earlier pictures. If there are no
+//! timings, or they no longer apply, a deadline stops a picture that takes too long, and a cheaper one is tried.
 
 use std::time::Duration;
 
 use crate::engine::Draft;
 
-/// The time, in milliseconds, that the first quick picture should take.
+/// Target time of the first coarse picture, in milliseconds.
 pub(super) const FIRST: f64 = 6.0;
-/// The most pixels of the first one while no speed is known.
+/// Maximum number of pixels of the first coarse picture while the speed is unknown.
 const UNKNOWN: f64 = 4096.0;
-/// The time, in milliseconds, above which a picture is shown though a better one could follow at once.
+/// Time, in milliseconds, above which a picture is shown even though a better one could follow at once.
 const SOON: f64 = 10.0;
-/// The further ones take at least this many milliseconds,
+/// Minimum time budget of each further coarse picture, in milliseconds.
 const NEXT: f64 = 40.0;
-/// and this many times as long as the one before, with at most half its divisor,
+/// Ratio of the time budget of a coarse picture to the time of its predecessor. Its divisor is at most half of the previous one.
 const GROWTH: f64 = 4.0;
-/// and at most this share of the time of the requested picture.
+/// Maximum time of a further coarse picture as a fraction of the time of the requested picture.
 const SHARE: f64 = 1.0 / 16.0;
-/// A requested picture that takes less, in milliseconds, is not preceded by further ones.
+/// Time, in milliseconds, up to which the requested picture is not preceded by further coarse ones.
 const QUICK: f64 = 300.0;
-/// With fewer pixels than this, shadows are worth less than more pixels.
+/// Number of pixels below which more pixels are worth more than shadows.
 const ENOUGH: f64 = 256.0;
 
-/// The care taken over a quick picture: what is left out of it, besides pixels.
+/// The effort spent on a coarse picture, apart from its number of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Care {
-    /// Leaves out all that can be: only surfaces and direct light remain.
+    /// Surfaces and direct light only, without shadows.
     Bare,
-    /// Leaves out samples of lights, and late generations of rays.
+    /// One sample per area light, and a limited ray depth.
     Plain,
-    /// Leaves out nothing.
+    /// No reductions.
     Whole,
 }
 
-/// A quick picture.
+/// The settings of a coarse picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct LadderStep {
     care: Care,
-    /// The divisor of the film's width and height.
+    /// Divisor of the film's width and height.
     divisor: u32,
-    /// The number of quicker attempts that were given up before.
+    /// Number of attempts that were abandoned before this one.
     tried: u32,
 }
 
-/// The requested picture, as far as its cost depends on it.
+/// The properties of the requested picture that determine its cost.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Target {
-    /// The film's width and height.
+    /// Width and height of the film.
     pub(super) film: (u32, u32),
-    /// The divisor of the film's width and height.
+    /// Divisor of the film's width and height.
     pub(super) divisor: u32,
-    /// The samples per pixel.
+    /// Samples per pixel.
     pub(super) samples: u32,
 }
 
-/// The timings of pictures so far, in milliseconds.
+/// The timings of earlier pictures, in milliseconds.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Timings {
-    /// The time to bring the world to a moment.
+    /// Time to animate and prepare the world at a moment.
     pub(super) moment: f64,
-    /// The time to trace a camera ray with all that it causes, by care.
+    /// Time to trace a camera ray and all rays spawned by it, by care.
     ray: [Option<f64>; 3],
 }
 
 impl LadderStep {
-    /// Returns the settings it is rendered with.
+    /// Returns the draft settings of the step.
     pub(super) fn draft(self) -> Draft {
         let (light_samples, depth) = match self.care {
             Care::Bare => (1, 1),
-            // Enough generations to see through a glass.
+            // Deep enough to see through a glass.
             Care::Plain => (1, 5),
             Care::Whole => (u32::MAX, u32::MAX),
         };
@@ -82,13 +82,13 @@ impl LadderStep {
         self.care
     }
 
-    /// Returns the time after which it is given up. `None` for the last attempt, which never is.
+    /// Returns the time after which the step is abandoned, or `None` for the last attempt, which has no deadline.
     pub(super) fn deadline(self) -> Option<Duration> {
         let milliseconds = [40, 25, 15].get(self.tried as usize)?;
         Some(Duration::from_millis(*milliseconds))
     }
 
-    /// Returns a quicker one, to be tried after this one was given up.
+    /// Returns a cheaper step to be tried after this one was abandoned.
     pub(super) fn lesser(self, film: (u32, u32)) -> Self {
         let most = match self.tried {
             0 => ENOUGH,
@@ -99,7 +99,7 @@ impl LadderStep {
         Self { care: Care::Bare, divisor: divisor_for(film, most), tried: self.tried + 1 }
     }
 
-    /// Returns whether it took so little time that a better one can replace it before anybody sees it.
+    /// Returns whether the step took so little time that a better one can replace it before it is seen.
     pub(super) fn is_surpassed_by(self, better: Self, took: f64) -> bool {
         took < SOON && (better.divisor < self.divisor || self.care != better.care)
     }
@@ -113,7 +113,7 @@ impl Target {
 }
 
 impl Timings {
-    /// Returns the first step for a film, within `milliseconds` of tracing and with a divisor of at least `finest`.
+    /// Returns the first step for a film, with at most `milliseconds` of tracing and a divisor of at least `finest`.
     pub(super) fn first(&self, film: (u32, u32), milliseconds: f64, finest: u32) -> LadderStep {
         let step =
             |care, pixels: f64| LadderStep { care, divisor: divisor_for(film, pixels).max(finest), tried: 0 };
@@ -126,10 +126,10 @@ impl Timings {
         step(Care::Bare, bare)
     }
 
-    /// Returns the step after another one; `None` if it is time for the requested picture.
+    /// Returns the step after another one, or `None` if the requested picture should follow.
     pub(super) fn finer(&self, step: LadderStep, took: f64, target: Target) -> Option<LadderStep> {
         let ray = self.of(step.care)?;
-        // At least as much as a step, since nothing is left out of it.
+        // A camera ray without reductions costs at least as much as a ray of the step.
         let whole = self.of(Care::Whole).unwrap_or(0.0).max(ray) * target.rays();
         if whole <= QUICK {
             return None;
@@ -146,7 +146,7 @@ impl Timings {
         self.of(Care::Plain).is_none()
     }
 
-    /// Returns the expected milliseconds of a picture; `None` if nothing is known.
+    /// Returns the expected time of a picture in milliseconds, or `None` without timings.
     pub(super) fn expected(&self, target: Target) -> Option<f64> {
         Some(self.moment + self.of(Care::Whole)? * target.rays())
     }
@@ -155,7 +155,7 @@ impl Timings {
     pub(super) fn note(&mut self, care: Care, milliseconds: f64, rays: u64) {
         let ray = milliseconds / (rays.max(1) as f64);
         self.ray[care as usize] = Some(ray);
-        // Less care takes no more time.
+        // Less care takes no more time per ray.
         for lesser in &mut self.ray[..care as usize] {
             *lesser = lesser.map(|lesser| lesser.min(ray));
         }
@@ -164,13 +164,13 @@ impl Timings {
         }
     }
 
-    /// Records that a step was given up after `milliseconds`.
+    /// Records that a step was abandoned after `milliseconds`.
     pub(super) fn note_failure(&mut self, step: LadderStep, milliseconds: f64, film: (u32, u32)) {
         let at_least = milliseconds / pixels(film, step.divisor) as f64;
         for ray in &mut self.ray[step.care as usize..] {
             *ray = Some(ray.map_or(at_least, |ray| ray.max(at_least)));
         }
-        // The next one is to be much smaller.
+        // Makes the next step much smaller.
         self.ray[step.care as usize] = self.of(step.care).map(|ray| ray.max(GROWTH * at_least));
     }
 
@@ -179,7 +179,7 @@ impl Timings {
     }
 }
 
-/// Returns the pixels of a film whose sides are divided: at least one.
+/// Returns the number of pixels of a film whose sides are divided by `divisor`. Each side keeps at least one pixel.
 fn pixels((width, height): (u32, u32), divisor: u32) -> u64 {
     let side = |side: u32| u64::from((side / divisor).max(1));
     side(width) * side(height)
@@ -189,7 +189,7 @@ fn pixels((width, height): (u32, u32), divisor: u32) -> u64 {
 fn divisor_for((width, height): (u32, u32), most: f64) -> u32 {
     let (long, short) = (f64::from(width.max(height)), f64::from(width.min(height)));
     let divisor = (long * short / most.max(1.0)).sqrt();
-    // A single row stays one.
+    // The short side keeps one pixel, so only the long side shrinks.
     let divisor = if divisor > short { long / most.max(1.0) } else { divisor };
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to a film's side")]
     let divisor = divisor.ceil().clamp(1.0, long.max(1.0)) as u32;
@@ -202,7 +202,7 @@ mod tests {
 
     const FILM: (u32, u32) = (3840, 2160);
 
-    /// All steps up to a picture, by what a camera ray takes in milliseconds with each care, and what they take.
+    /// Returns all steps before a picture and their times, given the time of a camera ray for each care, in milliseconds.
     fn climb(ray: [f64; 3], film: (u32, u32), samples: u32) -> (Vec<LadderStep>, Vec<f64>) {
         let mut timings = Timings::default();
         let target = Target { film, divisor: 1, samples };
@@ -254,7 +254,7 @@ mod tests {
         timings.note_failure(first, 40.0, (1280, 720));
         let again = timings.first((1280, 720), FIRST, 2);
         assert!(again.divisor > 3 * first.divisor, "{again:?}");
-        // Where even few pixels take long, there is less in them.
+        // If even a few pixels take long, the care is reduced.
         timings.note(Care::Plain, 100.0, 100);
         assert_eq!(timings.first((1280, 720), FIRST, 2).care, Care::Bare);
     }

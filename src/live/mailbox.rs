@@ -1,4 +1,4 @@
-//! The commands to a session.
+//! The queue of commands to a session.
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,32 +13,31 @@ use super::pixel_info::PixelInfo;
 /// A command to a session.
 #[derive(Debug)]
 pub enum Command {
-    /// Reads the files again, as they have changed.
+    /// Reads the files again after a change.
     Reload,
-    /// Changes what is shown.
+    /// Changes the view.
     View(View),
-    /// Tells what a pixel of the film, given by column and row, shows.
+    /// Describes a pixel of the film, given by column and row.
     Probe((u32, u32), Answer),
     /// Ends the session.
     Stop,
 }
 
-/// A change of what is shown.
+/// A change of the view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum View {
-    /// Shows a frame; the last one for indices beyond it.
+    /// Shows a frame. Indices beyond the last frame show the last frame.
     Seek {
-        /// The index, from 0.
+        /// Index of the frame, from 0.
         frame: u32,
-        /// Whether it is one of many that follow each other, so that one picture must do: the full one only if there is time for
-        /// it.
+        /// True for a frame of playback, which has a single picture: the full one only if there is time for it.
         #[serde(default)]
         playing: bool,
     },
-    /// Sets the quality of pictures from now on.
+    /// Sets the quality of subsequent pictures.
     Detail(Detail),
-    /// Shows the current frame at full quality, once.
+    /// Shows the current frame at full quality once.
     Finish,
     /// Measures the cost of each effect of the current frame.
     Measure,
@@ -48,16 +47,16 @@ pub enum View {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Detail {
-    /// The same as rendered to a file.
+    /// Identical to a picture rendered to a file.
     #[default]
     Full,
-    /// One sample a pixel.
+    /// One sample per pixel.
     Draft,
-    /// Half the width and the height, and one sample a pixel.
+    /// Half the width and height, with one sample per pixel.
     Half,
 }
 
-/// Receives an answer.
+/// A callback that receives the result of a probe.
 pub struct Answer(pub Box<dyn FnOnce(Option<PixelInfo>) + Send>);
 
 impl fmt::Debug for Answer {
@@ -66,14 +65,14 @@ impl fmt::Debug for Answer {
     }
 }
 
-/// The commands on their way to the session.
+/// The queue of pending commands.
 #[derive(Debug, Default)]
 pub(super) struct Mailbox {
     commands: Mutex<Vec<Command>>,
     posted: Condvar,
-    /// Whether there is a command that the current work must give way to.
+    /// True if a pending command interrupts the current work.
     waiting: AtomicBool,
-    /// Whether there is one other than the next of many pictures in a row.
+    /// True if a command other than the next frame of playback is pending.
     pressing: AtomicBool,
 }
 
@@ -95,7 +94,7 @@ impl Mailbox {
         self.posted.notify_one();
     }
 
-    /// Waits for commands within `patience`; returns all since the last call, in order.
+    /// Waits for commands within `patience`. Returns all commands since the last call, in order.
     pub(super) fn take(&self, patience: Patience) -> Vec<Command> {
         let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
         while commands.is_empty() {
@@ -116,7 +115,7 @@ impl Mailbox {
         std::mem::take(&mut commands)
     }
 
-    /// Takes back pending commands to read the files, for a caller who is about to do so; returns whether there were any.
+    /// Removes pending commands to read the files, for a caller that is about to read them. Returns whether there were any.
     pub(super) fn take_reload(&self) -> bool {
         let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
         let count = commands.len();
@@ -129,13 +128,13 @@ impl Mailbox {
         &self.waiting
     }
 
-    /// Returns the flag that becomes true when a command arrives other than the next of many pictures in a row.
+    /// Returns the flag that becomes true when a command other than the next frame of playback arrives.
     pub(super) fn pressing(&self) -> &AtomicBool {
         &self.pressing
     }
 
-    /// Runs work that gives way to commands and, once `deadline` has passed since it called the function it is given, also to the
-    /// rest of the session: [`waiting`](Self::waiting) is then true without a command. Returns the result, and whether the
+    /// Runs `work`, which can be interrupted by commands and by `deadline`. The deadline counts from the first call of the function
+    /// passed to `work`; when it passes, [`waiting`](Self::waiting) becomes true without a command. Returns the result, and whether the
     /// deadline passed.
     pub(super) fn within<T>(
         &self,

@@ -1,4 +1,4 @@
-//! The making of a session's pictures: coarse ones, the requested one, and the full one due after an edit.
+//! Rendering of a session's pictures: coarse ones, the requested one, and the full one due after an edit.
 
 use std::ops::ControlFlow::Break;
 use std::sync::atomic::Ordering;
@@ -16,16 +16,17 @@ use crate::engine::{EngineError, FrameReport};
 use crate::systems::Effect;
 use crate::trace::{Exposure, Film, Signals};
 
-/// While nothing of a frame is on show, a picture gets this long, or twice its expected time, before a coarse one is made.
+/// Minimum time for a picture before a coarse one replaces it while nothing of its frame is shown. Twice its expected time applies if
+/// that is longer.
 const SOON: Duration = Duration::from_millis(50);
-/// The full picture due after an edit gets at least this long at a time, even when another picture is requested.
+/// Minimum time slice of the full picture due after an edit, even when another picture is requested.
 const SLICE: Duration = Duration::from_millis(20);
 
-/// The requested picture, after some tracing.
+/// The requested picture after some tracing.
 struct Traced {
-    /// Nothing, unless it is whole.
+    /// The film, or `None` if it is unfinished.
     film: Result<Option<Film>, EngineError>,
-    /// Whether it takes longer than a first picture should.
+    /// True if tracing takes longer than a first picture should.
     is_late: bool,
     target: Target,
 }
@@ -42,9 +43,9 @@ impl Director {
         }
     }
 
-    /// Makes a coarse picture and puts it up. A first picture that takes too long gives way to a quicker one. One between it and
-    /// the requested picture is skipped for good if a command comes in between: nothing of it can be kept, so that frequent
-    /// commands would keep the requested picture waiting for ever.
+    /// Renders and publishes a coarse picture. A first picture that takes too long is replaced by a cheaper one. A picture between the
+    /// first and the requested one is skipped permanently if a command interrupts it: no part of it can be kept, so frequent commands
+    /// would otherwise delay the requested picture forever.
     fn climb(&mut self, step: LadderStep, role: StepRole) {
         let state = self.handle.board.state();
         let Some(stage) = &mut self.stage else {
@@ -89,7 +90,7 @@ impl Director {
         self.put_up(&state, PictureKind::Coarse(self.progress()), film, report.trace);
     }
 
-    /// Returns a finer step, or the requested picture.
+    /// Returns a finer step, or the requested picture if there is none.
     fn after_step(&self) -> Next {
         let finer = self
             .stage
@@ -99,15 +100,14 @@ impl Director {
         finer.map_or(Next::Picture(self.detail), |step| Next::Step(step, StepRole::Between))
     }
 
-    /// Returns the share of the requested picture that exists, 0 to 1.
+    /// Returns the finished fraction of the requested picture, 0 to 1.
     fn progress(&self) -> f64 {
         let exposure = self.begun.as_ref().and_then(|begun| begun.exposure.as_ref());
         exposure.map_or(0.0, share_of_unfinished)
     }
 
-    /// Makes the requested picture, and shows it on the way. A command that comes in between loses nothing of it, unless it
-    /// requests something else. If nothing of the frame is on show yet and it takes longer than it should, a coarse picture
-    /// comes first.
+    /// Renders the requested picture and shows it while unfinished. An interrupting command discards nothing of it unless it requests
+    /// another picture. If nothing of the frame is shown yet and rendering takes too long, a coarse picture comes first.
     fn finish(&mut self, detail: Detail) {
         let state = self.handle.board.state();
         let kept = self.begun.take().filter(|begun| (begun.frame, begun.detail) == (state.frame, detail));
@@ -124,7 +124,7 @@ impl Director {
         }
     }
 
-    /// Traces the requested picture, or as much of it as there is time for. `None` if there is no scene.
+    /// Traces the requested picture until it is finished or interrupted. Returns `None` if there is no scene.
     fn trace(&mut self, state: &State, begun: &mut Begun, is_first: bool) -> Option<Traced> {
         let Self { stage: Some(stage), timings, easel, handle, last_step, next, .. } = self else {
             return None;
@@ -159,7 +159,7 @@ impl Director {
         Some(Traced { film, is_late, target })
     }
 
-    /// Puts up the requested picture.
+    /// Publishes the requested picture.
     fn finished(&mut self, state: &State, begun: &Begun, film: Film) {
         let is_full = begun.detail == Detail::Full;
         if let Some(stage) = &self.stage {
@@ -175,7 +175,7 @@ impl Director {
         self.put_up(state, kind, film, begun.traced);
     }
 
-    /// Keeps the requested picture as far as it has come. A first one that was late gives way to a coarse one.
+    /// Keeps the unfinished requested picture. If it is a late first picture, a coarse one comes first.
     fn unfinished(&mut self, begun: Begun, late: Option<Target>) {
         if let Some(target) = late {
             let share = begun.exposure.as_ref().map_or(0.0, Exposure::share);
@@ -187,7 +187,7 @@ impl Director {
         self.handle.board.change(|state| state.progress = progress);
     }
 
-    /// Returns what to make after the requested picture: the full one that is due, if any.
+    /// Returns the task after the requested picture: the full picture if it is due.
     fn after_picture(&self) -> Next {
         match (self.owes(), self.is_playing) {
             (false, _) => Next::Nothing,
@@ -202,8 +202,8 @@ impl Director {
         is_wanted && self.full_of < self.handle.board.state().reloads
     }
 
-    /// Waits for the next of many pictures in a row, and makes the full picture that is due meanwhile. If no next one is
-    /// requested, the last one becomes as good as it can be.
+    /// Waits for the next frame of playback, and renders the full picture that is due in the meantime. If no further frame is requested,
+    /// the last picture is improved.
     fn rest(&mut self, until: Instant) {
         if Instant::now() < until {
             if self.owes() {
@@ -218,7 +218,7 @@ impl Director {
         self.handle.board.change(|state| state.rendering = !is_over);
     }
 
-    /// Continues the full picture due after the last edit: of the frame on show when there first was time for it.
+    /// Continues the full picture due after the last edit. Its frame is the one displayed when there was first time for it.
     fn work_aside(&mut self, until: Instant) {
         let state = self.handle.board.state();
         let Some(stage) = &mut self.stage else { return };
@@ -243,7 +243,7 @@ impl Director {
                 }
             }
             Err(error) => {
-                // This frame cannot be made.
+                // This frame cannot be rendered.
                 self.full_of = state.reloads;
                 self.easel.tell(Event::Failed(error));
             }
@@ -275,7 +275,7 @@ impl Director {
         Some(Made { film, transfer, kind, times, rays, plan, warnings, rendering })
     }
 
-    /// Measures the cost of an effect, and goes on with the next one. Any command ends it.
+    /// Measures the cost of an effect, and schedules the next effect. Any command stops the measurement.
     fn measure(&mut self, index: usize) {
         let state = self.handle.board.state();
         let Some(stage) = &mut self.stage else { return };
@@ -299,16 +299,17 @@ impl Director {
         }
     }
 
-    /// Measures how good the frame is with the scene's own samples and, after that, with more and more of them. Any command ends it.
+    /// Measures the error of the frame with the scene's own samples, and then with increasing numbers of samples. Any command stops the
+    /// measurement.
     fn measure_samples(&mut self, index: usize) {
-        /// The longest time that a place of the curve may take, in milliseconds, if it is not the scene's own.
+        /// Maximum time of a curve point other than the scene's own, in milliseconds.
         const LONGEST: f64 = 2000.0;
         let state = self.handle.board.state();
         let Some(stage) = &mut self.stage else { return };
         self.next = Next::Nothing;
         let place = stage.place_of_curve(state.frame, index, self.handle.mailbox.waiting());
         let is_last = match &place {
-            // The next one has twice as many samples, in two pictures.
+            // The next point renders two pictures with twice as many samples.
             Ok(Some(place)) => index > 0 && 4.0 * place.milliseconds > LONGEST,
             Ok(None) | Err(_) => true,
         };

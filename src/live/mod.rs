@@ -1,4 +1,4 @@
-//! Live preview of scenes while they are edited.
+//! Live preview of scenes during editing.
 //!
 //! ```text
 //! files -> watcher -> mailbox -> session (reads, renders) -> board -> server -> page
@@ -6,11 +6,11 @@
 //!                        +---------- seek, probe, quality ---------------+
 //! ```
 //!
-//! The [`Watcher`] notices that the contents of files have changed. The [`Session`] owns the engine, on a thread of its own. It takes
-//! commands, and posts its state and its pictures on a board that can be read at any time, so that a page that is opened late,
-//! or again, sees what the others see. Quick pictures lead up to one that takes long, which is shown while it is rendered; a new
-//! command interrupts the work at once, and discards only what is no longer wanted. The [`Server`] shows all that to browsers on the
-//! same machine, and to nobody else.
+//! The [`Watcher`] detects changes of file contents. The [`Session`] owns the engine and runs on a separate thread. It processes
+//! commands, and publishes its state and pictures on a board that can be read at any time, so that a page opened late or again shows the
+//! same as all others. Coarse pictures precede a picture that takes long, which is also shown while it is unfinished. A new command
+//! interrupts the work at once and discards only results that are no longer needed. The [`Server`] makes all this available to browsers
+//! on the same machine only.
 
 mod begun;
 mod board;
@@ -41,7 +41,7 @@ pub use session::Session;
 pub use state::{Mistakes, PictureInfo, Times};
 pub use watcher::{QUIET, Watcher, Watching};
 
-// What the server asks of a session, and tests with it: no part of the library's face.
+// Used by the server and by tests; not part of the public API.
 #[doc(hidden)]
 pub use {
     board::Picture,

@@ -1,4 +1,4 @@
-//! What is done while the requested picture is made.
+//! Observation of the requested picture while it is rendered.
 
 use std::ops::ControlFlow::{self, Break, Continue};
 use std::sync::Arc;
@@ -12,35 +12,36 @@ use super::visits::Visits;
 use crate::color::Transfer;
 use crate::trace::{Exposure, Film};
 
-/// Looks at the requested picture from time to time: notes how quickly it comes, and shows what there is.
+/// The observer of the requested picture, which records its speed and shows unfinished pictures.
 pub(super) struct Onlooker<'a> {
-    /// The session's state when it was begun.
+    /// State of the session when rendering began.
     pub(super) state: &'a State,
     pub(super) target: Target,
     pub(super) transfer: Transfer,
-    /// The milliseconds that went into it before.
+    /// Offset from [`Visits::traced`] to the tracing time of the picture, in milliseconds.
     pub(super) traced_before: f64,
     pub(super) visits: &'a Visits,
-    /// Whether any of it has been shown.
+    /// True if any part of the picture has been shown.
     pub(super) is_shown: &'a mut bool,
     pub(super) timings: &'a mut Timings,
     pub(super) easel: &'a mut Easel,
     pub(super) board: &'a Board,
-    /// The last coarse picture of the frame on show, and its milliseconds.
+    /// The last coarse picture of the displayed frame, and its time in milliseconds.
     pub(super) last_step: Option<(LadderStep, f64)>,
-    /// What is made next, if it is not this picture.
+    /// The next task, if a visit stops the picture.
     pub(super) next: &'a mut Next,
 }
 
 impl Onlooker<'_> {
-    /// Looks at the picture, and says whether to go on with it.
+    /// Records the speed and progress of the picture, and shows it if that is due. Decides whether to continue the picture.
     pub(super) fn visit(&mut self, exposure: &Exposure) -> ControlFlow<()> {
         let since = self.visits.now();
         self.visits.go_on();
         let traced = self.traced_before + self.visits.traced();
         self.timings.note(Care::Whole, traced, rays(exposure.share(), self.target));
         let so_far = share_of_unfinished(exposure);
-        // With the speed now known there may be time for another step; after an unfinished picture it would be a step back.
+        // The speed now known may leave time for another coarse picture, which would be worse than an unfinished one that is already
+        // shown.
         let step = self.last_step.filter(|_| !*self.is_shown);
         if let Some(finer) = step.and_then(|(step, took)| self.timings.finer(step, took, self.target)) {
             *self.next = Next::Step(finer, StepRole::Between);
@@ -60,7 +61,7 @@ impl Onlooker<'_> {
         Continue(())
     }
 
-    /// Puts up what there is of the picture; returns whether that was possible.
+    /// Publishes the unfinished picture. Returns whether this succeeded.
     fn show(&mut self, film: Film, so_far: f64, traced: f64) -> bool {
         let made = Made {
             film,
@@ -76,14 +77,14 @@ impl Onlooker<'_> {
     }
 }
 
-/// Returns the share of a picture that exists, 0 to 1. How much there is to come where pixels get as many samples as they need is not
-/// known before it is there.
+/// Returns the finished fraction of an unfinished picture, at most 0.99. With adaptive sampling, the remaining work is unknown until the
+/// picture is finished.
 pub(super) fn share_of_unfinished(exposure: &Exposure) -> f64 {
     exposure.share().min(0.99)
 }
 
-/// Returns the camera rays of a share of a picture: at least those of one sample of a tile, as so many are lost when it is
-/// ended.
+/// Returns the number of camera rays of a fraction of a picture, but at least the rays of one sample of a tile, which are lost when the
+/// picture is stopped.
 pub(super) fn rays(share: f64, target: Target) -> u64 {
     const IN_HAND: u64 = 256;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]

@@ -1,6 +1,6 @@
-//! The files of the page.
+//! Files of the page.
 
-/// The path, media type and text of each file.
+/// Path, media type and content of each file.
 pub(super) const FILES: [(&str, &str, &str); 9] = [
     ("/", "text/html; charset=utf-8", include_str!("page/page.html")),
     ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),

@@ -1,4 +1,4 @@
-//! What a pixel shows.
+//! Description of single pixels.
 
 use hecs::{Entity, World};
 use serde::Serialize;
@@ -10,43 +10,43 @@ use crate::time::Time;
 use crate::trace::reference::RayEnd;
 use crate::trace::{Film, SurfacePoint};
 
-/// A pixel of a picture, and what its first sample sees.
+/// A pixel of a picture, and the surface seen by its first sample.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PixelInfo {
     /// Column and row, from 0 at the top left of the film.
     pub pixel: (u32, u32),
-    /// The linear colour: of the pixel in the full picture, if there is one, or of its first sample.
+    /// Linear colour of the pixel in the full picture or, if there is none, of the pixel's first sample.
     pub linear: [f32; 3],
-    /// The same colour as the bytes of a frame file.
+    /// The same colour encoded as the bytes of a frame file.
     pub bytes: [u8; 3],
-    /// The number of samples that the colour is the mean of; `None` for as many as it took.
+    /// Number of samples averaged in the colour; `None` for adaptive sampling.
     pub samples: Option<u32>,
-    /// The number of samples of the pixel in the full picture; `None` for as many as it takes.
+    /// Number of samples of the pixel in the full picture; `None` for adaptive sampling.
     pub all: Option<u32>,
-    /// The surface that the first sample sees; `None` where its ray meets nothing.
+    /// Surface seen by the first sample; `None` if its ray hits nothing.
     pub surface: Option<SurfaceInfo>,
 }
 
 /// A visible surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SurfaceInfo {
-    /// The entity's name or, where it has none, `#` and its place in document order.
+    /// Name of the entity or, if it has none, `#` and its index in document order.
     pub entity: String,
-    /// The material's name where the entity is written.
+    /// Name of the material in the definition of the entity.
     pub material: Option<String>,
-    /// The place where the entity is written, as `ball.ron:12`.
+    /// Position of the entity's definition, as `ball.ron:12`.
     pub place: Option<String>,
-    /// The point, in scene units.
+    /// Visible point, in scene units.
     pub point: [f64; 3],
-    /// The unit normal, on the visible side.
+    /// Unit normal on the visible side.
     pub normal: [f64; 3],
-    /// The distance from the camera, in scene units.
+    /// Distance from the camera, in scene units.
     pub distance: f64,
 }
 
 impl PixelInfo {
-    /// Traces a pixel at a moment; its colour is taken from `picture`, the full one, if given. `None` outside the film, and for a
-    /// camera without a place.
+    /// Traces a pixel at a moment. The colour is taken from `picture`, the full picture, if given. Returns `None` outside the film, and
+    /// for a camera without a position.
     pub(super) fn of(
         engine: &mut Engine,
         sources: &Sources,
@@ -95,7 +95,7 @@ impl SurfaceInfo {
     }
 }
 
-/// Returns an entity's name, or `#17` with its place in document order, and the line in which it starts.
+/// Returns an entity's name, or `#17` for index 17 in document order, and the line in which its definition starts.
 pub(super) fn named(world: &World, sources: &Sources, entity: Entity) -> (String, Option<String>) {
     let order = order_of(world, entity);
     let unnamed = || order.map_or_else(|| "#".to_owned(), |order| format!("#{order}"));

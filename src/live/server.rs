@@ -1,13 +1,12 @@
-//! Shows a session to browsers on the same machine.
+//! HTTP server that shows a session to browsers on the same machine.
 //!
-//! | request | answer |
-//! |---|---|
-//! | `GET /` | the page; its style and its scripts under their names |
+//! | request | response |
+//! | `GET /` | the page; its style sheet and scripts under their names |
 //! | `GET /state` | the [`State`](super::State), as JSON |
-//! | `GET /events` | the same whenever it changes, as server-sent events |
+//! | `GET /events` | the state after each change, as server-sent events |
 //! | `GET /picture/1795/7` | picture 7 of session 1795, as PNG |
-//! | `POST /view` | asks for something to see: a [`View`], as JSON |
-//! | `POST /probe` | tells what a pixel `[column, row]` sees: a [`PixelInfo`](super::PixelInfo) or null, as JSON |
+//! | `POST /view` | changes the view according to a [`View`], as JSON |
+//! | `POST /probe` | the description of pixel `[column, row]`: a [`PixelInfo`](super::PixelInfo) or null, as JSON |
 
 use std::convert::Infallible;
 use std::io;
@@ -40,17 +39,17 @@ use super::handle::Handle;
 use super::mailbox::{Answer, Command, View};
 use super::page::FILES;
 
-/// The page's content security policy: it may ask this server, and nobody else.
+/// Content security policy of the page, which permits requests to this server only.
 const POLICY: &str = "default-src 'none'; img-src 'self' data:; connect-src 'self'; style-src 'self'; script-src 'self'; \
                       worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-/// A request that has not fully arrived within this time is dropped.
+/// Time within which a request must arrive completely. Slower requests are dropped.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// The most bytes of a request's body; no valid request needs more.
+/// Maximum size of a request's body in bytes. No valid request needs more.
 const LARGEST_BODY: usize = 1 << 12;
-/// The pause before accepting again when there is no room for another connection.
+/// Delay before accepting connections again after a failure, when there is no room for another connection.
 const NO_ROOM: Duration = Duration::from_millis(100);
 
-/// A server on this machine's loopback address, 127.0.0.1, on a thread of its own, until it is dropped.
+/// A server at the loopback address 127.0.0.1, which runs on a separate thread until it is dropped.
 #[derive(Debug)]
 pub struct Server {
     port: u16,
@@ -65,7 +64,7 @@ struct Shared {
 }
 
 impl Server {
-    /// Serves a session at a port; at any free one if `port` is 0.
+    /// Serves a session at a port, or at any free port if `port` is 0.
     ///
     /// # Errors
     ///
@@ -74,7 +73,7 @@ impl Server {
         Self::start_for(&[], port, session)
     }
 
-    /// Serves like [`start`](Self::start), and also answers browsers that address it by one of `hosts`.
+    /// Serves a session like [`start`](Self::start), and also accepts requests addressed to one of `hosts`.
     ///
     /// # Errors
     ///
@@ -89,14 +88,14 @@ impl Server {
         let thread = thread::spawn(move || {
             runtime.block_on(async {
                 let Ok(listener) = tokio::net::TcpListener::from_std(listener) else { return };
-                // Pages listen for as long as they are open, and are not waited for.
+                // Open pages keep their connections open, so these are not awaited.
                 select(pin!(serve(&listener, &router)), stopped).await;
             });
         });
         Ok(Self { port, stop: Some(stop), thread: Some(thread) })
     }
 
-    /// Returns the address it serves at.
+    /// Returns the address of the server.
     #[must_use]
     pub fn address(&self) -> SocketAddr {
         (Ipv4Addr::LOCALHOST, self.port).into()
@@ -114,7 +113,7 @@ impl Drop for Server {
     }
 }
 
-/// Accepts connections and serves them. A client that begins a request and does not complete it is dropped.
+/// Accepts and serves connections. A client that begins a request and does not complete it is dropped.
 async fn serve(listener: &tokio::net::TcpListener, router: &Router) {
     let mut connections = auto::Builder::new(TokioExecutor::new()).http1_only();
     connections.http1().timer(TokioTimer::new()).header_read_timeout(PATIENCE);
@@ -124,7 +123,7 @@ async fn serve(listener: &tokio::net::TcpListener, router: &Router) {
             tokio::time::sleep(NO_ROOM).await;
             continue;
         };
-        // Events are short, and urgent.
+        // Events are short and urgent.
         let _ = stream.set_nodelay(true);
         let (connections, service) = (Arc::clone(&connections), TowerToHyperService::new(router.clone()));
         tokio::spawn(async move {
@@ -148,7 +147,7 @@ fn router(shared: Shared) -> Router {
         .with_state(shared)
 }
 
-/// Refuses requests of other origins, and sets strict headers on every response.
+/// Rejects requests of other origins, and sets strict headers on every response.
 async fn guarded(State(shared): State<Shared>, headers: HeaderMap, request: Request, next: Next) -> Response {
     let mut response = if shared.guard.admits(&headers) {
         match whole(request).await {
@@ -173,15 +172,15 @@ async fn guarded(State(shared): State<Shared>, headers: HeaderMap, request: Requ
     response
 }
 
-/// Returns a request with all of its body; `None` if it is too slow or too large.
+/// Returns a request with its complete body, or `None` if it is too slow or too large.
 async fn whole(request: Request) -> Option<Request> {
     let (head, body) = request.into_parts();
     let bytes = timeout(PATIENCE, read(body)).await.ok()??;
     Some(Request::from_parts(head, bytes.into()))
 }
 
-/// Reads a body to its end; `None` if it is too large. What is too large is dropped as it comes: who was cut off while still sending
-/// might not hear why.
+/// Reads a body to its end. Returns `None` if it is too large. Excess bytes are read and discarded, since a client that is disconnected
+/// while still sending might not receive the response.
 async fn read(body: Body) -> Option<Vec<u8>> {
     let mut pieces = body.into_data_stream();
     let mut all = Some(Vec::new());
@@ -201,7 +200,7 @@ async fn state(State(shared): State<Shared>) -> Response {
 
 async fn events(State(shared): State<Shared>) -> Sse<impl Stream<Item = Result<Event, Infallible>>> {
     let mut states = shared.session.subscribe();
-    // The first is the state as it is.
+    // The first event is the current state.
     states.mark_changed();
     let stream = stream::unfold(states, |mut states| async {
         states.changed().await.ok()?;
@@ -212,7 +211,7 @@ async fn events(State(shared): State<Shared>) -> Sse<impl Stream<Item = Result<E
 }
 
 async fn picture(State(shared): State<Shared>, Path((session, id)): Path<(u64, u64)>) -> Response {
-    // A browser may have kept pictures of another session, which had the same numbers.
+    // A browser may hold picture numbers of another session, which can coincide with the numbers of this one.
     let is_ours = shared.session.state().session == session;
     match shared.session.picture(id).filter(|_| is_ours) {
         Some(picture) => {

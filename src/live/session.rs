@@ -1,4 +1,4 @@
-//! A scene that is kept on show while its files are edited.
+//! Preview sessions: scenes that stay on display while their files are edited.
 
 use std::path;
 use std::sync::Arc;
@@ -12,10 +12,10 @@ use super::handle::{Handle, SessionSettings};
 use super::mailbox::Command;
 use super::state::State;
 
-/// A scene that is read again after every edit, on a thread of its own, until it is dropped.
+/// A scene that is read again after every edit, on a separate thread, until it is dropped.
 ///
-/// A newer edit, and anything else that is asked for, ends the picture in hand. After an edit there is a coarse picture first, then
-/// better ones if the full one takes long, and then that. While the files are wrong, the last good scene stays.
+/// A newer edit or any other request interrupts the current picture. After an edit, a coarse picture comes first, then better ones if the
+/// full picture takes long, and then the full picture. While the files contain mistakes, the last good scene stays.
 #[derive(Debug)]
 pub struct Session {
     handle: Handle,
@@ -23,10 +23,10 @@ pub struct Session {
 }
 
 impl Session {
-    /// Starts the thread, which reads the scene and watches its files; `tell` is called on it.
+    /// Starts the thread, which reads the scene and watches its files. The thread passes events to `tell`.
     #[must_use]
     pub fn start(settings: SessionSettings, tell: impl FnMut(Event) + Send + 'static) -> Self {
-        // The absolute path tells scenes of the same name apart.
+        // The absolute path distinguishes scenes of the same name.
         let scene = path::absolute(&settings.scene).unwrap_or_else(|_| settings.scene.clone());
         let state = State {
             scene: scene.display().to_string(),
@@ -42,7 +42,7 @@ impl Session {
         Self { handle, thread: Some(thread) }
     }
 
-    /// Returns a handle to send commands and read the state.
+    /// Returns a handle that sends commands and reads the state.
     #[must_use]
     pub fn handle(&self) -> Handle {
         self.handle.clone()
@@ -58,7 +58,7 @@ impl Drop for Session {
     }
 }
 
-/// Returns a number that differs at every start, so that a page notices that it talks to another session.
+/// Returns a number that differs at every start, so that a page can detect a new session.
 fn distinct() -> u64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     // Milliseconds are exact in JavaScript's numbers.

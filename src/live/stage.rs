@@ -1,4 +1,4 @@
-//! The scene on show, ready to be rendered.
+//! The displayed scene, ready to be rendered.
 
 use std::ops::ControlFlow::{self, Continue};
 use std::path::Path;
@@ -16,7 +16,7 @@ use crate::systems::{Effect, Knobs};
 use crate::time::Timeline;
 use crate::trace::{Exposure, Film, Signals};
 
-/// An engine with its scene's sources, in which places are looked up.
+/// An engine, and the sources of its scene for looking up positions.
 pub(super) struct Stage {
     engine: Engine,
     sources: Sources,
@@ -34,7 +34,7 @@ impl Stage {
         Ok(LoadedScene { scene, sources })
     }
 
-    /// Replaces the scene on show, if there is one, keeping what is in both.
+    /// Replaces the displayed scene, if there is one. Parts that both scenes share are kept.
     pub(super) fn take_over(
         stage: &mut Option<Self>,
         LoadedScene { scene, sources }: LoadedScene,
@@ -66,7 +66,7 @@ impl Stage {
         self.engine.report()
     }
 
-    /// Returns the size and samples of a picture of this quality.
+    /// Returns the size and sample count of a picture of this quality.
     pub(super) fn target(&self, detail: Detail) -> Target {
         let FilmSettings { width, height, .. } = self.film_settings();
         let (divisor, samples) = match detail {
@@ -77,14 +77,14 @@ impl Stage {
         Target { film: (width, height), divisor, samples }
     }
 
-    /// Returns the effects of a frame; `made` says that it is the last full picture.
+    /// Returns the effects of a frame. `made` is true if the frame is the last full picture.
     pub(super) fn planned(&mut self, frame: u32, made: bool) -> Result<Vec<Planned>, EngineError> {
         let time = self.timeline().time_of(frame);
         let plan = if made { self.engine.plan() } else { self.engine.plan_at(time)? };
         Ok(plan.map(Planned::all).unwrap_or_default())
     }
 
-    /// Renders a quick picture of a frame; `None` if it was cancelled. Calls `begin` when all is ready for rays.
+    /// Renders a coarse picture of a frame. Returns `None` if it was cancelled. Calls `begin` once everything is ready for rays.
     pub(super) fn draft(
         &mut self,
         frame: u32,
@@ -101,7 +101,7 @@ impl Stage {
         self.engine.render_draft_on(time, draft, &mut None, signals, &mut |_| Continue(()))
     }
 
-    /// Renders a frame, or as much of it as there is time for: see [`Engine::render_on`].
+    /// Renders a frame until it is finished or stopped; see [`Engine::render_on`].
     pub(super) fn render_on(
         &mut self,
         (frame, detail): (u32, Detail),
@@ -119,7 +119,7 @@ impl Stage {
 
     /// Returns the faults at the moment of the last picture, one line each, with remedies.
     pub(super) fn warnings(&self) -> Vec<String> {
-        /// The most faults that anybody reads.
+        /// Maximum number of faults that are listed.
         const MOST: usize = 10;
         let faults = self.engine.faults();
         let mut warnings: Vec<String> = faults
@@ -137,7 +137,7 @@ impl Stage {
         warnings
     }
 
-    /// Describes a pixel of a frame; `picture` is the full one, if there is one.
+    /// Describes a pixel of a frame. `picture` is the full picture, if there is one.
     pub(super) fn pixel_info(
         &mut self,
         frame: u32,
@@ -148,8 +148,8 @@ impl Stage {
         PixelInfo::of(&mut self.engine, &self.sources, time, pixel, picture)
     }
 
-    /// Returns the share of a frame's time that is saved without an effect, `None` for one that is not needed. Nothing after the
-    /// last effect, or if it was cancelled.
+    /// Returns the fraction of a frame's time that is saved by disabling an effect, or `Some(None)` if the effect is not needed. Returns
+    /// `None` after the last effect, or if cancelled.
     pub(super) fn cost(
         &mut self,
         frame: u32,
@@ -168,13 +168,13 @@ impl Stage {
             self.engine.set_left_out(left_out.iter().copied());
             Ok(film?.map(|_| Times::milliseconds(self.engine.report().trace)))
         };
-        // Each is compared with a whole one made at the same time, since a machine may become slower or faster.
+        // Each picture is compared with a complete one rendered at the same time, since the speed of the machine may change.
         let (Some(whole), Some(part)) = (took(None)?, took(Some(effect))?) else { return Ok(None) };
         Ok(Some(Some((1.0 - part / whole.max(f64::MIN_POSITIVE)).max(0.0))))
     }
 
-    /// Returns how good a frame is: with the scene's own samples for place 0 of the curve, then with 1, 2, 4 and so on in each pixel.
-    /// `None` beyond the most, or if it was cancelled.
+    /// Returns the error of a frame at a point of the curve: with the scene's own samples at point 0, then with 1, 2, 4 and so on samples
+    /// per pixel. Returns `None` beyond the maximum, or if cancelled.
     pub(super) fn place_of_curve(
         &mut self,
         frame: u32,

@@ -1,4 +1,4 @@
-//! The visible state of a session: a value that can be read at any time.
+//! The visible state of a session, readable at any time.
 
 use serde::Serialize;
 
@@ -10,97 +10,97 @@ use crate::systems::{Effect, Plan};
 /// The current state of a session.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct State {
-    /// The scene's file.
+    /// Path of the scene's file.
     pub scene: String,
-    /// A number that differs between sessions.
+    /// Number that differs between sessions.
     pub session: u64,
-    /// The number of times the scene was read without a mistake.
+    /// Number of times that the scene was read without mistakes.
     pub reloads: u64,
-    /// The frame to be seen: the requested one, or the last.
+    /// Index of the displayed frame: the requested frame, or the last one if the timeline is shorter.
     pub frame: u32,
-    /// The number of frames.
+    /// Number of frames.
     pub frames: u32,
-    /// The frames per second.
+    /// Frames per second.
     pub rate: f64,
-    /// The requested quality of pictures.
+    /// Requested quality of pictures.
     pub detail: Detail,
-    /// The film's width and height in pixels.
+    /// Width and height of the film in pixels.
     pub film: (u32, u32),
     /// The latest picture.
     pub picture: Option<PictureInfo>,
-    /// The last picture before the last edit, not a coarse one if there is another.
+    /// The last picture before the last edit; a picture that is not coarse, if there is one.
     pub before: Option<PictureInfo>,
-    /// Whether a better picture is being made.
+    /// True while a better picture is being rendered.
     pub rendering: bool,
-    /// The share of it that exists, 0 to 1.
+    /// Finished fraction of the better picture, 0 to 1.
     pub progress: f64,
-    /// The mistakes in the files as they are; the scene is then the last good one.
+    /// Mistakes in the current files. The scene is then the last good one.
     pub mistakes: Option<Mistakes>,
-    /// The mistakes of this frame.
+    /// Mistakes of this frame.
     pub frame_mistakes: Option<Mistakes>,
-    /// The effects of the frame of the last picture that was not coarse.
+    /// Effects of the frame of the last picture that was not coarse.
     pub plan: Vec<Planned>,
-    /// What its samples are worth, as far as it was measured: the scene's own first, then others, ascending.
+    /// Measured error curve of that frame: the scene's own samples first, then other sample counts, ascending.
     pub curve: Vec<CurvePlace>,
-    /// The times of the last reload and of the latest picture.
+    /// Times of the last reload and of the latest picture.
     pub times: Times,
-    /// The number of rays of the latest picture.
+    /// Number of rays of the latest picture.
     pub rays: u64,
 }
 
 /// A picture, without its pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct PictureInfo {
-    /// The number under which it can be requested; later pictures have greater ones.
+    /// Number by which the picture can be requested. Later pictures have greater numbers.
     pub id: u64,
-    /// The frame it shows.
+    /// Index of its frame.
     pub frame: u32,
-    /// The number of reloads before it.
+    /// Number of reloads before the picture.
     pub reloads: u64,
-    /// Its width in pixels.
+    /// Width in pixels.
     pub width: u32,
-    /// Its height in pixels.
+    /// Height in pixels.
     pub height: u32,
-    /// The width and height, in pixels, of the film that it shows.
+    /// Width and height, in pixels, of the film that the picture represents.
     pub film: (u32, u32),
-    /// Whether it is the same as rendered to a file, bit for bit.
+    /// True if the picture is bit-identical to one rendered to a file.
     pub full: bool,
-    /// Whether it is coarse or unfinished, for lack of time.
+    /// True if the picture is coarse or unfinished for lack of time.
     pub coarse: bool,
 }
 
 /// Mistakes in a scene or a frame.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Mistakes {
-    /// Their number.
+    /// Number of mistakes.
     pub count: usize,
-    /// All of them as a compiler would show them, without colours.
+    /// The mistakes formatted as compiler diagnostics, without colours.
     pub text: String,
-    /// The place of the first, as `ball.ron:12:3`.
+    /// Position of the first mistake, as `ball.ron:12:3`.
     pub place: Option<String>,
 }
 
 /// An effect of the frame.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Planned {
-    /// Its name.
+    /// Name of the effect.
     pub effect: &'static str,
-    /// Whether it is needed.
+    /// True if the effect is needed.
     pub needed: bool,
-    /// The reason why it is needed, or what is missing for it.
+    /// The reason the effect is needed, or the missing prerequisite.
     pub why: &'static str,
-    /// The share of the frame's time that is saved without it, where it was measured: 0 to 1.
+    /// Fraction of the frame's time that is saved by disabling the effect, 0 to 1, if measured.
     pub cost: Option<f64>,
 }
 
-/// A picture's error and its price.
+/// A point of the error curve: the error and the time of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CurvePlace {
-    /// The samples per pixel; `None` for as many as each pixel needs.
+    /// Samples per pixel; `None` for adaptive sampling.
     pub samples: Option<u32>,
-    /// The time of the frame.
+    /// Time of the frame in milliseconds.
     pub milliseconds: f64,
-    /// The error, in steps of 8 bits, as the root of the mean square.
+    /// RMS error in 8-bit levels.
     pub error: f64,
 }
 
@@ -172,7 +172,7 @@ impl Times {
         self.trace = Self::milliseconds(report.trace);
     }
 
-    /// Returns the time of a frame, without reading, building and encoding.
+    /// Returns the time of a frame: the sum of animating, preparing and tracing.
     #[must_use]
     pub fn frame(&self) -> f64 {
         self.animate + self.prepare + self.trace

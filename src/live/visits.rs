@@ -1,21 +1,21 @@
-//! The times at which a picture in the making is looked at, and shown.
+//! Schedule of visits to a picture that is being rendered, and of showing it.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// The time after which a picture in the making is first looked at: most are done by then.
+/// Time of the first visit to a picture that is being rendered. Most pictures are finished by then.
 const FIRST_VISIT: Duration = Duration::from_millis(300);
-/// The time between further looks.
+/// Time between further visits.
 const VISIT: Duration = Duration::from_millis(200);
-/// Showing takes at most one part in this many of the time.
+/// Inverse of the maximum fraction of the time that is spent on showing.
 const SHOWING: u64 = 10;
-/// It is shown again after one part in this many more of the time, so that the first ones come quickly and a long one does not
-/// keep a browser busy,
+/// Inverse of the fraction of the elapsed time that must pass before the picture is shown again. The first showings therefore come
+/// quickly, and a picture that takes long does not keep a browser busy.
 const MORE: u64 = 3;
-/// or after this many milliseconds, if that is sooner.
+/// Upper limit, in milliseconds, of the time that must pass before the picture is shown again.
 const SELDOM: u64 = 5000;
 
-/// The times at which a picture in the making is looked at and shown, in milliseconds since the start.
+/// The times of visits and showings of a picture that is being rendered, in milliseconds since the start.
 pub(super) struct Visits {
     start: Instant,
     due: AtomicU64,
@@ -41,7 +41,7 @@ impl Visits {
         self.now() >= self.due.load(Ordering::Relaxed)
     }
 
-    /// Returns whether it is time to show what there is.
+    /// Returns whether it is time to show the unfinished picture.
     pub(super) fn show(&self) -> bool {
         let last = self.last_shown.load(Ordering::Relaxed);
         let showing = self.showing.load(Ordering::Relaxed);
@@ -57,7 +57,7 @@ impl Visits {
         self.due.store(self.now() + whole_milliseconds(VISIT), Ordering::Relaxed);
     }
 
-    /// Returns the milliseconds that went into the picture itself.
+    /// Returns the milliseconds spent on the picture itself, without showing it.
     pub(super) fn traced(&self) -> f64 {
         (self.now() - self.showing.load(Ordering::Relaxed)) as f64
     }

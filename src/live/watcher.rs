@@ -1,12 +1,11 @@
-//! Notices changes in the contents of files.
+//! Detection of changes in the contents of files.
 //!
-//! Directories are watched, not files: an editor that saves by renaming puts another file in the place of the one that was
-//! watched. What the system tells is only taken as a hint to look: files are read, and their contents compared. Once every
-//! [`HEARTBEAT`] the files are looked after without any hint, for what the system does not tell: a folder that was away for a
-//! while, a link within the path, a queue that ran over.
+//! Directories are watched instead of files, since an editor that saves by renaming replaces the watched file. Events of the system only
+//! trigger a check: files are read, and their contents compared. Every [`HEARTBEAT`], the files are also checked without an event, for
+//! changes that the system does not report: a folder that was missing for a while, a link within the path, an overflowing queue.
 //!
-//! There is a quiet period of its own here and no debouncer before it: one that passes an event on when it is 25 ms old, as
-//! notify-debouncer-full does, does not wait for quiet, and its order of events matters to nobody who looks for himself.
+//! The watcher implements the quiet period itself, without a debouncer. A debouncer that passes an event on when it is 25 ms old, as
+//! notify-debouncer-full does, does not wait for quiet, and its ordering of events is irrelevant when contents are compared.
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -20,28 +19,28 @@ use notify::{Event, EventKind, RecommendedWatcher, RecursiveMode};
 
 use super::files::WatchedFiles;
 
-/// The time without any event after which a save is over.
+/// Time without events after which a save counts as complete.
 pub const QUIET: Duration = Duration::from_millis(25);
-/// The time after which files that never rest are looked at nevertheless.
+/// Time after which files that keep changing are checked nevertheless.
 const PATIENCE: Duration = Duration::from_millis(75);
-/// The time between looks of a caller who waits for a change.
+/// Interval between checks of a caller that waits for a change.
 const GLANCE: Duration = Duration::from_millis(5);
-/// The time between looks at the files if the system reports changes.
+/// Interval between checks of the files if the system reports changes.
 const HEARTBEAT: Duration = Duration::from_millis(500);
-/// The same if it does not.
+/// Interval between checks of the files if the system does not report changes.
 const POLL: Duration = Duration::from_millis(100);
 
-/// The way in which changes are noticed.
+/// The method of detecting changes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Watching {
-    /// The system reports them.
+    /// The system reports changes.
     #[default]
     Events,
-    /// The files are looked at ten times a second: for network mounts, whose systems report nothing.
+    /// The files are checked ten times a second, for network mounts, which report no changes.
     Polling,
 }
 
-/// Watches some files on a thread of its own, until it is dropped.
+/// A watcher of files, which runs on a separate thread until it is dropped.
 #[derive(Debug)]
 pub struct Watcher {
     files: Arc<Mutex<WatchedFiles>>,
@@ -52,13 +51,13 @@ pub struct Watcher {
 #[derive(Debug)]
 enum Message {
     Told(notify::Result<Event>),
-    /// Other files are to be watched.
+    /// The set of watched files has changed.
     WatchAgain,
     Stop,
 }
 
 impl Watcher {
-    /// Starts a watcher of no files yet, which calls `changed` once after every save that changes the content of any of them.
+    /// Starts a watcher without files. It calls `changed` once after every save that changes the content of a watched file.
     #[must_use]
     pub fn start(watching: Watching, changed: impl FnMut() + Send + 'static) -> Self {
         let (messages, inbox) = channel();
@@ -89,16 +88,16 @@ impl Watcher {
         Self { files, messages, thread: Some(thread) }
     }
 
-    /// Looks at the files, for a caller who is about to read them: earlier writes cause no call. Returns whether any content has
-    /// changed since the last look.
+    /// Checks the files for a caller that is about to read them, so that earlier writes cause no call. Returns whether any content has
+    /// changed since the last check.
     pub fn look(&self) -> bool {
         lock(&self.files).look()
     }
 
-    /// Waits for `time`, unless the files are being written; returns whether they were at rest.
+    /// Waits for `time`, or until the files are written. Returns whether they were unchanged.
     pub(super) fn stay(&self, time: Duration) -> bool {
         let start = Instant::now();
-        // The known contents may change in the meantime, on the watcher's thread.
+        // The watcher's thread may update the known contents in the meantime.
         let (stamps, touched) = {
             let files = lock(&self.files);
             (files.stamps(), files.are_touched())
@@ -112,13 +111,13 @@ impl Watcher {
         true
     }
 
-    /// Forgets the contents of the files: they could not be read, which may pass without any trace.
+    /// Discards the known contents of the files. They could not be read, which may change without any event.
     pub(super) fn doubt(&self) {
         lock(&self.files).forget();
     }
 
-    /// Watches these files from now on, whether they exist or not. They were read since `since`, and those already known after a
-    /// [`look`](Self::look); what has been written in the meantime is a change.
+    /// Watches these files from now on, whether they exist or not. They have been read since `since`, and those already known have been
+    /// read after a [`look`](Self::look). Writes in the meantime count as changes.
     pub fn follow(&self, files: &[PathBuf], since: SystemTime) {
         lock(&self.files).follow(files, since);
         let _ = self.messages.send(Message::WatchAgain);
@@ -146,12 +145,12 @@ struct Lookout {
     files: Arc<Mutex<WatchedFiles>>,
     /// The watched directories.
     watched: BTreeSet<PathBuf>,
-    /// The names of the files that matter.
+    /// Names of the watched files and of the links to them.
     names: BTreeSet<OsString>,
     changed: Box<dyn FnMut() + Send>,
 }
 
-/// The action after a message, or the lack of one.
+/// The action after a message.
 enum Hint {
     Nothing,
     Look,
@@ -197,14 +196,14 @@ impl Lookout {
             Message::Told(Err(_)) => Hint::Look,
             Message::WatchAgain => {
                 self.watch_again();
-                // They may have been written before they were watched.
+                // The files may have been written before they were watched.
                 self.look_after()
             }
             Message::Stop => Hint::Stop,
         }
     }
 
-    /// Returns whether an event concerns the files.
+    /// Returns the action for an event, which is a check if the event concerns the files.
     fn weigh(&mut self, event: &Event) -> Hint {
         if matches!(event.kind, EventKind::Access(_)) {
             return Hint::Nothing;
@@ -217,7 +216,7 @@ impl Lookout {
         if event.paths.iter().any(concerns) { Hint::Look } else { Hint::Nothing }
     }
 
-    /// Looks for changes that were not reported. After one the directories may be others, and are watched again.
+    /// Checks for changes that were not reported. After a change, the directories may differ and are watched again.
     fn look_after(&mut self) -> Hint {
         if !lock(&self.files).are_touched() {
             return Hint::Nothing;
@@ -226,7 +225,7 @@ impl Lookout {
         Hint::Look
     }
 
-    /// Watches the directories as they are now.
+    /// Watches the current directories of the files.
     fn watch_again(&mut self) {
         use notify::Watcher;
         let files = lock(&self.files);
