@@ -1,6 +1,5 @@
-//! The operators. Whole numbers and others mix freely: a whole number stays one where the result is whole and fits, except
-//! that `/` always divides as real numbers do. Lists of numbers of the same length are added, subtracted, multiplied and divided
-//! part by part, and with a number each part alike.
+//! Arithmetic operators. Integers and floating-point numbers mix: two integers give an integer if the result is integral and fits, except
+//! that `/` is always real division. Operators apply element by element to two lists of the same length, and to a list and a number.
 
 use rhai::{Dynamic, Engine, EvalAltResult, FLOAT, INT, ImmutableString};
 
@@ -52,7 +51,7 @@ impl Operator {
         self.unfit(left, right)
     }
 
-    /// Returns the result for whole operands, where it is whole and fits.
+    /// Returns the integer result for integer operands, if there is one that fits.
     fn whole(self, left: INT, right: INT) -> Option<INT> {
         match self {
             Self::Add => left.checked_add(right),
@@ -78,7 +77,7 @@ impl Operator {
         }
     }
 
-    /// Applies the operator to lists part by part.
+    /// Applies the operator element by element to two lists, or to a list and a number.
     fn parts(self, left: &Dynamic, right: &Dynamic) -> Outcome {
         let numbers = |value: &Dynamic| number(value).is_some();
         let lists = (left.as_array_ref(), right.as_array_ref());
@@ -112,7 +111,7 @@ impl Operator {
     }
 }
 
-/// Joins texts, or a text with a number or a flag.
+/// Concatenates two strings, or a string with a number or a Boolean.
 fn joined(left: &Dynamic, right: &Dynamic) -> Outcome {
     let text = format!("{}{}", text_of(left)?, text_of(right)?);
     if text.len() > limits::TEXT {
@@ -152,7 +151,8 @@ fn negative(value: &Dynamic) -> Outcome {
     }
 }
 
-/// Compares numbers by value, lists and maps part by part, and all else by kind and value.
+/// Compares numbers by value, lists and maps recursively, and strings, Booleans and `()` by type and value. Values of other types are
+/// unequal.
 pub(super) fn equal(left: &Dynamic, right: &Dynamic) -> bool {
     if let (Ok(left), Ok(right)) = (left.as_int(), right.as_int()) {
         return left == right;
@@ -202,7 +202,7 @@ pub(super) fn register(engine: &mut Engine) {
             failed(format!("`+` does not take {}", kind(&value)))
         }
     });
-    // For values within texts in backticks.
+    // Called by string interpolation.
     engine.register_fn("to_string", |number: FLOAT| number.to_string());
     engine.register_fn("to_string", |value: &mut Dynamic| {
         work::add(Extent::of(value).writing());

@@ -1,4 +1,4 @@
-//! The values that a script can read from the world.
+//! Script inputs: the time, the owner of the script, and the values of other channels.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -9,7 +9,7 @@ use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, NativeCallContext, P
 use super::positions::span_of;
 use super::{Data, work};
 
-/// The moment and the owner of a script, as it reads them.
+/// The inputs of a script: the time, its owner, and the known values of other channels.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ScriptContext {
     seconds: f64,
@@ -23,18 +23,18 @@ pub(crate) struct ScriptContext {
     values: HashMap<(ImmutableString, ImmutableString), Dynamic>,
 }
 
-/// A value that a script reads: `value("ball", "Radius")`.
+/// A value that a script reads, as in `value("ball", "Radius")`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Read {
-    /// The name of what has the value.
+    /// Name of the owner of the channel.
     pub(crate) target: String,
-    /// The name of the channel.
+    /// Name of the channel.
     pub(crate) channel: String,
-    /// The place of the read, in bytes of the script's text.
+    /// Byte range of the function name of the call in the script's text.
     pub(crate) span: Range<usize>,
 }
 
-/// A read that could not be answered, as an error holds it.
+/// A read of an unknown value, as stored in the error that stops the script.
 #[derive(Clone, Debug)]
 struct Wish {
     target: String,
@@ -43,23 +43,23 @@ struct Wish {
 }
 
 impl ScriptContext {
-    /// The names of the values that scripts are given.
+    /// Names of the variables provided to scripts.
     pub(super) const NAMES: [&'static str; 7] = ["t", "frame", "fps", "duration", "index", "name", "base"];
 
-    /// Creates a context at the start of a timeline with `fps` frames per second and `duration` seconds.
+    /// Creates a context at the start of a timeline of `duration` seconds with `fps` frames per second.
     #[must_use]
     pub(crate) fn new(fps: f64, duration: f64) -> Self {
         Self { fps, duration, ..Self::default() }
     }
 
-    /// Sets the owner of the script: its `index`, its `name`, and the value `base` that its channel has without the script.
+    /// Sets the owner of the script: its `index`, its `name`, and `base`, the value of its channel without the script.
     pub(crate) fn belong(&mut self, index: u64, name: &str, base: Data) {
         self.index = index;
         self.name = ImmutableString::from(name).into();
         self.base = base.into_dynamic();
     }
 
-    /// Moves to another moment, in seconds and in frames with a fraction, and forgets all values of other channels.
+    /// Sets the time, in seconds and in fractional frames, and discards all values of other channels.
     pub(crate) fn turn_to(&mut self, seconds: f64, frame: f64) {
         (self.seconds, self.frame) = (seconds, frame);
         self.forget();
@@ -75,17 +75,17 @@ impl ScriptContext {
         self.work = work;
     }
 
-    /// Forgets all values of other channels.
+    /// Discards all values of other channels.
     pub(crate) fn forget(&mut self) {
         self.values.clear();
     }
 
-    /// Stores the value of another channel, which answers its reads from now on.
+    /// Stores the value of another channel for subsequent reads.
     pub(crate) fn know(&mut self, read: &Read, value: Data) {
         self.values.insert((read.target.as_str().into(), read.channel.as_str().into()), value.into_dynamic());
     }
 
-    /// Returns the value of a name.
+    /// Returns the value of a provided variable, or `None` for any other name.
     #[expect(clippy::cast_possible_wrap, reason = "there are far fewer entities")]
     fn named(&self, name: &str) -> Option<Dynamic> {
         Some(match name {
@@ -102,7 +102,7 @@ impl ScriptContext {
 }
 
 thread_local! {
-    /// The context of the script that runs on this thread; the functions of the language are shared by all scripts.
+    /// Context of the script that runs on this thread. The registered functions read it from here, since all scripts share them.
     static CURRENT: RefCell<ScriptContext> = RefCell::default();
 }
 
@@ -114,7 +114,7 @@ pub(super) fn within<R>(context: &mut ScriptContext, run: impl FnOnce() -> R) ->
     result
 }
 
-/// Returns the read that ended a script, if its error is an unanswered read.
+/// Returns the read that stopped a script, if the error is a read of an unknown value.
 pub(super) fn unanswered(text: &str, error: &EvalAltResult) -> Option<Read> {
     match error {
         EvalAltResult::ErrorInFunctionCall(_, _, inner, _) => unanswered(text, inner),

@@ -1,4 +1,4 @@
-//! The values of scripts: plain data, and animated values as data.
+//! Script values, and their conversion from and to animated values.
 
 use glam::{DVec3, Vec3};
 use rhai::{Dynamic, FnPtr, ImmutableString};
@@ -8,24 +8,24 @@ use crate::animation::limits::{LARGEST, MOST_LIGHT};
 use crate::animation::{Notation, Rotation, Value};
 use crate::color::Transfer;
 
-/// A value that a script gives or is given.
+/// A value returned by a script or passed to it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Data {
-    /// `()`: a script whose last statement is not an expression gives it.
+    /// `()`, the result of a script whose last statement is not an expression.
     Nothing,
-    /// True or false.
+    /// A Boolean.
     Flag(bool),
-    /// Any finite number.
+    /// A finite floating-point number.
     Number(f64),
-    /// A whole number that is written as one.
+    /// An integer.
     Whole(i64),
-    /// A text.
+    /// A string.
     Text(String),
     /// `[a, b, c]`.
     List(Vec<Data>),
-    /// `#{ name: value }`, in the order of the names.
+    /// `#{ name: value }`, ordered by name.
     Map(Vec<(String, Data)>),
-    /// Something that is no data, by its kind.
+    /// A value of any other type, with the name of the type.
     Other(&'static str),
 }
 
@@ -66,7 +66,7 @@ impl Data {
         }
     }
 
-    /// Returns the bytes of all texts in the value.
+    /// Returns the total length in bytes of all strings in the value, without map keys.
     pub(super) fn text_length(&self) -> usize {
         match self {
             Self::Text(text) => text.len(),
@@ -76,7 +76,7 @@ impl Data {
         }
     }
 
-    /// Describes the value in words, as `a list of 2 values`.
+    /// Describes the value, for example as `a list of 2 values`.
     #[must_use]
     pub(crate) fn description(&self) -> String {
         match self {
@@ -102,13 +102,13 @@ impl Data {
         }
     }
 
-    /// Returns the first part of a list that is no number.
+    /// Returns the first element of a list that is not a number.
     fn odd_part(&self) -> Option<&Self> {
         let Self::List(list) = self else { return None };
         list.iter().find(|part| part.number().is_none())
     }
 
-    /// Returns the numbers of a list of `COUNT` numbers.
+    /// Returns the elements of a list of exactly `COUNT` numbers.
     fn numbers<const COUNT: usize>(&self) -> Option<[f64; COUNT]> {
         let Self::List(list) = self else { return None };
         let numbers: Vec<f64> = list.iter().map(Self::number).collect::<Option<_>>()?;
@@ -122,7 +122,7 @@ impl From<[f64; 3]> for Data {
     }
 }
 
-/// Returns the kind of a value as messages call it.
+/// Returns the name of a value's type as used in messages.
 pub(super) fn kind(value: &Dynamic) -> &'static str {
     if number(value).is_some() {
         "a number"
@@ -162,9 +162,9 @@ impl Notation {
         }
     }
 
-    /// Converts the result of a script to an animated value. `None` if it is not of the expected form.
+    /// Converts the result of a script to an animated value, or returns `None` if the result does not have the expected form.
     ///
-    /// Colours are held to 0..=255, light to 0..=1e30.
+    /// Colours are clamped to 0..=255, light to 0..=1e30.
     #[must_use]
     pub(crate) fn value(self, data: &Data, transfer: Transfer) -> Option<Value> {
         let within = |number: &f64| number.abs() <= LARGEST;
@@ -186,7 +186,7 @@ impl Notation {
         })
     }
 
-    /// Returns the message for data of another form than expected, and the remedy where it is known.
+    /// Returns the error message for data that does not have the expected form, and the remedy if there is one.
     #[must_use]
     pub(crate) fn mismatch(self, data: &Data) -> (String, Option<&'static str>) {
         let message = match data.odd_part().filter(|_| !matches!(self, Self::Number | Self::Degrees)) {
@@ -206,7 +206,7 @@ impl Notation {
         (message, help)
     }
 
-    /// Converts an animated value to data; a rotation becomes a quaternion.
+    /// Converts an animated value to data. Rotations become quaternions.
     #[must_use]
     pub(crate) fn data(self, value: Value, transfer: Transfer) -> Data {
         match (self, value) {
@@ -232,7 +232,7 @@ fn light(numbers: DVec3) -> Vec3 {
     numbers.clamp(DVec3::ZERO, DVec3::splat(MOST_LIGHT)).as_vec3()
 }
 
-/// Reads a colour written as `#rrggbb`.
+/// Parses a colour in the form `#rrggbb`.
 fn hexadecimal(data: &Data) -> Option<[f64; 3]> {
     let Data::Text(text) = data else { return None };
     let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6)?;

@@ -1,4 +1,4 @@
-//! The error of a script, with its place.
+//! Script errors and their positions.
 
 use std::ops::Range;
 
@@ -9,18 +9,18 @@ use super::positions::span_of;
 use super::vocabulary::{Known, Purpose};
 use super::wording::{Told, function_name, shortened};
 
-/// A mistake in a script's text, or one that shows when it runs.
+/// A compile-time or run-time error of a script.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct ScriptError {
-    /// The mistake.
+    /// The error message.
     pub(crate) message: String,
-    /// The remark at the marked place.
+    /// Annotation of the marked span.
     pub(crate) label: String,
-    /// The remedy, where it is known.
+    /// The remedy, if there is one.
     pub(crate) help: Option<String>,
-    /// The unknown name, and the known ones, if that is the mistake.
+    /// The unknown name and the known ones, if the error is an unknown name.
     pub(crate) unknown: Option<Box<Unknown>>,
-    /// The marked place, in bytes of the script's text.
+    /// The marked byte range of the script's text.
     pub(crate) span: Range<usize>,
 }
 
@@ -29,14 +29,14 @@ pub(crate) struct ScriptError {
 pub(crate) struct Unknown {
     /// The name.
     pub(crate) name: String,
-    /// The kind of thing that it would name, in the plural.
+    /// The kind of item that the name should refer to, in the plural.
     pub(crate) kind: &'static str,
-    /// The names that are known.
+    /// The known names.
     pub(crate) known: Vec<String>,
 }
 
 impl ScriptError {
-    /// Creates an error that is not about one place in the text.
+    /// Creates an error that marks the whole text.
     #[must_use]
     pub(crate) fn whole(
         text: &str,
@@ -90,7 +90,8 @@ impl ScriptError {
         Self::unknown(text, position, format!("nothing is called `{}`", shortened(name)), unknown, purpose)
     }
 
-    /// Creates the error of an unknown name. One that scripts with another purpose know is not taken for mistyped.
+    /// Creates the error for an unknown name. If scripts with the other purpose know the name, the error says so and lists no known
+    /// names.
     fn unknown(text: &str, position: Position, message: String, unknown: Unknown, purpose: Purpose) -> Self {
         let help = purpose.elsewhere(&unknown.name).map(str::to_owned);
         let unknown = help.is_none().then(|| unknown.into());
@@ -122,7 +123,7 @@ impl ScriptError {
     }
 }
 
-/// Returns the error in the function that was called last.
+/// Returns the innermost error that has a position.
 fn innermost(error: &EvalAltResult) -> &EvalAltResult {
     match error {
         EvalAltResult::ErrorInFunctionCall(_, _, inner, _) if inner.position() != Position::NONE => {

@@ -1,4 +1,4 @@
-//! The language: Rhai with a library of its own, and without access to anything outside.
+//! The scripting language: Rhai with a custom library and without access to the outside.
 
 use std::cell::Cell;
 use std::collections::HashSet;
@@ -12,11 +12,11 @@ use super::wording::LONG_HEAD;
 use super::{Data, ScriptError, arithmetic, context, limits, lists, maths, noise, work};
 use crate::color::Transfer;
 
-/// Compiles and runs scripts.
+/// The compiler and interpreter of scripts.
 pub(crate) struct Language {
     parser: Engine,
     engine: Engine,
-    /// The names given to scripts from outside; their values do not matter while a script is compiled.
+    /// Names provided to scripts. Their values are irrelevant during compilation.
     outside: Scope<'static>,
 }
 
@@ -25,7 +25,7 @@ pub(crate) struct Language {
 pub(crate) struct Script {
     text: String,
     pub(super) ast: AST,
-    /// The names of its own functions.
+    /// Names of the functions that the script defines.
     functions: Vec<String>,
     purpose: Purpose,
 }
@@ -33,24 +33,24 @@ pub(crate) struct Script {
 /// The compiled scripts of a scene.
 #[derive(Debug)]
 pub(crate) struct CompiledScripts {
-    /// The language that runs them.
+    /// The language that runs the scripts.
     pub(crate) language: Language,
     /// All scripts.
     pub(crate) list: Vec<Script>,
-    /// The uses of scripts: the index of each one's script, and the prefix of the names of entities that it reads.
+    /// Uses of scripts: the index of the script in `list`, and the prefix of the entity names that it reads.
     pub(crate) uses: Vec<(usize, String)>,
-    /// The conversion of their colours to light.
+    /// Transfer function for colours in scripts.
     pub(crate) transfer: Transfer,
 }
 
 impl CompiledScripts {
-    /// Creates an empty list of scripts.
+    /// Creates a collection without scripts.
     #[must_use]
     pub(crate) fn new(language: Language, transfer: Transfer) -> Self {
         Self { language, list: Vec::new(), uses: Vec::new(), transfer }
     }
 
-    /// Returns the script of a use, and the prefix of the names that it reads.
+    /// Returns the script of the use with index `place`, and the prefix of the names that it reads.
     #[must_use]
     pub(crate) fn used(&self, place: usize) -> Option<(&Script, &str)> {
         let (script, prefix) = self.uses.get(place)?;
@@ -58,17 +58,17 @@ impl CompiledScripts {
     }
 }
 
-/// The reason why a script has no result.
+/// The reason a script has no result.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Stop {
-    /// An error.
+    /// The script failed.
     Error(Box<ScriptError>),
-    /// It reads a value that is not [known](ScriptContext::know), and is to be run again when it is.
+    /// The script reads a value that is not [known](ScriptContext::know). It has to be run again once the value is known.
     Needs(Read),
 }
 
 impl Language {
-    /// Creates the language, with random functions of the given seed.
+    /// Creates the language with random functions seeded by `seed`.
     #[must_use]
     pub(crate) fn new(seed: u64) -> Self {
         let mut engine = bare_engine();
@@ -78,11 +78,11 @@ impl Language {
         Self { parser: parser(Purpose::Drive), engine, outside: outside(&ScriptContext::NAMES) }
     }
 
-    /// Reads a script: an expression, or statements of which the last is one.
+    /// Compiles a script: an expression, or statements that end with an expression.
     ///
     /// # Errors
     ///
-    /// If it is not one.
+    /// If the text is not a valid script.
     pub(crate) fn compile(&self, text: &str) -> Result<Script, ScriptError> {
         compile(&self.parser, &self.outside, Purpose::Drive, text)
     }
@@ -91,7 +91,7 @@ impl Language {
     ///
     /// # Errors
     ///
-    /// If it goes wrong, or reads what is not known yet.
+    /// If the script fails, or reads a value that is not known yet.
     pub(crate) fn run(&self, script: &Script, context: &mut ScriptContext) -> Result<Data, Stop> {
         work::start();
         let result =
@@ -162,7 +162,7 @@ pub(super) fn compile(
     }
 }
 
-/// Finds the first number beyond the range of numbers.
+/// Returns the position of the first number literal that is too large to be finite.
 fn endless_number(ast: &AST) -> Option<Position> {
     let mut endless = None;
     ast.walk(&mut |path| {
@@ -176,13 +176,13 @@ fn endless_number(ast: &AST) -> Option<Position> {
     endless
 }
 
-/// A mistaken call.
+/// An invalid call.
 enum Call {
     Unknown(String),
     Long(String),
 }
 
-/// Finds the first call of an unknown function or with too many values, also where it would not be reached when the script runs.
+/// Finds the first call of an unknown function or with too many arguments, including calls that would never run.
 fn bad_call(ast: &AST, known: &Known<'_>) -> Option<(Call, Position)> {
     let names: HashSet<&str> = known.names().collect();
     let mut bad = None;
@@ -210,7 +210,7 @@ fn bad_call(ast: &AST, known: &Known<'_>) -> Option<(Call, Position)> {
     bad
 }
 
-/// Creates the engine that compiles scripts: what may be in them, and the limits of their text.
+/// Creates the engine that compiles scripts, with the permitted syntax and the limits of the text.
 pub(super) fn parser(purpose: Purpose) -> Engine {
     let mut engine = Engine::new_raw();
     engine
@@ -220,7 +220,7 @@ pub(super) fn parser(purpose: Purpose) -> Engine {
         .set_max_expr_depths(limits::NESTING, limits::NESTING_IN_FUNCTIONS)
         .set_max_functions(limits::FUNCTIONS)
         .set_max_string_size(limits::TEXT)
-        // Rhai counts one value more before it sees the end of a literal.
+        // Rhai counts one element too many before it reaches the end of a literal.
         .set_max_array_size(limits::LIST + 1)
         .set_max_map_size(limits::MAP + 1);
     for symbol in [
@@ -238,14 +238,14 @@ pub(super) fn parser(purpose: Purpose) -> Engine {
     ] {
         engine.disable_symbol(symbol);
     }
-    // Refused before the script runs, since many variables take long to compile.
+    // Checked during compilation, since many variables take long to compile.
     #[expect(deprecated, reason = "marked so because it may change, not because it will go")]
     engine.on_def_var(|_, variable, context| {
         Ok(variable.will_shadow || context.scope().len() < limits::VARIABLES)
     });
     #[expect(deprecated, reason = "marked so because it may change, not because it will go")]
     engine.on_parse_token(move |token, _, _| match token {
-        // Rhai reserves the word.
+        // `spawn` is a reserved word of Rhai.
         Token::Reserved(word) if *word == "spawn" && purpose == Purpose::Spawn => Token::Identifier(word),
         token if is_endless_head(&token) => Token::LexError(LexError::Runtime(LONG_HEAD.to_owned()).into()),
         token => token,
@@ -254,12 +254,12 @@ pub(super) fn parser(purpose: Purpose) -> Engine {
 }
 
 thread_local! {
-    /// The commas since the head of a function began in the text that is read on this thread.
+    /// Number of commas in the function head that is being parsed on this thread; `None` outside function heads.
     static COMMAS: Cell<Option<usize>> = const { Cell::new(None) };
 }
 
-/// Returns whether a token makes the head of a function too long to be called. Rhai would compare all its parameters with each
-/// other before refusing it.
+/// Returns whether a token gives a function head more than [`limits::ARGUMENTS`] commas, so that no call can match it. Rhai would compare
+/// all pairs of parameters before rejecting the head.
 fn is_endless_head(token: &Token) -> bool {
     let commas = match token {
         Token::Fn => Some(0),
@@ -271,7 +271,7 @@ fn is_endless_head(token: &Token) -> bool {
     commas.is_some_and(|commas| commas > limits::ARGUMENTS)
 }
 
-/// Creates the engine that runs scripts: limits, operators and functions, without randomness and context.
+/// Creates the engine that runs scripts, with limits, operators and functions, but without randomness and context.
 pub(super) fn bare_engine() -> Engine {
     let mut engine = Engine::new_raw();
     engine

@@ -1,42 +1,41 @@
-//! The limits of a script. Together they bound time and memory: a run holds at most [`VARIABLES`] values, each of them at most
-//! [`LIST`] numbers and [`TEXT`] bytes of text, in each of [`CALLS`] calls; copying a value, and going through one, counts as
-//! operations too.
+//! Limits of scripts. Together they bound time and memory: each of at most [`CALLS`] nested calls holds at most [`VARIABLES`] values,
+//! each with at most [`LIST`] numbers and [`TEXT`] bytes of text. Copying and traversing values also count as operations.
 
-/// The most operations of a channel's script in one run: some hundredths of a second.
+/// Maximum number of operations in one run of a channel's script: a few hundredths of a second.
 pub(crate) const OPERATIONS: u64 = 100_000;
-/// The most operations of a channel's script at a moment in all runs that end at a value that is not known yet.
+/// Maximum number of operations of a channel's script at one moment, summed over the runs that stop at a value that is not known yet.
 pub(crate) const OPERATIONS_UNTIL_KNOWN: u64 = 1_000_000;
-/// The most operations of a script that spawns, before those that its entities add.
+/// Maximum number of operations of a spawning script without entities. Each entity adds [`OPERATIONS_PER_ENTITY`].
 pub(crate) const SPAWNING_OPERATIONS: u64 = 200_000;
-/// The operations added for each spawned entity whose name no other has.
+/// Operations added to the limit for each spawned entity, unless another entity has its name.
 pub(crate) const OPERATIONS_PER_ENTITY: u64 = 100;
-/// The most operations of a script that spawns, however many entities it has.
+/// Maximum number of operations of a spawning script with any number of entities.
 pub(crate) const MOST_SPAWNING_OPERATIONS: u64 = 40_000_000;
-/// The operations that refusing an entity counts as: as many as an accepted one adds.
+/// Operations charged for a rejected entity: as many as an accepted entity adds to the limit.
 pub(super) const REFUSAL: usize = 100;
-/// The operations that a failure counts as, since a script may catch it.
+/// Operations charged for an error, since a script can catch it.
 pub(super) const FAILURE: usize = 10;
-/// The most entities that the scripts of a scene spawn.
+/// Maximum number of entities spawned by the scripts of a scene.
 pub(crate) const ENTITIES: u64 = 1_000_000;
-/// The most bytes of text in all of these, names included: 64 for each of them.
+/// Maximum total size in bytes of the strings in all spawned entities, names included: 64 per entity.
 pub(crate) const SPAWNED_TEXT: u64 = 64 << 20;
-/// The longest script, in bytes: reading one takes up to the square of its length.
+/// Maximum length of a script in bytes. Reading a script can take quadratic time.
 pub(crate) const SCRIPT: usize = 1 << 16;
-/// The longest text, in bytes, also of all texts in a list or a map together.
+/// Maximum length of a string in bytes, and of all strings in a list or a map together.
 pub(crate) const TEXT: usize = 4096;
-/// The most values in a list, with those of the lists in it.
+/// Maximum number of values in a list, including the values of nested lists.
 pub(crate) const LIST: usize = 256;
-/// The most values in a map, with those of the maps in it.
+/// Maximum number of values in a map, including the values of nested maps.
 pub(crate) const MAP: usize = 32;
-/// The most variables at a time.
+/// Maximum number of variables at a time.
 pub(crate) const VARIABLES: usize = 128;
-/// The most values that a function is called with.
+/// Maximum number of arguments of a call.
 pub(crate) const ARGUMENTS: usize = 16;
-/// The most functions in a script.
+/// Maximum number of functions in a script.
 pub(crate) const FUNCTIONS: usize = 256;
-/// The greatest depth of calls.
+/// Maximum depth of nested calls.
 pub(crate) const CALLS: usize = 32;
-/// The greatest depth of nested expressions.
+/// Maximum depth of nested expressions outside functions.
 pub(crate) const NESTING: usize = 64;
-/// The greatest depth of nested expressions in functions.
+/// Maximum depth of nested expressions in functions.
 pub(crate) const NESTING_IN_FUNCTIONS: usize = 32;

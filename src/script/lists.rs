@@ -1,4 +1,4 @@
-//! Lists, and lists of numbers as vectors.
+//! Functions of lists, and of lists of numbers as vectors.
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, FLOAT, INT, ImmutableString, Map};
 
@@ -8,7 +8,7 @@ use super::maths::argument;
 use super::outcome::{Outcome, failed, finite};
 use super::{limits, work};
 
-/// Returns the numbers of a list.
+/// Returns the elements of a list of numbers.
 fn numbers(function: &str, value: &Dynamic) -> Result<Vec<FLOAT>, Box<EvalAltResult>> {
     match value.as_array_ref() {
         Ok(list) => {
@@ -79,7 +79,7 @@ fn sum(list: &Dynamic) -> Outcome {
     finite(numbers("sum", list)?.iter().sum())
 }
 
-/// The numbers `from + i step` for every i from 0, up to but without `to`.
+/// The numbers `from + i step` for i = 0, 1, 2, ..., up to `to`, exclusive.
 #[derive(Clone, Debug)]
 struct Numbers {
     from: FLOAT,
@@ -110,7 +110,7 @@ impl Iterator for Numbers {
     }
 }
 
-/// Registers ranges whose numbers need not be whole.
+/// Registers ranges of numbers that need not be integers.
 fn register_range(engine: &mut Engine) {
     engine.register_iterator::<Numbers>();
     engine.register_fn("range", |from: Dynamic, to: Dynamic| Numbers::between(&from, &to, 1.0));

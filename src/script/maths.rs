@@ -1,4 +1,4 @@
-//! Functions of numbers, by libm, so that their bits do not depend on the platform.
+//! Numeric functions, computed by libm so that their results are bit-identical on all platforms.
 
 use std::f64::consts::{E, PI, TAU};
 
@@ -8,10 +8,10 @@ use super::data::kind;
 use super::outcome::{Outcome, failed, finite, number};
 use super::work;
 
-/// The named constants.
+/// Names and values of the constants.
 pub(super) const CONSTANTS: [(&str, FLOAT); 3] = [("pi", PI), ("tau", TAU), ("e", E)];
 
-/// Returns a function's argument as a number.
+/// Returns an argument of a function as a number.
 pub(super) fn argument(function: &str, value: &Dynamic) -> Result<FLOAT, Box<rhai::EvalAltResult>> {
     match number(value) {
         Some(number) => Ok(number),
@@ -42,7 +42,7 @@ const UNARY: [(&str, Unary); 15] = [
     ("fract", |x| x - libm::floor(x)),
 ];
 
-/// The functions whose results are whole numbers, as far as these reach.
+/// Functions with integer results, up to a magnitude of 2^53.
 const ROUNDING: [(&str, Unary); 4] =
     [("floor", libm::floor), ("ceil", libm::ceil), ("round", libm::round), ("trunc", libm::trunc)];
 
@@ -86,7 +86,7 @@ fn clamp(x: FLOAT, low: FLOAT, high: FLOAT) -> Outcome {
     finite(x.clamp(low, high))
 }
 
-/// Interpolates linearly between numbers, or between lists part by part.
+/// Interpolates linearly between two numbers, or element by element between two lists.
 fn mix(from: &Dynamic, to: &Dynamic, share: FLOAT) -> Outcome {
     if let (Some(from), Some(to)) = (number(from), number(to)) {
         return finite(from * (1.0 - share) + to * share);
@@ -105,7 +105,7 @@ fn mix(from: &Dynamic, to: &Dynamic, share: FLOAT) -> Outcome {
     }
 }
 
-/// Computes a logarithm; that of 0 is an error.
+/// Computes a logarithm; returns an error for 0.
 fn logarithm(function: Unary, x: FLOAT) -> Outcome {
     if x == 0.0 {
         return failed(
@@ -127,7 +127,7 @@ fn abs(value: &Dynamic) -> Outcome {
     finite(argument("abs", value)?.abs())
 }
 
-/// Returns the first of the values than which none is better.
+/// Returns the best of the values, the first one among equals.
 fn extreme(name: &'static str, values: &[Dynamic], better: fn(FLOAT, FLOAT) -> bool) -> Outcome {
     work::add(values.len());
     let mut best: Option<(FLOAT, &Dynamic)> = None;

@@ -1,12 +1,12 @@
-//! Scripts in scenes: the language of [`scene::language`](crate::scene::language), compiled and run within limits.
+//! Scripts in scenes, written in the language of [`scene::language`](crate::scene::language), compiled and run with limits.
 //!
 //! | | |
 //! |---|---|
 //! | [`Language`] | compiles and runs scripts |
-//! | [`ScriptContext`] | the values that a script can read: the time, its entity, other channels |
-//! | [`Data`] | the result of a script; [`Notation`](crate::animation::Notation) makes an animated value of it |
-//! | [`run_spawning`] | runs a script that spawns |
-//! | [`ScriptError`] | the error of a script, with its place |
+//! | [`ScriptContext`] | the inputs of a script: the time, its entity, other channels |
+//! | [`Data`] | the result of a script; [`Notation`](crate::animation::Notation) converts it to an animated value |
+//! | [`run_spawning`] | runs a script that spawns entities |
+//! | [`ScriptError`] | the error of a script, with its position |
 //! | [`limits`] | the limits of a script |
 
 mod arithmetic;

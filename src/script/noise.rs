@@ -1,11 +1,11 @@
-//! Randomness without state: pure functions of their arguments and a seed.
+//! Stateless randomness: pure functions of their arguments and a seed.
 
 use rhai::{Dynamic, Engine, FLOAT};
 
 use super::maths::argument;
 use super::outcome::finite;
 
-/// Scrambles a number: the finalizer of SplitMix64 (Steele, Lea and Flood, "Fast Splittable Pseudorandom Number Generators",
+/// Mixes the bits of a number by the finalizer of SplitMix64 (Steele, Lea and Flood, "Fast Splittable Pseudorandom Number Generators",
 /// 2014).
 fn mixed(mut bits: u64) -> u64 {
     bits = bits.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -14,19 +14,19 @@ fn mixed(mut bits: u64) -> u64 {
     bits ^ (bits >> 31)
 }
 
-/// Hashes numbers. Equal ones have equal hashes, 0 and -0 too.
+/// Hashes numbers. Equal numbers have equal hashes, including 0 and -0.
 fn hash<const COUNT: usize>(seed: u64, numbers: [FLOAT; COUNT]) -> u64 {
     numbers.into_iter().fold(mixed(seed ^ COUNT as u64), |key, number| mixed(key ^ (number + 0.0).to_bits()))
 }
 
-/// Returns a uniformly distributed number in 0..1, without 1.
+/// Returns a uniformly distributed number in [0, 1).
 #[expect(clippy::cast_precision_loss, reason = "53 bits are exact")]
 fn random<const COUNT: usize>(seed: u64, numbers: [FLOAT; COUNT]) -> FLOAT {
     (hash(seed, numbers) >> 11) as FLOAT / (1_u64 << 53) as FLOAT
 }
 
-/// Computes gradient noise from -1 to 1, 0 at whole numbers (Perlin, "Improving Noise", SIGGRAPH 2002): its first two derivatives
-/// are continuous. In N dimensions gradients of length 1 give at most sqrt(N) / 2, by which it is scaled.
+/// Computes gradient noise in [-1, 1] that is 0 at integers (Perlin, "Improving Noise", SIGGRAPH 2002). Its first two derivatives are
+/// continuous. In N dimensions, gradients of length 1 give at most sqrt(N) / 2; the sum is divided by this bound.
 fn noise<const COUNT: usize>(
     seed: u64,
     at: [FLOAT; COUNT],
@@ -50,13 +50,13 @@ fn noise<const COUNT: usize>(
     (sum * 2.0 / libm::sqrt(COUNT as FLOAT)).clamp(-1.0, 1.0)
 }
 
-/// Returns the product of a place with a gradient from -1 to 1.
+/// Returns the product of an offset with a gradient in [-1, 1].
 #[expect(clippy::cast_precision_loss, reason = "53 bits are exact")]
 fn slope(key: u64, [x]: [FLOAT; 1]) -> FLOAT {
     ((key >> 11) as FLOAT / (1_u64 << 52) as FLOAT - 1.0) * x
 }
 
-/// Returns the product of a place with one of eight directions.
+/// Returns the dot product of an offset with one of eight directions.
 fn in_plane(key: u64, [x, y]: [FLOAT; 2]) -> FLOAT {
     use std::f64::consts::FRAC_1_SQRT_2 as HALF;
     match key >> 61 {
@@ -71,7 +71,7 @@ fn in_plane(key: u64, [x, y]: [FLOAT; 2]) -> FLOAT {
     }
 }
 
-/// Returns the product of a place with one of the twelve directions from a cube's centre to the middles of its edges.
+/// Returns the dot product of an offset with one of the twelve directions from the centre of a cube to the midpoints of its edges.
 fn in_space(key: u64, [x, y, z]: [FLOAT; 3]) -> FLOAT {
     let (a, b) = match key % 3 {
         0 => (x, y),
@@ -105,7 +105,7 @@ pub(super) fn register(engine: &mut Engine, seed: u64) {
 mod tests {
     use super::*;
 
-    /// The noise's three kinds along a line that meets no symmetry of the grid.
+    /// Evaluates the three kinds of noise along a line that meets no symmetry of the grid.
     fn along(seed: u64, s: FLOAT) -> [FLOAT; 3] {
         [
             noise(seed, [s], slope),
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn the_bound_is_reached_nowhere_but_in_the_middle_of_a_cell() {
-        // The largest possible sum of weights times distances, for gradients that all point to the place.
+        // The largest possible sum of weights times distances, reached if all gradients point to the sample point.
         for (x, y, z) in (0..=20).flat_map(|x| (0..=20).flat_map(move |y| (0..=20).map(move |z| (x, y, z)))) {
             let at = [x, y, z].map(|part| f64::from(part) / 20.0);
             let fade = at.map(|u| u * u * u * (u * (6.0 * u - 15.0) + 10.0));

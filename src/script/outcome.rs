@@ -1,4 +1,4 @@
-//! The outcome of a script's functions: a value, or an error.
+//! Results of script functions: a value, or an error.
 
 use rhai::{Dynamic, EvalAltResult, FLOAT, Position};
 
@@ -6,7 +6,7 @@ use super::{limits, work};
 
 pub(super) type Outcome = Result<Dynamic, Box<EvalAltResult>>;
 
-/// Returns an error at the place of the call. A second line of the message is the remedy.
+/// Returns an error at the position of the call. A second line of the message is the remedy.
 pub(super) fn failed<T>(message: impl Into<String>) -> Result<T, Box<EvalAltResult>> {
     work::add(limits::FAILURE);
     Err(EvalAltResult::ErrorArithmetic(message.into(), Position::NONE).into())
@@ -25,7 +25,7 @@ pub(super) fn finite(value: FLOAT) -> Outcome {
     Ok(Dynamic::from_float(value))
 }
 
-/// Returns the number that a value is, whole or not.
+/// Returns the value of an integer or floating-point number.
 #[expect(
     clippy::cast_precision_loss,
     reason = "whole numbers beyond 2^53 round, as any number in a file does"

@@ -1,10 +1,10 @@
-//! Places in a script's text, from Rhai's lines and columns.
+//! Byte offsets in a script's text, from Rhai's lines and columns.
 
 use std::ops::Range;
 
 use rhai::Position;
 
-/// Returns the span of the token at a position. Without a position, it is the whole text, except for the space around it.
+/// Returns the byte range of the token at a position. Without a position, returns the whole text except surrounding whitespace.
 pub(super) fn span_of(text: &str, position: Position) -> Range<usize> {
     match byte_of(text, position) {
         Some(start) => start..token_end(text, start),
@@ -12,7 +12,7 @@ pub(super) fn span_of(text: &str, position: Position) -> Range<usize> {
     }
 }
 
-/// Returns the byte at a position. Lines and columns count from 1, columns in characters.
+/// Returns the byte offset of a position. Lines and columns count from 1, columns in characters.
 fn byte_of(text: &str, position: Position) -> Option<usize> {
     let line_start = match position.line()? {
         0 | 1 => 0,
@@ -24,7 +24,7 @@ fn byte_of(text: &str, position: Position) -> Option<usize> {
     Some((line_start + offset).min(text.len()))
 }
 
-/// Returns the end of the name, number, text or sign that starts at a byte.
+/// Returns the end of the name, number or single character that starts at byte `start`.
 fn token_end(text: &str, start: usize) -> usize {
     let rest = &text[start..];
     let is_word = |character: char| character.is_alphanumeric() || character == '_';

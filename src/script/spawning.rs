@@ -15,18 +15,18 @@ use super::{Data, ScriptError, language, limits, noise, work};
 /// A spawned entity: a map that mirrors an entity of the file format.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Spawned {
-    /// The map.
+    /// The map passed to `spawn`.
     pub(crate) entity: Data,
-    /// The place of the call of `spawn`, in bytes of the script's text.
+    /// Byte offset of the call of `spawn` in the script's text.
     pub(crate) at: usize,
 }
 
-/// The amount that the scripts of a scene may yet spawn.
+/// The remaining spawning budget of the scripts of a scene.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SpawnBudget {
-    /// The number of entities.
+    /// Number of entities.
     pub(crate) entities: u64,
-    /// The bytes of text in them.
+    /// Bytes of text in the entities.
     pub(crate) text: u64,
 }
 
@@ -56,12 +56,12 @@ impl SpawnBudget {
     }
 }
 
-/// Runs a script that calls `spawn(#{ .. })`, and gives all that it spawns to `take`, in this order. An entity that `take`
-/// refuses is an error at the call; a second line of its message is the remedy. Spawned entities are deducted from `budget`.
+/// Runs a script that calls `spawn(#{ .. })`, and passes all spawned entities to `take` in order. If `take` rejects an entity, the call
+/// fails with the returned message; its second line, if any, is the remedy. Spawned entities are deducted from `budget`.
 ///
 /// # Errors
 ///
-/// If the text is not a script, or it goes wrong.
+/// If the text is not a valid script, or if the script fails.
 pub(crate) fn run_spawning(
     text: &str,
     seed: u64,
@@ -84,7 +84,7 @@ pub(crate) fn run_spawning(
     }
 }
 
-/// Registers `spawn`; returns the budget that is left after each call.
+/// Registers `spawn`. Returns the remaining budget, which each call updates.
 fn register_spawn(
     engine: &mut Engine,
     text: &str,
@@ -118,8 +118,8 @@ fn register_spawn(
                 take(Spawned { entity, at: lines.byte(context.call_position()) }).or_else(failed)?;
                 Ok(is_new)
             });
-            // One that is refused is as much work as one that is taken, and brings no operations, however often the refusal is
-            // caught; nor does one with a name that another one has, which is a mistake.
+            // A rejected entity takes as much work as an accepted one but adds no operations to the limit, however often the error is
+            // caught. An entity with a duplicate name is a mistake and adds none either.
             match &taken {
                 Ok(is_new) => _ = count.fetch_add(u64::from(*is_new), Ordering::Relaxed),
                 Err(_) => work::add(limits::REFUSAL),
@@ -130,7 +130,7 @@ fn register_spawn(
     left
 }
 
-/// The names of what a script has spawned, by their hashes.
+/// Hashes of the names of the spawned entities.
 #[derive(Default)]
 struct SpawnedNames {
     hashes: HashSet<u64>,
@@ -138,7 +138,7 @@ struct SpawnedNames {
 }
 
 impl SpawnedNames {
-    /// Returns whether nothing has the entity's name yet; many may have none.
+    /// Adds the entity's name. Returns whether the name is new; entities without a name count as new.
     fn add(&mut self, entity: &Data) -> bool {
         let Data::Map(fields) = entity else { return true };
         let name = fields.iter().find(|(field, _)| field == "name");
@@ -149,11 +149,11 @@ impl SpawnedNames {
     }
 }
 
-/// The byte of every line and column of a text, looked up for every entity in constant time, however long the lines are.
+/// Byte offsets of all lines and columns of a text, for lookups in constant time regardless of line length.
 struct LineIndex {
-    /// The byte of each character, and the end.
+    /// Byte offset of each character, and of the end.
     bytes: Vec<usize>,
-    /// The first character of each line.
+    /// Index of the first character of each line.
     lines: Vec<usize>,
 }
 
@@ -165,7 +165,7 @@ impl LineIndex {
         Self { bytes, lines }
     }
 
-    /// Returns the byte at a position. Lines and columns count from 1, columns in characters.
+    /// Returns the byte offset of a position. Lines and columns count from 1, columns in characters.
     fn byte(&self, position: Position) -> usize {
         let line = position.line().and_then(|line| self.lines.get(line - 1)).copied().unwrap_or(0);
         let column = position.position().unwrap_or(1);

@@ -1,8 +1,8 @@
-//! The names that scripts can call and read, and their usage.
+//! Names available to scripts, and the signatures of functions.
 
 use super::{ScriptContext, maths};
 
-/// The functions of scripts that spawn, as they are called.
+/// Signatures of the functions of spawning scripts.
 const SPAWNING: [&str; 12] = [
     "spawn(map)",
     "sphere(radius)",
@@ -21,7 +21,7 @@ const SPAWNING: [&str; 12] = [
 /// The purpose of a script.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Purpose {
-    /// Gives a value.
+    /// Computes the value of a channel.
     Drive,
     /// Spawns entities.
     Spawn,
@@ -45,7 +45,7 @@ impl Known<'_> {
 }
 
 impl Purpose {
-    /// Returns the functions that only scripts with this purpose have, as they are called.
+    /// Returns the signatures of the functions that only scripts with this purpose have.
     fn usages(self) -> &'static [&'static str] {
         match self {
             Self::Drive => &READING,
@@ -60,7 +60,7 @@ impl Purpose {
         }
     }
 
-    /// Returns the names of the values given to scripts with this purpose.
+    /// Returns the names of the variables and constants provided to scripts with this purpose.
     pub(super) fn variables(self) -> impl Iterator<Item = &'static str> {
         let given: &[&str] = match self {
             Self::Drive => &ScriptContext::NAMES,
@@ -69,7 +69,7 @@ impl Purpose {
         given.iter().copied().chain(maths::CONSTANTS.map(|(name, _)| name))
     }
 
-    /// Returns the remark on a name that only scripts with another purpose know.
+    /// Returns the remedy for a name that only scripts with the other purpose know.
     pub(super) fn elsewhere(self, name: &str) -> Option<&'static str> {
         let functions = |purpose: Self| purpose.usages().iter().any(|usage| name_in(usage) == name);
         match self {
@@ -84,7 +84,7 @@ impl Purpose {
     }
 }
 
-/// The functions of all scripts, as they are called.
+/// Signatures of the functions of all scripts.
 const USUAL: [&str; 50] = [
     "sin(x)",
     "cos(x)",
@@ -138,14 +138,14 @@ const USUAL: [&str; 50] = [
     "range(from, to, step)",
 ];
 
-/// The functions of scripts that give values, as they are called.
+/// Signatures of the functions of scripts that compute values.
 const READING: [&str; 1] = ["value(name, channel)"];
 
 fn name_in(usage: &str) -> &str {
     usage.split('(').next().unwrap_or(usage)
 }
 
-/// Describes how a function of the language is called.
+/// Returns the remedy that shows the signature of a function.
 pub(super) fn usage(name: &str) -> Option<String> {
     let mut usages = USUAL.iter().chain(&READING).chain(&SPAWNING);
     let usage = usages.find(|usage| name_in(usage) == name)?;

@@ -1,5 +1,5 @@
-//! Counts the operations of a script. Rhai counts one for a call and for a variable, however much is in it. Functions of lists
-//! therefore add theirs, and so does every use of a variable, so that a limit on operations is a limit on time.
+//! Operation counts of scripts. Rhai counts one operation for a call and for a use of a variable, regardless of the size of the value.
+//! List functions and uses of variables therefore add operations of their own, so that a limit on operations is a limit on time.
 
 use std::cell::Cell;
 
@@ -8,22 +8,22 @@ use rhai::{Dynamic, Engine, EvalAltResult, Position};
 use super::limits;
 
 thread_local! {
-    /// The operations beyond Rhai's own count of the script that runs on this thread.
+    /// Operations of the script that runs on this thread, in addition to Rhai's own count.
     static DONE: Cell<u64> = const { Cell::new(0) };
-    /// The operations of this script by Rhai's count.
+    /// Operations of this script by Rhai's count.
     static OPERATIONS: Cell<u64> = const { Cell::new(0) };
 }
 
-/// The size of a value, with all values in it.
+/// The size of a value, including nested values.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Extent {
-    /// Values in lists.
+    /// Number of values in lists.
     listed: usize,
-    /// Values in maps.
+    /// Number of values in maps.
     mapped: usize,
-    /// Bytes of texts and of names in maps.
+    /// Bytes of strings and of map keys.
     text: usize,
-    /// Lists and maps, each with memory of its own.
+    /// Number of lists and maps, each of which is a separate allocation.
     containers: usize,
 }
 
@@ -57,23 +57,23 @@ impl Extent {
         }
     }
 
-    /// Returns the operations that copying all of this, or looking through it, counts as.
+    /// Returns the number of operations charged for copying or traversing the value.
     pub(super) fn work(self) -> usize {
-        /// Plain values that are copied in the time of an operation,
+        /// Number of plain values that are copied in the time of one operation.
         const VALUES: usize = 32;
-        /// those that are copied in the time that a list or an entry of a map takes,
+        /// Number of plain values that are copied in the time of one list, map or map entry.
         const CONTAINER: usize = 16;
-        /// and the bytes of text that are looked through.
+        /// Number of bytes of text that are traversed in the time of one operation.
         const BYTES: usize = 64;
         (self.listed + CONTAINER * (self.containers + self.mapped)) / VALUES + self.text / BYTES
     }
 
-    /// Returns the operations that writing all of this as text counts as.
+    /// Returns the number of operations charged for formatting the value as text.
     pub(super) fn writing(self) -> usize {
         self.work() + 4 * (self.listed + self.mapped)
     }
 
-    /// Returns an error if this is more than a script may hold.
+    /// Returns an error if the size exceeds the limits of a value.
     fn refuse_excess(self) -> Result<(), Box<EvalAltResult>> {
         let what = match self {
             Self { listed, .. } if listed > limits::LIST => "array",
@@ -85,28 +85,28 @@ impl Extent {
     }
 }
 
-/// Counts the work of a function that goes through `values` values.
+/// Charges the work of a function that traverses `values` values.
 pub(super) fn add(values: usize) {
     DONE.set(DONE.get() + values as u64);
 }
 
-/// Counts the work of a function that goes through `bytes` bytes of text.
+/// Charges the work of a function that traverses `bytes` bytes of text.
 pub(super) fn add_text(bytes: usize) {
     add(Extent { text: bytes, ..Extent::default() }.work());
 }
 
-/// Resets the counts, at the start of a script.
+/// Resets the counts at the start of a script.
 pub(super) fn start() {
     DONE.set(0);
     OPERATIONS.set(0);
 }
 
-/// Returns all operations of the script on this thread so far.
+/// Returns the number of operations of the script on this thread so far.
 pub(super) fn done() -> u64 {
     OPERATIONS.get() + DONE.get()
 }
 
-/// Stops scripts as soon as what they have done is too much.
+/// Stops scripts once `is_too_much` holds for their number of operations.
 pub(super) fn limit(engine: &mut Engine, is_too_much: impl Fn(u64) -> bool + Send + Sync + 'static) {
     engine.on_progress(move |operations| {
         OPERATIONS.set(operations);
@@ -114,15 +114,15 @@ pub(super) fn limit(engine: &mut Engine, is_too_much: impl Fn(u64) -> bool + Sen
     });
 }
 
-/// Gives scripts what they read from outside. What variables hold is counted here whenever they are used, and held to its limits:
-/// assignments into a list or a map make it larger without being asked, but only until its next use.
+/// Resolves names provided from outside by `outside`. Each use of a script's own variable charges the size of its value and checks it
+/// against the limits. Assignments into a list or a map are not checked, so a value can exceed its limits until its next use.
 pub(super) fn on_outside(
     engine: &mut Engine,
     outside: impl Fn(&str) -> Option<Dynamic> + Send + Sync + 'static,
 ) {
     #[expect(deprecated, reason = "marked so because it may change, not because it will go")]
     engine.on_var(move |name, index, context| {
-        // Variables of the script's own have an index, counted from the newest.
+        // A script's own variables have an index, counted from the newest.
         let Some(place) = index.checked_sub(1) else { return Ok(outside(name)) };
         if let Some((_, _, own)) = context.scope().iter_raw().nth(place) {
             let extent = Extent::of(own);

@@ -1,4 +1,4 @@
-//! Scripts that would never end, or grow without bounds, are ended soon.
+//! Termination of scripts that loop forever or grow without bounds.
 
 use std::time::{Duration, Instant};
 
@@ -9,14 +9,14 @@ const MAP: &str = "a map that is too large";
 const TEXT: &str = "a text that is too large";
 const LONG: &str = "this takes too long";
 
-// What scripts do before they loop.
+// Setup statements before a loop.
 const FULL: &str = "let a = []; for i in 0..256 { a.push(i); }";
 const LESS: &str = "let a = []; for i in 0..200 { a.push(i); }";
 const FULL_OF_LISTS: &str = "let a = []; for i in 0..256 { a.push([]); }";
 const FULL_MAP: &str = "let m = #{}; for i in 0..32 { m[`key ${i}`] = [i, i]; }";
 const FULL_TEXT: &str = "let s = \"x\"; for i in 0..12 { s += s; }";
 
-/// What is done before a loop, and in every turn of it.
+/// Setup statements and loop bodies of scripts that never end by themselves.
 const TURNS: &[(&str, &str)] = &[
     (FULL, "a[0] += 0;"),
     (FULL, "let b = a;"),
@@ -54,7 +54,7 @@ const TURNS: &[(&str, &str)] = &[
     ("let x = 1;", "x[3] = true;"),
 ];
 
-/// Scripts with their messages; an empty one stands for any.
+/// Scripts and their error messages; an empty message matches any.
 const SCRIPTS: &[(&str, &str)] = &[
     ("loop { }", LONG),
     ("while true { let a = [1, 2, 3]; }", LONG),
@@ -94,7 +94,7 @@ const SCRIPTS: &[(&str, &str)] = &[
     ("let m = #{}; for i in 0..32 { m[`key ${i}`] = i; } loop { m == m; keys(m); }", LONG),
 ];
 
-/// Returns a script that does something, and then something else without end.
+/// Returns a script that runs the setup statements once and the loop body forever.
 fn endless((before, turn): &(&str, &str)) -> String {
     match turn.split_once(" fn ") {
         Some((turn, function)) => format!("fn {function} {before} loop {{ {turn} }}"),
@@ -102,7 +102,7 @@ fn endless((before, turn): &(&str, &str)) -> String {
     }
 }
 
-/// Returns scripts that are too deep or too long, with their messages.
+/// Returns scripts that are too long or nested too deep, with their error messages.
 fn oversized() -> [(String, &'static str); 5] {
     [
         (

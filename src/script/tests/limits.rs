@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use super::run;
 use crate::script::limits;
 
-/// A script of so many of something.
+/// A function that builds a script with the given number of items.
 type Many = fn(usize) -> String;
 
 #[test]

@@ -1,8 +1,8 @@
-//! Scripts that are wrong.
+//! Scripts with errors.
 
 use super::mistake;
 
-/// Scripts with their messages, and what these mark.
+/// Scripts, their error messages, and the text that the errors mark.
 const MISTAKES: &[(&str, &str, &str)] = &[
     ("let a = 0;\n 3 / a", "division by zero", "/"),
     ("5 % (t - t)", "division by zero", "%"),

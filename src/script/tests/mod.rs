@@ -1,4 +1,4 @@
-//! What the language does, and what it refuses.
+//! Tests of the language: results and errors.
 
 mod ends;
 mod limits;
@@ -25,7 +25,7 @@ fn number(text: &str) -> f64 {
     }
 }
 
-/// The message, and what it marks.
+/// Returns the error message of a script, and the text that the error marks.
 fn mistake(text: &str) -> (String, String) {
     match run(text) {
         Err(Stop::Error(error)) => (error.message.clone(), text[error.span.clone()].to_owned()),

@@ -1,4 +1,4 @@
-//! The values of scripts.
+//! Results of scripts.
 
 use super::{number, run};
 use crate::script::{Data, Language, Read, ScriptContext, SpawnBudget, Stop, run_spawning};

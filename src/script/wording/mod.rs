@@ -1,4 +1,4 @@
-//! Rhai's errors in the words of this program, with remedies.
+//! Messages for Rhai's errors, with remedies.
 
 mod parsing;
 mod running;

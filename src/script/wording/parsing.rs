@@ -1,15 +1,15 @@
-//! Errors of compiling, in words.
+//! Messages for compile-time errors.
 
 use rhai::{LexError, ParseErrorType};
 
 use super::told::{Told, expression_kind, lower_first, shortened};
 use crate::script::limits;
 
-/// The message for the head of a function with too many values.
+/// Message for a function head with too many parameters.
 pub(in crate::script) const LONG_HEAD: &str = "a function of too many values";
 
 impl Told {
-    /// Describes an error of compiling.
+    /// Returns the message for a compile-time error.
     pub(in crate::script) fn of_parsing(error: &ParseErrorType) -> Self {
         Self::of_tokens(error)
             .or_else(|| Self::of_limits(error))
@@ -19,7 +19,7 @@ impl Told {
             .unwrap_or_else(|| Self::here(lower_first(&error.to_string())))
     }
 
-    /// Describes what is wrong with words and signs.
+    /// Returns the message for an invalid or missing token.
     fn of_tokens(error: &ParseErrorType) -> Option<Self> {
         use ParseErrorType as Parse;
         Some(match error {
@@ -40,7 +40,7 @@ impl Told {
         })
     }
 
-    /// Describes what exceeds a limit.
+    /// Returns the message for an exceeded limit.
     fn of_limits(error: &ParseErrorType) -> Option<Self> {
         use ParseErrorType as Parse;
         Some(match error {
@@ -64,7 +64,7 @@ impl Told {
         })
     }
 
-    /// Describes values and names that are missing, or of the wrong kind.
+    /// Returns the message for a value or name that is missing or of the wrong kind.
     fn of_values(error: &ParseErrorType) -> Option<Self> {
         use ParseErrorType as Parse;
         Some(match error {
@@ -95,7 +95,7 @@ impl Told {
         })
     }
 
-    /// Describes what is there twice.
+    /// Returns the message for a duplicate.
     fn of_repetitions(error: &ParseErrorType) -> Option<Self> {
         use ParseErrorType as Parse;
         Some(match error {
@@ -121,7 +121,7 @@ impl Told {
         })
     }
 
-    /// Describes what is not complete, or not where it belongs.
+    /// Returns the message for an incomplete or misplaced construct.
     fn of_places(error: &ParseErrorType) -> Option<Self> {
         use ParseErrorType as Parse;
         Some(match error {
@@ -154,7 +154,7 @@ impl Told {
         })
     }
 
-    /// Describes an error of characters that make no token.
+    /// Returns the message for characters that form no token.
     fn of_signs(error: &LexError) -> Self {
         match error {
             LexError::ImproperSymbol(sign, _) | LexError::UnexpectedInput(sign) => Self::foreign(sign),
@@ -192,7 +192,7 @@ impl Told {
         }
     }
 
-    /// Describes an error about a word or sign that the language does not have.
+    /// Returns the message for a word or symbol that is not part of the language.
     fn foreign(word: &str) -> Self {
         let help = match word {
             "=" => "`==` compares; `=` gives a value to a variable, in a statement of its own",
@@ -216,7 +216,7 @@ impl Told {
         Self::with_help(format!("`{}` means nothing here", shortened(word)), "not part of the language", help)
     }
 
-    /// Describes an error about a missing bracket or separator.
+    /// Returns the message for a missing bracket or separator.
     fn missing(token: &str, why: &str) -> Self {
         let help = match token {
             ";" => "statements end with `;`: is one missing before this, or an operator?",

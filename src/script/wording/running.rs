@@ -1,4 +1,4 @@
-//! Errors of running, in words.
+//! Messages for run-time errors.
 
 use rhai::EvalAltResult;
 
@@ -7,7 +7,7 @@ use crate::script::limits;
 use crate::script::vocabulary::{Purpose, usage};
 
 impl Told {
-    /// Describes an error of running.
+    /// Returns the message for a run-time error.
     pub(in crate::script) fn of_running(error: &EvalAltResult, purpose: Purpose) -> Self {
         Self::of_bounds(error, purpose)
             .or_else(|| Self::of_parts(error))
@@ -18,7 +18,7 @@ impl Told {
             })
     }
 
-    /// Describes what exceeds a limit.
+    /// Returns the message for an exceeded limit.
     fn of_bounds(error: &EvalAltResult, purpose: Purpose) -> Option<Self> {
         use EvalAltResult as Run;
         Some(match error {
@@ -34,7 +34,7 @@ impl Told {
         })
     }
 
-    /// Describes parts that something does not have.
+    /// Returns the message for a missing element or property.
     fn of_parts(error: &EvalAltResult) -> Option<Self> {
         use EvalAltResult as Run;
         Some(match error {
@@ -77,7 +77,7 @@ impl Told {
         })
     }
 
-    /// Describes what cannot be called, looped over, changed or computed.
+    /// Returns the message for an invalid call, loop, assignment or operation, or for a thrown value.
     fn of_calls(error: &EvalAltResult) -> Option<Self> {
         use EvalAltResult as Run;
         Some(match error {
@@ -120,7 +120,7 @@ impl Told {
         Self::with_help("this takes too long", "still running here", help)
     }
 
-    /// Describes an error about a function that does not take the given values.
+    /// Returns the message for a function that does not accept the types of its arguments.
     fn misfit(signature: &str) -> Self {
         let name = function_name(signature);
         let message = format!("`{}` does not take {}", shortened(name), arguments(signature));
@@ -134,7 +134,7 @@ impl Told {
     }
 }
 
-/// Lists the kinds of values in Rhai's signature of a call.
+/// Lists the kinds of the arguments in Rhai's signature of a call.
 fn arguments(signature: &str) -> String {
     let inside = signature.split_once('(').map_or("", |(_, inside)| inside.trim_end_matches(')'));
     let names: Vec<&str> =
@@ -146,7 +146,7 @@ fn arguments(signature: &str) -> String {
     }
 }
 
-/// Describes an error about a property that a value does not have, from a message that names the property and then the type.
+/// Returns the message for a missing property. Rhai's message quotes the property and then the type of the value.
 fn property_message(message: &str) -> String {
     let mut quoted = message.split('\'').skip(1).step_by(2);
     match (quoted.next(), quoted.next()) {

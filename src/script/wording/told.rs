@@ -1,11 +1,11 @@
-//! An error in words, and what errors of compiling and of running have in common.
+//! Error messages, and the messages shared by compile-time and run-time errors.
 
 use crate::script::limits;
 
-/// An error in words.
+/// An error message.
 pub(in crate::script) struct Told {
     pub(in crate::script) message: String,
-    /// The remark at the marked place.
+    /// Annotation of the marked span.
     pub(in crate::script) label: String,
     pub(in crate::script) help: Option<String>,
 }
@@ -33,7 +33,7 @@ impl Told {
 
     pub(super) fn expected(expected: &str, found: &str) -> Self {
         let help = match expected {
-            // Only indices must be whole.
+            // Only indices have to be integers.
             "a number" if found == "a number" => return Self::index(),
             "true or false" => "compare it, as x > 0",
             "a text" => "values of a map are chosen by their names: map.name, or map[\"name\"]",
@@ -59,7 +59,7 @@ impl Told {
         )
     }
 
-    /// Describes an error about something too large, by Rhai's name for it.
+    /// Returns the message for a value that is too large, given Rhai's name for its type.
     pub(super) fn too_large(what: &str) -> Self {
         let (what, most) = if what.contains("tring") {
             ("text", format!("texts have at most {} bytes", limits::TEXT))
@@ -73,7 +73,7 @@ impl Told {
     }
 }
 
-/// Cuts a long name or text of a script.
+/// Truncates a long name or string of a script.
 pub(in crate::script) fn shortened(text: &str) -> String {
     const MOST: usize = 80;
     match text.char_indices().nth(MOST) {
@@ -102,7 +102,7 @@ pub(super) fn type_name(name: &str) -> &str {
     }
 }
 
-/// Returns the kind of value that Rhai's name of an expression stands for.
+/// Returns the kind of value for Rhai's name of an expression.
 pub(super) fn expression_kind(name: &str) -> &str {
     match name {
         "a boolean" | "a boolean expression" => "true or false",
