@@ -1,10 +1,10 @@
-//! The channels of light in a file.
+//! Colour channels of files.
 
-/// What a file says of each pixel's light.
+/// The colour channels of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channels {
     /// Red, green and blue, with the background.
     Rgb,
-    /// Red, green, blue and alpha, without the background. In OpenEXR light is premultiplied, in PNG it is not, as these formats want it.
+    /// Red, green, blue and alpha, without the background. Colours are premultiplied in OpenEXR and not in PNG, as these formats require.
     Rgba,
 }

@@ -1,7 +1,7 @@
-//! OpenEXR files: linear light in 32 bits a channel, and passes, compressed without loss.
+//! OpenEXR files: linear light in 32 bits per channel, and passes, with lossless compression.
 //!
-//! An attribute of every file has the digest of all its bytes, with zeros in the place of the digest itself. The format checks but a part
-//! of them, and decoders are not safe from what is torn, so that none sees a byte before all are known to be right.
+//! An attribute of every file holds the digest of all its bytes, with zeros in place of the digest itself. The format's own checks cover
+//! only part of the bytes, and decoders are not safe from corrupt files, so the digest is verified before decoding.
 
 use std::io::{Cursor, Read};
 
@@ -18,20 +18,20 @@ use super::provenance::{PixelFingerprint, Provenance};
 use crate::color::Rgb;
 use crate::trace::{FrameFingerprint, Pass, PassPixel, Passes};
 
-/// The attribute that has the digest of the file.
+/// Name of the attribute that holds the digest of the file.
 const DIGEST: &str = "rayreelDigest";
-/// The comment in files whose channel `Z` is the distance along the view axis. Earlier versions wrote distances along rays into `Z`,
-/// without it.
+/// Comment in files whose channel `Z` is the distance along the view axis. Earlier versions wrote distances along rays into `Z`, without
+/// this comment.
 const DEPTH: &str = "Z is the distance along the view axis";
-/// Digits of a digest that is not known yet.
+/// Placeholder for the digits of the digest.
 const NO_DIGEST: [u8; 32] = [b'0'; 32];
 
-/// The names of the channels of light.
+/// Names of the colour channels.
 const LIGHT: [&str; 3] = ["R", "G", "B"];
-/// The name of the channel of alpha.
+/// Name of the alpha channel.
 const ALPHA: &str = "A";
 
-/// Returns the names of a pass's channels.
+/// Returns the channel names of a pass.
 fn names_of(pass: Pass) -> &'static [&'static str] {
     match pass {
         Pass::Depth => &["Z"],
@@ -43,7 +43,7 @@ fn names_of(pass: Pass) -> &'static [&'static str] {
     }
 }
 
-/// Returns the names of all channels, in the order of a file.
+/// Returns the names of all channels in file order.
 fn names((channels, passes): (Channels, Passes)) -> Vec<&'static str> {
     let passes = Pass::ALL.into_iter().filter(|pass| passes.contains(*pass));
     let alpha = (channels == Channels::Rgba).then_some(ALPHA);
@@ -53,7 +53,7 @@ fn names((channels, passes): (Channels, Passes)) -> Vec<&'static str> {
     names
 }
 
-/// Returns the samples of a pass's channels, by their names.
+/// Returns the names and samples of a pass's channels.
 fn samples_of(pass: Pass, pixels: &[PassPixel]) -> impl Iterator<Item = (&'static str, FlatSamples)> {
     names_of(pass).iter().enumerate().map(move |(axis, name)| {
         let told = |value: &dyn Fn(&PassPixel) -> f32| FlatSamples::F32(pixels.iter().map(value).collect());
@@ -69,7 +69,7 @@ fn samples_of(pass: Pass, pixels: &[PassPixel]) -> impl Iterator<Item = (&'stati
     })
 }
 
-/// Returns the channels of a frame, in the order of a file.
+/// Returns the names and samples of a frame's channels in file order.
 fn samples(frame: &LinearFrame, (channels, passes): (Channels, Passes)) -> Vec<(&'static str, FlatSamples)> {
     let light = LIGHT.into_iter().enumerate().map(|(channel, name)| {
         (name, FlatSamples::F32(frame.film.pixels().iter().map(|pixel| pixel[channel]).collect()))
@@ -82,7 +82,7 @@ fn samples(frame: &LinearFrame, (channels, passes): (Channels, Passes)) -> Vec<(
     samples
 }
 
-/// Returns the bytes of a file. If it is a frame, the file says which.
+/// Encodes a frame as a file. If `fingerprint` is given, the file contains its provenance.
 pub(super) fn encode(
     frame: &LinearFrame,
     kind: (Channels, Passes),
@@ -107,12 +107,12 @@ pub(super) fn encode(
         attributes.comments = Some(Text::from(DEPTH));
     }
     let attribute = |name, text: &str| (Text::from(name), AttributeValue::Text(Text::from(text)));
-    // Each of the two maps holds one attribute at most: those of one map are written in a random order.
+    // Each of the two maps holds at most one attribute, since the attributes of a map are written in random order.
     attributes.other.extend(provenance.map(|told| attribute(Provenance::KEYWORD, &told.to_string())));
     let layer = Layer::new(size, attributes, encoding, AnyChannels { list });
     let mut image = Image::from_layer(layer);
     image.attributes.other.extend([attribute(DIGEST, &String::from_utf8_lossy(&NO_DIGEST))]);
-    // Those of sRGB and of BT.709, as scenes have them.
+    // Primaries and white point of sRGB and BT.709, the colour space of scenes.
     image.attributes.chromaticities = Some(Chromaticities {
         red: Vec2(0.64, 0.33),
         green: Vec2(0.3, 0.6),
@@ -128,7 +128,7 @@ pub(super) fn encode(
     Ok(bytes)
 }
 
-/// Reads a file to its last byte. Returns why it is not whole, in words.
+/// Decodes a file completely. Returns the reason if the file is not valid.
 pub(super) fn decode(bytes: &[u8], kind: (Channels, Passes)) -> Result<Picture, String> {
     let layer = layer(bytes)?;
     let list = &layer.channel_data.list;
@@ -148,7 +148,7 @@ pub(super) fn decode(bytes: &[u8], kind: (Channels, Passes)) -> Result<Picture, 
     Ok(Picture { size, bytes: bytes_of(list.iter().map(|channel| &channel.sample_data)), provenance })
 }
 
-/// Reads the light of a file, and its alpha.
+/// Reads the colours and the alpha of a file.
 pub(super) fn channels(bytes: &[u8]) -> Result<FileChannels, String> {
     let layer = layer(bytes)?;
     let list = layer.channel_data.list;
@@ -164,7 +164,7 @@ pub(super) fn channels(bytes: &[u8]) -> Result<FileChannels, String> {
     Ok(FileChannels { size, colors: FileColors::Light(light.collect()), alpha: samples(ALPHA) })
 }
 
-/// Reads the layer of a file that was written here.
+/// Reads the layer of a file that was written by this module.
 fn layer(bytes: &[u8]) -> Result<Layer<AnyChannels<FlatSamples>>, String> {
     ensure_unchanged(bytes)?;
     let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
@@ -173,7 +173,7 @@ fn layer(bytes: &[u8]) -> Result<Layer<AnyChannels<FlatSamples>>, String> {
     Ok(image.layer_data)
 }
 
-/// Returns an error unless bytes are just those that were written here.
+/// Verifies that bytes have not changed since this module wrote them.
 fn ensure_unchanged(bytes: &[u8]) -> Result<(), String> {
     if !bytes.starts_with(&MAGIC) {
         return Err("it is not an OpenEXR file".to_owned());
@@ -185,9 +185,9 @@ fn ensure_unchanged(bytes: &[u8]) -> Result<(), String> {
     is_unchanged.then_some(()).ok_or_else(|| "its bytes are not those that were written".to_owned())
 }
 
-/// Returns columns and rows, from the beginning of a file.
+/// Returns the width and height from the beginning of a file.
 pub(super) fn size(file: impl Read) -> Option<(u32, u32)> {
-    /// More than all attributes take.
+    /// Upper bound on the size of all attributes in bytes.
     const BEGINNING: u64 = 8192;
     let mut bytes = Vec::new();
     file.take(BEGINNING).read_to_end(&mut bytes).ok()?;
@@ -200,19 +200,19 @@ pub(super) fn size(file: impl Read) -> Option<(u32, u32)> {
     Some((side(left, right)?, side(top, bottom)?))
 }
 
-/// What every file begins with.
+/// Magic number of OpenEXR files.
 const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
-/// The name, the type and the length of attributes.
+/// Name, type and length of the digest attribute.
 const DIGEST_BEGINS: [&[u8]; 3] = [DIGEST.as_bytes(), b"\0string\0", &[32, 0, 0, 0]];
 const WINDOW_BEGINS: [&[u8]; 3] = [b"dataWindow", b"\0box2i\0", &[16, 0, 0, 0]];
 
-/// Returns the first place in bytes that is after these.
+/// Returns the position after the first occurrence of `these` in `bytes`.
 fn after(bytes: &[u8], these: &[&[u8]]) -> Option<usize> {
     let these = these.concat();
     bytes.windows(these.len()).position(|window| window == these).map(|place| place + these.len())
 }
 
-/// Returns the bytes of samples, channel after channel, the least significant first.
+/// Returns the bytes of samples, channel by channel, in little-endian order.
 fn bytes_of<'a>(channels: impl Iterator<Item = &'a FlatSamples>) -> Vec<u8> {
     let mut bytes = Vec::new();
     for samples in channels {
@@ -225,7 +225,7 @@ fn bytes_of<'a>(channels: impl Iterator<Item = &'a FlatSamples>) -> Vec<u8> {
     bytes
 }
 
-/// Returns the digits of the digest of these bytes, whose own place in them counts as zeros.
+/// Returns the hexadecimal digits of the digest of `bytes`. The digest itself, at `place`, counts as zeros.
 fn digest(bytes: &[u8], place: usize) -> [u8; 32] {
     let mut hasher = blake3::Hasher::new();
     let (before, after) = (&bytes[..place], &bytes[place + NO_DIGEST.len()..]);

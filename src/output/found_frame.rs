@@ -1,4 +1,4 @@
-//! What is found where a frame's file should be. Every byte of it is looked at.
+//! Inspection of frame files, including every byte of them.
 
 use std::fs::{self, File};
 use std::io::{self, BufRead, BufReader, Cursor, ErrorKind, Read, Seek};
@@ -11,39 +11,39 @@ use super::provenance::{PixelFingerprint, Provenance};
 use super::{FrameFormat, exr_file, pfm_file, png_file, ppm_file};
 use crate::trace::EncodedFilm;
 
-/// What is found where a frame's file should be.
+/// The state of a frame's file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FoundFrame {
     /// There is no file.
     Missing,
-    /// It cannot be read to its end, is not of its format, or its pixels are not those that were written; and why.
+    /// A corrupt file, with the reason: it cannot be read completely, is not of its format, or has other pixels than were written.
     Torn(String),
-    /// A whole picture of which it is not known what it was rendered from: another program's, or an earlier version's.
+    /// A complete picture without known provenance: from another program, or an earlier version.
     Unknown {
-        /// Columns and rows.
+        /// Width and height in pixels.
         size: (u32, u32),
     },
     /// A picture of another size than expected, which was not decoded.
     OtherSize {
-        /// Columns and rows.
+        /// Width and height in pixels.
         size: (u32, u32),
     },
-    /// A whole frame.
+    /// A complete frame.
     Whole {
-        /// What it tells of itself.
+        /// Provenance stored in the file.
         provenance: Provenance,
-        /// Columns and rows.
+        /// Width and height in pixels.
         size: (u32, u32),
     },
 }
 
 impl FoundFrame {
-    /// Looks at the file of a frame of this size. Memory is bounded by that size, whatever the file's header or length promises.
+    /// Inspects the file of a frame of the expected `size`. Memory is bounded by this size, regardless of the file's header and length.
     #[must_use]
     pub fn expected_at(path: &Path, format: FrameFormat, size: (u32, u32)) -> Self {
-        /// Bytes of a pixel with alpha and all passes: 16 channels of 4 bytes.
+        /// Bytes per pixel with alpha and all passes: 16 channels of 4 bytes.
         const OF_A_PIXEL: u64 = 64;
-        /// More bytes than headers and the overhead of compression take.
+        /// Upper bound on the bytes of headers and of compression overhead.
         const OF_THE_REST: u64 = 1 << 20;
         let most = u64::from(size.0) * u64::from(size.1) * OF_A_PIXEL + OF_THE_REST;
         let bytes = match read(path, most) {
@@ -63,7 +63,7 @@ impl FoundFrame {
         }
     }
 
-    /// Looks at the bytes of a file.
+    /// Inspects the bytes of a file.
     #[must_use]
     pub fn of(bytes: &[u8], format: FrameFormat) -> Self {
         let Picture { size, bytes, provenance } = match decode(bytes, format) {
@@ -81,11 +81,11 @@ impl FoundFrame {
     }
 }
 
-/// Reads a frame's output bytes, whatever it was rendered from.
+/// Reads the output bytes of a frame, regardless of its provenance.
 ///
 /// # Errors
 ///
-/// If there is no file, if it is not whole, or if its format has no such bytes: in words.
+/// If the file is missing or not valid, or if its format has no such bytes. The error describes the reason.
 pub fn read_frame(path: &Path, format: FrameFormat) -> Result<EncodedFilm, String> {
     let bytes = read(path, u64::MAX).map_err(|error| error.to_string())?;
     if format.is_linear() {
@@ -108,7 +108,7 @@ fn decode(bytes: &[u8], format: FrameFormat) -> Result<Picture, String> {
     }
 }
 
-/// Returns columns and rows of a frame, from the beginning of its file. `None` if that does not tell.
+/// Returns the width and height of a frame from the beginning of its file, or `None` if they are not found there.
 #[must_use]
 pub fn frame_size(path: &Path, format: FrameFormat) -> Option<(u32, u32)> {
     if !fs::metadata(path).ok()?.is_file() {
@@ -126,7 +126,7 @@ pub(super) fn size_of(mut file: impl BufRead + Seek, format: FrameFormat) -> Opt
     }
 }
 
-/// Reads a regular file of at most `most` bytes; others, as pipes, may never end.
+/// Reads a regular file of at most `most` bytes. Other files, such as pipes, may never end.
 pub(super) fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let metadata = fs::metadata(path)?;
     if !metadata.is_file() {
@@ -218,7 +218,7 @@ mod tests {
             for end in 0..bytes.len() {
                 let cut = FoundFrame::of(&bytes[..end], format);
                 let is_told = match format {
-                    // What a file tells of itself comes last.
+                    // The provenance comes last in the file.
                     FrameFormat::Pfm => !matches!(cut, FoundFrame::Whole { .. }),
                     _ => matches!(cut, FoundFrame::Torn(_)),
                 };
@@ -229,7 +229,7 @@ mod tests {
                     let mut flipped = bytes.clone();
                     flipped[place] ^= 1 << bit;
                     let found = FoundFrame::of(&flipped, format);
-                    // Another fingerprint is that of another frame.
+                    // A changed fingerprint identifies another frame.
                     assert_ne!(found, whole, "{format:?} at {place}");
                 }
             }
@@ -240,7 +240,7 @@ mod tests {
         }
     }
 
-    /// What was written for a frame is not another's, even if the file is whole.
+    /// Checks that the pixels of one frame with the fingerprint of another are corrupt, even if the file is complete.
     #[test]
     fn wrong_pixels_under_a_right_fingerprint_are_torn() {
         let (own, other) = (frame(FrameFormat::Ppm, 3), frame(FrameFormat::Ppm, 5));

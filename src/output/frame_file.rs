@@ -1,4 +1,4 @@
-//! Writes one film to one file.
+//! Files of single films.
 
 use std::borrow::Cow;
 use std::io;
@@ -16,15 +16,15 @@ use crate::trace::{Film, FrameFingerprint, Passes};
 /// The file format of frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameFormat {
-    /// Lossless and compressed, 8 bits a channel.
+    /// PNG with lossless compression, 8 bits per channel.
     Png(Channels),
-    /// Lossless and compressed, 16 bits a channel.
+    /// PNG with lossless compression, 16 bits per channel.
     Png16(Channels),
-    /// Portable pixmap, binary (P6): uncompressed, 8 bits a channel.
+    /// Portable pixmap, binary (P6): uncompressed, 8 bits per channel.
     Ppm,
-    /// Portable float map: uncompressed, linear light, 32 bits a channel.
+    /// Portable float map: uncompressed, linear light, 32 bits per channel.
     Pfm,
-    /// OpenEXR: compressed without loss, linear light, 32 bits a channel; and such passes.
+    /// OpenEXR: lossless compression, linear light, 32 bits per channel, with the given passes.
     Exr(Channels, Passes),
 }
 
@@ -47,13 +47,13 @@ impl FrameFormat {
         }
     }
 
-    /// Returns whether it is made of linear light: output bytes are not enough for it.
+    /// Returns whether the format requires linear light, so that output bytes do not suffice.
     #[must_use]
     pub fn is_linear(self) -> bool {
         !matches!(self, Self::Png(Channels::Rgb) | Self::Ppm)
     }
 
-    /// Returns what it says of each pixel's light.
+    /// Returns the colour channels of the format.
     #[must_use]
     pub fn channels(self) -> Channels {
         match self {
@@ -62,7 +62,7 @@ impl FrameFormat {
         }
     }
 
-    /// Returns the passes that it has.
+    /// Returns the passes of the format.
     #[must_use]
     pub fn passes(self) -> Passes {
         match self {
@@ -72,51 +72,51 @@ impl FrameFormat {
     }
 }
 
-/// The reason why a frame file could not be written.
+/// An error of writing a frame file.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
-    /// The file system refused.
+    /// The file system reported an error.
     #[error("cannot write `{}`", path.display())]
     File {
-        /// The frame file.
+        /// Path of the frame file.
         path: PathBuf,
         /// The system's error.
         source: io::Error,
     },
-    /// The encoder refused.
+    /// The encoder reported an error.
     #[error("cannot encode `{}`", path.display())]
     Encoding {
-        /// The frame file.
+        /// Path of the frame file.
         path: PathBuf,
         /// The encoder's error.
         source: EncodeError,
     },
 }
 
-/// The reason why there are no bytes of a frame file.
+/// An error of encoding a frame file.
 #[derive(Debug, thiserror::Error)]
 pub enum EncodeError {
-    /// The PNG encoder refused, as it does a picture without pixels.
+    /// The PNG encoder reported an error, as for a picture without pixels.
     #[error(transparent)]
     Png(#[from] png::EncodingError),
-    /// The OpenEXR encoder refused.
+    /// The OpenEXR encoder reported an error.
     #[error(transparent)]
     Exr(#[from] exr::error::Error),
-    /// The format is made of linear light, and there are only output bytes.
+    /// The format requires linear light, but only output bytes are available.
     #[error("its format is made of linear light, of which only rounded bytes are left")]
     NoLight,
 }
 
-/// Returns the bytes of a frame file.
+/// Encodes a film as a frame file.
 ///
 /// # Errors
 ///
-/// If the encoder refuses the film's size.
+/// If the encoder rejects the film's size.
 pub fn encode(film: &Film, transfer: Transfer, format: FrameFormat) -> Result<Vec<u8>, EncodeError> {
     encode_frame(&pixels_of(film, transfer, format), format, None).map(|parts| parts.concat())
 }
 
-/// Returns a film's pixels for a format, without passes. All of each pixel is covered.
+/// Returns a film's pixels for a format, without passes and with full coverage.
 fn pixels_of(film: &Film, transfer: Transfer, format: FrameFormat) -> FramePixels {
     if format.is_linear() {
         FramePixels::Linear(LinearFrame { film: film.clone(), alpha: None, transfer, passes: Vec::new() })
@@ -125,19 +125,19 @@ fn pixels_of(film: &Film, transfer: Transfer, format: FrameFormat) -> FramePixel
     }
 }
 
-/// Returns a PNG file that takes less time to write and to read, and some more space: for an interactive reader. Runs on the
-/// current rayon pool's threads.
+/// Encodes a film as a PNG file that is faster to write and read but somewhat larger, for interactive use. Runs on the threads of the
+/// current rayon pool.
 ///
 /// # Errors
 ///
-/// If the encoder refuses the film's size.
+/// If the encoder rejects the film's size.
 pub fn encode_quickly(film: &Film, transfer: Transfer) -> Result<Vec<u8>, EncodeError> {
     let (film, size) = (film.encoded(transfer), (film.width(), film.height()));
     let kind = (Channels::Rgb, BitDepth::Eight);
     Ok(png_file::encode(film.bytes(), kind, size, Filter::Sub, None)?)
 }
 
-/// Returns the bytes of a file of these pixels, in parts. If it is a frame, the file says which.
+/// Encodes pixels as a file, in parts. If `frame` is given, the file contains its provenance.
 pub(super) fn encode_frame(
     pixels: &FramePixels,
     format: FrameFormat,
@@ -171,22 +171,22 @@ pub(super) fn encode_frame(
     })
 }
 
-/// Writes a frame file: whole, or not at all.
+/// Writes a frame file completely or not at all.
 ///
 /// # Errors
 ///
-/// If the file system or the encoder refuses; nothing is left behind.
+/// If the file system or the encoder reports an error. No partial file remains.
 pub fn write(path: &Path, film: &Film, transfer: Transfer, format: FrameFormat) -> Result<(), WriteError> {
     write_pixels(path, &pixels_of(film, transfer, format), format)
 }
 
-/// Writes a frame file of pixels as [`write`] does.
+/// Writes a frame file of pixels like [`write`].
 pub(super) fn write_pixels(path: &Path, pixels: &FramePixels, format: FrameFormat) -> Result<(), WriteError> {
     put(path, pixels, format, None)?;
     settle(path)
 }
 
-/// Writes as [`write_pixels`] does, but if the machine fails, the file may be absent as long as it is not [settled](settle).
+/// Writes a file like [`write_pixels`], but a machine failure may lose it until it is [settled](settle).
 pub(super) fn put(
     path: &Path,
     pixels: &FramePixels,
@@ -199,25 +199,25 @@ pub(super) fn put(
         .map_err(|source| WriteError::File { path: path.to_owned(), source })
 }
 
-/// Makes a file that was [put](put), and all before it in its folder, durable even if the machine fails.
+/// Makes a file written by [`put`], and all earlier files in its folder, durable against machine failures.
 pub(super) fn settle(path: &Path) -> Result<(), WriteError> {
     whole_file::settle(path).map_err(|source| WriteError::File { path: path.to_owned(), source })
 }
 
-/// Writes a file of these bytes: whole, or not at all.
+/// Writes bytes to a file completely or not at all.
 ///
 /// # Errors
 ///
-/// If the file system refuses; nothing is left behind.
+/// If the file system reports an error. No partial file remains.
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     whole_file::write(path, bytes).map_err(|source| WriteError::File { path: path.to_owned(), source })
 }
 
-/// Writes a file of these bytes where there is none: whole, or not at all.
+/// Writes bytes to a file that must not exist yet, completely or not at all.
 ///
 /// # Errors
 ///
-/// If there is a file already, which stays as it is, or if the file system refuses; nothing is left behind.
+/// If the file exists, in which case it stays unchanged, or if the file system reports an error. No partial file remains.
 pub fn write_new(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     whole_file::write_new(path, bytes).map_err(|source| WriteError::File { path: path.to_owned(), source })
 }
@@ -232,7 +232,7 @@ mod tests {
     fn a_failed_write_leaves_nothing_behind() {
         let directory = tempfile::tempdir().unwrap();
         let film = Film::new(4, 3);
-        // A directory stands where the file should go.
+        // A directory occupies the path of the file.
         let path = directory.path().join("frame.png");
         fs::create_dir(&path).unwrap();
         assert!(write(&path, &film, Transfer::Classic, FrameFormat::default()).is_err());

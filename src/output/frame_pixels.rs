@@ -1,4 +1,4 @@
-//! A frame's pixels, as formats want them.
+//! Pixels of frames in the forms that file formats require.
 
 use std::borrow::Cow;
 
@@ -8,30 +8,30 @@ use super::channels::Channels;
 use crate::color::{Rgb, Transfer};
 use crate::trace::{EncodedFilm, Film, PassPixel};
 
-/// A frame's pixels, as formats want them.
+/// Pixels of frames in the forms that file formats require.
 #[derive(Clone, Debug)]
 pub enum FramePixels {
-    /// Output bytes: enough for PNG with 8 bits a channel and for PPM.
+    /// Output bytes, which suffice for PNG with 8 bits per channel and for PPM.
     Encoded(EncodedFilm),
-    /// Linear light, from which every format can be made.
+    /// Linear light, which suffices for every format.
     Linear(LinearFrame),
 }
 
 /// A frame in linear light.
 #[derive(Clone, Debug)]
 pub struct LinearFrame {
-    /// The light; where there is alpha, premultiplied and without the background.
+    /// Linear light; with alpha, it is premultiplied and excludes the background.
     pub film: Film,
-    /// Which share of each pixel the scene covers; without it, all of it.
+    /// Fraction of each pixel that the scene covers; `None` for full coverage.
     pub alpha: Option<Film<f32>>,
-    /// How it becomes output values, in formats that have those.
+    /// Transfer function for formats with output values.
     pub transfer: Transfer,
-    /// What each pixel meets first, row by row from the top, if a format with passes is to be made of it; or else empty.
+    /// First hit of each pixel, row by row from the top, for formats with passes; otherwise empty.
     pub passes: Vec<PassPixel>,
 }
 
 impl FramePixels {
-    /// Returns the number of columns and rows.
+    /// Returns the width and height in pixels.
     #[must_use]
     pub fn size(&self) -> (u32, u32) {
         match self {
@@ -50,7 +50,7 @@ impl FramePixels {
         }
     }
 
-    /// Returns the frame in linear light, if it is known.
+    /// Returns the frame in linear light, if available.
     pub(super) fn linear(&self) -> Option<&LinearFrame> {
         match self {
             Self::Encoded(_) => None,
@@ -70,7 +70,7 @@ impl LinearFrame {
         values.flatten_iter().collect()
     }
 
-    /// Returns the output values in 16 bits, the more significant byte first; with alpha they are not premultiplied.
+    /// Returns the output values as 16-bit big-endian integers. With alpha, they are not premultiplied.
     pub(super) fn encoded_16(&self, channels: Channels) -> Vec<u8> {
         let count = match channels {
             Channels::Rgb => 3,
@@ -85,7 +85,7 @@ impl LinearFrame {
         values.flat_map_iter(bytes).collect()
     }
 
-    /// Goes through the alpha of all pixels.
+    /// Iterates over the alpha of all pixels.
     pub(super) fn alpha(&self) -> impl IndexedParallelIterator<Item = f32> {
         let alpha = self.alpha.as_ref().map(Film::pixels);
         (0..self.film.pixels().len())
@@ -93,7 +93,7 @@ impl LinearFrame {
             .map(move |pixel| alpha.map_or(1.0, |alpha| alpha[pixel]))
     }
 
-    /// Goes through the light of what is covered in each pixel, as if all of the pixel were, and its alpha.
+    /// Iterates over the unpremultiplied colour and the alpha of all pixels.
     fn straight(&self) -> impl IndexedParallelIterator<Item = (Rgb, f32)> {
         let pixels = self.film.pixels().par_iter().zip(self.alpha());
         pixels.map(|(light, alpha)| match alpha {
@@ -134,7 +134,7 @@ mod tests {
         let words_with_alpha = words(&partly, Channels::Rgba);
         assert_eq!(words_with_alpha[..8], [0, 0, 0, 0, 32_768, 16_384, 0, 32_768]);
         assert_eq!(words_with_alpha[8..], [13_107, 26_214, 65_535, 65_535, 65_535, 65_535, 65_535, 39_321]);
-        // Without alpha, all of each pixel is covered.
+        // Without alpha, every pixel is fully covered.
         let whole = frame(None);
         assert_eq!(whole.encoded_with_alpha()[4..8], [64, 32, 0, 255]);
         assert_eq!(words(&whole, Channels::Rgb)[3..6], [16_384, 8192, 0]);

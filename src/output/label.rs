@@ -1,9 +1,9 @@
-//! Numbers below pictures, in a font of a few bitmap glyphs.
+//! Labels below pictures, in a font of a few bitmap glyphs.
 
-/// The characters that can be drawn; anything else is a space.
+/// Characters with glyphs; any other character is drawn as a space.
 const CHARACTERS: &str = "0123456789.s#";
 
-/// The glyphs side by side, in the order of [`CHARACTERS`].
+/// Glyphs side by side, in the order of [`CHARACTERS`].
 const GLYPHS: [&str; HEIGHT as usize] = [
     " ####    ##    ####   ####      ## ######  ####  ######  ####   ####                 #  #  ",
     "##  ##  ###   ##  ## ##  ##    ### ##     ##  ##     ## ##  ## ##  ##                #  #  ",
@@ -16,17 +16,17 @@ const GLYPHS: [&str; HEIGHT as usize] = [
     " ####  ###### ######  ####      ##  ####   ####   ##     ####   ####    ##   #####   #  #  ",
 ];
 
-/// Rows of a line of text.
+/// Number of rows of a line of text.
 pub(super) const HEIGHT: u32 = 9;
-/// Columns from one character to the next; the last of them is empty.
+/// Number of columns from one character to the next. The last of them is empty.
 const ADVANCE: u32 = 7;
 
-/// Returns the columns of a text, without the empty one at its end.
+/// Returns the number of columns of a text, without the empty one at its end.
 pub(super) fn width(text: &str) -> u32 {
     (0..).zip(text.chars()).last().map_or(0, |(index, _): (u32, char)| index * ADVANCE + ADVANCE - 1)
 }
 
-/// Returns the column and row of every dot of a text, from its top left.
+/// Returns the column and row of every dot of a text, relative to its top left.
 pub(super) fn dots(text: &str) -> impl Iterator<Item = (u32, u32)> {
     (0..)
         .step_by(ADVANCE as usize)

@@ -1,4 +1,4 @@
-//! Pictures that move by themselves, over and over: animated PNG, which keeps every pixel, and GIF, which every program shows.
+//! Looping animations: animated PNG, which keeps every pixel, and GIF, which every program shows.
 
 use std::io::Write;
 
@@ -8,33 +8,33 @@ use png::{BitDepth, ColorType, Compression, Filter, SrgbRenderingIntent};
 use crate::time::FrameRate;
 use crate::trace::EncodedFilm;
 
-/// The format of a loop.
+/// The format of a looping animation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LoopFormat {
-    /// Lossless.
+    /// Animated PNG, lossless.
     Apng,
-    /// 256 colours a frame, of its own, and [hundredths of a second](gif_delays).
+    /// GIF, with a palette of 256 colours per frame, and times in [hundredths of a second](gif_delays).
     Gif,
 }
 
-/// The reason why a loop could not be encoded.
+/// An error of encoding an animation.
 #[derive(Debug, thiserror::Error)]
 pub enum LoopError {
-    /// By the encoder of PNG.
+    /// The PNG encoder reported an error.
     #[error(transparent)]
     Png(#[from] png::EncodingError),
-    /// By the encoder of GIF.
+    /// The GIF encoder reported an error.
     #[error(transparent)]
     Gif(#[from] gif::EncodingError),
-    /// A side of the picture is longer than GIF can say.
+    /// A side of the picture is longer than GIF permits.
     #[error("a GIF has at most 65535 columns and rows")]
     TooLarge,
-    /// A frame that is not as large as the first, or one too many.
+    /// A frame differs in size from the first, or exceeds the number of frames.
     #[error("it is not as large as the first frame, or one too many")]
     AnotherSize,
 }
 
-/// Writes a loop, frame after frame.
+/// The encoder of an animation, which writes frame by frame.
 pub struct LoopWriter<W: Write> {
     encoder: Encoder<W>,
     size: (u32, u32),
@@ -48,7 +48,7 @@ enum Encoder<W: Write> {
 }
 
 impl<W: Write> LoopWriter<W> {
-    /// Begins a loop of so many frames, of this size.
+    /// Begins an animation with the given size and number of frames.
     ///
     /// # Errors
     ///
@@ -82,11 +82,11 @@ impl<W: Write> LoopWriter<W> {
         Ok(Self { encoder, size, count, added: 0 })
     }
 
-    /// Adds the next frame. [Omitted](gif_delays) ones are not written.
+    /// Adds the next frame. [Omitted](gif_delays) frames are not written.
     ///
     /// # Errors
     ///
-    /// If it is not as large as the others or one too many, or if the file cannot be written.
+    /// If the frame differs in size from the others or exceeds the number of frames, or if the file cannot be written.
     pub fn add(&mut self, film: &EncodedFilm) -> Result<(), LoopError> {
         if (film.width(), film.height()) != self.size || self.added == self.count {
             return Err(LoopError::AnotherSize);
@@ -95,7 +95,7 @@ impl<W: Write> LoopWriter<W> {
             Encoder::Apng(writer) => writer.write_image_data(film.bytes())?,
             Encoder::Gif { delays, .. } if delays[self.added as usize] == 0 => {}
             Encoder::Gif { encoder, delays } => {
-                /// From 1, the best and slowest, to 30.
+                /// Speed of colour quantization, from 1, the best and slowest, to 30.
                 const SPEED: i32 = 10;
                 let (width, height) = gif_size(self.size).ok_or(LoopError::TooLarge)?;
                 let mut frame = gif::Frame::from_rgb_speed(width, height, film.bytes(), SPEED);
@@ -107,7 +107,7 @@ impl<W: Write> LoopWriter<W> {
         Ok(())
     }
 
-    /// Ends the file.
+    /// Finishes the file.
     ///
     /// # Errors
     ///
@@ -125,7 +125,7 @@ fn gif_size((width, height): (u32, u32)) -> Option<(u16, u16)> {
     Some((width.try_into().ok()?, height.try_into().ok()?))
 }
 
-/// Returns the time of a frame in seconds, as a ratio of numbers of 16 bits: exactly, where they suffice, and else in thousandths.
+/// Returns the duration of a frame in seconds as a ratio of 16-bit integers: exactly if they suffice, otherwise in thousandths.
 fn delay(rate: FrameRate) -> (u16, u16) {
     let (frames, seconds) = rate.parts();
     match (u16::try_from(seconds), u16::try_from(frames)) {
@@ -137,10 +137,10 @@ fn delay(rate: FrameRate) -> (u16, u16) {
     }
 }
 
-/// Returns the duration of each frame of a GIF in hundredths of a second, and 0 for omitted frames: players show frames of less than
-/// 2 hundredths for 10.
+/// Returns the duration of each frame of a GIF in hundredths of a second, and 0 for omitted frames. Players show frames shorter than 2
+/// hundredths for 10 hundredths.
 ///
-/// The start of every remaining frame, and the total duration, are exact to the nearest hundredth.
+/// The start of every remaining frame and the total duration are exact to the nearest hundredth.
 #[must_use]
 pub fn gif_delays(rate: FrameRate, count: u32) -> Vec<u16> {
     const SHORTEST: u64 = 2;
@@ -230,7 +230,7 @@ mod tests {
                 let mut now = 0;
                 for (index, delay) in (0..).zip(&delays).filter(|(_, delay)| **delay != 0) {
                     assert_eq!(now, hundredths(index), "{what}");
-                    // Only as many frames are omitted as necessary; the last may take in one more.
+                    // Only as many frames are omitted as necessary. The last shown frame may replace one more.
                     let most = if now + u32::from(*delay) < hundredths(count) { 3 } else { 5 };
                     assert!((2..=most + 100 / per_second).contains(&u32::from(*delay)), "{what}");
                     now += u32::from(*delay);

@@ -1,7 +1,7 @@
-//! Writes films to files: frame files, sheets of many frames, loops that play by themselves, and streams of video.
+//! Output of films: frame files, contact sheets, looping animations, and video streams.
 //!
-//! Files are whole or absent: each is written under a temporary name beside its place, and renamed when every byte is on the
-//! disk. Each frame file says which picture it is and which pixels it has, so that what is there can be told from what should be.
+//! Files are complete or absent: each is written under a temporary name in the same folder, and renamed once every byte is on the disk.
+//! Each frame file contains fingerprints of its picture and of its pixels, so that existing files can be compared with the expected ones.
 
 mod channels;
 mod exr_file;

@@ -1,4 +1,4 @@
-//! PFM files: linear light in 32 bits a channel, uncompressed.
+//! PFM files: linear light in 32 bits per channel, uncompressed.
 
 use std::io::BufRead;
 
@@ -8,35 +8,35 @@ use super::provenance::Provenance;
 use crate::color::Rgb;
 use crate::trace::Film;
 
-/// What says that there are three channels.
+/// File type with three channels.
 const COLOR: &str = "PF";
-/// What says that the least significant byte is first, and that values are as they are.
+/// Scale field of files with unscaled values in little-endian order.
 const LITTLE_ENDIAN: &str = "-1.0";
 
-/// Returns what comes before the pixels.
+/// Returns the header, which precedes the pixels.
 pub(super) fn header((width, height): (u32, u32)) -> String {
     format!("{COLOR}\n{width} {height}\n{LITTLE_ENDIAN}\n")
 }
 
-/// Returns the bytes of the pixels: the lowest row first.
+/// Returns the bytes of the pixels, lowest row first.
 pub(super) fn pixels(film: &Film) -> Vec<u8> {
     let rows = film.pixels().chunks(film.width().max(1) as usize).rev();
     rows.flatten().flat_map(Rgb::to_array).flat_map(f32::to_le_bytes).collect()
 }
 
-/// Returns what comes after the pixels, where readers do not look: the format has no room for comments.
+/// Returns the provenance, which follows the pixels where readers ignore it, since the format has no comments.
 pub(super) fn trailer(provenance: Option<&Provenance>) -> String {
     provenance.map(|provenance| format!("{} {provenance}\n", Provenance::KEYWORD)).unwrap_or_default()
 }
 
-/// Reads what stands before the pixels.
+/// Parses the header and returns the width and height.
 fn read_size(file: &mut impl BufRead) -> Result<(u32, u32), String> {
     let mut words = Words::default();
     if words.next(file)? != COLOR {
         return Err("it is not a portable float map with three channels".to_owned());
     }
     let size = (words.side(file)?, words.side(file)?);
-    // Programs write it with other numbers of digits.
+    // Programs write the scale with different numbers of digits.
     let scale = words.next(file)?.parse::<f64>();
     if scale != Ok(-1.0) {
         return Err("its numbers are not written as they are, the least significant byte first".to_owned());
@@ -44,12 +44,12 @@ fn read_size(file: &mut impl BufRead) -> Result<(u32, u32), String> {
     Ok(size)
 }
 
-/// Returns columns and rows, from the beginning of a file.
+/// Returns the width and height from the beginning of a file.
 pub(super) fn size(file: &mut impl BufRead) -> Option<(u32, u32)> {
     read_size(file).ok()
 }
 
-/// Reads a file to its last byte. Returns why it is not whole, in words.
+/// Decodes a file completely. Returns the reason if the file is not valid.
 pub(super) fn decode(mut bytes: &[u8]) -> Result<Picture, String> {
     let size = read_size(&mut bytes)?;
     let count = u128::from(size.0) * u128::from(size.1) * 12;
@@ -67,7 +67,7 @@ pub(super) fn decode(mut bytes: &[u8]) -> Result<Picture, String> {
     Ok(Picture { size, bytes: pixels.to_vec(), provenance })
 }
 
-/// Reads a file's light.
+/// Reads the colours of a file.
 pub(super) fn channels(bytes: &[u8]) -> Result<FileChannels, String> {
     let Picture { size, bytes, .. } = decode(bytes)?;
     let (numbers, _) = bytes.as_chunks::<4>();

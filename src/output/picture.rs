@@ -1,25 +1,25 @@
-//! A picture as it is in a file.
+//! A picture as stored in a file.
 
 use crate::color::Rgb;
 
-/// A picture as it is in a file.
+/// A picture as stored in a file.
 pub(super) struct Picture {
-    /// Columns and rows.
+    /// Width and height in pixels.
     pub(super) size: (u32, u32),
-    /// The bytes of its pixels, in the order of its format.
+    /// Pixel bytes in the order of the format.
     pub(super) bytes: Vec<u8>,
-    /// What stands where the provenance should.
+    /// Text of the provenance field, if there is one.
     pub(super) provenance: Option<String>,
 }
 
-/// Channels of a file, before they are made output values.
+/// The channels of a file before conversion to output values.
 pub(super) struct FileChannels {
     pub(super) size: (u32, u32),
     pub(super) colors: FileColors,
     pub(super) alpha: Option<Vec<f32>>,
 }
 
-/// Colours as files have them.
+/// Colours as stored in a file.
 pub(super) enum FileColors {
     /// Output values from 0 to 255, not premultiplied.
     Encoded(Vec<[f64; 3]>),

@@ -1,4 +1,4 @@
-//! Pictures from files: of any program, in the formats that frames are written in.
+//! Pictures read from files of any program, in the formats that frames are written in.
 
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read, Seek, SeekFrom};
@@ -11,33 +11,34 @@ use crate::color::{Rgb, Transfer};
 use crate::output::Channels;
 use crate::trace::Passes;
 
-/// A picture from a file.
+/// A picture read from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureFile {
-    /// Columns and rows.
+    /// Width and height in pixels.
     pub size: (u32, u32),
-    /// Output values from 0 to 255, unrounded, row by row from the top; what is not covered is black.
+    /// Output values from 0 to 255, unrounded, row by row from the top. Uncovered areas are black.
     pub values: Vec<[f64; 3]>,
-    /// Linear light, premultiplied, if the file has that.
+    /// Linear light, premultiplied, if the file contains linear light.
     pub light: Option<Vec<Rgb>>,
-    /// The share of each pixel that is covered, if the file has alpha.
+    /// Covered fraction of each pixel, if the file has alpha.
     pub alpha: Option<Vec<f32>>,
 }
 
 impl PictureFile {
-    /// The most pixels of a picture: those of 8192 columns and rows.
+    /// Maximum number of pixels: 8192 columns times 8192 rows.
     pub const LARGEST_AREA: u64 = 1 << 26;
 
-    /// Reads a picture: PNG, binary PPM, PFM, and OpenEXR as [frames](FrameFormat) are written. `transfer` makes output values of linear
-    /// light. Memory is bounded, whatever the file's header promises.
+    /// Reads a picture in PNG, binary PPM, PFM, or OpenEXR as [frames](FrameFormat) are written. `transfer` converts linear light to
+    /// output values. Memory is bounded regardless of the file's header.
     ///
     /// # Errors
     ///
-    /// If there is no file, if it is not whole, is of another format or too large, or has numbers that are not finite: in words.
+    /// If the file is missing, incomplete, of another format or too large, or has numbers that are not finite. The error describes the
+    /// reason.
     pub fn read(path: &Path, transfer: Transfer) -> Result<Self, String> {
-        /// Bytes of a pixel of the formats that have the most.
+        /// Maximum number of bytes per pixel of all formats.
         const OF_A_PIXEL: u64 = 64;
-        /// More bytes than headers and what else is in a file take.
+        /// Upper bound on the bytes of headers and other contents of a file.
         const OF_THE_REST: u64 = 1 << 26;
         if !path.metadata().map_err(|error| error.to_string())?.is_file() {
             return Err("it is not a regular file".to_owned());
@@ -65,7 +66,7 @@ impl PictureFile {
                 area
             }
             None if matches!(format, FrameFormat::Exr(..)) => return Err("its header has no size".to_owned()),
-            // Its decoder tells why.
+            // The decoder reports the reason.
             None => 0,
         };
         let bytes = read(path, area * OF_A_PIXEL + OF_THE_REST).map_err(|error| error.to_string())?;
@@ -176,7 +177,7 @@ mod tests {
         }
     }
 
-    /// Gray, palettes and few bits, as other programs write them; headers of portable maps in lines of their own.
+    /// Reads grayscale, palettes and low bit depths, as other programs write them, and headers of portable maps in several lines.
     #[test]
     fn other_programs_files_are_read() {
         let png = |color, depth, palette: Option<Vec<u8>>, data: &[u8]| {
@@ -233,7 +234,7 @@ mod tests {
         }
     }
 
-    /// Cut anywhere, or with a byte changed, a file is an error or a picture of the same size, and never a panic.
+    /// Checks that a truncated file, or a file with a changed byte, gives an error or a picture of the same size, and never a panic.
     #[test]
     fn damaged_files_are_no_panic() {
         for format in formats() {

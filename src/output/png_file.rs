@@ -1,4 +1,4 @@
-//! PNG files, 8 or 16 bits a channel.
+//! PNG files with 8 or 16 bits per channel.
 
 use std::io::{BufRead, Seek, SeekFrom};
 
@@ -11,12 +11,12 @@ use super::channels::Channels;
 use super::picture::{FileChannels, FileColors, Picture};
 use super::provenance::Provenance;
 
-/// What a file of sRGB says of its gamma, for readers that do not know the chunk `sRGB` (W3C, "Portable Network Graphics", third edition,
-/// 2025, section 11.3.2.5).
+/// Gamma value of sRGB files, for readers that do not know the chunk `sRGB` (W3C, "Portable Network Graphics", third edition, 2025,
+/// section 11.3.2.5).
 const GAMMA: u32 = 45_455;
 
-/// Returns the bytes of a file of these channels, in 16 bits the more significant byte first. Its colours are marked as sRGB: a pixel's
-/// bytes are the file's own colours.
+/// Encodes channels as a file; 16-bit samples are in big-endian order. The colours are marked as sRGB: a pixel's bytes are the file's own
+/// colours.
 pub(super) fn encode(
     bytes_of_channels: &[u8],
     (channels, depth): (Channels, BitDepth),
@@ -48,12 +48,12 @@ fn color_type(channels: Channels) -> ColorType {
     }
 }
 
-/// Returns columns and rows, from the beginning of a file.
+/// Returns the width and height from the beginning of a file.
 pub(super) fn size(file: &mut (impl BufRead + Seek)) -> Option<(u32, u32)> {
     Decoder::new(file).read_header_info().ok().map(png::Info::size)
 }
 
-/// Reads a file to its last byte, and checks all of them. Returns why it is not whole, in words.
+/// Decodes a file completely and verifies all bytes. Returns the reason if the file is not valid.
 pub(super) fn decode(
     file: &mut (impl BufRead + Seek),
     (channels, depth): (Channels, BitDepth),
@@ -81,7 +81,7 @@ pub(super) fn decode(
     Ok(Picture { size, bytes, provenance })
 }
 
-/// Reads a file of any kind of channels.
+/// Reads a file with any kind of channels.
 pub(super) fn channels(file: impl BufRead + Seek) -> Result<FileChannels, String> {
     let mut decoder = checking(file);
     decoder.set_transformations(Transformations::EXPAND);
@@ -107,7 +107,7 @@ pub(super) fn channels(file: impl BufRead + Seek) -> Result<FileChannels, String
     Ok(FileChannels { size, colors: FileColors::Encoded(pixels.map(color_of).collect()), alpha })
 }
 
-/// Returns a decoder that checks all bytes.
+/// Returns a decoder that verifies all checksums.
 fn checking<R: BufRead + Seek>(file: R) -> Decoder<R> {
     let mut options = DecodeOptions::default();
     options.set_ignore_adler32(false);
@@ -115,7 +115,7 @@ fn checking<R: BufRead + Seek>(file: R) -> Decoder<R> {
     Decoder::new_with_options(file, options)
 }
 
-/// Reads the first picture, and the rest of the file.
+/// Reads the first picture and the rest of the file.
 fn all_bytes(reader: &mut Reader<impl BufRead + Seek>) -> Result<Vec<u8>, String> {
     let mut bytes = vec![0; reader.output_buffer_size().ok_or("it is too large")?];
     reader.next_frame(&mut bytes).map_err(in_words)?;

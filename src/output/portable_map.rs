@@ -1,17 +1,17 @@
-//! Headers of portable maps: words, with white space between them.
+//! Headers of portable maps: words separated by whitespace.
 
 use std::io::{BufRead, Read};
 
-/// The words of a header, which is short, and the comments between them.
+/// The reader of the words of a header, which is short, and of the comments between them.
 #[derive(Default)]
 pub(super) struct Words {
     pub(super) comments: Vec<String>,
 }
 
 impl Words {
-    /// Reads the next word, and the one character of white space behind it. Returns why there is none, in words.
+    /// Reads the next word and the single whitespace character after it. Returns the reason if there is no word.
     pub(super) fn next(&mut self, file: &mut impl BufRead) -> Result<String, String> {
-        /// The longest line there is.
+        /// Maximum length of a line in bytes.
         const LONGEST: usize = 200;
         let mut word = String::new();
         loop {
@@ -38,7 +38,7 @@ impl Words {
         }
     }
 
-    /// Reads a number of columns or rows.
+    /// Reads a width or height.
     pub(super) fn side(&mut self, file: &mut impl BufRead) -> Result<u32, String> {
         self.next(file)?.parse().map_err(|_| "its size is not a number".to_owned())
     }

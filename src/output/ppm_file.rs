@@ -1,4 +1,4 @@
-//! PPM files: binary, 8 bits a channel.
+//! PPM files: binary, 8 bits per channel.
 
 use std::io::BufRead;
 
@@ -6,19 +6,19 @@ use super::picture::Picture;
 use super::portable_map::Words;
 use super::provenance::Provenance;
 
-/// Returns what comes before the pixels.
+/// Returns the header, which precedes the pixels.
 pub(super) fn header((width, height): (u32, u32), provenance: Option<&Provenance>) -> String {
     let comment = provenance.map(|provenance| format!("# {} {provenance}\n", Provenance::KEYWORD));
     format!("P6\n{}{width} {height} 255\n", comment.unwrap_or_default())
 }
 
-/// What stands before the pixels.
+/// The contents of a header.
 struct Header {
     size: (u32, u32),
     provenance: Option<String>,
 }
 
-/// Reads what stands before the pixels.
+/// Parses the header.
 fn read_header(file: &mut impl BufRead) -> Result<Header, String> {
     let mut words = Words::default();
     if words.next(file)? != "P6" {
@@ -32,12 +32,12 @@ fn read_header(file: &mut impl BufRead) -> Result<Header, String> {
     Ok(Header { size, provenance: words.comments.iter().find_map(own) })
 }
 
-/// Returns columns and rows, from the beginning of a file.
+/// Returns the width and height from the beginning of a file.
 pub(super) fn size(file: &mut impl BufRead) -> Option<(u32, u32)> {
     read_header(file).ok().map(|header| header.size)
 }
 
-/// Reads a file to its last byte. Returns why it is not whole, in words.
+/// Decodes a file completely. Returns the reason if the file is not valid.
 pub(super) fn decode(mut bytes: &[u8]) -> Result<Picture, String> {
     let Header { size, provenance } = read_header(&mut bytes)?;
     let count = u64::from(size.0) * u64::from(size.1) * 3;

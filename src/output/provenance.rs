@@ -1,34 +1,36 @@
-//! What a frame file tells of itself: which picture it is, and which pixels it has.
+//! Provenance of frame files: fingerprints of the picture and of its pixels.
 
 use std::fmt;
 use std::str::FromStr;
 
 use crate::trace::FrameFingerprint;
 
-/// What a frame file tells of itself.
+/// The provenance stored in a frame file.
 ///
-/// As text: `1 FRAME PIXELS`, where the first number is the version of the text, and the others are 32 hexadecimal digits each. In PNG
-/// it is a `tEXt` chunk under [`KEYWORD`](Provenance::KEYWORD), in PPM a comment.
+/// The text form is `1 FRAME PIXELS`, where the first number is the version of the text, and the others are 32 hexadecimal digits each.
+/// It is stored under [`KEYWORD`](Provenance::KEYWORD): in PNG as a `tEXt` chunk, in PPM as a comment, in OpenEXR as an attribute, and in
+/// PFM after the pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Provenance {
-    /// What identifies the picture: all that was rendered.
+    /// Fingerprint of all that was rendered.
     pub frame: FrameFingerprint,
-    /// What identifies its pixels: all that came of it.
+    /// Fingerprint of the resulting pixels.
     pub pixels: PixelFingerprint,
 }
 
-/// What identifies pixels, 8 bits a channel, and how they lie in columns and rows.
+/// A fingerprint of a picture's pixel bytes and of its width and height.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PixelFingerprint(u128);
 
 impl Provenance {
-    /// The word by which it is found in files.
+    /// The keyword under which files store the provenance.
     pub const KEYWORD: &str = "rayreel";
     const VERSION: &str = "1";
 }
 
 impl PixelFingerprint {
-    /// Returns that of pixels: red, green and blue of one after the other, row by row from the top.
+    /// Returns the fingerprint of the pixel bytes of a picture and of its width and height. The bytes of 8-bit formats are red, green and
+    /// blue of each pixel, row by row from the top.
     #[must_use]
     pub fn of(rgb: &[u8], (width, height): (u32, u32)) -> Self {
         let mut hasher = blake3::Hasher::new();
@@ -47,7 +49,7 @@ impl fmt::Display for Provenance {
     }
 }
 
-/// Says that a text is no [`Provenance`] of this version.
+/// The error for a string that is not a [`Provenance`] of this version.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("it is not known what this frame was rendered from")]
 pub struct NoProvenance;
@@ -59,7 +61,7 @@ impl FromStr for Provenance {
         let parts: Vec<&str> = text.split(' ').collect();
         let [Self::VERSION, frame, pixels] = parts[..] else { return Err(NoProvenance) };
         let frame = frame.parse().map_err(|_| NoProvenance)?;
-        // The same form as that of the other.
+        // Both fingerprints have the same text form.
         let _: FrameFingerprint = pixels.parse().map_err(|_| NoProvenance)?;
         let pixels = u128::from_str_radix(pixels, 16).map_err(|_| NoProvenance)?;
         Ok(Self { frame, pixels: PixelFingerprint(pixels) })

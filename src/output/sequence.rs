@@ -1,4 +1,4 @@
-//! The file names of a sequence's frames.
+//! File names of a sequence's frames.
 
 use std::ffi::{OsStr, OsString};
 use std::fmt;
@@ -10,20 +10,20 @@ use std::str::FromStr;
 use super::FrameFormat;
 use crate::time::Time;
 
-/// The fewest digits of numbers, unless frames are named otherwise.
+/// Default minimum number of digits of a frame number.
 const USUAL_DIGITS: usize = 4;
 
-/// The names of a sequence's files: `directory/name.0042.png` for frames, unless they are named otherwise.
+/// The names of a sequence's files. By default, frames are named `directory/name.0042.png`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sequence {
     directory: PathBuf,
-    /// As the system has it: two names that differ in bytes that are not text are two names.
+    /// Name in the system's encoding: names that differ in bytes that are not text are different names.
     name: OsString,
     frames: FrameNames,
     format: FrameFormat,
 }
 
-/// How frames are named, but for the endings of their files: something before the number, its digits, and something after it.
+/// The names of frame files without extensions: a prefix, the digits of the frame number, and a suffix.
 ///
 /// ```
 /// use rayreel::output::FrameNames;
@@ -36,21 +36,21 @@ pub struct Sequence {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FrameNames {
     before: OsString,
-    /// The fewest; 0 for the name of a single frame, without a number.
+    /// Minimum number of digits; 0 for the name of a single frame, without a number.
     digits: usize,
     after: String,
 }
 
-/// Says that a text does not tell how frames are named.
+/// The error for a string that does not specify frame names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NotAPattern {
-    /// It is empty, or has several places for a number.
+    /// The text is empty, or does not have exactly one valid place for the number.
     #[error("it takes one place for the frame's number, as #### or %04d")]
     Number,
     /// The number would have too many digits.
     #[error("a frame's number has 10 digits at most")]
     Digits,
-    /// It would lead to other folders.
+    /// The text contains a path separator.
     #[error("it is the name of a file: folders are for --out")]
     Folder,
 }
@@ -89,7 +89,7 @@ impl FromStr for FrameNames {
 }
 
 impl FrameNames {
-    /// Returns whether each frame has a name of its own, by its number. Otherwise it is the name of a single frame.
+    /// Returns whether each frame has a name with its number. Otherwise, this is the name of a single frame.
     #[must_use]
     pub fn have_numbers(&self) -> bool {
         self.digits > 0
@@ -114,13 +114,13 @@ impl Sequence {
         Self { directory, name, frames, format }
     }
 
-    /// Returns the same with other names for frames.
+    /// Returns the sequence with other names for frames.
     #[must_use]
     pub fn with_names(self, frames: FrameNames) -> Self {
         Self { frames, ..self }
     }
 
-    /// Returns the file of frame `index`.
+    /// Returns the path of frame `index`.
     #[must_use]
     pub fn frame(&self, index: u32) -> PathBuf {
         let FrameNames { before, digits, after } = &self.frames;
@@ -132,7 +132,7 @@ impl Sequence {
         self.directory.join(name)
     }
 
-    /// Returns the number of the frame whose file has this name. `None` if no frame's has.
+    /// Returns the number of the frame with this file name, or `None` if it is not the name of a frame.
     #[must_use]
     pub fn frame_of(&self, file_name: &OsStr) -> Option<u32> {
         let FrameNames { before, digits: fewest, after } = &self.frames;
@@ -144,11 +144,11 @@ impl Sequence {
         digits.parse().ok().filter(|_| is_number)
     }
 
-    /// Returns the frames of this name that are in the folder, in any number of digits, by their numbers.
+    /// Returns the numbers and paths of the frames in the folder, with any number of digits, sorted by number.
     ///
     /// # Errors
     ///
-    /// If the folder cannot be read. One that is not there has no frames.
+    /// If the folder cannot be read. A missing folder has no frames.
     pub fn present(&self) -> io::Result<Vec<(u32, PathBuf)>> {
         let entries = match fs::read_dir(super::whole_file::named(&self.directory)) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
@@ -165,31 +165,31 @@ impl Sequence {
         Ok(present)
     }
 
-    /// Returns the file of a moment between frames.
+    /// Returns the path of a picture at a moment between frames.
     #[must_use]
     pub fn moment(&self, time: Time) -> PathBuf {
         self.file(&format!("at-{}s", time.seconds()))
     }
 
-    /// Returns the file of a sheet of frames.
+    /// Returns the path of a sheet of frames.
     #[must_use]
     pub fn sheet(&self) -> PathBuf {
         self.file("sheet")
     }
 
-    /// Returns the file of the settings that were chosen for frames.
+    /// Returns the path of the settings that were chosen for frames.
     #[must_use]
     pub fn settings(&self) -> PathBuf {
         self.named("settings.json")
     }
 
-    /// Returns the same for the frames of a sheet.
+    /// Returns the path of the settings that were chosen for the frames of a sheet.
     #[must_use]
     pub fn sheet_settings(&self) -> PathBuf {
         self.named("sheet.settings.json")
     }
 
-    /// Returns the file that says what frames are rendered from.
+    /// Returns the path of the manifest, which describes the sources of the frames.
     #[must_use]
     pub fn manifest(&self) -> PathBuf {
         self.named("sequence.json")

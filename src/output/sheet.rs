@@ -1,4 +1,4 @@
-//! Many frames in one picture: a contact sheet.
+//! Contact sheets: many frames in one picture.
 
 use std::path::Path;
 
@@ -8,17 +8,17 @@ use super::{FrameFormat, WriteError};
 use crate::time::Time;
 use crate::trace::EncodedFilm;
 
-/// Pixels around tiles.
+/// Width of the gap around tiles, in pixels.
 const GAP: u32 = 8;
-/// Pixels between a tile and its label.
+/// Height of the gap between a tile and its label, in pixels.
 const LABEL_GAP: u32 = 5;
-/// Columns of a tile per pixel of a label's dot, in width and height.
+/// Columns of a tile per pixel of the width and height of a label's dot.
 const COLUMNS_PER_DOT: u32 = 400;
 
 const BACKGROUND: [u8; 3] = [28; 3];
 const INK: [u8; 3] = [200; 3];
 
-/// Frames side by side, row after row, with frame number and time under each where there is room.
+/// Frames in a grid, row by row, with frame number and time below each frame if there is room.
 ///
 /// A tile has exactly the bytes of the frame's own file.
 #[derive(Clone, Debug)]
@@ -26,13 +26,13 @@ pub struct Sheet {
     columns: u32,
     tile: (u32, u32),
     width: u32,
-    /// The pixels, row by row from the top.
+    /// Pixels, row by row from the top.
     pixels: Vec<[u8; 3]>,
-    /// The number of tiles so far.
+    /// Number of tiles so far.
     count: u32,
 }
 
-/// The error of a sheet that would be larger than a picture may be.
+/// The error of a sheet that exceeds the size limits.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "{columns}x{rows} tiles of {}x{} pixels make a sheet of {width}x{height}: it may have at most {} pixels, and {} on a side",
@@ -50,20 +50,20 @@ pub struct SheetTooLarge {
 }
 
 impl Sheet {
-    /// The most columns of tiles, and the most rows.
+    /// Maximum number of columns, and of rows, of tiles.
     pub const LARGEST_COUNT: u32 = 100;
-    /// The most pixels on a side.
+    /// Maximum number of pixels on a side.
     pub const LARGEST_SIDE: u32 = 32_768;
-    /// The most pixels, 2^28: 805 MB of them.
+    /// Maximum number of pixels: 2^28, which take 805 MB.
     pub const LARGEST_AREA: u64 = 1 << 28;
-    /// The largest width of a sheet with tiles of [`Sheet::fitting_tile`], in pixels.
+    /// Maximum width of a sheet with tiles of [`Sheet::fitting_tile`], in pixels.
     pub const FITTING_WIDTH: u32 = 1920;
 
-    /// Creates an empty sheet of this many columns and rows of tiles, given the width and height of a tile in pixels.
+    /// Creates an empty sheet with the given number of columns and rows of tiles, and the given width and height of a tile in pixels.
     ///
     /// # Errors
     ///
-    /// If it would be too large.
+    /// If the sheet would be too large.
     pub fn new(columns: u32, rows: u32, tile: (u32, u32)) -> Result<Self, SheetTooLarge> {
         let pixels =
             |count: u32, side: u32| u64::from(count) * (u64::from(side) + u64::from(GAP)) + u64::from(GAP);
@@ -80,8 +80,8 @@ impl Sheet {
         }
     }
 
-    /// Returns the size of tiles with which a sheet of this many columns is at most [`Sheet::FITTING_WIDTH`] pixels wide; never
-    /// larger than the film, and of exactly its proportions where whole pixels allow that without halving the tile.
+    /// Returns the tile size with which a sheet of `columns` columns is at most [`Sheet::FITTING_WIDTH`] pixels wide. The tile is never
+    /// larger than the film. It has exactly the film's proportions if whole pixels allow this without halving the tile.
     #[must_use]
     pub fn fitting_tile(columns: u32, (width, height): (u32, u32)) -> (u32, u32) {
         let (columns, width, height) = (columns.max(1), width.max(1), height.max(1));
@@ -96,7 +96,7 @@ impl Sheet {
         (fitting, u32::try_from(rows).unwrap_or(u32::MAX).max(1))
     }
 
-    /// Adds a frame as the next tile. What is outside the tile, and outside the sheet, is cropped.
+    /// Adds a frame as the next tile. Pixels outside the tile or the sheet are cropped.
     pub fn add(&mut self, film: &EncodedFilm, frame: u32, time: Time) {
         let (left, top) = self.next_corner();
         let columns = film.width().min(self.tile.0) as usize;
@@ -119,22 +119,22 @@ impl Sheet {
     /// Returns the height in pixels.
     #[must_use]
     pub fn height(&self) -> u32 {
-        // There are no more than [`Sheet::LARGEST_SIDE`].
+        // At most [`Sheet::LARGEST_SIDE`].
         u32::try_from(self.pixels.len() / self.width as usize).unwrap_or(u32::MAX)
     }
 
-    /// Writes the sheet: whole, or not at all.
+    /// Writes the sheet completely or not at all.
     ///
     /// # Errors
     ///
-    /// If the file system or the encoder refuses; nothing is left behind.
+    /// If the file system or the encoder reports an error. No partial file remains.
     pub fn write(&self, path: &Path, format: FrameFormat) -> Result<(), WriteError> {
         let bytes = self.pixels.as_flattened();
         let film = EncodedFilm::from_bytes(self.width, self.height(), bytes).expect("its rows are whole");
         write_pixels(path, &film.into(), format)
     }
 
-    /// Returns the left and top of the next tile.
+    /// Returns the left column and top row of the next tile, and advances by one tile.
     fn next_corner(&mut self) -> (u32, u32) {
         let (column, row) = (self.count % self.columns, self.count / self.columns);
         self.count = self.count.saturating_add(1);
@@ -142,14 +142,14 @@ impl Sheet {
         (GAP + column * across, row.saturating_mul(down).saturating_add(GAP))
     }
 
-    /// Returns the pixels of row `y` from column `x` on; none outside the sheet.
+    /// Returns the pixels of row `y` from column `x` on, or none outside the sheet.
     fn row_from(&mut self, x: u32, y: u32) -> &mut [[u8; 3]] {
         let width = self.width as usize;
         let row = self.pixels.chunks_exact_mut(width).nth(y as usize);
         row.and_then(|row| row.get_mut(x as usize..)).unwrap_or_default()
     }
 
-    /// Writes a label below a tile: only its first word, or nothing, where the tile is too narrow.
+    /// Draws a label below a tile. If the tile is too narrow, draws only the first word, or nothing.
     fn label(&mut self, label: &str, left: u32, top: u32) {
         let (dot, room) = (dot(self.tile), self.tile.0);
         let first_word = label.split(' ').next().unwrap_or_default();
@@ -168,7 +168,7 @@ fn dot((columns, _): (u32, u32)) -> u32 {
     (columns / COLUMNS_PER_DOT).max(1)
 }
 
-/// Returns the rows of pixels below a tile for its label.
+/// Returns the number of rows of pixels below a tile for its label.
 fn label_height(tile: (u32, u32)) -> u32 {
     LABEL_GAP + dot(tile) * label::HEIGHT
 }
@@ -237,7 +237,7 @@ mod tests {
         let mut sheet = Sheet::new(2, 2, tile).unwrap();
         let colors = [Rgb::X, Rgb::Y, Rgb::Z];
         for (index, color) in (0..).zip(colors) {
-            // Larger than the tile, the second time.
+            // The second frame is larger than the tile.
             sheet.add(&film((90 + index % 2, 3 + index % 2), color), index, Time::ZERO);
         }
         let count = |sheet: &Sheet, bytes| sheet.pixels.iter().filter(|pixel| **pixel == bytes).count();
@@ -268,7 +268,7 @@ mod tests {
         assert_eq!(inked(800), 4 * inked(83));
     }
 
-    /// Returns how many pixels of a tile's label have ink.
+    /// Returns the number of pixels with ink in a tile's label.
     fn inked(columns: u32) -> usize {
         let mut sheet = Sheet::new(1, 1, (columns, 1)).unwrap();
         sheet.add(&film((columns, 1), Rgb::ONE), 17, Time::ZERO);

@@ -1,16 +1,17 @@
-//! Frames one after the other, uncompressed, for a program that reads them: `rayreel render SCENE --out - | ffmpeg -i - ...`
+//! Streams of uncompressed frames for other programs: `rayreel render SCENE --out - | ffmpeg -i - ...`
 
 use std::io::{self, Write};
 
 use crate::time::FrameRate;
 use crate::trace::EncodedFilm;
 
-/// How frames are written to a stream.
+/// The format of a stream of frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VideoFormat {
-    /// YUV4MPEG2: with the frames' size and rate before them. Y'CbCr by ITU-R BT.709, 8 bits, of limited range, in every pixel (4:4:4).
+    /// YUV4MPEG2: a header with the size and rate of frames, followed by the frames. Y'CbCr by ITU-R BT.709, 8 bits, limited range,
+    /// without chroma subsampling (4:4:4).
     Y4m,
-    /// Red, green and blue of pixel after pixel, and nothing else.
+    /// Red, green and blue of successive pixels, without headers.
     Raw,
 }
 
@@ -20,21 +21,21 @@ pub struct VideoStream<W> {
     out: W,
     format: VideoFormat,
     rate: FrameRate,
-    /// Whether a frame has been written.
+    /// True if a frame has been written.
     is_begun: bool,
 }
 
 impl<W: Write> VideoStream<W> {
-    /// Begins a stream.
+    /// Creates a stream that writes to `out`.
     pub fn new(out: W, format: VideoFormat, rate: FrameRate) -> Self {
         Self { out, format, rate, is_begun: false }
     }
 
-    /// Writes a frame to its end.
+    /// Writes a complete frame and flushes the stream.
     ///
     /// # Errors
     ///
-    /// If the reader is gone, or the system refuses.
+    /// If the reader has closed the stream, or writing fails.
     pub fn add(&mut self, film: &EncodedFilm) -> io::Result<()> {
         let is_first = !std::mem::replace(&mut self.is_begun, true);
         match self.format {
@@ -56,13 +57,13 @@ impl<W: Write> VideoStream<W> {
     }
 }
 
-/// Returns Y', Cb and Cr of all pixels, one after the other.
+/// Returns the Y', Cb and Cr planes of all pixels, one after the other.
 fn planes(film: &EncodedFilm) -> Vec<u8> {
     let colors: Vec<[u8; 3]> = film.pixels().iter().map(|pixel| luma_and_chroma(*pixel)).collect();
     (0..3).flat_map(|plane| colors.iter().map(move |color| color[plane])).collect()
 }
 
-/// Returns Y', Cb and Cr of red, green and blue: ITU-R BT.709-6, sections 3.2 to 3.4 and, for the levels, 4.2 and 4.6.
+/// Converts red, green and blue to Y', Cb and Cr: ITU-R BT.709-6, sections 3.2 to 3.4 and, for the levels, 4.2 and 4.6.
 fn luma_and_chroma(rgb: [u8; 3]) -> [u8; 3] {
     let [red, green, blue] = rgb.map(|channel| f64::from(channel) / 255.0);
     let luma = 0.2126 * red + 0.7152 * green + 0.0722 * blue;

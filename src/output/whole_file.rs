@@ -1,12 +1,13 @@
-//! Files that are whole or absent, even if the process that writes them or the machine fails.
+//! Atomic file writes: files are complete or absent, even if the writing process or the machine fails.
 //!
 //! ```text
-//! create under a name of its own -> lock -> write -> sync -> rename -> sync the folder
+//! create under a temporary name -> lock -> write -> sync -> rename -> sync the folder
 //! ```
 //!
-//! The name is random and must not be taken: process ids would be the same in two containers that share a folder. The lock is
-//! held until the file has its place, and the system releases it however the process ends. So a partial file that can be locked
-//! is a leftover, and one that cannot is in use, in whatever container; where a file system has no locks, none is touched.
+//! The temporary name is random and must be unused, since process ids can coincide in two containers that share a folder. The lock is
+//! held until the file is renamed, and the system releases it when the process ends, however it ends. A partial file that can be locked
+//! is therefore a leftover, and a partial file that cannot be locked is in use, in any container. If the file system has no locks, no
+//! partial files are removed.
 
 use std::fs::{self, DirEntry, File, OpenOptions, TryLockError};
 use std::hash::{BuildHasher, Hasher, RandomState};
@@ -16,19 +17,18 @@ use std::path::{Path, PathBuf};
 const PREFIX: &str = ".rayreel-";
 const SUFFIX: &str = ".partial";
 
-/// Writes a file, replacing one that is there.
+/// Writes a file, replacing an existing one.
 pub(super) fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     put(path, &[bytes])?;
     settle(path)
 }
 
-/// Writes parts of a file, one after the other, as [`write`] does, but if the machine fails, the name may be lost as long as it is
-/// not [settled](settle).
+/// Writes the parts of a file in sequence like [`write`], but a machine failure may lose the file's name until it is [settled](settle).
 pub(super) fn put(path: &Path, parts: &[&[u8]]) -> io::Result<()> {
     PartialFile::filled(folder_of(path), parts)?.replace(path)
 }
 
-/// Ensures that the name of a file is on the disk, with all others in its folder, where folders can be synced.
+/// Syncs the folder of a file to the disk, with the names of all files in it, where folders can be synced.
 pub(super) fn settle(path: &Path) -> io::Result<()> {
     use ErrorKind::{InvalidInput, PermissionDenied, Unsupported};
     if cfg!(not(unix)) {
@@ -40,33 +40,33 @@ pub(super) fn settle(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Writes a file where there is none.
+/// Writes a file that must not exist yet.
 pub(super) fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
     PartialFile::filled(folder_of(path), &[bytes])?.link(path)?;
     settle(path)
 }
 
-/// Removes partial files left in a folder by processes that were killed while they wrote. Those of running processes stay, and so
-/// does whatever cannot be removed: it does no harm.
+/// Removes partial files left in a folder by processes that were killed while writing. Files of running processes are kept, and so are
+/// files that cannot be removed, which do no harm.
 pub fn remove_leftovers(folder: &Path) {
     let Ok(entries) = fs::read_dir(named(folder)) else { return };
     for entry in entries.flatten().filter(is_partial) {
         let path = entry.path();
-        // Some network file systems lock only what is open for writing.
+        // Some network file systems lock only files that are open for writing.
         let unlocked = OpenOptions::new().write(true).open(&path).ok().filter(|file| file.try_lock().is_ok());
-        // The lock is held on: whoever has just created the file sees that it is being removed.
+        // The lock is still held, so that a process that has just created the file notices its removal.
         if unlocked.is_some() {
             let _ = fs::remove_file(&path);
         }
     }
 }
 
-/// Returns the folder that a file is in, or would be.
+/// Returns the folder of a file, which need not exist.
 pub fn folder_of(path: &Path) -> &Path {
     named(path.parent().unwrap_or(Path::new("")))
 }
 
-/// Returns a folder by name, for the working directory too.
+/// Returns the path of a folder; `.` if the path is empty.
 pub(super) fn named(folder: &Path) -> &Path {
     if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
 }
@@ -78,7 +78,7 @@ fn is_partial(entry: &DirEntry) -> bool {
     token.is_some_and(is_token) && entry.file_type().is_ok_and(|kind| kind.is_file())
 }
 
-/// A file without a place yet; removed unless it gets one.
+/// A temporary file, which is removed unless it is renamed to its final path.
 #[derive(Debug)]
 pub struct PartialFile {
     path: PathBuf,
@@ -87,7 +87,7 @@ pub struct PartialFile {
 }
 
 impl PartialFile {
-    /// Creates one with these bytes, all of them on the disk.
+    /// Creates a file from `parts` and syncs all bytes to the disk.
     fn filled(folder: &Path, parts: &[&[u8]]) -> io::Result<Self> {
         let mut partial = Self::create(folder)?;
         for part in parts {
@@ -97,11 +97,11 @@ impl PartialFile {
         Ok(partial)
     }
 
-    /// Creates an empty one in a folder.
+    /// Creates an empty file in a folder.
     ///
     /// # Errors
     ///
-    /// If the file system refuses.
+    /// If the file system reports an error.
     pub fn create(folder: &Path) -> io::Result<Self> {
         loop {
             let path = folder.join(format!("{PREFIX}{:016x}{SUFFIX}", random()));
@@ -118,12 +118,12 @@ impl PartialFile {
         }
     }
 
-    /// Locks the file, and returns whether it is still there: another process that removes leftovers may have been quicker.
+    /// Locks the file, and returns whether it still exists. Another process may have removed it as a leftover.
     fn is_kept(&self) -> bool {
         match self.file.try_lock() {
             Ok(()) => self.path.exists(),
             Err(TryLockError::WouldBlock) => false,
-            // There are no locks here, and so nobody removes anything.
+            // Without locks, no process removes leftovers.
             Err(TryLockError::Error(_)) => true,
         }
     }
@@ -138,7 +138,7 @@ impl PartialFile {
     ///
     /// # Errors
     ///
-    /// If the file cannot be unlocked on Windows, where locks keep other programs out. There, files that others write cannot be
+    /// If the file cannot be unlocked on Windows, where locks exclude other programs. There, files that other programs write cannot be
     /// removed.
     pub fn lend(&self) -> io::Result<&Path> {
         if cfg!(windows) {
@@ -147,11 +147,11 @@ impl PartialFile {
         Ok(&self.path)
     }
 
-    /// Gives the file its place, in the same folder, once all of it is on the disk.
+    /// Syncs the file to the disk and renames it to its final path in the same folder.
     ///
     /// # Errors
     ///
-    /// If the file system refuses; nothing is left behind.
+    /// If the file system reports an error. No partial file remains.
     pub fn place(self, path: &Path) -> io::Result<()> {
         self.file.sync_all()?;
         self.replace(path)?;
@@ -164,7 +164,7 @@ impl PartialFile {
         Ok(())
     }
 
-    /// Links the file into place, as a second name, unlike a new name, can only be given where there is no file.
+    /// Links the file to its final path. Unlike a rename, a link fails if a file exists there.
     fn link(self, path: &Path) -> io::Result<()> {
         match fs::hard_link(&self.path, path) {
             Err(error) if error.kind() != ErrorKind::AlreadyExists => self.claim(path),
@@ -172,7 +172,7 @@ impl PartialFile {
         }
     }
 
-    /// Takes the place with an empty file first, where files have one name only.
+    /// Reserves the final path with an empty file and then renames the file, for file systems without hard links.
     fn claim(self, path: &Path) -> io::Result<()> {
         drop(File::create_new(path)?);
         self.replace(path).inspect_err(|_| {
@@ -189,7 +189,7 @@ impl Drop for PartialFile {
     }
 }
 
-/// Returns a number from the system's own randomness, by which hash maps are keyed.
+/// Returns a random number from the system's random keys for hash maps.
 fn random() -> u64 {
     RandomState::new().build_hasher().finish()
 }
@@ -225,7 +225,7 @@ mod tests {
         let before = names(folder);
         let lives = PartialFile::filled(folder, &[b"half"]).unwrap();
         let killed = PartialFile::create(folder).unwrap();
-        // As the system does, and nothing else.
+        // Simulates the system after a killed process.
         killed.file.unlock().unwrap();
         std::mem::forget(killed);
         assert_eq!(names(folder).len(), before.len() + 2);

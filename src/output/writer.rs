@@ -1,4 +1,4 @@
-//! Encodes and writes frames while others are rendered.
+//! Encoding and writing of frames in parallel with rendering.
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
@@ -9,23 +9,23 @@ use super::frame_file;
 use super::{FrameFormat, FramePixels, WriteError};
 use crate::trace::FrameFingerprint;
 
-/// A thread that writes one frame while the next is rendered. At most two films wait.
+/// A thread that writes one frame while the next is rendered. At most two films are queued.
 #[derive(Debug)]
 pub struct FrameWriter {
-    /// The queue; `None` once the writer is told that no more will come.
+    /// The queue; `None` once no more frames will be submitted.
     jobs: Option<SyncSender<Job>>,
     written: Receiver<WrittenFrame>,
     thread: Option<JoinHandle<()>>,
 }
 
-/// A frame that the writer has finished with.
+/// The result of writing a frame.
 #[derive(Debug)]
 pub struct WrittenFrame {
-    /// The number given to [`FrameWriter::submit`].
+    /// Number given to [`FrameWriter::submit`].
     pub ticket: usize,
-    /// The time spent on encoding and writing.
+    /// Time spent on encoding and writing.
     pub duration: Duration,
-    /// Whether the file is there now.
+    /// Success, or the error that prevented the write.
     pub result: Result<(), WriteError>,
 }
 
@@ -48,7 +48,7 @@ impl FrameWriter {
         Self { jobs: Some(jobs), written, thread: Some(thread) }
     }
 
-    /// Submits a frame, and what identifies the picture, if it is to say so in its file; waits while too many are queued.
+    /// Submits a frame, and waits while too many are queued. If `frame` is given, the file contains its provenance.
     pub fn submit(
         &self,
         ticket: usize,
@@ -68,7 +68,7 @@ impl FrameWriter {
         self.written.try_iter()
     }
 
-    /// Waits for all films to be written, and returns the frames not yet returned.
+    /// Waits until all films are written, and returns the frames not returned before.
     #[must_use]
     pub fn finish(mut self) -> Vec<WrittenFrame> {
         self.jobs = None;
@@ -80,14 +80,14 @@ impl Drop for FrameWriter {
     fn drop(&mut self) {
         self.jobs = None;
         if let Some(thread) = self.thread.take() {
-            // A panic there has been reported there.
+            // A panic of the thread has already been reported.
             let _ = thread.join();
         }
     }
 }
 
-/// Writes films as they come; while more wait, only their bytes are brought to the disk, and their names together with the last
-/// one's.
+/// Writes queued films. While more films for the same folder are queued, only the bytes of a film are synced to the disk. Its name is
+/// synced together with the name of the last one.
 fn run(jobs: &Receiver<Job>, done: &Sender<WrittenFrame>) {
     let mut next = jobs.recv().ok();
     while let Some(Job { ticket, path, pixels, format, frame }) = next {

@@ -1,4 +1,4 @@
-//! Pictures in the making, looked at once a second.
+//! Progress reports of pictures that are being rendered, once a second.
 
 use std::ops::ControlFlow::{self, Continue};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use crate::trace::{ExposureProgress, Signals};
 
-/// Has a picture rendered, by a function of its signals and of what hears at every pause that these ask for how far it is, and tells so:
-/// once a second.
+/// Renders a picture, and reports its progress to `tell` once a second. `render` receives signals that request pauses, and a function to
+/// call at every pause with the progress.
 pub(super) fn watched<T>(
     cancelled: &AtomicBool,
     tell: &mut dyn FnMut(ExposureProgress),
@@ -22,31 +22,31 @@ pub(super) fn watched<T>(
     })
 }
 
-/// Says once a second that it is time to look at a picture in the making: seldom enough to cost nothing, as threads wait for each other
-/// then.
+/// A timer that requests a pause of rendering once a second. At a pause, threads wait for each other; this is rare enough to cost
+/// nothing.
 #[derive(Debug)]
 struct Heartbeat {
     start: Instant,
-    /// In milliseconds from the start.
+    /// Time of the next pause, in milliseconds from the start.
     next: AtomicU64,
 }
 
 impl Heartbeat {
     const PERIOD: Duration = Duration::from_secs(1);
 
-    /// Begins the first second.
+    /// Starts the timer and its first period.
     fn start() -> Self {
         let heartbeat = Self { start: Instant::now(), next: AtomicU64::new(0) };
         heartbeat.begin();
         heartbeat
     }
 
-    /// Returns whether the second is over. It stays so until another one begins.
+    /// Returns whether the period is over. The result stays true until the next period begins.
     fn is_due(&self) -> bool {
         self.elapsed() >= self.next.load(Ordering::Relaxed)
     }
 
-    /// Begins another second.
+    /// Begins the next period.
     fn begin(&self) {
         let period = u64::try_from(Self::PERIOD.as_millis()).unwrap_or(u64::MAX);
         self.next.store(self.elapsed() + period, Ordering::Relaxed);

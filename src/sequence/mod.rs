@@ -1,12 +1,12 @@
-//! Renders sequences into folders, and tells whether what is in a folder is a sequence.
+//! Rendering of sequences into folders, and verification of sequences in folders.
 //!
-//! A frame is done if its file is whole and was rendered from what would be rendered now: both are looked at, and nothing else is, neither
-//! names nor times of files. So a sequence may be interrupted anywhere, in any way, and the next run does what is left; after an
-//! edit it does the frames that the edit touches; and several processes may work in one folder, each of which puts the same bytes
-//! in the same place.
+//! A frame is done if its file is complete and was rendered from the current input. Only these two conditions are checked, not the names
+//! or times of files. A sequence may therefore be interrupted at any point and in any way, and the next run renders the remaining frames.
+//! After an edit, the next run renders the frames that the edit affects. Several processes may work in one folder, since all of them
+//! write the same bytes to the same files.
 //!
 //! ```text
-//! Shot -> is it done? -> engine -> output::FramePixels -> output::FrameWriter -> frame file, with its provenance
+//! Shot -> FrameVerdict -> engine -> output::FramePixels -> output::FrameWriter -> frame file, with its provenance
 //! ```
 
 mod heartbeat;

@@ -1,24 +1,24 @@
-//! Which frames of a list are rendered here, and which come first.
+//! Selection and order of the frames to render.
 
 use std::fmt;
 use std::str::FromStr;
 
 use crate::time::FrameList;
 
-/// In which order frames are rendered.
+/// The order in which frames are rendered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RenderOrder {
-    /// As they follow each other.
+    /// Ascending by frame number.
     #[default]
     Ascending,
-    /// Every eighth first, then those in the middle between them, and so on: what is wrong is seen early, anywhere.
+    /// Every eighth frame first, then the frames in the middle between them, and so on, so that errors anywhere are seen early.
     Coarse,
 }
 
 impl RenderOrder {
     /// Returns the frames of a list in this order, each once.
     pub fn of(self, frames: &FrameList) -> Box<dyn Iterator<Item = u32> + '_> {
-        /// By their place in the list: from which on, and which of those.
+        /// Offset and step of each pass, as indices into the list.
         const PASSES: [(usize, usize); 4] = [(0, 8), (4, 8), (2, 4), (1, 2)];
         match self {
             Self::Ascending => Box::new(frames.frames()),
@@ -29,8 +29,8 @@ impl RenderOrder {
     }
 }
 
-/// One of several parts of a frame list: a function of the list alone. The parts together have every frame once, and they have as many as
-/// each other, but for one.
+/// One of several parts of a frame list, determined by the list alone. Together, the parts contain every frame once. Their sizes differ
+/// by at most one.
 ///
 /// ```
 /// use rayreel::sequence::Shard;
@@ -46,15 +46,15 @@ pub struct Shard {
     count: u32,
 }
 
-/// Says that a text is no shard.
+/// The error for a string that is not a shard.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is not a shard: write its number, from 0, and how many there are, as in 0/4")]
 pub struct ShardError(String);
 
 impl Shard {
-    /// Returns this part of a list: those frames whose place in the list, divided by the number of shards, leaves this one's number.
-    /// Neighbours take about as long as each other, so that shards do, too. `None` where there are fewer frames than shards, and
-    /// none is left for this one.
+    /// Returns this part of a list: the frames whose index in the list, modulo the number of shards, is the index of the shard.
+    /// Neighbouring frames take similar times, so that shards do, too. Returns `None` if there are fewer frames than shards, and none for
+    /// this one.
     #[must_use]
     pub fn of(&self, frames: &FrameList) -> Option<FrameList> {
         let (index, count) = (self.index as usize, self.count as usize);

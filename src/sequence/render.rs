@@ -1,4 +1,4 @@
-//! Renders what is not done yet, and writes it while the next frame is traced.
+//! Rendering of frames that are not done yet. Each frame is written while the next is traced.
 
 use std::fs;
 use std::io;
@@ -17,70 +17,71 @@ use crate::output::{
 use crate::time::FrameList;
 use crate::trace::{AlphaFilm, EncodedFilm, Exposure, ExposureProgress, PassPixel};
 
-/// What becomes of frames that are there.
+/// The treatment of existing frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Existing {
-    /// Those that are whole, and the same as would be rendered, are kept; the others are rendered.
+    /// Complete and up-to-date frames are kept; all others are rendered.
     #[default]
     Keep,
-    /// All are rendered.
+    /// All frames are rendered.
     Overwrite,
 }
 
-/// Hears what happens while shots are rendered.
+/// An observer of the rendering of shots.
 pub trait SequenceObserver {
-    /// A shot is looked at: what decides how a file of it was rendered may be set now.
+    /// Called before the file of a shot is checked. Settings that affect how the shot is rendered may be set here.
     fn begin(&mut self, _: &mut Engine, _: &Shot) {}
 
-    /// It is done already. The engine is at its moment. What breaks here ends the sequence.
+    /// Called for a shot that is already done, with the engine at its moment. `Break` ends the sequence.
     fn kept(&mut self, _: &Engine, _: &Shot) -> ControlFlow<()> {
         Continue(())
     }
 
-    /// There is a file of it that cannot be kept; and what is wrong with it.
+    /// Called for a shot whose file cannot be kept, with the verdict on the file.
     fn rejected(&mut self, _: &Shot, _: &FrameVerdict) {}
 
-    /// It is to be rendered: what decides how may be set now.
+    /// Called before a shot is rendered. Settings that affect how the shot is rendered may be set here.
     fn render(&mut self, _: &mut Engine, _: &Shot) {}
 
-    /// It takes longer than a second, and is so far. Comes once a second.
+    /// Called once a second with the progress of a shot that takes longer than a second.
     fn rendering(&mut self, _: &Shot, _: ExposureProgress) {}
 
-    /// It is rendered, as the engine's report tells, and will be written in parallel. What breaks here ends the sequence after it.
+    /// Called when a shot is rendered and before it is written in parallel. The engine's report describes the shot. `Break` ends the
+    /// sequence after this shot.
     fn rendered(&mut self, _: &Engine, _: &Shot) -> ControlFlow<()> {
         Continue(())
     }
 
-    /// Its file is whole, encoded and written in so much time.
+    /// Called when the file of a shot is complete, with the time for encoding and writing.
     fn written(&mut self, _: &Shot, _: Duration) {}
 
-    /// Its file could not be written. The sequence ends.
+    /// Called if the file of a shot could not be written. The sequence ends.
     fn refused(&mut self, error: WriteError);
 }
 
-/// How far a sequence is.
+/// The progress of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SequenceProgress {
-    /// The frame that is done now.
+    /// Index of the frame that has just been finished.
     pub frame: u32,
-    /// Whether it was done before.
+    /// True if the frame was done before.
     pub kept: bool,
-    /// How many are done, with it.
+    /// Number of frames done, including this one.
     pub done: usize,
-    /// How many there are in all.
+    /// Total number of frames.
     pub total: usize,
 }
 
-/// What became of a sequence.
+/// The result of rendering a sequence.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SequenceReport {
-    /// How many frames were rendered and written.
+    /// Number of frames that were rendered and written.
     pub written: usize,
-    /// How many were there already, whole and the same.
+    /// Number of frames that were already complete and up to date.
     pub kept: usize,
 }
 
-/// Why a sequence could not be rendered to its end. What is written is whole.
+/// An error that stops the rendering of a sequence. All files written are complete.
 #[derive(Debug, thiserror::Error)]
 pub enum SequenceError {
     /// A frame could not be rendered.
@@ -89,7 +90,7 @@ pub enum SequenceError {
     /// A file could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// The folder is not there, and could not be made.
+    /// The folder does not exist and could not be created.
     #[error("cannot make the folder `{}`", path.display())]
     Folder {
         /// The folder.
@@ -100,8 +101,8 @@ pub enum SequenceError {
 }
 
 impl Engine {
-    /// Renders frames into the folder of a sequence, but those that are done: whole, and the same as would be rendered. After each,
-    /// `on_progress` decides whether to go on.
+    /// Renders frames into the folder of a sequence, except for frames that are already complete and up to date. After each frame,
+    /// `on_progress` decides whether to continue.
     ///
     /// ```no_run
     /// use std::ops::ControlFlow::Continue;
@@ -121,7 +122,7 @@ impl Engine {
     ///
     /// # Errors
     ///
-    /// As [`Engine::render_frame`], and if the file system refuses. What is written is whole.
+    /// As [`Engine::render_frame`], and if the file system reports an error. All files written are complete.
     pub fn render_sequence(
         &mut self,
         frames: &FrameList,
@@ -144,8 +145,8 @@ impl Engine {
         counted.refused.map_or(Ok(counted.report), |error| Err(error.into()))
     }
 
-    /// Renders shots into the folder of a sequence, which must be there, until one is refused or `cancelled` becomes true. If it cannot go
-    /// on, what is rendered is written.
+    /// Renders shots into the folder of a sequence, which must exist, until a file cannot be written, the observer breaks, or `cancelled`
+    /// becomes true. Shots that were rendered before an error are written.
     ///
     /// # Errors
     ///
@@ -158,7 +159,7 @@ impl Engine {
         observer: &mut dyn SequenceObserver,
     ) -> Result<(), EngineError> {
         let writer = FrameWriter::start();
-        // Those that are with the writer, by their tickets.
+        // Shots submitted to the writer, indexed by ticket.
         let mut submitted: Vec<Shot> = Vec::new();
         let settle = |written: WrittenFrame, submitted: &[Shot], observer: &mut dyn SequenceObserver| {
             let is_good = written.result.is_ok();
@@ -221,8 +222,8 @@ impl Engine {
         rendered
     }
 
-    /// Renders a shot as output bytes, unless `cancelled` becomes true meanwhile. If it takes longer than a second, it is told once a
-    /// second how far it is.
+    /// Renders a shot as output bytes. Returns `None` if `cancelled` becomes true during rendering. Reports the progress to `tell` once a
+    /// second.
     ///
     /// # Errors
     ///
@@ -238,8 +239,7 @@ impl Engine {
         })
     }
 
-    /// Renders a shot's pixels for a format, unless `cancelled` becomes true meanwhile, and tells how far they are as
-    /// [`Engine::render_shot`] does.
+    /// Renders a shot's pixels for a format, with cancellation and progress reports as in [`Engine::render_shot`].
     fn pixels_unless(
         &mut self,
         shot: &Shot,
@@ -275,7 +275,7 @@ impl Engine {
         Ok(Some(FramePixels::Linear(LinearFrame { film, alpha, transfer, passes })))
     }
 
-    /// Returns what there is of a shot. What is to be overwritten counts as missing.
+    /// Returns the state of a shot's file. Files to be overwritten count as missing.
     ///
     /// # Errors
     ///
@@ -297,14 +297,14 @@ impl Engine {
     }
 }
 
-/// Makes a folder, and removes what killed processes left half-written in it.
+/// Creates a folder, and removes partial files of killed processes from it.
 fn make_folder(folder: &Path) -> Result<(), SequenceError> {
     fs::create_dir_all(folder).map_err(|source| SequenceError::Folder { path: folder.to_owned(), source })?;
     remove_leftovers(folder);
     Ok(())
 }
 
-/// Counts frames, and tells of each.
+/// An observer that counts frames and reports each of them.
 struct Counted<F> {
     on_progress: F,
     total: usize,

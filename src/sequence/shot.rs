@@ -1,32 +1,32 @@
-//! One picture of a sequence.
+//! Single pictures of a sequence.
 
 use std::path::PathBuf;
 
 use crate::output::Sequence;
 use crate::time::{FrameList, Time, Timeline};
 
-/// One picture to be made.
+/// A picture to be rendered.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shot {
-    /// `None` for a moment that is no frame.
+    /// Index of the frame; `None` for a moment that is not a frame.
     pub frame: Option<u32>,
-    /// When it is taken.
+    /// Time of the picture.
     pub time: Time,
 }
 
 impl Shot {
-    /// Returns a frame of a timeline.
+    /// Returns the shot of a frame of a timeline.
     #[must_use]
     pub fn frame(index: u32, timeline: Timeline) -> Self {
         Self { frame: Some(index), time: timeline.time_of(index) }
     }
 
-    /// Returns frames of a timeline, in ascending order.
+    /// Returns the shots of frames of a timeline, in ascending order.
     pub fn frames(frames: &FrameList, timeline: Timeline) -> impl Iterator<Item = Self> {
         frames.frames().map(move |index| Self::frame(index, timeline))
     }
 
-    /// Returns the file of the picture.
+    /// Returns the path of the picture.
     #[must_use]
     pub fn file(&self, sequence: &Sequence) -> PathBuf {
         match self.frame {
@@ -35,7 +35,7 @@ impl Shot {
         }
     }
 
-    /// Returns the moment in words, as `frame 3` or `1.5 s`.
+    /// Describes the moment, as `frame 3` or `1.5 s`.
     #[must_use]
     pub fn moment(&self) -> String {
         match self.frame {

@@ -1,4 +1,4 @@
-//! Files that look like frames of a sequence, and are none.
+//! Stray files, which look like frames of a sequence but are not.
 
 use std::fmt;
 use std::io;
@@ -6,28 +6,28 @@ use std::path::PathBuf;
 
 use crate::output::{Sequence, frame_size};
 
-/// A file that looks like a frame of a sequence, and is none.
+/// A file that looks like a frame of a sequence but is not.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Surplus {
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
-    /// Why it is none.
+    /// The reason the file is not a frame.
     pub reason: SurplusReason,
 }
 
-/// Why a file is no frame of a sequence.
+/// The reason a file is not a frame of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurplusReason {
-    /// The timeline has no frame of this number.
+    /// The timeline has no frame with this number.
     NotInSequence,
-    /// Its number has more or fewer digits than those of the sequence have.
+    /// The number has more or fewer digits than the numbers of the sequence.
     OtherDigits,
-    /// It has so many columns and rows, and the sequence has others.
+    /// The width and height of the file, which differ from the sequence.
     OtherSize(u32, u32),
 }
 
 impl SurplusReason {
-    /// Returns whether the file's name tells, whatever is in it.
+    /// Returns whether the reason is in the file's name, regardless of its content.
     #[must_use]
     pub fn is_about_name(self) -> bool {
         !matches!(self, Self::OtherSize(..))
@@ -44,7 +44,7 @@ impl fmt::Display for SurplusReason {
     }
 }
 
-/// Finds what looks like frames of a sequence of so many frames, of such a size, and is none. Only names and headers are read.
+/// Finds files that look like frames of a sequence with `count` frames of this size but are not. Only names and headers are read.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! Whether what is in a folder is a sequence: every file is read to its last byte and held against the scene.
+//! Verification of sequences in folders: every file is read completely and compared with the scene.
 
 use std::fmt;
 use std::io;
@@ -12,44 +12,44 @@ use crate::engine::{Engine, EngineError};
 use crate::output::{FoundFrame, Sequence};
 use crate::time::FrameList;
 
-/// What there is of a frame.
+/// The state of a frame's file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FrameVerdict {
-    /// It is whole, and what would be rendered now.
+    /// The file is complete and up to date.
     Whole,
     /// There is no file.
     Missing,
-    /// The file is not whole; and why.
+    /// The file is corrupt, with the reason.
     Torn(String),
-    /// It is whole, and not what would be rendered now: of another scene, of other settings, from before an edit, or of another size.
+    /// The file is complete but out of date: from another scene, other settings, or before an edit, or of another size.
     Stale,
-    /// It is whole, and does not say what it was rendered from.
+    /// The file is complete but its provenance is unknown.
     Unknown,
 }
 
-/// What there is of a sequence.
+/// The state of a sequence's files.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SequenceVerdict {
-    /// By frame, ascending.
+    /// Verdicts by frame, ascending.
     pub frames: Vec<(u32, FrameVerdict)>,
-    /// Files that look like frames, and are none.
+    /// Files that look like frames but are not.
     pub surplus: Vec<Surplus>,
 }
 
 impl SequenceVerdict {
-    /// Returns whether every frame is there, and nothing else that looks like one.
+    /// Returns whether every frame is up to date and no other file looks like a frame.
     #[must_use]
     pub fn is_whole(&self) -> bool {
         self.surplus.is_empty() && self.to_render().is_none()
     }
 
-    /// Returns the frames that have to be rendered; `None` if there are none.
+    /// Returns the frames that have to be rendered, or `None` if there are none.
     #[must_use]
     pub fn to_render(&self) -> Option<FrameList> {
         self.those(|verdict| *verdict != FrameVerdict::Whole)
     }
 
-    /// Returns the frames of which something is true; `None` if there are none.
+    /// Returns the frames whose verdicts satisfy a condition, or `None` if there are none.
     #[must_use]
     pub fn those(&self, is_wanted: impl Fn(&FrameVerdict) -> bool) -> Option<FrameList> {
         let wanted = self.frames.iter().filter(|(_, verdict)| is_wanted(verdict));
@@ -57,10 +57,10 @@ impl SequenceVerdict {
     }
 }
 
-/// Why a sequence could not be looked at.
+/// An error that stops the verification of a sequence.
 #[derive(Debug, thiserror::Error)]
 pub enum VerifyError {
-    /// The world could not be brought to a frame.
+    /// The world could not be evaluated at a frame.
     #[error(transparent)]
     Engine(#[from] EngineError),
     /// The folder could not be read.
@@ -69,8 +69,8 @@ pub enum VerifyError {
 }
 
 impl Engine {
-    /// Looks at the frames of a sequence, and at what else is in its folder. Before each, `begin` may set the engine up, and
-    /// decides whether to go on.
+    /// Verifies the frames of a sequence and the other files in its folder. Before each frame, `begin` may configure the engine, and
+    /// decides whether to continue.
     ///
     /// # Errors
     ///
@@ -81,7 +81,7 @@ impl Engine {
         sequence: &Sequence,
         mut begin: impl FnMut(&mut Engine, &Shot) -> ControlFlow<()>,
     ) -> Result<SequenceVerdict, VerifyError> {
-        /// How many files are read at once.
+        /// Number of files that are read at once.
         const TOGETHER: usize = 64;
         let timeline = self.timeline();
         let count = timeline.frame_count();
@@ -102,7 +102,7 @@ impl Engine {
         }
         let is_asked = |frame: u32| verdict.frames.binary_search_by_key(&frame, |(asked, _)| *asked).is_ok();
         let surplus = find_surplus(sequence, count, size)?;
-        // Of the frames that were looked at it is known that they are stale.
+        // Files of another size are already reported as stale if their frames were verified.
         verdict.surplus = surplus
             .into_iter()
             .filter(|surplus| {
@@ -113,7 +113,7 @@ impl Engine {
         Ok(verdict)
     }
 
-    /// Holds what was found of a shot against what would be rendered now.
+    /// Compares the file found for a shot with the frame that would be rendered now.
     pub(super) fn judge(&mut self, shot: &Shot, found: FoundFrame) -> Result<FrameVerdict, EngineError> {
         Ok(match found {
             FoundFrame::Missing => FrameVerdict::Missing,
@@ -130,7 +130,7 @@ impl Engine {
     }
 }
 
-/// In words, as what is wrong with a file.
+/// Describes the state of a file.
 impl fmt::Display for FrameVerdict {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
