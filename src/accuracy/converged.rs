@@ -1,4 +1,4 @@
-//! References: pictures that are as good as can be had, and how good that is.
+//! References: highly converged pictures with an estimate of their error.
 
 use rayon::prelude::*;
 
@@ -6,22 +6,22 @@ use super::output_values::require_same_size;
 use crate::color::{Rgb, Transfer};
 use crate::trace::Film;
 
-/// The mean of pictures that differ in nothing but their samples.
+/// The mean of pictures that differ only in their samples.
 ///
-/// Each is a randomized quasi-Monte Carlo estimate of the same picture, independent of the others, so that how far they are apart says
-/// how good their mean is: Owen, "Randomly Permuted (t,m,s)-Nets and (t,s)-Sequences" (1995).
+/// Each picture is a randomized quasi-Monte Carlo estimate, independent of the others. The variance between them therefore gives the error
+/// of their mean: Owen, "Randomly Permuted (t,m,s)-Nets and (t,s)-Sequences" (1995).
 #[derive(Clone, Debug)]
 pub struct Converged {
-    /// The mean, of linear light.
+    /// The mean, in linear light.
     pub film: Film,
-    /// The most by which it is off, as the root of the mean square over all pixels, in output values: two standard errors.
+    /// The bound of the RMS error over all pixels, in output values: two standard errors.
     pub rms: f64,
-    /// The most by which any channel of any pixel is off: two standard errors of the most uncertain one.
+    /// The bound of the error of any channel of any pixel, in output values: two standard errors of the most uncertain one.
     pub max: f64,
 }
 
 impl Converged {
-    /// Returns the mean of films, at least two.
+    /// Returns the mean of two or more films.
     ///
     /// # Panics
     ///
@@ -66,7 +66,7 @@ mod tests {
     use super::super::FilmError;
     use super::*;
 
-    /// Noise that falls off from left to right, around a truth that is known.
+    /// Checks noise that decreases from left to right around a known reference.
     #[test]
     fn the_stated_uncertainty_covers_the_truth() {
         let truth = Film::from_pixels(64, 64, (0..4096).map(|_| Rgb::splat(0.5)));

@@ -1,4 +1,4 @@
-//! Sequences within a time: a controller that gives all frames the same error, the smallest that there is time for.
+//! Sequences with a time limit: a controller that gives all frames the same error, the smallest that the time allows.
 
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
@@ -6,50 +6,51 @@ use std::time::{Duration, Instant};
 use super::Demand;
 use crate::trace::{Outlook, RoundPolicy};
 
-/// Decides, round after round, which pixels of a frame get more samples, so that all frames of a sequence are done in time and are as good as each
-/// other. It follows a clock; the rounds that it has chosen, which the engine tells, give the same pictures again without one.
+/// Controls which pixels of a frame get more samples in each round, so that all frames of a sequence finish in time and have equal errors.
 ///
-/// Before each round it looks for the error E that this frame and all that are left can reach in the time that is left, from their
-/// demands, and takes the samples that E asks for. What the demands are wrong about is corrected by what frames turn out to take.
+/// The choice depends on a clock. Replaying the chosen rounds, which the engine reports, gives the same pictures without one.
+///
+/// Before each round, the controller uses the demands to find the error E that this frame and all remaining frames can reach in the
+/// remaining time, and takes the samples needed for E. The measured cost of frames corrects errors of the demands.
 #[derive(Debug)]
 pub struct Deadline {
     start: Instant,
-    /// The time that there is, in seconds, and the part that what comes after the frames takes.
+    /// The time limit, and the time reserved for the work after the last frame; seconds.
     within: f64,
     after: f64,
-    /// The frames that are not begun, by their places in the sequence; and the demands of those that were surveyed.
+    /// The indices of the frames that have not begun, and the demands of surveyed frames.
     left: BTreeSet<usize>,
     demands: Vec<Option<Demand>>,
-    /// The sum of the demands of all that are left.
+    /// The sum of the demands of all remaining frames.
     total: Demand,
-    /// Seconds and samples of rounds.
+    /// The ratio of seconds to samples of rounds.
     rate: Recent,
-    /// Samples taken and samples foreseen.
+    /// The ratio of samples taken to samples predicted.
     harder: Recent,
-    /// Seconds that frames take before they are asked for a second round, and after their last one.
+    /// Mean seconds of a frame before its first request for a further round, and after its last request.
     before: Mean,
     behind: Mean,
-    /// Seconds that it takes to write a frame, and the frames that are not written yet.
+    /// Mean seconds for writing a frame, and the number of frames not yet written.
     writing: Mean,
     unwritten: usize,
     frame: Frame,
 }
 
-/// The frame in hand. Times are in seconds.
+/// The current frame. Times are in seconds.
 #[derive(Clone, Copy, Debug, Default)]
 struct Frame {
     place: usize,
     begun: f64,
-    /// The last request for a round: its time, and the samples and the error of the picture then.
+    /// The last request for a round: its time, and the sample count and the error of the picture at that time.
     asked: Option<(f64, f64, f64)>,
-    /// The samples and seconds of its rounds.
+    /// The samples and seconds of its further rounds.
     samples: f64,
     seconds: f64,
-    /// The seconds that are its share.
+    /// Its share of the time, in seconds.
     share: Option<f64>,
 }
 
-/// A ratio of sums in which what is recent counts more.
+/// A ratio of sums in which recent values have more weight.
 #[derive(Clone, Copy, Debug, Default)]
 struct Recent {
     above: f64,
@@ -57,7 +58,7 @@ struct Recent {
 }
 
 impl Recent {
-    /// Adds to both sums, of which a part is kept.
+    /// Adds to both sums after multiplying them by `kept`.
     fn add(&mut self, above: f64, below: f64, kept: f64) {
         self.above = kept * self.above + above;
         self.below = kept * self.below + below;
@@ -68,13 +69,13 @@ impl Recent {
     }
 }
 
-/// A mean in which the last numbers count most.
+/// A mean in which recent values have more weight.
 #[derive(Clone, Copy, Debug, Default)]
 struct Mean(Option<f64>);
 
 impl Mean {
     fn add(&mut self, number: f64) {
-        /// The weight of the newest.
+        /// The weight of the newest value.
         const NEWEST: f64 = 0.25;
         self.0 = Some(self.0.map_or(number, |mean| mean + NEWEST * (number - mean)));
     }
@@ -84,20 +85,20 @@ impl Mean {
     }
 }
 
-/// The most of the time left that one round may take: if it takes twice as long as foreseen, as when another process takes half of the
-/// processor, it is still in time.
+/// Largest fraction of the remaining time that one round may take. A round that takes twice as long as predicted, as when another process
+/// takes half of the processor, is still in time.
 const ROUND: f64 = 0.45;
-/// A frame gets at most so many times its share.
+/// Largest multiple of its share that a frame may take.
 const MOST_SHARES: f64 = 2.5;
-/// A round takes at least this part of the rounds before.
+/// Smallest duration of a round, as a fraction of the duration of the frame's earlier rounds.
 const SMALL: f64 = 0.05;
-/// The last frame leaves this part of its share.
+/// The fraction of its share that the last frame leaves unused.
 const REST: f64 = 0.02;
-/// The part of the time that is planned for: the end of a round is not exact.
+/// Fraction of the time limit that is planned: the end of a round is not exact.
 const PLANNED: f64 = 0.97;
 
 impl Deadline {
-    /// Returns the deadline of so many frames, so long after a start.
+    /// Returns a controller for a number of frames, with a time limit of `within` after `start`.
     #[must_use]
     pub fn new(start: Instant, within: Duration, frames: usize) -> Self {
         Self {
@@ -117,31 +118,32 @@ impl Deadline {
         }
     }
 
-    /// Returns the time that is left, in seconds; 0 if none is.
+    /// Returns the remaining time in seconds; 0 after the time limit.
     #[must_use]
     pub fn left(&self) -> f64 {
         self.left_at(self.now())
     }
 
-    /// Notes that what comes after all frames takes so many seconds.
+    /// Reserves a number of seconds for the work after the last frame.
     pub fn reserve(&mut self, seconds: f64) {
         self.after = seconds;
     }
 
-    /// Notes the demand of a frame, as far as a few of its samples tell; it took so many seconds until the first round was done, and to write.
+    /// Records the demand of a frame, estimated from a few of its samples. `first` is the time until the end of its first round and
+    /// `writing` the time for writing it; both are in seconds.
     pub fn note_demand(&mut self, place: usize, demand: Demand, [first, writing]: [f64; 2]) {
         self.demands[place] = Some(demand);
         self.before.add(first);
         self.writing.add(writing);
     }
 
-    /// Notes what further rounds of a surveyed frame took.
+    /// Records the cost of further rounds of a surveyed frame.
     pub fn calibrate(&mut self, Calibration { samples, foreseen, seconds }: Calibration) {
         self.rate.add(seconds, samples, 1.0);
         self.harder.add(samples, foreseen, 1.0);
     }
 
-    /// Gives frames that were not surveyed the demand of the nearest that was.
+    /// Gives each frame without a survey the demand of the nearest surveyed frame.
     pub fn spread_demands(&mut self) {
         let known: Vec<usize> =
             (0..self.demands.len()).filter(|place| self.demands[*place].is_some()).collect();
@@ -155,7 +157,7 @@ impl Deadline {
         self.left.iter().filter_map(|place| self.demands[*place]).for_each(|demand| self.total += demand);
     }
 
-    /// Notes that a frame is there already.
+    /// Removes a frame that already exists from the remaining frames.
     pub fn keep(&mut self, place: usize) {
         if self.left.remove(&place)
             && let Some(demand) = self.demands[place]
@@ -169,12 +171,12 @@ impl Deadline {
         self.begin_at(place, self.now());
     }
 
-    /// Ends it: it is to be written.
+    /// Ends the current frame, which is then to be written.
     pub fn end(&mut self) {
         self.end_at(self.now());
     }
 
-    /// Notes that a frame is written, which took so long.
+    /// Records that a frame has been written, and the time taken.
     pub fn written(&mut self, took: Duration) {
         self.unwritten = self.unwritten.saturating_sub(1);
         self.writing.add(took.as_secs_f64());
@@ -203,17 +205,17 @@ impl Deadline {
         }
     }
 
-    /// Notes what the last round took.
+    /// Records the cost of the last round.
     fn note_round(&mut self, now: f64, samples: f64) {
         let Some((asked, before, _)) = self.frame.asked else { return };
         let seconds = now - asked;
         self.frame.samples += samples - before;
         self.frame.seconds += seconds;
-        // What a tenth of the time ago was measured counts e times less.
+        // A measurement loses weight by a factor of e per tenth of the time limit.
         self.rate.add(seconds, samples - before, libm::exp(-10.0 * seconds / self.within));
     }
 
-    /// Returns the level of error that is to be reached, and the most samples of the next round; `None` to end the frame.
+    /// Returns the target level of error and the largest sample count of the next round; `None` to end the frame.
     fn next(&mut self, own: &Demand, (samples, error): (f64, f64), now: f64) -> Option<(f64, f64)> {
         if self.frame.asked.is_none() {
             self.before.add(now - self.frame.begun);
@@ -222,7 +224,7 @@ impl Deadline {
         self.frame.asked = Some((now, samples, error));
         let others = self.left.len() as f64;
         let time = self.left_at(now) - others * (self.before.get() + self.behind.get()) - self.behind.get();
-        // Before the first round that is measured: all that there is, at the speed of the first samples.
+        // Before any round has been measured, the rate of the first samples is used.
         let rate = self.rate.ratio().unwrap_or_else(|| self.before.get() / samples);
         let harder = self.harder.ratio().unwrap_or(1.0).clamp(0.05, 4.0);
         let level = Demand::highest_level(|level| {
@@ -233,7 +235,7 @@ impl Deadline {
             let share = *self.frame.share.get_or_insert(time);
             return (time > REST * share).then_some((level, ROUND * time / rate));
         }
-        // First samples tell little: what was foreseen is the frame's share, or what all frames get on average.
+        // First samples predict little: the share is at least the prediction, and at least the average over the remaining frames.
         let foreseen =
             self.demands[self.frame.place].map_or(0.0, |demand| rate * harder * demand.samples(level));
         let share = *self.frame.share.get_or_insert(foreseen.max(time / (others + 1.0)));
@@ -250,8 +252,8 @@ impl RoundPolicy for Deadline {
     }
 }
 
-/// Returns the places of so many frames, each once, in an order in which the first ones, however many, are spread over all, and over the periods
-/// of what repeats: steps by the golden ratio.
+/// Returns the indices of a number of frames, each once, in steps by the golden ratio. The first indices, however many are used, are spread
+/// over the whole sequence and over the periods of repeating content.
 pub fn survey_order(frames: usize) -> impl Iterator<Item = usize> {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     let share = |a: usize, b: usize| {
@@ -267,20 +269,20 @@ pub fn survey_order(frames: usize) -> impl Iterator<Item = usize> {
     (0..frames).scan(0, move |place, _| Some(std::mem::replace(place, (*place + step) % frames)))
 }
 
-/// Looks at a frame: takes a few samples of it, and tells what more of them would do.
+/// The survey of a frame: takes a few samples and estimates the effect of more.
 #[derive(Debug)]
 pub struct FrameSurvey {
-    /// The end of further rounds, whose samples tell how right the demand is.
+    /// The end of further rounds, which measure the accuracy of the demand.
     end: Instant,
     rounds: u32,
     first: Option<Instant>,
     demand: Demand,
-    /// The moment at which the demand was found, and the samples then.
+    /// The time at which the demand was found, and the sample count then.
     found: Option<(Instant, f64)>,
     calibration: Option<Calibration>,
 }
 
-/// The samples that a frame took for an error, those that were foreseen for it, and the seconds.
+/// The cost of further rounds of a frame: samples taken, samples predicted for the same error, and seconds.
 #[derive(Clone, Copy, Debug)]
 pub struct Calibration {
     samples: f64,
@@ -289,13 +291,13 @@ pub struct Calibration {
 }
 
 impl FrameSurvey {
-    /// Returns a survey that ends with the round that a moment is in, but not before the second one.
+    /// Returns a survey that ends with the round in progress at `end`, but not before the second round.
     #[must_use]
     pub fn until(end: Instant) -> Self {
         Self { end, rounds: 0, first: None, demand: Demand::default(), found: None, calibration: None }
     }
 
-    /// Returns when the first round was done, after a sample of each pixel; `None` where that was enough.
+    /// Returns the time at which the first round, one sample per pixel, was done; `None` if that round was enough.
     #[must_use]
     pub fn first_round(&self) -> Option<Instant> {
         self.first
@@ -307,7 +309,7 @@ impl FrameSurvey {
         self.demand
     }
 
-    /// Returns what the rounds after the second one took, if there were any.
+    /// Returns the cost of the rounds after the second one; `None` if there were none.
     #[must_use]
     pub fn calibration(&self) -> Option<Calibration> {
         self.calibration
@@ -327,7 +329,7 @@ impl RoundPolicy for FrameSurvey {
             self.demand = Demand::of(outlook);
             self.found = (self.rounds == 2).then_some((now, samples));
         }
-        // As many samples as there are: those of a fourth of the pixels at first, the ones that vary most.
+        // A round takes at most as many samples as the picture has: at first, samples of the quarter of the pixels that vary most.
         (self.rounds == 1 || now < self.end).then(|| {
             outlook.least_gain_for(outlook.error().value / 2.0).max(outlook.least_gain_within(samples))
         })
@@ -338,12 +340,12 @@ impl RoundPolicy for FrameSurvey {
 mod tests {
     use super::*;
 
-    /// Frames whose square error is their hardness over the number of samples, and a machine.
+    /// Frames whose square error is their hardness divided by the sample count, and a simulated machine.
     struct Simulated {
         hardness: Vec<f64>,
-        /// The number of surveyed frames among so many.
+        /// The number of surveyed frames for a number of frames.
         surveyed: fn(usize) -> usize,
-        /// Seconds for a sample at a time.
+        /// Seconds per sample at a fraction of the time limit.
         rate: fn(f64) -> f64,
         within: f64,
     }
@@ -353,7 +355,7 @@ mod tests {
     const SAMPLE: f64 = 4e-8;
 
     impl Simulated {
-        /// Renders all frames. Returns the time that it took, and the errors of those that took twice the first samples or more.
+        /// Renders all frames. Returns the time taken, and the errors of frames that took more than twice the first samples.
         fn render(&self) -> (f64, Vec<f64>) {
             let count = self.hardness.len();
             let demand = |hardness: f64, samples: f64| {
@@ -378,7 +380,7 @@ mod tests {
                     else {
                         break;
                     };
-                    // A round doubles the samples at most.
+                    // A round at most doubles the samples.
                     let goal = Demand::error(level);
                     let wanted = (hardness / (goal * goal) - samples).max(0.0);
                     let taken = wanted.min(most).min(samples);
@@ -403,7 +405,7 @@ mod tests {
         SAMPLE
     }
 
-    /// Half as fast in the middle third of the time.
+    /// Halves the speed in the middle third of the time.
     fn disturbed(part: f64) -> f64 {
         if (0.33..0.67).contains(&part) { 2.0 * SAMPLE } else { SAMPLE }
     }
@@ -420,9 +422,9 @@ mod tests {
         let all: fn(usize) -> usize = |count| count;
         let few: fn(usize) -> usize = |count| count.div_ceil(4);
         for hardness in sequences {
-            // Frames that were not surveyed are known less well.
+            // Demands of frames without a survey are less accurate.
             for (surveyed, less) in [(all, 1.0), (few, 1.5)] {
-                // What is lost by the disturbance is not known before.
+                // The time lost by the disturbance is not known in advance.
                 for (rate, within, unequal) in
                     [(steady as fn(f64) -> f64, 3.0, 1.6), (disturbed, 3.0, 2.0), (steady, 30.0, 1.6)]
                 {
@@ -447,7 +449,7 @@ mod tests {
             places.sort_unstable();
             assert!(places.into_iter().eq(0..count), "{count}");
         }
-        // A fifth of the frames leaves no gap of more than twice as many as there would be.
+        // A survey of a fifth of the frames leaves gaps of at most twice the even spacing.
         let mut first: Vec<usize> = survey_order(100).take(20).collect();
         first.sort_unstable();
         assert!(first.windows(2).all(|pair| pair[1] - pair[0] <= 10), "{first:?}");

@@ -1,16 +1,16 @@
-//! The samples that a frame takes for an error.
+//! The number of samples that a frame needs for an error.
 
 use std::ops::{AddAssign, SubAssign};
 
 use crate::trace::Outlook;
 
-/// The number of further samples that one or more frames take for each of a row of errors, which is divided by the root of two from one to
-/// the next.
+/// The number of further samples that one or more frames need for each of a series of errors. Each error is the previous one divided by the
+/// square root of two.
 #[derive(Clone, Copy, Debug)]
 pub struct Demand([f64; LEVELS]);
 
 const LEVELS: usize = 41;
-/// The largest error, in output values. All pictures have less.
+/// The largest error, in output values. All pictures have a smaller one.
 const LARGEST: f64 = 256.0;
 
 impl Default for Demand {
@@ -20,12 +20,12 @@ impl Default for Demand {
 }
 
 impl Demand {
-    /// Returns that of a frame with some samples.
+    /// Returns the demand of a frame that already has some samples.
     pub(super) fn of(outlook: &Outlook<'_>) -> Self {
         Self::from_fn(|error| outlook.samples_for(error))
     }
 
-    /// Returns the demand of a frame that takes so many samples for an error.
+    /// Returns the demand of a frame that needs `samples_for(error)` further samples.
     pub(super) fn from_fn(samples_for: impl Fn(f64) -> f64) -> Self {
         Self(std::array::from_fn(|level| samples_for(Self::error(level as f64))))
     }
@@ -40,7 +40,7 @@ impl Demand {
         (-2.0 * libm::log2((error / LARGEST).max(f64::MIN_POSITIVE))).clamp(0.0, (LEVELS - 1) as f64)
     }
 
-    /// Returns the samples that it takes to reach a level, 0 to 40.
+    /// Returns the number of samples needed to reach a level, 0 to 40.
     pub(super) fn samples(&self, level: f64) -> f64 {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 39")]
         let below = (level as usize).min(LEVELS - 2);
@@ -48,7 +48,7 @@ impl Demand {
         low + (high - low) * (level - below as f64)
     }
 
-    /// Returns the highest level that is possible, where the lower ones are.
+    /// Returns the highest possible level. All levels below a possible level must be possible.
     pub(super) fn highest_level(is_possible: impl Fn(f64) -> bool) -> f64 {
         let (mut low, mut high) = (0.0, (LEVELS - 1) as f64);
         if is_possible(high) {

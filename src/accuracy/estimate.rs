@@ -1,4 +1,4 @@
-//! How good pictures are, judged by others like them.
+//! Error estimates of pictures, from other pictures of the same moment.
 
 use std::f64::consts::SQRT_2;
 use std::sync::atomic::AtomicBool;
@@ -10,18 +10,19 @@ use crate::systems::{Knobs, sampling_settings};
 use crate::time::Time;
 use crate::trace::Film;
 
-/// How far a picture is off, as far as others like it tell, and what it takes.
+/// The estimated error of a picture, and its cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// The root of the mean square of the error, in output values.
+    /// The RMS error, in output values.
     pub rms: f64,
-    /// The time to animate, prepare and trace it, in seconds.
+    /// The time to animate, prepare and trace the picture, in seconds.
     pub seconds: f64,
 }
 
-/// Estimates how far pictures of a moment with these knobs are off, without a reference: from two with independent samples, each of which
-/// is off by what they differ over the root of two. A single sample, which is the same in all pictures, is compared with four.
-/// What all of them share, as the instants of an open shutter, is not seen. `None` if it was cancelled.
+/// Estimates the RMS error of pictures of a moment with these knobs, without a reference. Two pictures are rendered with independent
+/// samples; the error of each is their difference divided by the square root of two. A picture with a single sample per pixel, which is the
+/// same in all pictures, is compared with pictures of four. Errors that all pictures share, such as those caused by the instants of an open
+/// shutter, are not detected. Returns `None` if cancelled.
 ///
 /// # Errors
 ///
@@ -42,7 +43,7 @@ pub fn estimate(
     unless_cancelled(estimated)
 }
 
-/// Of pictures that are independent, and of nobody's scene: digits of pi and of e.
+/// Seeds of the independent pictures: digits of pi and of e, which scenes do not use.
 const SEEDS: [u64; 2] = [0x243f_6a88_85a3_08d3, 0xb7e1_5162_8aed_2a6a];
 
 /// Two pictures with independent samples.
@@ -51,7 +52,7 @@ pub(super) struct Pair {
     pub(super) estimate: Estimate,
 }
 
-/// Renders two pictures with independent samples. Knobs stay turned.
+/// Renders two pictures with independent samples. Leaves the engine's knobs changed.
 pub(super) fn pair(
     engine: &mut Engine,
     moment: Time,
@@ -66,7 +67,7 @@ pub(super) fn pair(
     Ok(Pair { films: [one, other], estimate: Estimate { rms, seconds: f64::midpoint(first, second) } })
 }
 
-/// Estimates how far a picture with a single sample is off, as far as one with four tells. Knobs stay turned.
+/// Estimates the error of a picture with a single sample per pixel, from two pictures with four. Leaves the engine's knobs changed.
 fn single(engine: &mut Engine, moment: Time, knobs: Knobs, cancelled: &AtomicBool) -> Result<Estimate, Stop> {
     let (film, seconds) = timed(engine, moment, knobs, cancelled)?;
     let four = pair(engine, moment, Knobs { samples: Some(4), max_error: Some(0.0), ..knobs }, cancelled)?;
@@ -74,7 +75,7 @@ fn single(engine: &mut Engine, moment: Time, knobs: Knobs, cancelled: &AtomicBoo
 }
 
 impl Pair {
-    /// Estimates how far another, worse picture is off.
+    /// Estimates the RMS error of another, worse picture.
     pub(super) fn error_of(&self, film: &Film, engine: &Engine) -> f64 {
         let apart = FilmError::between(film, &self.films[0], engine.film_settings().transfer).rms;
         (apart * apart - self.estimate.rms * self.estimate.rms).max(0.0).sqrt()

@@ -1,4 +1,4 @@
-//! The largest and the mean difference of two films.
+//! The largest and the RMS difference of two films.
 
 use rayon::prelude::*;
 
@@ -9,7 +9,7 @@ use crate::trace::Film;
 /// The largest output value.
 const PEAK: f64 = 255.0;
 
-/// How far a film is from another, in output values: steps of 8 bits, unrounded.
+/// The difference of two films, in output values: steps of 8 bits, unrounded.
 ///
 /// ```
 /// use rayreel::accuracy::FilmError;
@@ -25,9 +25,9 @@ const PEAK: f64 = 255.0;
 pub struct FilmError {
     /// The largest difference of any channel, 0 to 255.
     pub max: f64,
-    /// The root of the mean square of the differences of all channels, 0 to 255.
+    /// The RMS difference of all channels, 0 to 255.
     pub rms: f64,
-    /// The share of pixels of which a channel differs by more than 1, 0 to 1.
+    /// The fraction of pixels that differ by more than 1 in a channel, 0 to 1.
     pub share_off: f64,
 }
 
@@ -40,7 +40,7 @@ struct RowSums {
 }
 
 impl FilmError {
-    /// Compares a film with a reference. The result is the same on any number of threads, and the other way round.
+    /// Compares a film with a reference. The result does not depend on the number of threads, nor on the order of the films.
     ///
     /// # Panics
     ///
@@ -80,7 +80,8 @@ impl FilmError {
         }
     }
 
-    /// Compares several films with as many references: the largest difference and share of any, and the root of the mean square of all.
+    /// Compares several films with as many references. Returns the largest difference and fraction of any pair, and the RMS difference of
+    /// all pairs.
     ///
     /// # Panics
     ///
@@ -98,7 +99,7 @@ impl FilmError {
         Self { rms: (all.rms / f64::max(count, 1.0)).sqrt(), ..all }
     }
 
-    /// Returns the ratio of the largest output value to the root of the mean square, in decibels; infinite for equal films.
+    /// Returns the peak signal-to-noise ratio, 20 log10(255 / RMS), in decibels; infinite for equal films.
     #[must_use]
     pub fn psnr(&self) -> f64 {
         20.0 * libm::log10(PEAK / self.rms)
@@ -154,7 +155,7 @@ mod tests {
     }
 
     proptest! {
-        /// By the definitions, one channel after the other.
+        /// Compares with the definitions, one channel after the other.
         #[test]
         fn it_is_what_a_plain_loop_finds(
             pixels in prop::collection::vec(prop::array::uniform3(-0.1_f32..1.2), 12),

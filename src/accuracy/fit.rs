@@ -1,9 +1,9 @@
 //! Orders of convergence.
 
-/// An error that falls as a power: e = c n^exponent.
+/// A power law of an error: e = c n^exponent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerLaw {
-    /// Negative where the error falls.
+    /// The exponent; negative if the error falls.
     pub exponent: f64,
     /// The standard error of the exponent.
     pub uncertainty: f64,
@@ -18,7 +18,7 @@ impl PowerLaw {
         self.factor * libm::pow(n, self.exponent)
     }
 
-    /// Fits pairs of n and e, all greater than 0, by least squares of the logarithms. `None` for fewer than three.
+    /// Fits pairs of n and e, all greater than 0, by least squares of the logarithms. Returns `None` for fewer than three pairs.
     #[must_use]
     pub fn fit(pairs: &[(f64, f64)]) -> Option<Self> {
         if pairs.len() < 3 {

@@ -1,21 +1,21 @@
-//! FLIP: how much two pictures differ to an observer who alternates between them.
+//! FLIP: the perceived difference of two pictures for an observer who alternates between them.
 //!
 //! Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström and Fairchild, "FLIP: A Difference Evaluator for Alternating Images", Proceedings
-//! of the ACM on Computer Graphics and Interactive Techniques 3(2), 2020, for pictures of low dynamic range. Numbers that the paper leaves
-//! to its implementation, as the normalization of filters, are those of its reference implementation.
+//! of the ACM on Computer Graphics and Interactive Techniques 3(2), 2020, for pictures of low dynamic range. Details that the paper leaves
+//! open, such as the normalization of filters, follow its reference implementation.
 //!
 //! ```text
 //! for both pictures:
 //!     decode sRGB, convert to YCxCz, filter by the eye's contrast sensitivity, convert to L*a*b*, adjust for brightness   (section 4.1)
 //!     find edges and points in the luminance                                                                              (section 4.2)
-//! of each pixel:
+//! for each pixel:
 //!     color = the distance of both colours (HyAB), compressed and mapped to 0..1                                          (section 4.1)
 //!     feature = the root of the larger difference of edges and of points                                                  (section 4.2)
 //!     result = color ^ (1 - feature)                                                                                      (section 4.3)
 //! ```
 //!
-//! All filters are sums of products of a function of columns and one of rows. Bands of rows are worked on at once, each with the rows
-//! around it that filters reach, so that little memory is needed.
+//! All filters are sums of separable filters: products of a function of the column and a function of the row. Pictures are processed in
+//! bands of rows, each with the surrounding rows that the filters reach, so that little memory is needed.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -26,22 +26,22 @@ use rayon::prelude::*;
 use super::OutputValues;
 use crate::color::Transfer;
 
-/// Pixels per degree of the visual field: a screen of 3840 pixels, as far away as it is wide (section 3).
+/// Pixels per degree of the visual field, for a screen of 3840 pixels at a distance equal to its width (section 3).
 const PIXELS_PER_DEGREE: f64 = 3840.0 * PI / 180.0;
-/// Rows that are worked on at once.
+/// Rows per band.
 const BAND: usize = 32;
 
-/// The difference of two pictures.
+/// The FLIP difference of two pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flip {
-    /// The mean of all pixels, 0 for equal pictures, 1 at most.
+    /// The mean of all pixels, from 0 for equal pictures to 1.
     pub mean: f64,
     /// The difference of each pixel, from 0 to 1, row by row from the top.
     pub pixels: Vec<f64>,
 }
 
-/// Compares two pictures, whose output values are taken to be sRGB. The result is the same on any number of threads, and the other way
-/// round.
+/// Compares two pictures, whose output values are interpreted as sRGB. The result does not depend on the number of threads, nor on the
+/// order of the pictures.
 ///
 /// # Panics
 ///
@@ -76,13 +76,13 @@ pub fn flip(picture: &OutputValues, reference: &OutputValues) -> Flip {
     };
     let starts: Vec<usize> = (0..if width == 0 { 0 } else { height }).step_by(BAND).collect();
     let bands: Vec<Vec<f64>> = starts.into_par_iter().map(of_band).collect();
-    // Band by band, so that the sum does not depend on threads.
+    // The sum is taken band by band, so that it does not depend on threads.
     let sum: f64 = bands.iter().map(|band| band.iter().sum::<f64>()).sum();
     let pixels = bands.concat();
     Flip { mean: sum / pixels.len().max(1) as f64, pixels }
 }
 
-/// A band of a picture as it is perceived.
+/// A band of a picture as perceived by the observer.
 struct Perceived {
     /// L*a*b*, adjusted for brightness.
     colors: Vec<DVec3>,
@@ -125,16 +125,16 @@ impl Perceived {
     }
 }
 
-/// Some rows of one channel.
+/// A range of rows of one channel.
 struct Plane {
     values: Vec<f64>,
     width: usize,
-    /// The row that the values begin with.
+    /// The row of the first value.
     first: usize,
 }
 
 impl Plane {
-    /// Filters some rows; beyond the edges of the picture its outermost pixels are repeated.
+    /// Filters a range of rows. Beyond the edges of the picture, its outermost pixels are repeated.
     fn filtered(&self, filter: &[Product], rows: Range<usize>) -> Vec<f64> {
         let (width, last) = (self.width, self.values.len() / self.width - 1);
         let mut filtered = vec![0.0; rows.len() * width];
@@ -162,27 +162,27 @@ impl Plane {
     }
 }
 
-/// A filter whose weight is a product of that of the column and that of the row.
+/// A separable filter: the weight of a pixel is the product of a column weight and a row weight.
 struct Product {
     columns: Vec<f64>,
     rows: Vec<f64>,
 }
 
-/// The filters of a viewing distance.
+/// The filters for a viewing distance.
 struct Filters {
     achromatic: Vec<Product>,
     red_green: Vec<Product>,
     blue_yellow: Vec<Product>,
-    /// Edges along columns and rows, and points.
+    /// Edge detectors along columns and rows, then point detectors along both.
     features: [Vec<Product>; 4],
 }
 
 impl Filters {
     /// Builds contrast sensitivity filters (section 4.1, table 1) and feature detectors (section 4.2).
     fn new() -> Self {
-        /// The largest b of all filters, which decides how far they reach.
+        /// The largest b of all sensitivity filters, which determines their radius.
         const WIDEST: f64 = 0.04;
-        /// The width of features that are seen best, in degrees.
+        /// The width of the most visible features, in degrees.
         const FEATURE_WIDTH: f64 = 0.082;
         let reach = 3.0 * (WIDEST / (2.0 * PI * PI)).sqrt() * PIXELS_PER_DEGREE;
         let sensitivity = |terms: &[(f64, f64)]| {
@@ -221,14 +221,14 @@ impl Filters {
         }
     }
 
-    /// Returns the most rows that a filter reaches beyond its own.
+    /// Returns the radius of the largest filter, in rows.
     fn reach(&self) -> usize {
         let of = |filter: &[Product]| filter.iter().map(|product| product.rows.len() / 2).max().unwrap_or(0);
         of(&self.blue_yellow).max(of(&self.features[0]))
     }
 }
 
-/// Returns the values of a function at whole numbers, as far as `reach` to both sides.
+/// Returns the values of a function at the integers within `reach` of 0.
 fn taps(reach: f64, function: impl Fn(f64) -> f64) -> Vec<f64> {
     #[expect(clippy::cast_possible_truncation, reason = "few pixels")]
     let reach = reach.ceil() as i32;
@@ -246,36 +246,36 @@ fn balanced(taps: Vec<f64>) -> Vec<f64> {
     taps.into_iter().map(|tap| tap / if tap > 0.0 { positive } else { negative }).collect()
 }
 
-/// The strength of features in a pixel.
+/// The strength of edges and points in a pixel.
 struct Features {
     edge: f64,
     point: f64,
 }
 
 impl Features {
-    /// Returns how much features differ, from 0 to 1 (section 4.2).
+    /// Returns the difference of features, from 0 to 1 (section 4.2).
     fn difference(&self, other: &Self) -> f64 {
         let largest = (self.edge - other.edge).abs().max((self.point - other.point).abs());
         (std::f64::consts::FRAC_1_SQRT_2 * largest).sqrt().clamp(0.0, 1.0)
     }
 }
 
-/// Returns the distance of two colours: of lightness, and of chroma by its Euclidean length (section 4.1).
+/// Returns the distance of two colours: the difference of lightness plus the Euclidean distance of chroma (section 4.1).
 fn hyab(one: DVec3, other: DVec3) -> f64 {
     let apart = one - other;
     apart.x.abs() + libm::hypot(apart.y, apart.z)
 }
 
-/// The distances of colours, compressed.
+/// The mapping of colour distances to 0..1.
 struct HyAb {
-    /// The largest there is, that of green and blue.
+    /// The largest compressed distance, between green and blue.
     furthest: f64,
 }
 
 impl HyAb {
-    /// Compresses large distances.
+    /// The exponent that compresses large distances.
     const EXPONENT: f64 = 0.7;
-    /// The part of the largest distance that is mapped to all but the last twentieth of the range.
+    /// The fraction of the largest compressed distance that is mapped to all but the last twentieth of the range.
     const KNEE: f64 = 0.4;
     const KNEE_VALUE: f64 = 0.95;
 
@@ -302,7 +302,7 @@ const XYZ: DMat3 = DMat3::from_cols(
     DVec3::new(4_435_075.0 / 24_577_794.0, 887_015.0 / 12_288_897.0, 70_074_185.0 / 73_733_382.0),
 );
 
-/// Returns the white of a screen.
+/// Returns the white of a screen, in CIE XYZ.
 fn white() -> DVec3 {
     XYZ * DVec3::ONE
 }
@@ -311,7 +311,7 @@ fn linear(values: [f64; 3]) -> DVec3 {
     Transfer::Srgb.decode(values).as_dvec3()
 }
 
-/// Returns YCxCz, in which contrast sensitivity is known (section 4.1).
+/// Converts CIE XYZ to YCxCz, in which contrast sensitivity is known (section 4.1).
 fn opponent_of_xyz(xyz: DVec3) -> DVec3 {
     let relative = xyz / white();
     DVec3::new(
@@ -326,9 +326,9 @@ fn xyz_of_opponent(opponent: DVec3) -> DVec3 {
     DVec3::new(y + opponent.y / 500.0, y, y - opponent.z / 200.0) * white()
 }
 
-/// Returns CIE L*a*b*.
+/// Converts CIE XYZ to CIE L*a*b*.
 fn lab(xyz: DVec3) -> DVec3 {
-    /// Below the cube of it the cube root is replaced by a line.
+    /// The cube root is replaced by a line below the cube of this value.
     const DARK: f64 = 6.0 / 29.0;
     let root = |value: f64| {
         if value > DARK * DARK * DARK { libm::cbrt(value) } else { value / (3.0 * DARK * DARK) + 4.0 / 29.0 }
@@ -352,13 +352,13 @@ mod tests {
         OutputValues::new(size, vec![values; (size.0 * size.1) as usize])
     }
 
-    /// Without features, only the distance of two colours is left.
+    /// Checks pictures without features, whose difference is the distance of two colours.
     #[test]
     fn flat_pictures_have_a_closed_form() {
         let furthest = HyAb::furthest().furthest;
         for size in [(1, 1), (5, 70), (40, 3)] {
             let (black, white) = (flat(size, [0.0; 3]), flat(size, [255.0; 3]));
-            // The lightness of white is 100, and neither has chroma.
+            // White has a lightness of 100; neither colour has chroma.
             let (compressed, knee) = (libm::pow(100.0, 0.7), 0.4 * furthest);
             let expected = 0.95 + 0.05 * (compressed - knee) / (furthest - knee);
             let found = flip(&black, &white);
@@ -372,7 +372,7 @@ mod tests {
         assert_eq!(flip(&empty, &empty), Flip { mean: 0.0, pixels: Vec::new() });
     }
 
-    /// Means by the authors' reference implementation, version 1.7, at 67.0206 pixels per degree.
+    /// Compares with means of the authors' reference implementation, version 1.7, at 67.0206 pixels per degree.
     #[test]
     fn means_are_those_of_the_reference_implementation() {
         let size = (48, 40);
@@ -399,7 +399,7 @@ mod tests {
     const RAMP_CHECKER: f64 = 0.928_093_3;
     const NOISE_CHECKER: f64 = 0.849_910_5;
 
-    /// The paper's formulas one after the other: filters of two dimensions over a whole picture.
+    /// Evaluates the paper's formulas in order, with two-dimensional filters over the whole picture.
     fn by_definition(one: &OutputValues, other: &OutputValues) -> Vec<f64> {
         let ppd = PIXELS_PER_DEGREE;
         let (width, height) = (i32::try_from(one.size().0).unwrap(), i32::try_from(one.size().1).unwrap());

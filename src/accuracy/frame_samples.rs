@@ -1,4 +1,4 @@
-//! The samples of a frame, as they are chosen.
+//! The choice of a frame's samples.
 
 use std::sync::{Arc, Mutex};
 
@@ -6,25 +6,25 @@ use crate::engine::Engine;
 use crate::systems::Knobs;
 use crate::trace::{Replay, SharedRoundPolicy};
 
-/// The samples of a frame: what is chosen for an error or for a deadline, and what brings back the same picture.
+/// The samples of a frame, chosen for an error target or a time limit. The same samples reproduce the same picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameSamples {
-    /// The most samples of a pixel: [`Sampling::samples`](crate::components::Sampling::samples).
+    /// The maximum number of samples per pixel: [`Sampling::samples`](crate::components::Sampling::samples).
     pub samples: u32,
-    /// The error that the picture may have, 0 for as many samples everywhere.
+    /// The error target of the picture; 0 for the same number of samples in all pixels.
     pub max_error: f32,
-    /// The least gains of the picture's rounds, if they do not follow from the error: see [`Engine::rounds`].
+    /// The least gains of the picture's rounds, if they do not follow from the error target: see [`Engine::rounds`].
     pub rounds: Option<Vec<u32>>,
 }
 
 impl FrameSamples {
-    /// Returns as many samples as it takes for an error, of this many at most.
+    /// Returns the samples for an error target, with at most `samples` per pixel.
     #[must_use]
     pub fn for_error(max_error: f32, samples: u32) -> Self {
         Self { samples, max_error, rounds: None }
     }
 
-    /// Sets an engine up for pictures with them: for one picture where there are rounds.
+    /// Configures an engine for pictures with these samples. If there are rounds, they apply to one picture.
     pub fn set_up(&self, engine: &mut Engine) {
         engine.set_knobs(Knobs {
             samples: Some(self.samples),

@@ -1,40 +1,41 @@
-//! The Pareto front of measured settings: those than which no other one is both better and cheaper.
+//! The Pareto front of measured settings: those for which no other setting is both better and cheaper.
 //!
-//! Times scatter. Decided by bare medians, stars come and go from run to run, most of them among settings that differ little or not at all.
-//! So a setting is beaten only by what scatter does not decide:
+//! Measured times scatter. If medians alone decided, settings would enter and leave the front from run to run, mostly settings that differ
+//! little or not at all. A setting is therefore dominated only by comparisons that do not depend on scatter:
 //!
-//! 1. **By rays**, which are counted: among settings that differ in nothing but how many rays they trace, one is cheaper if it traces
-//!    fewer rays of some kind and more of none.
-//! 2. **By time**, among those left, where rays do not decide: one is cheaper if it takes less time by more than the
-//!    [resolution](Resolution), and as cheap if it takes no more.
+//! 1. **By rays**, which are counted, among settings that differ only in the number of rays: a setting is cheaper if it traces fewer rays
+//!    of some kind and more of none.
+//! 2. **By time**, among the remaining settings, if rays do not decide: a setting is cheaper if it takes less time by more than the
+//!    [resolution](Resolution), and as cheap if it takes no more time.
 //!
-//! In both, errors count as equal within what the reference's uncertainty leaves open, and a setting is beaten by one that is cheaper and
-//! at least as good, or better and at least as cheap.
+//! In both steps, errors are equal if they differ by no more than the uncertainty of the reference allows. A setting is dominated by one
+//! that is cheaper and at least as good, or better and at least as cheap.
 //!
-//! There is always a front. In the first step the setting that beats another one has no more rays, and fewer or a smaller error; in the
-//! second it takes no more time, and less or has a smaller error. So no chain of settings that beat each other returns to its start.
+//! The front is never empty. In the first step, a dominating setting has no more rays, and has fewer rays or a smaller error. In the second
+//! step, it takes no more time, and takes less time or has a smaller error. No chain of dominating settings can therefore return to its
+//! start.
 
 use std::cmp::Ordering;
 
 use super::Spread;
 use crate::trace::{Precision, RayCounts};
 
-/// The least differences of measurements that are told apart.
+/// The smallest differences of measurements that are significant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Resolution {
-    /// The least difference of RMS errors, in output values.
+    /// The smallest significant difference of RMS errors, in output values.
     pub rms: f64,
-    /// The least difference of times, as a share of them.
+    /// The smallest significant difference of times, as a fraction of the time.
     pub time: f64,
 }
 
 impl Resolution {
-    /// Returns the resolution of errors against a reference of so many values, the most uncertain of which is off by `max` at most, and
-    /// of times that scatter so.
+    /// Returns the resolution of errors against a reference, and of times with this spread. `values` is the number of the reference's
+    /// values, and `max` the bound of the error of the most uncertain value.
     ///
-    /// Let the reference be off by d_j in its value j, independently, and two pictures differ by x_j. The difference of their square
-    /// errors is then off by twice the mean of x_j d_j, whose standard deviation is at most that of the most uncertain value times the
-    /// RMS of x, over the root of the count; and x is at most the sum of both errors.
+    /// Let the reference have an independent error d_j in its value j, and let two pictures differ by x_j. The difference of their mean
+    /// square errors is then off by twice the mean of x_j d_j. The standard deviation of this mean is at most s RMS(x) / sqrt(values), with
+    /// s the standard deviation of the most uncertain value. RMS(x) is at most the sum of both errors.
     pub(super) fn of(max: f64, values: f64, times: &[Spread]) -> Self {
         let relative: Vec<f64> =
             times.iter().map(|time| (time.high - time.low) / time.median.max(f64::MIN_POSITIVE)).collect();
@@ -42,8 +43,8 @@ impl Resolution {
     }
 }
 
-/// The settings that decide the time besides the number of rays: the precision, and if they are not the scene's own, the instants and
-/// the film's size.
+/// The settings that affect the time besides the number of rays: the precision, and the instants and the film's size if they are not the
+/// scene's own.
 pub(super) type Kind = (Precision, Option<u32>, Option<(u32, u32)>);
 
 /// A setting that may be on the front.
@@ -51,14 +52,14 @@ pub(super) type Kind = (Precision, Option<u32>, Option<(u32, u32)>);
 pub(super) struct Candidate {
     /// The RMS error.
     pub(super) error: f64,
-    /// The time, as a multiple of that of the scene's own settings.
+    /// The time, as a multiple of the time of the scene's own settings.
     pub(super) time: f64,
     pub(super) rays: RayCounts,
-    /// The kind of the candidate, if all pixels have as many samples: candidates of a kind are compared by rays.
+    /// The kind of the candidate, if all pixels have the same number of samples. Candidates of the same kind are compared by rays.
     pub(super) kind: Option<Kind>,
 }
 
-/// Returns which candidates are on the front.
+/// Returns, for each candidate, whether it is on the front.
 pub(super) fn front(candidates: &[Candidate], resolution: Resolution) -> Vec<bool> {
     let Resolution { rms, time } = resolution;
     let is_as_good = |one: &Candidate, other: &Candidate| one.error <= other.error + rms;
@@ -84,7 +85,7 @@ pub(super) fn front(candidates: &[Candidate], resolution: Resolution) -> Vec<boo
     candidates.iter().zip(&left).map(|(other, is_left)| *is_left && !is_beaten(other)).collect()
 }
 
-/// Compares numbers of rays; `None` if one has more rays of one kind and fewer of another.
+/// Compares ray counts; `None` if one has more rays of one kind and fewer of another.
 fn compare(one: &RayCounts, other: &RayCounts) -> Option<Ordering> {
     let kinds = |rays: &RayCounts| [rays.camera, rays.shadow, rays.reflection, rays.refraction];
     let (one, other) = (kinds(one), kinds(other));
@@ -116,11 +117,11 @@ mod tests {
         let adaptive = |error, time| candidate(error, time, [1; 4], None);
         let resolution = Resolution { rms: 0.1, time: 0.1 };
         for (candidates, expected) in [
-            // More samples are better and take longer.
+            // More samples give a smaller error and take longer.
             (vec![uniform(4.0, 1.0, 1), uniform(2.0, 2.0, 2), uniform(1.0, 4.0, 4)], vec![true, true, true]),
-            // The same picture with fewer rays, whatever the clock says.
+            // The same picture with fewer rays, whatever the measured times.
             (vec![uniform(2.0, 1.0, 4), uniform(2.05, 1.2, 3)], vec![false, true]),
-            // A better one with as many rays.
+            // A smaller error with the same number of rays.
             (vec![uniform(2.0, 1.0, 4), uniform(1.0, 1.2, 4)], vec![false, true]),
             // More rays of one kind and fewer of another are compared by time.
             (
@@ -130,7 +131,7 @@ mod tests {
                 ],
                 vec![false, true],
             ),
-            // Instants take time beside that of rays.
+            // Instants take time in addition to rays.
             (
                 vec![
                     uniform(2.0, 1.0, 4),
@@ -138,7 +139,7 @@ mod tests {
                 ],
                 vec![true, false],
             ),
-            // Another kind is compared by time, if that can be told apart.
+            // Other kinds are compared by time, if the difference is significant.
             (vec![uniform(2.0, 1.0, 4), adaptive(2.0, 1.05)], vec![true, true]),
             (vec![uniform(2.0, 1.0, 4), adaptive(2.0, 1.2)], vec![true, false]),
             (vec![uniform(2.0, 1.0, 4), adaptive(1.5, 1.05)], vec![true, true]),
@@ -151,8 +152,7 @@ mod tests {
         }
     }
 
-    /// Measurements of a scene with mirrors, lamps and a lens, of which each was taken in four rounds; times scatter by 8 % as on a busy
-    /// machine.
+    /// Measurements of a scene with mirrors, lamps and a lens, in four rounds each. Times scatter by 8 %, as on a busy machine.
     #[test]
     fn stars_do_not_depend_on_scatter() {
         let uniform = |error, time, rays| candidate(error, time, rays, GUARANTEED);

@@ -1,4 +1,4 @@
-//! The knobs that trade accuracy for time, and the ways to render a scene that turn one of them.
+//! The knobs that trade accuracy for time, and the variants of a scene's settings that change one of them.
 
 use std::fmt;
 
@@ -12,24 +12,24 @@ use crate::trace::Precision;
 pub enum Knob {
     /// Samples per pixel, the same number for all.
     Samples,
-    /// The error that the picture may have, which decides where samples go.
+    /// The error target of the picture, which decides the distribution of samples.
     MaxError,
-    /// Samples of lights with a size.
+    /// Samples per area light.
     LightSamples,
     /// Instants while the shutter is open.
     Instants,
-    /// Generations of rays.
+    /// The maximum depth of rays.
     Depth,
-    /// The light below which rays are not followed.
+    /// The contribution below which rays are not traced.
     Cutoff,
-    /// How exactly it is found where rays meet shapes.
+    /// The precision of ray-shape intersections.
     Precision,
     /// The film's columns and rows.
     Size,
 }
 
 impl Knob {
-    /// All of them.
+    /// All knobs.
     pub const ALL: [Self; 8] = [
         Self::Samples,
         Self::MaxError,
@@ -41,7 +41,7 @@ impl Knob {
         Self::Size,
     ];
 
-    /// Returns its name in words.
+    /// Returns the name in words, as "max error".
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -56,26 +56,26 @@ impl Knob {
         }
     }
 
-    /// Returns whether more of it makes pictures converge as a power of it.
+    /// Returns whether errors fall as a power of the knob's value.
     #[must_use]
     pub fn converges(self) -> bool {
         matches!(self, Self::Samples | Self::LightSamples | Self::Instants)
     }
 }
 
-/// A way to render a scene.
+/// A set of settings to render a scene with.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Variant {
-    /// What stands in the place of the scene's own settings.
+    /// Settings that override the scene's own.
     pub knobs: Knobs,
-    /// How exactly it is found where rays meet shapes.
+    /// The precision of ray-shape intersections.
     pub precision: Precision,
-    /// An effect to leave out.
+    /// An effect to disable.
     pub without: Option<Effect>,
 }
 
 impl Variant {
-    /// Sets an engine up, which leaves out other effects anyway.
+    /// Applies the settings to an engine, in which the effects in `left_out` are disabled as well.
     pub(super) fn apply(&self, engine: &mut Engine, left_out: &[Effect]) {
         engine.set_knobs(self.knobs);
         engine.set_precision(self.precision);
@@ -83,23 +83,23 @@ impl Variant {
     }
 }
 
-/// What a way to render is about.
+/// The difference of a variant from the scene's own settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Subject {
-    /// The scene's own settings.
+    /// No difference: the scene's own settings.
     Own,
-    /// A knob, turned to a value.
+    /// A knob with another value.
     Knob(Knob, f64),
     /// Another precision.
     Precision(Precision),
-    /// Another size of the film, in columns and rows; pictures are scaled to be compared.
+    /// Another size of the film, in columns and rows. Pictures are resampled for comparison.
     Size(u32, u32),
-    /// An effect that is left out.
+    /// A disabled effect.
     Without(Effect),
 }
 
 impl Subject {
-    /// Returns the knob that is turned.
+    /// Returns the knob that is changed, if it is one.
     #[must_use]
     pub fn knob(&self) -> Option<Knob> {
         match self {
@@ -125,28 +125,28 @@ impl fmt::Display for Subject {
     }
 }
 
-/// The settings of a scene that knobs stand in the place of.
+/// The settings of a scene that knobs override.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OwnSettings {
     pub(super) sampling: Sampling,
     pub(super) quality: Quality,
 }
 
-/// How far a sweep goes.
+/// The limits of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Reach {
-    /// The most samples per pixel, if all have as many.
+    /// The largest sample count per pixel, if it is the same for all pixels.
     pub(super) samples: u32,
-    /// The most samples of a pixel that may have more than others.
+    /// The largest sample count per pixel, if it differs between pixels.
     pub(super) most: u32,
-    /// The most samples of a light.
+    /// The largest sample count per light.
     pub(super) light_samples: u32,
     /// The largest depth.
     pub(super) depth: u32,
 }
 
-/// Returns the ways to render a scene that are worth comparing, for the effects that it needs: its own way first. Other sizes of the film
-/// are among them if they are given.
+/// Returns the variants worth comparing for the effects of a plan. The scene's own settings are the first. `sizes` are other sizes of the
+/// film to include.
 pub(super) fn sweep(
     plan: &Plan,
     own: OwnSettings,
@@ -158,7 +158,7 @@ pub(super) fn sweep(
         let turned = values(knob, own, reach).into_iter().map(|value| {
             let mut knobs = turned(knob, value);
             if knob == Knob::MaxError {
-                // No better than the reference.
+                // Not more samples than a reference picture.
                 knobs.samples = Some(reach.most);
             }
             (Subject::Knob(knob, value), Variant { knobs, ..Variant::default() })
@@ -182,7 +182,7 @@ pub(super) fn sweep(
     rows
 }
 
-/// Returns whether a knob makes a difference to pictures that need these effects.
+/// Returns whether a knob affects pictures that need these effects.
 fn is_called_for(knob: Knob, plan: &Plan) -> bool {
     match knob {
         Knob::Samples | Knob::MaxError | Knob::Precision | Knob::Size => true,
@@ -192,7 +192,7 @@ fn is_called_for(knob: Knob, plan: &Plan) -> bool {
     }
 }
 
-/// Returns the values of a knob, ascending, without the scene's own.
+/// Returns the values of a knob, ascending, without the scene's own value.
 fn values(knob: Knob, OwnSettings { sampling, quality }: OwnSettings, reach: Reach) -> Vec<f64> {
     let powers =
         |most: u32| (0..32).map(|exponent| 1_u32 << exponent).take_while(move |power| *power <= most);
@@ -210,14 +210,14 @@ fn values(knob: Knob, OwnSettings { sampling, quality }: OwnSettings, reach: Rea
             (depths.take_while(|depth| *depth <= reach.depth).map(f64::from).collect(), quality.depth.into())
         }
         Knob::Cutoff => (vec![0.0, 0.25, 1.0, 4.0, 16.0], quality.cutoff.into()),
-        // Their values are no numbers.
+        // Their values are not numbers.
         Knob::Precision | Knob::Size => (Vec::new(), 0.0),
     };
     values.retain(|value| *value != own);
     values
 }
 
-/// Returns knobs of which one is turned to a value from a sweep.
+/// Returns knobs with one of them set to a value of a sweep.
 pub(super) fn turned(knob: Knob, value: f64) -> Knobs {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole numbers of a sweep")]
     let count = value as u32;

@@ -1,4 +1,4 @@
-//! Renders a scene in many ways, and compares them.
+//! Measures the errors and costs of many settings for a scene.
 
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -16,53 +16,53 @@ use crate::systems::{Effect, Knobs, Plan, quality_settings, sampling_settings};
 use crate::time::Time;
 use crate::trace::{EstimatedError, Film, RayCounts};
 
-/// How much work a measurement is.
+/// The amount of work of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Thoroughness {
-    /// How often every way is rendered, for its price.
+    /// The number of times that each variant is rendered to measure its cost.
     pub rounds: u32,
-    /// The most samples per pixel of the sweep, unless the scene has more.
+    /// The largest sample count per pixel of the sweep, unless the scene has more.
     pub samples: u32,
-    /// The pictures of the reference, at least two.
+    /// The number of pictures of the reference, at least two.
     pub pictures: u32,
-    /// The samples of each of them, as a multiple of the most of the sweep.
+    /// The sample count per pixel of each reference picture, as a multiple of the sweep's largest count.
     pub factor: u32,
 }
 
 impl Thoroughness {
-    /// Takes minutes.
+    /// A measurement of minutes.
     pub const THOROUGH: Self = Self { rounds: 5, samples: 64, pictures: 4, factor: 4 };
-    /// Takes seconds. Ranges of two measurements with so many rounds have nothing in common in 3 % of all cases by mere chance; with one round
-    /// less, in 10 %.
+    /// A measurement of seconds. With this number of rounds, the ranges of two equal settings are disjoint by chance in 3 % of all cases;
+    /// with one round less, in 10 %.
     pub const QUICK: Self = Self { rounds: 4, samples: 8, pictures: 4, factor: 2 };
 }
 
-/// What is to be measured.
+/// The specification of a measurement.
 #[derive(Clone, Debug)]
 pub struct Request {
     /// The frames to render, at least one.
     pub frames: Vec<u32>,
-    /// How thoroughly.
+    /// The amount of work.
     pub thoroughness: Thoroughness,
-    /// Other sizes of the film that are compared, in columns and rows.
+    /// Other sizes of the film to compare, in columns and rows.
     pub sizes: Vec<(u32, u32)>,
-    /// Whether the first frame's pictures are kept.
+    /// True if the rows keep the film of the first frame.
     pub keep_films: bool,
 }
 
-/// Is informed of the progress, and may count instructions.
+/// An observer of the progress, which may also count instructions.
 pub trait Observer {
-    /// Takes note of what is rendered now, the reference or a way to render, and which part of the work is done, 0 to 1.
+    /// Receives the current subject, or `None` for the reference, and the fraction of the work that is done, 0 to 1.
     fn at(&mut self, subject: Option<Subject>, share: f64);
 
-    /// Returns how many instructions were executed so far, in all threads, where that is known.
+    /// Returns the number of instructions executed so far in all threads, if it is known.
     fn instructions(&mut self) -> Option<u64> {
         None
     }
 }
 
-/// Measures what accuracy costs in a scene. `None` if it was cancelled; in any case the engine is afterwards as it was before. What the
-/// engine leaves out is left out throughout.
+/// Measures the cost of accuracy in a scene. Returns `None` if cancelled. The engine's settings are restored in any case. Effects that are
+/// disabled in the engine stay disabled throughout.
 ///
 /// # Errors
 ///
@@ -85,16 +85,16 @@ pub fn measure(
     report
 }
 
-/// The work in samples per pixel, as far as it is foreseen.
+/// The estimated work, in samples per pixel.
 #[derive(Debug, Default)]
 struct Work {
     done: f64,
     all: f64,
-    /// About how many samples the scene's own settings are.
+    /// The approximate sample count per pixel of the scene's own settings.
     own: u32,
 }
 
-/// Renders variants of the chosen frames.
+/// Renders the chosen frames with variants of the settings, and compares them.
 struct Gauge<'a> {
     engine: &'a mut Engine,
     times: Vec<Time>,
@@ -105,30 +105,30 @@ struct Gauge<'a> {
     work: Work,
 }
 
-/// All frames, rendered in one way.
+/// All frames, rendered with one variant.
 struct Rendered {
     films: Vec<Film>,
-    /// A frame.
+    /// Mean seconds per frame.
     seconds: f64,
-    /// Of all frames.
+    /// Ray counts of all frames together.
     rays: RayCounts,
-    /// A frame.
+    /// Mean number of instructions per frame.
     instructions: Option<f64>,
-    /// The largest of all frames, if they have a target.
+    /// The largest estimated error of all frames, if they have an error target.
     estimated: Option<EstimatedError>,
 }
 
-/// Steps of 8 bits so small that no rounding shows them.
+/// A cutoff in 8-bit steps, small enough to vanish in rounding.
 const NO_CUTOFF: f32 = 1.0 / 64.0;
-/// Generations that leave nothing to be seen.
+/// A depth beyond which rays contribute nothing visible.
 const DEEP: u32 = 64;
 
-/// What all ways to render are compared with, frame by frame.
+/// The references for all variants, frame by frame.
 struct Truth {
-    /// What the scene's settings come to.
+    /// The summary of the reference in the report.
     told: Reference,
     films: Vec<Film>,
-    /// The same with the scene's own depth and cutoff, which may be all that keeps pictures from the truth.
+    /// References with the scene's own depth and cutoff. These two settings alone may prevent convergence to `films`.
     own: Vec<Film>,
 }
 
@@ -165,7 +165,7 @@ impl Gauge<'_> {
         Ok(report)
     }
 
-    /// Renders what all ways are compared with.
+    /// Renders the references.
     fn truth(&mut self, own: OwnSettings, samples: u32, pictures: u32) -> Result<Truth, Stop> {
         let shallow = Knobs::default();
         let deep = Knobs { depth: Some(own.quality.depth.max(DEEP)), cutoff: Some(NO_CUTOFF), ..shallow };
@@ -186,7 +186,7 @@ impl Gauge<'_> {
         Ok(Truth { told, films, own })
     }
 
-    /// Compares every way with the truth.
+    /// Renders every variant and compares it with the references.
     fn rows(
         &mut self,
         rows: Vec<(Subject, Variant)>,
@@ -231,7 +231,7 @@ impl Gauge<'_> {
         Ok(compared)
     }
 
-    /// Returns the effects that any of the frames needs.
+    /// Returns the effects that are needed by any of the frames.
     fn plan(&mut self) -> Result<Plan, Stop> {
         let mut plan: Option<Plan> = None;
         for time in self.times.clone() {
@@ -244,7 +244,7 @@ impl Gauge<'_> {
         plan.ok_or(Stop::Cancelled)
     }
 
-    /// Foresees the work: the reference, the rounds with the scene's own settings in between, and all rows once more.
+    /// Estimates the work: the reference, the rounds with the scene's own settings in between, and all rows once more.
     fn foresee(&mut self, rows: &[(Subject, Variant)], own: OwnSettings, rounds: u32, reference: u32) {
         let own = if own.sampling.max_error > 0.0 { ADAPTIVE } else { own.sampling.samples };
         self.work.own = own;
@@ -253,7 +253,7 @@ impl Gauge<'_> {
         self.work.all = f64::from(reference) + (of_rows + between) * f64::from(rounds) + of_rows;
     }
 
-    /// Renders all frames in one way.
+    /// Renders all frames with one variant.
     fn render(&mut self, variant: &Variant, subject: Option<Subject>) -> Result<Rendered, Stop> {
         variant.apply(self.engine, self.left_out);
         let mut rendered = Rendered {
@@ -286,19 +286,19 @@ impl Gauge<'_> {
         Ok(rendered)
     }
 
-    /// Enlarges or reduces a picture to the size of the scene's film.
+    /// Resamples a picture to the size of the scene's film.
     fn sized(&self, film: Film) -> Film {
         let FilmSettings { width, height, .. } = self.engine.film_settings();
         if (film.width(), film.height()) == (width, height) { film } else { resampled(&film, width, height) }
     }
 
-    /// Renders every frame as well as can be: several times, each with samples of its own.
+    /// Renders the reference of every frame: several pictures, each with its own samples.
     fn converged(
         &mut self,
         knobs: Knobs,
         (pictures, seed, samples): (u32, u64, u32),
     ) -> Result<Vec<Converged>, Stop> {
-        /// Far apart, and not what anybody writes.
+        /// The distance between seeds, 2^64 divided by the golden ratio. The resulting seeds are unlikely in scenes.
         const APART: u64 = 0x9e37_79b9_7f4a_7c15;
         let mut frames = vec![Vec::new(); self.times.len()];
         for picture in 1..=u64::from(pictures) {
@@ -316,8 +316,8 @@ impl Gauge<'_> {
         Ok(frames.iter().map(|films| Converged::mean(films, transfer)).collect())
     }
 
-    /// Measures how long every row takes, as a multiple of what the scene's own settings take right before and after. All rows take turns,
-    /// so that none is measured only while the machine is slow. Rows that trace the same rays as another take the same time.
+    /// Measures the time of every row, as a multiple of the time of the scene's own settings right before and after. Rows take turns, so
+    /// that a temporarily slow machine does not affect only one of them. Rows that trace the same rays as another row get its time.
     fn time(&mut self, rows: &mut [Row], rounds: u32) -> Result<(), Stop> {
         const OWN: Option<Subject> = Some(Subject::Own);
         let (distinct, same): (Vec<usize>, Vec<usize>) =
@@ -352,10 +352,10 @@ impl Gauge<'_> {
         Ok(())
     }
 
-    /// Measures the seconds of a frame: of quick ones the least of several, as the first after others takes longer, and the system's
-    /// interruptions are as long as they are.
+    /// Measures the seconds of a frame. For quick frames, it is the minimum of several: the first one after a frame with other settings
+    /// takes longer, and interruptions by the system are as long as such a frame.
     fn seconds(&mut self, variant: &Variant, subject: Option<Subject>) -> Result<f64, Stop> {
-        /// The time for which quick frames are repeated.
+        /// The duration for which quick frames are repeated.
         const LEAST: Duration = Duration::from_millis(20);
         let start = Instant::now();
         let mut seconds = self.render(variant, subject)?.seconds;
@@ -396,7 +396,7 @@ impl Gauge<'_> {
     }
 }
 
-/// Returns the way to render in which only this subject is at its best; `None` where that is what converges.
+/// Returns the variant in which only this subject has its best value; `None` if its best value is the converged reference.
 fn best_alone(subject: Subject, own: OwnSettings, reach: Reach) -> Option<Variant> {
     let turned = |knob, value: f64| Some(Variant { knobs: turned(knob, value), ..Variant::default() });
     match subject {
@@ -411,7 +411,7 @@ fn best_alone(subject: Subject, own: OwnSettings, reach: Reach) -> Option<Varian
     }
 }
 
-/// Returns the most samples of a pixel, if that kept a picture from its target.
+/// Returns the maximum sample count per pixel, if it kept a picture from its error target.
 fn capped(subject: Subject, variant: &Variant, estimated: Option<EstimatedError>) -> Option<u32> {
     match (subject, estimated) {
         (Subject::Knob(Knob::MaxError, target), Some(error)) if error.value > target => variant.knobs.samples,
@@ -419,17 +419,17 @@ fn capped(subject: Subject, variant: &Variant, estimated: Option<EstimatedError>
     }
 }
 
-/// Returns the frames' pictures alone.
+/// Returns the films of the frames.
 fn films_of(frames: Vec<Converged>) -> Vec<Film> {
     frames.into_iter().map(|frame| frame.film).collect()
 }
 
-/// After how many rows the scene's own settings are measured again.
+/// The number of rows after which the scene's own settings are measured again.
 const BETWEEN: usize = 4;
-/// About how many samples a pixel gets where that is not said.
+/// The approximate sample count per pixel with an error target.
 const ADAPTIVE: u32 = 16;
 
-/// Returns about how many samples a pixel gets.
+/// Returns the approximate sample count per pixel.
 fn samples(knobs: &Knobs, own: u32) -> f64 {
     match knobs {
         Knobs { max_error: Some(error), .. } if *error > 0.0 => f64::from(ADAPTIVE),

@@ -1,10 +1,10 @@
-//! What accuracy costs in time: how far pictures are from each other, and what settings that make them better take.
+//! The cost of accuracy: errors of pictures, and the time that better settings take.
 //!
-//! [`measure()`] renders frames of a scene in many ways, each of which turns one [`Knob`] or leaves out one effect, and tells for each
-//! its error and its price. Errors are those to a reference, [`Converged`], which knows how good it is itself.
+//! [`measure()`] renders frames of a scene with many settings. Each of them changes one [`Knob`] or disables one effect; the result holds
+//! its error and its cost. Errors are relative to a reference, [`Converged`], which has an estimate of its own error.
 //!
-//! Pictures are compared by what is shown, output values from 0 to 255 before they are rounded to bytes: light that is clamped in both
-//! makes no difference, and a thousandth of a step does.
+//! Pictures are compared by their output values, from 0 to 255, before these are rounded to bytes. Light that is clamped in both pictures
+//! makes no difference; a thousandth of an 8-bit step does.
 
 mod converged;
 mod deadline;

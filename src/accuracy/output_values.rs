@@ -1,4 +1,4 @@
-//! Pictures as they are shown.
+//! Pictures in output values.
 
 use rayon::prelude::*;
 
@@ -53,12 +53,12 @@ impl OutputValues {
         &self.pixels
     }
 
-    /// Returns one channel, 0 to 2.
+    /// Returns the values of one channel, 0 to 2.
     pub(super) fn channel(&self, channel: usize) -> Vec<f64> {
         self.pixels.par_iter().map(|pixel| pixel[channel % 3]).collect()
     }
 
-    /// Returns the rows of this picture with those of another.
+    /// Returns the pairs of rows of two pictures.
     ///
     /// # Panics
     ///
@@ -72,7 +72,7 @@ impl OutputValues {
         self.pixels.par_chunks(width).zip(other.pixels.par_chunks(width))
     }
 
-    /// Returns the largest difference of any channel, pixel by pixel.
+    /// Returns the largest difference of any channel for each pixel.
     ///
     /// # Panics
     ///
@@ -86,7 +86,7 @@ impl OutputValues {
     }
 }
 
-/// Returns by how much the channels of two pixels differ.
+/// Returns the absolute differences of the channels of two pixels.
 pub(super) fn apart(one: &[f64; 3], other: &[f64; 3]) -> [f64; 3] {
     std::array::from_fn(|channel| (one[channel] - other[channel]).abs())
 }

@@ -1,13 +1,13 @@
-//! The relative error of linear light, which weighs dark and bright places alike.
+//! The relative error of linear light, which gives dark and bright regions the same weight.
 
 use crate::color::Rgb;
 
-/// Added to squares, so that errors of black places are finite.
+/// Added to squares, so that errors of black pixels are finite.
 const DARK: f64 = 0.01;
 
-/// Returns the relative mean square error of linear light: the mean over all pixels and channels of (x - r)^2 / (r^2 + 0.01), with x of
-/// the picture and r of the reference (Rousselle, Knaus and Zwicker, "Adaptive Sampling and Reconstruction using Greedy Error
-/// Minimization", SIGGRAPH Asia 2011, section 6). It differs the other way round.
+/// Returns the relative mean square error of linear light: the mean over all pixels and channels of (x - r)^2 / (r^2 + 0.01), with x of the
+/// picture and r of the reference (Rousselle, Knaus and Zwicker, "Adaptive Sampling and Reconstruction using Greedy Error Minimization",
+/// SIGGRAPH Asia 2011, section 6). It is not symmetric.
 ///
 /// # Panics
 ///

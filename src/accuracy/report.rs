@@ -1,4 +1,4 @@
-//! What is known of a scene's accuracy and its price, once it has been measured.
+//! The results of a measurement of a scene's accuracy and cost.
 
 use std::time::Duration;
 
@@ -9,93 +9,93 @@ use super::spread::Spread;
 use super::{Converged, FilmError};
 use crate::trace::{EstimatedError, Film, RayCounts};
 
-/// What accuracy costs in a scene.
+/// The cost of accuracy in a scene.
 #[derive(Clone, Debug)]
 pub struct Report {
     /// The frames that were rendered.
     pub frames: Vec<u32>,
-    /// The film's columns and rows.
+    /// The film's width and height in pixels.
     pub size: (u32, u32),
-    /// What all ways to render are compared with.
+    /// The reference for all rows.
     pub reference: Reference,
-    /// The ways to render; the scene's own is the first.
+    /// The measured variants. The scene's own settings are the first.
     pub rows: Vec<Row>,
-    /// The least differences of errors and of times that are told apart.
+    /// The smallest significant differences of errors and of times.
     pub resolution: Resolution,
-    /// How fast the errors of knobs fall.
+    /// The orders of convergence of knobs.
     pub orders: Vec<(Knob, PowerLaw)>,
-    /// How often each way was rendered.
+    /// The number of times that each variant was rendered.
     pub rounds: u32,
-    /// Samples per pixel of the scene's own settings; 0 if pixels have different numbers.
+    /// Samples per pixel of the scene's own settings; 0 if the number differs between pixels.
     pub own_samples: u32,
 }
 
-/// What all ways to render are compared with.
+/// The reference that rows are compared with.
 #[derive(Clone, Debug)]
 pub struct Reference {
-    /// Samples per pixel, of all its pictures together.
+    /// Samples per pixel, of all reference pictures together.
     pub samples: u32,
-    /// The number of its pictures.
+    /// The number of reference pictures.
     pub pictures: u32,
     /// The largest of the frames' [uncertainties](Converged::rms), in output values.
     pub rms: f64,
-    /// The same of [single channels](Converged::max).
+    /// The largest of the frames' [channel uncertainties](Converged::max), in output values.
     pub max: f64,
-    /// The time that it took.
+    /// The time taken to render it.
     pub time: Duration,
     /// The first frame's film.
     pub film: Film,
 }
 
-/// A way to render, its error and its price.
+/// A measured variant, with its error and cost.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// What is turned or left out.
+    /// The difference from the scene's own settings.
     pub subject: Subject,
-    /// How it is rendered.
+    /// The settings that it is rendered with.
     pub variant: Variant,
-    /// How far it is off the reference: the worst frame's largest error and share, and the root of the mean square over all frames.
+    /// The error against the reference: the largest error and fraction of any frame, and the RMS error over all frames.
     pub error: FilmError,
-    /// How alike it is to the reference, on average.
+    /// The mean structural similarity to the reference.
     pub similarity: f64,
-    /// How far it is off what its knob or effect alone makes of it: for samples the converged picture with the scene's other settings,
-    /// for others the same samples with the knob at its best, or with the effect.
+    /// The error caused by this knob or effect alone. For samples, it is relative to the converged picture with the scene's other settings;
+    /// for other knobs, to the same samples with the best value of the knob; for effects, to the same samples with the effect.
     pub alone: FilmError,
-    /// Seconds a frame, on average: `relative` times the median of the scene's own settings, so that it does not depend on how fast the
-    /// machine was meanwhile.
+    /// Mean seconds per frame: `relative` times the median time of the scene's own settings, so that it does not depend on the machine's
+    /// speed during the measurement.
     pub seconds: Spread,
-    /// The time as a multiple of that of the scene's own settings, measured right before and after.
+    /// The time as a multiple of the time of the scene's own settings, measured right before and after.
     pub relative: Spread,
-    /// Rays a frame, on average.
+    /// Mean ray counts per frame.
     pub rays: RayCounts,
-    /// Instructions a frame, on average, where they are counted.
+    /// Mean number of instructions per frame, if they are counted.
     pub instructions: Option<f64>,
-    /// The renderer's own estimate of the error, if it had a target: that of the frame with the largest.
+    /// The renderer's own estimate of the error, if there was an error target: the largest of all frames.
     pub estimated: Option<EstimatedError>,
-    /// The most samples of a pixel, if that kept the picture from its target.
+    /// The maximum sample count per pixel, if it kept the picture from its error target.
     pub capped: Option<u32>,
-    /// The index of the first row that traces the same rays, to the same picture, if there is one: its time is this one's.
+    /// The index of the first row that traces the same rays to the same picture, if any. Its time is also the time of this row.
     pub same_as: Option<usize>,
-    /// True if no other setting is both better and cheaper, by what the [resolution](Report::resolution) tells apart. Settings that trace the
-    /// same rays as another, that are [capped](Self::capped), or are without an effect, are not on the front.
+    /// True if no other setting is both better and cheaper at this [resolution](Report::resolution). Settings that trace the same rays as
+    /// another, are [capped](Self::capped), or disable an effect, are not on the front.
     pub on_front: bool,
-    /// The first frame's film, if it was to be kept.
+    /// The film of the first frame, if it was requested.
     pub film: Option<Film>,
 }
 
-/// The part of the time that an effect takes.
+/// The fraction of the time that an effect takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share {
-    /// The share, from 0 to 1; below 0 if pictures without the effect take longer.
+    /// The fraction, from 0 to 1; below 0 if pictures without the effect take longer.
     pub median: f64,
-    /// Half of the distance between the extremes.
+    /// Half the distance between the extremes.
     pub deviation: f64,
-    /// True if it was measured as less than 0, by no more than times scatter, and is 0 therefore.
+    /// True if the measured fraction was below 0 within the scatter of times, and was set to 0.
     pub is_clamped: bool,
 }
 
 impl Row {
-    /// Returns the part of the time that is saved compared with the scene's own settings.
+    /// Returns the fraction of the time that is saved compared with the scene's own settings.
     #[must_use]
     pub fn share(&self) -> Share {
         let Spread { median, low, high } = self.relative;
@@ -108,7 +108,7 @@ impl Row {
         (self.variant.precision, self.variant.knobs.instants, self.variant.knobs.size)
     }
 
-    /// Returns whether another row traces the same rays in the same way, to the same picture.
+    /// Returns whether another row traces the same rays in the same way to the same picture.
     pub(super) fn is_same_as(&self, other: &Self) -> bool {
         let is_a_setting = |row: &Self| !matches!(row.subject, Subject::Without(_));
         is_a_setting(self)
@@ -119,7 +119,7 @@ impl Row {
 }
 
 impl Reference {
-    /// Joins the frames' references.
+    /// Combines the references of all frames.
     pub(super) fn of(frames: &[Converged], samples: u32, pictures: u32, time: Duration) -> Self {
         let most = |of: fn(&Converged) -> f64| frames.iter().map(of).fold(0.0, f64::max);
         let film = frames.first().map_or_else(|| Film::new(0, 0), |frame| frame.film.clone());
@@ -128,24 +128,24 @@ impl Reference {
 }
 
 impl Report {
-    /// Returns the scene's own settings.
+    /// Returns the row of the scene's own settings.
     #[must_use]
     pub fn own(&self) -> &Row {
         &self.rows[0]
     }
 
-    /// Returns the ways that turn a knob, ascending.
+    /// Returns the rows that change a knob, ascending.
     pub fn of_knob(&self, knob: Knob) -> impl Iterator<Item = &Row> {
         self.rows.iter().filter(move |row| row.subject.knob() == Some(knob))
     }
 
-    /// Returns the ways without an effect.
+    /// Returns the rows that disable an effect.
     pub fn without(&self) -> impl Iterator<Item = &Row> {
         self.rows.iter().filter(|row| matches!(row.subject, Subject::Without(_)))
     }
 
-    /// Returns from where to where the RMS error of a row may be: the reference's own error is in what was measured, and what that leaves
-    /// open goes both ways.
+    /// Returns the range of a row's true RMS error. The measured error includes the error of the reference, and the remaining uncertainty
+    /// extends the range on both sides.
     #[must_use]
     pub fn rms_range(&self, row: &Row) -> (f64, f64) {
         // The reference's uncertainty is two standard errors.
@@ -155,7 +155,7 @@ impl Report {
         ((least - open).max(0.0), measured + open)
     }
 
-    /// Finds the front, and fits orders.
+    /// Finds the Pareto front and fits the orders of convergence.
     pub(super) fn conclude(&mut self) {
         let candidates: Vec<(usize, Candidate)> = self
             .rows
@@ -166,7 +166,7 @@ impl Report {
             })
             .map(|(index, row)| {
                 let candidate = Candidate {
-                    // Below that they cannot be told apart.
+                    // Smaller errors cannot be distinguished.
                     error: row.error.rms.max(self.reference.rms),
                     time: row.relative.median,
                     rays: row.rays,
@@ -190,7 +190,7 @@ impl Report {
                 let own = self.rows.first().filter(|_| knob == Knob::Samples && self.own_samples > 1);
                 let own = own.map(|row| (f64::from(self.own_samples), row.alone.rms));
                 let pairs = self.of_knob(knob).filter_map(|row| match row.subject {
-                    // A single sample is in the pixel's centre, which is another rule.
+                    // A single sample is in the pixel's centre, which is a different rule.
                     Subject::Knob(Knob::Samples, value) if value < 2.0 => None,
                     Subject::Knob(_, value) if row.alone.rms > trusted => Some((value, row.alone.rms)),
                     _ => None,
@@ -227,7 +227,7 @@ mod tests {
         let share = |low, median, high| row(low, median, high).share();
         assert_eq!(share(0.5, 0.75, 1.0), Share { median: 0.25, deviation: 0.25, is_clamped: false });
         assert_eq!(share(0.75, 1.25, 1.25), Share { median: 0.0, deviation: 0.25, is_clamped: true });
-        // That is more than scatter.
+        // This exceeds the scatter.
         assert_eq!(share(1.25, 1.5, 1.75), Share { median: -0.5, deviation: 0.25, is_clamped: false });
         assert_eq!(share(1.0, 1.0, 1.0), Share { median: 0.0, deviation: 0.0, is_clamped: false });
     }

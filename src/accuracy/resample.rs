@@ -1,10 +1,10 @@
-//! Pictures of another size.
+//! Resampling of films to another size.
 
 use crate::color::Rgb;
 use crate::trace::Film;
 
-/// Returns a film of another size: colours between pixels are mixed of the four around them, in linear light. The first and the last
-/// pixels are where they were, as cameras have them on the screen's edges.
+/// Returns a film of another size, by bilinear interpolation in linear light. The first and the last pixels keep their positions, because
+/// cameras place them on the screen's edges.
 pub(super) fn resampled(film: &Film, width: u32, height: u32) -> Film {
     let columns: Vec<_> = (0..width).map(|i| between(i, width, film.width())).collect();
     let rows: Vec<_> = (0..height).map(|j| between(j, height, film.height())).collect();
@@ -20,7 +20,7 @@ pub(super) fn resampled(film: &Film, width: u32, height: u32) -> Film {
     Film::from_pixels(width, height, pixels.into_iter())
 }
 
-/// Returns between which places of `from` one of `count` lies, and which part of the way.
+/// Returns the two indices among `from` between which index `place` among `count` lies, and the fraction of the way between them.
 fn between(place: u32, count: u32, from: u32) -> (u32, u32, f32) {
     let last = from.saturating_sub(1);
     if count < 2 {

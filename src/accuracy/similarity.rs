@@ -7,15 +7,15 @@ use rayon::prelude::*;
 
 use super::OutputValues;
 
-/// How far a window reaches to each side.
+/// The radius of a window, in pixels.
 const REACH: usize = 5;
 const DEVIATION: f64 = 1.5;
-/// (0.01 255)^2 and (0.03 255)^2, which keep quotients of dark and of flat places finite.
+/// (0.01 255)^2 and (0.03 255)^2, which keep quotients of dark and of flat regions finite.
 const OF_MEANS: f64 = 6.5025;
 const OF_VARIANCES: f64 = 58.5225;
 
-/// Returns how alike two pictures look, from -1 to 1, which only equal ones have: the mean over all pixels and channels. Windows that
-/// reach over the edge are weighted by what is inside.
+/// Returns the structural similarity of two pictures, from -1 to 1: the mean over all pixels and channels. Only equal pictures have 1.
+/// Windows that extend beyond the edge use only the pixels inside the picture.
 ///
 /// # Panics
 ///
@@ -47,7 +47,7 @@ fn mean_similarity(one: &[f64], other: &[f64], width: usize) -> f64 {
         let means = (2.0 * x * y + OF_MEANS) / (x * x + y * y + OF_MEANS);
         means * (2.0 * covariance + OF_VARIANCES) / (variance_x + variance_y + OF_VARIANCES)
     };
-    // Row by row, so that the sum does not depend on threads.
+    // The sum is taken row by row, so that it does not depend on threads.
     let row = |row: usize| (row * width..(row + 1) * width).map(similarity).sum::<f64>();
     let rows: Vec<f64> = (0..one.len() / width).into_par_iter().map(row).collect();
     rows.iter().sum::<f64>() / one.len() as f64
@@ -71,7 +71,7 @@ fn local_means(values: &[f64], width: usize) -> Vec<f64> {
     means
 }
 
-/// Returns the weighted mean of the values around a place among `count`.
+/// Returns the weighted mean of the values around index `place` of `count`.
 fn weighted(weights: &[f64; REACH + 1], place: usize, count: usize, value: impl Fn(usize) -> f64) -> f64 {
     let (mut sum, mut total) = (0.0, 0.0);
     for other in place.saturating_sub(REACH)..count.min(place + REACH + 1) {
@@ -82,7 +82,7 @@ fn weighted(weights: &[f64; REACH + 1], place: usize, count: usize, value: impl 
     sum / total
 }
 
-/// Returns the weights by distance.
+/// Returns the Gaussian weights by distance.
 fn weights() -> [f64; REACH + 1] {
     std::array::from_fn(|distance| {
         let distance = distance as f64 / DEVIATION;
@@ -114,7 +114,7 @@ mod tests {
         assert_eq!(structural_similarity(&empty, &empty), 1.0);
     }
 
-    /// Where nothing varies, only the means count.
+    /// Checks pictures without variance, whose similarity depends only on the means.
     #[test]
     fn flat_pictures_have_a_closed_form() {
         let flat = |value: f64| OutputValues::new((13, 7), vec![[value; 3]; 91]);
@@ -127,7 +127,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(16))]
 
-        /// By whole windows, with variances about their means.
+        /// Compares with the definition: whole windows, with variances about their means.
         #[test]
         fn it_is_what_the_definition_says(
             (width, values, others) in (1_u32..14, 1_usize..14).prop_flat_map(|(width, height)| {

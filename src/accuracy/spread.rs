@@ -1,9 +1,9 @@
-//! What repeated measurements have in common.
+//! The median and the range of repeated measurements.
 
-/// The middle of some measurements, and how far apart they are.
+/// The median of measurements, and their range.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spread {
-    /// Half of them are below.
+    /// The median.
     pub median: f64,
     /// The smallest.
     pub low: f64,
@@ -12,13 +12,13 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Returns these numbers times a factor above 0.
+    /// Returns the median and the range multiplied by a factor above 0.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
         Self { median: self.median * factor, low: self.low * factor, high: self.high * factor }
     }
 
-    /// Returns that of some measurements; zeros for none.
+    /// Returns the spread of measurements; zeros for none.
     #[must_use]
     pub fn of(measured: &[f64]) -> Self {
         let mut sorted = measured.to_vec();

@@ -1,4 +1,4 @@
-//! Why a measurement ends before it is done.
+//! The early end of a measurement.
 
 use std::sync::atomic::AtomicBool;
 
@@ -6,10 +6,10 @@ use crate::engine::{Engine, EngineError};
 use crate::time::Time;
 use crate::trace::Film;
 
-/// Why a measurement ends before it is done.
+/// The reason for the early end of a measurement.
 #[derive(Debug)]
 pub(super) enum Stop {
-    /// It was cancelled.
+    /// The measurement was cancelled.
     Cancelled,
     /// A frame cannot be rendered.
     Failed(EngineError),
@@ -21,12 +21,12 @@ impl From<EngineError> for Stop {
     }
 }
 
-/// Renders a picture that is measured.
+/// Renders one picture of a measurement.
 pub(super) fn render(engine: &mut Engine, time: Time, cancelled: &AtomicBool) -> Result<Film, Stop> {
     engine.render_unless(time, cancelled)?.ok_or(Stop::Cancelled)
 }
 
-/// Returns what was measured; `None` if it was cancelled.
+/// Returns the measurement; `None` if it was cancelled.
 pub(super) fn unless_cancelled<T>(measured: Result<T, Stop>) -> Result<Option<T>, EngineError> {
     match measured {
         Ok(measured) => Ok(Some(measured)),

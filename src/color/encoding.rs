@@ -1,21 +1,20 @@
-//! What a film keeps of light.
+//! Encodings of the pixels of a film.
 
 use super::Rgb;
 
-/// How a film keeps its pixels: as linear light, or as output bytes, by a [`Transfer`](super::Transfer).
+/// The encoding of a film's pixels: linear light, or output bytes by a [`Transfer`](super::Transfer).
 pub trait Encoding: Copy + Send + Sync {
-    /// What is kept of a pixel.
+    /// An encoded pixel.
     type Pixel: Copy + Send + Sync;
 
-    /// Returns black pixels, without a write to their memory: the system hands it out zeroed, page by page, to the threads that
-    /// write to it first.
+    /// Returns black pixels without writing to their memory. The system provides zeroed pages to the threads that write to them first.
     fn black(self, count: usize) -> Vec<Self::Pixel>;
 
-    /// Encodes linear pixels, whose channels are finite and 0 or more, one by one.
+    /// Encodes linear pixels one by one. Their channels are finite and 0 or more.
     fn encode_all<const COUNT: usize>(self, linear: [Rgb; COUNT]) -> [Self::Pixel; COUNT];
 }
 
-/// Linear light as it is.
+/// Linear light without conversion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Linear;
 

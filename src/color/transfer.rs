@@ -1,18 +1,18 @@
-//! The two conversions of file colours to linear light and to output bytes.
+//! The conversions of file colours to linear light, and of linear light to output bytes.
 
 use std::sync::LazyLock;
 
 use super::{Encoding, Rgb};
 
-/// How file colours (0..=255 a channel) become linear light, and linear light becomes output bytes.
+/// The conversion of file colours (0..=255 per channel) to linear light, and of linear light to output bytes.
 ///
-/// Each pair of conversions is inverse: a file colour that reaches a pixel unchanged comes back as its own bytes.
+/// Both conversions of a transfer are inverse: a file colour that reaches a pixel unchanged is output as its own bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Transfer {
-    /// File colours are sRGB and are decoded at load; pixels are encoded on output (IEC 61966-2-1). For pictures on screens.
+    /// sRGB: file colours are decoded at load and pixels are encoded on output (IEC 61966-2-1). For pictures on screens.
     #[default]
     Srgb,
-    /// Linear throughout: byte = floor(255 v + 0.5), as in the classic local illumination model, for its arithmetic.
+    /// Linear throughout: byte = floor(255 v + 0.5). This is the arithmetic of the classic local illumination model.
     Classic,
 }
 
@@ -37,8 +37,8 @@ impl Transfer {
         rounded(linear)
     }
 
-    /// Returns the file colour of linear light, to the precision of `f32`: what [`decode`](Self::decode) was given. Light beyond
-    /// 1 is a channel beyond 255.
+    /// Returns the file colour of linear light, the inverse of [`decode`](Self::decode) to the precision of `f32`. Light beyond 1 gives
+    /// channels beyond 255.
     pub(crate) fn channels(self, linear: Rgb) -> [f64; 3] {
         linear.to_array().map(|channel| {
             255.0
@@ -49,15 +49,14 @@ impl Transfer {
         })
     }
 
-    /// Returns the output values of a linear pixel, from 0 to 255, before they are rounded to bytes. Values outside 0..=1 are
-    /// clamped.
+    /// Returns the output values of a linear pixel, from 0 to 255, before they are rounded to bytes. Values outside 0..=1 are clamped.
     #[must_use]
     pub fn encode_unrounded(self, pixel: Rgb) -> [f64; 3] {
         self.channels(Rgb::from_array(pixel.to_array().map(clamped)))
     }
 
-    /// Returns the output values of a linear pixel in 16 bits, from 0 to 65535: 257 times those in 8 bits, and as much finer. Values
-    /// outside 0..=1 are clamped.
+    /// Returns the output values of a linear pixel in 16 bits, from 0 to 65535: 257 times the 8-bit values, with 257 times their
+    /// resolution. Values outside 0..=1 are clamped.
     #[must_use]
     pub fn encode_16(self, pixel: Rgb) -> [u16; 3] {
         pixel.to_array().map(|channel| {
@@ -83,7 +82,7 @@ impl Transfer {
     }
 }
 
-/// Encodes pixels as [`Transfer::encode`] does, in less time for each.
+/// Encodes pixels as [`Transfer::encode`] does, in less time per pixel.
 impl Encoding for Transfer {
     type Pixel = [u8; 3];
 
@@ -111,7 +110,7 @@ impl Encoding for Transfer {
     }
 }
 
-/// Clamps to 0..=1. What is no number is 0.
+/// Clamps to 0..=1; NaN becomes 0.
 #[inline]
 fn clamped(linear: f32) -> f32 {
     let positive = if linear > 0.0 { linear } else { 0.0 };
@@ -125,9 +124,8 @@ fn rounded(linear: [f64; 3]) -> Rgb {
 
 /// Computes floor(255 v + 0.5) after clamping, in f64, where the product of a byte and an f32 is exact.
 ///
-/// Adding 2^52 rounds a number to the nearest integer, which its last bits then are; of two equally near integers the even one is
-/// taken, and there are two only for v = 1/2, where 128 is both even and the right one: 255 m / 2^n = k + 1/2 requires a k for
-/// which 255 divides 2 k + 1.
+/// Adding 2^52 rounds a number to the nearest integer, which is then in its last bits. Ties are rounded to the even integer. The only tie
+/// is at v = 1/2, where 128 is both even and correct: 255 m / 2^n = k + 1/2 requires a k for which 255 divides 2 k + 1.
 #[expect(clippy::cast_possible_truncation, reason = "the last byte is asked for")]
 #[inline]
 fn classic_byte(linear: f32) -> u8 {
@@ -140,31 +138,31 @@ fn srgb_to_linear(encoded: f64) -> f64 {
     if encoded <= 0.040_45 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }
 }
 
-/// Encodes a number from 0 up as sRGB.
+/// Encodes a number of 0 or more as sRGB.
 fn linear_to_srgb(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * libm::pow(linear, 1.0 / 2.4) - 0.055 }
 }
 
 static LEVELS: LazyLock<SrgbLevels> = LazyLock::new(SrgbLevels::new);
 
-/// Encodes as sRGB by comparison with the 255 decision levels half-way between neighbouring codes, so that it is the exact
-/// inverse of decoding and needs no power function per pixel.
+/// The sRGB encoding by comparison with the 255 decision levels half-way between neighbouring codes. It is the exact inverse of decoding,
+/// and needs no power function per pixel.
 struct SrgbLevels {
-    /// The least `f32` of every code but 0, followed by a value that none reaches.
+    /// The smallest `f32` of every code but 0, followed by infinity.
     least: [f32; 256],
-    /// The code of the least number in every bucket: numbers from 2^-13 to 1 with the same exponent and first seven bits. There are at
-    /// most two codes in one.
+    /// The code of the smallest number in every bucket. The numbers of a bucket, from 2^-13 to 1, have the same exponent and the same first
+    /// seven bits of the mantissa. A bucket has at most two codes.
     first: [u8; Self::ROOM],
 }
 
 impl SrgbLevels {
-    /// The number of low bits in which numbers of a bucket differ.
+    /// The number of low bits in which the numbers of a bucket differ.
     const SHIFT: u32 = f32::MANTISSA_DIGITS - 1 - 7;
-    /// The bucket of 2^-13; everything below has code 0.
+    /// The bucket of 2^-13. All smaller numbers have code 0.
     const START: u32 = (127 - 13) << 7;
     /// The number of buckets: 13 powers of two, and 1.
     const BUCKETS: usize = 13 * 128 + 1;
-    /// A power of two, so that no index is beyond it.
+    /// The length of `first`: a power of two, so that the remainder is a valid index.
     const ROOM: usize = Self::BUCKETS.next_power_of_two();
 
     fn new() -> Self {
@@ -228,7 +226,7 @@ mod tests {
         for byte in 0..=255_u8 {
             for transfer in [Transfer::Classic, Transfer::Srgb] {
                 let linear = transfer.decode([byte.into(); 3]);
-                // That the light of a byte is rounded to `f32` does not show.
+                // The rounding of a byte's light to `f32` does not change the result.
                 assert_eq!(transfer.encode_16(linear), [u16::from(byte) * 257; 3], "{transfer:?}");
             }
         }
