@@ -2,10 +2,10 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 
-/// Returns the sine and the cosine of an angle, given in a unit of which `quarter`, a number of few digits, make a quarter turn.
+/// Returns the sine and the cosine of an angle. `quarter` is a quarter turn in the unit of the angle, a number with few digits.
 ///
-/// Whole and quarter turns are taken off before anything is rounded: at multiples of a quarter turn both are exactly -1, 0 or 1,
-/// whole turns change no bit, and at odd multiples of half a quarter both have the very same magnitude.
+/// Whole and quarter turns are subtracted before any rounding. At multiples of a quarter turn both results are exactly -1, 0 or 1; whole
+/// turns change no bit; and at odd multiples of an eighth of a turn both have exactly the same magnitude.
 pub(super) fn sine_cosine(angle: f64, quarter: f64) -> (f64, f64) {
     let angle = angle % (4.0 * quarter);
     let count = (angle / quarter).round();

@@ -1,8 +1,8 @@
-//! Measures the length of a curve of Hermite segments, and finds the point at a given length from its start.
+//! Arc lengths of curves of Hermite segments, and points at a given length from the start.
 //!
-//! The speed |v(u)| of a cubic is the root of a polynomial, and its integral has no closed form. Each segment is halved until
-//! Gauss-Legendre quadrature of what is left agrees with that of its halves; such a panel is short enough for the same rule to
-//! measure any part of it, and so lengths are inverted by Newton's method within one panel.
+//! The speed |v(u)| of a cubic is the root of a polynomial, and its integral has no closed form. Each segment is halved recursively, until
+//! Gauss-Legendre quadrature of a part agrees with the sum over its halves. Such a part, a panel, is short enough for the same rule to
+//! measure any part of it. Lengths are therefore inverted by Newton's method within one panel.
 
 use glam::DVec3;
 
@@ -11,9 +11,9 @@ use super::hermite::{hermite, hermite_velocity};
 /// A cubic Hermite segment, relative to its start point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Segment {
-    /// The vector from its start to its end.
+    /// The vector from the segment's start to its end.
     pub(super) difference: DVec3,
-    /// Its derivatives at its start and its end.
+    /// The derivatives at the segment's start and end.
     pub(super) slopes: [DVec3; 2],
 }
 
@@ -21,7 +21,7 @@ pub(super) struct Segment {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ArcLength {
     segments: Vec<Segment>,
-    /// In the order of the curve; not empty.
+    /// The panels in the order of the curve; not empty.
     panels: Vec<Panel>,
     length: f64,
 }
@@ -30,18 +30,18 @@ pub(super) struct ArcLength {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Panel {
     segment: usize,
-    /// Its parameters at its start and its end.
+    /// The parameters of the panel's start and end.
     from: f64,
     to: f64,
-    /// The length of the curve before it, and its own.
+    /// The length of the curve before the panel, and the length of the panel.
     before: f64,
     length: f64,
 }
 
-/// The largest error of a panel, as a share of the segment's length. 1e-6 is required.
+/// The largest error of a panel, as a fraction of the segment's length. 1e-6 is required.
 const TOLERANCE: f64 = 1e-13;
 
-/// The most times that a segment is halved, reached only near a point where it all but stops and turns.
+/// The maximum number of halvings of a segment, reached only near a point where it almost stops and turns.
 const DEEPEST: u32 = 40;
 
 impl Segment {
@@ -78,7 +78,7 @@ const GAUSS_LEGENDRE: [(f64, f64); 4] = [
 ];
 
 impl ArcLength {
-    /// Measures a curve of segments. `None` if there are no segments.
+    /// Measures a curve of segments. Returns `None` if there are no segments.
     pub(super) fn new(segments: Vec<Segment>) -> Option<Self> {
         let mut measured = Self { panels: Vec::new(), length: 0.0, segments };
         for index in 0..measured.segments.len() {
@@ -111,15 +111,14 @@ impl ArcLength {
         &self.segments[index]
     }
 
-    /// Returns the segment and the parameter in 0..=1 at which this length from the start is reached; the nearest end for lengths
-    /// outside the curve.
+    /// Returns the segment and the parameter in 0..=1 at a length from the start; the nearest end for lengths outside the curve.
     pub(super) fn locate(&self, length: f64) -> (usize, f64) {
         let after = self.panels.partition_point(|panel| panel.before <= length);
         let panel = &self.panels[after.saturating_sub(1)];
         (panel.segment, self.parameter(panel, length - panel.before))
     }
 
-    /// Inverts the length by Newton's method, with bisection where that leaves the bracket.
+    /// Inverts the length by Newton's method, with bisection if a step leaves the bracket.
     fn parameter(&self, panel: &Panel, length: f64) -> f64 {
         /// More iterations than bisection alone needs.
         const MOST: usize = 64;
@@ -170,11 +169,11 @@ mod tests {
         let resting = measured(DVec3::new(1.0, 1.0, 0.0), [DVec3::ZERO, DVec3::new(2.0, 3.0, 0.0)]);
         let expected = (13.0 * 13.0_f64.sqrt() - 8.0) / 27.0;
         assert!((resting.length() - expected).abs() < 1e-14, "{}", resting.length() - expected);
-        // x = (2u - 1)^2, y = (2u - 1)^3, which has a cusp in its middle: twice that.
+        // x = (2u - 1)^2, y = (2u - 1)^3, which has a cusp in its middle: twice that length.
         let cusp =
             measured(DVec3::new(0.0, 2.0, 0.0), [DVec3::new(-4.0, 6.0, 0.0), DVec3::new(4.0, 6.0, 0.0)]);
         assert!((cusp.length() - 2.0 * expected).abs() < 1e-13, "{}", cusp.length() - 2.0 * expected);
-        // x = (3u - 1)^2, y = (3u - 1)^3, and a little upwards: it all but rests where no halving hits.
+        // x = (3u - 1)^2, y = (3u - 1)^3, with a small rise: it almost rests at a parameter that no halving hits.
         let (slopes, rise) = ([(-6.0, 9.0), (12.0, 36.0)], 1e-6);
         let near = measured(DVec3::new(3.0, 9.0, rise), slopes.map(|(x, y)| DVec3::new(x, y, rise)));
         let fine: f64 = (0..100_000)
@@ -198,7 +197,7 @@ mod tests {
             for step in 0..=1000 {
                 let length = curve.length() * f64::from(step) / 1000.0;
                 let (_, u) = curve.locate(length);
-                // From panel to panel, so that the sum is as exact as they are.
+                // The sum is taken panel by panel, so that it is as exact as the panels.
                 let whole: f64 =
                     curve.panels.iter().filter(|panel| panel.to <= u).map(|panel| panel.length).sum();
                 let part = curve.panels.iter().find(|panel| panel.from < u && u < panel.to);

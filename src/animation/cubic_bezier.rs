@@ -1,11 +1,11 @@
 //! Progress along a Bezier curve with two handles, as `cubic-bezier` in CSS Easing Functions Level 1.
 
-/// Returns the progress at elapsed fraction `u` in 0..=1 of the curve from (0, 0) to (1, 1) with handles (x1, y1) and (x2, y2), x
-/// being time and y progress. Times are clamped to 0..=1, so that every moment has one progress.
+/// Returns the progress at elapsed fraction `u` in 0..=1 of the curve from (0, 0) to (1, 1) with handles (x1, y1) and (x2, y2), where x is
+/// time and y is progress. The times of the handles are clamped to 0..=1, so that every time has one progress.
 pub(super) fn bezier([x1, y1, x2, y2]: [f64; 4], u: f64) -> f64 {
     let (x1, x2) = (x1.clamp(0.0, 1.0), x2.clamp(0.0, 1.0));
     let (mut low, mut high) = (0.0, 1.0);
-    // Halved until no number is between: x ascends, but may have a vertical tangent, where Newton's steps go astray.
+    // Bisects until no number lies between the bounds. x ascends but may have a vertical tangent, where Newton's method fails.
     loop {
         let middle = 0.5 * (low + high);
         if middle <= low || middle >= high {
@@ -19,7 +19,7 @@ pub(super) fn bezier([x1, y1, x2, y2]: [f64; 4], u: f64) -> f64 {
     }
 }
 
-/// Returns a coordinate of the curve at its parameter, in Bernstein form: for handles in 0..=1 nothing cancels.
+/// Returns a coordinate of the curve at a parameter, in Bernstein form, which has no cancellation for handles in 0..=1.
 fn coordinate(first: f64, second: f64, parameter: f64) -> f64 {
     let rest = 1.0 - parameter;
     3.0 * (rest * rest * parameter * first + rest * parameter * parameter * second)
@@ -30,7 +30,7 @@ fn coordinate(first: f64, second: f64, parameter: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// [x1, y1, x2, y2], u and progress to 40 digits, rounded once.
+    /// Handles x1, y1, x2, y2, with u and the progress to 40 digits, rounded once.
     #[rustfmt::skip]
     const EXACT: [([f64; 4], f64, f64); 40] = [
         ([0.25, 0.1, 0.25, 1.0], 0.001, 0.0004048078221549123),
@@ -83,7 +83,7 @@ mod tests {
         }
     }
 
-    /// With x as y, progress is time, up to rounding; also where the curve is vertical, as at a half for (1, 0).
+    /// Checks that progress is time up to rounding if y equals x, even where the curve is vertical, as at a half for (1, 0).
     #[test]
     fn progress_is_that_of_the_moment_up_to_rounding() {
         let parts = [0.0, 0.1, 1.0 / 3.0, 0.5, 0.9, 1.0];

@@ -1,4 +1,4 @@
-//! How the segment between two keys is traversed.
+//! Easings of the segment between two keys.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -6,53 +6,52 @@ use glam::DVec3;
 
 use super::cubic_bezier::bezier;
 
-/// How the value moves from one key to the next. It belongs to the key at which the segment starts.
+/// The easing of a value from one key to the next. It belongs to the key at the start of the segment.
 ///
-/// All but the last four follow the straight segment, and differ in the progress made after a fraction u of the segment's time.
+/// All but the last four follow the straight segment. They differ in the progress after a fraction u of the segment's time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Easing {
-    /// Stays at this key's value until the next key.
+    /// Constant: keeps this key's value until the next key.
     Hold,
-    /// At constant speed.
+    /// Linear: constant speed.
     #[default]
     Linear,
-    /// Starting at rest: u^2.
+    /// Ease in, from rest: u^2.
     EaseIn,
-    /// Coming to rest: 1 - (1-u)^2.
+    /// Ease out, to rest: 1 - (1-u)^2.
     EaseOut,
-    /// Starting and coming to rest: 3u^2 - 2u^3.
+    /// Ease in and out, from rest to rest: 3u^2 - 2u^3.
     EaseInOut,
-    /// The family's own curve: slow at first.
+    /// The curve of a family: slow at the start.
     In(Ease),
-    /// The same reversed: slow at last.
+    /// The reversed curve of a family: slow at the end.
     Out(Ease),
-    /// Both, one half each: slow at first and at last.
+    /// Both curves of a family, for one half each: slow at the start and at the end.
     InOut(Ease),
-    /// This many equal jumps, at the ends of equal shares of the time, the last one at the next key; 0 counts as 1.
+    /// A number of equal jumps at the ends of equal fractions of the time, the last one at the next key; 0 counts as 1.
     Steps(u32),
-    /// The curve from (0, 0) to (1, 1), x being time and y progress, with handles (x1, y1) and (x2, y2), as `cubic-bezier` in
-    /// CSS. Times outside 0..=1 are clamped; progress may leave that range, and then the value overshoots the keys.
+    /// The curve from (0, 0) to (1, 1) with handles (x1, y1) and (x2, y2), where x is time and y is progress, as `cubic-bezier` in CSS.
+    /// Times outside 0..=1 are clamped. Progress may leave that range; the value then overshoots the keys.
     Bezier(f64, f64, f64, f64),
     /// A smooth curve through the keys: cubic Hermite with slopes from the neighbouring keys and their times.
     Cubic,
-    /// A smooth curve through the keys that stays close to the straight segments, without loops or cusps: centripetal
-    /// Catmull-Rom.
+    /// A smooth curve through the keys, close to the straight segments and without loops or cusps: centripetal Catmull-Rom.
     CatmullRom,
     /// A smooth curve through the keys, each component of which stays between the keys' values.
     Monotone,
-    /// A cubic Bezier curve of the value itself: the offsets of its two handles from this key's value and from the next one's, as
-    /// [`Interpolate::difference`](super::Interpolate::difference) has it. They stand at a third and at two thirds of the time.
+    /// A cubic Bezier curve of the value. Its two handles are given as offsets from this key's value and from the next key's value, in the
+    /// form of [`Interpolate::difference`](super::Interpolate::difference). They are at one third and two thirds of the time.
     Handles(DVec3, DVec3),
 }
 
 impl Easing {
-    /// Returns the progress along the segment for elapsed fraction `u` in 0..=1: 0 at 0, and 1 at 1 for all but `Hold`. The
-    /// smooth curves bend the path itself, at even progress.
+    /// Returns the progress along the segment for elapsed fraction `u` in 0..=1: 0 at 0, and 1 at 1 for all but `Hold`. The smooth curves
+    /// bend the path and have linear progress.
     #[must_use]
     pub fn progress(self, u: f64) -> f64 {
         match self {
             Self::Hold => 0.0,
-            // The ends, whatever rounding says.
+            // The ends are exact, regardless of rounding.
             _ if u <= 0.0 => 0.0,
             _ if u >= 1.0 => 1.0,
             Self::Linear | Self::Cubic | Self::CatmullRom | Self::Monotone | Self::Handles(..) => u,
@@ -72,10 +71,10 @@ impl Easing {
     }
 }
 
-/// How progress gathers speed: a rise from 0 to 1, slow at first. These are Penner's families, under the names used on the web
-/// and in animation software.
+/// A family of easing curves: a rise from 0 to 1, slow at the start. These are Penner's families, under their names on the web and in
+/// animation software.
 ///
-/// [`Easing`] runs it forwards, backwards, or both, one half each.
+/// [`Easing`] uses a family forwards, reversed, or both for one half each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ease {
     /// A quarter of a cosine wave.
@@ -92,11 +91,11 @@ pub enum Ease {
     Expo,
     /// A quarter of a circle.
     Circ,
-    /// Swings back by a tenth before it goes forward.
+    /// An overshoot below 0 by a tenth before the rise.
     Back,
-    /// Swings about the start, ever wider.
+    /// An oscillation about the start with growing amplitude.
     Elastic,
-    /// Bounces off the start, ever higher.
+    /// Bounces off the start with growing height.
     Bounce,
 }
 
@@ -134,7 +133,8 @@ impl Ease {
         }
     }
 
-    /// Returns the rise as half of an ease in and out; what swings, swings as far as over the full range, or slower.
+    /// Returns the rise for half of an ease in and out. `Back` overshoots by the same amount over the full range, and `Elastic` oscillates
+    /// more slowly.
     pub(super) fn half_rise(self, u: f64) -> f64 {
         match self {
             Self::Back => back(u, 1.525 * OVERSHOOT),
@@ -144,20 +144,20 @@ impl Ease {
     }
 }
 
-/// The constant of `Back`: it goes back by a tenth of the range.
+/// The constant of `Back`, for an overshoot of a tenth of the range.
 const OVERSHOOT: f64 = 1.70158;
 
 fn back(u: f64, overshoot: f64) -> f64 {
     u * u * ((overshoot + 1.0) * u - overshoot)
 }
 
-/// Returns ten `period`ths of a swing, growing as `Expo`.
+/// Returns `10 / period` oscillations with the amplitude of `Expo`.
 fn elastic(u: f64, period: f64) -> f64 {
     Ease::Expo.rise(u) * libm::cos((1.0 - u) * 10.0 * TAU / period)
 }
 
-/// Returns a fall from 1 and three bounces, each half as long as the one before and a quarter as high: parabolas that touch the
-/// ground at 4/11, 8/11, 10/11 and 1. Here the ground is at 1.
+/// Returns a fall from a height of 1 and three bounces, each half as long as the previous one and a quarter as high: parabolas that touch
+/// the ground at 4/11, 8/11, 10/11 and 1. The result is 1 at the ground.
 fn bounces(u: f64) -> f64 {
     let (middle, height) = match u * 11.0 {
         time if time < 4.0 => (0.0, 0.0),
@@ -173,7 +173,7 @@ fn bounces(u: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Those that never go back.
+    /// Easings whose progress never decreases.
     fn steady() -> Vec<Easing> {
         let mut all = vec![Easing::Linear, Easing::EaseIn, Easing::EaseOut, Easing::EaseInOut];
         all.extend([Easing::Steps(1), Easing::Steps(7), Easing::Bezier(0.25, 0.1, 0.25, 1.0)]);
@@ -216,7 +216,7 @@ mod tests {
         }
     }
 
-    /// A thousandth of the time never makes more than a tenth of the progress, and the ends are no exception: nothing jumps.
+    /// Checks that progress does not jump, not even at the ends: a thousandth of the time makes less than a tenth of the progress.
     #[test]
     fn progress_is_continuous_up_to_the_ends() {
         for easing in steady().into_iter().chain(swinging()) {
@@ -257,7 +257,7 @@ mod tests {
         assert!((found - expected).abs() < 4e-16, "{ease:?} at {u}: {found}, not {expected}");
     }
 
-    /// Values worked out by hand.
+    /// Compares with values calculated by hand.
     #[test]
     fn rises_go_where_their_formulas_say() {
         close(Ease::Sine, 1.0 / 3.0, 1.0 - 0.75_f64.sqrt());
@@ -271,7 +271,7 @@ mod tests {
         close(Ease::Circ, 0.6, 0.2);
         close(Ease::Circ, 0.8, 0.4);
         close(Ease::Back, 0.5, 0.125 * (1.0 - 1.70158));
-        // A period of 0.3: half a swing before the end it is at its lowest.
+        // The period is 0.3: half a period before the end, the value is at its lowest.
         close(Ease::Elastic, 0.85, -Ease::Expo.rise(0.85));
         close(Ease::Elastic, 0.7, Ease::Expo.rise(0.7));
     }
@@ -294,7 +294,7 @@ mod tests {
             (0..=100_000).map(|step| rise(f64::from(step) / 1e5)).fold(0.0, f64::min)
         };
         assert!((lowest(&|u| Ease::Back.rise(u)) + 0.1).abs() < 1e-5);
-        // Half of the whole way there is a way of 1/2.
+        // Half of an ease in and out has a range of 1/2.
         assert!((0.5 * lowest(&|u| Ease::Back.half_rise(u)) + 0.1).abs() < 1e-3);
     }
 }

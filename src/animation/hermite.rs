@@ -2,14 +2,14 @@
 
 use glam::DVec3;
 
-/// The gap between a key and the next: the difference of their values, and their distance, in seconds or along a curve.
+/// The gap between a key and the next: the difference of their values, and their distance in seconds or along a curve.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Gap {
     pub(super) difference: DVec3,
     pub(super) length: f64,
 }
 
-/// A segment with the gaps on either side of it; there are none beyond the first and the last key.
+/// A segment with the gaps on both sides. There is no gap before the first key and after the last one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stretch {
     pub(super) before: Option<Gap>,
@@ -17,11 +17,11 @@ pub(super) struct Stretch {
     pub(super) after: Option<Gap>,
 }
 
-/// The rule for the slope at a key, from the average slopes of the gaps on its left and right and from that of the parabola
-/// through the key and its neighbours.
+/// A rule for the slope at a key, from the average slopes of the gaps on its left and right, and the slope of the parabola through the key
+/// and its neighbours.
 type Rule = fn(left: DVec3, right: DVec3, parabola: DVec3) -> DVec3;
 
-/// The smallest share of another gap that a gap counts as, so that slopes are finite however close two keys are.
+/// The smallest ratio of gap lengths that is used, so that slopes are finite however close two keys are.
 const SHORTEST: f64 = 1e-150;
 
 impl Stretch {
@@ -30,7 +30,7 @@ impl Stretch {
         self.slopes(|_, _, parabola| parabola)
     }
 
-    /// Returns slopes at both ends that let no component leave the range of its two keys (Steffen, A Simple Method for Monotonic
+    /// Returns slopes at both ends that keep each component within the range of its two keys (Steffen, A Simple Method for Monotonic
     /// Interpolation in One Dimension, 1990).
     pub(super) fn monotone(self) -> [DVec3; 2] {
         self.slopes(|left, right, parabola| {
@@ -40,13 +40,13 @@ impl Stretch {
         })
     }
 
-    /// Returns the slopes of the centripetal Catmull-Rom curve, and the position along it at elapsed fraction `u` of the time;
-    /// `None` where the two keys have one value.
+    /// Returns the slopes of the centripetal Catmull-Rom curve, and the position along it at elapsed fraction `u` of the time; `None` if
+    /// the two keys have the same value.
     ///
-    /// Knots are as far apart as the square root of the distance of values, which rules out cusps and loops (Yuksel,
-    /// Schaefer, Keyser, Parameterization and Applications of Catmull-Rom Curves, 2011); Barry and Goldman's pyramid
-    /// over them is a Hermite segment with parabolic slopes. From knot to knot time goes by a monotone curve, so that
-    /// velocity does not jump at the keys either.
+    /// The distance between knots is the square root of the distance between values, which rules out cusps and loops (Yuksel, Schaefer,
+    /// Keyser, Parameterization and Applications of Catmull-Rom Curves, 2011). Barry and Goldman's pyramid over them is a Hermite segment
+    /// with parabolic slopes. The position between knots is a monotone curve of the time, so that velocity does not jump at the keys
+    /// either.
     pub(super) fn centripetal(self, u: f64) -> Option<([DVec3; 2], f64)> {
         let knots = |gap: Gap| Gap { length: distance(gap.difference).sqrt(), ..gap };
         let apart = |gap: Option<Gap>| gap.map(knots).filter(|gap| gap.length > 0.0);
@@ -61,8 +61,8 @@ impl Stretch {
         Some((curve.parabolic(), along.clamp(0.0, 1.0)))
     }
 
-    /// Returns the slopes at both ends, as differences over the segment's length. Where there is no neighbour, that of the
-    /// straight line.
+    /// Returns the slopes at both ends, as differences over the segment's length. An end without a neighbour has the slope of the straight
+    /// line.
     fn slopes(self, rule: Rule) -> [DVec3; 2] {
         let slope = |left: Gap, right: Gap| {
             let even = |gap: Gap| gap.difference * (self.here.length / gap.length).min(1.0 / SHORTEST);
@@ -76,7 +76,7 @@ impl Stretch {
     }
 }
 
-/// Computes the offset from the start, at `u`, of the cubic Hermite segment with this difference and these slopes at its ends.
+/// Computes the point at `u` of the cubic Hermite segment with this difference and these end slopes, relative to the segment's start.
 pub(super) fn hermite(difference: DVec3, [start, end]: [DVec3; 2], u: f64) -> DVec3 {
     let rest = 1.0 - u;
     difference * (u * u * (3.0 - 2.0 * u)) + start * (u * rest * rest) - end * (u * u * rest)

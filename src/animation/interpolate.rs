@@ -1,4 +1,4 @@
-//! What "between two values" means for each kind of value.
+//! Interpolation between two values of each kind.
 
 use glam::{DVec3, Vec3};
 
@@ -6,17 +6,17 @@ use super::hermite::hermite;
 
 /// A value that can be interpolated.
 pub trait Interpolate: Clone {
-    /// Returns the value at fraction `u` of the straight line from `from` to `to`, extrapolated for `u` outside 0..=1. Exactly
-    /// `from` at 0 and exactly `to` at 1.
+    /// Returns the value at fraction `u` of the straight line from `from` to `to`, extrapolated for `u` outside 0..=1. It is exactly `from`
+    /// at 0 and exactly `to` at 1.
     #[must_use]
     fn between(from: &Self, to: &Self, u: f64) -> Self;
 
-    /// Returns the straight-line difference from one value to the other; a number's is along x.
+    /// Returns the straight-line difference from one value to the other. The difference of numbers is along x.
     #[must_use]
     fn difference(from: &Self, to: &Self) -> DVec3;
 
-    /// Returns the value at fraction `u` in 0..=1 of a smooth curve that leaves `from` and arrives at `to` with these slopes: the
-    /// differences that they would make over the whole segment.
+    /// Returns the value at fraction `u` in 0..=1 of a smooth curve from `from` to `to` with these end slopes. A slope is the difference
+    /// that it makes over the whole segment.
     #[must_use]
     fn curve(from: &Self, to: &Self, slopes: [DVec3; 2], u: f64) -> Self;
 }
@@ -49,7 +49,7 @@ impl Interpolate for DVec3 {
     }
 }
 
-/// Linear light; overshoot below zero is clamped to zero.
+/// Interpolates linear light; overshoot below zero is clamped to zero.
 impl Interpolate for Vec3 {
     fn between(from: &Self, to: &Self, u: f64) -> Self {
         light(DVec3::between(&from.as_dvec3(), &to.as_dvec3(), u))
@@ -64,7 +64,7 @@ impl Interpolate for Vec3 {
     }
 }
 
-/// Rounds to the nearest finite single-precision value.
+/// Clamps to 0 and above, and rounds to the nearest finite single-precision value.
 fn light(value: DVec3) -> Vec3 {
     value.clamp(DVec3::ZERO, DVec3::splat(f64::from(f32::MAX))).as_vec3()
 }

@@ -1,8 +1,7 @@
-//! Values over time, as pure functions: keys, easing, interpolation.
+//! Values over time as pure functions: keys, easing, interpolation.
 //!
-//! A [`Track`] returns the value at a given second and keeps no state between calls. Which component a track drives is said in
-//! [`components::Channel`](crate::components::Channel); when it is evaluated is the business of
-//! [`systems::animate`](crate::systems::animate).
+//! A [`Track`] returns the value at a given second and keeps no state between calls. [`components::Channel`](crate::components::Channel)
+//! names the component that a track drives; [`systems::animate`](crate::systems::animate) evaluates the tracks.
 //!
 //! ```text
 //! seconds -> Playback: the keys' time -> Track: the segment and the fraction u of it
@@ -13,7 +12,7 @@
 //! Points may also move along a [`Path`] through waypoints or in an [`Orbit`]:
 //!
 //! ```text
-//! seconds -> Pace: the share of the way -> Path: the curve's point at that length
+//! seconds -> Pace: the fraction covered -> Path: the curve's point at that length
 //!                                       -> Orbit: the point at that angle
 //! ```
 //!

@@ -7,17 +7,17 @@ use super::angle::sine_cosine;
 
 /// A circle about an axis, traversed at a [`Pace`].
 ///
-/// With n the unit vector along the axis, the point is at `center + height n + radius (cos a e + sin a (n x e))`. The
-/// direction e, in which the angle a is 0, is the part of +z that is across the axis; about an axis along z it is +x. Angles
-/// grow as rotations about the axis do: +90 degrees about y leads from +z to +x.
+/// With n the unit vector along the axis, the point is at `center + height n + radius (cos a e + sin a (n x e))`. The direction e, where
+/// the angle a is 0, is the component of +z perpendicular to the axis; for an axis along z it is +x. Angles have the sense of rotations
+/// about the axis: +90 degrees about y leads from +z to +x.
 ///
-/// Angles are counted in turns, and reduced to an eighth of a turn without rounding before sines are computed: after whole turns
-/// the point is the same to the last bit, and quarter turns are exact.
+/// Angles are in turns, and are reduced to an eighth of a turn without rounding before sines are computed. After whole turns the point is
+/// the same to the last bit, and quarter turns are exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orbit {
-    /// The centre of the circle, raised by the height.
+    /// The centre of the circle, `height` along the axis from the given centre.
     center: DVec3,
-    /// The vectors from there to the angle 0, and to a quarter turn.
+    /// The vectors from the centre to the point at angle 0, and to the point at a quarter turn.
     arms: [DVec3; 2],
     from: f64,
     turns: f64,
@@ -25,9 +25,9 @@ pub struct Orbit {
 }
 
 impl Orbit {
-    /// Creates a circle of `radius` around `axis`, which goes through `center` and has any length but zero; `height` is the
-    /// distance along the axis from there to the circle. All are in scene units. It takes one second to go around once, from the
-    /// angle 0. `None` if the axis has no direction or a number is not finite.
+    /// Creates a circle of `radius` around `axis`, which passes through `center` and has any length but zero. `height` is the distance
+    /// along the axis from `center` to the circle. Lengths are in scene units. The circle starts at angle 0, and one revolution takes one
+    /// second. Returns `None` if the axis has no direction or a number is not finite.
     #[must_use]
     pub fn new(center: DVec3, axis: DVec3, radius: f64, height: f64) -> Option<Self> {
         let finite = center.is_finite() && axis.is_finite() && radius.is_finite() && height.is_finite();
@@ -36,7 +36,7 @@ impl Orbit {
         Some(Self { center: center + height * axis, arms, from: 0.0, turns: 1.0, pace: Pace::lasting(1.0) })
     }
 
-    /// Returns the same circle from another start angle and over another angle; both are in turns, finite, and of any sign.
+    /// Returns the same circle with another start angle and another total angle. Both are in turns, finite, and of any sign.
     #[must_use]
     pub fn turned(self, from: f64, turns: f64) -> Self {
         Self { from, turns, ..self }
@@ -66,11 +66,11 @@ impl Orbit {
     }
 }
 
-/// Returns unit vectors across an axis of unit length, towards the angle 0 and towards a quarter turn.
+/// Returns unit vectors perpendicular to an axis of unit length: in the direction of angle 0, and of a quarter turn.
 fn directions(axis: DVec3) -> [DVec3; 2] {
     /// The tolerance within which an axis counts as being along z.
     const ALONG: f64 = 1e-12;
-    // Both are exact where the axis is one of the coordinates' own.
+    // Both are exact if the axis is a coordinate axis.
     let quarter = DVec3::new(axis.y, -axis.x, 0.0);
     if quarter.length() <= ALONG {
         [DVec3::X, axis.z.signum() * DVec3::Y]

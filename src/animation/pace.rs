@@ -1,28 +1,28 @@
-//! When a path is traversed, and how the motion gathers speed.
+//! The timing of motion along a path.
 
 use super::{Easing, Playback, Repeat};
 
-/// When a path is traversed, and which share of it is covered at each moment.
+/// The timing of motion along a path: the fraction covered at each time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
-    /// The start; seconds, finite.
+    /// The start, in seconds; finite.
     pub start: f64,
-    /// The duration; seconds, finite. At 0 or less there is only the end of the path, from `start` on.
+    /// The duration, in seconds; finite. At 0 or less, motion jumps to the end of the path at `start`.
     pub duration: f64,
-    /// How progress is made: at constant speed with [`Easing::Linear`], and with those that bend curves between keys.
+    /// The easing of the motion. [`Easing::Linear`] gives constant speed, as do the easings that bend curves between keys.
     pub ease: Easing,
-    /// How it goes on before the start and after the end, where the ends hold unless it repeats.
+    /// The playback before the start and after the end. The ends hold unless it repeats.
     pub playback: Playback,
 }
 
 impl Pace {
-    /// Returns a pace of constant speed from 0 s on, for this many seconds.
+    /// Returns a pace of constant speed that starts at 0 s and takes `duration` seconds.
     #[must_use]
     pub fn lasting(duration: f64) -> Self {
         Self { start: 0.0, duration, ease: Easing::Linear, playback: Playback::default() }
     }
 
-    /// Returns the time from which on nothing moves, in seconds. `None` for a pace that repeats.
+    /// Returns the time after which nothing moves, in seconds; `None` for a pace that repeats.
     ///
     /// ```
     /// use rayreel::animation::{Pace, Playback};
@@ -39,8 +39,8 @@ impl Pace {
         (repeat == Repeat::Clamp).then(|| offset + last / speed)
     }
 
-    /// Returns the share of the path that is covered at `seconds`: 0 at the start and exactly 1 at the end. An easing that
-    /// overshoots leaves that range in between.
+    /// Returns the fraction of the path that is covered at `seconds`: 0 at the start and exactly 1 at the end. In between, an easing that
+    /// overshoots leaves this range.
     ///
     /// ```
     /// use rayreel::animation::{Easing, Pace};
@@ -54,7 +54,7 @@ impl Pace {
         if time < self.start {
             return 0.0;
         }
-        // As at a seam: what is before the end by no more than rounding is there.
+        // As at a seam, a time before the end by no more than the rounding error counts as the end.
         if end - time <= self.playback.rounding(seconds, self.start) {
             return self.ease.progress(1.0);
         }
@@ -86,7 +86,7 @@ mod tests {
         }
     }
 
-    /// Decimal starts and durations are not binary ones: 0.1 + 0.2 is not 0.3.
+    /// Decimal starts and durations are not exact in binary: 0.1 + 0.2 is not 0.3.
     #[test]
     fn the_end_is_reached_in_the_frame_where_it_is_written() {
         for start in 0..30_u32 {

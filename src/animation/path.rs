@@ -1,4 +1,4 @@
-//! A smooth path through points, traversed at a chosen pace.
+//! A smooth path through points, traversed at a given pace.
 
 use glam::DVec3;
 
@@ -6,45 +6,45 @@ use super::Pace;
 use super::arc_length::{ArcLength, Segment};
 use super::hermite::{Gap, Stretch, distance};
 
-/// A smooth curve through waypoints, along which the distance covered is set by its [`Pace`]: with an even pace, the speed is
-/// constant, however unevenly the waypoints lie.
+/// A smooth curve through waypoints. Its [`Pace`] gives the distance covered: at an even pace the speed is constant, however uneven the
+/// waypoints are.
 ///
-/// The curve is the centripetal Catmull-Rom spline, which has no loops and no cusps between two waypoints and stays close to the
-/// straight segments (Yuksel, Schaefer, Keyser, Parameterization and Applications of Catmull-Rom Curves, Computer-Aided Design
-/// 43, 2011). With waypoints p_i, their knots are t_(i+1) = t_i + |p_(i+1) - p_i|^(1/2); the pyramid of Barry and Goldman (A
-/// Recursive Evaluation Algorithm for a Class of Catmull-Rom Splines, SIGGRAPH 1988) over four of them is the cubic Hermite
-/// segment from p_i to p_(i+1) whose derivative at p_i is that of the parabola through p_(i-1), p_i and p_(i+1) at t_(i-1), t_i
-/// and t_(i+1). So it has one tangent at every waypoint. A closed curve goes through its first waypoint as through any other; an
-/// open one starts and ends along the derivative (p_1 - p_0) / (t_1 - t_0) of the straight segment.
+/// The curve is the centripetal Catmull-Rom spline, which has no loops and no cusps between two waypoints and stays close to the straight
+/// segments (Yuksel, Schaefer, Keyser, Parameterization and Applications of Catmull-Rom Curves, Computer-Aided Design 43, 2011). The knots
+/// of waypoints p_i are t_(i+1) = t_i + |p_(i+1) - p_i|^(1/2). The pyramid of Barry and Goldman (A Recursive Evaluation Algorithm for a
+/// Class of Catmull-Rom Splines, SIGGRAPH 1988) over four waypoints is the cubic Hermite segment from p_i to p_(i+1). Its derivative at p_i
+/// is the derivative of the parabola through p_(i-1), p_i and p_(i+1) at t_(i-1), t_i and t_(i+1), so that the curve has one tangent at
+/// every waypoint. A closed curve passes through its first waypoint like any other. An open curve starts and ends along the straight
+/// segment, with the derivative (p_1 - p_0) / (t_1 - t_0).
 ///
 /// Its arc length s(u) = integral of |p'(u)| du is measured and inverted to about 1e-13 of its segments.
 ///
 /// Special cases:
-/// - Neighbouring waypoints closer to each other than 1e-12 of the extent of all are merged, and so are the first and the last of
-///   a closed curve.
-/// - One waypoint is a point at rest. Two are a straight line, and closed, there and back.
-/// - Where waypoints lead straight back, the path turns on the spot, and the direction of its velocity jumps.
+/// - Neighbouring waypoints closer to each other than 1e-12 of the extent of all are merged, and so are the first and the last of a closed
+///   curve.
+/// - One waypoint is a point at rest. Two waypoints are a straight line, or a line there and back if the path is closed.
+/// - At waypoints where the path reverses, it turns on the spot, and the direction of its velocity jumps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
-    /// One per segment, and the last one's end if the curve is open.
+    /// The start point of each segment, and the end point of the last one if the curve is open.
     waypoints: Vec<DVec3>,
     closed: bool,
     /// Scene units per unit of `curve`: a power of two.
     scale: f64,
-    /// `None` where all waypoints are one.
+    /// `None` if all waypoints coincide.
     curve: Option<ArcLength>,
     pace: Pace,
 }
 
-/// The distance, as a share of the extent of all, within which waypoints are one.
+/// The distance within which waypoints coincide, as a fraction of the extent of all waypoints.
 const COINCIDENT: f64 = 1e-12;
 
 impl Path {
     /// The largest magnitude of a waypoint's coordinates.
     pub const LARGEST: f64 = 1e300;
 
-    /// Creates a path through `points` that takes one second; a closed one leads back from the last to the first. `None` if there
-    /// is no point or one is not finite or beyond [`Self::LARGEST`].
+    /// Creates a path through `points` that takes one second. A closed path returns from the last point to the first. Returns `None` if
+    /// there is no point, or if one is not finite or beyond [`Self::LARGEST`].
     #[must_use]
     pub fn new(points: &[DVec3], closed: bool) -> Option<Self> {
         let first = *points.first()?;
@@ -70,7 +70,7 @@ impl Path {
         self.pace.end()
     }
 
-    /// Returns the length from the start to the end, and once around a closed curve; scene units.
+    /// Returns the length from the start to the end, or once around a closed curve, in scene units.
     ///
     /// ```
     /// use glam::DVec3;
@@ -83,8 +83,8 @@ impl Path {
         self.curve.as_ref().map_or(0.0, |curve| self.scale * curve.length())
     }
 
-    /// Returns the point at `seconds`. Progress beyond the ends, from an easing that overshoots, goes on around a closed curve,
-    /// and straight on from an open one.
+    /// Returns the point at `seconds`. If an easing overshoots the ends, the point continues around a closed curve, and along the tangent
+    /// of an open curve.
     ///
     /// ```
     /// use glam::DVec3;
@@ -109,7 +109,7 @@ impl Path {
     }
 }
 
-/// Returns the waypoints that are further apart than `least`.
+/// Returns the waypoints, with neighbours at most `least` apart merged.
 fn apart(points: &[DVec3], closed: bool, least: f64) -> Vec<DVec3> {
     let mut waypoints = points.to_vec();
     let near = |one: DVec3, other: DVec3| distance(one - other) <= least;
@@ -158,7 +158,7 @@ mod tests {
     use super::*;
     use crate::animation::{Ease, Easing, Playback, Repeat};
 
-    /// Long segments and short ones, gentle turns and sharp ones.
+    /// Long and short segments, gentle and sharp turns.
     fn uneven() -> Vec<DVec3> {
         [
             (0.0, 0.0, 0.0),
@@ -203,7 +203,7 @@ mod tests {
         }
     }
 
-    /// Returns when a path is nearest to a point.
+    /// Returns the time at which a path is nearest to a point.
     fn time_near(path: &Path, point: DVec3, duration: f64) -> f64 {
         const STEPS: u32 = 4000;
         let apart = |time: f64| path.at(time).distance(point);
@@ -239,7 +239,7 @@ mod tests {
                 assert!(wide < 0.1 * speed, "{closed}: {point}: {wide}");
             }
         }
-        // The measure sees a kink: an open path that is played again and again jumps.
+        // The measure detects a kink: an open path that repeats jumps.
         assert!(kink(&played(path(&uneven(), false, 20.0), Repeat::Loop), 20.0, 1e-6) > 1.0);
     }
 
@@ -354,7 +354,7 @@ mod tests {
                 assert!((path.at(time) / size).distance(plain.at(time)) < 1e-9, "{size} {time}");
             }
         }
-        // A large step and a small one, and the same far from the origin.
+        // A large and a small step, also far from the origin.
         for points in [[0.0, 1e150, 1e-150], [1e150, 1e-150, 1e149], [1e9, 1e9 + 1e-3, 1e9 + 1.0]] {
             let path = path(&points.map(|x| DVec3::new(x, 0.0, -x)), true, 1.0);
             assert!((0..=100).all(|step| path.at(f64::from(step) / 100.0).is_finite()));

@@ -1,23 +1,23 @@
-//! The position of a track within its keys at a moment.
+//! The mapping from time to the time of a track's keys.
 
-/// How a track goes on before its first and after its last key.
+/// The behaviour of a track before its first and after its last key.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Repeat {
-    /// The nearest key's value holds.
+    /// Holds the value of the nearest key.
     #[default]
     Clamp,
-    /// Starts again: the last key's moment is the first key's, and shows its value.
+    /// Starts again at the first key. At the time of the last key, the track has the value of the first key.
     Loop,
-    /// Back and forth.
+    /// Alternates between forwards and backwards.
     PingPong,
 }
 
-/// How keys are played: at `t` seconds, a track has the value that its keys have at `speed (t - offset)`.
+/// The playback of keys: at `t` seconds, a track has the value of its keys at `speed (t - offset)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Playback {
-    /// How it goes on beyond the keys.
+    /// The behaviour beyond the keys.
     pub repeat: Repeat,
-    /// The moment of the timeline that is 0 for the keys; seconds, finite.
+    /// The time on the timeline that is 0 for the keys; seconds, finite.
     pub offset: f64,
     /// Seconds of the keys per second of the timeline; finite and not 0. Negative speeds play backwards.
     pub speed: f64,
@@ -37,7 +37,7 @@ impl Playback {
         if self.repeat == Repeat::Clamp || period <= 0.0 {
             return time;
         }
-        // What is before the seam by no more than rounding is on it: the frame there must show the start.
+        // A time before the seam by no more than the rounding error counts as the seam: the frame there must show the start.
         let rounding = self.rounding(seconds, first);
         let within = |period: f64| {
             let since = (time - first).rem_euclid(period);
@@ -81,7 +81,7 @@ mod tests {
         assert_eq!(times(backwards, &[0.0, 1.0, 1.5, 2.0, 3.0]), [2.0, 1.0, 2.5, 2.0, 1.0]);
     }
 
-    /// Decimal periods are not binary ones: 0.7 is less than 7 times 0.1.
+    /// Checks decimal periods, which are not exact in binary: 0.7 is less than 7 times 0.1.
     #[test]
     fn the_frame_at_a_seam_shows_the_start() {
         for (fps, period) in [(10, 0.1), (10, 0.3), (10, 0.7), (24, 1.0 / 24.0), (30, 0.1), (60, 0.05)] {

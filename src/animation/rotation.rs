@@ -1,4 +1,4 @@
-//! Rotations: how they are written, and the path between two of them.
+//! Rotations: their notations, and the interpolation between them.
 
 use std::f64::consts::TAU;
 
@@ -7,19 +7,19 @@ use glam::{DQuat, DVec3};
 use super::Interpolate;
 use super::angle::sine_cosine;
 
-/// A rotation as people write it. Angles are degrees: quarter and half turns are exact.
+/// A rotation in one of its notations. Angles are in degrees; quarter and half turns are exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rotation {
-    /// About x first, then y, then z: the matrix Rz Ry Rx.
+    /// Euler angles about x first, then y, then z: the matrix Rz Ry Rx.
     Euler(DVec3),
-    /// About an axis of any length but zero.
+    /// An axis of any length but zero, and the angle about it.
     AxisAngle(DVec3, f64),
     /// A quaternion (x, y, z, w) of any length but zero.
     Quat(f64, f64, f64, f64),
 }
 
 impl Rotation {
-    /// Returns the unit quaternion; the identity where the axis or the quaternion has no direction.
+    /// Returns the unit quaternion; the identity if the axis or the quaternion has no direction.
     #[must_use]
     pub fn quaternion(self) -> DQuat {
         let about = |axis: DVec3, angle: f64| {
@@ -31,10 +31,10 @@ impl Rotation {
                 about(DVec3::Z, angles.z) * about(DVec3::Y, angles.y) * about(DVec3::X, angles.x)
             }
             Self::AxisAngle(axis, angle) => {
-                // By a power of two, so that the square of the length is a number.
+                // A scale by a power of two keeps the square of the length within the range of f64.
                 let exponent = libm::ilogb(axis.abs().max_element()).clamp(-1000, 1000);
                 let axis = axis * libm::ldexp(1.0, -exponent);
-                // Divided by the length, an axis of the coordinates' own is exact.
+                // Division by the length is exact for coordinate axes.
                 let unit = axis / axis.length();
                 if unit.is_finite() { about(unit, angle) } else { DQuat::IDENTITY }
             }
@@ -54,11 +54,11 @@ fn unit(quaternion: DQuat) -> DQuat {
     DQuat::from_xyzw(x, y, z, w).normalize()
 }
 
-/// Interpolates between two unit quaternions by spherical linear interpolation along the shorter arc, at fraction `u`; outside
-/// 0..=1 it turns on beyond the ends.
+/// Interpolates between two unit quaternions by spherical linear interpolation along the shorter arc, at fraction `u`. Outside 0..=1, the
+/// rotation continues beyond the ends.
 ///
-/// Exact at both ends; equal, opposite and sign-flipped rotations are all finite (Shoemake, Animating Rotation with
-/// Quaternion Curves, 1985).
+/// Both ends are exact. Equal, opposite and sign-flipped rotations give finite results (Shoemake, Animating Rotation with Quaternion
+/// Curves, 1985).
 ///
 /// ```
 /// use glam::DQuat;
@@ -77,7 +77,7 @@ pub fn slerp(from: DQuat, to: DQuat, u: f64) -> DQuat {
     }
     let cosine = from.dot(to);
     let (to, cosine) = if cosine < 0.0 { (-to, -cosine) } else { (to, cosine) };
-    // The angle from the chord's two halves is accurate where acos is not.
+    // The angle from the lengths of the difference and the sum is accurate where acos is not.
     let half_angle = libm::atan2((to - from).length(), (to + from).length());
     let angle = 2.0 * half_angle;
     let sine = libm::sin(angle);
@@ -87,11 +87,11 @@ pub fn slerp(from: DQuat, to: DQuat, u: f64) -> DQuat {
     unit(from * (libm::sin((1.0 - u) * angle) / sine) + to * (libm::sin(u * angle) / sine))
 }
 
-/// Returns the rotation by a rotation vector: its direction is the axis, its length the angle.
+/// Returns the rotation of a rotation vector, whose direction is the axis and whose length is the angle in radians.
 fn turn(vector: DVec3) -> DQuat {
     let angle = vector.length();
     let (sine, cosine) = libm::sincos(0.5 * angle);
-    // Of short vectors the sine is half the length.
+    // For short vectors the sine is half the length.
     let ratio = if angle > 1e-9 { sine / angle } else { 0.5 };
     DQuat::from_vec4((vector * ratio).extend(cosine))
 }
@@ -105,7 +105,7 @@ fn rotation_vector(rotation: DQuat) -> DVec3 {
     rotation.xyz() * ratio
 }
 
-/// Returns a vector as [`rotation_vector`] does, but with whole turns added or removed to be as near to `expected` as possible.
+/// Returns the vector of [`rotation_vector`] with whole turns added or removed to be as near to `expected` as possible.
 fn rotation_vector_near(rotation: DQuat, expected: DVec3) -> DVec3 {
     let vector = rotation_vector(rotation);
     let reference = if vector.length() > 1e-9 { vector } else { expected };
@@ -120,14 +120,14 @@ impl Interpolate for DQuat {
         slerp(*from, *to, u)
     }
 
-    /// Returns the shorter arc as a rotation vector, in the rotation's own axes, which are the same ones at both ends of it.
+    /// Returns the shorter arc as a rotation vector in the rotation's own axes, which are the same at both ends of the arc.
     fn difference(from: &Self, to: &Self) -> DVec3 {
         rotation_vector(from.conjugate() * *to)
     }
 
-    /// Composes three turns about fixed axes: off with the first slope, over, and into the last slope (Kim, Kim, Shin, A General
-    /// Construction Scheme for Unit Quaternion Curves with Simple High Order Derivatives, 1995). About a single axis this is
-    /// cubic Hermite of the angle.
+    /// Composes three rotations about fixed axes: one by the first slope, one by the remaining difference, and one by the last slope (Kim,
+    /// Kim, Shin, A General Construction Scheme for Unit Quaternion Curves with Simple High Order Derivatives, 1995). About a single axis,
+    /// this is cubic Hermite interpolation of the angle.
     fn curve(from: &Self, to: &Self, [start, end]: [DVec3; 2], u: f64) -> Self {
         let (off, into) = (start / 3.0, end / 3.0);
         let over = rotation_vector_near(
@@ -173,7 +173,7 @@ mod tests {
                 assert!((slerp(quarter, other, u).length() - 1.0).abs() < 1e-15);
             }
         }
-        // Over the long way the middle would be on the other side.
+        // Along the longer arc the middle would be on the other side.
         let (from, to) = (Rotation::Euler(DVec3::ZERO), Rotation::AxisAngle(DVec3::Z, 290.0));
         let middle = slerp(from.quaternion(), to.quaternion(), 0.5);
         let short = 290.0 - 360.0;

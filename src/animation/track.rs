@@ -1,21 +1,21 @@
-//! Keyed values.
+//! Keyframed values.
 
 use super::hermite::{Gap, Stretch};
 use super::{Easing, Interpolate, Playback, Repeat};
 
-/// A value at a moment, and how to proceed from there.
+/// A keyframe: a value at a time, and the easing to the next key.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key<T> {
     /// Seconds from the start of the timeline; finite.
     pub time: f64,
-    /// The value at that moment.
+    /// The value at that time.
     pub value: T,
-    /// How the value moves from here to the next key.
+    /// The easing from this key to the next.
     pub easing: Easing,
 }
 
-/// A value over time, given by keys. Before the first and after the last key the nearest key's value holds, unless it is
-/// [`played`](Self::played) otherwise.
+/// A value over time, given by keys. Before the first and after the last key, the value of the nearest key holds unless the playback
+/// [repeats](Self::played).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track<T> {
     keys: Vec<Key<T>>,
@@ -23,7 +23,7 @@ pub struct Track<T> {
 }
 
 impl<T: Interpolate> Track<T> {
-    /// Creates a track through `keys`, whose times ascend. `None` if there is no key or the times do not ascend strictly.
+    /// Creates a track through `keys`. Returns `None` if there is no key or the times are not strictly ascending.
     #[must_use]
     pub fn new(keys: Vec<Key<T>>) -> Option<Self> {
         let ascending = keys.is_sorted_by(|left, right| left.time < right.time);
@@ -72,14 +72,14 @@ impl<T: Interpolate> Track<T> {
                 || start.value.clone(),
                 |(slopes, along)| T::curve(&start.value, &end.value, slopes, along),
             ),
-            // Slopes at the ends of a Bezier curve are three times the way to its handles.
+            // Slopes at the ends of a Bezier curve are three times the offsets of its handles.
             Easing::Handles(out, back) => T::curve(&start.value, &end.value, [out * 3.0, back * -3.0], u),
             easing => T::between(&start.value, &end.value, easing.progress(u)),
         }
     }
 
-    /// Returns the segment after key `index`, which must exist, with its neighbours. Those of the outermost segments depend on
-    /// how the track goes on: a loop passes its seam like any key, and what turns back meets its own image.
+    /// Returns the segment after key `index`, which must exist, with its neighbours. The neighbours of the outermost segments depend on the
+    /// playback: a loop continues across its seam as at any key, and a ping-pong continues with the mirror image of the segment.
     fn stretch(&self, index: usize) -> Stretch {
         let last = self.keys.len() - 2;
         let image = |gap: Gap| Gap { difference: -gap.difference, ..gap };
@@ -125,7 +125,7 @@ mod tests {
         Track::new(keys).unwrap()
     }
 
-    /// Compares with Bernstein's form, in value and in light.
+    /// Compares with Bernstein's form, for vectors and for light.
     #[test]
     fn handles_make_bezier_curves_of_values() {
         let (from, to) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.0, 0.5, 2.0));
@@ -187,7 +187,7 @@ mod tests {
         }
     }
 
-    /// Uneven times and values: a long segment, a short one, one there and back, one of two equal values.
+    /// Uneven times and values: a long segment, a short one, one that reverses, and one between equal values.
     fn uneven<T: Interpolate>(value: impl Fn(f64, f64) -> T, easing: Easing) -> Track<T> {
         let keys = [
             (0.0, 0.0, 0.0),
@@ -206,7 +206,7 @@ mod tests {
 
     const SMOOTH: [Easing; 3] = [Easing::Cubic, Easing::CatmullRom, Easing::Monotone];
 
-    /// Returns the largest difference of the slopes before and after some moment, both taken over `h` seconds.
+    /// Returns the largest difference of the slopes before and after `time`, both taken over `h` seconds.
     fn kink<T: Interpolate>(track: &Track<T>, time: f64, h: f64) -> f64 {
         let [before, at, after] = [time - h, time, time + h].map(|time| track.at(time));
         (T::difference(&before, &at) - T::difference(&at, &after)).length() / h
@@ -243,10 +243,10 @@ mod tests {
                 assert_smooth(&played(&uneven(turned, easing), repeat), times, &what);
             }
         }
-        // The measure sees a kink.
+        // The measure detects a kink.
         assert!(kink(&uneven(point, Easing::Linear), 0.5, 1e-6) > 1.0);
         assert!(kink(&played(&uneven(turned, Easing::Linear), Repeat::Loop), 5.0, 1e-6) > 1.0);
-        // Light has few digits, so that slopes are taken over longer times; and it has no kink where it is not cut at 0.
+        // Light has few digits, so that slopes are taken over longer times. It has no kink where it is not clamped at 0.
         for easing in SMOOTH {
             let track = played(&uneven(|x, y| (point(x, y) + 20.0).as_vec3(), easing), Repeat::Loop);
             for time in seams {
@@ -273,7 +273,7 @@ mod tests {
         assert!(swings(Easing::Cubic) > 1.0);
     }
 
-    /// Counts where the polyline through many points of a track crosses itself in the plane.
+    /// Counts the self-intersections in the xy plane of a polyline through many points of a track.
     fn crossings(track: &Track<DVec3>, from: f64, to: f64) -> usize {
         let points: Vec<DVec3> =
             (0..=400).map(|step| track.at(from + (to - from) * f64::from(step) / 400.0)).collect();
@@ -289,7 +289,7 @@ mod tests {
         count
     }
 
-    /// A short segment between long ones, evenly timed: a uniform curve makes a loop in it.
+    /// Checks a short segment between long ones, evenly timed. A uniform curve has a loop in it.
     #[test]
     fn centripetal_segments_have_no_loops_and_no_cusps() {
         let points = [(-4.0, 3.0), (0.0, 0.0), (0.3, 0.0), (-3.0, -4.0), (-3.0, -4.2), (5.0, -3.0)];
@@ -302,7 +302,7 @@ mod tests {
         let loops = |track| [0.0, 1.0, 2.0, 3.0, 4.0].map(|from| crossings(track, from, from + 1.0));
         assert!(loops(&uniform).iter().sum::<usize>() > 0);
         assert_eq!(loops(&centripetal), [0; 5]);
-        // Without cusps: it never stands still.
+        // There are no cusps: the speed is never 0.
         for step in 0..4999 {
             let time = f64::from(step) / 1000.0;
             let speed = (centripetal.at(time + 1e-3) - centripetal.at(time)).length() / 1e-3;
@@ -310,7 +310,7 @@ mod tests {
         }
     }
 
-    /// Compares with Barry and Goldman's pyramid, as published, for keys whose knots are as even as their times.
+    /// Compares with Barry and Goldman's published pyramid, for keys whose knots are proportional to their times.
     #[test]
     fn centripetal_segments_are_those_of_barry_and_goldman() {
         let knots = [0.0, 1.0, 3.0, 4.5];
@@ -340,7 +340,7 @@ mod tests {
 
     #[test]
     fn rotations_about_one_axis_turn_by_the_curve_of_the_angle() {
-        // Steps of less than half a turn, whose curve swings by more than that.
+        // Steps of less than half a turn. The curve between them swings by more than half a turn.
         let keys = [(0.0, 0.0), (0.5, 2.9), (1.5, 0.2), (1.7, 3.0), (4.0, 5.9), (4.5, 8.5)];
         for easing in SMOOTH {
             let angle: Vec<_> = keys.map(|(time, angle)| (time, angle, easing)).into();
@@ -474,7 +474,7 @@ mod tests {
                 let light = light.at(moment);
                 prop_assert!(light.is_finite() && light.min_element() >= 0.0, "{light}");
             }
-            // At the keys, their values.
+            // The values at the keys are exact.
             let clamped = vectors.clone().played(Playback::default());
             for key in &vectors.keys {
                 prop_assert_eq!(clamped.at(key.time), key.value);

@@ -1,4 +1,4 @@
-//! A value of any kind.
+//! Values of any kind, and their notations.
 
 use glam::{DQuat, DVec3};
 
@@ -43,7 +43,7 @@ impl Value {
     }
 }
 
-/// How an animated value is written in scene files and scripts.
+/// The notation of an animated value in scene files and scripts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Notation {
     /// A number.
@@ -54,9 +54,9 @@ pub enum Notation {
     Vector,
     /// `[x, y, z]`, or one factor for all three.
     Scale,
-    /// `[x, y, z]`, degrees as those of `Euler`, or a quaternion `[x, y, z, w]`.
+    /// `[x, y, z]`, Euler angles in degrees as in `Euler`, or a quaternion `[x, y, z, w]`.
     Rotation,
-    /// `[r, g, b]`, 0 or more, 1 being full.
+    /// `[r, g, b]`, 0 or more; 1 is full.
     Light,
     /// `[r, g, b]` from 0 to 255, or `"#rrggbb"`.
     Color,

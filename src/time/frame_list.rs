@@ -1,9 +1,9 @@
-//! Frame selections as people write them: `10-20,30,40-80x5,90-`.
+//! Frame selections in text form: `10-20,30,40-80x5,90-`.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// A selection of frames: single frames and inclusive ranges, each range with an optional stride. A range without an end goes on to the
+/// A selection of frames: single frames and inclusive ranges, each range with an optional stride. A range without an end extends to the
 /// last frame of a timeline.
 ///
 /// ```
@@ -28,10 +28,10 @@ struct FrameRange {
     stride: u32,
 }
 
-/// The end of a range that goes on to the last frame of a timeline, none of which has so many.
+/// The end of a range that extends to the last frame of a timeline. No timeline has as many frames.
 const NO_END: u32 = u32::MAX;
 
-/// The reason why a written frame selection is invalid.
+/// The reason for which the text of a frame selection is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FrameListError {
     /// A part that is neither a frame, a range nor a range with a stride.
@@ -53,7 +53,7 @@ impl FrameList {
         Self { ranges: vec![FrameRange { first: 0, last, stride: 1 }] }
     }
 
-    /// Selects these frames, which ascend: neighbours, and frames that are equally far apart, become ranges.
+    /// Selects these frames, which ascend. Consecutive frames and evenly spaced frames become ranges.
     ///
     /// ```
     /// use rayreel::time::FrameList;
@@ -62,7 +62,7 @@ impl FrameList {
     /// ```
     #[must_use]
     pub fn of(frames: impl IntoIterator<Item = u32>) -> Option<Self> {
-        /// Fewer frames are named one by one, unless they are neighbours.
+        /// Fewer frames are listed one by one, unless they are consecutive.
         const RANGE: usize = 3;
         let frames: Vec<u32> = frames.into_iter().collect();
         let mut ranges = Vec::new();
@@ -78,31 +78,31 @@ impl FrameList {
         (!ranges.is_empty()).then_some(Self { ranges })
     }
 
-    /// Returns the same frames, where ranges without an end go on to the last one of a timeline with so many frames.
+    /// Returns the same frames, with ranges without an end extended to the last frame of a timeline with `count` frames.
     #[must_use]
     pub fn within(&self, count: u32) -> Self {
         let last = count.saturating_sub(1);
         let within = |range: &FrameRange| match range.last {
-            // One that begins beyond the end is as wrong as its first frame.
+            // A range that starts beyond the end keeps its first frame, which is invalid as well.
             NO_END => FrameRange { last: last.max(range.first), ..*range },
             _ => *range,
         };
         Self { ranges: self.ranges.iter().map(within).collect() }
     }
 
-    /// Returns the largest frame that is named.
+    /// Returns the largest frame number in the list; a stride may skip it.
     #[must_use]
     pub fn last(&self) -> u32 {
         self.ranges.iter().map(|range| range.last).max().unwrap_or(0)
     }
 
-    /// Returns every selected frame once, in ascending order; never all of them in memory.
+    /// Returns every selected frame once, in ascending order, without collecting them in memory.
     pub fn frames(&self) -> impl Iterator<Item = u32> {
         let next_from = |start: u32| self.ranges.iter().filter_map(|range| range.first_from(start)).min();
         std::iter::successors(next_from(0), move |frame| next_from(frame.checked_add(1)?))
     }
 
-    /// Returns how many frames are selected.
+    /// Returns the number of selected frames.
     #[must_use]
     pub fn count(&self) -> usize {
         match self.ranges[..] {
@@ -111,8 +111,8 @@ impl FrameList {
         }
     }
 
-    /// Selects this many of the frames, spread evenly over them: the first and the last are among them, where there is more than
-    /// one. All of them, where there are no more.
+    /// Selects `count` of the frames, spread evenly. The first and the last frame are included if `count` is more than one. Selects all
+    /// frames if there are no more.
     ///
     /// ```
     /// use rayreel::time::FrameList;
@@ -130,7 +130,7 @@ impl FrameList {
         }
     }
 
-    /// Returns the frames of [`spread`](FrameList::spread), ascending; `None` where that is all of them.
+    /// Returns the frames of [`spread`](FrameList::spread), ascending; `None` if all frames are selected.
     #[must_use]
     pub fn spread_frames(&self, count: u32) -> Option<Vec<u32>> {
         let (selected, count) = (self.count() as u64, u64::from(count));
@@ -148,14 +148,14 @@ impl FrameList {
 }
 
 impl FrameRange {
-    /// Returns the first of its frames that is not before `start`.
+    /// Returns the first frame of the range that is not before `start`.
     fn first_from(&self, start: u32) -> Option<u32> {
         let steps = start.saturating_sub(self.first).div_ceil(self.stride);
         let frame = self.first.checked_add(steps.checked_mul(self.stride)?)?;
         (frame <= self.last).then_some(frame)
     }
 
-    /// Returns one of its frames by its place, from 0.
+    /// Returns a frame of the range by its index, from 0.
     fn nth(self, place: u64) -> Option<u32> {
         let frame = u64::from(self.first) + place * u64::from(self.stride);
         u32::try_from(frame).ok().filter(|frame| *frame <= self.last)

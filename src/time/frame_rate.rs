@@ -10,10 +10,10 @@ pub struct FrameRate {
 }
 
 impl FrameRate {
-    /// The largest value of either part, so that every frame's time is a ratio of integers exact in `f64`.
+    /// The largest numerator or denominator, so that every frame's time is a ratio of integers exact in `f64`.
     pub const LARGEST_PART: u32 = 1_000_000;
 
-    /// Creates a rate of `numerator / denominator` frames per second, both in 1..=[`Self::LARGEST_PART`].
+    /// Creates a rate of `numerator / denominator` frames per second. Returns `None` unless both are in 1..=[`Self::LARGEST_PART`].
     #[must_use]
     pub fn new(numerator: u32, denominator: u32) -> Option<Self> {
         let allowed = 1..=Self::LARGEST_PART;
@@ -21,7 +21,7 @@ impl FrameRate {
             .then_some(Self { numerator, denominator })
     }
 
-    /// Returns the moment of frame `index`: exactly `index * denominator / numerator` seconds.
+    /// Returns the time of frame `index`: exactly `index * denominator / numerator` seconds.
     ///
     /// ```
     /// use rayreel::time::FrameRate;
@@ -36,7 +36,7 @@ impl FrameRate {
         }
     }
 
-    /// Returns a moment in frames: whole at those of frames, with a fraction between them.
+    /// Returns a time in frames: an integer at the time of a frame, and a fraction between frames.
     #[expect(clippy::cast_precision_loss, reason = "frames beyond 2^53 are none")]
     pub(crate) fn frames_at(self, time: Time) -> f64 {
         let numerator = u128::from(time.numerator) * u128::from(self.numerator);

@@ -1,7 +1,7 @@
 //! Time: exact rational seconds, frame rates, timelines and frame lists.
 //!
-//! Nothing here is ever advanced by adding a step. Frame `i` is at exactly `i * denominator / numerator` seconds, from integers,
-//! so that frame 240 is the same moment whether one starts at 0 or at 240.
+//! Times are never sums of steps. Frame `i` is at exactly `i * denominator / numerator` seconds, computed from integers, so that frame 240
+//! has the same time whether rendering starts at 0 or at 240.
 
 mod frame_list;
 mod frame_rate;

@@ -1,9 +1,9 @@
-//! Moments as exact ratios of integers.
+//! Times as exact ratios of integers.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// A moment, in exact rational seconds from the start of the timeline.
+/// A time, in exact rational seconds from the start of the timeline.
 #[derive(Clone, Copy, Debug)]
 pub struct Time {
     pub(super) numerator: u64,
@@ -17,7 +17,7 @@ impl Time {
     /// The exclusive limit of both parts, so that one division gives the correctly rounded seconds.
     const LARGEST_PART: u64 = 1 << 53;
 
-    /// Creates the moment at `numerator / denominator` seconds. `None` if the denominator is 0 or a part is 2^53 or more.
+    /// Creates the time of `numerator / denominator` seconds. Returns `None` if the denominator is 0 or a part is 2^53 or more.
     #[must_use]
     pub fn from_ratio(numerator: u64, denominator: u64) -> Option<Self> {
         let allowed = denominator > 0 && numerator < Self::LARGEST_PART && denominator < Self::LARGEST_PART;
@@ -31,7 +31,7 @@ impl Time {
         self.numerator as f64 / self.denominator as f64
     }
 
-    /// Returns the numerator and denominator without a common divisor: the same for equal moments, however they were given.
+    /// Returns the numerator and the denominator in lowest terms: the same for equal times, however they were given.
     pub(crate) fn lowest_terms(self) -> (u64, u64) {
         let (mut divisor, mut rest) = (self.denominator, self.numerator);
         while rest != 0 {
@@ -40,7 +40,7 @@ impl Time {
         (self.numerator / divisor, self.denominator / divisor)
     }
 
-    /// Returns this moment moved by `numerator / denominator` seconds, but not before the start. `None` past the range of
+    /// Returns this time plus `numerator / denominator` seconds, but not before the start. Returns `None` outside the range of
     /// [`Time::from_ratio`].
     pub(crate) fn moved(self, (numerator, denominator): (i128, u64)) -> Option<Self> {
         let way = numerator.checked_mul(i128::from(self.denominator))?;
@@ -55,14 +55,14 @@ impl Time {
         Self::from_ratio((sum / divisor).try_into().ok()?, (product / divisor).try_into().ok()?)
     }
 
-    /// Returns how many whole steps of the given length fit between the start and this moment, counted in integers.
+    /// Returns the number of whole steps of the given length between the start and this time, counted in integers.
     pub(crate) fn whole_steps(self, step: Self) -> u64 {
         let elapsed = u128::from(self.numerator) * u128::from(step.denominator);
         let length = u128::from(self.denominator) * u128::from(step.numerator);
         u64::try_from(elapsed / length.max(1)).unwrap_or(u64::MAX)
     }
 
-    /// Returns the end of step `count` of this length: `count * self`. `None` past the range of [`Time::from_ratio`].
+    /// Returns the end of step `count` of this length: `count * self`. Returns `None` outside the range of [`Time::from_ratio`].
     pub(crate) fn times(self, count: u64) -> Option<Self> {
         Self::from_ratio(self.numerator.checked_mul(count)?, self.denominator)
     }
@@ -96,7 +96,7 @@ impl fmt::Display for Time {
     }
 }
 
-/// The error of a written moment that is not a time.
+/// The error of a text that is not a time.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{0}` is not a time: write seconds such as `1.5s` or `2`, with at most nine decimals, from 0 up to 1000000"
@@ -106,7 +106,7 @@ pub struct TimeError(String);
 impl FromStr for Time {
     type Err = TimeError;
 
-    /// Reads seconds as a decimal number, exactly: `1.5s`, `0.04`, `2 s`.
+    /// Parses seconds as a decimal number, exactly: `1.5s`, `0.04`, `2 s`.
     fn from_str(text: &str) -> Result<Self, TimeError> {
         const NANOSECONDS: u64 = 1_000_000_000;
         let error = || TimeError(text.to_owned());
@@ -128,7 +128,7 @@ impl FromStr for Time {
         if whole > 1_000_000 {
             return Err(error());
         }
-        // Lowest decimal terms keep both parts small.
+        // Reduced decimal fractions keep both parts small.
         let divisor =
             [NANOSECONDS, 1_000_000, 1_000].into_iter().find(|divisor| total % divisor == 0).unwrap_or(1);
         Self::from_ratio(total / divisor, NANOSECONDS / divisor).ok_or_else(error)

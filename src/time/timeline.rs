@@ -9,12 +9,12 @@ use super::{FrameRate, Time};
 pub struct Timeline {
     /// Frames per second.
     pub rate: FrameRate,
-    /// Length in seconds; 0 or more. A timeline always has at least its first frame.
+    /// The duration in seconds; 0 or more. A timeline always has at least its first frame.
     pub duration: f64,
 }
 
 impl Timeline {
-    /// The most frames a timeline may have.
+    /// The largest number of frames.
     pub const LARGEST_COUNT: u32 = 100_000_000;
 
     /// Returns a timeline of a single frame at time 0.
@@ -23,7 +23,7 @@ impl Timeline {
         Self { rate: FrameRate::default(), duration: 0.0 }
     }
 
-    /// Returns how many frames there are, at least 1 and at most [`Self::LARGEST_COUNT`].
+    /// Returns the number of frames, at least 1 and at most [`Self::LARGEST_COUNT`].
     ///
     /// ```
     /// use rayreel::time::{FrameRate, Timeline};
@@ -51,9 +51,9 @@ impl Timeline {
         count
     }
 
-    /// Returns the instants at which a frame is drawn: the middles of `count` equal parts of the time in which the shutter is
-    /// open, a share `open` of the time from frame to frame, in millionths, around the frame's moment. Those before the start are
-    /// at the start.
+    /// Returns the instants at which a frame is drawn. The shutter is open for the fraction `open` of the frame interval, rounded to
+    /// millionths and centred on the frame's time. The instants are the midpoints of `count` equal parts of the open interval. Instants
+    /// before the start are moved to the start.
     ///
     /// ```
     /// use rayreel::time::{FrameRate, Time, Timeline};
@@ -75,7 +75,7 @@ impl Timeline {
         (0..count).map(|index| time.moved(offset(index)).unwrap_or(time)).collect()
     }
 
-    /// Returns the moment of frame `index`.
+    /// Returns the time of frame `index`.
     #[must_use]
     pub fn time_of(&self, index: u32) -> Time {
         self.rate.time_of(index)
