@@ -1,15 +1,16 @@
-//! Rays between a box and points, bundle by bundle, against shapes: from surfaces to a light with a size.
+//! Bundles of rays between a box and points, tested against shapes: from surfaces to an area light, or through a lens.
 //!
-//! A bundle is half a packet. Let w be the axis of depth, measured from the middle of the box towards the points, and u one across. The
-//! points of rays lie in the hull of the box and of what is around a bundle's points, and so below every line u = a + b s that
-//! both are below. The one taken touches both: if it rises, at the nearer end of each, else at the farther ones. From a box that is a
-//! point that makes a [shaft](super::shaft) with slopes b; a is what the size adds.
+//! A part of a bundle is half a packet. Let w be the axis of depth, measured from the centre of the box towards the points, and u an axis
+//! across it. The rays of a part lie in the convex hull of the box and of the bounds of the part's points, and therefore below every line
+//! u = a + b s that is above both boxes. The line used touches both boxes: at their near ends if it rises, at their far ends otherwise. For
+//! a box that is a single point, these lines are the sides of a [shaft](super::shaft) with slopes b; a is the contribution of the box's
+//! size.
 //!
-//! # What rounding may do
+//! # Rounding errors
 //!
-//! Everything is in the tree's frame and in `f32`, as in a [frustum](super::frustum). Lines are rounded outwards by more than
-//! their computation may be off. With the box's size added to E, and S the steepest of the lines, what is left is less than half of the
-//! 16 e (1 + E)(1 + S) by which shapes may be missed.
+//! Everything is computed in `f32` in the tree's frame, as for a [frustum](super::frustum). Lines are rounded outwards by more than the
+//! error of their computation. With the box's size added to E, and S the slope of the steepest line, the remaining error is less than half
+//! of the 16 e (1 + E)(1 + S) within which missed shapes are still accepted.
 
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 use glam::DVec3;
@@ -21,20 +22,20 @@ use super::slopes::{GROUPS, PartNumbers, Places, STEEPEST, wider};
 use super::{Tree, frame};
 use crate::trace::math::{LANES, Vectors, bits16};
 
-/// Bundles of rays between a box and points.
+/// A bundle of rays between a box and points.
 #[derive(Clone, Debug)]
 pub(crate) struct Beam {
-    /// What all of them stay within.
+    /// The frustum around all rays.
     pub(crate) frustum: Frustum,
-    /// How far the box reaches along the depth.
+    /// Half-extent of the box along the depth axis.
     ahead: f32,
     slack: f32,
-    /// The lines that they are above and below, along the two axes across.
+    /// The lines that bound the rays from below, along the two axes across; `high` holds the lines above.
     low: [Lines; 2],
     high: [Lines; 2],
 }
 
-/// By part: u = start + slope s, and sqrt(1 + slope^2).
+/// By part, the line u = start + slope s, and sqrt(1 + slope^2).
 #[derive(Clone, Copy, Debug)]
 struct Lines {
     starts: PartNumbers,
@@ -43,9 +44,8 @@ struct Lines {
 }
 
 impl Tree {
-    /// Makes the beam between the box that reaches so far from its middle to both sides of each axis and the points of packets in some
-    /// lanes, and says up to which depth each part of it goes. `None` where points are too near to the box, too far from it or too far
-    /// apart.
+    /// Creates the beam between a box, given by its centre and half-extents, and the points of packets in some lanes. Also returns the
+    /// depth up to which each part extends. `None` if points are too near to the box, too far from it or too far apart.
     #[inline(always)]
     pub(crate) fn beam<'a, S: Simd>(
         &self,
@@ -80,7 +80,7 @@ impl Tree {
         let extent =
             beam.frustum.origin.into_iter().fold(size, |extent, place| extent.max(place.abs() + size));
         beam.slack = frame::above(SLACK * (1.0 + f64::from(extent)) * (1.0 + f64::from(steepest)));
-        // Rays pass those of the middle by no more than its size, along the depth too.
+        // Rays deviate from the rays of the box's centre by at most the box's size, along the depth too.
         beam.frustum.slack += size * (1.0 + range.steepest()) * (1.0 + 4.0 * f32::EPSILON);
         let limits = Limits::around(simd, &places.high[0], beam.slack);
         (steepest <= STEEPEST).then_some((beam, limits))
@@ -88,11 +88,11 @@ impl Tree {
 }
 
 impl Tree {
-    /// Returns along which axis a direction goes farthest, and how far along it from a place there are no shapes any more.
+    /// Returns the dominant axis of a direction, and the signed distance along it from a point beyond which there are no shapes.
     pub(crate) fn beyond(&self, place: DVec3, direction: DVec3) -> (usize, f64) {
         let axis = direction.abs().max_position();
         let from = (place - self.frame.origin())[axis] * self.scale();
-        // All of them are within -1..=1, but for rounding.
+        // All shapes lie within -1..=1, except for rounding.
         let far = (from.abs() + 1.0) * (1.0 + SLACK) / self.scale();
         (axis, far.copysign(direction[axis]))
     }
@@ -105,8 +105,8 @@ impl Lines {
         roots: [[0.0; LANES]; GROUPS],
     };
 
-    /// Draws the lines above the boxes, of this size and around places, along one of the axes across; with a sense of -1 those below
-    /// them. Returns the steepest slope of parts that have points.
+    /// Computes the lines above the box, of half-extents `ahead` and `beside`, and above the parts' bounds, along one of the axes across;
+    /// the lines below them if the sense is -1. Returns the steepest slope of the parts that have points.
     #[inline(always)]
     fn draw<S: Simd>(
         &mut self,
@@ -138,12 +138,12 @@ impl Beam {
         self.frustum.depth
     }
 
-    /// Returns the depth up to which boxes are of interest to rays that go no farther than so from where they start, on the box.
+    /// Returns the depth up to which boxes are of interest to rays that start on the box and extend no farther than `farthest`.
     pub(crate) fn depth_limit(&self, farthest: f64) -> f32 {
         frame::above(farthest + f64::from(self.ahead) + f64::from(self.slack))
     }
 
-    /// Returns how deep a shape begins at least.
+    /// Returns a lower bound of the depth at which a shape begins.
     pub(crate) fn nearest(&self, bounds: &LeafBox) -> f32 {
         let Frustum { depth, origin, .. } = &self.frustum;
         let [near, _] = depth.near_and_far();
@@ -151,7 +151,7 @@ impl Beam {
         if depth.upwards { near - self.slack } else { -near - self.slack }
     }
 
-    /// Returns which parts' rays may meet a shape before their own depths, as a bit mask.
+    /// Returns a bit mask of the parts whose rays may hit a shape before their limits.
     #[inline(always)]
     pub(crate) fn parts<S: Simd>(&self, simd: S, bounds: &LeafBox, limits: &Limits) -> u32 {
         let mut parts = 0;

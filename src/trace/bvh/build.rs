@@ -1,9 +1,9 @@
-//! From boxes to a tree of wide nodes.
+//! Construction of a tree of wide nodes from boxes.
 //!
-//! The [Morton curve](super::morton) divides shapes into treelets of neighbours, after Pantaleoni and Luebke, "HLBVH: Hierarchical
-//! LBVH Construction for Real-Time Ray Tracing of Dynamic Geometry" (2010). Each becomes a tree, on a thread of its own and in that
-//! core's cache: a [binary](super::ploc) one, then a [wide](super::collapse) one. A tree over the treelets is built in the same way,
-//! and all are put together in one array.
+//! The [Morton curve](super::morton) divides the shapes into treelets of neighbours, after Pantaleoni and Luebke, "HLBVH: Hierarchical LBVH
+//! Construction for Real-Time Ray Tracing of Dynamic Geometry" (2010). Each treelet is built by one thread, in the cache of its core: first
+//! a [binary](super::ploc) tree, then a [wide](super::collapse) one. A tree over the treelets is built in the same way, and all nodes are
+//! joined in one array.
 
 use rayon::prelude::*;
 
@@ -15,34 +15,34 @@ use super::node::{Child, Link, Node};
 use super::ploc::Clusters;
 use super::{Extent, Tree};
 
-/// How many shapes a treelet has at most: enough for trees that are as good as a single one, few enough for many threads.
+/// Maximum number of shapes in a treelet: enough for trees as good as a single one, and few enough to occupy many threads.
 const TREELET_SIZE: usize = 16_384;
 
-/// Builds trees. It keeps the memory that this takes for the next time.
+/// Builds trees, and keeps the scratch memory for the next build.
 #[derive(Debug, Default)]
 pub(crate) struct Builder {
     boxes: Vec<FrameBox>,
-    /// Which shapes are spheres: apart, so that all of it is in a cache while trees are built.
+    /// True for spheres. A separate array, so that all of it stays in a cache during the build.
     round: Vec<bool>,
-    /// By leaf: the index of its shape.
+    /// Index of the shape of each leaf.
     order: Vec<u32>,
     treelets: Vec<Treelet>,
 }
 
-/// Some neighbouring shapes.
+/// A group of neighbouring shapes.
 #[derive(Debug, Default)]
 struct Treelet {
-    /// A tree over them.
+    /// The nodes of its tree.
     nodes: Vec<Node>,
-    /// Around them.
+    /// The bounds of its shapes.
     bounds: FrameBox,
-    /// Its place among all shapes.
+    /// Index of its first leaf among all leaves.
     first_leaf: usize,
-    /// Its root's place among all nodes.
+    /// Index of its root among all nodes.
     first_node: usize,
 }
 
-/// What a thread needs to build a tree.
+/// Scratch memory of one thread.
 #[derive(Debug, Default)]
 struct Scratch {
     boxes: Vec<FrameBox>,
@@ -53,14 +53,14 @@ struct Scratch {
 }
 
 impl Clone for Builder {
-    /// Another one, which has no memory yet.
+    /// Returns a builder without scratch memory.
     fn clone(&self) -> Self {
         Self::default()
     }
 }
 
 impl Builder {
-    /// Makes a tree over so many shapes, given by their indices. Returns the index of each leaf's shape.
+    /// Builds a tree over `count` shapes, given by their indices. Returns the index of each leaf's shape.
     pub(crate) fn build(
         &mut self,
         count: usize,
@@ -92,7 +92,7 @@ impl Builder {
 }
 
 impl Treelet {
-    /// Makes a tree over some shapes, and puts them into the order of its leaves.
+    /// Builds a tree over `members`, and sorts them into the order of its leaves.
     fn build(&mut self, scratch: &mut Scratch, all: &[FrameBox], round: &[bool], members: &mut [u32]) {
         let Scratch { boxes, order, keys, clusters, leaves } = scratch;
         boxes.clear();
@@ -112,7 +112,7 @@ impl Treelet {
         }
     }
 
-    /// Returns a node of its tree as a node of the whole.
+    /// Returns a node of the treelet with its children renumbered for the whole tree.
     fn node(&self, index: usize) -> Node {
         self.nodes[index].relinked(|child| match child.read() {
             Link::Node(node) => Child::node(to_u32(self.first_node + node)),
@@ -121,7 +121,7 @@ impl Treelet {
     }
 }
 
-/// Divides a list into runs that end there. Returns with each run where it starts.
+/// Splits a list into runs with these ends. Returns each run with its start.
 fn runs<'a>(mut list: &'a mut [u32], ends: &[usize]) -> Vec<(usize, &'a mut [u32])> {
     let mut start = 0;
     let next = |end: &usize| {
@@ -132,7 +132,7 @@ fn runs<'a>(mut list: &'a mut [u32], ends: &[usize]) -> Vec<(usize, &'a mut [u32
     ends.iter().map(next).collect()
 }
 
-/// Puts the trees of all treelets under one root: above them come those nodes that have treelets below them.
+/// Joins the trees of all treelets under one root. The nodes above the treelets come first.
 fn assemble(treelets: &mut [Treelet], nodes: &mut Vec<Node>) {
     let (mut above, mut order) = (Vec::new(), Vec::new());
     if treelets.len() > 1 {

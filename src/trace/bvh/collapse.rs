@@ -1,21 +1,21 @@
-//! From a binary tree to wide nodes.
+//! Collapsing of a binary tree into wide nodes.
 
 use super::index::to_u32;
 use super::node::{Child, Node, WIDTH};
 use super::ploc::Clusters;
 
-/// Pulls grandchildren up into wide nodes, the root first and every node before its children. A cluster of no more boxes than a
-/// node has children becomes a node of boxes: they are asked all at once before what is in any of them is.
+/// Pulls grandchildren up into wide nodes, the root first and every node before its children. A cluster with at most as many boxes as a
+/// node has children becomes a node of boxes, so that all of them are tested at once before any of their shapes.
 ///
-/// Boxes become leaves, those of a node side by side; `leaves` is filled with the numbers of their boxes. `round` says which
-/// are spheres.
+/// Boxes become leaves, and the leaves of a node are consecutive; `leaves` receives the index of each leaf's box. `round` returns whether a
+/// box holds a sphere.
 pub(super) fn collapse(
     clusters: &Clusters,
     round: impl Fn(usize) -> bool,
     nodes: &mut Vec<Node>,
     leaves: &mut Vec<u32>,
 ) {
-    /// Most trees have no more nodes than one for so many boxes.
+    /// Number of boxes per node; most trees have at most one node for this many.
     const BOXES_A_NODE: usize = 4;
     nodes.clear();
     leaves.clear();
@@ -56,7 +56,7 @@ impl Members {
         members
     }
 
-    /// Takes all boxes of a small cluster.
+    /// Adds all boxes of a small cluster.
     fn open_all(&mut self, clusters: &Clusters, cluster: usize) {
         let mut stack = [0; WIDTH];
         stack[0] = cluster;
@@ -73,9 +73,9 @@ impl Members {
         }
     }
 
-    /// Takes a large cluster, and puts its parts in the place of the largest, as long as there is room.
+    /// Adds a large cluster, and replaces the largest one by its parts while there is room.
     fn open_largest(&mut self, clusters: &Clusters, cluster: usize) {
-        /// Below all areas: of what is not opened.
+        /// Area of clusters that are not opened; below all areas.
         const NEVER: f32 = -1.0;
         let area = |index: usize| {
             let cluster = clusters.get(index);

@@ -1,13 +1,13 @@
-//! Which bundles of a shaft's rays all go through one shape.
+//! Search for the parts of a shaft whose rays all pass through one shape.
 //!
-//! The directions in which a point sees a convex shape are convex, so that all rays between four go through it where those four do:
-//! the corners of a part's slopes. Where the shape lies between the shaft's origin and the points at which a part's rays end, none of
-//! them gets past it.
+//! A point sees a convex shape in a convex set of directions. If four rays pass through the shape, then so do all rays between them; the
+//! four are the corners of a part's slope range. If the shape lies between the shaft's origin and the points at which a part's rays end,
+//! all of them are blocked by it.
 //!
-//! As in a [frustum](super::frustum), rounding shifts points across the depth by less than the slack, and makes a
-//! sphere's radius or a box's side greater by less than that. So shapes are taken to be smaller by three times as much, and to
-//! reach as much farther. The distance of a sphere's centre from a line is a sum of squares, of which one is that of a difference: with
-//! slopes up to S that is off by less than 8 e S^2 and a few e more of the sum, which is 2^-12 for the steepest.
+//! As for a [frustum](super::frustum), rounding shifts points across the depth by less than the slack, and enlarges a sphere's radius or a
+//! box's side by less than that. Shapes are therefore shrunk by three times the slack, and their far ends are moved farther away by the
+//! same amount. The squared distance of a sphere's centre from a line is a sum of squares, one of which is the square of a difference: with
+//! slopes up to S its error is less than 8 e S^2 plus a few e of the sum, which is 2^-12 for the steepest slopes.
 
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 
@@ -16,24 +16,24 @@ use super::shaft::{Shaft, ball};
 use super::slopes::{Ends, GROUPS};
 use crate::trace::math::{LANES, bits16};
 
-/// More than rounding makes a square distance smaller by.
+/// Factor larger than the relative error by which rounding reduces a squared distance.
 const FARTHER: f32 = 1.0 + 1.0 / 1024.0;
 
-/// A shape's box as seen from the shaft's origin, in the tree's frame, narrower than it is.
+/// A shape's box, shrunk, as seen from the shaft's origin in the tree's frame.
 struct Seen {
-    /// From and up to which depths.
+    /// Depths at which the box begins and ends.
     near: f32,
     far: f32,
-    /// Beyond which depth nothing of it is.
+    /// Depth beyond which the shape certainly does not extend.
     end: f32,
-    /// From where to where along each of the axes across.
+    /// Range along each of the axes across.
     low: [f32; 2],
     high: [f32; 2],
 }
 
 impl Shaft {
-    /// Returns the parts whose rays all go through a shape before they end, as a bit mask: a sphere that touches all sides of its box, or
-    /// else the box itself. Parts without rays may be among them.
+    /// Returns a bit mask of the parts whose rays all pass through a shape before they end. The shape is a sphere if it touches all sides
+    /// of its box, otherwise the box itself. Parts without rays may be included.
     #[inline(always)]
     pub(crate) fn covered<S: Simd>(&self, simd: S, bounds: &LeafBox, ends: &Ends) -> u32 {
         let Some(seen) = self.seen(bounds) else { return 0 };
@@ -59,7 +59,8 @@ impl Shaft {
         covered
     }
 
-    /// `None` of a shape that is not ahead, or too small to be worth it: a part is about an eighth of the frustum wide.
+    /// Returns a shape's box as seen from the origin. `None` if it is not ahead, or too small to be worth testing: a part is about an
+    /// eighth as wide as the frustum.
     #[inline(always)]
     fn seen(&self, bounds: &LeafBox) -> Option<Seen> {
         const NARROWEST: f32 = 1.0 / 8.0;
@@ -80,7 +81,7 @@ impl Shaft {
         worth.then_some(seen)
     }
 
-    /// Where all slopes are those of points on the nearer or on the farther side of a box.
+    /// Returns the parts whose slope ranges all pass through the near side or the far side of a box.
     #[inline(always)]
     fn in_box<S: Simd>(&self, simd: S, seen: &Seen, group: usize) -> mask32x16<S> {
         let splat = |number: f32| f32x16::splat(simd, number);
@@ -95,7 +96,7 @@ impl Shaft {
         on_near | on_far
     }
 
-    /// Where the lines of all slopes come nearer to the centre of a sphere than its radius is.
+    /// Returns the parts for which the lines of all corner slopes pass a sphere's centre at a distance of at most its radius.
     #[inline(always)]
     fn in_sphere<S: Simd>(&self, simd: S, planes: &[f32; 6], group: usize) -> mask32x16<S> {
         let frustum = &self.frustum;

@@ -1,4 +1,4 @@
-//! The coordinates in which boxes are kept in single precision.
+//! The coordinate frame in which boxes are stored in single precision.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -6,8 +6,8 @@ use rayon::prelude::*;
 use crate::trace::rays::Ray;
 use crate::trace::shapes::Bounds;
 
-/// Moves a median shape to the origin and scales by a power of two so that all boxes lie within -1..=1, where `f32` has
-/// its digits. It is a function of the shapes alone.
+/// A frame with a median shape at its origin, scaled by a power of two so that all boxes lie within -1..=1, where `f32` is most precise. It
+/// is a function of the shapes alone.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame {
     origin: DVec3,
@@ -22,10 +22,10 @@ pub(crate) struct FrameBox {
 }
 
 impl FrameBox {
-    /// A box around nothing.
+    /// The empty box.
     pub(crate) const EMPTY: Self = Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
 
-    /// The box around both.
+    /// Returns the union of both boxes.
     #[inline]
     pub(crate) fn union(&self, other: &Self) -> Self {
         let smaller = |one: f32, other: f32| if one < other { one } else { other };
@@ -36,20 +36,20 @@ impl FrameBox {
         }
     }
 
-    /// Half the surface, by which the chance that a ray meets it goes.
+    /// Returns half the surface area, to which the probability that a ray hits the box is proportional.
     #[inline]
     pub(crate) fn half_area(&self) -> f32 {
         let [x, y, z] = std::array::from_fn(|axis| self.max[axis] - self.min[axis]);
         x * y + y * z + z * x
     }
 
-    /// The middle.
+    /// Returns the centre.
     #[inline]
     pub(crate) fn center(&self) -> [f32; 3] {
         std::array::from_fn(|axis| (self.min[axis] + self.max[axis]) * 0.5)
     }
 
-    /// Returns whether it lies within -1..=1, as a frame's boxes do.
+    /// Returns whether it lies within -1..=1, as all boxes of a frame do.
     pub(super) fn is_inside(&self) -> bool {
         self.min.iter().all(|low| *low >= -1.0) && self.max.iter().all(|high| *high <= 1.0)
     }
@@ -63,38 +63,38 @@ impl Default for FrameBox {
 
 /// A ray in the frame, for culling only.
 ///
-/// The origin is an interval. Planes that the ray enters by are measured from the end that lets it enter earlier, planes it
-/// leaves by from the other.
+/// The origin is an interval. Planes at which the ray enters are measured from the end that makes it enter earlier, planes at which it
+/// leaves from the other end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FrameRay {
     pub(crate) near_origin: [f32; 3],
     pub(crate) far_origin: [f32; 3],
     pub(crate) inverse: [f32; 3],
-    /// Whether the ray runs down this axis, entering by the upper plane.
+    /// True if the ray runs down this axis and enters at the upper plane.
     pub(crate) downward: [bool; 3],
 }
 
 impl Default for Frame {
-    /// The frame of no shapes.
+    /// Returns the frame of no shapes.
     fn default() -> Self {
         Self { origin: DVec3::ZERO, scale: 1.0 }
     }
 }
 
 impl Frame {
-    /// Four times what rounding to `f32` can shift the origin by. The shapes' own rounding shifts what they accept by a
-    /// few units in the last place of their distance, and by as many times more as their maps stretch: for the worst map
-    /// that is let into the tree, a quarter of what is left.
+    /// Four times the largest shift of the origin by rounding to `f32`. The rounding of a shape's own test shifts the rays that it accepts
+    /// by a few units in the last place of its distance, times the stretch of its map: for the worst map that the tree admits, this is a
+    /// quarter of the remainder.
     pub(super) const SLACK: f64 = 1.0 / 4_194_304.0;
 
-    /// 2^126: what begins farther away may have overflowed `f32`, so that limits beyond are infinite.
+    /// 2^126. Boxes that begin farther away may have overflowed `f32`, so that limits beyond this are infinite.
     pub(super) const ENDLESS: f64 = f64::from_bits((1023 + 126) << 52);
 
-    /// The frame of so many shapes, given by their indices.
+    /// Computes the frame of `count` shapes, given by their indices.
     pub(super) fn of(count: usize, bounds: impl Fn(usize) -> Bounds + Sync) -> Self {
-        /// Of how many shapes, evenly spread among all, the median is taken.
+        /// Maximum number of shapes, evenly spread among all, of which the median is taken.
         const SAMPLE: usize = 4096;
-        /// By what factor boxes may grow when they are rounded outwards: by less than two steps.
+        /// Factor by which boxes may grow when they are rounded outwards: less than two steps of `f32`.
         const ROUNDED_OUT: f64 = 1.0 + 2.0 * f32::EPSILON as f64;
         let median = |axis: usize| {
             let sample = (0..count).step_by(count.div_ceil(SAMPLE));
@@ -115,31 +115,32 @@ impl Frame {
         Self { origin, scale: libm::ldexp(1.0, -exponent.clamp(-1020, 1020)) }
     }
 
-    /// The point of the scene that is the frame's origin.
+    /// Returns the point of the scene at the frame's origin.
     pub(super) fn origin(&self) -> DVec3 {
         self.origin
     }
 
-    /// How long a unit of the scene is.
+    /// Returns the length of a scene unit in the frame, a power of two.
     pub(super) fn scale(&self) -> f64 {
         self.scale
     }
 
-    /// A box, rounded outwards.
+    /// Transforms a box into the frame, rounded outwards.
     pub(crate) fn bounds(&self, bounds: &Bounds) -> FrameBox {
         let (min, max) = ((bounds.min - self.origin) * self.scale, (bounds.max - self.origin) * self.scale);
         FrameBox { min: min.to_array().map(below), max: max.to_array().map(above) }
     }
 
-    /// A distance along a ray, rounded up.
+    /// Transforms a distance along a ray into the frame, rounded up.
     pub(crate) fn limit(&self, t: f64) -> f32 {
         let limit = t * self.scale;
         if limit > Self::ENDLESS { f32::INFINITY } else { above(limit) }
     }
 
-    /// A ray.
+    /// Transforms a ray into the frame.
     pub(crate) fn ray(&self, ray: &Ray) -> FrameRay {
-        /// Below this a component's reciprocal would leave `f32`: such a ray never fails the axis.
+        /// Direction components below this may have reciprocals outside the range of `f32`; the ray then always passes the test of the
+        /// axis.
         const SLOWEST: f64 = 1e-30;
         let origin = (ray.origin() - self.origin) * self.scale;
         let slack = Self::SLACK * (1.0 + origin.abs().max_element());
@@ -154,7 +155,7 @@ impl Frame {
             (result.near_origin[axis], result.far_origin[axis]) =
                 if downward { (low, high) } else { (high, low) };
             if d == 0.0 {
-                // (plane - origin) * infinity: infinitely early where inside, never where outside.
+                // (plane - origin) * infinity: enters infinitely early if inside, never if outside.
                 result.inverse[axis] = f32::INFINITY;
             } else if d.abs() < SLOWEST {
                 let outside = if downward { f32::NEG_INFINITY } else { f32::INFINITY };
@@ -173,14 +174,14 @@ pub(super) fn nearest(value: f64) -> f32 {
     value as f32
 }
 
-/// An `f32` that is certainly below a value which was computed with one or two roundings.
+/// Returns an `f32` that is certainly below a value computed with one or two roundings.
 pub(super) fn below(value: f64) -> f32 {
     let rounded = nearest(value);
-    // The nearest f32 is off by at most half a step, which one step down more than makes up for.
+    // The nearest `f32` is off by at most half a step; one step down more than compensates for it.
     rounded.next_down()
 }
 
-/// An `f32` that is certainly above a value which was computed with one or two roundings.
+/// Returns an `f32` that is certainly above a value computed with one or two roundings.
 pub(super) fn above(value: f64) -> f32 {
     -below(-value)
 }

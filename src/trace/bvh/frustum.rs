@@ -1,26 +1,24 @@
-//! Frusta, within which rays with a common origin stay, against boxes.
+//! Frusta of rays with a common origin, tested against boxes.
 //!
-//! Let w be the axis along which one of the rays goes farthest. At depth s along it, s >= 0, a ray of direction d is at u = s d_u /
-//! |d_w| and v = s d_v / |d_w| across it, from the origin. So all rays stay between the smallest and the largest of these
-//! slopes, and a box can be met only if it has a point with low s <= u <= high s, and likewise along v, at some depth s that is
-//! its own.
+//! Let w be the dominant axis of one of the rays. At depth s >= 0 along w, a ray of direction d is at u = s d_u / |d_w| and
+//! v = s d_v / |d_w| across it, relative to the origin. All rays therefore stay between the smallest and the largest of these slopes. They
+//! can hit a box only if it has a point with low s <= u <= high s, and likewise for v, at some depth s within the box.
 //!
-//! # What rounding may do
+//! # Rounding errors
 //!
-//! Everything is in the tree's frame, in which boxes lie within -1..=1, and is computed in `f32`, with a unit roundoff e of
-//! 2^-24. Let E be the largest coordinate of the origin, and S the largest slope. Against exact arithmetic,
+//! Everything is computed in `f32`, with a unit roundoff e of 2^-24, in the tree's frame, where boxes lie within -1..=1. Let E be the
+//! largest coordinate of the origin, and S the largest slope. Compared with exact arithmetic,
 //!
 //! - the origin is off by at most e E,
 //! - a difference of a box's plane and the origin by e (1 + E) more, and so is a depth,
 //! - a product of depth and slope by 3 e (1 + E) S, slopes being rounded outwards,
 //! - the last sum by e (1 + E)(1 + S).
 //!
-//! That is less than 6 e (1 + E)(1 + S) in all. Boxes are accepted that are missed by 16 e (1 + E)(1 + S): what is left is for
-//! shapes that by their own rounding accept rays which pass them (see [`Frame::ray`](frame::Frame::ray)), and for the rounding
-//! of directions.
+//! The total is less than 6 e (1 + E)(1 + S). Boxes are accepted if they are missed by at most 16 e (1 + E)(1 + S). The remainder covers
+//! shapes whose own rounding accepts rays that miss them (see [`Frame::ray`](frame::Frame::ray)), and the rounding of directions.
 //!
-//! Rays that end at the origin instead, and start at a depth D, are directed to it by a rounded difference: they pass it by up to
-//! 2^-52 D (1 + S). For those D must be at most [`FARTHEST`], where that is e (1 + S).
+//! Rays that end at the origin instead, and start at a depth D, have a rounded difference as their direction: they miss the origin by up to
+//! 2^-52 D (1 + S). For these rays D must be at most [`FARTHEST`], at which this error is e (1 + S).
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -37,10 +35,10 @@ use crate::trace::math::bits8;
 /// 2^-20, or 16 times the unit roundoff of `f32`.
 pub(super) const SLACK: f64 = 1.0 / 1_048_576.0;
 
-/// 2^28, in the tree's frame: from farther away no frustum is made of rays that end at its origin.
+/// Maximum depth, in the tree's frame, at which rays that end at the origin of a frustum may start: 2^28.
 pub(crate) const FARTHEST: f64 = 268_435_456.0;
 
-/// What rays with a common origin and slopes in a range stay within, in the tree's frame.
+/// A frustum, which bounds rays with a common origin and slopes in a range, in the tree's frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frustum {
     pub(super) depth: Depth,
@@ -55,22 +53,22 @@ pub(crate) struct Frustum {
 pub(crate) struct LeafBox {
     /// Lower x, y, z, then upper x, y, z.
     pub(super) planes: [f32; 6],
-    /// Whether it is a sphere that touches all sides.
+    /// True if the shape is a sphere that touches all sides of the box.
     pub(super) round: bool,
 }
 
-/// What is asked of every shape that rays in a frustum may meet.
+/// Callback for every shape that rays in a frustum may hit.
 pub(crate) trait FrustumVisitor<S: Simd> {
-    /// Visits a shape, with its box. Returns the depth from which on nothing is of interest any more.
+    /// Visits a shape and its box. Returns the depth beyond which shapes are no longer of interest.
     fn visit(&mut self, simd: S, leaf: LeafId, bounds: &LeafBox) -> f32;
 }
 
 impl Tree {
-    /// Makes the frustum of the rays from a point that have these slopes. `None` where the point is so far from the shapes that `f32`
-    /// would tell too few of them apart.
+    /// Creates the frustum of the rays from a point with these slopes. `None` if the point is so far from the shapes that `f32` would
+    /// separate too few of them.
     #[inline(always)]
     pub(crate) fn frustum(&self, origin: DVec3, depth: Depth, slopes: &SlopeRange) -> Option<Frustum> {
-        /// Of the size of all shapes together.
+        /// Maximum slack, relative to the size of all shapes together.
         const COARSEST: f64 = 1.0 / 4096.0;
         let origin = (origin - self.frame.origin()) * self.frame.scale();
         let slack = SLACK * (1.0 + origin.abs().max_element()) * (1.0 + f64::from(slopes.steepest()));
@@ -86,12 +84,12 @@ impl Tree {
         })
     }
 
-    /// How long a unit of the scene is in the tree's frame, a power of two.
+    /// Returns the length of a scene unit in the tree's frame, a power of two.
     pub(crate) fn scale(&self) -> f64 {
         self.frame.scale()
     }
 
-    /// Visits every shape that rays in a frustum may meet, nearer nodes first. Once `cancelled` is true the rest is left out.
+    /// Visits every shape that rays in a frustum may hit, nearer nodes first. Stops once `cancelled` is true.
     #[inline(always)]
     pub(crate) fn visit_frustum<S: Simd>(
         &self,
@@ -136,14 +134,14 @@ impl Tree {
 }
 
 impl Frustum {
-    /// Returns the depth up to which boxes are of interest where a hit is at this depth at the latest.
+    /// Returns the depth up to which boxes are of interest if a hit is at depth `latest` or nearer.
     #[inline]
     pub(crate) fn depth_limit(&self, latest: f64) -> f32 {
         frame::above(latest + f64::from(self.slack))
     }
 
-    /// Returns which of a node's children rays in the frustum may meet before a depth, as a bit mask, and from which depth on, 0
-    /// or more.
+    /// Returns a bit mask of the node's children that rays in the frustum may hit up to a depth, and the depths at which they begin, 0 or
+    /// more.
     #[inline(always)]
     pub(super) fn meets<S: Simd>(&self, simd: S, node: &Node, limit: f32) -> (u32, f32x8<S>) {
         let splat = f32x8::splat;

@@ -1,19 +1,19 @@
-//! A tree of bounding boxes that says which shapes a ray may meet, and nothing else.
+//! A bounding volume hierarchy that finds the shapes that a ray may hit, and nothing else.
 //!
-//! The tree knows boxes, which of them hold spheres, and numbers of leaves, never shapes. It is only ever asked to leave out what a ray cannot
-//! meet, and which boxes and spheres rays go through for certain: every rounding in it goes the cautious way, so that the picture does
-//! not depend on it.
+//! The tree stores boxes, a flag for each that holds a sphere, and leaf indices, but no shapes. It only culls shapes that a ray cannot hit,
+//! and finds boxes and spheres that rays certainly pass through. All rounding is conservative, so that the picture does not depend on the
+//! tree.
 //!
-//! - [`frame`]: the coordinates in which boxes are kept in `f32`, and rays in those coordinates.
-//! - [`build`]: from boxes to a tree of nodes with eight children. [`morton`] finds neighbours, [`ploc`] makes a binary tree of
-//!   them, and [`collapse`] pulls its levels together.
-//! - [`refit`]: what is done instead where few shapes have moved.
-//! - [`node`]: one node, eight boxes against one ray.
-//! - [`traverse`]: from the root to the leaves, nearest first, with one ray.
-//! - [`packet`]: the same with sixteen rays.
-//! - [`frustum`]: the same with all rays from one point within some slopes, eight boxes at once; [`shaft`]: which of many bundles in
-//!   it may meet a shape, and [`cover`] which of them all do; [`beam`]: the same of rays from a box; [`slopes`] and [`depth`]: what
-//!   they are made of.
+//! - [`frame`]: the coordinate frame in which boxes are stored in `f32`, and the transformation of rays to it.
+//! - [`build`]: builds a tree of nodes with eight children from boxes. [`morton`] sorts neighbours together, [`ploc`] clusters them into a
+//!   binary tree, and [`collapse`] merges its levels.
+//! - [`refit`]: updates the boxes instead of rebuilding the tree if few shapes have moved.
+//! - [`node`]: a node, which tests eight boxes against one ray.
+//! - [`traverse`]: traversal with one ray from the root to the leaves, nearest first.
+//! - [`packet`]: traversal with sixteen rays.
+//! - [`frustum`]: traversal with all rays from one point whose slopes lie in a range, eight boxes at once. [`shaft`] finds the parts of
+//!   such a bundle that may hit a shape, [`cover`] the parts whose rays all hit it, and [`beam`] the parts of a bundle between a box and
+//!   points. [`slopes`] and [`depth`] compute the data that they share.
 
 mod beam;
 mod build;
@@ -50,11 +50,11 @@ use node::Node;
 
 use crate::trace::shapes::Bounds;
 
-/// Where a shape is.
+/// The bounds of a shape.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Extent {
     pub(crate) bounds: Bounds,
-    /// Whether it is a sphere that touches all sides of them.
+    /// True if the shape is a sphere that touches all sides of its bounds.
     pub(crate) round: bool,
 }
 

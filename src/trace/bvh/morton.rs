@@ -1,14 +1,14 @@
-//! Boxes in the order in which a curve through space passes them: neighbours in it are mostly neighbours in space.
+//! Sorting of boxes along a space-filling curve: neighbours on the curve are mostly neighbours in space.
 //!
-//! It is the Morton curve through the cells of a cube that is halved again and again. Where many boxes share a single cell, as
-//! where all but one are in a corner, the cell becomes a cube of its own.
+//! The curve is the Morton curve through the cells of a cube that is halved repeatedly. If many boxes share a single cell, as when all but
+//! one are in a corner, the cell is subdivided as a cube of its own.
 
 use rayon::prelude::*;
 
 use super::frame::FrameBox;
 
-/// Puts boxes, given by their indices, into such an order that the curve passes one cell of theirs after the other, each of at most
-/// `most` boxes. Returns where in that order the cells end, ascending.
+/// Sorts boxes, given by their indices, along the curve into consecutive cells of at most `most` boxes each. Returns the ends of the cells
+/// in that order, ascending.
 pub(super) fn divide(boxes: &[FrameBox], order: &mut [u32], most: usize) -> Vec<usize> {
     let mut ends = Vec::new();
     let mut crowded = Vec::from_iter((!order.is_empty()).then_some(0..order.len()));
@@ -39,13 +39,13 @@ pub(super) fn divide(boxes: &[FrameBox], order: &mut [u32], most: usize) -> Vec<
     ends
 }
 
-/// How often a cube around so many boxes is halved for cells of some dozens.
+/// Returns the number of halvings of a cube around `count` boxes that leaves some dozens in a cell.
 fn levels(count: usize) -> u32 {
     const HALVINGS_IN_A_CELL: u32 = 5;
     (count.ilog2().saturating_sub(HALVINGS_IN_A_CELL) / 3).clamp(1, 6)
 }
 
-/// Puts boxes into the order of their cells. Returns where each cell starts, and where the last one ends.
+/// Sorts boxes by their cells. Returns the start of each cell, and the end of the last one.
 fn sort_by_counting(grid: &Grid, boxes: &[FrameBox], order: &mut [u32]) -> Vec<u32> {
     let cell = |index: &u32| grid.cell(boxes[*index as usize].center());
     let members: Vec<(usize, u32)> =
@@ -67,10 +67,10 @@ fn sort_by_counting(grid: &Grid, boxes: &[FrameBox], order: &mut [u32]) -> Vec<u
     starts
 }
 
-/// Puts a few boxes, given by their indices, into the order of the curve. `keys` is room for that.
+/// Sorts a few boxes, given by their indices, along the curve. `keys` is scratch memory.
 #[expect(clippy::cast_possible_truncation, reason = "the lower bits are an index")]
 pub(super) fn sort(boxes: &[FrameBox], order: &mut [u32], keys: &mut Vec<u64>) {
-    /// More of them in one cell get a cube of their own.
+    /// Maximum number of boxes in a cell that is not subdivided as a cube of its own.
     const FEW: usize = 16;
     let index_bits = u64::BITS - (boxes.len() as u64).leading_zeros();
     let Some(grid) = Grid::around(boxes, order, ((u64::BITS - index_bits) / 3).min(Grid::MOST_LEVELS)) else {
@@ -102,10 +102,10 @@ struct Grid {
 }
 
 impl Grid {
-    /// The number of a cell has three bits a level.
+    /// Maximum number of levels, as a cell's number has three bits per level.
     const MOST_LEVELS: u32 = 21;
 
-    /// A cube around the centres of boxes; `None` where they are all in one place.
+    /// Creates a cube around the centres of boxes; `None` if all centres coincide.
     #[expect(clippy::cast_precision_loss, reason = "a power of two")]
     fn around(boxes: &[FrameBox], order: &[u32], levels: u32) -> Option<Self> {
         let all = order.iter().fold(FrameBox::EMPTY, |all, index| {
@@ -113,13 +113,13 @@ impl Grid {
             all.union(&FrameBox { min: center, max: center })
         });
         let edge = (0..3).map(|axis| all.max[axis] - all.min[axis]).fold(0.0, f32::max);
-        // A little less than there are, so that the last one's number is below that.
+        // Slightly less than the number of cells, so that the index of the last one stays below it.
         let cells = (1_u32 << levels) as f32 * (1.0 - f32::EPSILON);
         let cells_a_unit = cells / edge;
         cells_a_unit.is_finite().then_some(Self { origin: all.min, cells_a_unit, levels })
     }
 
-    /// The cell of a place, by its number along the curve.
+    /// Returns the number, along the curve, of the cell that contains a point.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place in the cube")]
     fn cell(&self, place: [f32; 3]) -> u64 {
         let [x, y, z] = std::array::from_fn(|axis| {
@@ -129,7 +129,7 @@ impl Grid {
     }
 }
 
-/// Puts two zeros between any two of the lowest 21 bits.
+/// Inserts two zero bits between adjacent bits of the lowest 21 bits.
 fn spread(number: u32) -> u64 {
     let mut bits = u64::from(number) & 0x001f_ffff;
     bits = (bits | bits << 32) & 0x001f_0000_0000_ffff;

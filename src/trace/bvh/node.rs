@@ -1,47 +1,47 @@
-//! Eight boxes against one ray.
+//! A node: eight boxes, tested against one ray.
 
 use fearless_simd::{f32x8, prelude::*};
 
 use super::frame::{FrameBox, FrameRay};
 use super::index::to_u32;
 
-/// How many children a node has.
+/// Number of children of a node.
 pub(crate) const WIDTH: usize = 8;
 
-/// Identifies a shape of the tree: the number of its leaf, in the order in which nodes have them.
+/// Index of a leaf of the tree, which holds one shape. The leaves of a node have consecutive indices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct LeafId(u32);
 
-/// A node's child: another node, or a shape.
+/// A child of a node in packed form: another node, or a leaf.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Child(u32);
 
-/// A child, read.
+/// A child in unpacked form.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Link {
     Node(usize),
     Leaf(LeafId),
 }
 
-/// Eight children's boxes, plane by plane: lower x, y, z, then upper x, y, z.
+/// The boxes of eight children, plane by plane: lower x, y, z, then upper x, y, z.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(crate) struct Node {
     planes: [[f32; WIDTH]; 6],
     pub(crate) children: [Child; WIDTH],
-    /// Which children there are, as a bit mask.
+    /// Bit mask of the children in use.
     used: u32,
-    /// Which of them are spheres that touch all sides of their boxes.
+    /// Bit mask of the children that are spheres touching all sides of their boxes.
     round: u32,
 }
 
 impl LeafId {
-    /// Identifies the leaf with this index.
+    /// Creates the id of the leaf with this index.
     pub(crate) fn new(index: usize) -> Self {
         Self(to_u32(index))
     }
 
-    /// Returns it as an index into arrays of one entry a leaf.
+    /// Returns the index into arrays with one entry per leaf.
     #[inline(always)]
     pub(crate) fn index(self) -> usize {
         self.0 as usize
@@ -49,7 +49,7 @@ impl LeafId {
 }
 
 impl Child {
-    /// Set in leaves, whose numbers are below 2^28.
+    /// Bit that marks leaves, whose indices are below 2^28.
     const LEAF: u32 = 1 << 31;
 
     pub(crate) fn node(index: u32) -> Self {
@@ -69,13 +69,13 @@ impl Child {
         }
     }
 
-    /// As a number.
+    /// Returns the packed form as a number.
     #[inline]
     pub(crate) fn word(self) -> u32 {
         self.0
     }
 
-    /// From its number.
+    /// Creates a child from its packed form.
     #[inline]
     pub(crate) fn from_word(word: u32) -> Self {
         Self(word)
@@ -83,7 +83,7 @@ impl Child {
 }
 
 impl Node {
-    /// What far sides are multiplied by: 1 + 2^-20.
+    /// Factor by which far sides are lengthened: 1 + 2^-20.
     pub(crate) const LENGTHEN: f32 = 1.0 + 1.0 / 1_048_576.0;
 
     pub(crate) fn empty() -> Self {
@@ -103,7 +103,7 @@ impl Node {
         self.round |= u32::from(round) << index;
     }
 
-    /// Puts another box around a child.
+    /// Replaces the box of a child.
     pub(super) fn set_box(&mut self, index: usize, bounds: &FrameBox) {
         for axis in 0..3 {
             self.planes[axis][index] = bounds.min[axis];
@@ -111,18 +111,18 @@ impl Node {
         }
     }
 
-    /// Returns the box around a child.
+    /// Returns the box of a child.
     pub(super) fn child_box(&self, index: usize) -> FrameBox {
         let [x, y, z, upper_x, upper_y, upper_z] = self.bounds(index);
         FrameBox { min: [x, y, z], max: [upper_x, upper_y, upper_z] }
     }
 
-    /// Returns the box around all children.
+    /// Returns the union of the boxes of all children.
     pub(super) fn around(&self) -> FrameBox {
         self.places().fold(FrameBox::EMPTY, |all, place| all.union(&self.child_box(place)))
     }
 
-    /// Returns the same boxes with other children in them.
+    /// Returns a node with the same boxes and other children.
     pub(super) fn relinked(&self, relink: impl Fn(Child) -> Child) -> Self {
         let mut children = self.children;
         for place in self.places() {
@@ -131,19 +131,19 @@ impl Node {
         Self { children, ..*self }
     }
 
-    /// Returns the places of the children that there are.
+    /// Returns the indices of the children in use.
     pub(super) fn places(&self) -> impl Iterator<Item = usize> + use<> {
         let used = self.used;
         (0..WIDTH).filter(move |place| used & (1 << place) != 0)
     }
 
-    /// Plane `index` of all children's boxes: lower x, y, z, then upper x, y, z.
+    /// Returns plane `index` of the boxes of all children: lower x, y, z, then upper x, y, z.
     #[inline(always)]
     pub(super) fn plane<S: Simd>(&self, simd: S, index: usize) -> f32x8<S> {
         f32x8::load_array_ref(simd, &self.planes[index])
     }
 
-    /// A child's box, plane by plane.
+    /// Returns the box of a child, plane by plane.
     #[inline(always)]
     pub(super) fn bounds(&self, child: usize) -> [f32; 6] {
         let [x, y, z, upper_x, upper_y, upper_z] = &self.planes;
@@ -151,7 +151,7 @@ impl Node {
         [x[child], y[child], z[child], upper_x[child], upper_y[child], upper_z[child]]
     }
 
-    /// Which children there are, as a bit mask.
+    /// Returns the bit mask of the children in use.
     #[inline(always)]
     pub(super) fn used(&self) -> u32 {
         self.used
@@ -163,11 +163,11 @@ impl Node {
         self.round & (1 << child) != 0
     }
 
-    /// Which children the ray may meet before `limit`, as a bit mask, and where it may enter each.
+    /// Returns a bit mask of the children that the ray may hit before `limit`, and the distances at which it may enter them.
     ///
-    /// Never stricter than exact arithmetic: the origin is taken at the cautious end, three roundings of at most 2^-24 each are
-    /// made up for by lengthening the far side by 2^-20 (after Ize, "Robust BVH Ray Traversal", JCGT 2013), and a
-    /// comparison with NaN (an unmoving ray in a plane) passes.
+    /// Never stricter than exact arithmetic: the origin is taken at the conservative end of its interval, three roundings of at most 2^-24
+    /// each are compensated for by lengthening the far side by 2^-20 (after Ize, "Robust BVH Ray Traversal", JCGT 2013), and a comparison
+    /// with NaN (the origin lies in a plane and the ray is parallel to it) passes.
     #[inline(always)]
     pub(crate) fn entries(&self, ray: &FrameRay, limit: f32) -> (u32, [f32; WIDTH]) {
         let mut entry = [0.0_f32; WIDTH];

@@ -1,17 +1,17 @@
-//! Sixteen rays against boxes.
+//! Packets of sixteen rays, tested against boxes.
 //!
-//! A box's lower plane is measured from the upper end of a ray's origin, and its upper plane from the lower end, whichever way the
-//! ray goes: both let it enter earlier and leave later. So a ray enters at the smaller quotient and leaves at the larger one.
+//! A box's lower plane is measured from the upper end of a ray's origin, and its upper plane from the lower end, for either sign of the
+//! direction: both make the ray enter earlier and leave later. A ray therefore enters at the smaller quotient and leaves at the larger one.
 //!
-//! A quotient is (plane - origin) / speed, and computed as plane * inverse - origin * inverse, fused where the processor can. With
-//! the unit roundoff e of 2^-24, planes within -1..=1 and origins up to E, rounding the second product does what a shift of the
-//! origin by e E would do, and rounding the first, where it is rounded for itself, what a shift of the plane by e would do. That is
-//! less than 2^-23 (1 + E), by which origins are widened in addition to what [single rays](super::frame::Frame::ray) are. What
-//! is left is as it is there: a rounded reciprocal and a rounded difference, for which far sides are lengthened.
+//! A quotient is (plane - origin) / direction, computed as plane * inverse - origin * inverse, fused if the processor supports it. With
+//! unit roundoff e = 2^-24, planes within -1..=1 and origins up to E, rounding the second product is equivalent to a shift of the origin by
+//! e E, and rounding the first, if it is rounded separately, to a shift of the plane by e. Together they are less than 2^-23 (1 + E), by
+//! which origins are widened in addition to the widening for [single rays](super::frame::Frame::ray). The remaining errors are the same as
+//! for single rays: a rounded reciprocal and a rounded difference, for which far sides are lengthened.
 //!
-//! Where all rays go the same way along every axis, eight boxes are asked at once first: their planes lie at least as far from the
-//! outermost origin, and are come closer to with at least the slowest and at most the fastest ray. Of rays that end at one point it
-//! is known better where they are: within the [frustum](super::frustum) from there.
+//! If all rays have the same direction sign along every axis, eight boxes at once are tested first against common bounds: every plane is at
+//! least as far from a ray as from the outermost origin, and is approached at least as fast as by the slowest ray and at most as fast as by
+//! the fastest one. Rays that end at one point have tighter bounds: the [frustum](super::frustum) from that point.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -26,31 +26,31 @@ use crate::trace::math::{
 };
 use crate::trace::rays::RayPacket;
 
-/// An `f32` of every lane.
+/// One `f32` per lane.
 type Floats = [f32; LANES];
 
-/// One of every axis.
+/// One value per axis and lane.
 type Ends = [Floats; 3];
 
-/// Rays in the frame, for culling only, and how far they are followed.
+/// Rays in the frame, for culling only, and their limits.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(crate) struct FramePacket {
     inverse: Ends,
-    /// The ends of the origins times that, by axis.
+    /// The lower ends of the origins times `inverse`, by axis; `high` holds the upper ends.
     low: Ends,
     high: Ends,
     limits: Floats,
-    /// The largest of the limits.
+    /// The largest limit.
     farthest: f32,
-    /// Lanes that still look for something.
+    /// Active lanes, as a bit mask.
     active: u32,
-    /// For all rays that were in it at first.
+    /// The common bounds of all rays that were active at first.
     hull: Hull,
     scale: f64,
 }
 
-/// What all rays stay within.
+/// The common bounds of the rays of a packet.
 #[derive(Clone, Copy, Debug)]
 enum Hull {
     Shared(Shared),
@@ -59,21 +59,21 @@ enum Hull {
     Unknown,
 }
 
-/// What rays have in common that go the same way along every axis.
+/// Bounds of rays with the same direction sign along every axis.
 #[derive(Clone, Copy, Debug)]
 struct Shared {
     lowest: [f32; 3],
     highest: [f32; 3],
-    /// The smallest and the largest reciprocal.
+    /// The smallest and the largest reciprocal of the directions.
     inverse: [[f32; 2]; 3],
     downward: [bool; 3],
 }
 
-/// Nodes and shapes still to be visited; kept between rays so that none allocates.
+/// Traversal stack. Reused between packets to avoid allocations.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PacketStack(Vec<Pending>);
 
-/// A child that rays in some lanes may enter, the first of them here.
+/// A child that rays in some lanes may enter, the first of them at distance `entry`.
 #[derive(Clone, Copy, Debug)]
 struct Pending {
     entry: f32,
@@ -81,26 +81,26 @@ struct Pending {
     lanes: u32,
 }
 
-/// What is asked of every shape that rays of a packet may meet.
+/// Callback for every shape that rays of a packet may hit.
 pub(crate) trait PacketVisitor<S: Simd> {
-    /// Whether nearer shapes are better visited first.
+    /// True if nearer shapes should be visited first.
     const NEAREST_FIRST: bool;
 
-    /// Visits a shape with the rays in some lanes, and updates what is still of interest.
+    /// Visits a shape with the rays in some lanes, and updates the packet's active lanes and limits.
     fn visit(&mut self, simd: S, leaf: LeafId, lanes: u32, packet: &mut FramePacket);
 }
 
 impl FramePacket {
-    /// Lets lanes look no further.
+    /// Deactivates lanes.
     #[inline(always)]
     pub(crate) fn finish(&mut self, lanes: u32) {
         self.active &= !lanes;
     }
 
-    /// Follows rays no further than so.
+    /// Sets the limits of the rays to `ts` plus `errors`, rounded up.
     #[inline(always)]
     pub(crate) fn limit<S: Simd>(&mut self, simd: S, ts: &Numbers, errors: &Numbers) {
-        /// More than rounding to `f32` may take away.
+        /// Factor larger than the relative error of rounding to `f32`.
         const LONGER: f32 = 1.0 + 1.0 / 1_048_576.0;
         const LEAST: f32 = 1e-30;
         let scale = splat(simd, self.scale);
@@ -114,7 +114,7 @@ impl FramePacket {
         self.farthest = mask16(simd, self.active).select(limits, none).reduce_max();
     }
 
-    /// Returns which of some lanes may enter a child, and the first place where one does.
+    /// Returns the lanes, among the given ones, whose rays may enter a child, and the entry distance of every lane.
     #[inline(always)]
     fn enters<S: Simd>(&self, simd: S, planes: &[f32; 6], lanes: u32) -> (u32, f32x16<S>) {
         let load = |floats: &Floats| f32x16::load_array_ref(simd, floats);
@@ -137,7 +137,8 @@ impl FramePacket {
 }
 
 impl Shared {
-    /// Of rays in some lanes, by the ends of their origins, and their reciprocals.
+    /// Computes the bounds of rays in some lanes from both ends of their origins and their reciprocals; `None` if their direction signs
+    /// differ.
     #[inline(always)]
     fn of<S: Simd>(simd: S, active: u32, (low, high, inverses): (&Ends, &Ends, &Ends)) -> Option<Self> {
         let mask = mask16(simd, active);
@@ -159,7 +160,7 @@ impl Shared {
         Some(Self { lowest, highest, inverse, downward })
     }
 
-    /// Returns which of a node's children a ray may enter before a limit, and no ray enters them before which places.
+    /// Returns a bit mask of the node's children that a ray may enter before a limit, and lower bounds of the entry distances.
     #[inline(always)]
     fn entries<S: Simd>(&self, simd: S, node: &Node, limit: f32) -> (u32, f32x8<S>) {
         let splat = |number: f32| f32x8::splat(simd, number);
@@ -178,10 +179,11 @@ impl Shared {
 }
 
 impl Frame {
-    /// Half of the origins, clamped to finite numbers: the difference of infinities is NaN, and a lane with NaN enters no box.
+    /// Returns half of the origins in the frame, clamped to finite numbers: the difference of infinities is NaN, and a lane with NaN enters
+    /// no box.
     #[inline(always)]
     fn places<S: Simd>(&self, simd: S, origins: &Vectors, half: usize) -> F64s3<S> {
-        /// Beyond all `f32`.
+        /// Larger than every `f32`.
         const FARTHEST: f64 = 1e300;
         let shifted = subtract(origins.load(simd, half), splat3(simd, self.origin()));
         let farthest = splat(simd, FARTHEST);
@@ -189,18 +191,19 @@ impl Frame {
     }
 }
 
-/// How far origins are widened.
+/// Returns the distances by which origins are widened.
 #[inline(always)]
 fn slack<S: Simd>([x, y, z]: F64s3<S>) -> F64s<S> {
-    /// 2^-23 more.
+    /// 2^-23 more than for single rays.
     const SLACK: f64 = 1.5 * Frame::SLACK;
     (x.abs().max(y.abs()).max(z.abs()) + 1.0) * SLACK
 }
 
-/// Half of the reciprocals of one coordinate.
+/// Returns the reciprocals of one direction component for half of the rays.
 #[inline(always)]
 fn inverse<S: Simd>(simd: S, directions: &Numbers, half: usize) -> F64s<S> {
-    /// Slower than so a ray does not go: what it would enter later is entered, and there is nothing that it leaves before.
+    /// Minimum magnitude of a direction component. Slower rays are tested at this speed: they enter boxes earlier than they should, and
+    /// leave none too early.
     const SLOWEST: f64 = 1e-30;
     let direction = directions.load(simd, half);
     let slowest = splat(simd, SLOWEST).copysign(direction);
@@ -209,7 +212,7 @@ fn inverse<S: Simd>(simd: S, directions: &Numbers, half: usize) -> F64s<S> {
 }
 
 impl Tree {
-    /// Makes rays in some lanes ready for culling. They may be known to stay within a frustum, up to a depth.
+    /// Prepares rays in some lanes for culling. `frustum`, if known, bounds them up to a depth.
     #[inline(always)]
     pub(crate) fn packet<S: Simd>(
         &self,
@@ -250,8 +253,8 @@ impl Tree {
         }
     }
 
-    /// Visits every shape that rays of a packet may meet before their limits, nearer ones first. Once `cancelled` is true the rest is
-    /// left out.
+    /// Visits every shape that rays of a packet may hit before their limits, nearer ones first if [`PacketVisitor::NEAREST_FIRST`]. Stops
+    /// once `cancelled` is true.
     #[inline(always)]
     pub(crate) fn visit_packet<S: Simd, V: PacketVisitor<S>>(
         &self,
@@ -287,7 +290,7 @@ impl Tree {
     }
 }
 
-/// Puts a node's children that any ray may enter onto the stack, the farthest first where that matters.
+/// Pushes a node's children that any ray may enter onto the stack, the farthest first if [`PacketVisitor::NEAREST_FIRST`].
 #[inline(always)]
 fn push_children<S: Simd, V: PacketVisitor<S>>(
     simd: S,

@@ -1,32 +1,32 @@
-//! A binary tree over boxes, from the boxes upwards.
+//! Bottom-up construction of a binary tree over boxes.
 //!
-//! After Meister and Bittner, "Parallel Locally-Ordered Clustering for Bounding Volume Hierarchy Construction" (2018), with the
-//! smallest search distance: along a curve through space, two neighbours become one where each is nearer to the other than to its
-//! other neighbour, pass after pass, until one is left. The cheapest tree to build traces as fast as the dearest once its lower
-//! levels are collapsed into leaves.
+//! After Meister and Bittner, "Parallel Locally-Ordered Clustering for Bounding Volume Hierarchy Construction" (2018), with the smallest
+//! search radius: in each pass, two neighbours on a space-filling curve merge if each is nearer to the other than to its other neighbour,
+//! until one cluster is left. This tree is the cheapest to build, and traces as fast as the most expensive one once its lower levels are
+//! collapsed into leaves.
 
 use glam::Vec3A;
 
 use super::frame::FrameBox;
 use super::index::to_u32;
 
-/// A binary tree over boxes: these come first among its clusters, and the root last.
+/// A binary tree over boxes. The boxes are the first clusters, and the root is the last.
 #[derive(Debug, Default)]
 pub(super) struct Clusters {
     clusters: Vec<Cluster>,
-    /// How many of them are boxes.
+    /// Number of clusters that are boxes.
     boxes: usize,
-    /// Those without a parent yet, along the curve.
+    /// Clusters without a parent so far, along the curve.
     roots: Vec<(Aabb, u32)>,
-    /// How near neighbours are: half the area around what is before each root and it, and infinity at both ends.
+    /// Distances between adjacent roots: half the surface area of the box around both, at the index of the second; infinity at both ends.
     distances: Vec<f32>,
 }
 
-/// A box, or two clusters.
+/// A box, or a pair of clusters.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cluster {
     bounds: Aabb,
-    /// How many boxes it consists of.
+    /// Number of boxes in the cluster.
     pub(super) count: u32,
     parts: [u32; 2],
 }
@@ -39,19 +39,19 @@ struct Aabb {
 }
 
 impl Cluster {
-    /// Returns the box around it.
+    /// Returns the bounds of the cluster.
     pub(super) fn bounds(&self) -> FrameBox {
         FrameBox { min: self.bounds.min.to_array(), max: self.bounds.max.to_array() }
     }
 
-    /// Returns half the surface of the box around it.
+    /// Returns half the surface area of its bounds.
     pub(super) fn half_area(&self) -> f32 {
         self.bounds.half_area()
     }
 }
 
 impl Clusters {
-    /// Makes a tree of these boxes, at least one, which are given along the curve.
+    /// Builds a tree over these boxes, at least one, given in the order of the curve.
     pub(super) fn build<'a>(&mut self, boxes: impl Iterator<Item = &'a FrameBox>) {
         let Self { clusters, roots, .. } = self;
         clusters.clear();
@@ -65,23 +65,23 @@ impl Clusters {
         }
     }
 
-    /// Returns the root's number.
+    /// Returns the index of the root.
     pub(super) fn root(&self) -> usize {
         self.clusters.len() - 1
     }
 
-    /// Returns a cluster.
+    /// Returns the cluster with this index.
     pub(super) fn get(&self, index: usize) -> &Cluster {
         &self.clusters[index]
     }
 
-    /// Returns the two parts of a cluster; `None` if it is one of the boxes.
+    /// Returns the two parts of a cluster; `None` if it is a box.
     pub(super) fn parts(&self, index: usize) -> Option<[usize; 2]> {
         (index >= self.boxes).then(|| self.clusters[index].parts.map(|part| part as usize))
     }
 
     fn measure(&mut self) {
-        /// Of so many neighbours one pair should merge.
+        /// Number of roots per pair that should merge in a pass.
         const FEW: usize = 16;
         let Self { roots, distances, .. } = self;
         distances.clear();
@@ -90,7 +90,8 @@ impl Clusters {
         distances.push(f32::INFINITY);
         let pairs = (1..roots.len()).filter(|place| merge(distances, *place)).count();
         if pairs * FEW < roots.len() {
-            // Neighbours that are ever nearer, as nested shapes are, would merge a pair a pass. Equally near, all pair off.
+            // If distances decrease along the curve, as for nested shapes, one pair would merge per pass. With equal distances, all roots
+            // pair off.
             distances.fill(0.0);
         }
     }
@@ -117,8 +118,7 @@ impl Clusters {
     }
 }
 
-/// Returns whether a root and the one before it are the nearest to each other. Where all are equally near, as in a row, they pair
-/// off.
+/// Returns whether the root at `place` and its predecessor are nearest to each other. Roots at equal distances, as in a row, pair off.
 #[inline(always)]
 fn merge(distances: &[f32], place: usize) -> bool {
     let [before, between, after] = [distances[place - 1], distances[place], distances[place + 1]];

@@ -1,8 +1,8 @@
-//! Refitting: boxes are made to fit again from the leaves that moved up to the root, and the rest of the tree is left alone.
+//! Refitting: updates the boxes from the leaves that moved up to the root, and leaves the rest of the tree unchanged.
 //!
-//! A tree that was built for other places traces ever more slowly. By the surface area heuristic the cost of a tree goes by the
-//! surfaces of its boxes (Goldsmith and Salmon, "Automatic Creation of Object Hierarchies for Ray Tracing", 1987): once they have
-//! grown too much, the tree is to be built anew.
+//! A tree that was built for other positions traces ever more slowly. By the surface area heuristic, the cost of a tree is proportional to
+//! the surface areas of its boxes (Goldsmith and Salmon, "Automatic Creation of Object Hierarchies for Ray Tracing", 1987): once they have
+//! grown too much, the tree must be rebuilt.
 
 use super::Tree;
 use super::frame::FrameBox;
@@ -10,21 +10,21 @@ use super::index::to_u32;
 use super::node::{LeafId, Link, Node, WIDTH};
 use crate::trace::shapes::Bounds;
 
-/// Refits one tree: the links from its leaves up to its root, and its cost.
+/// Refits one tree. Stores the links from its leaves up to its root, and its cost.
 #[derive(Clone, Debug)]
 pub(crate) struct Refitter {
-    /// By node. The root's is not used.
+    /// By node. The root's entry is unused.
     node_parents: Vec<Parent>,
     /// By leaf.
     leaf_parents: Vec<Parent>,
-    /// Nodes with children that have moved, as a bit set.
+    /// Bit set of the nodes with children that have moved.
     dirty: Vec<u64>,
-    /// The cost of the tree as it was built.
+    /// The cost of the tree when it was built.
     built_cost: f64,
     cost: f64,
 }
 
-/// Whose child a node or a leaf is, and which of its children.
+/// The parent of a node or leaf, and its index among the parent's children.
 #[derive(Clone, Copy, Debug, Default)]
 struct Parent(u32);
 
@@ -43,7 +43,7 @@ impl Parent {
 }
 
 impl Refitter {
-    /// Links up a tree that was just built over so many shapes.
+    /// Creates the links of a tree that was just built over this many shapes.
     pub(crate) fn new(tree: &Tree, leaves: usize) -> Self {
         let mut refitter = Self {
             node_parents: vec![Parent::default(); tree.nodes.len()],
@@ -66,8 +66,8 @@ impl Refitter {
         refitter
     }
 
-    /// Moves leaves to where their shapes are now. Returns whether the tree may be kept: if not, because a shape has left the frame
-    /// or because the tree's cost has grown too much, it must be built anew.
+    /// Moves leaves to the current bounds of their shapes. Returns whether the tree may be kept; if not, because a shape has left the frame
+    /// or because the tree's cost has grown too much, it must be rebuilt.
     #[must_use]
     pub(crate) fn refit(
         &mut self,
@@ -86,7 +86,7 @@ impl Refitter {
         self.cost <= self.built_cost * MOST_GROWTH
     }
 
-    /// Makes the boxes around nodes fit, children before their parents, which have lower numbers.
+    /// Refits the boxes around nodes, children before their parents, which have lower indices.
     fn refit_nodes(&mut self, tree: &mut Tree) {
         for word in (0..self.dirty.len()).rev() {
             while self.dirty[word] != 0 {
@@ -112,7 +112,7 @@ impl Refitter {
         self.dirty[parent.node() / 64] |= 1 << (parent.node() % 64);
     }
 
-    /// The cost of the tree as it is: half the surface of all boxes, in units of its frame.
+    /// Returns the current cost of the tree: half the surface area of all boxes, in units of its frame.
     #[cfg(test)]
     pub(super) fn cost(&self) -> f64 {
         self.cost

@@ -1,11 +1,11 @@
-//! Bundles of rays with a common origin, and the bundles that they consist of, against shapes.
+//! Bundles of rays with a common origin, and their parts, tested against shapes.
 //!
-//! A part is half a packet. It is bounded as a [frustum](super::frustum) is, and as cautiously.
+//! A part is half a packet. It is bounded like a [frustum](super::frustum), and as conservatively.
 //!
-//! A sphere of radius r is beyond the slope h if for its centre u - h w > r sqrt(1 + h^2). It touches the sides of its box, which are
-//! rounded outwards, by less than 3 e: their middle is off from its centre by less than 4 e, and half their distance is at most e
-//! less than its radius. That makes less than 5 e (1 + S), the product of radius and root is rounded by less than 3 e (1 + S), and
-//! the rest is as with boxes: less than 14 e (1 + E)(1 + S) in all, and of a sphere's own rounding there is next to nothing.
+//! A sphere of radius r is beyond the slope h if its centre satisfies u - h w > r sqrt(1 + h^2). The sphere touches the sides of its box,
+//! which are rounded outwards by less than 3 e: their midpoint is off from its centre by less than 4 e, and half their distance is at most
+//! e less than its radius. This contributes less than 5 e (1 + S). The product of radius and root is rounded by less than 3 e (1 + S), and
+//! the other errors are the same as for boxes: less than 14 e (1 + E)(1 + S) in total. The rounding of a sphere's own test is negligible.
 
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 use glam::DVec3;
@@ -16,22 +16,22 @@ use super::frustum::{Frustum, LeafBox};
 use super::slopes::{Ends, GROUPS, PartNumbers, Slopes};
 use crate::trace::math::{LANES, bits16};
 
-/// A bundle of rays with a common origin, and [`PARTS`](super::PARTS) bundles that it consists of.
+/// A bundle of rays with a common origin, divided into [`PARTS`](super::PARTS) parts.
 #[derive(Clone, Debug)]
 pub(crate) struct Shaft {
     pub(crate) frustum: Frustum,
     pub(super) slopes: Slopes,
-    /// sqrt(1 + h^2) of each of those slopes.
+    /// sqrt(1 + h^2) for each slope h in `slopes`.
     low_root: [PartNumbers; 2],
     high_root: [PartNumbers; 2],
 }
 
-/// By part: the depth up to which shapes are of interest, in the tree's frame.
+/// The depth up to which shapes are of interest, by part, in the tree's frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits(PartNumbers);
 
 impl Tree {
-    /// Makes a shaft of the rays from a point that have these slopes. `None` where there is no [frustum](Tree::frustum).
+    /// Creates a shaft of the rays from a point with these slopes. `None` if there is no [frustum](Tree::frustum).
     #[inline(always)]
     pub(crate) fn shaft<S: Simd>(
         &self,
@@ -56,7 +56,7 @@ impl Tree {
 }
 
 impl Shaft {
-    /// Returns which parts' rays may meet a shape before their own depths, as a bit mask.
+    /// Returns a bit mask of the parts whose rays may hit a shape before their limits.
     #[inline(always)]
     pub(crate) fn parts<S: Simd>(&self, simd: S, bounds: &LeafBox, limits: &Limits) -> u32 {
         let mut parts = 0;
@@ -123,28 +123,28 @@ impl Shaft {
 }
 
 impl Limits {
-    /// Of parts where nothing is of interest.
+    /// The limits of parts for which nothing is of interest.
     pub(crate) const NONE: Self = Self([[f32::NEG_INFINITY; LANES]; GROUPS]);
 
-    /// Lets shapes be of interest to each part as far as its rays go.
+    /// Limits each part to the depth at which the farthest of its rays ends.
     #[inline(always)]
     pub(crate) fn up_to<S: Simd>(simd: S, ends: &Ends, frustum: &Frustum) -> Self {
         Self::around(simd, &ends.farthest, frustum.slack)
     }
 
-    /// The same up to these depths, but for a slack.
+    /// Limits each part to its depth plus a slack.
     #[inline(always)]
     pub(super) fn around<S: Simd>(simd: S, depths: &PartNumbers, slack: f32) -> Self {
         let mut limits = Self::NONE;
         for (limit, depths) in limits.0.iter_mut().zip(depths) {
             let depth = f32x16::load_array_ref(simd, depths) + slack;
-            // Of the sum's rounding.
+            // Covers the rounding of the sum.
             (depth + depth.abs() * f32::EPSILON).store_array(limit);
         }
         limits
     }
 
-    /// Returns the parts to which something this deep is of interest, as a bit mask.
+    /// Returns a bit mask of the parts whose limits are at this depth or beyond.
     #[inline(always)]
     pub(crate) fn reaching<S: Simd>(&self, simd: S, depth: f32) -> u32 {
         let mut parts = 0;
@@ -155,19 +155,19 @@ impl Limits {
         parts
     }
 
-    /// Returns those of some of the parts.
+    /// Returns the limits of one group of parts.
     #[inline(always)]
     pub(super) fn load<S: Simd>(&self, simd: S, group: usize) -> f32x16<S> {
         f32x16::load_array_ref(simd, &self.0[group])
     }
 
-    /// Lets shapes be of interest to a part up to this depth.
+    /// Sets the limit of a part.
     #[inline(always)]
     pub(crate) fn set(&mut self, part: usize, depth: f32) {
         self.0[part / LANES % (GROUPS)][part % LANES] = depth;
     }
 
-    /// Returns the depth up to which shapes are of interest to any part.
+    /// Returns the largest limit of any part.
     #[inline(always)]
     pub(crate) fn farthest<S: Simd>(&self, simd: S) -> f32 {
         let [first, second] = &self.0;
@@ -175,7 +175,7 @@ impl Limits {
     }
 }
 
-/// The centre and the radius of the sphere that touches the sides of a box.
+/// Returns the centre and the radius of the sphere that touches the sides of a box.
 #[inline(always)]
 pub(super) fn ball([x, y, z, upper_x, upper_y, upper_z]: &[f32; 6]) -> ([f32; 3], f32) {
     let middle = |lower: f32, upper: f32| (lower + upper) * 0.5;

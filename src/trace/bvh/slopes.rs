@@ -1,7 +1,7 @@
-//! Slopes of the rays of many packets, and how deep those go, part by part: what a [shaft](super::shaft) is made of.
+//! Slopes and end depths of the rays of many packets, by part: the data of a [shaft](super::shaft).
 //!
-//! A part is half a packet. What is known of every lane is kept until it is known of all packets: eight of them are reduced together,
-//! pairs of lanes to one, until each part has one lane.
+//! A part is half a packet. Values are kept per lane until they are known for all packets. Eight packets are then reduced together, pairs
+//! of lanes to one, until each part has one lane.
 
 use fearless_simd::{f32x16, prelude::*};
 use glam::DVec3;
@@ -9,22 +9,22 @@ use glam::DVec3;
 use super::depth::Depth;
 use crate::trace::math::{F64s, LANES, Numbers, Vectors, bits, bits16, mask16, splat};
 
-/// How many packets a bundle has.
+/// Number of packets in a bundle.
 pub(crate) const PACKETS: usize = 16;
 
-/// How many bundles there are within a bundle: one of each half of a packet.
+/// Number of parts in a bundle: one per half packet.
 pub(crate) const PARTS: usize = PACKETS * 2;
 
-/// How many vectors the numbers of all parts are.
+/// Number of vectors that hold one number per part.
 pub(super) const GROUPS: usize = PARTS / LANES;
 
-/// A number of every part, as many at a time as a vector has lanes.
+/// One number per part, a vector of lanes at a time.
 pub(super) type PartNumbers = [[f32; LANES]; GROUPS];
 
-/// A number of every ray.
+/// One number per ray.
 type RayNumbers = [[f32; LANES]; PACKETS];
 
-/// More than any number that counts: the least of none.
+/// Larger than every valid number: the minimum of an empty set.
 const NONE: f32 = f32::MAX;
 
 /// The smallest and the largest slope of rays along the two axes across the depth.
@@ -34,35 +34,35 @@ pub(crate) struct SlopeRange {
     pub(super) high: [f32; 2],
 }
 
-/// Those of each part's rays. Of a part without rays the smallest is larger than the largest.
+/// The slope range of each part's rays. For a part without rays, `low` exceeds `high`.
 #[derive(Clone, Debug)]
 pub(crate) struct Slopes {
     pub(super) low: [PartNumbers; 2],
     pub(super) high: [PartNumbers; 2],
 }
 
-/// The smallest and the greatest depths at which each part's rays end, in the tree's frame. Of a part without rays the smallest is
-/// larger than the greatest, which is nowhere.
+/// The smallest and the greatest depth at which each part's rays end, in the tree's frame. For a part without rays, `nearest` exceeds
+/// `farthest`: its range is empty.
 #[derive(Clone, Debug)]
 pub(crate) struct Ends {
     pub(super) nearest: PartNumbers,
     pub(super) farthest: PartNumbers,
 }
 
-/// Within which boxes the points of each part are, as seen from a place: how deep, and where along the two axes across. Of a part without
-/// points the lower ends are above the upper ones.
+/// The bounding boxes of each part's points relative to a viewpoint: the depth, and the coordinates along the two axes across it. For a
+/// part without points, `low` exceeds `high`.
 #[derive(Clone, Debug)]
 pub(super) struct Places {
     pub(super) low: [PartNumbers; 3],
     pub(super) high: [PartNumbers; 3],
 }
 
-/// Steeper rays would make a frustum too wide.
+/// Maximum slope; steeper rays would make a frustum too wide.
 pub(super) const STEEPEST: f32 = 16.0;
 
 impl SlopeRange {
-    /// Returns that of a packet's rays in some lanes, at least one, along their directions times `sense`, 1 or -1, with depth along
-    /// an axis. `None` where one goes the other way, or so steeply that it would make the frustum too wide.
+    /// Returns the slope range of a packet's rays in some lanes, at least one, along their directions times a sense of 1 or -1. `None` if a
+    /// ray runs against the depth axis, or so steeply that the frustum would be too wide.
     #[inline(always)]
     pub(crate) fn of<S: Simd>(
         simd: S,
@@ -87,8 +87,8 @@ impl SlopeRange {
 }
 
 impl Slopes {
-    /// Finds those of packets' rays in some lanes, along their directions times `sense`, 1 or -1, with depth along an axis. `None` where
-    /// one goes the other way, or so steeply that it would make a frustum too wide.
+    /// Computes the slope ranges of packets' rays in some lanes, along their directions times a sense of 1 or -1. `None` if a ray runs
+    /// against the depth axis, or so steeply that a frustum would be too wide.
     #[inline(always)]
     pub(crate) fn of<'a, S: Simd>(
         simd: S,
@@ -123,7 +123,7 @@ impl Slopes {
         good.then_some(slopes)
     }
 
-    /// Returns the range of all parts.
+    /// Returns the union of the slope ranges of all parts.
     #[inline(always)]
     pub(super) fn range<S: Simd>(&self, simd: S) -> SlopeRange {
         let mut range = SlopeRange { low: [0.0; 2], high: [0.0; 2] };
@@ -139,8 +139,8 @@ impl Slopes {
 }
 
 impl Ends {
-    /// Finds those of packets' rays in some lanes, by their `t`, along their directions times `sense`, 1 or -1. `scale` is the length of
-    /// a unit of the scene.
+    /// Computes the depths at which packets' rays in some lanes end, from their `t`, along their directions times `sense`, 1 or -1. `scale`
+    /// is the length of a scene unit in the tree's frame.
     #[inline(always)]
     pub(crate) fn of<'a, S: Simd>(
         simd: S,
@@ -169,15 +169,15 @@ impl Ends {
         ends
     }
 
-    /// Returns the greatest depth of all.
+    /// Returns the greatest depth of all parts.
     pub(crate) fn deepest(&self) -> f32 {
         self.farthest.as_flattened().iter().fold(f32::NEG_INFINITY, |deepest, depth| depth.max(deepest))
     }
 }
 
 impl Places {
-    /// Finds those of packets' points in some lanes, in the tree's frame, in which a unit of the scene is so long. `None` where one is
-    /// nowhere.
+    /// Computes the bounding boxes, in the tree's frame, of packets' points in some lanes as seen from `from`. `scale` is the length of a
+    /// scene unit in that frame. `None` if a coordinate is outside the range of `f32`.
     #[inline(always)]
     pub(super) fn of<'a, S: Simd>(
         simd: S,
@@ -213,13 +213,13 @@ impl Places {
         (nowhere == 0).then_some(places)
     }
 
-    /// Returns how deep the deepest of them is.
+    /// Returns the depth of the deepest point.
     #[inline(always)]
     pub(super) fn deepest<S: Simd>(&self, simd: S) -> f32 {
         greatest(simd, &self.high[0])
     }
 
-    /// Returns the slopes of rays to all of them. `None` where one is not farther away than twice so far, or rays would be too steep.
+    /// Returns the slope range of rays to all points. `None` unless every point is deeper than twice `near` and no ray is too steep.
     #[inline(always)]
     pub(super) fn slopes<S: Simd>(&self, simd: S, near: f32) -> Option<SlopeRange> {
         let (nearest, farthest) = (least(simd, &self.low[0]), self.deepest(simd));
@@ -236,24 +236,24 @@ impl Places {
     }
 }
 
-/// Returns the least number of any part.
+/// Returns the minimum over all parts.
 #[inline(always)]
 fn least<S: Simd>(simd: S, [first, second]: &PartNumbers) -> f32 {
     f32x16::load_array_ref(simd, first).min(f32x16::load_array_ref(simd, second)).reduce_min()
 }
 
-/// Returns the greatest number of any part.
+/// Returns the maximum over all parts.
 #[inline(always)]
 fn greatest<S: Simd>(simd: S, [first, second]: &PartNumbers) -> f32 {
     f32x16::load_array_ref(simd, first).max(f32x16::load_array_ref(simd, second)).reduce_max()
 }
 
-/// Returns the slopes of a packet's rays along the two axes across the depth, rounded, and the lanes of those that go ahead.
+/// Returns the slopes of a packet's rays along the two axes across the depth, rounded, and the lanes whose rays run forwards.
 #[inline(always)]
 fn slopes_of<S: Simd>(simd: S, directions: &Vectors, (depth, sense): (Depth, f64)) -> ([f32x16<S>; 2], u32) {
     let [w, u, v] = depth.axes();
     let (along, sign) = (directions.axis(w), splat(simd, depth.sign()));
-    // Turned round, a direction has the same slopes.
+    // The opposite direction has the same slopes.
     let inverses = [sign / along.load(simd, 0), sign / along.load(simd, 1)];
     let mut ahead = 0;
     for (half, inverse) in inverses.into_iter().enumerate() {
@@ -270,7 +270,7 @@ fn times<S: Simd>(simd: S, numbers: &Numbers, [first, second]: [F64s<S>; 2]) -> 
     (numbers.load(simd, 0) * first).narrow(numbers.load(simd, 1) * second)
 }
 
-/// Returns the least number of each part of eight packets.
+/// Returns the minimum of each part of eight packets.
 #[inline(always)]
 fn least_of_parts<S: Simd>(simd: S, rows: &RayNumbers, group: usize) -> f32x16<S> {
     const ROWS: usize = PACKETS / GROUPS;
@@ -284,16 +284,16 @@ fn least_of_parts<S: Simd>(simd: S, rows: &RayNumbers, group: usize) -> f32x16<S
     least_of_pairs(least_of_pairs(ab, cd), least_of_pairs(ef, gh))
 }
 
-/// Returns the lesser numbers of neighbouring lanes, those of the first vector before those of the second.
+/// Returns the minima of adjacent lanes, first those in `first`, then those in `second`.
 #[inline(always)]
 fn least_of_pairs<S: Simd>(first: f32x16<S>, second: f32x16<S>) -> f32x16<S> {
     first.unzip_low(second).min(first.unzip_high(second))
 }
 
-/// More than rounding to `f32` takes away.
+/// Returns a margin that exceeds the error of rounding to `f32`.
 #[inline(always)]
 pub(super) fn wider<S: Simd>(number: f32x16<S>) -> f32x16<S> {
-    /// Two units in the last place.
+    /// Twice the unit roundoff.
     const WIDER: f32 = f32::EPSILON;
     number.abs() * WIDER + f32::MIN_POSITIVE
 }

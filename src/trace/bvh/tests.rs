@@ -1,4 +1,4 @@
-//! Trees of all kinds of heaps, built and kept.
+//! Construction and refitting of trees over many kinds of box sets.
 
 use glam::DVec3;
 use proptest::prelude::*;
@@ -23,8 +23,8 @@ impl Built {
         Self { tree, shapes }
     }
 
-    /// Checks that the tree has every shape once, that all boxes enclose what they are around, exactly, and that nodes come before
-    /// their children. Returns how many nodes lie above its deepest leaf.
+    /// Checks that the tree has every shape once, that all boxes enclose their contents exactly, and that nodes come before their children.
+    /// Returns the number of nodes above the deepest leaf.
     fn check(&self, bounds: &[Bounds]) -> usize {
         let mut found = Vec::new();
         let mut deepest = 0;
@@ -53,13 +53,13 @@ impl Built {
         deepest
     }
 
-    /// Compares in the scene's coordinates: the box is widened by nothing, and a power of two takes nothing away.
+    /// Compares in the scene's coordinates: boxes are not widened, and scaling by a power of two is exact.
     fn encloses(&self, around: &FrameBox, bounds: &Bounds) -> bool {
         let (origin, scale) = (self.tree.frame.origin(), self.tree.frame.scale());
         (0..3).all(|axis| {
             let low = f64::from(around.min[axis]) / scale;
             let high = f64::from(around.max[axis]) / scale;
-            // Differences of numbers this close are exact, or off to the cautious side by less than was rounded.
+            // Differences of numbers this close are exact, or off on the conservative side by less than the outward rounding.
             low <= (bounds.min - origin)[axis]
                 && high >= (bounds.max - origin)[axis]
                 && around.min[axis] >= -1.0
@@ -89,7 +89,7 @@ fn heaps_rows_and_grids_make_shallow_trees() {
     }
 }
 
-/// Rounded outwards, their boxes must not leave the frame.
+/// Rounding outwards must not move boxes out of the frame.
 #[test]
 fn heaps_that_reach_nearly_as_far_as_a_power_of_two_make_trees() {
     for reach in [1.0_f64, 1024.0, 1e-9_f64.log2().floor().exp2()] {
@@ -113,7 +113,7 @@ fn shapes_within_each_other_make_a_tree_too() {
 fn many_treelets_make_one_tree() {
     let mut builder = Builder::default();
     let corners = |count: u32| -> Vec<Bounds> {
-        // Most are in a corner, a few are far out, and some hundreds are all in one place.
+        // Most are in a corner, a few are far out, and some hundreds coincide.
         let place = |index: u32| match index % 100 {
             0 => DVec3::new(f64::from(index), f64::from(index % 777), -1e6),
             1 => DVec3::ONE,
@@ -147,7 +147,7 @@ fn the_number_of_threads_does_not_matter() {
     assert!(alone == build(2) && alone == build(7));
 }
 
-/// Boxes of all sizes, near each other or far apart.
+/// Generates boxes of all sizes, near each other or far apart.
 fn boxes() -> impl Strategy<Value = Vec<Bounds>> {
     let coordinate = prop_oneof![-1.0..1.0_f64, -1e3..1e3, Just(0.5), Just(1e-9)];
     let point = prop::array::uniform3(coordinate).prop_map(DVec3::from_array);
@@ -181,7 +181,7 @@ proptest! {
                 bounds[shape] = Bounds::around(bounds[shape].center() + way, DVec3::splat(*half));
                 moved.push((leaf_of(&built, shape), bounds[shape]));
             }
-            // The last of those of one shape counts.
+            // For each shape, its last move counts.
             let inside = moved.iter().all(|(_, bounds)| built.tree.frame.bounds(bounds).is_inside());
             let before = refitter.cost();
             let kept = refitter.refit(&mut built.tree, moved);

@@ -1,4 +1,4 @@
-//! From the root to the shapes.
+//! Traversal with one ray from the root to the shapes.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -6,12 +6,12 @@ use super::Tree;
 use super::node::{Child, LeafId, Link, Node};
 use crate::trace::rays::Ray;
 
-/// Nodes and shapes still to be visited, kept between rays so that none allocates.
+/// Traversal stack. Reused between rays to avoid allocations.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Stack(Vec<Pending>);
 
-/// Where a ray may enter a child, as the bits of an `f32` that is not negative, and below them the child: in the order of
-/// entries.
+/// An entry of the traversal stack: the bits of the distance at which the ray may enter a child, an `f32` that is not negative, and below
+/// them the child. Entries sort by distance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Pending(u64);
 
@@ -34,7 +34,7 @@ impl Pending {
 }
 
 impl Stack {
-    /// Returns the stack, empty.
+    /// Clears the stack and returns it.
     pub(super) fn cleared(&mut self) -> &mut Vec<Pending> {
         self.0.clear();
         &mut self.0
@@ -42,8 +42,8 @@ impl Stack {
 }
 
 impl Tree {
-    /// Visits every shape that the ray may meet before a limit, nearer boxes first. `visit` answers with the `t` from
-    /// which on it is no longer interested. Once `cancelled` is true the rest is left out.
+    /// Visits every shape that the ray may hit before a limit, nearer boxes first. `visit` returns the `t` beyond which hits are no longer
+    /// of interest. Stops once `cancelled` is true.
     #[inline]
     pub(crate) fn visit_nearest(
         &self,
@@ -96,8 +96,8 @@ impl Tree {
         }
     }
 
-    /// A shape that the ray may meet before the limit and for which `found` holds, if there is any. Once `cancelled` is true the
-    /// rest is left out.
+    /// Returns a shape that the ray may hit before the limit and for which `found` holds, if there is one. Returns `None` once `cancelled`
+    /// is true.
     #[inline]
     pub(crate) fn find_any(
         &self,
@@ -134,7 +134,7 @@ impl Tree {
     }
 }
 
-/// Sorts a few by insertion: farther ones below, nearer ones on top.
+/// Sorts a few entries by insertion: farther ones below, nearer ones on top.
 #[inline]
 pub(super) fn farther_first(pushed: &mut [Pending]) {
     for from in 1..pushed.len() {

@@ -1,15 +1,15 @@
-//! What a ray knows of the surface that it leaves.
+//! The surface that a ray leaves.
 
 use super::shape_id::ShapeId;
 use super::ties::Ties;
 
-/// The surface a ray leaves. Instead of moving the origin off the surface by some epsilon, the ray skips what it leaves.
+/// The surface that a ray leaves. The ray skips this surface; its origin is not offset by an epsilon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Departure {
-    /// The shape that is left, or the first in document order of those that equal it.
+    /// The shape that is left; of equal shapes, the first in document order.
     pub(crate) id: ShapeId,
-    /// Whether the ray goes out of it; else it goes into it.
+    /// True if the ray goes out of the shape; otherwise it goes into the shape.
     pub(crate) outward: bool,
-    /// What else is left there.
+    /// Other shapes that are left at the same point.
     pub(crate) ties: Ties,
 }

@@ -1,4 +1,4 @@
-//! Rays, and what they know of the surfaces that they leave.
+//! Rays, and the surfaces that they leave.
 
 mod departure;
 mod limit;

@@ -1,4 +1,4 @@
-//! Sixteen rays.
+//! Packets of sixteen rays.
 
 use super::departure::Departure;
 use super::ray::Ray;
@@ -7,26 +7,26 @@ use super::ties::Ties;
 use crate::trace::math::{LANES, Vectors};
 use glam::DVec3;
 
-/// Rays lane by lane, as many as there are.
+/// Up to sixteen rays, one per lane.
 #[derive(Clone, Debug)]
 pub(crate) struct RayPacket {
     pub(crate) origins: Vectors,
     pub(crate) directions: Vectors,
-    /// Lanes that have rays, as a bit mask.
+    /// Lanes that hold rays, as a bit mask.
     pub(crate) lanes: u32,
-    /// The shapes that rays leave.
+    /// The shapes that the rays leave.
     pub(crate) left: ShapeIds,
     /// Lanes whose rays leave a shape.
     pub(crate) departing: u32,
-    /// Lanes whose rays go out of it.
+    /// Lanes whose rays go out of the shape that they leave.
     pub(crate) outward: u32,
-    /// Lanes whose rays leave others besides.
+    /// Lanes whose rays leave other shapes at the same point.
     pub(crate) tied: u32,
     ties: [Ties; LANES],
 }
 
 impl RayPacket {
-    /// Of no ray. What is in lanes without rays may be calculated with.
+    /// The packet without rays. The values in empty lanes are valid operands.
     pub(crate) const EMPTY: Self = Self {
         origins: Vectors::splat(DVec3::ZERO),
         directions: Vectors::splat(DVec3::ONE),
@@ -38,14 +38,14 @@ impl RayPacket {
         ties: [Ties::NONE; LANES],
     };
 
-    /// Takes all rays out.
+    /// Removes all rays.
     #[inline]
     pub(crate) fn clear(&mut self) {
         (self.lanes, self.departing, self.outward, self.tied) = (0, 0, 0, 0);
         self.left = ShapeIds::NONE;
     }
 
-    /// Takes out all rays but those in some lanes.
+    /// Removes all rays except those in some lanes.
     #[inline]
     pub(crate) fn keep(&mut self, lanes: u32) {
         self.lanes &= lanes;
@@ -54,7 +54,7 @@ impl RayPacket {
         self.tied &= lanes;
     }
 
-    /// Puts a ray into a lane that has none.
+    /// Stores a ray in an empty lane.
     #[inline]
     pub(crate) fn set(&mut self, lane: usize, ray: &Ray) {
         let bit = 1 << lane;
@@ -74,7 +74,7 @@ impl RayPacket {
         }
     }
 
-    /// Puts a ray of another packet into a lane that has none.
+    /// Copies a ray of another packet into an empty lane.
     #[inline(always)]
     pub(crate) fn copy(&mut self, lane: usize, from: &Self, from_lane: usize) {
         let (bit, from_bit) = (1 << lane, 1 << from_lane);
@@ -91,7 +91,7 @@ impl RayPacket {
         }
     }
 
-    /// The lists of what else rays leave, where anything is.
+    /// Returns the lists of the other shapes that rays leave, for the rays that leave any.
     pub(crate) fn ties_mut(&mut self) -> impl Iterator<Item = &mut Ties> {
         let tied = self.tied;
         self.ties

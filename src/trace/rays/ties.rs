@@ -1,29 +1,29 @@
-//! Shapes that a ray meets at the very same place.
+//! Shapes that a ray hits at exactly the same point.
 
 use glam::DVec3;
 
 use super::shape_id::ShapeId;
 
-/// A list in [`TieLists`]: the shapes, besides the one that is seen and those that equal it, that a ray meets exactly where it meets
-/// that one. Mostly there are none, which costs nothing.
+/// A list in [`TieLists`]: the shapes, besides the hit shape and its equals, that a ray hits at exactly the same point. Usually it is
+/// empty, and costs nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Ties {
     start: u32,
     count: u32,
 }
 
-/// One of them, with its outward unit normal there. Of equal ones the first in document order stands for all.
+/// A tied shape, with its outward unit normal at the point. The first in document order represents all equal shapes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Tie {
     pub(crate) id: ShapeId,
     pub(crate) normal: DVec3,
 }
 
-/// The ties of the surfaces that rays have found, list after list: rays and surface points hold no memory of their own.
+/// The ties of the surfaces that rays hit, one list after another, so that rays and surface points own no memory.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TieLists {
     ties: Vec<Tie>,
-    /// Kept for its memory.
+    /// Kept to reuse its memory.
     spare: Vec<Tie>,
 }
 
@@ -40,7 +40,7 @@ impl TieLists {
         self.from(start)
     }
 
-    /// Returns a list, by ascending ids.
+    /// Returns a list, sorted by id.
     #[inline]
     pub(crate) fn of(&self, ties: Ties) -> &[Tie] {
         let Ties { start, count } = ties;
@@ -51,7 +51,7 @@ impl TieLists {
         self.ties.clear();
     }
 
-    /// Drops all lists but these, which go on under other names.
+    /// Drops all lists except these, whose positions are updated.
     pub(crate) fn keep<'a>(&mut self, lists: impl Iterator<Item = &'a mut Ties>) {
         if self.ties.is_empty() {
             return;
@@ -66,9 +66,9 @@ impl TieLists {
         self.spare = before;
     }
 
-    /// Returns the list from here to the end.
+    /// Returns the list from `start` to the end.
     fn from(&self, start: usize) -> Ties {
-        // Memory ends long before.
+        // Memory is exhausted long before.
         let number = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
         Ties { start: number(start), count: number(self.ties.len() - start) }
     }

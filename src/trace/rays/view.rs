@@ -1,4 +1,4 @@
-//! Rays as shapes see them.
+//! Rays together with all shapes that they leave.
 
 use std::ops::Deref;
 
@@ -9,7 +9,7 @@ use super::ray::Ray;
 use super::shape_id::ShapeId;
 use super::ties::{Tie, TieLists, Ties};
 
-/// A ray, with what it leaves beside the shape that its departure names.
+/// A ray, with the shapes that it leaves besides the one in its departure.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RayView<'a> {
     ray: &'a Ray,
@@ -17,14 +17,14 @@ pub(crate) struct RayView<'a> {
 }
 
 impl<'a> RayView<'a> {
-    /// Pairs a ray with the list that it names.
+    /// Pairs a ray with its list of ties.
     #[inline]
     pub(crate) fn new(ray: &'a Ray, lists: &'a TieLists) -> Self {
         let ties = ray.departure().map_or(Ties::NONE, |departure| departure.ties);
         Self { ray, ties: lists.of(ties) }
     }
 
-    /// Returns a ray that leaves no more than one shape.
+    /// Returns the view of a ray that leaves at most one shape.
     #[inline]
     #[cfg(test)]
     pub(crate) fn alone(ray: &'a Ray) -> Self {
@@ -36,7 +36,7 @@ impl<'a> RayView<'a> {
         self.ray.departure()
     }
 
-    /// Returns the outward normal of a shape that is left besides the one that the departure names.
+    /// Returns the outward normal of a shape that the ray leaves besides the one in its departure.
     #[inline]
     pub(crate) fn left_normal(&self, id: ShapeId) -> Option<DVec3> {
         let index = self.ties.binary_search_by_key(&id.0, |tie| tie.id.0).ok()?;

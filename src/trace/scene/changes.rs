@@ -1,36 +1,36 @@
-//! What differs between a prepared scene and the one before it.
+//! Differences between a prepared scene and its previous state.
 
 use crate::trace::rays::ShapeId;
 use crate::trace::shapes::Bounds;
 
-/// What an update of a prepared scene changed: what may be kept of a picture, or of a BVH, follows from it.
+/// The changes made by an update of a prepared scene. They determine which parts of a picture or of a BVH may be kept.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SceneChanges {
-    /// Whether the scene was made anew: ids mean other shapes now, and anything may differ.
+    /// True if the scene was rebuilt: ids refer to other shapes, and anything may differ.
     pub remade: bool,
-    /// What was done to the BVH. The picture does not depend on it.
+    /// The update of the BVH. The picture does not depend on it.
     pub bvh: BvhUpdate,
     /// The shapes that moved or changed, in document order.
     pub shapes: Vec<ShapeChange>,
-    /// The shapes whose materials differ.
+    /// The shapes with different materials.
     pub materials: Vec<ShapeId>,
-    /// Whether lights differ: any of them, or how many there are.
+    /// True if any light differs, or the number of lights.
     pub lights: bool,
-    /// Whether the camera differs.
+    /// True if the camera differs.
     pub camera: bool,
-    /// Whether something of the whole scene differs: ambient light, background, fog, the film, or how many rays there are.
+    /// True if a global setting differs: ambient light, background, fog, the film, or the number of rays.
     pub settings: bool,
 }
 
-/// What an update did to the BVH, the tree over the shapes.
+/// The update of the BVH, the tree over the shapes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BvhUpdate {
-    /// Nothing: no shape in it has changed.
+    /// Unchanged: no shape in the tree has changed.
     #[default]
     Kept,
-    /// Where few shapes have moved, the boxes around them were made to fit.
+    /// Refitted boxes, as few shapes have moved.
     Refitted,
-    /// It was built anew.
+    /// A rebuilt tree.
     Built,
 }
 
@@ -39,20 +39,20 @@ pub enum BvhUpdate {
 pub struct ShapeChange {
     /// The shape.
     pub id: ShapeId,
-    /// The bounds that it had; `None` where it had none, as planes.
+    /// The bounds before the update; `None` for unbounded shapes such as planes.
     pub before: Option<Bounds>,
-    /// The bounds that it has.
+    /// The bounds after the update.
     pub after: Option<Bounds>,
 }
 
 impl SceneChanges {
-    /// Returns the changes of a scene that was made anew.
+    /// Returns the changes of a rebuilt scene.
     #[must_use]
     pub fn remade() -> Self {
         Self { remade: true, bvh: BvhUpdate::Built, ..Self::default() }
     }
 
-    /// Returns whether the scene is as before.
+    /// Returns whether nothing has changed.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         *self == Self::default()

@@ -1,11 +1,11 @@
-//! Checkers: where the squares of two colours lie.
+//! Checker patterns: the layout of squares of two colours.
 
 use glam::{DAffine3, DMat3, DVec3};
 
 use crate::trace::math::scaled;
 use crate::trace::shapes::inverse;
 
-/// A grid of squares on a surface, in the shape's own space.
+/// A grid of squares on a surface, in the shape's local space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CheckerPattern {
     forward: DMat3,
@@ -17,20 +17,20 @@ pub struct CheckerPattern {
 
 #[derive(Clone, Debug, PartialEq)]
 enum Checkered {
-    /// Along two axes through the origin.
+    /// The axes of the squares, through the origin.
     Plane([DVec3; 2]),
-    /// On each face, from its lower corner.
+    /// Half-extents of the box. The squares start at the lower corner of each face.
     Box(DVec3),
 }
 
 impl CheckerPattern {
-    /// On a plane through the map's translation whose normal, before it is mapped, is this one.
+    /// Creates the pattern on a plane through the map's translation. `normal` is the plane's normal before mapping.
     #[must_use]
     pub fn on_plane(map: DAffine3, normal: DVec3, size: f64) -> Self {
         Self::new(map, size, Checkered::Plane(axes_across(normal)))
     }
 
-    /// On the faces of a box around the map's translation with these half edge lengths, before it is mapped.
+    /// Creates the pattern on the faces of a box around the map's translation. `half` holds its half-extents before mapping.
     #[must_use]
     pub fn on_box(map: DAffine3, half: DVec3, size: f64) -> Self {
         Self::new(map, size, Checkered::Box(half))
@@ -46,7 +46,7 @@ impl CheckerPattern {
         }
     }
 
-    /// Passes on the numbers that it is made of.
+    /// Passes the numbers that define the pattern to `each`.
     pub(super) fn numbers(&self, mut each: impl FnMut(f64)) {
         let Self { forward, inverse: _, translation, size, surface } = self;
         let mut all = |vector: DVec3| vector.to_array().into_iter().for_each(&mut each);
@@ -58,7 +58,7 @@ impl CheckerPattern {
         each(*size);
     }
 
-    /// Returns whether points of one plane, or of one face of a box, lie on one square.
+    /// Returns whether points of one plane, or of one face of a box, lie in the same square.
     pub(crate) fn holds(&self, points: [DVec3; 4]) -> bool {
         let own = points.map(|point| self.inverse * (point - self.translation));
         let one = |place: &dyn Fn(DVec3) -> f64| {
@@ -75,13 +75,13 @@ impl CheckerPattern {
         }
     }
 
-    /// Returns whether the point is on a square of the second colours.
+    /// Returns whether the point lies on a square of the second colours.
     pub(crate) fn is_second(&self, point: DVec3, normal: DVec3) -> bool {
         let own = self.inverse * (point - self.translation);
         let [x, y] = match &self.surface {
             Checkered::Plane(axes) => axes.map(|axis| own.dot(axis)),
             Checkered::Box(half) => {
-                // A face's normal goes back by the transpose, up to its length.
+                // A face's normal is mapped back by the transpose, up to its length.
                 let across = (self.forward.transpose() * normal).abs();
                 let from_corner = own + *half;
                 if across.x >= across.y && across.x >= across.z {
@@ -98,17 +98,17 @@ impl CheckerPattern {
     }
 }
 
-/// The axes of the squares on a plane: unit vectors across its normal and across each other.
+/// Returns the axes of the squares on a plane: unit vectors perpendicular to its normal and to each other.
 ///
-/// Where the normal is along one of the space's axes they are the other two. In between they follow the normal without a jump,
-/// and it does not matter to which side it points. No axes can follow a normal everywhere (the hairy ball theorem): these turn
-/// without end around (1, 1, 1) and its opposite, which are as far as can be from the space's axes, and around nothing else.
+/// If the normal is along one of the coordinate axes, they are the other two. In between they follow the normal continuously, and the sign
+/// of the normal does not matter. No axes can follow a normal everywhere (the hairy ball theorem): these spin around (1, 1, 1) and its
+/// opposite, which are as far as possible from the coordinate axes, and around no other direction.
 ///
-/// What the plane shows of the space's axes together is the diagonal between the two. Each counts the less the nearer the
-/// normal is to it, in fourth powers, so that a plane which is tilted about one of them by up to 20 degrees has squares along
-/// it to a degree.
+/// The sum of the coordinate axes' projections onto the plane is the diagonal between the two. Each projection is weighted less the nearer
+/// the normal is to its axis, in fourth powers, so that the squares of a plane tilted about one of the axes by up to 20 degrees are aligned
+/// with it to a degree.
 fn axes_across(normal: DVec3) -> [DVec3; 2] {
-    /// What the rounding of the sum of three vectors may leave of none.
+    /// Maximum length of a zero sum of three vectors after rounding.
     const NONE: f64 = 16.0 * f64::EPSILON;
     let normal = scaled(normal).map_or(DVec3::Y, |(normal, _)| normal / normal.dot(normal).sqrt());
     let fourth = normal * normal * normal * normal;
@@ -129,7 +129,7 @@ mod tests {
 
     use super::*;
 
-    /// Numbers of every size beside 1, so that normals come near to all axes and to all planes between two of them.
+    /// Generates numbers of all magnitudes up to 1, so that normals come near to all axes and to all planes between two of them.
     fn component() -> impl Strategy<Value = f64> {
         let tiny = (-1.0..1.0, -17..0).prop_map(|(number, digits)| number * libm::exp10(f64::from(digits)));
         prop_oneof![Just(0.0), Just(1.0), Just(-1.0), tiny, -1.0..1.0]
@@ -141,7 +141,7 @@ mod tests {
         normal.prop_filter("no direction", |normal| normal.is_normalized())
     }
 
-    /// How far a normal is from those around which the axes turn.
+    /// Returns the distance of a normal from the nearest direction around which the axes spin.
     fn distance_to_singular(normal: DVec3) -> f64 {
         let singular = DVec3::ONE.normalize();
         (normal - singular).length().min((normal + singular).length())

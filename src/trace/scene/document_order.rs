@@ -1,10 +1,10 @@
-//! Which shape comes first in the document: a key beside ids, which go on meaning the same shapes when it is renumbered.
+//! The document order of shapes. It is separate from their ids, which stay valid when shapes are renumbered.
 
 use crate::trace::rays::ShapeId;
 
-/// The order of a scene's shapes in its document. Of surfaces in the same place the first is seen.
+/// The order of a scene's shapes in its document. Of coincident surfaces, the first is visible.
 ///
-/// Until they are renumbered, it is that of their ids, and nothing is stored.
+/// Until shapes are renumbered, it is the order of their ids, and nothing is stored.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct DocumentOrder {
     /// By id.
@@ -13,19 +13,19 @@ pub(crate) struct DocumentOrder {
     ids: Vec<ShapeId>,
 }
 
-/// A shape's place in the document, counted from 0.
+/// Index of a shape in the document, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Rank(u32);
 
 impl Rank {
-    /// Returns it as a number.
+    /// Returns the index.
     pub(crate) fn number(self) -> u32 {
         self.0
     }
 }
 
 impl DocumentOrder {
-    /// Adds the next shapes, after all others.
+    /// Appends the next shapes.
     pub(super) fn extend(&mut self, ids: impl IntoIterator<Item = ShapeId>) {
         if self.ids.is_empty() {
             return;
@@ -37,13 +37,13 @@ impl DocumentOrder {
         }
     }
 
-    /// Removes all.
+    /// Removes all shapes.
     pub(super) fn clear(&mut self) {
         self.ranks.clear();
         self.ids.clear();
     }
 
-    /// Puts so many shapes into another order.
+    /// Sets another order of `count` shapes.
     ///
     /// # Panics
     ///
@@ -58,13 +58,13 @@ impl DocumentOrder {
         *self = Self { ranks: ranks.expect("an order has every shape once"), ids: ids.to_vec() };
     }
 
-    /// Returns a shape's place.
+    /// Returns the rank of a shape.
     #[inline]
     pub(crate) fn rank(&self, id: ShapeId) -> Rank {
         self.ranks.get(id.index()).copied().unwrap_or(Rank(id.0))
     }
 
-    /// Returns the shape with a place, counted from 0.
+    /// Returns the shape with a rank, from 0.
     pub(super) fn shape_at(&self, rank: u32) -> ShapeId {
         self.ids.get(rank as usize).copied().unwrap_or(ShapeId(rank))
     }

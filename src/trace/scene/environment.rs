@@ -1,33 +1,33 @@
-//! What is where nothing else is: the background, and fog on the way.
+//! The environment of the shapes: the background, and fog.
 
 use glam::DVec3;
 
 use crate::color::{Rgb, to_f32};
 use crate::trace::math::{Bytes, exp};
 
-/// What a ray sees that meets nothing.
+/// The colour of rays that hit nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Background {
-    /// The same everywhere.
+    /// The same colour everywhere.
     Flat(Rgb),
-    /// `bottom` straight down, `top` straight up; in between a share (1 + y)/2 of `top`, for the unit direction's y.
+    /// `bottom` straight down, `top` straight up; in between a share (1 + y)/2 of `top`, where y is the unit direction's y component.
     Gradient {
-        /// Straight down.
+        /// Colour straight down.
         bottom: Rgb,
-        /// Straight up.
+        /// Colour straight up.
         top: Rgb,
     },
 }
 
 impl Default for Background {
-    /// Black.
+    /// Returns black.
     fn default() -> Self {
         Self::Flat(Rgb::ZERO)
     }
 }
 
 impl Background {
-    /// Writes the bytes of all that pictures depend on.
+    /// Writes the bytes of everything that pictures depend on.
     pub(super) fn write(&self, bytes: &mut Bytes) {
         match *self {
             Self::Flat(color) => {
@@ -41,7 +41,7 @@ impl Background {
         }
     }
 
-    /// What is seen in a direction, of any length but zero.
+    /// Returns the colour in a direction of any length except zero.
     #[must_use]
     pub fn towards(&self, direction: DVec3) -> Rgb {
         match *self {
@@ -53,7 +53,7 @@ impl Background {
         }
     }
 
-    /// No channel is brighter anywhere.
+    /// Returns an upper bound of each channel over all directions.
     pub(crate) fn brightest(&self) -> Rgb {
         match self {
             Self::Flat(color) => *color,
@@ -62,48 +62,48 @@ impl Background {
     }
 }
 
-/// Air that is not clear: over a length d a share exp(-density d) is seen of what is behind, and `color` for the rest.
+/// Fog: over a length d, a share exp(-density d) of the light behind is visible, and the rest is `color`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fog {
-    /// What is seen where nothing else is.
+    /// The colour of the fog.
     pub color: Rgb,
-    /// Per unit of length, 0 or more.
+    /// The extinction per unit of length, 0 or more.
     pub density: f64,
 }
 
-/// What the way along a ray does to light: `transmitted` times what comes in at its end, plus `added`.
+/// The effect of the medium along a ray on light: incoming light times `transmitted`, plus `added`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passage {
-    /// What share comes through.
+    /// The share of the incoming light that is transmitted.
     pub transmitted: Rgb,
-    /// What is added on the way.
+    /// The light that is added along the ray.
     pub added: Rgb,
 }
 
 impl Passage {
-    /// Nothing on the way.
+    /// The identity: no medium along the ray.
     pub const CLEAR: Self = Self { transmitted: Rgb::ONE, added: Rgb::ZERO };
 
-    /// Through `length` of a medium that absorbs, with fog in it.
+    /// Computes the passage through `length` of an absorbing medium that contains fog.
     pub(crate) fn through(absorption: Rgb, fog: &Fog, length: f64) -> Self {
         let absorbed = transmittance(absorption, length);
         let seen = share(fog.density, length);
         Self { transmitted: absorbed * seen, added: absorbed * (fog.color * (1.0 - seen)) }
     }
 
-    /// What comes out at this end.
+    /// Applies the passage to incoming light.
     #[must_use]
     pub fn of(&self, light: Rgb) -> Rgb {
         self.transmitted * light + self.added
     }
 }
 
-/// Beer and Lambert's law, channel by channel: exp(-absorption length). The length may be infinite.
+/// Computes the transmittance by the Beer-Lambert law, per channel: exp(-absorption length). The length may be infinite.
 pub(crate) fn transmittance(absorption: Rgb, length: f64) -> Rgb {
     Rgb::from_array(absorption.to_array().map(|coefficient| share(f64::from(coefficient), length)))
 }
 
-/// exp(-coefficient length); 1 where the coefficient is 0, however long the way is.
+/// Returns exp(-coefficient length); 1 if the coefficient is 0, even for an infinite length.
 fn share(coefficient: f64, length: f64) -> f32 {
     if coefficient == 0.0 { 1.0 } else { to_f32(exp(-coefficient * length)) }
 }
@@ -128,7 +128,7 @@ mod tests {
         for (channel, coefficient) in through.to_array().into_iter().zip(absorption.to_array()) {
             assert!((f64::from(channel) - libm::exp(-1.5 * f64::from(coefficient))).abs() < 1e-7);
         }
-        // Twice as far is the same twice.
+        // Twice the length squares the transmittance.
         let difference = transmittance(absorption, 3.0) - through * through;
         assert!(difference.abs().max_element() < 1e-7);
     }

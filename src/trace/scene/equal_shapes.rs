@@ -1,8 +1,8 @@
-//! Shapes that are equal to the last bit, and so in the very same place.
+//! Shapes that are equal bit by bit, and therefore coincide.
 //!
-//! Whatever a ray asks of one of them, all give the same answer. So the first in document order is asked for all, and a group of
-//! a hundred thousand costs a ray what a single shape costs. Which of them is seen, which hides a light and which let it
-//! through is a question of their materials, and is answered here once for all rays.
+//! Every ray query returns the same result for all shapes of a group. Only the first in document order is therefore queried, and a group of
+//! a hundred thousand costs a ray as much as a single shape. The shape that is visible, the shapes that occlude a light, and those that
+//! transmit it depend on the materials; they are determined here once for all rays.
 
 use rayon::prelude::*;
 
@@ -10,11 +10,11 @@ use super::fingerprint::{BloomFilter, Fingerprint};
 use super::geometry::Geometry;
 use crate::trace::rays::ShapeId;
 
-/// Which of a scene's shapes equal others.
+/// The groups of equal shapes of a scene.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct EqualShapes {
     groups: Vec<EqualGroup>,
-    /// By id: in which group it is. Empty in a scene without groups.
+    /// Index of a shape's group, by id. Empty in a scene without groups.
     group_of: Vec<Option<u32>>,
     /// By id.
     fingerprints: Vec<u64>,
@@ -23,18 +23,18 @@ pub(crate) struct EqualShapes {
 /// Two or more equal shapes.
 #[derive(Clone, Debug)]
 pub(crate) struct EqualGroup {
-    /// All of them, in document order.
+    /// All shapes of the group, in document order.
     ids: Vec<ShapeId>,
-    /// The clear ones, in document order.
+    /// The transparent shapes, in document order.
     clear: Vec<ShapeId>,
-    /// The first two opaque ones.
+    /// The first two opaque shapes.
     opaque: Vec<ShapeId>,
     /// See [`EqualGroup::media`].
     media: Vec<ShapeId>,
 }
 
 impl EqualShapes {
-    /// Finds the groups among shapes. Which of them are clear is still to be said.
+    /// Finds the groups of equal shapes. [`EqualShapes::sort`] must be called afterwards.
     pub(crate) fn find(&mut self, geometry: &Geometry) {
         let Self { groups, group_of, fingerprints } = self;
         geometry.par_ids().map(|id| fingerprint(geometry, id)).collect_into_vec(fingerprints);
@@ -44,7 +44,7 @@ impl EqualShapes {
         groups.clear();
         for alike in suspects.chunk_by(|one, other| one.0 == other.0) {
             let mut rest: Vec<ShapeId> = alike.iter().map(|(_, id)| *id).collect();
-            // All of them are equal, unless different shapes happen to have one fingerprint.
+            // All of them are equal, unless different shapes have the same fingerprint by chance.
             while let Some(first) = rest.first().copied() {
                 let equals = |id: &ShapeId| *id == first || geometry.are_equal(first, *id);
                 let (equal, others) = rest.into_iter().partition(equals);
@@ -61,7 +61,7 @@ impl EqualShapes {
         }
     }
 
-    /// Takes note of shapes that have changed. Returns whether the groups are still the same; if not, they must be found again.
+    /// Updates the fingerprints of shapes that have changed. Returns whether the groups are still valid; if not, they must be found again.
     #[must_use]
     pub(super) fn remain_after(&mut self, geometry: &Geometry, changed: &[ShapeId]) -> bool {
         const BITS_A_CHANGE: usize = 64;
@@ -84,7 +84,7 @@ impl EqualShapes {
         suspects.windows(2).all(|pair| pair[0] != pair[1])
     }
 
-    /// Says which shapes are clear.
+    /// Divides each group into transparent and opaque shapes.
     pub(crate) fn sort(&mut self, is_clear: impl Fn(ShapeId) -> bool) {
         for group in &mut self.groups {
             group.sort(&is_clear);
@@ -97,14 +97,14 @@ impl EqualShapes {
         !self.groups.is_empty()
     }
 
-    /// Returns the group that a shape is in.
+    /// Returns the group that contains a shape.
     #[inline]
     pub(crate) fn group(&self, id: ShapeId) -> Option<&EqualGroup> {
         let index = (*self.group_of.get(id.index())?)?;
         Some(&self.groups[index as usize])
     }
 
-    /// The first in document order of all that equal a shape: the one that rays ask.
+    /// Returns the first in document order of all shapes that equal a shape: the one that rays query.
     #[inline]
     pub(crate) fn first(&self, id: ShapeId) -> ShapeId {
         self.group(id).map_or(id, |group| group.ids[0])
@@ -112,7 +112,7 @@ impl EqualShapes {
 }
 
 impl EqualGroup {
-    /// `None` for a single shape.
+    /// Creates a group; `None` for a single shape.
     fn new(ids: Vec<ShapeId>) -> Option<Self> {
         let (clear, opaque, media) = (Vec::new(), Vec::new(), Vec::new());
         (ids.len() > 1).then_some(Self { ids, clear, opaque, media })
@@ -127,23 +127,23 @@ impl EqualGroup {
         self.media.extend(self.clear.iter().skip(last));
     }
 
-    /// All of them, in document order.
+    /// Returns all shapes of the group, in document order.
     pub(crate) fn ids(&self) -> &[ShapeId] {
         &self.ids
     }
 
-    /// The first opaque one, of those that are not `except`.
+    /// Returns the first opaque shape other than `except`.
     pub(crate) fn opaque(&self, except: Option<ShapeId>) -> Option<ShapeId> {
         self.opaque.iter().copied().find(|id| Some(*id) != except)
     }
 
-    /// The clear ones, in document order.
+    /// Returns the transparent shapes, in document order.
     pub(crate) fn clear(&self) -> &[ShapeId] {
         &self.clear
     }
 
-    /// The clear ones that may count among the solids that a ray is inside of. They are entered and left together, so that
-    /// only the first and the last can ever be the innermost, or the ones beside them, where those are a light's own shape.
+    /// Returns the transparent shapes that may count among the solids that contain a ray. They are entered and left together, so that only
+    /// the first and the last can be the innermost, or their neighbours where the first or the last is a light's own shape.
     pub(crate) fn media(&self) -> &[ShapeId] {
         &self.media
     }
@@ -155,7 +155,7 @@ fn fingerprint(geometry: &Geometry, id: ShapeId) -> u64 {
     fingerprint.finish()
 }
 
-/// The ids of all fingerprints that may be there twice: mostly there are none.
+/// Returns the ids of all shapes whose fingerprints may occur twice; usually there are none.
 fn repeated(fingerprints: &[u64]) -> Vec<ShapeId> {
     const BITS_A_FINGERPRINT: usize = 16;
     let room = fingerprints.len() * BITS_A_FINGERPRINT;

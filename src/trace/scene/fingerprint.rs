@@ -1,6 +1,6 @@
-//! Numbers that equal things have in common, and others hardly ever.
+//! Fingerprints: numbers that equal things share, and different things hardly ever do.
 
-/// The fingerprint of a sequence of numbers. Zeros of either sign are alike.
+/// The fingerprint of a sequence of numbers. Zeros of either sign are equal.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Fingerprint(u64);
 
@@ -13,23 +13,23 @@ impl Fingerprint {
         self.0 = (self.0.rotate_left(29) ^ (number + 0.0).to_bits()).wrapping_mul(MULTIPLIER);
     }
 
-    /// Returns the fingerprint of all numbers so far.
+    /// Returns the fingerprint of all numbers added so far.
     #[inline]
     pub(super) fn finish(self) -> u64 {
         self.0 ^ self.0 >> 32
     }
 }
 
-/// Which fingerprints are in a set: certainly not, or perhaps.
+/// A set of fingerprints that reports each one as certainly absent or possibly present.
 pub(super) struct BloomFilter(Vec<u64>);
 
 impl BloomFilter {
-    /// An empty set, with at least so many bits.
+    /// Creates an empty set with at least this many bits.
     pub(super) fn new(bits: usize) -> Self {
         Self(vec![0; bits.div_ceil(64).next_power_of_two()])
     }
 
-    /// Adds a fingerprint, and returns whether it may have been there before.
+    /// Adds a fingerprint, and returns whether it may have been present before.
     #[inline]
     pub(super) fn insert(&mut self, fingerprint: u64) -> bool {
         let (word, bit) = self.place(fingerprint);

@@ -1,4 +1,4 @@
-//! The shapes of a scene, in one array a kind.
+//! The shapes of a scene, in one array per kind.
 
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
@@ -8,22 +8,22 @@ use crate::trace::math::Bytes;
 use crate::trace::rays::ShapeId;
 use crate::trace::shapes::{AlignedBox, Bounds, BoxImage, Plane, Sphere, SphereImage};
 
-/// A shape, ready to be asked. The closed set of what the kernel can draw.
+/// A shape prepared for intersection. The closed set of shapes that the kernel can draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PreparedShape {
-    /// Rigidly moved and uniformly scaled.
+    /// A sphere, rigidly moved and uniformly scaled.
     Sphere(Sphere),
-    /// Infinite.
+    /// An infinite plane.
     Plane(Plane),
-    /// Along the world's axes.
+    /// A box along the world axes.
     AlignedBox(AlignedBox),
     /// An ellipsoid.
     SphereImage(SphereImage),
-    /// A turned or sheared box.
+    /// A rotated or sheared box.
     BoxImage(BoxImage),
 }
 
-/// A shape where it is stored.
+/// A reference to a stored shape.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum ShapeRef<'a> {
     Sphere(&'a Sphere),
@@ -33,7 +33,7 @@ pub(crate) enum ShapeRef<'a> {
     BoxImage(&'a BoxImage),
 }
 
-/// The shapes, one array a kind, and a table from ids into them.
+/// The shapes in one array per kind, and a table of their locations by id.
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
     pub(crate) locations: Vec<Location>,
@@ -45,7 +45,7 @@ pub struct Geometry {
     pub(crate) box_images: Vec<BoxImage>,
 }
 
-/// Where a shape is stored: in which of the arrays, and at which index.
+/// The location of a shape: its array, and the index in it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Location {
     pub(crate) kind: Kind,
@@ -62,7 +62,7 @@ pub(crate) enum Kind {
 }
 
 impl Geometry {
-    /// The most shapes a scene can have, 2^28.
+    /// Maximum number of shapes in a scene, 2^28.
     pub const LARGEST_COUNT: usize = 1 << 28;
 
     /// Adds a shape after all others.
@@ -102,7 +102,7 @@ impl Geometry {
         }
     }
 
-    /// Puts another shape of the same kind in the place of one; `false`, and nothing done, if the kinds differ.
+    /// Replaces a shape by another of the same kind. Returns `false`, and does nothing, if the kinds differ.
     #[must_use]
     pub fn replace(&mut self, id: ShapeId, shape: PreparedShape) -> bool {
         let Location { kind, index } = self.locations[id.index()];
@@ -118,7 +118,7 @@ impl Geometry {
         true
     }
 
-    /// Says whether a shape is exactly this one.
+    /// Returns whether a shape is exactly this one.
     #[must_use]
     pub fn holds(&self, id: ShapeId, shape: &PreparedShape) -> bool {
         match (self.shape(id), shape) {
@@ -131,7 +131,7 @@ impl Geometry {
         }
     }
 
-    /// Says whether two shapes are equal, part by part.
+    /// Returns whether two shapes are equal in all parts.
     pub(crate) fn are_equal(&self, one: ShapeId, other: ShapeId) -> bool {
         match (self.shape(one), self.shape(other)) {
             (ShapeRef::Sphere(one), ShapeRef::Sphere(other)) => one == other,
@@ -143,7 +143,7 @@ impl Geometry {
         }
     }
 
-    /// Passes on the numbers that a shape is made of, and a last one that differs from kind to kind.
+    /// Passes the numbers that define a shape to `each`. Their count or the last number differs from kind to kind.
     pub(crate) fn numbers(&self, id: ShapeId, mut each: impl FnMut(f64)) {
         let mut all = |vectors: &[DVec3]| vectors.iter().flat_map(DVec3::to_array).for_each(&mut each);
         let map = |forward: &DAffine3| {
@@ -176,7 +176,7 @@ impl Geometry {
         each(last);
     }
 
-    /// Writes the bytes of all that a shape is made of.
+    /// Writes the bytes of everything that defines a shape.
     pub(super) fn write(&self, id: ShapeId, bytes: &mut Bytes) {
         bytes.count(self.locations[id.index()].kind as u64);
         self.numbers(id, |number| bytes.number(number));
@@ -185,35 +185,35 @@ impl Geometry {
         }
     }
 
-    /// How many shapes there are.
+    /// Returns the number of shapes.
     #[must_use]
     pub fn len(&self) -> usize {
         self.locations.len()
     }
 
-    /// Returns whether there is nothing to see.
+    /// Returns whether there are no shapes.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.locations.is_empty()
     }
 
-    /// How many of them are planes.
+    /// Returns the number of planes.
     #[must_use]
     pub fn planes(&self) -> usize {
         self.planes.len()
     }
 
-    /// Which shape comes first in the document.
+    /// Returns the document order of the shapes.
     pub(crate) fn order(&self) -> &DocumentOrder {
         &self.order
     }
 
-    /// Returns all ids, the first of the document first.
+    /// Returns all ids, in document order.
     pub(crate) fn ids_in_order(&self) -> impl Iterator<Item = ShapeId> {
         (0..to_index(self.locations.len())).map(|rank| self.order.shape_at(rank))
     }
 
-    /// Puts the shapes into another document order, and leaves their ids as they are.
+    /// Sets another document order of the shapes. They keep their ids.
     pub(super) fn renumber(&mut self, ids: &[ShapeId]) {
         self.order.renumber(self.len(), ids);
     }
@@ -223,7 +223,7 @@ impl Geometry {
         (0..to_index(self.locations.len())).map(ShapeId)
     }
 
-    /// Returns all ids, in the order in which shapes were added, for many threads.
+    /// Returns all ids, in the order in which shapes were added, as a parallel iterator.
     pub(super) fn par_ids(&self) -> impl IndexedParallelIterator<Item = ShapeId> + use<> {
         (0..to_index(self.locations.len())).into_par_iter().map(ShapeId)
     }
@@ -240,7 +240,7 @@ impl Geometry {
         box_images.clear();
     }
 
-    /// Moves the shapes of another scene behind these.
+    /// Moves the shapes of another geometry to the end of this one.
     ///
     /// # Panics
     ///
@@ -281,7 +281,7 @@ impl Geometry {
         }
     }
 
-    /// A box around the shape; `None` for planes and for shapes that no box can be trusted with.
+    /// Returns a box around the shape; `None` for planes, and for shapes that no box bounds reliably.
     #[must_use]
     pub fn bounds(&self, id: ShapeId) -> Option<Bounds> {
         match self.shape(id) {

@@ -1,4 +1,4 @@
-//! The shapes of the tree, in the order of its leaves: those of a node lie side by side.
+//! The shapes of the tree in leaf order: the shapes of a node are adjacent.
 
 use rayon::prelude::*;
 
@@ -7,11 +7,11 @@ use crate::trace::bvh::LeafId;
 use crate::trace::rays::ShapeId;
 use crate::trace::shapes::{AlignedBox, Sphere};
 
-/// A leaf's shape, by leaf.
+/// The shape of each leaf.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LeafShapes(Vec<LeafShape>);
 
-/// A shape, with its id, in one cache line.
+/// A shape and its id, in one cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 struct LeafShape {
@@ -19,7 +19,7 @@ struct LeafShape {
     copy: ShapeCopy,
 }
 
-/// A shape, if it is small.
+/// A copy of a shape, if it is small.
 #[derive(Clone, Copy, Debug)]
 enum ShapeCopy {
     Sphere(Sphere),
@@ -41,29 +41,29 @@ impl LeafShape {
 }
 
 impl LeafShapes {
-    /// Copies shapes, given in the order of the leaves, in the place of those before.
+    /// Replaces all copies by copies of these shapes, given in leaf order.
     pub(super) fn fill(&mut self, geometry: &Geometry, ids: impl IndexedParallelIterator<Item = ShapeId>) {
         ids.map(|id| LeafShape::new(geometry, id)).collect_into_vec(&mut self.0);
     }
 
-    /// Copies the shape of a leaf again, which has changed.
+    /// Copies the shape of a leaf again after it has changed.
     pub(super) fn refresh(&mut self, leaf: LeafId, geometry: &Geometry) {
         let shape = &mut self.0[leaf.index()];
         *shape = LeafShape::new(geometry, shape.id);
     }
 
-    /// Returns the shapes of all leaves, in their order.
+    /// Returns the ids of the shapes of all leaves, in leaf order.
     pub(crate) fn ids(&self) -> impl ExactSizeIterator<Item = ShapeId> {
         self.0.iter().map(|shape| shape.id)
     }
 
-    /// Returns what the shape of a leaf is called.
+    /// Returns the id of a leaf's shape.
     #[inline(always)]
     pub(crate) fn id(&self, leaf: LeafId) -> ShapeId {
         self.0[leaf.index()].id
     }
 
-    /// Returns the shape of a leaf, and what it is called.
+    /// Returns the id of a leaf's shape, and the shape.
     #[inline(always)]
     pub(crate) fn get<'a>(&'a self, leaf: LeafId, geometry: &'a Geometry) -> (ShapeId, ShapeRef<'a>) {
         let LeafShape { id, copy } = &self.0[leaf.index()];

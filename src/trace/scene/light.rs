@@ -1,4 +1,4 @@
-//! Lights, as the kernel sees them.
+//! Lights in the kernel's representation.
 
 use glam::DVec3;
 
@@ -9,21 +9,21 @@ use crate::trace::rays::ShapeId;
 /// A light in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
-    /// Where the light comes from.
+    /// The source of the light.
     pub source: LightSource,
-    /// RGB, 0 or more.
+    /// RGB intensity, 0 or more.
     pub intensity: Rgb,
-    /// How it weakens with distance, if it does.
+    /// Attenuation with distance, if any.
     pub falloff: Option<Falloff>,
-    /// How many of its places light a point; 1 unless it is extended.
+    /// Number of sample points that light a point; 1 unless it is an area light.
     pub samples: u32,
-    /// Whether it casts shadows: shadow rays are followed to it.
+    /// True if it casts shadows, so that shadow rays are traced to it.
     pub casts_shadows: bool,
-    /// The light's own shape, which does not stand in its way.
+    /// The light's own shape, which does not occlude it.
     pub own_shape: Option<ShapeId>,
 }
 
-/// How a light weakens: at distance d, 1 / (c0 + c1 d + c2 d^2) of the intensity is left.
+/// The attenuation of a light: at distance d, 1 / (c0 + c1 d + c2 d^2) of the intensity is left.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Falloff {
     /// c0, greater than 0 and finite.
@@ -35,7 +35,7 @@ pub struct Falloff {
 }
 
 impl Falloff {
-    /// What is left of the intensity at a distance, 0 or more.
+    /// Returns the share of the intensity that is left at a distance, 0 or more.
     pub(crate) fn at(&self, distance: f64) -> f64 {
         // A finite distance times a zero coefficient is zero.
         let distance = distance.min(f64::MAX);
@@ -43,33 +43,33 @@ impl Falloff {
     }
 }
 
-/// Where light comes from.
+/// The kind and position of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightSource {
-    /// A point.
+    /// A point light at a position.
     Point(DVec3),
-    /// A point, into a cone.
+    /// A spot light at a position, with a cone.
     Spot(DVec3, Cone),
-    /// Infinitely far away, in this direction from everywhere; any length but zero.
+    /// A directional light, in this direction from every point; any length except zero.
     Directional(DVec3),
-    /// A sphere, seen from everywhere as the disc that faces there.
+    /// A sphere, sampled as the disc that faces the lit point.
     Sphere {
-        /// Its middle.
+        /// The centre.
         center: DVec3,
-        /// 0 or more.
+        /// The radius, 0 or more.
         radius: f64,
     },
-    /// A parallelogram that shines both ways.
+    /// A parallelogram that emits on both sides.
     Rectangle {
-        /// Its middle.
+        /// The centre.
         center: DVec3,
-        /// From the middle to the middles of two neighbouring edges.
+        /// The vectors from the centre to the midpoints of two adjacent edges.
         halves: [DVec3; 2],
     },
 }
 
 impl Light {
-    /// Writes the bytes of all that pictures depend on. `rank` tells a shape's place in the document.
+    /// Writes the bytes of everything that pictures depend on. `rank` returns a shape's index in the document.
     pub(super) fn write(&self, bytes: &mut Bytes, rank: impl Fn(ShapeId) -> u64) {
         let Self { source, intensity, falloff, samples: _, casts_shadows, own_shape } = self;
         source.write(bytes);
@@ -82,7 +82,7 @@ impl Light {
         bytes.count(own_shape.map_or(0, |shape| 1 + rank(shape)));
     }
 
-    /// Returns how many of its places light a point: 1 unless it has a size.
+    /// Returns the number of sample points that light a point: 1 unless it is an area light.
     pub(crate) fn places(&self) -> u32 {
         if self.source.is_extended() { self.samples.max(1) } else { 1 }
     }
@@ -116,15 +116,15 @@ impl LightSource {
         }
     }
 
-    /// Returns whether it has a size.
+    /// Returns whether it is an area light.
     #[must_use]
     pub fn is_extended(&self) -> bool {
         matches!(self, Self::Sphere { .. } | Self::Rectangle { .. })
     }
 
-    /// Returns around which point an extended light is, and how far from there its places are along each axis at most.
+    /// Returns the centre of an area light, and upper bounds of its half-extents.
     pub(crate) fn extent(&self) -> Option<(DVec3, DVec3)> {
-        /// 2^-40, more than rounding shifts places by.
+        /// 2^-40, more than rounding shifts points by.
         const ROUNDING: f64 = f64::from_bits((1023 - 40) << 52);
         let (center, reach) = match *self {
             Self::Point(_) | Self::Spot(..) | Self::Directional(_) => return None,
@@ -134,7 +134,7 @@ impl LightSource {
         Some((center, reach + (center.abs() + reach) * ROUNDING))
     }
 
-    /// The place of an extended light that a point of the unit square stands for, as it is seen from `lit`.
+    /// Returns the point of an area light that corresponds to a point of the unit square, as seen from `lit`.
     pub(crate) fn place(&self, lit: DVec3, square: [f64; 2]) -> DVec3 {
         match *self {
             Self::Point(place) | Self::Spot(place, _) | Self::Directional(place) => place,
@@ -154,7 +154,7 @@ impl LightSource {
     }
 }
 
-/// Two unit vectors that are perpendicular to a third one and to each other.
+/// Returns two unit vectors that are perpendicular to a third one and to each other.
 fn across(forward: DVec3) -> (DVec3, DVec3) {
     let size = forward.abs();
     let axis = if size.x <= size.y && size.x <= size.z {
@@ -168,20 +168,20 @@ fn across(forward: DVec3) -> (DVec3, DVec3) {
     (right, forward.cross(right))
 }
 
-/// Which way a spot light shines.
+/// The cone of a spot light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone {
-    /// The middle; of length 1.
+    /// The axis, of length 1.
     pub axis: DVec3,
-    /// Cosine of the angle from the axis up to which all of the light is seen.
+    /// Cosine of the angle to the axis up to which the light has its full intensity.
     pub inner: f64,
-    /// Cosine of the angle from which on nothing is; not greater than `inner`.
+    /// Cosine of the angle beyond which there is no light; not greater than `inner`.
     pub outer: f64,
 }
 
 impl Cone {
-    /// What share of the light leaves in a direction with this cosine to the axis: 3 x^2 - 2 x^3 between the angles, where x
-    /// goes with the cosine.
+    /// Returns the share of the light that is emitted in a direction with this cosine to the axis: 3 x^2 - 2 x^3 between the angles, where
+    /// x is linear in the cosine.
     pub(crate) fn at(&self, cosine: f64) -> f64 {
         if cosine >= self.inner {
             1.0

@@ -1,4 +1,4 @@
-//! How surfaces answer light.
+//! Surface materials.
 
 use glam::DVec3;
 
@@ -7,61 +7,61 @@ use super::fingerprint::Fingerprint;
 use crate::color::Rgb;
 use crate::trace::math::Bytes;
 
-/// How a shape's surface answers light.
+/// The material of a shape's surface.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SurfaceMaterial {
     /// Ambient coefficient times ambient colour.
     pub ambient: Rgb,
     /// Diffuse coefficient times colour.
     pub diffuse: Rgb,
-    /// Specular coefficient, 0..=1; 0 where there are no highlights.
+    /// Specular coefficient, 0..=1; 0 without highlights.
     pub specular: f32,
-    /// The exponent of N.H in highlights, 0 or more.
+    /// Exponent of N.H in highlights, 0 or more.
     pub shininess: f32,
-    /// Share of the mirrored ray, 0..=1; 0 where nothing is mirrored.
+    /// Share of the mirrored ray, 0..=1; 0 without reflection.
     pub reflected: f32,
-    /// What goes through; `None` where nothing does.
+    /// The transparent medium behind the surface; `None` if the surface is opaque.
     pub refraction: Option<Refraction>,
-    /// Squares of other colours, if there are any.
+    /// Checker pattern with other colours, if any.
     pub checker: Option<Box<Checker>>,
 }
 
-/// A clear medium behind a surface.
+/// A transparent medium behind a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refraction {
     /// Share of the refracted ray, k_t, greater than 0, at most 1.
     pub transmitted: f32,
     /// Index of refraction, greater than 0.
     pub ior: f64,
-    /// What the medium takes away per unit of length, 0 or more.
+    /// Absorption coefficient of the medium per unit of length, 0 or more.
     pub absorption: Rgb,
-    /// Whether k_t is shared between the refracted and the mirrored ray as Fresnel's equations say.
+    /// True if k_t is divided between the refracted and the mirrored ray by Fresnel's equations.
     pub fresnel: bool,
 }
 
-/// Squares of two colours. The material's own colours are those of the square at the origin.
+/// A checker pattern of two colours. The material's own colours apply to the square at the origin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checker {
-    /// As [`SurfaceMaterial::ambient`], on every second square.
+    /// Replaces [`SurfaceMaterial::ambient`] on every second square.
     pub ambient: Rgb,
-    /// As [`SurfaceMaterial::diffuse`], on every second square.
+    /// Replaces [`SurfaceMaterial::diffuse`] on every second square.
     pub diffuse: Rgb,
-    /// Where the squares are.
+    /// The layout of the squares.
     pub squares: CheckerPattern,
 }
 
 impl SurfaceMaterial {
-    /// Returns whether it sends on anything of lights.
+    /// Returns whether it scatters light from light sources.
     pub(crate) fn scatters(&self) -> bool {
         self.diffuse != Rgb::ZERO || self.specular > 0.0
     }
 
-    /// Returns whether it sends rays on.
+    /// Returns whether it spawns reflected or refracted rays.
     pub(crate) fn continues(&self) -> bool {
         self.reflected > 0.0 || self.refraction.is_some()
     }
 
-    /// Writes the bytes of all that pictures depend on.
+    /// Writes the bytes of everything that pictures depend on.
     pub(super) fn write(&self, bytes: &mut Bytes) {
         let Self { ambient, diffuse, specular, shininess, reflected, refraction, checker } = self;
         bytes.colors([*ambient, *diffuse]);
@@ -80,7 +80,7 @@ impl SurfaceMaterial {
         }
     }
 
-    /// Returns a number that equal materials have in common, and others hardly ever.
+    /// Returns a fingerprint that equal materials share, and different ones hardly ever do.
     pub(super) fn fingerprint(&self) -> u64 {
         let Self { ambient, diffuse, specular, shininess, reflected, refraction, checker } = self;
         let mut fingerprint = Fingerprint::default();
@@ -102,7 +102,7 @@ impl SurfaceMaterial {
         fingerprint.finish()
     }
 
-    /// Ambient and diffuse colours at a point of the surface with this outward normal.
+    /// Returns the ambient and diffuse colours at a point of the surface with this outward normal.
     pub(crate) fn colors_at(&self, point: DVec3, normal: DVec3) -> (Rgb, Rgb) {
         match &self.checker {
             Some(checker) if checker.squares.is_second(point, normal) => (checker.ambient, checker.diffuse),

@@ -1,4 +1,4 @@
-//! What there is among a scene's surfaces, in short.
+//! Summary of the materials of a scene.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use super::material_table::MaterialTable;
 use crate::color::Rgb;
 use crate::trace::rays::ShapeId;
 
-/// The most of everything among a scene's surfaces.
+/// The maxima over all materials of a scene, and the shapes with special materials.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MaterialSummary {
     /// The largest channel of an ambient colour.
@@ -16,23 +16,23 @@ pub struct MaterialSummary {
     pub diffuse: f32,
     /// The largest specular coefficient.
     pub specular: f32,
-    /// Those that mirror, by ascending ids.
+    /// The shapes that mirror, by ascending ids.
     pub mirrors: Vec<ShapeId>,
-    /// Those that are clear, by ascending ids.
+    /// The transparent shapes, by ascending ids.
     pub clear: Vec<ShapeId>,
-    /// Whether one of the clear ones absorbs.
+    /// True if a transparent material absorbs.
     pub absorbs: bool,
-    /// Whether one of the clear ones shares light out as Fresnel's equations say.
+    /// True if a transparent material divides light by Fresnel's equations.
     pub fresnel: bool,
-    /// Whether one of the clear ones may send on both a mirrored and a refracted ray.
+    /// True if a transparent material may spawn both a mirrored and a refracted ray.
     pub branches: bool,
-    /// Whether there are squares.
+    /// True if a material has a checker pattern.
     pub checkered: bool,
-    /// Materials that send on about as much are one.
+    /// Upper bounds of the coefficients; materials with about the same share of continuing light are merged.
     answers: BTreeMap<u32, Answer>,
 }
 
-/// At most how some surfaces answer light.
+/// Upper bounds of the coefficients of some materials.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Answer {
     /// Ambient colour.
@@ -57,7 +57,7 @@ impl Answer {
         }
     }
 
-    /// The same for what sends on as much to 6 bits, or less than a 64th.
+    /// Returns a key that materials have in common if their shares of continuing light agree to 6 bits, or are less than a 64th.
     fn key(&self) -> u32 {
         const DROPPED: u32 = f32::MANTISSA_DIGITS - 1 - 6;
         self.followed.max(1.0 / 64.0).to_bits() >> DROPPED
@@ -72,7 +72,7 @@ impl Answer {
 }
 
 impl MaterialSummary {
-    /// Reads them all.
+    /// Summarizes all materials.
     #[must_use]
     pub(super) fn of(materials: &MaterialTable) -> Self {
         let mut all = Self::default();
@@ -102,7 +102,7 @@ impl MaterialSummary {
         all
     }
 
-    /// At most how they answer light. There are some hundreds of answers at most, however many surfaces there are.
+    /// Returns upper bounds of the coefficients of all materials. There are at most some hundreds, regardless of the number of surfaces.
     pub(crate) fn answers(&self) -> impl Iterator<Item = &Answer> {
         self.answers.values()
     }

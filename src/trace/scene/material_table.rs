@@ -1,4 +1,4 @@
-//! The materials of a scene's shapes. Each is there once, however many shapes have it.
+//! The materials of a scene's shapes. Each is stored once, regardless of the number of shapes that have it.
 
 use std::collections::HashMap;
 
@@ -6,15 +6,15 @@ use super::material::SurfaceMaterial;
 use crate::trace::math::{Bytes, Digest};
 use crate::trace::rays::ShapeId;
 
-/// The materials, and which shape has which.
+/// The distinct materials, and the material of each shape.
 #[derive(Clone, Debug, Default)]
 pub struct MaterialTable {
     materials: Vec<SurfaceMaterial>,
-    /// By material: how many shapes have it.
+    /// Number of shapes that have a material, by material.
     users: Vec<u32>,
-    /// Materials that no shape has any more. New ones take their places.
+    /// Materials that no shape has any more. New materials reuse their entries.
     unused: Vec<MaterialId>,
-    /// By fingerprint: the materials that shapes have.
+    /// Materials that shapes have, by fingerprint.
     ids: HashMap<u64, Vec<MaterialId>>,
     of_shapes: Vec<MaterialId>,
 }
@@ -35,9 +35,9 @@ impl MaterialTable {
         self.push_all(material, 1);
     }
 
-    /// Adds the material of so many next shapes, at least one.
+    /// Adds the material of the next `shapes` shapes, at least one.
     pub fn push_all(&mut self, material: SurfaceMaterial, shapes: u32) {
-        // Neighbours in the document are often alike.
+        // Neighbours in the document often have the same material.
         let last = self.of_shapes.last().copied().filter(|id| self.materials[id.index()] == material);
         let id = last.unwrap_or_else(|| self.find_or_add(material));
         self.users[id.index()] += shapes;
@@ -77,12 +77,12 @@ impl MaterialTable {
         (0..).map(ShapeId).zip(self.of_shapes.iter().map(|id| &self.materials[id.index()]))
     }
 
-    /// Returns all that some shape has, each once.
+    /// Returns all materials that shapes have, each once.
     pub(super) fn distinct(&self) -> impl Iterator<Item = &SurfaceMaterial> {
         self.ids.values().flatten().map(|id| &self.materials[id.index()])
     }
 
-    /// Returns the digests of all materials, to be asked by a shape's [place](Self::place_of).
+    /// Returns the digests of all materials, indexed by [`place_of`](Self::place_of).
     pub(super) fn digests(&self) -> Vec<Digest> {
         let digest = |material: &SurfaceMaterial| {
             let mut bytes = Bytes::default();
@@ -92,12 +92,12 @@ impl MaterialTable {
         self.materials.iter().map(digest).collect()
     }
 
-    /// Returns the place of a shape's material among all.
+    /// Returns the index of a shape's material.
     pub(super) fn place_of(&self, shape: ShapeId) -> usize {
         self.of_shapes[shape.index()].index()
     }
 
-    /// Finds a material, or adds it.
+    /// Returns the id of a material, which is added if it is new.
     fn find_or_add(&mut self, material: SurfaceMaterial) -> MaterialId {
         let Self { materials, users, unused, ids, .. } = self;
         let alike = ids.entry(material.fingerprint()).or_default();
@@ -110,14 +110,14 @@ impl MaterialTable {
         } else {
             materials.push(material);
             users.push(0);
-            // There are no more materials than shapes, and of those no more than 2^28.
+            // There are at most as many materials as shapes, and at most 2^28 shapes.
             MaterialId(u32::try_from(users.len() - 1).unwrap_or(u32::MAX))
         };
         alike.push(id);
         id
     }
 
-    /// Forgets a material with the last shape that has it.
+    /// Removes one user of a material, and the material with its last user.
     fn release(&mut self, id: MaterialId) {
         let users = &mut self.users[id.index()];
         *users -= 1;

@@ -1,5 +1,4 @@
-//! A scene at one moment, as arrays: shapes, materials, lights, the camera and what is around them. What rays ask of them is in
-//! `query`.
+//! A scene at one moment, as arrays: shapes, materials, lights, the camera and the environment. Ray queries are in `query`.
 
 mod camera;
 mod changes;

@@ -1,13 +1,13 @@
-//! How precisely shapes are asked.
+//! Precision of intersection tests.
 
-/// How precisely shapes are asked what a ray meets.
+/// The precision of intersection tests between rays and shapes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
-    /// Every verdict and every digit right.
+    /// Every decision and every digit is correct.
     #[default]
     Guaranteed,
-    /// The schoolbook's formulas in `f64`; rays leave surfaces 1e-9 ahead. What guarantees cost, and what they save from.
+    /// Textbook formulas in `f64`; rays leave surfaces 1e-9 ahead. Shows the cost of the guarantees, and the errors that they avoid.
     TextbookF64,
-    /// The same in `f32`; rays leave surfaces 1e-4 ahead.
+    /// Textbook formulas in `f32`; rays leave surfaces 1e-4 ahead.
     TextbookF32,
 }

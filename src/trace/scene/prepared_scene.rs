@@ -1,4 +1,4 @@
-//! A scene as arrays, ready for rays.
+//! A scene as arrays, prepared for ray queries.
 
 use std::sync::OnceLock;
 
@@ -19,43 +19,42 @@ use crate::trace::bvh::Tree;
 use crate::trace::math::{Bytes, Digest, SimdLevel, digest_of_all};
 use crate::trace::rays::ShapeId;
 
-/// All that the kernel knows of a scene at one moment, apart from the camera.
+/// Everything that the kernel uses of a scene at one moment, except the camera.
 #[derive(Clone, Debug)]
 pub struct PreparedScene {
     pub(crate) geometry: Geometry,
     materials: MaterialTable,
-    /// Of equal shapes the tree and what is beside it hold the first in document order.
+    /// The groups of equal shapes. The tree and `beside` hold only the first of each group in document order.
     pub(crate) equal_shapes: EqualShapes,
     pub(crate) tree: Tree,
-    /// What its leaves stand for.
+    /// The shapes of the tree's leaves.
     pub(crate) leaves: LeafShapes,
-    /// Shapes without bounds, as planes, and shapes so much larger than the rest that they would spoil the tree.
+    /// Unbounded shapes such as planes, and shapes so much larger than the rest that they would degrade the tree.
     pub(crate) beside: Vec<ShapeId>,
     maintenance: TreeMaintenance,
-    /// That of the shapes and their materials, once it is known.
+    /// The digest of the shapes and their materials, once computed.
     digest: OnceLock<Digest>,
     surfaces: MaterialSummary,
-    /// In document order.
+    /// The lights, in document order.
     pub lights: Vec<Light>,
-    /// I_a.
+    /// The ambient light, I_a.
     pub ambient: Rgb,
-    /// What rays see that meet nothing.
+    /// The background, seen by rays that hit nothing.
     pub background: Background,
-    /// What is between things.
+    /// The fog between shapes.
     pub fog: Fog,
-    /// Generations of rays that are traced; that of camera rays is, whatever it says.
+    /// Maximum ray depth: the number of ray generations that are traced. Camera rays are always traced.
     pub depth: u32,
-    /// How much of a sample's light may be left out, in linear light, by not following rays that bring little; 0 follows
-    /// all.
+    /// Maximum loss of a sample's light, in linear light, by not tracing rays of low contribution; 0 traces all rays.
     pub cutoff: f32,
-    /// How shapes are asked.
+    /// The precision of intersection tests.
     pub precision: Precision,
-    /// With which vector instructions rays are followed.
+    /// The vector instructions used to trace rays.
     pub simd: SimdLevel,
 }
 
 impl PreparedScene {
-    /// A scene of these shapes with one material each, without lights, black all around.
+    /// Creates a scene of these shapes with one material each, without lights and with a black background.
     #[must_use]
     pub fn new(geometry: Geometry, materials: impl Into<MaterialTable>) -> Self {
         let materials = materials.into();
@@ -82,8 +81,8 @@ impl PreparedScene {
         scene
     }
 
-    /// Makes the scene anew of other shapes, with one material each, in the memory of these. The rest stays as it is. `fill` gets
-    /// both empty.
+    /// Rebuilds the scene from other shapes with one material each, and reuses the memory. Everything else stays as it is. `fill` receives
+    /// the geometry and the materials empty.
     pub fn remake(&mut self, fill: impl FnOnce(&mut Geometry, &mut MaterialTable)) {
         self.geometry.clear();
         self.materials.clear();
@@ -93,19 +92,19 @@ impl PreparedScene {
         self.rebuild_tree();
     }
 
-    /// The shapes.
+    /// Returns the shapes.
     #[must_use]
     pub fn geometry(&self) -> &Geometry {
         &self.geometry
     }
 
-    /// Which shape comes first in the document.
+    /// Returns the document order of the shapes.
     #[inline]
     pub(crate) fn order(&self) -> &DocumentOrder {
         self.geometry.order()
     }
 
-    /// Puts the shapes into another document order. They keep their ids.
+    /// Sets another document order of the shapes. They keep their ids.
     ///
     /// # Panics
     ///
@@ -116,8 +115,8 @@ impl PreparedScene {
         self.rebuild_tree();
     }
 
-    /// Puts another shape of the same kind in the place of one, and notes it if they differ. `None` if their kinds do: the scene must
-    /// then be made anew. Otherwise the tree must be [updated](PreparedScene::update_tree) before the next ray.
+    /// Replaces a shape by another of the same kind, and adds it to `changes` if they differ. `None` if their kinds differ: the scene must
+    /// then be [remade](PreparedScene::remake). Otherwise the tree must be [updated](PreparedScene::update_tree) before the next ray.
     #[must_use]
     pub(crate) fn replace_shape(
         &mut self,
@@ -141,7 +140,7 @@ impl PreparedScene {
         self.materials.of(id)
     }
 
-    /// What there is among the surfaces.
+    /// Returns the summary of the materials.
     #[must_use]
     pub fn surfaces(&self) -> &MaterialSummary {
         &self.surfaces
@@ -178,7 +177,7 @@ impl PreparedScene {
         })
     }
 
-    /// Writes the bytes of all else that pictures depend on, apart from the camera.
+    /// Writes the bytes of everything else that pictures depend on, except the camera.
     pub(crate) fn write_surroundings(&self, bytes: &mut Bytes) {
         bytes.count(self.lights.len() as u64);
         for light in &self.lights {
@@ -195,7 +194,7 @@ impl PreparedScene {
         self.equal_shapes.sort(|id| self.materials.of(id).refraction.is_some());
     }
 
-    /// Brings the tree up to date after these shapes have changed, each of which is there once.
+    /// Updates the tree after these shapes have changed. Each shape is listed once.
     pub(crate) fn update_tree(&mut self, changes: &[ShapeChange]) -> BvhUpdate {
         if changes.is_empty() {
             return BvhUpdate::Kept;
@@ -215,14 +214,14 @@ impl PreparedScene {
         maintenance.build(geometry, equal_shapes, SceneTree { tree, leaves, beside });
     }
 
-    /// The first in document order of all shapes that equal one: the one that is asked what a ray meets.
+    /// Returns the first in document order of all shapes that equal a shape: the one that rays query.
     #[must_use]
     #[inline]
     pub(crate) fn first_equal(&self, id: ShapeId) -> ShapeId {
         self.equal_shapes.first(id)
     }
 
-    /// The clear ones, of a shape and all that equal it, that may count among the solids that a ray is inside of.
+    /// Returns the transparent shapes, of a shape and its equals, that may count among the solids that contain a ray.
     pub(crate) fn media_at<'a>(&'a self, asked: &'a ShapeId) -> &'a [ShapeId] {
         match self.equal_shapes.group(*asked) {
             Some(group) => group.media(),
@@ -231,7 +230,7 @@ impl PreparedScene {
         }
     }
 
-    /// Returns whether a clear shape may count among the solids that a ray is inside of.
+    /// Returns whether a transparent shape may count among the solids that contain a ray.
     pub(crate) fn may_be_medium(&self, clear: ShapeId) -> bool {
         self.equal_shapes.group(clear).is_none_or(|group| group.media().contains(&clear))
     }

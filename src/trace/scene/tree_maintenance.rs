@@ -1,4 +1,4 @@
-//! A scene's tree is refitted while few of its shapes move, and built anew when many do or when it has become too costly.
+//! Maintenance of a scene's tree, which is refitted while few shapes move, and rebuilt when many do or when it has become too costly.
 
 use rayon::prelude::*;
 
@@ -9,28 +9,28 @@ use super::leaf_shapes::LeafShapes;
 use crate::trace::bvh::{Builder, Extent, LeafId, Refitter, Tree};
 use crate::trace::rays::ShapeId;
 
-/// Where more than one in so many shapes has moved, building the tree anew takes about as long as refitting it.
+/// If more than one in this many shapes has moved, rebuilding the tree takes about as long as refitting it.
 const REFIT_ONE_IN: usize = 8;
 
-/// What building and refitting the tree takes, apart from the tree. It is kept from frame to frame.
+/// The data for building and refitting the tree, kept from frame to frame.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TreeMaintenance {
     builder: Builder,
     /// The shapes of the tree, in the order of their ids.
     ids: Vec<ShapeId>,
-    /// Made when a shape moves for the first time after the tree was built.
+    /// Created when a shape moves for the first time after the tree was built.
     links: Option<TreeLinks>,
 }
 
-/// From shapes to leaves, and from leaves up to the root.
+/// The links from shapes to leaves, and from leaves up to the root.
 #[derive(Clone, Debug)]
 struct TreeLinks {
-    /// By id: the shape's leaf, if it has one.
+    /// The leaf of a shape, if it has one, by id.
     leaf_of: Vec<Option<LeafId>>,
     refitter: Refitter,
 }
 
-/// A scene's tree, what its leaves stand for, and the shapes that are not in it.
+/// A scene's tree, the shapes of its leaves, and the shapes that are not in it.
 pub(super) struct SceneTree<'a> {
     pub(super) tree: &'a mut Tree,
     pub(super) leaves: &'a mut LeafShapes,
@@ -38,8 +38,8 @@ pub(super) struct SceneTree<'a> {
 }
 
 impl TreeMaintenance {
-    /// Refits the tree after these shapes have changed, each of which is listed once. Returns whether the tree may be kept; if not,
-    /// it must be built.
+    /// Refits the tree after these shapes have changed, each of which is listed once. Returns whether the tree may be kept; if not, it must
+    /// be built.
     #[must_use]
     pub(super) fn refit(
         &mut self,
@@ -48,7 +48,7 @@ impl TreeMaintenance {
         SceneTree { tree, leaves, .. }: SceneTree<'_>,
         changes: &[ShapeChange],
     ) -> bool {
-        // A shape with bounds may be in the tree, one without may not.
+        // Shapes with bounds may be in the tree, shapes without bounds may not.
         let stays = |change: &ShapeChange| change.before.is_some() == change.after.is_some();
         if changes.len() * REFIT_ONE_IN > geometry.len() || !changes.iter().all(stays) {
             return false;
@@ -66,7 +66,7 @@ impl TreeMaintenance {
         links.refitter.refit(tree, moved)
     }
 
-    /// Builds the tree. Of shapes that equal each other, it has the first in document order.
+    /// Builds the tree. Of equal shapes, it holds the first in document order.
     pub(super) fn build(
         &mut self,
         geometry: &Geometry,
@@ -104,8 +104,8 @@ impl TreeLinks {
     }
 }
 
-/// Returns the indices of at most 64 shapes whose boxes' longest edge is over 2^16 times the median of those that have one, ascending.
-/// The median is that of at most some thousands, evenly spread among all.
+/// Returns the indices, ascending, of at most 64 shapes, the largest ones, whose boxes' longest edge exceeds 2^16 times the median. The
+/// median is taken over at most some thousands of shapes, evenly spread among all, and ignores boxes without extent.
 fn huge_shapes(geometry: &Geometry, ids: &[ShapeId]) -> Vec<usize> {
     const TIMES_MEDIAN: f64 = 65_536.0;
     const MOST: usize = 64;

@@ -1,4 +1,4 @@
-//! Camera rays.
+//! The camera and its rays.
 
 mod packet;
 
@@ -10,12 +10,12 @@ use crate::trace::math::{Bytes, Dimension, Double, PixelSamples, Sampling, disc,
 use crate::trace::rays::Ray;
 use crate::trace::shapes::Bounds;
 
-/// The camera, ready to make rays: an eye and a grid of pixels on a screen before it.
+/// A camera: an eye, and a grid of pixels on a screen in front of it.
 ///
 /// With n the unit view direction, u = (up x n)/|up x n| to the right and v = n x u upwards, pixel (i, j) is at
-/// `eye + (-W/2 + W i/(columns-1)) u + (H/2 - H j/(rows-1)) v + d n`: i counts columns to the right, j rows downwards, and
-/// the outermost pixels lie on the screen's edges. A resolution of 1 means the middle. Coordinates are left-handed: x
-/// right, y up, z forward.
+/// `eye + (-W/2 + W i/(columns-1)) u + (H/2 - H j/(rows-1)) v + d n`: i counts columns to the right, j counts rows downwards, and the
+/// outermost pixels lie on the screen's edges. With a resolution of 1, the pixel lies in the middle. Coordinates are left-handed: x right,
+/// y up, z forward.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     eye: DVec3,
@@ -30,20 +30,20 @@ pub struct Camera {
     lens: Option<Lens>,
 }
 
-/// A thin lens in the eye, across the view.
+/// A thin lens at the eye, perpendicular to the view direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Lens {
     radius: f64,
-    /// The distance of the plane in focus, in distances of the screen.
+    /// Distance of the plane of focus, in units of the screen's distance.
     focus: f64,
 }
 
 impl Camera {
-    /// A camera at `eye`, looking along `view` with `up` upwards, whose screen at `distance` is `size` (W, H) wide and high
-    /// and has `resolution` (columns, rows) pixels.
+    /// Creates a camera at `eye` that looks along `view` with `up` upwards. The screen at `distance` is `size` (W, H) wide and high and has
+    /// `resolution` (columns, rows) pixels.
     ///
-    /// Directions may have any length. Where there is no view direction it looks along +z; where `up` is parallel to the
-    /// view, the world axis y, or else z, takes its place. Both are legitimate moments of a camera that moves.
+    /// Directions may have any length. Without a view direction the camera looks along +z; if `up` is parallel to the view, the world axis
+    /// y, or else z, replaces it. Both occur legitimately while a camera moves.
     #[must_use]
     pub fn new(
         eye: DVec3,
@@ -76,7 +76,8 @@ impl Camera {
         }
     }
 
-    /// Returns the same camera turned about its view by `angle`, radians: a quarter turn puts its up where its left was.
+    /// Returns the camera rotated about its view direction by `angle`, in radians: a quarter turn moves its up direction to its former
+    /// left.
     #[must_use]
     pub fn rolled(self, angle: f64) -> Self {
         if angle == 0.0 || !angle.is_finite() {
@@ -87,11 +88,11 @@ impl Camera {
         Self { right: right * cosine + up * sine, up: up * cosine - right * sine, ..self }
     }
 
-    /// The same camera with a thin lens around the eye, `aperture` in diameter. What is at `focus` from the eye along the
-    /// view direction is sharp; at z the blur is as large as a disc of diameter aperture |focus - z| / focus there would
-    /// look. Without an aperture, or with numbers that are not finite or not positive, there is no lens.
+    /// Returns the camera with a thin lens of diameter `aperture` around the eye. Points at distance `focus` from the eye along the view
+    /// direction are sharp; at distance z the blur is as large as a disc of diameter aperture |focus - z| / focus would appear there.
+    /// Without an aperture, or with numbers that are not finite or not positive, there is no lens.
     ///
-    /// A lens shows where pixels have several samples: a single one passes through its centre.
+    /// A lens has an effect only with several samples per pixel: a single sample passes through its centre.
     #[must_use]
     pub fn with_lens(self, aperture: f64, focus: f64) -> Self {
         let lens = Lens { radius: 0.5 * aperture, focus: focus / self.distance };
@@ -99,7 +100,7 @@ impl Camera {
         Self { lens: exists.then_some(lens), ..self }
     }
 
-    /// Writes the bytes of all that pictures depend on.
+    /// Writes the bytes of everything that pictures depend on.
     pub(crate) fn write(&self, bytes: &mut Bytes) {
         let Self { eye, right, up, forward, width, height, distance, columns, rows, lens } = self;
         bytes.vectors([*eye, *right, *up, *forward]);
@@ -109,20 +110,20 @@ impl Camera {
         [radius, focus].into_iter().for_each(|number| bytes.number(number));
     }
 
-    /// The same camera with a pinhole.
+    /// Returns the camera with a pinhole.
     #[must_use]
     pub fn without_lens(self) -> Self {
         Self { lens: None, ..self }
     }
 
-    /// From the eye to the centre of pixel (i, j): P1 - P0.
+    /// Returns the vector from the eye to the centre of pixel (i, j): P1 - P0.
     #[must_use]
     #[inline]
     pub fn towards(&self, i: u32, j: u32) -> DVec3 {
         self.through(f64::from(i), f64::from(j))
     }
 
-    /// From the eye to a place on the screen, in columns from the centre of the first and rows from the centre of the first.
+    /// Returns the vector from the eye to a point on the screen, given in columns and rows from the centre of the first pixel.
     #[inline]
     pub(crate) fn through(&self, column: f64, row: f64) -> DVec3 {
         self.right * self.across(column) + self.up * self.upwards(row) + self.forward
@@ -146,7 +147,7 @@ impl Camera {
         }
     }
 
-    /// The ray through the centre of pixel (i, j). `None` only if the eye or the screen is not finite.
+    /// Returns the ray through the centre of pixel (i, j). `None` only if the eye or the screen is not finite.
     #[doc(hidden)]
     #[must_use]
     #[inline(always)]
@@ -154,10 +155,10 @@ impl Camera {
         Ray::new(self.eye, self.towards(i, j))
     }
 
-    /// The ray of sample `index` of pixel (i, j). A single sample is in the pixel's centre; several are spread evenly over
-    /// the square of half a pitch around it. The pitch is W/(columns-1), or W where there is one column: pixels border on
-    /// each other, and the outermost reach beyond the screen's edges by half a pitch. With a lens, several samples start all
-    /// over it, towards the place in the plane in focus that the eye sees through theirs on the screen.
+    /// Returns the ray of sample `index` of pixel (i, j). A single sample is at the pixel's centre; several are spread evenly over the
+    /// square of half a pitch around it. The pitch is W/(columns-1), or W if there is one column: pixels border on each other, and the
+    /// outermost pixels extend beyond the screen's edges by half a pitch. With a lens, several samples start all over the lens, towards the
+    /// points in the plane of focus that the eye sees through the samples' points on the screen.
     ///
     /// `None` only if the eye or the screen is not finite.
     #[doc(hidden)]
@@ -170,7 +171,7 @@ impl Camera {
         self.spread_ray(sampling, i, j, index)
     }
 
-    /// As [`Camera::sample_ray`], where there are several.
+    /// Returns the ray of [`Camera::sample_ray`] for several samples per pixel.
     pub(crate) fn spread_ray(&self, sampling: Sampling, i: u32, j: u32, index: u32) -> Option<Ray> {
         let samples = PixelSamples::new(sampling.seed, i, j);
         let [right, down] = samples.pair(Dimension::Pixel, index).map(|place| place - 0.5);
@@ -183,41 +184,41 @@ impl Camera {
         Ray::new(self.eye + place, towards * lens.focus - place)
     }
 
-    /// Returns how the direction from the eye changes from one column to the next, and from one row to the next.
+    /// Returns the change of the direction from the eye from one column to the next, and from one row to the next.
     pub(crate) fn steps(&self) -> [DVec3; 2] {
         let pitch = |size: f64, pixels: u32| if pixels > 1 { size / f64::from(pixels - 1) } else { size };
         [self.right * pitch(self.width, self.columns), self.up * -pitch(self.height, self.rows)]
     }
 
-    /// Returns the largest radius, in units of `pitch`, of the disc of the screen that the lens sees a point through, over a range of
-    /// inverse depths in distances of the screen; 0 without a lens.
+    /// Returns the largest radius, in units of `pitch`, of the disc of the screen through which the lens sees a point, over a range of
+    /// inverse depths in units of the screen's distance; 0 without a lens.
     pub(crate) fn confusion(&self, depths: [f64; 2], pitch: f64) -> f64 {
         let Some(Lens { radius, focus }) = self.lens else { return 0.0 };
         let apart = depths.map(|depth| (depth - 1.0 / focus).abs());
         radius * apart[0].max(apart[1]) / pitch
     }
 
-    /// Where rays come together, and how far from there they may start.
+    /// Returns the eye, on which rays converge, and the maximum distance from it at which they start.
     pub(crate) fn eye(&self) -> (DVec3, f64) {
         (self.eye, self.lens.map_or(0.0, |lens| lens.radius))
     }
 
-    /// Returns how far the places on the lens are from the eye along each axis at most.
+    /// Returns upper bounds of the half-extents of the lens along each axis.
     pub(crate) fn lens_reach(&self) -> DVec3 {
-        /// 2^-40, more than rounding shifts places by.
+        /// 2^-40, more than rounding shifts points by.
         const ROUNDING: f64 = f64::from_bits((1023 - 40) << 52);
         let radius = self.lens.map_or(0.0, |lens| lens.radius);
         let reach = (self.right.abs() + self.up.abs()) * radius;
         reach + (reach + self.eye.abs()) * ROUNDING
     }
 
-    /// Returns whether it has a lens, so that what is out of focus may be blurred.
+    /// Returns whether it has a lens, so that shapes out of focus may be blurred.
     #[must_use]
     pub fn has_lens(&self) -> bool {
         self.lens.is_some()
     }
 
-    /// May a ray of the camera meet something in the box? `false` only where none can.
+    /// Returns whether a ray of the camera may hit something in the box. `false` only if none can.
     #[doc(hidden)]
     #[must_use]
     pub fn may_see(&self, bounds: &Bounds) -> bool {
@@ -225,7 +226,7 @@ impl Camera {
             return true;
         }
         let pitch = |size: f64, pixels: u32| size / f64::from(pixels.saturating_sub(1).max(1));
-        // From the middle to half a pitch beyond the outermost pixels, and as much again to be safe.
+        // From the middle to half a pitch beyond the outermost pixels, plus half a pitch as a safety margin.
         let (width, height) = (self.width.abs(), self.height.abs());
         let across = 0.5 * width + pitch(width, self.columns);
         let upwards = 0.5 * height + pitch(height, self.rows);
@@ -245,32 +246,32 @@ impl Camera {
         !normals.into_iter().any(beyond)
     }
 
-    /// The eye, P0.
+    /// Returns the eye, P0.
     #[must_use]
     pub fn position(&self) -> DVec3 {
         self.eye
     }
 
-    /// Unit vectors to the right of the picture, up in it, and along the view: u, v and n.
+    /// Returns the unit vectors u, v and n: to the right in the picture, up in it, and along the view.
     #[must_use]
     pub fn axes(&self) -> [DVec3; 3] {
         [self.right, self.up, self.right.cross(self.up)]
     }
 
-    /// From the eye to the screen, d; scene units.
+    /// Returns the distance from the eye to the screen, d, in scene units.
     #[must_use]
     pub fn distance(&self) -> f64 {
         self.distance
     }
 
-    /// Columns and rows.
+    /// Returns the numbers of columns and rows.
     #[must_use]
     pub fn resolution(&self) -> (u32, u32) {
         (self.columns, self.rows)
     }
 }
 
-/// a x b, each component rounded once: of nearly parallel vectors, rounding on the way would leave little else.
+/// Returns a x b with each component rounded once. For nearly parallel vectors, intermediate rounding would leave little else.
 fn cross(a: DVec3, b: DVec3) -> DVec3 {
     let component =
         |a: f64, b: f64, c: f64, d: f64| (Double::product(a, b) - Double::product(c, d)).rounded();
@@ -295,7 +296,7 @@ mod tests {
 
     #[test]
     fn columns_run_right_and_rows_run_down() {
-        // 3 columns, 2 rows: swapped, the corners would not be on the edges.
+        // 3 columns, 2 rows: if they were swapped, the corners would not be on the edges.
         let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.0, (4.0, 1.0), (3, 2));
         assert_eq!(camera.towards(0, 0), DVec3::new(-2.0, 0.5, 1.0));
         assert_eq!(camera.towards(2, 0), DVec3::new(2.0, 0.5, 1.0));
@@ -323,7 +324,7 @@ mod tests {
                 least = least.min(offset);
                 most = most.max(offset);
             }
-            // The outermost of n numbers, one in each n-th, are within an n-th of the ends.
+            // With one number in each n-th of the range, the outermost of n numbers are within an n-th of its ends.
             for (low, high, pitch) in [(least.x, most.x, pitch.0), (least.y, most.y, pitch.1)] {
                 assert!((-0.5..-0.499).contains(&(low / pitch)) && (0.499..0.5).contains(&(high / pitch)));
             }

@@ -1,4 +1,4 @@
-//! Camera rays in packets: those of four by four pixels.
+//! Packets of camera rays, each for four by four pixels.
 
 use fearless_simd::prelude::*;
 use glam::DVec3;
@@ -10,19 +10,19 @@ use crate::trace::math::{
 };
 use crate::trace::rays::{Ray, RayPacket};
 
-/// Pixels along the sides of the square that a packet's rays go through.
+/// Side length, in pixels, of the square that a packet's rays pass through.
 pub(crate) const SIDE: u32 = 4;
 
-/// The columns and rows of the lanes in it.
+/// The columns and rows of the lanes in the square.
 const COLUMN: [u32; LANES] = [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3];
 const ROW: [u32; LANES] = [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3];
 
-/// Pixels of a packet's rays.
+/// The pixels of a packet's rays.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Square {
-    /// Column and row of the first, in the picture: multiples of four.
+    /// Column and row, in the picture, of the first pixel: multiples of four.
     pub(crate) first: (u32, u32),
-    /// Columns and rows, up to four.
+    /// Numbers of columns and rows, up to four.
     pub(crate) size: (u32, u32),
 }
 
@@ -40,24 +40,25 @@ impl Square {
         COLUMN[lane] < self.size.0 && ROW[lane] < self.size.1
     }
 
-    /// Returns column and row of the pixel in a lane.
+    /// Returns the column and row of the pixel in a lane.
     #[cfg(test)]
     pub(crate) fn pixel(&self, lane: usize) -> (u32, u32) {
         (self.first.0 + COLUMN[lane], self.first.1 + ROW[lane])
     }
 }
 
-/// The centres of all pixels: what those of a column, and those of a row, have in common. Beyond the last ones are those again.
+/// The centres of all pixels, as the sum of a vector per column and a vector per row. The last column and row are repeated beyond the
+/// picture's edges.
 pub(crate) struct PixelCenters {
     eye: DVec3,
     forward: DVec3,
-    /// Four by four, for the lanes of a packet.
+    /// The vectors of four columns per entry, in the lanes of a packet; `rows` holds the vectors of four rows per entry.
     columns: Vec<Vectors>,
     rows: Vec<Vectors>,
 }
 
 impl PixelCenters {
-    /// Of a camera's pixels.
+    /// Computes the centres of a camera's pixels.
     pub(crate) fn of(camera: &Camera) -> Self {
         let column = |i: u32| camera.right * camera.across(f64::from(i.min(camera.columns - 1)));
         let row = |j: u32| camera.up * camera.upwards(f64::from(j.min(camera.rows - 1)));
@@ -72,7 +73,7 @@ impl PixelCenters {
         Self { eye: camera.eye, forward: camera.forward, columns, rows }
     }
 
-    /// Puts the rays through the centres of pixels into the lanes, row by row: [`Camera::ray`] of each.
+    /// Stores the rays through the centres of pixels in the lanes, row by row. Each is the [`Camera::ray`] of its pixel.
     #[inline(always)]
     pub(crate) fn rays<S: Simd>(&self, simd: S, square: &Square, rays: &mut RayPacket) {
         rays.clear();
@@ -101,12 +102,12 @@ impl PixelCenters {
     }
 }
 
-/// Where the samples of a packet's pixels lie: the same for all of them.
+/// The keys of the sample positions of a packet's pixels, which all samples share.
 #[derive(Clone, Debug)]
 pub(crate) struct SpreadKeys {
     /// The lanes that have a pixel, as a bit mask.
     lanes: u32,
-    /// Columns and rows.
+    /// Columns and rows, by lane.
     pixels: [(u32, u32); LANES],
     columns: Numbers,
     rows: Numbers,
@@ -115,7 +116,7 @@ pub(crate) struct SpreadKeys {
 }
 
 impl SpreadKeys {
-    /// Of no pixels.
+    /// The keys of no pixels.
     pub(crate) const NONE: Self = Self {
         lanes: 0,
         pixels: [(0, 0); LANES],
@@ -125,7 +126,7 @@ impl SpreadKeys {
         on_lens: SampleKeys::NONE,
     };
 
-    /// Finds those of pixels, by column and row, in some lanes, and on a lens if there is one.
+    /// Computes the keys of the pixels in some lanes, given by column and row, and their keys on the lens if there is one.
     pub(crate) fn find(&mut self, seed: u64, (pixels, mask): (&[(u32, u32); LANES], u32), has_lens: bool) {
         (self.lanes, self.pixels) = (mask, *pixels);
         for lane in lanes(mask) {
@@ -140,14 +141,15 @@ impl SpreadKeys {
         }
     }
 
-    /// Chooses the lanes that have a pixel, among those that were found.
+    /// Selects the lanes that have a pixel, among the lanes passed to [`SpreadKeys::find`].
     pub(crate) fn set_lanes(&mut self, lanes: u32) {
         self.lanes = lanes;
     }
 }
 
 impl Camera {
-    /// Puts the rays of pixels' samples into the lanes, each lane's by its index: [`Camera::spread_ray`] of each pixel.
+    /// Stores the rays of pixels' samples in the lanes, given a sample index for each lane. Each is the [`Camera::spread_ray`] of its
+    /// pixel.
     #[inline(always)]
     pub(crate) fn spread_rays<S: Simd>(
         &self,
@@ -190,9 +192,9 @@ impl Camera {
         }
     }
 
-    /// Returns the corners of a box around where samples of half of a packet's pixels are when they have gone so far from the eye along an
-    /// axis. `None` where some do not go there. The places of one sample for all of the lens, and of all samples for one place on it, are
-    /// seen in perspective, so that corners are outermost.
+    /// Returns the corners of a box around the points that the samples of half of a packet's pixels reach at a signed distance from the eye
+    /// along an axis. `None` if some do not reach it. The points of one sample for the whole lens, and of all samples for one point of the
+    /// lens, are perspective images, so that the corners are outermost.
     pub(crate) fn places_at(
         &self,
         (axis, far): (usize, f64),
@@ -219,7 +221,7 @@ impl Camera {
         Some([low, high])
     }
 
-    /// [`Camera::through`].
+    /// Computes [`Camera::through`] for half of the lanes.
     #[inline(always)]
     fn through_lanes<S: Simd>(&self, simd: S, column: F64s<S>, row: F64s<S>) -> F64s3<S> {
         let across = if self.columns > 1 {
