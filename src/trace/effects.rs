@@ -1,48 +1,48 @@
-//! Which effects a picture calls for.
+//! The effects that a picture needs.
 //!
-//! What an effect computes does not depend on which others there are: more of them than a scene calls for make the same picture, bit
-//! for bit, only more slowly.
+//! The result of an effect does not depend on the other effects: with more effects than a scene needs, the picture is the same, bit for bit,
+//! but takes longer to render.
 
-/// What is asked of lights.
+/// The evaluation of light sources.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Lighting {
-    /// Nothing: there is only ambient light.
+    /// No light sources, only ambient light.
     None,
-    /// Light that nothing stands in the way of.
+    /// Light sources without occlusion.
     Unshadowed,
-    /// Shadows of what is opaque.
+    /// Shadows of opaque shapes.
     Shadows,
-    /// Shadows of what is opaque or clear.
+    /// Shadows of opaque and transparent shapes.
     ClearShadows,
 }
 
-/// Which rays follow camera rays.
+/// The secondary rays that follow camera rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Paths {
-    /// None.
+    /// No secondary rays.
     Straight,
-    /// Those of mirrors.
+    /// The reflected rays of mirrors.
     Mirrors,
-    /// Those of mirrors and of clear media.
+    /// The rays of mirrors and of transparent media.
     Media,
 }
 
-/// The effects to compute. A stage that none of them needs is not entered; the others skip what is not needed.
+/// The effects to compute. Stages that no effect needs are skipped; the others omit unneeded work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Effects {
-    /// What is asked of lights.
+    /// The evaluation of light sources.
     pub lighting: Lighting,
-    /// Which rays follow camera rays.
+    /// The secondary rays that follow camera rays.
     pub paths: Paths,
     /// The extras: highlights, spot lights, falloff, area lights, checkers and fog.
     pub extras: bool,
 }
 
 impl Effects {
-    /// Everything.
+    /// All effects.
     pub const ALL: Self = Self { lighting: Lighting::ClearShadows, paths: Paths::Media, extras: true };
 
-    /// Returns the effects of both.
+    /// Returns the union of both sets of effects.
     #[must_use]
     pub fn join(self, other: Self) -> Self {
         Self {
@@ -77,7 +77,7 @@ impl Effects {
         self.paths == Paths::Media
     }
 
-    /// Returns whether rays carry the solids that they are inside of.
+    /// Returns whether rays carry the list of the solids that they are inside.
     #[inline]
     pub(crate) fn in_media(self) -> bool {
         self.clear_shadows() || self.media()

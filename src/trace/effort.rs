@@ -1,23 +1,23 @@
-//! What a picture took.
+//! Render statistics.
 
 use std::ops::AddAssign;
 
 use super::query::Escalations;
 
-/// What a picture took.
+/// The statistics of rendering a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
-    /// Rays.
+    /// The rays traced.
     pub rays: RayCounts,
-    /// What ended trees of rays before they ended by themselves.
+    /// The rays spawned but not traced.
     pub ends: TreeEnds,
-    /// How often stages were entered.
+    /// The number of runs of each stage.
     pub(crate) stages: StageCounts,
-    /// How often arithmetic had to be helped.
+    /// The escalations beyond `f64` arithmetic.
     pub escalations: Escalations,
 }
 
-/// How often each stage was entered: never, where no effect needs it.
+/// The number of runs of each stage: 0 if no effect needs it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct StageCounts {
     pub(crate) camera_rays: u64,
@@ -30,36 +30,36 @@ pub(crate) struct StageCounts {
     pub(crate) next_rays: u64,
 }
 
-/// How many rays were traced, by what for.
+/// The number of rays traced, by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RayCounts {
-    /// From the camera.
+    /// Camera rays.
     pub camera: u64,
-    /// From surfaces to lights.
+    /// Shadow rays, from surfaces to lights.
     pub shadow: u64,
-    /// From mirrors, and by reflection at the surfaces of clear media.
+    /// Reflected rays, from mirrors and from the surfaces of transparent media.
     pub reflection: u64,
-    /// Through the surfaces of clear media.
+    /// Rays refracted at the surfaces of transparent media.
     pub refraction: u64,
 }
 
-/// How many rays were not traced, though a surface sent them on.
+/// The number of rays that surfaces spawned but that were not traced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TreeEnds {
-    /// They were beyond the last generation, or beyond the most rays that a sample may have.
+    /// Rays beyond the last bounce, or beyond the maximum number of rays of a sample.
     pub depth: u64,
-    /// They could not have brought enough light to show.
+    /// Rays whose contribution is negligible.
     pub cutoff: u64,
 }
 
 impl RayCounts {
-    /// All of them.
+    /// Returns the total number of rays.
     #[must_use]
     pub fn total(&self) -> u64 {
         self.camera + self.shadow + self.reflection + self.refraction
     }
 
-    /// Counts rays that surfaces send on, all of them mirrored or all refracted.
+    /// Counts secondary rays, all of them reflected or all refracted.
     pub(crate) fn add_secondary(&mut self, mirrored: bool, count: u32) {
         *(if mirrored { &mut self.reflection } else { &mut self.refraction }) += u64::from(count);
     }

@@ -1,4 +1,4 @@
-//! Pixels of one frame.
+//! The pixels of a frame.
 
 use fearless_simd::{f32x16, prelude::*};
 use rayon::prelude::*;
@@ -8,8 +8,8 @@ use crate::trace::math::{Colors, LANES, bits16};
 use crate::trace::scene::SIDE;
 use crate::trace::stages::TILE;
 
-/// One frame's pixels, row by row from the top: in linear light, unless they are [encoded](EncodedFilm). Every value of linear
-/// light is finite and 0 or more.
+/// The pixels of a frame, row by row from the top: in linear light, unless they are [encoded](EncodedFilm). Every value of linear light is
+/// finite and 0 or more.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Film<Pixel = Rgb> {
     width: u32,
@@ -17,19 +17,19 @@ pub struct Film<Pixel = Rgb> {
     pixels: Vec<Pixel>,
 }
 
-/// One frame's pixels as output bytes, encoded by a [`Transfer`].
+/// The pixels of a frame as output bytes, encoded by a [`Transfer`].
 pub type EncodedFilm = Film<[u8; 3]>;
 
-/// One frame's pixels to be put over another picture: what the scene covers, without the background beyond it.
+/// The pixels of a frame with alpha, for compositing: what the scene covers, without the background beyond it.
 ///
-/// Light is premultiplied: over a picture b the result is `light + (1 - alpha) b`, pixel by pixel, in linear light (Porter and Duff,
+/// Light is premultiplied: over a picture b the composite is `light + (1 - alpha) b`, pixel by pixel, in linear light (Porter and Duff,
 /// "Compositing Digital Images", SIGGRAPH 1984, section 3).
 #[derive(Clone, Debug, PartialEq)]
 pub struct AlphaFilm {
-    /// The mean over each pixel's samples of the light of what is covered, 0 where nothing is.
+    /// The mean radiance over all samples of each pixel, where samples that are not covered count as 0.
     pub light: Film,
-    /// Which share of the pixel's samples is covered, from 0 to 1. Those are the ones whose camera rays meet something, or go through fog
-    /// or through what absorbs light. The background in mirrors and behind glass is covered by these.
+    /// The share of covered samples in each pixel, from 0 to 1. A sample is covered if its camera ray hits a shape, or passes through fog or
+    /// an absorbing medium. The background in mirrors and behind glass counts as covered.
     pub alpha: Film<f32>,
 }
 
@@ -40,8 +40,8 @@ impl Film {
         Self::black(Linear, width, height)
     }
 
-    /// Creates a film of these pixels, row by row from the top; they must not be more than fit, and where they are fewer the rest is
-    /// black. Values that are not finite or are negative are made so.
+    /// Creates a film from pixels, row by row from the top. There must not be more pixels than fit; if there are fewer, the rest is black.
+    /// Values that are not finite or are negative are clamped.
     ///
     /// # Panics
     ///
@@ -71,7 +71,7 @@ impl Film {
         encoded
     }
 
-    /// Stores pixels of row `j` from column `i` on, and says how many had overflowed: those are saturated, so that a film is
+    /// Stores pixels of row `j` from column `i` on, and returns the number of pixels that overflowed. These are saturated, so that a film is
     /// always finite.
     #[inline]
     pub(crate) fn store(&mut self, i: u32, j: u32, pixels: impl ExactSizeIterator<Item = Rgb>) -> u64 {
@@ -86,8 +86,8 @@ impl Film {
 }
 
 impl EncodedFilm {
-    /// Creates a film of these bytes: red, green and blue of pixel after pixel, row by row from the top. `None` unless there are
-    /// just as many as it has room for.
+    /// Creates a film from bytes: red, green and blue of each pixel, row by row from the top. `None` unless the number of bytes matches the
+    /// size.
     #[must_use]
     pub fn from_bytes(width: u32, height: u32, bytes: &[u8]) -> Option<Self> {
         let (pixels, rest) = bytes.as_chunks::<3>();
@@ -95,7 +95,7 @@ impl EncodedFilm {
         is_full.then(|| Self { width, height, pixels: pixels.to_vec() })
     }
 
-    /// Returns all bytes: red, green and blue of pixel after pixel.
+    /// Returns all bytes: red, green and blue of each pixel.
     #[must_use]
     pub fn bytes(&self) -> &[u8] {
         self.pixels.as_flattened()
@@ -103,12 +103,12 @@ impl EncodedFilm {
 }
 
 impl AlphaFilm {
-    /// Creates a film that covers nothing.
+    /// Creates a film without any coverage.
     pub(crate) fn empty(width: u32, height: u32) -> Self {
         Self { light: Film::new(width, height), alpha: Film::zeros(width, height) }
     }
 
-    /// Returns which share of so many samples some are.
+    /// Returns the share of covered samples.
     #[expect(clippy::cast_possible_truncation, reason = "rounding to f32 is the point")]
     pub(crate) fn share(covered: f64, samples: f64) -> f32 {
         (covered / samples) as f32
@@ -116,17 +116,17 @@ impl AlphaFilm {
 }
 
 impl Film<f32> {
-    /// Creates a film of zeros.
+    /// Creates a film filled with zeros.
     pub(crate) fn zeros(width: u32, height: u32) -> Self {
         Self { width, height, pixels: vec![0.0; width as usize * height as usize] }
     }
 
-    /// Creates a film of the numbers of all pixels, row by row from the top.
+    /// Creates a film from one number per pixel, row by row from the top.
     pub(crate) fn from_numbers(width: u32, height: u32, pixels: Vec<f32>) -> Self {
         Self { width, height, pixels }
     }
 
-    /// Divides the film into rows of tiles.
+    /// Splits the film into rows of tiles.
     pub(crate) fn bands_mut(&mut self) -> impl IndexedParallelIterator<Item = &mut [f32]> {
         self.pixels.par_chunks_mut((self.width * TILE).max(1) as usize)
     }
@@ -174,8 +174,8 @@ impl<Pixel: Copy + Send + Sync> Film<Pixel> {
         self.pixels[j as usize * self.width as usize + i as usize]
     }
 
-    /// Divides the film into tiles, row by row of tiles; those at the edges may be smaller. Light is encoded when it is stored. There
-    /// are never more than those of a row at once, as they are large.
+    /// Splits the film into tiles, row by row of tiles; tiles at the edges may be smaller. Light is encoded when it is stored. Tiles are
+    /// created one row at a time, as they are large.
     pub(crate) fn tiles_mut<E: Encoding<Pixel = Pixel>>(
         &mut self,
         encoding: E,
@@ -194,17 +194,17 @@ impl<Pixel: Copy + Send + Sync> Film<Pixel> {
     }
 }
 
-/// How many pixels a thread takes at a time.
+/// The number of pixels per parallel chunk.
 const TOGETHER: usize = 1 << 14;
 
-/// A tile of a film: the part of each of its rows.
+/// A tile of a film: the part of each row inside the tile.
 pub(crate) struct FilmTile<'a, E: Encoding> {
     encoding: E,
     rows: [&'a mut [E::Pixel]; TILE as usize],
 }
 
 impl<E: Encoding> FilmTile<'_, E> {
-    /// Stores the pixels of a packet, so many columns and rows, from column `i` and row `j` of the tile on. Says how many had
+    /// Stores the pixels of a packet, `columns` by `rows` of them, at column `i` and row `j` of the tile. Returns the number of pixels that
     /// overflowed, as [`Film::store`] does.
     #[inline(always)]
     pub(crate) fn store<S: Simd>(
@@ -242,7 +242,7 @@ impl<E: Encoding> FilmTile<'_, E> {
         count.into()
     }
 
-    /// Returns what is kept of a packet's pixels, row by row. Where all are the same, one of them tells.
+    /// Encodes a packet's pixels, row by row. If all are the same, only one is encoded.
     #[inline(always)]
     fn encode(&self, colors: &Colors, same: bool) -> [E::Pixel; LANES] {
         if same {

@@ -1,11 +1,11 @@
-//! What identifies a picture: a digest of all that the kernel receives for it, and of nothing else.
+//! The fingerprint of a picture: a digest of everything that the kernel receives for it, and of nothing else.
 //!
-//! Shapes go in as the numbers that rays ask, in document order, each with its material; so do lights, the camera, and what is around
-//! them, at each of the frame's instants; then the film, the samples, and which meaning all of that has. What no bit of a picture
-//! depends on is left out: names, ids, the tree, the number of threads, the level of vector instructions, and effects that
-//! are computed though nothing calls for them.
+//! For each of the frame's instants, it covers the shapes, as the numbers used for intersection, in document order, each with its material,
+//! and the lights, the camera and the surroundings. It also covers the film, the samples, and the version of the semantics of all that. It
+//! excludes data on which no bit of a picture depends: names, ids, the tree, the number of threads, the level of vector instructions, and
+//! effects that are computed although nothing needs them.
 //!
-//! It is the digest (`math/digest`), cut to 128 bits.
+//! The digest (`math/digest`) is truncated to 128 bits.
 
 use std::fmt;
 use std::str::FromStr;
@@ -16,14 +16,14 @@ use crate::trace::effects::Lighting;
 use crate::trace::math::{Bytes, Sampling};
 use crate::trace::scene::{Camera, PreparedScene};
 
-/// The version of what prepared numbers mean. A change after which the same numbers make another picture must raise it: frames
-/// that were written before are then stale.
+/// The version of the semantics of prepared numbers. A change after which the same numbers give another picture must increment it: frames
+/// written before are then stale.
 pub const SEMANTICS: u32 = 2;
 
-/// The version of how samples are chosen for an error: the same for frames that have a target alone.
+/// The version of the choice of samples for an error target. It affects only frames that have a target.
 const ADAPTIVE_SEMANTICS: u32 = 5;
 
-/// What identifies a picture: pictures of equal fingerprints have equal pixels.
+/// The fingerprint of a picture: pictures with equal fingerprints have equal pixels.
 ///
 /// ```
 /// use rayreel::{Engine, Time, World};
@@ -38,18 +38,18 @@ const ADAPTIVE_SEMANTICS: u32 = 5;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct FrameFingerprint([u8; 16]);
 
-/// Says that a text is no fingerprint: 32 hexadecimal digits, small ones.
+/// The error for a text that is not a fingerprint: 32 hexadecimal digits in lower case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a fingerprint is 32 hexadecimal digits, 0 to 9 and a to f")]
 pub struct NotAFingerprint;
 
 impl FrameFingerprint {
-    /// Returns that of a picture of no instant.
+    /// Returns the fingerprint of a picture without instants.
     pub(crate) fn of_nothing() -> Self {
         Self([0; 16])
     }
 
-    /// Returns that of the same picture with rounds of these least gains.
+    /// Returns the fingerprint of the same picture, sampled in rounds with these minimum gains.
     pub(crate) fn with_rounds(self, rounds: &[u32]) -> Self {
         let mut bytes = Bytes::default();
         self.0.into_iter().for_each(|byte| bytes.count(byte));
@@ -75,23 +75,23 @@ impl FromStr for FrameFingerprint {
     }
 }
 
-/// Computes the fingerprint of a frame, instant after instant.
+/// Computes the fingerprint of a frame, instant by instant.
 pub(crate) struct FrameHasher(Bytes);
 
-/// What a whole frame has in common.
+/// The data that are common to a whole frame.
 pub(crate) struct FrameConstants {
     pub(crate) transfer: Transfer,
-    /// With the seed of this frame.
+    /// The sampling, with the seed of this frame.
     pub(crate) sampling: Sampling,
     pub(crate) target: Option<ErrorTarget>,
-    /// The most that is asked of lights.
+    /// The highest level of lighting.
     pub(crate) lighting: Lighting,
-    /// How many there are.
+    /// The number of instants.
     pub(crate) instants: u32,
 }
 
 impl FrameHasher {
-    /// Begins a frame.
+    /// Starts the fingerprint of a frame.
     pub(crate) fn new(constants: &FrameConstants) -> Self {
         let FrameConstants { transfer, sampling: Sampling { samples, seed: _ }, target, lighting, instants } =
             constants;
@@ -115,7 +115,7 @@ impl FrameHasher {
 
     /// Adds the next instant.
     pub(crate) fn add(&mut self, scene: &PreparedScene, camera: &Camera, sampling: Sampling) {
-        // Nothing is random in a single sample of lights without a size.
+        // A single sample without area lights uses no random numbers.
         let is_sampled = sampling.samples > 1 || scene.lights.iter().any(|light| light.source.is_extended());
         self.0.count(is_sampled);
         self.0.count(if is_sampled { sampling.seed } else { 0 });

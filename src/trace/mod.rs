@@ -1,69 +1,72 @@
-//! The kernel: prepared arrays in, [`Film`] out. It knows no entities, no clock and no files, and nothing in it can
-//! fail: whatever could be wrong was refused before a scene was prepared.
+//! The kernel: prepared arrays in, [`Film`] out. It has no entities, no clock and no files, and its operations cannot fail: all input is
+//! validated before a scene is prepared.
 //!
 //! # From pixel to film
 //!
-//! Files in the order in which a camera ray goes through them:
+//! The files, in the order in which a camera ray passes through them:
 //!
-//! 1. `exposure` hands out the picture's tiles over all threads. `stages/sample` takes one sample of each of a tile's
-//!    pixels through the stages, each a function over the arrays in `stages/buffers`: memory does not grow with the number of
-//!    samples. Rays go in packets of sixteen (`rays/packet`), and so does all that is known of them; the arithmetic on lanes is in
-//!    `math/lanes`. What packets leave open, by a contested verdict, a tie or a number out of range, single rays decide, whose code
-//!    defines what is right.
-//! 2. `stages/camera_rays` makes the first wave of rays, by `scene/camera`; where samples lie is in `math/sampling`, in lanes in
-//!    `math/sample_keys`.
-//! 3. `stages/closest_hits` finds what each ray meets first. Packets from one point, as a camera's are, go through the tree
-//!    together, by `packet/bundle`, `bvh/frustum` and `bvh/shaft`; what all samples of a tile through a lens may meet is found once, by
-//!    `packet/lens` and `bvh/beam`; other packets go one after the other, by `packet/closest_hit` and `bvh/packet`. Single rays
-//!    are followed by `query/closest_hit`, which walks the tree (`bvh/traverse`) and asks the shapes (`query/guaranteed`), which are
+//! 1. `exposure` distributes the picture's tiles over all threads. `stages/sample` traces one sample of each of a tile's pixels through the
+//!    stages, each a function over the arrays in `stages/buffers`: memory does not grow with the number of samples. Rays and their data are in
+//!    packets of sixteen (`rays/packet`); `math/lanes` has the arithmetic on lanes. Lanes that packets leave undecided, because of an
+//!    ambiguous comparison, coincident hits or a number out of range, are decided by the code for single rays, which defines the correct
+//!    result.
+//! 2. `stages/camera_rays` generates the first wavefront, with `scene/camera`. The positions of samples come from `math/sampling`, and in
+//!    lanes from `math/sample_keys`.
+//! 3. `stages/closest_hits` finds the closest hit of each ray. Packets with a common origin, such as camera rays of a pinhole, traverse the
+//!    tree together (`packet/bundle`, `bvh/frustum`, `bvh/shaft`). For a lens, the shapes that any sample of a tile can hit are collected once
+//!    (`packet/lens`, `bvh/beam`). Other packets traverse the tree one after the other (`packet/closest_hit`, `bvh/packet`). Single rays are
+//!    traced by `query/closest_hit`, which traverses the tree (`bvh/traverse`) and intersects the shapes (`query/guaranteed`), which are
 //!    defined in `shapes`.
-//! 4. `stages/surfaces` refines hits to surface points, where light, a medium or a mirror asks for them, by `packet/refine`, and adds
+//! 4. `stages/surfaces` refines hits to surface points with `packet/refine`, where lighting, a medium or secondary rays need them, and adds
 //!    ambient light.
-//! 5. `stages/direct_light` goes through the lights: what one could add at each point is proposed, by `light/direct_packet`, and in
-//!    a single lane by `light/direct`; its places, if it has a size, are chosen by `light/light_places`. `stages/shadows` follows the
-//!    proposals' shadow rays, by `packet/occlusion` and, through clear shapes, `packet/crossings`, and singly by `query/occlusion` and
-//!    `query/crossings`. What clear shapes leave is in `stages/clear_shadows`, singly in `light/transmission`, and what comes through is
-//!    added. Which shapes may hide a light from the tile that is not infinitely far away is found once, for all of its samples, by
-//!    `packet/candidates`, `bvh/shaft` and, if it has a size, `bvh/beam`.
-//! 6. `stages/sums` adds what each ray brings to its pixel, in the order of the wave, after fog and media on the way have taken theirs
-//!    (`light/passage_packet`). A tile's pixels are kept packet by packet of its camera rays, whose light is added in their lanes.
-//! 7. `stages/next_rays` makes mirrored and refracted rays, by `light/secondary_packet` and `light/refraction_packet`, and singly by
-//!    `light/secondary`: the next generation (`stages/generation`). `stages/select` keeps those that can still show, by
-//!    `light/contribution`, and where samples may have several of them, by what `stages/trees` knows of them all. They go on at 3, whole
-//!    packets as they are and others put together, by `stages/packing`, as many at a time as a wave has room for.
-//! 8. `exposure` adds samples up in the order of their indices (`tile_light`), in `f64`, in which the mean of equal samples is exactly
-//!    their value, and `film` holds the result; a single sample goes there at once. Where a picture is to have a certain error,
-//!    `adaptive` looks at the sums from time to time, and says which pixels get more samples.
+//! 5. `stages/direct_light` loops over the lights. `light/direct_packet` computes the unoccluded contribution of a light at each surface
+//!    point, `light/direct` for a single lane; `light/light_places` chooses the sample points on area lights. `stages/shadows` traces the
+//!    shadow rays, with `packet/occlusion` and, through transparent shapes, `packet/crossings`; single rays with `query/occlusion` and
+//!    `query/crossings`. `stages/clear_shadows` attenuates the light by transparent shapes, `light/transmission` for single rays. The light
+//!    that remains is added. The possible occluders between a tile and a light that is not directional are collected once for all samples of
+//!    the light, by `packet/candidates`, `bvh/shaft` and, for area lights, `bvh/beam`.
+//! 6. `stages/sums` adds the radiance of each ray to its pixel, in the order of the wavefront, after attenuation by fog and media along the
+//!    ray (`light/passage_packet`). A tile's pixels are stored by packet of its camera rays, and light is added to them lane by lane.
+//! 7. `stages/next_rays` spawns reflected and refracted rays, with `light/secondary_packet` and `light/refraction_packet`, and
+//!    `light/secondary` for single lanes: the queue of the next bounce (`stages/generation`). `stages/select` drops the rays whose
+//!    contribution is negligible, by the bounds in `light/contribution` and, if samples can have several rays, by the state of all of them in
+//!    `stages/trees`. The others continue at 3. `stages/packing` compacts them into wavefronts: packets with enough active lanes are kept, the
+//!    rays of others are merged.
+//! 8. `exposure` sums samples in the order of their indices (`tile_light`), in `f64`, in which the mean of equal samples is exactly their
+//!    value. `film` holds the result; a single sample is stored there directly. If a picture has an error target, `adaptive` evaluates the
+//!    sums between rounds and chooses the pixels that get more samples.
 //!
-//! Folders import one way: `math` <- `rays` <- `shapes` <- `bvh` <- `scene` <- `query` <- `light`, `packet` <- `stages`. What a scene
-//! holds is in `scene`, what rays ask of it in `query`, what many rays ask of it at once in `packet`, and what light does in `light`,
-//! which `stages` and `reference` share.
+//! Folders import one way: `math` <- `rays` <- `shapes` <- `bvh` <- `scene` <- `query` <- `light`, `packet` <- `stages`. `scene` holds the
+//! scene data, `query` the queries of single rays, `packet` the queries of ray packets, and `light` the light transport, which `stages` and
+//! `reference` share.
 //!
-//! # What a picture needs, and no more
+//! # Effects
 //!
-//! What is asked of lights, which rays go on from surfaces, and whether there are extras (`effects`) follows from the
-//! [plan](crate::systems::Plan) of a moment. A stage that none of them needs is not entered, and the others leave out the work. What an
-//! effect computes does not depend on which others there are, so that a planned picture, one with all effects and the
-//! reference path's have the same bits. What each effect costs, planned and with all others, is in `benches/record`, by
-//! `benches/instructions` and `cargo bench --bench effects`.
+//! The [plan](crate::systems::Plan) of a moment determines its effects: the lighting, the secondary rays, and the extras (`effects`). Stages
+//! that no effect needs are skipped, and the others omit unneeded work. The result of an effect does not depend on the other effects, so a
+//! planned picture, a picture with all effects and the picture of the reference path are bit-identical. `benches/record` lists the cost of
+//! each effect, planned and with all others, as measured by `benches/instructions` and `cargo bench --bench effects`.
 //!
-//! # Trees of rays
+//! # Ray trees
 //!
-//! A sample's rays are a tree: every surface may send on a mirrored and a refracted ray. It ends where a ray's contribution could
-//! not show, by a guaranteed bound (what is cut in a sample adds up to less than the scene's cut-off), at the last
-//! generation, and at 4096 rays; rays beyond the last two see the background untraced. How many it was is in [`TreeEnds`].
+//! The rays of a sample form a tree: every surface can spawn a reflected and a refracted ray. A path ends where a ray's contribution is
+//! negligible, by a proven bound (the contributions cut from a sample add up to less than the scene's cutoff), at the last bounce, and at 4096
+//! rays; rays beyond the last two limits see the background untraced. [`TreeEnds`] counts these rays.
 //!
-//! # What pixels meet first
+//! # Passes
 //!
-//! Beside light, depth, normal, position and the like can be told of the ray through each pixel's middle (`passes`), for other programs.
+//! Besides radiance, `passes` computes the depth, normal, position and other values of the ray through each pixel's centre, for other
+//! programs.
 //!
-//! # What identifies a picture
+//! # Fingerprints
 //!
-//! Everything that the kernel receives for a frame, and nothing else, has a fingerprint (`frame_fingerprint`): frames of equal
-//! fingerprints have equal pixels, today, tomorrow and on another machine. [`SEMANTICS`] counts the changes of what numbers mean.
+//! Everything that the kernel receives for a frame, and nothing else, determines the frame's fingerprint (`frame_fingerprint`): frames with
+//! equal fingerprints have equal pixels, at any time and on any machine. [`SEMANTICS`] counts the changes in the meaning of numbers.
 //!
-//! Two paths answer what a ray meets: the scene's tree of bounding boxes, and the linear scan of the
-//! reference path, in `reference`. Both ask the same shapes the same questions, so that both make the same picture, bit for bit.
+//! # Reference path
+//!
+//! Closest hits have two implementations: the scene's tree of bounding boxes, and the linear scan of the reference path, in `reference`. Both
+//! run the same queries on the same shapes, so that both render the same picture, bit for bit.
 //!
 #![doc = include_str!("numerics.md")]
 
@@ -108,7 +111,7 @@ pub use query::Escalations;
 pub use scene::{Camera, Precision};
 pub use tile_work::Signals;
 
-// What tests, benchmarks and explanations of pixels ask of the kernel itself: no part of the library's face.
+// Items for tests, benchmarks and explanations of pixels; not part of the library's interface.
 #[doc(hidden)]
 pub use {
     effects::{Effects, Lighting, Paths},

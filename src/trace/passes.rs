@@ -1,8 +1,8 @@
-//! What the ray through the middle of each pixel meets first: depth, normal, position and the like, to be put together with the picture
-//! by other programs.
+//! Passes: depth, normal, position and other values at the closest hit of the ray through each pixel's centre, for compositing in other
+//! programs.
 //!
-//! They are answers of the search that pictures are made by, at the scene's precision, rounded to the `f32` of a file, and never means:
-//! between two shapes there is no third, and no depth where nothing is. So neither a lens nor an open shutter blurs them.
+//! The closest hits are those that pictures use, at the scene's precision; values are rounded to the `f32` of a file. Passes are never means:
+//! there is no shape between two others, and no depth without a surface. Neither a lens nor an open shutter therefore blurs them.
 
 use std::fmt;
 use std::str::FromStr;
@@ -15,18 +15,18 @@ use crate::color::Rgb;
 use crate::trace::query::{Scratch, with_intersector};
 use crate::trace::scene::{Camera, PreparedScene};
 
-/// What can be told of each pixel besides its light.
+/// A value of each pixel besides its radiance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Pass {
-    /// Distance from the eye along the camera's view axis, in scene units: constant on a wall across the view. Infinite in the
+    /// Distance from the eye along the camera's view axis, in scene units: constant on a wall perpendicular to the view. Infinite in the
     /// background.
     Depth,
     /// Distance from the eye along the ray, in scene units. Infinite in the background.
     Distance,
     /// Unit normal in world space, on the visible side. 0 in the background.
     Normal,
-    /// Index of the shape among the shapes drawn in the frame, in document order, counted from 1. A shape that cannot be drawn in
-    /// a frame, such as one scaled to zero, is not counted in it. 0 in the background.
+    /// Index of the shape among the shapes drawn in the frame, in document order, counted from 1. Shapes that cannot be drawn in a frame, such
+    /// as a shape scaled to zero, are not counted. 0 in the background.
     Id,
     /// Diffuse albedo, by channel, in linear light: k_d times the colour of the surface. 0 in the background.
     Albedo,
@@ -35,11 +35,11 @@ pub enum Pass {
 }
 
 impl Pass {
-    /// All of them.
+    /// All passes.
     pub const ALL: [Self; 6] =
         [Self::Depth, Self::Distance, Self::Normal, Self::Id, Self::Albedo, Self::Position];
 
-    /// Returns its name, as it is typed.
+    /// Returns the name of the pass in the textual form of [`Passes`].
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -67,13 +67,13 @@ impl Pass {
 pub struct Passes(u8);
 
 impl Passes {
-    /// Returns whether a pass is among them.
+    /// Returns whether the set contains a pass.
     #[must_use]
     pub fn contains(self, pass: Pass) -> bool {
         self.0 & (1 << pass as u8) != 0
     }
 
-    /// Returns whether there are none.
+    /// Returns whether the set is empty.
     #[must_use]
     pub fn is_empty(self) -> bool {
         self.0 == 0
@@ -86,7 +86,7 @@ impl FromIterator<Pass> for Passes {
     }
 }
 
-/// A name of no pass.
+/// The error for an unknown pass name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("there is no pass `{0}`: choose from {all}, with commas between them", all = Pass::ALL.map(Pass::name).join(", "))]
 pub struct UnknownPass(String);
@@ -111,7 +111,7 @@ impl fmt::Display for Passes {
     }
 }
 
-/// What is told of a pixel.
+/// The passes of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassPixel {
     /// See [`Pass::Depth`].
@@ -129,7 +129,7 @@ pub struct PassPixel {
 }
 
 impl PassPixel {
-    /// The background.
+    /// The values in the background.
     pub const NOTHING: Self = Self {
         depth: f32::INFINITY,
         distance: f32::INFINITY,
@@ -141,8 +141,8 @@ impl PassPixel {
 }
 
 impl PreparedScene {
-    /// Returns what the ray through the middle of each pixel meets first, row by row from the top, on the current rayon pool's threads.
-    /// `None` if `cancelled` became true meanwhile.
+    /// Computes the passes of all pixels, row by row from the top, on the current rayon pool's threads. `None` if `cancelled` became true
+    /// meanwhile.
     pub(crate) fn passes(&self, camera: &Camera, cancelled: &AtomicBool) -> Option<Vec<PassPixel>> {
         let (columns, rows) = camera.resolution();
         let [_, _, view_axis] = camera.axes();
@@ -154,7 +154,7 @@ impl PreparedScene {
                 let closest = self.closest(shapes, &ray, scratch)?;
                 let surface = self.surface(shapes, &ray, &closest, scratch);
                 let (_, albedo) = self.material(surface.hit.id).colors_at(surface.point, surface.normal);
-                // Adding zero makes negative zeros positive.
+                // Adding zero turns negative zeros positive.
                 let rounded = |vector: DVec3| (vector + DVec3::ZERO).to_array().map(to_f32);
                 Some(PassPixel {
                     depth: to_f32(surface.depth(&ray, view_axis)),
@@ -176,7 +176,7 @@ impl PreparedScene {
     }
 }
 
-/// Rounds to the nearest `f32`; what is too large for one becomes infinite.
+/// Rounds to the nearest `f32`; numbers that are too large become infinite.
 #[expect(clippy::cast_possible_truncation, reason = "rounding to f32 is the point")]
 fn to_f32(number: f64) -> f32 {
     number as f32

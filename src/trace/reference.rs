@@ -1,5 +1,5 @@
-//! The slow path: every ray asks every shape. It is the oracle that the fast path is held against, bit for bit, the
-//! definition of the picture in the fewest words, and, as it keeps the whole tree of a pixel's rays, its explanation.
+//! The reference path: every ray tests every shape. It is the oracle for the fast path, bit for bit, the shortest definition of the picture,
+//! and, as it keeps the whole ray tree of a pixel, the source of its explanation.
 
 use glam::DVec3;
 
@@ -22,92 +22,92 @@ use crate::trace::visibility::{hidden_images, reference_features};
 /// All rays of one sample of a pixel, breadth first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RayTree {
-    /// The camera ray is the first; every ray comes after the one it continues.
+    /// The rays: the camera ray is the first, and every ray comes after its parent.
     pub rays: Vec<TracedRay>,
 }
 
-/// One of them.
+/// A ray of a ray tree.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TracedRay {
-    /// Where it comes from.
+    /// The kind of the ray.
     pub kind: RayKind,
-    /// Index of the ray that this one continues; `None` for a camera ray.
+    /// Index of the parent, from whose hit this ray continues; `None` for a camera ray.
     pub parent: Option<usize>,
     /// The ray.
     pub ray: Ray,
-    /// What share of the light along it reaches the pixel, before the mean over samples is taken.
+    /// The share of the radiance along the ray that reaches the pixel, before the mean over samples is taken.
     pub throughput: Rgb,
-    /// The clear solids that it is inside of, the last entered first.
+    /// The transparent solids that the ray is inside, the last entered first.
     pub inside: Vec<ShapeId>,
-    /// What happens to light on the way.
+    /// The transmittance along the ray, and the light added on the way.
     pub passage: Passage,
-    /// What it finds.
+    /// The end of the ray.
     pub end: RayEnd,
-    /// How many continuations are not followed, as they could not show.
+    /// The number of secondary rays that are cut because their contribution is negligible.
     pub cut: u64,
 }
 
-/// Where a ray comes from.
+/// The kind of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RayKind {
-    /// The camera.
+    /// A camera ray.
     Camera,
-    /// A mirror, or total internal reflection.
+    /// A reflected ray, from a mirror or by total internal reflection.
     Reflection,
-    /// The surface of a clear medium.
+    /// A ray refracted at the surface of a transparent medium.
     Refraction,
 }
 
-/// What a ray finds.
+/// The end of a ray.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RayEnd {
-    /// Nothing: it sees the background, of this colour.
+    /// No hit: the background, with this colour.
     Background(Rgb),
-    /// Nobody looks: it is beyond the last generation, and sees the background, of this colour.
+    /// Not traced, as it is beyond the last bounce or the maximum number of rays: the background, with this colour.
     BeyondDepth(Rgb),
     /// A surface.
     Surface(Box<LitSurface>),
 }
 
-/// A surface point and the light on it.
+/// A surface point and its illumination.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LitSurface {
     /// The point.
     pub surface: SurfacePoint,
-    /// The shapes that are also there, in document order.
+    /// The other shapes at the point, in document order.
     pub also_there: Vec<ShapeId>,
-    /// Ambient light sent back along the ray.
+    /// Ambient light scattered back along the ray.
     pub ambient: Rgb,
-    /// For every light of the scene, in document order, what comes of it.
+    /// The result of every light of the scene, in document order.
     pub lights: Vec<LightReach>,
 }
 
-/// What comes of a light at a surface point.
+/// The result of a light at a surface point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightReach {
-    /// It can add nothing: it is off, or behind the surface, or shines elsewhere, or the surface scatters none of it. No
-    /// shadow ray is sent.
+    /// The light cannot contribute: it is off, behind the surface or pointed elsewhere, or the surface scatters none of it. No shadow ray is
+    /// traced.
     NotAsked,
-    /// Something stands in its way, wherever it is asked; the first in document order of all that stand in the way of the first
+    /// Nothing of the light arrives, and shadow rays are occluded. Holds the first shape in document order that occludes the first occluded
     /// shadow ray.
     Hidden(ShapeId),
-    /// It is sent back along the ray with this colour.
+    /// The light is scattered back along the ray.
     Reaches {
         /// The mean over the light's samples.
         color: Rgb,
-        /// How many of them are hidden.
+        /// The number of occluded samples.
         hidden: u32,
     },
 }
 
 impl RayTree {
-    /// The sample's colour: throughput times light, ray after ray.
+    /// Returns the sample's colour: the sum of the contributions of all rays, in order.
     #[must_use]
     pub fn color(&self) -> Rgb {
         self.rays.iter().fold(Rgb::ZERO, |sum, traced| sum + traced.contribution())
     }
 
-    /// Returns whether the scene covers the pixel in this sample: what the camera ray sees is not the background as it is.
+    /// Returns whether the scene covers the pixel in this sample: the camera ray does not see the unattenuated background.
     #[must_use]
     pub fn is_covered(&self) -> bool {
         let sees_background = |traced: &TracedRay| {
@@ -118,7 +118,7 @@ impl RayTree {
 }
 
 impl TracedRay {
-    /// What the ray adds to the sample.
+    /// Returns the ray's contribution to the sample.
     #[must_use]
     pub fn contribution(&self) -> Rgb {
         self.throughput * self.passage.of(self.end.light())
@@ -126,7 +126,7 @@ impl TracedRay {
 }
 
 impl RayEnd {
-    /// The light that comes back from here.
+    /// Returns the radiance from the end of the ray towards its origin.
     #[must_use]
     pub fn light(&self) -> Rgb {
         match self {
@@ -139,14 +139,14 @@ impl RayEnd {
     }
 }
 
-/// Makes samples of pixels, one ray tree after the other.
+/// Renders samples of pixels, one ray tree after the other.
 pub(crate) struct Reference<'a> {
     context: RenderContext<'a>,
     scratch: LightScratch<'static>,
 }
 
 impl<'a> Reference<'a> {
-    /// For a scene at one moment, with the effects that it may have.
+    /// Creates the renderer of a scene at one moment, with the given effects.
     #[must_use]
     pub(crate) fn new(
         scene: &'a PreparedScene,
@@ -160,7 +160,7 @@ impl<'a> Reference<'a> {
         }
     }
 
-    /// Adds the present round's samples of an instant to the sums, which are in rows from the top.
+    /// Adds an instant's samples of the current round to `sums`, whose pixels are in rows from the top.
     pub(crate) fn add(&mut self, sums: &mut ReferenceSums, instant: u32) {
         let resolution = self.context.camera.resolution();
         let mut portions = Vec::new();
@@ -186,7 +186,7 @@ impl<'a> Reference<'a> {
         }
     }
 
-    /// Searches the features of all pixels at an instant.
+    /// Finds the features of all pixels at an instant.
     pub(crate) fn search(&self, sums: &mut ReferenceSums) {
         let Some(adaptive) = &mut sums.adaptive else { return };
         for tile in Tile::all(self.context.camera.resolution()) {
@@ -196,7 +196,7 @@ impl<'a> Reference<'a> {
         }
     }
 
-    /// The rays of sample `index` of the pixel in column `i` and row `j`. `None` if the camera is not in a finite place.
+    /// Returns the rays of sample `index` of the pixel in column `i` and row `j`. `None` if the camera's position is not finite.
     #[must_use]
     pub(crate) fn sample(&mut self, i: u32, j: u32, index: u32) -> Option<RayTree> {
         let Self { context, scratch } = self;
@@ -247,10 +247,10 @@ impl<'a> Reference<'a> {
     }
 }
 
-/// A ray to be traced, where it comes from, and the index of the ray that it continues.
+/// The kind of a ray to be traced, the index of its parent, and the ray.
 type Queued = (RayKind, Option<usize>, TreeRay);
 
-/// Which rays of a generation are cut, as they could not show.
+/// Returns, for each ray of a bounce, whether it is cut because its contribution is negligible.
 fn negligible(
     context: &RenderContext<'_>,
     budget: &mut Budget,
@@ -267,7 +267,7 @@ fn negligible(
     cut
 }
 
-/// The samples of all pixels so far.
+/// The sums over the samples of all pixels so far.
 pub(crate) struct ReferenceSums {
     resolution: (u32, u32),
     pixels: Vec<PixelSum>,
@@ -276,7 +276,7 @@ pub(crate) struct ReferenceSums {
 }
 
 impl ReferenceSums {
-    /// Creates sums without samples. Alpha can be had in any case.
+    /// Creates sums without samples. They include alpha in any case.
     #[must_use]
     pub(crate) fn new(resolution: (u32, u32), plan: SamplePlan) -> Self {
         let (columns, rows) = resolution;
@@ -284,12 +284,12 @@ impl ReferenceSums {
         Self { resolution, pixels, plan, adaptive: plan.adaptive(resolution, PixelMemory::default()) }
     }
 
-    /// Returns the instants that this round's samples belong to, in the order of time.
+    /// Returns the instants of this round's samples, in chronological order.
     pub(crate) fn instants(&self) -> Vec<u32> {
         self.adaptive.as_ref().map_or_else(|| (0..self.plan.instants).collect(), Adaptive::instants)
     }
 
-    /// Starts the next round, if the picture's error is not yet as small as it is meant to be. Returns whether there is one.
+    /// Starts the next round unless the picture has reached its error target. Returns whether there is a next round.
     pub(crate) fn next_round(&mut self, policy: Option<&SharedRoundPolicy>) -> bool {
         let Some(mut adaptive) = self.adaptive.take() else { return false };
         let goes_on = adaptive.judge(&*self, policy);
@@ -297,7 +297,7 @@ impl ReferenceSums {
         goes_on
     }
 
-    /// Collects the samples that a tile's pixels take at an instant in this round.
+    /// Collects the samples of a tile's pixels at an instant in this round.
     fn portions(&self, tile: &Tile, instant: u32, portions: &mut Vec<Portion>) {
         if let Some(adaptive) = &self.adaptive {
             adaptive.portions(tile, instant, None, portions);
@@ -314,14 +314,14 @@ impl ReferenceSums {
         }
     }
 
-    /// The picture.
+    /// Returns the picture.
     #[must_use]
     pub(crate) fn develop(&self) -> Film {
         let (columns, rows) = self.resolution;
         Film::from_pixels(columns, rows, self.pixels.iter().map(|pixel| pixel.mean(pixel.all)))
     }
 
-    /// The picture without its background.
+    /// Returns the picture with alpha, without its background.
     #[must_use]
     pub(crate) fn develop_with_alpha(&self) -> AlphaFilm {
         let (columns, rows) = self.resolution;
@@ -359,7 +359,7 @@ impl SampleSums for ReferenceSums {
     }
 }
 
-/// A picture of one moment, pixel after pixel, and in a pixel sample after sample.
+/// Renders a picture of one moment, pixel by pixel and sample by sample.
 #[must_use]
 pub fn render(scene: &PreparedScene, camera: &Camera, sampling: Sampling) -> Film {
     let mut sums = ReferenceSums::new(camera.resolution(), SamplePlan::uniform(sampling.samples, 1));
@@ -452,7 +452,7 @@ fn reach(
     }
 }
 
-/// What share of a light comes through, or what shape hides it: an opaque one or, without shadows of what is clear, any.
+/// Returns the share of a light that is transmitted, or the shape that occludes it: an opaque one or, without transparent shadows, any.
 fn visibility(
     context: &RenderContext<'_>,
     scratch: &mut LightScratch<'_>,
@@ -477,14 +477,14 @@ fn visibility(
     }
 }
 
-/// The sums of a pixel's samples. In `f64`, so that the mean of equal samples is exactly their value, and that of 2^16 samples is as good as
-/// that of two.
+/// The sums over a pixel's samples. They are `f64`, so that the mean of equal samples is exactly their value, and the mean of 2^16 samples is
+/// as accurate as the mean of two.
 #[derive(Clone, Copy, Debug, Default)]
 struct PixelSum {
     all: DVec3,
     squares: DVec3,
     count: u32,
-    /// Of the samples in which the pixel is covered.
+    /// Sum over the samples in which the pixel is covered.
     covered: DVec3,
     covered_count: u32,
 }
@@ -501,7 +501,7 @@ impl PixelSum {
         }
     }
 
-    /// Divided by the number of samples, and rounded to `f32` once.
+    /// Returns a sum divided by the number of samples, rounded to `f32` once.
     fn mean(&self, sum: DVec3) -> Rgb {
         (sum / f64::from(self.count.max(1))).as_vec3()
     }

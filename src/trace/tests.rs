@@ -1,4 +1,4 @@
-//! The stages with all effects at once, at every level, held against the reference path.
+//! Compares the stages with all effects at every SIMD level with the reference path.
 
 use std::sync::atomic::AtomicBool;
 
@@ -23,7 +23,7 @@ fn glass(ior: f64, absorption: Rgb, fresnel: bool) -> SurfaceMaterial {
     SurfaceMaterial { refraction, specular: 0.3, shininess: 40.0, reflected: 0.05, ..clay(Rgb::splat(0.1)) }
 }
 
-/// Glass with a ball and a bubble in it, shapes of all kinds, mirrors and highlights.
+/// Returns shapes of all kinds with mirrors and highlights, and glass that contains a ball and a bubble.
 fn shapes() -> Vec<(PreparedShape, SurfaceMaterial)> {
     let sphere = |x: f64, y: f64, z: f64, radius: f64| {
         PreparedShape::Sphere(Sphere { center: DVec3::new(x, y, z), radius })
@@ -116,7 +116,7 @@ fn film(scene: &PreparedScene, camera: &Camera, sampling: Sampling) -> Film {
     exposure.develop().0
 }
 
-/// What is clear, in turns: it may absorb, bend light, and share it out between two rays.
+/// The properties of transparent materials: absorption, refraction, and whether rays branch in two.
 #[derive(Clone, Copy, Debug)]
 struct Clear {
     absorbs: bool,
@@ -124,7 +124,8 @@ struct Clear {
     branches: bool,
 }
 
-/// Shapes of all kinds over a floor and before a wall, most of them clear, apart from each other, in each other and around the lights.
+/// Returns a scene with shapes of all kinds above a floor and in front of a wall. Most are transparent. They may be separate, nested, or
+/// around the lights.
 fn clear_scene(places: &[(u8, [f64; 3], f64)], clear: Clear) -> PreparedScene {
     let floor = PreparedShape::Plane(Plane::new(DVec3::ZERO, DVec3::Y).unwrap());
     let wall = PreparedShape::Plane(Plane::new(DVec3::Z * 4.0, DVec3::NEG_Z).unwrap());

@@ -1,4 +1,4 @@
-//! Where a tile's samples are added to those that came before.
+//! Accumulation of a tile's samples.
 
 use fearless_simd::{f32x16, prelude::*};
 use glam::DVec3;
@@ -9,29 +9,29 @@ use crate::trace::math::{Colors, LANES, Numbers, Vectors, mask16};
 use crate::trace::scene::Square;
 use crate::trace::stages::{PACKETS, Slots, Tile, TileLanes};
 
-/// A sample of a tile's pixels.
+/// Samples of a tile's pixels.
 pub(crate) struct TileSamples<'a> {
-    /// Packet by packet of the camera rays: what it brings.
+    /// The radiance of the samples, by packet of the camera rays.
     pub(crate) light: &'a [Colors; PACKETS],
-    /// The samples that it is of; to other pixels it brings nothing.
+    /// The slots of the samples. Other pixels receive nothing.
     pub(crate) slots: &'a Slots,
-    /// The slots that the scene covers, if that was asked for.
+    /// The slots that the scene covers, if recording is enabled.
     pub(crate) covered: TileLanes,
 }
 
-/// The light of a tile's pixels so far.
+/// The accumulated light of a tile's pixels.
 pub(crate) trait TileLight: Send {
-    /// Returns whether it asks which pixels the scene covers.
+    /// Returns whether samples must record the slots that the scene covers.
     #[inline(always)]
     fn asks_for_coverage(&self) -> bool {
         false
     }
 
-    /// Adds a sample of pixels. Says how many have overflowed.
+    /// Adds samples. Returns the number of pixels that overflowed.
     fn add<S: Simd>(&mut self, simd: S, tile: &Tile, samples: &TileSamples<'_>) -> u64;
 }
 
-/// The only sample of each pixel is what is seen.
+/// Stores the only sample of each pixel directly.
 impl<E: Encoding> TileLight for FilmTile<'_, E> {
     #[inline(always)]
     fn add<S: Simd>(&mut self, simd: S, tile: &Tile, samples: &TileSamples<'_>) -> u64 {
@@ -45,18 +45,18 @@ impl<E: Encoding> TileLight for FilmTile<'_, E> {
     }
 }
 
-/// What the samples of each pixel add up to, packet by packet. In `f64`, so that the mean of equal samples is exactly their value, and
-/// that of 2^16 samples is as good as that of two.
+/// The sums over the samples of each pixel, packet by packet. They are `f64`, so that the mean of equal samples is exactly their value, and
+/// the mean of 2^16 samples is as accurate as the mean of two.
 #[derive(Debug)]
 pub(crate) struct TileSums<'a> {
-    /// Of all samples.
+    /// Sums of all samples.
     pub(crate) all: &'a mut [Vectors],
-    /// Of their squares, and how many there are, where pixels take different numbers of samples; else empty.
+    /// Sums of squared samples, and the numbers of samples in `counts`, if pixels have different numbers of samples; otherwise both are empty.
     pub(crate) squares: &'a mut [Vectors],
     pub(crate) counts: &'a mut [Numbers],
-    /// Of all samples in which the pixel is covered; empty where nobody wants to know, as the next.
+    /// Sums of the samples in which the pixel is covered, and their numbers in `covered_counts`; both are empty if coverage is not recorded.
     pub(crate) covered: &'a mut [Vectors],
-    /// How many those are.
+    /// Numbers of covered samples.
     pub(crate) covered_counts: &'a mut [Numbers],
 }
 
@@ -131,7 +131,7 @@ fn add_colors<S: Simd>(simd: S, sums: &mut Vectors, samples: [f32x16<S>; 3]) {
     }
 }
 
-/// Adds the squares of a sample of each pixel of a packet.
+/// Adds the square of a sample of each pixel of a packet.
 #[inline(always)]
 fn add_squares<S: Simd>(simd: S, sums: &mut Vectors, samples: [f32x16<S>; 3]) {
     for (channel, samples) in samples.into_iter().enumerate() {
@@ -148,7 +148,7 @@ fn add_numbers<S: Simd>(simd: S, sums: &mut Numbers, numbers: f32x16<S>) {
     sums.store(1, sums.load(simd, 1) + second);
 }
 
-/// Returns the means of what samples of a packet's pixels add up to, so many of each.
+/// Returns the mean of each pixel of a packet, from the sum and the number of its samples.
 #[inline(always)]
 pub(crate) fn means<S: Simd>(simd: S, sums: &Vectors, samples: &Numbers) -> Colors {
     let mut means = Colors::splat(Rgb::ZERO);

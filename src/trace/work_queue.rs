@@ -1,11 +1,11 @@
-//! Work that threads take as they get ready, so that none waits for another at the end.
+//! A queue of work that threads take in shares, so that no thread waits for another at the end.
 //!
-//! After Polychronopoulos and Kuck, "Guided Self-Scheduling" (1987): who asks gets a share of what is left. Shares are long at first,
-//! which keeps neighbours together, and single items in the end.
+//! After Polychronopoulos and Kuck, "Guided Self-Scheduling" (1987): each request gets a share of the remaining items. Shares are long at
+//! first, which keeps neighbouring items together, and single items at the end.
 
 use std::sync::{Mutex, PoisonError};
 
-/// Items that some threads share.
+/// Items shared by several threads.
 #[derive(Debug)]
 pub(super) struct WorkQueue<I> {
     items: Mutex<Items<I>>,
@@ -15,19 +15,19 @@ pub(super) struct WorkQueue<I> {
 #[derive(Debug)]
 struct Items<I> {
     rest: I,
-    /// How many are left.
+    /// The number of remaining items.
     count: usize,
 }
 
 impl<I: Iterator> WorkQueue<I> {
-    /// Of so many items, for so many threads, at least one.
+    /// Creates a queue of `count` items for `threads` threads, at least one.
     pub(super) fn new(items: I, count: usize, threads: usize) -> Self {
         Self { items: Mutex::new(Items { rest: items, count }), threads }
     }
 
-    /// Adds the next share to a list. `false` if nothing is left.
+    /// Appends the next share to `list`. Returns `false` if nothing is left.
     pub(super) fn take_share(&self, list: &mut Vec<I::Item>) -> bool {
-        /// Into how many shares of its own what is left to a thread is divided.
+        /// The number of shares into which each thread's part of the remaining items is divided.
         const SHARES: usize = 4;
         const LONGEST: usize = 16;
         let mut items = self.items.lock().unwrap_or_else(PoisonError::into_inner);

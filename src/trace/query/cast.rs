@@ -1,4 +1,4 @@
-//! Single rays, each with memory of its own, by the renderer's own path.
+//! Queries with single rays that own their lists of coincident shapes, through the renderer's own code path.
 
 use std::ops::Deref;
 
@@ -12,14 +12,14 @@ use super::scratch::Scratch;
 use crate::trace::rays::{Ray, ShapeId, TieLists};
 use crate::trace::scene::PreparedScene;
 
-/// A ray that knows by itself which surfaces it leaves.
+/// A ray that owns the list of the surfaces it leaves.
 #[derive(Clone, Debug)]
 pub struct CastRay {
     ray: Ray,
     ties: TieLists,
 }
 
-/// The surface point that a [`CastRay`] found.
+/// The surface point found by a [`CastRay`].
 #[derive(Clone, Debug)]
 pub struct CastHit {
     surface: SurfacePoint,
@@ -27,7 +27,7 @@ pub struct CastHit {
 }
 
 impl CastRay {
-    /// Makes a ray that starts anywhere. `None` if a number is not finite or the direction is zero.
+    /// Creates a ray with any origin. `None` if a number is not finite or the direction is zero.
     #[must_use]
     pub fn new(origin: DVec3, direction: DVec3) -> Option<Self> {
         Some(Self { ray: Ray::new(origin, direction)?, ties: TieLists::default() })
@@ -35,8 +35,8 @@ impl CastRay {
 }
 
 impl CastHit {
-    /// Returns a ray that leaves this surface. It never meets the surface it starts on by rounding. `None` if the direction is zero
-    /// or not finite.
+    /// Returns a ray that leaves this surface. Rounding never makes it hit the surface on which it starts. `None` if the direction is zero or
+    /// not finite.
     #[must_use]
     pub fn leave_towards(&self, direction: DVec3) -> Option<CastRay> {
         let ray = self.surface.leave(direction.dot(self.normal) >= 0.0, direction)?;
@@ -61,7 +61,7 @@ impl Deref for CastHit {
 }
 
 impl PreparedScene {
-    /// Returns the nearest surface that the ray meets, by the renderer's own path.
+    /// Returns the closest hit of the ray, by the renderer's own code path.
     #[must_use]
     pub fn cast(&self, ray: &CastRay) -> Option<CastHit> {
         with_intersector!(self, shapes => self.cast_at(shapes, ray, &mut Scratch::default()))
@@ -88,12 +88,12 @@ impl PreparedScene {
         scratch.ties.clone_from(ties);
         let closest = self.closest(shapes, ray, scratch)?;
         let mut surface = self.surface(shapes, ray, &closest, scratch);
-        // What the ray itself left is of no use to those that go on from here.
+        // Rays that leave the hit do not need the list of the surfaces that this ray left.
         scratch.ties.keep(std::iter::once(&mut surface.ties));
         Some(CastHit { surface, ties: scratch.ties.clone() })
     }
 
-    /// Returns the shapes that a surface is on, besides the one that is seen, in document order.
+    /// Returns the shapes that coincide with the visible one at a surface point, in document order.
     #[must_use]
     pub(crate) fn tied(&self, surface: &SurfacePoint, ties: &TieLists) -> Vec<ShapeId> {
         let first_equals = ties.of(surface.ties).iter().map(|tie| tie.id).chain([surface.first_equal]);

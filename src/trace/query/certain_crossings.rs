@@ -1,20 +1,20 @@
-//! How often a shadow ray crosses the surface of a sphere, as far as a first look says it for certain. Where a sphere is clear and
-//! does not absorb, nothing else is asked of it.
+//! Fast count of the crossings of a shadow ray with a sphere's surface, for the cases in which error bounds make it certain. A transparent
+//! sphere without absorption then needs no other query.
 
 use crate::trace::rays::{Limit, Ray, RayView, ShapeId};
 use crate::trace::scene::{Geometry, Kind, Location};
 use crate::trace::shapes::Sphere;
 
-/// 2^-32: what is nearer to a light than so, compared with its distance, takes a second look.
+/// 2^-32: crossings closer to a light than this, relative to its distance, are uncertain.
 const NEAR: f64 = f64::from_bits((1023 - 32) << 52);
 
 /// Half a unit in the last place of 1.
 const U: f64 = f64::EPSILON / 2.0;
 
-/// How the line of a ray runs by a sphere.
+/// The position of a ray's line relative to a sphere.
 enum Line {
     Beside,
-    /// Through it, entering and leaving there, with a bound of the error of both.
+    /// Enters the sphere at `near` and leaves it at `far`, both with an error of at most `error`.
     Through {
         near: f64,
         far: f64,
@@ -23,8 +23,8 @@ enum Line {
 }
 
 impl Line {
-    /// `None` where it is too close to the sphere's outline. The roots are those of [`Sphere::intersect`], and all bounds
-    /// several times as wide.
+    /// Returns `None` if the line passes too close to the sphere's outline. The roots are computed as in [`Sphere::intersect`], and all bounds
+    /// are several times as wide.
     #[inline]
     fn by(sphere: &Sphere, ray: &Ray) -> Option<Self> {
         let (to_center, direction) = (sphere.center - ray.origin(), ray.direction());
@@ -47,8 +47,8 @@ impl Line {
 }
 
 impl Geometry {
-    /// How many times the ray crosses the surface of a sphere before the limit. `None` where a glance does not tell, and for all
-    /// other shapes.
+    /// Returns the number of times that the ray crosses the surface of a sphere before the limit. `None` if the number is uncertain, and for
+    /// all other shapes.
     #[inline]
     pub(crate) fn crossings_at_a_glance(&self, id: ShapeId, ray: &RayView<'_>, limit: &Limit) -> Option<u32> {
         let Location { kind: Kind::Sphere, index } = self.locations[id.index()] else {
@@ -72,7 +72,7 @@ impl Geometry {
                 (t > error && t + error < before).then_some(1)
             }
         };
-        // The near side of a sphere that the ray leaves inwards is where it starts.
+        // A ray that leaves a sphere inwards starts on its near side.
         let near = if departure.is_some() { 0 } else { between(near)? };
         Some(near + between(far)?)
     }

@@ -1,4 +1,4 @@
-//! The closest hit of a ray, and the surface there.
+//! The closest hit of a ray, and its surface point.
 
 use std::sync::atomic::Ordering::Relaxed;
 
@@ -11,7 +11,7 @@ use crate::trace::rays::{Ray, RayView, ShapeId, Tie, Ties};
 use crate::trace::scene::PreparedScene;
 use crate::trace::shapes::RefinedHit;
 
-/// Evaluates an expression with `$shapes` bound to a scene's shapes, to be asked as its precision says.
+/// Evaluates an expression with `$shapes` bound to the intersector of a scene's precision.
 macro_rules! with_intersector {
     ($scene:expr, $shapes:ident => $work:expr) => {
         match $scene.precision {
@@ -34,7 +34,7 @@ macro_rules! with_intersector {
 pub(crate) use with_intersector;
 
 impl PreparedScene {
-    /// The nearest surface that the ray meets; of several at the same place the first in document order.
+    /// Returns the closest hit of the ray. Of several hits at the same `t`, it is the first in document order.
     #[must_use]
     pub(crate) fn closest(
         &self,
@@ -58,8 +58,9 @@ impl PreparedScene {
         nearest.closest()
     }
 
-    /// The point that the ray found, with its normal. Of several surfaces at the same place it is the first in document order,
-    /// save that a clear one that the ray leaves gives way to the first opaque one: what a glass stands on is seen through it.
+    /// Returns the surface point of a hit, with its normal. Of coincident surfaces the first in document order is visible, with one exception:
+    /// a transparent surface that the ray leaves gives way to the first opaque one, so that the surface on which a glass stands is seen
+    /// through it.
     #[must_use]
     #[inline]
     pub(crate) fn surface(
@@ -109,7 +110,7 @@ impl PreparedScene {
         opaque.min_by_key(|hit| self.order().rank(hit.id)).map_or(seen, seen_as)
     }
 
-    /// The first opaque one, in document order, of a shape and all that equal it.
+    /// Returns the first opaque shape, in document order, among a shape and all shapes equal to it.
     fn first_opaque(&self, first_equal: ShapeId) -> Option<ShapeId> {
         match self.equal_shapes.group(first_equal) {
             Some(group) => group.opaque(None),
@@ -127,7 +128,7 @@ fn surface_at(
     escalations: &mut Escalations,
 ) -> SurfacePoint {
     let RefinedHit { t, point, normal } = shapes.refine(ray, &hit, escalations);
-    // A far side is met from inside, however the last bits of a grazing ray fall.
+    // A far side is always hit from inside, whatever the rounding errors of a grazing ray.
     let from_outside = !hit.far && ray.direction().dot(normal) <= 0.0;
     SurfacePoint { hit, first_equal, ties, t, point, normal, from_outside }
 }

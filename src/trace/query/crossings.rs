@@ -1,4 +1,4 @@
-//! Where shadow rays cross the surfaces of clear shapes.
+//! Crossings of shadow rays with the surfaces of transparent shapes.
 
 use super::escalations::Escalations;
 use super::hit::Hit;
@@ -7,16 +7,16 @@ use crate::trace::rays::{Limit, RayView, ShapeId};
 use crate::trace::scene::PreparedScene;
 use crate::trace::shapes::RefinedHit;
 
-/// A clear shape in the way of a shadow ray.
+/// A transparent shape on the path of a shadow ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Crossed {
-    /// Its surface is crossed so many times, and nobody has asked where.
+    /// The number of crossings with its surface. Their positions are not computed.
     Times(ShapeId, u32),
-    /// First met here, before the light.
+    /// The first hit, which lies before the light.
     At(Hit),
 }
 
-/// Where a shadow ray crosses a clear shape's surface.
+/// A crossing of a shadow ray with a transparent shape's surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crossing {
     pub(crate) t: f64,
@@ -24,17 +24,17 @@ pub(crate) struct Crossing {
     pub(crate) entering: bool,
 }
 
-/// How closely a clear shape is looked at.
+/// The detail of a query for crossings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Look {
-    /// No more than how often it is crossed, where that is certain at a glance.
+    /// The number of crossings if the fast count is certain, otherwise the first hit.
     Glance,
-    /// Where it is crossed.
+    /// The first hit.
     Whole,
 }
 
 impl Crossed {
-    /// A clear shape, if it is in the way.
+    /// Queries a transparent shape. `None` if the ray does not hit it before the limit.
     #[inline]
     pub(crate) fn new(
         shapes: &impl Intersector,
@@ -54,7 +54,7 @@ impl Crossed {
         }
     }
 
-    /// The same of another shape that equals it.
+    /// Returns the same result for another shape that equals this one.
     pub(crate) fn by(self, id: ShapeId) -> Self {
         match self {
             Self::Times(_, times) => Self::Times(id, times),
@@ -69,7 +69,7 @@ impl Crossed {
         }
     }
 
-    /// Adds where the ray crosses its surface.
+    /// Appends the crossings of the ray with the shape's surface.
     pub(crate) fn cross(
         &self,
         scene: &PreparedScene,
@@ -80,7 +80,7 @@ impl Crossed {
     ) {
         let hit = match self {
             Self::At(hit) => Some(*hit),
-            // Asked of the one that the ray knows.
+            // The ray refers to equal shapes by the first of them.
             Self::Times(id, _) => {
                 shapes.intersect(scene.first_equal(*id), ray, escalations).map(|hit| Hit { id: *id, ..hit })
             }
@@ -111,7 +111,7 @@ mod tests {
     use crate::trace::scene::{Geometry, PreparedShape, SurfaceMaterial};
     use crate::trace::shapes::Sphere;
 
-    /// Often where others are, so that rays graze, start on surfaces and end on them.
+    /// Generates coordinates that often coincide, so that rays graze surfaces, start on them and end on them.
     fn coordinate() -> impl Strategy<Value = f64> {
         let nudge = prop_oneof![Just(0.0), -1e-15..1e-15, -1e-9..1e-9, -1e-4..1e-4];
         prop_oneof![3 => (-4..=4).prop_map(f64::from), 2 => -4.0..4.0, 1 => (-4..=4, nudge).prop_map(|(whole, off)| f64::from(whole) + off)]
@@ -127,13 +127,13 @@ mod tests {
         PreparedScene::new(geometry, vec![SurfaceMaterial::default()])
     }
 
-    /// A ray that leaves a surface towards a light, and where that is on it.
+    /// Returns a ray that leaves a surface towards a light, and the limit at the light.
     fn leave_to(surface: &SurfacePoint, outward: bool, light: DVec3) -> Option<(Ray, Limit)> {
         let (_, scale) = scaled(light - surface.point)?;
         Some((surface.leave(outward, light - surface.point)?, Limit::new(scale.recip(), light)))
     }
 
-    /// How often the ray crosses the ball, if it is certain at a glance; and in fact.
+    /// Returns the number of times that the ray crosses the ball: the fast count, if certain, and the exact one.
     fn crossings(scene: &PreparedScene, ray: &Ray, limit: &Limit) -> (Option<u32>, usize) {
         let (shapes, id, escalations) = (scene.geometry(), ShapeId(0), &mut Escalations::default());
         let ray = &RayView::alone(ray);
@@ -151,7 +151,7 @@ mod tests {
         fn what_a_glance_says_is_so(center in point(), radius in 0..3_usize, from in point(), light in point()) {
             let radius = [1.0, 2.0, 0.3][radius];
             let scene = ball(center, radius);
-            // Along with the ray itself, one that starts on the ball where it meets it, to either side.
+            // Besides the ray itself, two rays that start at its hit on the ball, one to either side.
             let mut rays: Vec<(Ray, Limit)> = Vec::new();
             if let Some(ray) = Ray::new(from, light - from) {
                 let length = (light - from).abs().max_element() / ray.direction().abs().max_element();
@@ -167,7 +167,7 @@ mod tests {
         }
     }
 
-    /// Where it is not close, a glance is enough: a test of the test above, which could not fail otherwise.
+    /// Checks that the fast count is certain in clear cases. Without this, the test above could pass with no certain counts at all.
     #[test]
     fn a_glance_is_mostly_enough() {
         let scene = ball(DVec3::ZERO, 1.0);

@@ -1,4 +1,4 @@
-//! Every verdict and every digit right: `f64` where its error bounds suffice, exact arithmetic where they do not.
+//! Robust intersection: every decision and every digit is correct. It uses `f64` if the error bounds suffice, otherwise exact arithmetic.
 
 use std::cmp::Ordering;
 
@@ -12,17 +12,17 @@ use crate::trace::rays::{FAR, Limit, Ray, RayView, ShapeId};
 use crate::trace::scene::{Geometry, ShapeRef};
 use crate::trace::shapes::{Bounds, ExactHit, Face, Intersection, RefinedHit, Side};
 
-/// 2^-36: nearer to a light than so, compared with its distance, what a ray meets is compared with the light's exact place, which
-/// the ray, of a rounded direction, passes by.
+/// 2^-36: a hit closer to a light than this, relative to the light's distance, is compared with the light's exact position. The ray itself
+/// misses that position, as its direction is rounded.
 pub(crate) const NEAR: f64 = f64::from_bits((1023 - 36) << 52);
 
-/// 2^-44: some units in the last place of a light's place, which is rounded too: a panel flush with a ceiling is on it.
+/// 2^-44, some units in the last place of a light's position, which is rounded too: a panel flush with a ceiling lies on it.
 const ROUNDED: f64 = f64::from_bits((1023 - 44) << 52);
 
-/// 2^-20: a normal that is on the wrong side by more than so is not so by rounding.
+/// 2^-20: rounding never turns a normal to the wrong side by more than this.
 const CLEARLY: f64 = f64::from_bits((1023 - 20) << 52);
 
-/// Evaluates an expression with `$shape` bound to the shape with an id, whatever its kind.
+/// Evaluates an expression with `$shape` bound to the shape with an id, of whatever kind.
 macro_rules! ask {
     ($geometry:expr, $id:expr, $shape:ident => $question:expr) => {{
         match $geometry.shape($id) {
@@ -36,8 +36,8 @@ macro_rules! ask {
 }
 
 impl Intersector for Geometry {
-    /// The shape that the ray leaves is met again only from inside, on its far side; and so is every other shape whose
-    /// surface coincided with it where the ray starts, each in its own sense.
+    /// Excludes the shape that the ray leaves, except for its far side, which the ray can hit from inside. The same applies to every other
+    /// shape whose surface coincides with it at the ray's origin, each with its own orientation.
     #[inline]
     fn intersect(&self, id: ShapeId, ray: &RayView<'_>, escalations: &mut Escalations) -> Option<Hit> {
         if let Some(departure) = ray.departure() {
@@ -100,7 +100,7 @@ impl Intersector for Geometry {
 }
 
 impl Geometry {
-    /// Refines a hit whose `t` is not just a few roundings off, or that is near an edge.
+    /// Refines a hit whose `t` has more than a few rounding errors, or that is near an edge.
     #[cold]
     fn refine_specially(&self, ray: &Ray, hit: &Hit, escalations: &mut Escalations) -> RefinedHit {
         let mut refined = if hit.root.t() < FAR {
@@ -108,8 +108,8 @@ impl Geometry {
         } else {
             self.refine_far(ray, hit)
         };
-        // From so far away that even a double-double `t` is coarser than the shape is large, the point is still on it as far as
-        // its bounds go: the tree relies on that for rays that go on from there.
+        // At very large distances even a double-double `t` is coarser than the shape's size. The point is still clamped to the shape's bounds:
+        // the tree relies on this for rays that start there.
         if let Some(Bounds { min, max }) = self.bounds(hit.id) {
             refined.point = refined.point.clamp(min, max);
         }
@@ -135,8 +135,8 @@ impl Geometry {
         )
     }
 
-    /// Refines a hit at [`FAR`] or beyond, in numbers that are so much smaller that no product overflows. Where the point itself does,
-    /// it is not finite.
+    /// Refines a hit at [`FAR`] or beyond, in coordinates scaled down so far that no product overflows. If the point itself overflows, it is
+    /// not finite.
     fn refine_far(&self, ray: &Ray, hit: &Hit) -> RefinedHit {
         /// 2^-600
         const SMALLER: f64 = f64::from_bits((1023 - 600) << 52);
@@ -160,7 +160,7 @@ impl Geometry {
         if let Some(Bounds { min, max }) = self.bounds(hit.id) {
             point = point.clamp(min, max);
         }
-        // The way is made already.
+        // The point is already at the hit.
         let refined = ask!(self, hit.id, shape => shape.surface_point(point, direction, Double::ZERO, face));
         on_side(RefinedHit { t, ..refined }, side, direction)
     }
@@ -178,7 +178,8 @@ impl Geometry {
         ask!(self, id, shape => shape.contains(point))
     }
 
-    /// How far on a line leaves a shape that it enters at a point of its surface. `None` where it never does.
+    /// Returns the `t`, counted from `point`, at which a line leaves a shape that it enters at that point of its surface. `None` if it never
+    /// does.
     #[must_use]
     pub(crate) fn far_side(&self, id: ShapeId, point: DVec3, direction: DVec3) -> Option<f64> {
         match ask!(self, id, shape => shape.exit(point, direction)) {
@@ -193,7 +194,7 @@ impl Geometry {
 
     #[inline]
     fn near_hit(&self, id: ShapeId, ray: &Ray, escalations: &mut Escalations) -> Option<Hit> {
-        // The ray is read by each kind of shape for itself: copied here, it would go through memory a second time.
+        // Each kind of shape reads the ray itself: a copy here would go through memory a second time.
         let verdict = ask!(self, id, shape => shape.intersect(ray));
         self.decided(verdict, id, false, ray, escalations)
     }
@@ -225,7 +226,7 @@ impl Geometry {
         (root.t() < FAR || self.is_reached(ray, &hit)).then_some(hit)
     }
 
-    /// Where the ray first meets the shape, or, if it starts there and goes inwards, where it comes out; without any rounding.
+    /// Computes a hit without any rounding: the first one or, if `far`, the exit of a ray that starts on the shape and goes inwards.
     #[cold]
     fn exactly(&self, id: ShapeId, far: bool, ray: &Ray) -> Option<ExactHit> {
         self.exactly_met(id, far, ray.origin(), &ray.direction().into())
@@ -239,7 +240,7 @@ impl Geometry {
         crossing.into_iter().find(|meeting| meeting.t.sign().is_ge())
     }
 
-    /// Do both meet one and the same plane, as they do where faces are flush? Then they need not be compared.
+    /// Returns whether both hits lie in the same plane, as on flush faces. They then need not be compared.
     fn meet_one_plane(&self, hit: &Hit, other: &Hit, ray: &Ray) -> bool {
         let facet = |hit: &Hit| {
             let (origin, direction, t) = (ray.origin(), ray.direction(), hit.root.t());
@@ -248,8 +249,8 @@ impl Geometry {
         facet(hit).is_some_and(|one| facet(other) == Some(one))
     }
 
-    /// Does the shape stand between the ray's origin and the light's very place, which the ray passes by as far as its direction is
-    /// rounded? A shape that the light lies on, as far as its place is known, does not.
+    /// Returns whether the shape lies between the ray's origin and the light's exact position, which the ray misses by the rounding of its
+    /// direction. A shape on which the light lies, within the rounding of its position, does not.
     #[cold]
     fn exactly_before(&self, hit: &Hit, ray: &Ray, limit: &Limit) -> bool {
         let (id, origin) = (hit.id, ray.origin());
@@ -258,7 +259,7 @@ impl Geometry {
         let sizes = origin.abs().max_element() + limit.place().abs().max_element();
         let latest = -ROUNDED * sizes / way.abs().max_element();
         if let Some(met) = ask!(self, id, shape => shape.refine(origin, way, 1.0, hit.far)) {
-            // A direction that is off by u in each coordinate is off by so much in t, times 1 over the cosine.
+            // An error of u in each coordinate of the direction causes an error of that size in t, times 1 over the cosine.
             let error = 16.0 * f64::EPSILON * (1.0 + way.length() / met.normal.dot(way).abs());
             let beyond = (met.t - Double::from(1.0)).rounded() - latest;
             if beyond.abs() > error {
@@ -270,8 +271,8 @@ impl Geometry {
     }
 }
 
-/// Turns a normal that is clearly on the wrong side towards the ray: from so far away that the shape is smaller than the points there
-/// are, none can be told but by its side.
+/// Replaces a normal that is clearly on the wrong side by the ray's direction, or by its opposite at an entry. From so far away that the shape
+/// is smaller than the spacing of representable points, only the side of the normal is known.
 fn on_side(refined: RefinedHit, side: Side, direction: DVec3) -> RefinedHit {
     let direction = direction.normalize();
     let wrong = match side {

@@ -1,27 +1,27 @@
-//! What a ray meets.
+//! Hits of rays with shapes.
 
 use glam::DVec3;
 
 use crate::trace::math::{Double, Double3, Root, scaled};
 use crate::trace::rays::{Departure, FAR, Ray, ShapeId, Ties};
 
-/// Where a ray meets a shape.
+/// An intersection of a ray with a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// The ray's parameter, with a bound of its error.
+    /// The ray parameter, with its error bound.
     pub root: Root,
     /// The shape.
     pub id: ShapeId,
-    /// Whether this is the far side of a shape that the ray left inwards.
+    /// True if this is the far side of a shape that the ray left inwards.
     pub far: bool,
 }
 
-/// What a ray meets first: the first in document order of all that it meets exactly there.
+/// The closest hit of a ray: the first in document order of all hits at exactly the same `t`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ClosestHit {
-    /// What is seen.
+    /// The hit.
     pub(crate) hit: Hit,
-    /// What else is met there.
+    /// The other hits at the same `t`.
     pub(crate) tied: TiedHits,
 }
 
@@ -41,40 +41,40 @@ impl TiedHits {
     }
 }
 
-/// A point of a surface, found by a ray.
+/// A surface point found by a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
-    /// What found it.
+    /// The hit that was refined to this point.
     pub hit: Hit,
-    /// The first in document order of all shapes that equal the one it is on.
+    /// The first in document order of the shape and all shapes equal to it.
     pub(crate) first_equal: ShapeId,
-    /// What else is there, besides those.
+    /// The other coincident shapes at the point, none of them equal to it.
     pub(crate) ties: Ties,
-    /// The parameter of the ray that found it, right to some bits beyond an `f64`'s.
+    /// The parameter of the ray that found it, accurate to some bits beyond an `f64`.
     pub t: Double,
-    /// On the surface.
+    /// The position on the surface.
     pub point: DVec3,
-    /// The outward unit normal; of a plane, its own.
+    /// The outward unit normal; for a plane, its own normal.
     pub normal: DVec3,
-    /// Whether the ray came from the side that the normal points to.
+    /// True if the ray came from the side to which the normal points.
     pub from_outside: bool,
 }
 
 impl SurfacePoint {
-    /// The normal on the side that the ray came from.
+    /// Returns the normal on the side from which the ray came.
     #[must_use]
     pub fn facing_normal(&self) -> DVec3 {
         if self.from_outside { self.normal } else { -self.normal }
     }
 
-    /// Returns how far it is from the origin of the ray that found it: t |d| in double-double, rounded once.
+    /// Returns the distance from the origin of the ray that found the point: t |d| in double-double, rounded once.
     #[must_use]
     pub fn distance(&self, ray: &Ray) -> f64 {
         let direction = Double3::from(ray.direction());
         self.times(direction.dot(direction).sqrt())
     }
 
-    /// Returns the distance from the origin of the ray that found it, along a unit vector.
+    /// Returns the distance from the origin of the ray that found the point, along a unit vector.
     #[must_use]
     pub fn depth(&self, ray: &Ray, axis: DVec3) -> f64 {
         self.times(Double3::from(ray.direction()).dot(Double3::from(axis)))
@@ -87,18 +87,18 @@ impl SurfacePoint {
         if self.t.rounded() < FAR {
             (self.t * number).rounded()
         } else {
-            // No product overflows while it is split into halves.
+            // Scaled so that no product overflows while it is split into halves.
             (self.t.scaled(LARGER.recip()) * number).rounded() * LARGER
         }
     }
 
-    /// What a ray leaves that starts here, on the side that `outward` says.
+    /// Returns the surface exclusion of a ray that starts here, on the side given by `outward`.
     #[inline(always)]
     pub(crate) fn departure(&self, outward: bool) -> Departure {
         Departure { id: self.first_equal, outward, ties: self.ties }
     }
 
-    /// A ray that leaves the surface on the side that `outward` says.
+    /// Returns a ray that leaves the surface on the side given by `outward`.
     #[must_use]
     #[inline]
     pub(crate) fn leave(&self, outward: bool, direction: DVec3) -> Option<Ray> {

@@ -1,4 +1,4 @@
-//! What sixteen rays meet.
+//! Hits of sixteen rays.
 
 use fearless_simd::Simd;
 use glam::DVec3;
@@ -9,25 +9,25 @@ use crate::trace::math::{
 };
 use crate::trace::rays::{RayPacket, ShapeIds, Ties};
 
-/// What rays meet first, lane by lane.
+/// The closest hits of a packet, lane by lane.
 #[derive(Clone, Debug)]
 pub(crate) struct HitPacket {
-    /// Infinity where nothing is met.
+    /// The ray parameters; infinity in lanes without a hit.
     pub(crate) ts: Numbers,
-    /// Bounds of their errors.
+    /// The error bounds of the ray parameters.
     pub(crate) errors: Numbers,
-    /// What is met.
+    /// The shapes that are hit.
     pub(crate) ids: ShapeIds,
-    /// Lanes in which it is the far side of a shape that the ray left inwards.
+    /// Lanes that hit the far side of a shape that the ray left inwards.
     pub(crate) far: u32,
-    /// Lanes in which something else is met at the same place.
+    /// Lanes with other hits at the same `t`.
     pub(crate) tied: u32,
     ties: [TiedHits; LANES],
-    /// Lanes of rays that have to be followed one by one.
+    /// Undecided lanes, which have to be traced as single rays.
     pub(crate) open: u32,
 }
 
-/// Where on surfaces that is, lane by lane.
+/// The surface points of a packet's hits, lane by lane.
 #[derive(Clone, Debug)]
 pub(crate) struct SurfacePacket {
     /// Lanes that have a point.
@@ -35,20 +35,20 @@ pub(crate) struct SurfacePacket {
     pub(crate) points: Vectors,
     /// The outward unit normals.
     pub(crate) normals: Vectors,
-    /// Lanes whose rays came from the side that the normal points to.
+    /// Lanes whose rays came from the side to which the normal points.
     pub(crate) from_outside: u32,
-    /// The rays' parameters there, rounded, and what rounding left over.
+    /// The ray parameters: rounded values in `ts`, the remainders in `rests`.
     pub(crate) ts: Numbers,
     pub(crate) rests: Numbers,
-    /// The first in document order of all shapes that equal what is met.
+    /// The first in document order of all shapes equal to the visible one.
     pub(crate) first_equals: ShapeIds,
-    /// Lanes in which there are other surfaces at the point.
+    /// Lanes with other coincident surfaces at the point.
     pub(crate) tied: u32,
     ties: [Ties; LANES],
 }
 
 impl HitPacket {
-    /// Of rays that have met nothing.
+    /// No hits.
     pub(crate) const EMPTY: Self = Self {
         ts: Numbers::splat(f64::INFINITY),
         errors: Numbers::splat(0.0),
@@ -59,7 +59,7 @@ impl HitPacket {
         open: 0,
     };
 
-    /// Forgets all hits.
+    /// Removes all hits.
     #[inline]
     pub(crate) fn clear(&mut self) {
         self.ts = Numbers::splat(f64::INFINITY);
@@ -68,7 +68,7 @@ impl HitPacket {
         (self.far, self.tied, self.open) = (0, 0, 0);
     }
 
-    /// Returns what is met in a lane, as far as that is decided.
+    /// Returns the closest hit in a lane, as decided so far.
     #[inline]
     pub(crate) fn get(&self, lane: usize) -> Option<ClosestHit> {
         let bit = 1 << lane;
@@ -79,7 +79,7 @@ impl HitPacket {
         Some(ClosestHit { hit, tied })
     }
 
-    /// Decides what is met in a lane.
+    /// Sets the closest hit in a lane, and marks the lane as decided.
     #[inline]
     pub(crate) fn set(&mut self, lane: usize, closest: Option<ClosestHit>) {
         let bit = 1 << lane;
@@ -101,7 +101,7 @@ impl HitPacket {
 }
 
 impl SurfacePacket {
-    /// Without points.
+    /// No surface points.
     pub(crate) const EMPTY: Self = Self {
         lanes: 0,
         points: Vectors::splat(DVec3::ZERO),
@@ -114,13 +114,13 @@ impl SurfacePacket {
         ties: [Ties::NONE; LANES],
     };
 
-    /// Forgets all points.
+    /// Removes all points.
     #[inline]
     pub(crate) fn clear(&mut self) {
         (self.lanes, self.from_outside, self.tied) = (0, 0, 0);
     }
 
-    /// Returns the point in a lane that has one, and what was met there.
+    /// Returns the surface point in a lane, with its hit.
     #[inline]
     pub(crate) fn get(&self, lane: usize, hits: &HitPacket) -> Option<SurfacePoint> {
         let bit = 1 << lane;
@@ -135,8 +135,8 @@ impl SurfacePacket {
         })
     }
 
-    /// Returns how far points are from the origins of the rays that found them, in half of the lanes, and in which of these that is
-    /// what [`SurfacePoint::distance`] says.
+    /// Returns the distances of the points from the origins of the rays that found them, in half of the lanes, and the lanes in which they
+    /// equal [`SurfacePoint::distance`].
     #[inline(always)]
     pub(crate) fn distances<S: Simd>(&self, simd: S, rays: &RayPacket, half: usize) -> (F64s<S>, Mask<S>) {
         let t = DoubleLanes { high: self.ts.load(simd, half), low: self.rests.load(simd, half) };
@@ -147,7 +147,7 @@ impl SurfacePacket {
         ((t * length).high, moderate(simd, t.high) & moderate3(simd, direction))
     }
 
-    /// Puts a point into a lane that has none. What is seen there may be another shape than the one that was met first.
+    /// Sets the surface point of a lane that has none. The visible shape, which is also set in `hits`, can differ from the first one hit.
     #[inline]
     pub(crate) fn set(&mut self, lane: usize, point: &SurfacePoint, hits: &mut HitPacket) {
         let bit = 1 << lane;

@@ -1,4 +1,4 @@
-//! What searches ask of shapes, whatever the precision.
+//! The queries on shapes that searches use at any precision.
 
 use std::cmp::Ordering;
 
@@ -7,12 +7,12 @@ use super::hit::Hit;
 use crate::trace::rays::{Limit, Ray, RayView, ShapeId};
 use crate::trace::shapes::RefinedHit;
 
-/// Intersects rays with shapes, at some precision.
+/// Intersects rays with shapes at one precision.
 pub(crate) trait Intersector: Sync {
-    /// Where the ray first meets the shape, if it does.
+    /// Returns the first hit of the ray with the shape.
     fn intersect(&self, id: ShapeId, ray: &RayView<'_>, escalations: &mut Escalations) -> Option<Hit>;
 
-    /// Which of a ray's hits is nearer.
+    /// Compares the distances of two hits of a ray.
     fn compare(&self, ray: &Ray, hit: &Hit, other: &Hit, escalations: &mut Escalations) -> Ordering;
 
     /// Returns whether the hit is nearer than `limit`.
@@ -24,10 +24,10 @@ pub(crate) trait Intersector: Sync {
         self.intersect(id, ray, escalations).is_some_and(|hit| self.is_before(&hit, ray, limit, escalations))
     }
 
-    /// What the hit found.
+    /// Computes the accurate `t`, point and normal of a hit.
     fn refine(&self, ray: &Ray, hit: &Hit, escalations: &mut Escalations) -> RefinedHit;
 
-    /// How many times the ray crosses the shape's surface before `limit`, if that is certain at a glance.
+    /// Returns the number of times that the ray crosses the shape's surface before `limit`, if a fast count is certain.
     #[inline]
     fn certain_crossings(&self, _id: ShapeId, _ray: &RayView<'_>, _limit: &Limit) -> Option<u32> {
         None

@@ -1,4 +1,4 @@
-//! The closest hit by asking every shape: the oracle of the tree.
+//! The closest hit by a test of every shape: the oracle of the tree.
 
 use super::hit::{ClosestHit, Hit};
 use super::intersector::Intersector;
@@ -7,7 +7,7 @@ use super::scratch::Scratch;
 use crate::trace::rays::{Ray, RayView};
 use crate::trace::scene::PreparedScene;
 
-/// Returns the nearest surface; of several at the same place the first in document order.
+/// Returns the closest hit; of several hits at the same `t`, the first in document order.
 #[must_use]
 pub(crate) fn closest(scene: &PreparedScene, ray: &Ray, scratch: &mut Scratch<'_>) -> Option<ClosestHit> {
     let geometry = scene.geometry();
@@ -15,7 +15,7 @@ pub(crate) fn closest(scene: &PreparedScene, ray: &Ray, scratch: &mut Scratch<'_
     let ray = &RayView::new(ray, ties);
     let mut nearest = Nearest::new(scene.order(), tied_hits);
     for id in geometry.ids() {
-        // A ray that leaves a shape leaves all that equal it.
+        // A ray that leaves a shape also leaves all shapes equal to it.
         if let Some(hit) = geometry.intersect(scene.first_equal(id), ray, escalations) {
             nearest.consider(Hit { id, ..hit }, geometry, ray, escalations);
         }

@@ -1,4 +1,4 @@
-//! What rays ask of a scene: the closest hit, and what stands before a light.
+//! Ray queries on a scene: closest hits, and occlusion of lights.
 
 mod cast;
 mod certain_crossings;

@@ -1,4 +1,4 @@
-//! The nearest of a ray's hits, while they are found.
+//! The running closest hit of a ray.
 
 use std::cmp::Ordering;
 
@@ -8,11 +8,11 @@ use super::intersector::Intersector;
 use crate::trace::rays::{RayView, ShapeId};
 use crate::trace::scene::DocumentOrder;
 
-/// What is met where the closest hits of rays are, besides those, list after list.
+/// Lists of the hits at the same `t` as the closest hits of rays, one list after another.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TiedHitLists(Vec<Hit>);
 
-/// The nearest of the hits of one ray so far. Those that are as near are at the end of the lists.
+/// The closest hit of one ray so far. Other hits at the same `t` are at the end of the lists.
 pub(crate) struct Nearest<'a> {
     best: Option<Hit>,
     order: &'a DocumentOrder,
@@ -21,7 +21,7 @@ pub(crate) struct Nearest<'a> {
 }
 
 impl TiedHitLists {
-    /// Returns a list, in any order; of equal shapes the first in document order stands for all.
+    /// Returns a list, in no particular order. The first of equal shapes in document order represents all of them.
     pub(crate) fn of(&self, tied: TiedHits) -> &[Hit] {
         let TiedHits { start, count } = tied;
         if count == 0 { &[] } else { &self.0[start as usize..][..count as usize] }
@@ -39,7 +39,7 @@ impl<'a> Nearest<'a> {
         Self { best: None, order, lists, start }
     }
 
-    /// Takes another shape into account, and returns from which `t` on nothing is of interest any more.
+    /// Intersects another shape, and returns the `t` beyond which hits no longer matter.
     #[inline(always)]
     pub(crate) fn meet(
         &mut self,
@@ -82,10 +82,10 @@ impl<'a> Nearest<'a> {
         }
     }
 
-    /// Returns the first in document order of the nearest hits.
+    /// Returns the closest hit; of several hits at the same `t`, the first in document order.
     #[inline]
     pub(crate) fn closest(self) -> Option<ClosestHit> {
-        // Memory ends long before.
+        // Memory runs out long before a `u32` overflows.
         let number = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
         let count = self.lists.0.len() - self.start;
         let tied = TiedHits { start: number(self.start), count: number(count) };

@@ -1,4 +1,4 @@
-//! What stands between a surface and a light.
+//! Occlusion queries between a surface and a light.
 
 use std::sync::atomic::Ordering::Relaxed;
 
@@ -11,8 +11,8 @@ use crate::trace::rays::{Limit, Ray, RayView, ShapeId};
 use crate::trace::scene::{EqualGroup, PreparedScene};
 
 impl PreparedScene {
-    /// Anything but `except` that stands between the ray's origin and `limit`: whatever is found first. Of the tree's shapes
-    /// only `candidates` are asked, if there are any given.
+    /// Returns any shape, except `except`, between the ray's origin and `limit`: the first one found. If `candidates` are given, only they are
+    /// tested instead of the tree.
     #[must_use]
     pub(crate) fn occluder(
         &self,
@@ -24,7 +24,7 @@ impl PreparedScene {
     ) -> Option<ShapeId> {
         let Scratch { stack, escalations, ties, cancelled, .. } = scratch;
         let ray = &RayView::new(ray, ties);
-        // Where there are several equal shapes, one of them is another than `except`.
+        // Of several equal shapes, at least one is not `except`.
         let counts = |id: ShapeId| Some(id) != except || self.equal_shapes.group(id).is_some();
         let mut hides = |id: ShapeId| counts(id) && shapes.occludes(id, ray, limit, escalations);
         let mut beside = self.beside.iter().copied();
@@ -39,8 +39,8 @@ impl PreparedScene {
         })
     }
 
-    /// Anything opaque but `except` that stands between the ray's origin and `limit`. If there is nothing, `scratch.crossed` are
-    /// the clear shapes that do. `candidates` are as those of [`Self::occluder`].
+    /// Returns any opaque shape, except `except`, between the ray's origin and `limit`. If there is none, `scratch.crossed` contains the
+    /// transparent shapes there. `candidates` are as in [`Self::occluder`].
     #[must_use]
     pub(crate) fn occluder_or_crossed(
         &self,
@@ -72,7 +72,7 @@ impl PreparedScene {
         })
     }
 
-    /// Does the shape stand in the ray's way? A clear one never does, but is added to those that are crossed.
+    /// Returns whether the shape occludes the ray. A transparent shape never does; it is added to `crossed` if it is hit.
     #[inline]
     pub(crate) fn hides_or_is_crossed(
         &self,
@@ -83,7 +83,7 @@ impl PreparedScene {
         crossed: &mut Vec<Crossed>,
         escalations: &mut Escalations,
     ) -> bool {
-        // A ray that leaves a shape leaves all that equal it.
+        // A ray that leaves a shape also leaves all shapes equal to it.
         let asked = self.first_equal(id);
         if self.material(id).refraction.is_none() {
             return shapes.occludes(asked, ray, limit, escalations);
@@ -92,7 +92,7 @@ impl PreparedScene {
         false
     }
 
-    /// The same for equal shapes at once.
+    /// Tests a group of equal shapes at once, like [`Self::hides_or_is_crossed`].
     #[cold]
     fn group_hides_or_is_crossed(
         &self,

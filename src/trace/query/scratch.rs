@@ -1,4 +1,4 @@
-//! What searches keep between rays.
+//! The scratch memory of ray queries.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -8,24 +8,24 @@ use super::nearest::TiedHitLists;
 use crate::trace::bvh::Stack;
 use crate::trace::rays::TieLists;
 
-/// What searches need besides the scene, kept between rays so that none allocates.
+/// The memory that ray queries need besides the scene, reused between rays so that no query allocates.
 #[derive(Clone, Debug)]
 pub(crate) struct Scratch<'a> {
-    /// Once it is true nobody waits for answers, and any will do.
+    /// Set on cancellation; results are then unspecified.
     pub(crate) cancelled: &'a AtomicBool,
     pub(crate) stack: Stack,
     pub(crate) escalations: Escalations,
-    /// What the surfaces are tied with that rays of this tile have found.
+    /// The coincident shapes at the surface points that rays of this tile have found.
     pub(crate) ties: TieLists,
-    /// What is met where the closest hits are, besides those.
+    /// The other hits at the same `t` as closest hits.
     pub(crate) tied_hits: TiedHitLists,
-    /// The clear shapes in a shadow ray's way, in any order.
+    /// The transparent shapes on the path of a shadow ray, in any order.
     pub(crate) crossed: Vec<Crossed>,
-    /// Where it crosses them.
+    /// The crossings of that ray with them.
     pub(crate) crossings: Vec<Crossing>,
 }
 
-/// For searches that always come to their end.
+/// The flag of queries that are never cancelled.
 static NEVER: AtomicBool = AtomicBool::new(false);
 
 impl<'a> Scratch<'a> {
@@ -41,7 +41,7 @@ impl<'a> Scratch<'a> {
         }
     }
 
-    /// Returns whether nobody waits any more.
+    /// Returns whether queries are cancelled.
     #[inline(always)]
     pub(crate) fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
@@ -49,7 +49,7 @@ impl<'a> Scratch<'a> {
 }
 
 impl Default for Scratch<'_> {
-    /// For searches that always come to their end.
+    /// Creates the memory of queries that are never cancelled.
     fn default() -> Self {
         Self::new(&NEVER)
     }

@@ -1,8 +1,7 @@
-//! The shapes as textbooks have them, in `f64` or `f32`: the quadratic with b^2 - 4ac, slabs by reciprocals, points by
-//! origin + t direction, and rays that start a little ahead of where they are, by an epsilon that fits no scene.
+//! Naive intersection, as in textbooks, in `f64` or `f32`: the quadratic with b^2 - 4ac, slabs by reciprocals, points by origin + t direction,
+//! and rays that start ahead of their origin by an epsilon that fits no scene.
 //!
-//! They are here to be compared with. What they get wrong is shown by `tests/kernel/oracle`, what they cost in
-//! `benches/precision.rs`.
+//! It exists for comparison: `tests/kernel/oracle` measures its errors, `benches/precision.rs` its cost.
 
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -30,7 +29,7 @@ pub(crate) trait Number:
     + Sync
 {
     const ZERO: Self;
-    /// How far ahead rays start that leave a surface.
+    /// The epsilon: the smallest `t` of a hit of a ray that leaves a surface.
     const AHEAD: Self;
     fn new(value: f64) -> Self;
     fn value(self) -> f64;
@@ -72,7 +71,6 @@ impl Number for f32 {
     }
 }
 
-/// Three coordinates.
 #[derive(Clone, Copy)]
 struct Vector<T>([T; 3]);
 
@@ -101,7 +99,7 @@ impl<T: Number> Vector<T> {
     }
 }
 
-/// The way into a shape's own space.
+/// The inverse of a shape's transform, to its own space.
 struct Back<T> {
     translation: Vector<T>,
     rows: [Vector<T>; 3],
@@ -130,7 +128,7 @@ impl<T: Number> Back<T> {
     }
 }
 
-/// All shapes of a scene in one number type.
+/// All shapes of a scene, in one number type.
 pub(crate) struct Textbook<T> {
     locations: Vec<Location>,
     spheres: Vec<(Vector<T>, T)>,
@@ -227,7 +225,7 @@ fn plane<T: Number>(
     (t >= least).then_some(t)
 }
 
-/// The outward normal of the face that a point is nearest to.
+/// Returns the outward normal of the face closest to a point.
 fn face_normal(min: DVec3, max: DVec3, point: DVec3) -> DVec3 {
     let from_center = (point - (min + max) * 0.5) / ((max - min) * 0.5);
     let size = from_center.abs();

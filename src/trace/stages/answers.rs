@@ -1,32 +1,32 @@
-//! How the surfaces that a packet's rays meet answer light.
+//! Material properties at the hits of a packet.
 
 use crate::color::Rgb;
 use crate::trace::math::Colors;
 use crate::trace::scene::SurfaceMaterial;
 
-/// How the surfaces of a packet's points answer light, lane by lane.
+/// Material properties at the surface points of a packet, lane by lane.
 #[derive(Clone, Debug)]
 pub(super) struct AnswerPacket {
-    /// The diffuse colours at points.
+    /// The diffuse colours.
     pub(super) diffuse: Colors,
-    /// Lanes of highlights.
+    /// Lanes with specular highlights.
     pub(super) shiny: u32,
-    /// Lanes of clear shapes.
+    /// Lanes with transparent materials.
     pub(super) clear: u32,
-    /// Lanes whose rays are sent on.
+    /// Lanes whose materials spawn secondary rays.
     pub(super) continues: u32,
-    /// Lanes with squares of other colours.
+    /// Lanes with a checker pattern.
     pub(super) checkered: u32,
-    /// Lanes whose points have to be known.
+    /// Lanes whose surface point is needed.
     pub(super) wanted: u32,
 }
 
 impl AnswerPacket {
-    /// Of no surface.
+    /// No surfaces.
     pub(super) const EMPTY: Self =
         Self { diffuse: Colors::splat(Rgb::ZERO), shiny: 0, clear: 0, continues: 0, checkered: 0, wanted: 0 };
 
-    /// Notes how a material answers in some lanes.
+    /// Records the properties of a material for some lanes, given as a bit mask.
     #[inline(always)]
     pub(super) fn note(&mut self, lanes: u32, material: &SurfaceMaterial) {
         let in_lanes = |holds: bool| if holds { lanes } else { 0 };

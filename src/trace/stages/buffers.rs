@@ -1,4 +1,4 @@
-//! A tile's working memory: what stages leave for the next ones. One per thread, reused from tile to tile.
+//! The working memory of a tile: the data that stages pass on. There is one per thread, reused from tile to tile.
 
 use std::sync::atomic::AtomicBool;
 
@@ -18,48 +18,48 @@ use crate::trace::packet::{Candidates, PacketScratch};
 use crate::trace::query::{HitPacket, Scratch, SurfacePacket};
 use crate::trace::rays::ShapeId;
 
-/// What a tile's rays, generation by generation, leave from stage to stage.
+/// The data that stages pass on while they trace the rays of a tile, bounce by bounce.
 #[derive(Debug)]
 pub(crate) struct TileBuffers<'a> {
-    /// The rays that go through the stages now.
+    /// The wavefront being processed.
     pub(super) wave: Wave,
-    /// By packet of the wave: what each ray meets first.
+    /// The closest hits, by packet of the wavefront.
     pub(super) hits: Box<[HitPacket; PACKETS]>,
-    /// The surface points that light, a medium or a mirror asks for.
+    /// The surface points, where lighting, a medium or secondary rays need them.
     pub(super) surfaces: Box<[SurfacePacket; PACKETS]>,
-    /// How the surfaces there answer light.
+    /// The material properties at the hits.
     pub(super) answers: Box<[AnswerPacket; PACKETS]>,
-    /// The light at the far end of each ray, towards its origin.
+    /// The radiance from the far end of each ray towards its origin.
     pub(super) radiance: Box<[Colors; PACKETS]>,
-    /// What a sample of one light adds at surface points.
+    /// The contribution of one light sample at each surface point.
     pub(super) proposals: Box<[ProposalPacket; PACKETS]>,
-    /// From where on an extended light each surface point is lit.
+    /// The sample points on an area light for each surface point.
     pub(super) light_places: Box<[LightPlaces; PACKETS]>,
-    /// What an extended light adds at each surface point, summed over its samples.
+    /// The contribution of an area light at each surface point, summed over its samples.
     pub(super) light_sums: Box<[Vectors; PACKETS]>,
-    /// What may stand between a light and the surface points.
+    /// The possible occluders between a light and the surface points.
     pub(super) candidates: Candidates,
-    /// Whether that is known, of the light at hand.
+    /// True if `candidates` are valid for the current light.
     pub(super) listed: bool,
-    /// For every light that is on: what hid it from the last point of this tile that asked, if anything did.
+    /// By enabled light: a recent occluder in this tile, if any. It is tested first.
     pub(super) last_occluders: Vec<Option<ShapeId>>,
-    /// For every light that is on: whether too many shapes of this tile may hide it for lists of them.
+    /// By enabled light: true if this tile has too many possible occluders for candidate lists.
     pub(super) crowded_lights: Vec<bool>,
-    /// What the rays of this generation send on.
+    /// The secondary rays spawned at this bounce.
     pub(super) next: Generation,
-    /// The rays of this generation, of which the wave is a part.
+    /// The rays of the current bounce. The wavefront is a part of them.
     pub(super) current: Generation,
-    /// Rays that are not traced any more.
+    /// The rays that are not traced further.
     pub(super) beyond: Vec<UntracedRay>,
-    /// What is known of samples whose rays may branch.
+    /// The state of samples whose paths can branch.
     pub(super) trees: Trees,
-    /// What is the same for all samples of the tile of camera rays that was traced last.
+    /// The data that all sample batches of the last tile of camera rays share.
     pub(super) spread: SpreadTile,
     pub(super) scratch: LightScratch<'a>,
     pub(super) packet_scratch: PacketScratch,
-    /// By packet of the camera rays: what has come to their pixels.
+    /// By packet of the camera rays: the radiance accumulated in each slot.
     pub(super) pixels: Box<[Colors; PACKETS]>,
-    /// The pixels that the scene covers, if anybody asks.
+    /// The slots that the scene covers, if recording is enabled.
     pub(super) covered: Option<TileLanes>,
     pub(super) rays_traced: RayCounts,
     pub(super) trees_ended: TreeEnds,
@@ -67,7 +67,7 @@ pub(crate) struct TileBuffers<'a> {
 }
 
 impl<'a> TileBuffers<'a> {
-    /// Makes empty buffers. Once `cancelled` is true, whatever is in them will do.
+    /// Creates empty buffers. Once `cancelled` is true, their contents are unspecified.
     pub(crate) fn new(cancelled: &'a AtomicBool) -> Self {
         Self {
             wave: Wave::new(),
@@ -97,7 +97,7 @@ impl<'a> TileBuffers<'a> {
         }
     }
 
-    /// Makes ready for a sample of a tile, and clears what one that was cancelled left.
+    /// Prepares the buffers for a sample of a tile. Discards the data of a cancelled sample.
     pub(super) fn begin(&mut self, context: &RenderContext<'_>) {
         self.wave.count = 0;
         self.pixels.fill(Colors::splat(Rgb::ZERO));
@@ -119,34 +119,34 @@ impl<'a> TileBuffers<'a> {
         }
     }
 
-    /// Returns whether nobody waits for the sample any more: stages then leave it as it is.
+    /// Returns whether the sample was cancelled. Stages then return early, with incomplete results.
     #[inline(always)]
     pub(super) fn is_cancelled(&self) -> bool {
         self.scratch.search.is_cancelled()
     }
 
-    /// Has samples tell which pixels the scene covers, or not.
+    /// Enables or disables recording of the slots that the scene covers.
     pub(crate) fn ask_for_coverage(&mut self, asked: bool) {
         self.covered = asked.then_some(TileLanes::NONE);
     }
 
-    /// Returns the memory of searches.
+    /// Returns the scratch memory of queries.
     pub(crate) fn search(&mut self) -> &mut Scratch<'a> {
         &mut self.scratch.search
     }
 
-    /// What the last sample brought, packet by packet of the camera rays.
+    /// Returns the radiance of the last sample, by packet of the camera rays.
     pub(crate) fn pixels(&self) -> &[Colors; PACKETS] {
         &self.pixels
     }
 
-    /// The pixels that the scene covers in the last sample, if that was asked for: those whose camera rays meet something, or lose light
+    /// Returns the slots that the scene covers in the last sample, if recording is enabled: those whose camera rays hit a shape or lose light
     /// on their way.
     pub(crate) fn covered(&self) -> TileLanes {
         self.covered.unwrap_or(TileLanes::NONE)
     }
 
-    /// What all samples since the last call took.
+    /// Returns the statistics of all samples since the last call, and resets them.
     pub(crate) fn take_effort(&mut self) -> Effort {
         Effort {
             rays: std::mem::take(&mut self.rays_traced),

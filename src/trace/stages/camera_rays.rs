@@ -1,4 +1,4 @@
-//! The first stage: a camera ray for each slot.
+//! The first stage: generates a camera ray for each slot.
 
 use fearless_simd::{dispatch, prelude::*};
 
@@ -10,13 +10,12 @@ use super::wave::{Start, Wave};
 use crate::trace::light::PathPacket;
 use crate::trace::math::lanes;
 
-/// Makes the wave of camera rays. A camera that is not in a finite place has none: its pixels see
-/// the background.
+/// Generates the wavefront of camera rays. A camera at a non-finite position has no rays: its pixels see the background.
 pub(super) fn camera_rays(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.entered.camera_rays += 1;
     let Sample { context, tile, slots } = *sample;
     let TileBuffers { wave, spread, scratch, .. } = &mut *buffers;
-    // A single sample passes through the middle of a lens.
+    // A single sample passes through the centre of the lens.
     let pinhole = context.sampling.samples <= 1 || !context.camera.has_lens();
     wave.start = if pinhole { Start::Eye(context.camera.position()) } else { Start::Lens };
     if context.sampling.samples > 1 {
@@ -26,7 +25,7 @@ pub(super) fn camera_rays(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
     dispatch!(context.scene.simd.level(), simd => make_rays(simd, sample, spread, wave));
     for packet in 0..buffers.wave.count {
         if buffers.is_cancelled() {
-            // What is left of another wave is not to be followed.
+            // The paths of the remaining packets belong to another wavefront: these packets must not be traced.
             buffers.wave.count = packet;
             return;
         }
@@ -35,7 +34,8 @@ pub(super) fn camera_rays(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.rays_traced.camera += u64::from(buffers.wave.len());
 }
 
-/// Makes the rays through the centres of pixels, or those of one of several samples. Packets beyond the wave's have none.
+/// Generates the rays through pixel centres, or the rays of the slots' samples if there are several per pixel. Packets beyond the wavefront's
+/// count get no rays.
 #[inline(always)]
 fn make_rays<S: Simd>(simd: S, sample: &Sample<'_>, spread: &SpreadTile, wave: &mut Wave) {
     let Sample { context, tile, slots } = *sample;
@@ -58,7 +58,7 @@ fn make_rays<S: Simd>(simd: S, sample: &Sample<'_>, spread: &SpreadTile, wave: &
     }
 }
 
-/// Notes what the rays of a packet carry, and what pixels see that have none.
+/// Initializes the paths of a packet's rays, and sets pixels without a ray to the background.
 fn start(sample: &Sample<'_>, packet: usize, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { wave, scratch, pixels, .. } = buffers;
     let rays = &wave.rays[packet];

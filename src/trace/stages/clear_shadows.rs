@@ -1,9 +1,9 @@
-//! What clear shapes leave of a light's proposals, packet by packet: what [`filtered_along`] says of each shadow ray.
+//! Attenuation of light by transparent shapes, packet by packet: computes [`filtered_along`] for each shadow ray.
 //!
-//! Where nothing absorbs, that is a product over all crossings, wherever they are. Where something does, lengths count: those of
-//! the ways through solids that a ray goes through one after the other, from one side to the other, are known from their crossings, and
-//! so are they where there is one other solid inside, as a bubble is. Rays that start or end within a solid, or go through several inside of
-//! another, are asked one by one.
+//! Without absorption, the attenuation is a product over all crossings and does not depend on their positions. With absorption, path lengths
+//! inside solids matter. They follow from the crossings if a ray passes through solids one after the other, entering and leaving each of them,
+//! or through a solid that contains one other solid, such as a bubble. Rays that start or end inside a solid, or that pass through several
+//! solids inside another one, are computed one by one.
 
 use fearless_simd::{dispatch, f32x16, prelude::*};
 
@@ -16,7 +16,7 @@ use crate::trace::packet::CrossedPacket;
 use crate::trace::query::HitPacket;
 use crate::trace::scene::{Light, PreparedScene};
 
-/// Weakens what comes through clear shapes along some shadow rays of a packet, whose crossings are known.
+/// Attenuates the light along the shadow rays `lit` of a packet by the transparent shapes in `packet_scratch.crossed`.
 pub(super) fn weaken(
     sample: &Sample<'_>,
     light: &Light,
@@ -40,7 +40,7 @@ pub(super) fn weaken(
             cross_surfaces(simd, hits, (light, behind), crossed);
             0
         };
-        // In this order light is multiplied.
+        // Light is multiplied in document order.
         crossed.sort_unstable_by_key(|crossed| scene.order().rank(crossed.id));
         multiply(simd, scene, crossed, lit & !singly, proposals);
         singly
@@ -56,13 +56,13 @@ pub(super) fn weaken(
     }
 }
 
-/// Returns the lanes of points that are seen from inside of clear solids.
+/// Returns the lanes of points that are seen from inside transparent solids.
 fn inside(paths: &PathPacket, asking: u32) -> u32 {
     let inside = |lane: &usize| paths.media[*lane] != MediumStack::NONE;
     lanes(asking).filter(inside).fold(0, |mask, lane| mask | 1 << lane)
 }
 
-/// Adds the crossings of the surfaces whose other side light comes from, in some lanes.
+/// Adds a crossing of the surfaces that light passes from behind, in the lanes `behind`, except for the light's own shape.
 #[inline(always)]
 fn cross_surfaces<S: Simd>(
     simd: S,
@@ -79,9 +79,9 @@ fn cross_surfaces<S: Simd>(
     }
 }
 
-/// Finds what gaps others leave in the ways through solids. Returns, of rays in some lanes, those of which it matters how they go through
-/// solids, and which do more than go through some of them one after the other, each with one gap at most: these, and those that start
-/// or end inside.
+/// Finds the gaps that nested solids leave in the paths through others. Returns the lanes of `lit` that have to be computed one by one: the
+/// lanes `inside`, and rays that cross an absorbing solid and either start or end inside a solid, or do not pass through solids one after the
+/// other with at most one gap each.
 #[inline(always)]
 fn beyond_a_series<S: Simd>(
     simd: S,
@@ -110,7 +110,7 @@ fn beyond_a_series<S: Simd>(
     (absorbed & beyond | inside) & lit
 }
 
-/// Multiplies what is proposed in some lanes by what shapes let through, which are given in document order.
+/// Multiplies the light in the lanes `lit` by the attenuation of shapes, which are given in document order.
 #[inline(always)]
 fn multiply<S: Simd>(
     simd: S,

@@ -1,4 +1,4 @@
-//! What each ray of the wave meets first.
+//! Closest-hit search for the rays of the wavefront.
 
 use super::buffers::TileBuffers;
 use super::tile::PACKETS;
@@ -9,8 +9,8 @@ use crate::trace::packet::{bundle_hits, closest_hits as packet_hits, lens_hits};
 use crate::trace::query::Intersector;
 use crate::trace::scene::Precision;
 
-/// Finds the closest hits of the wave: as many at once as start at one point or on a lens, else packet by packet. What cannot be decided
-/// at once is decided ray by ray, and has the same answer.
+/// Finds the closest hits of the wavefront. Rays that start at one point or on a lens are traced together, others packet by packet. Lanes that
+/// remain undecided are traced as single rays, with the same result.
 pub(super) fn closest_hits(
     context: &RenderContext<'_>,
     shapes: &impl Intersector,
@@ -20,7 +20,7 @@ pub(super) fn closest_hits(
     let TileBuffers { wave, hits, spread, scratch, packet_scratch, .. } = buffers;
     let (scene, search) = (context.scene, &mut scratch.search);
     search.tied_hits.clear();
-    // Camera rays go together in as many packets as a tile has, though some may be empty.
+    // Camera rays use all packets of a tile, though some may be empty.
     let count = if matches!(wave.start, Start::Anywhere) { wave.count } else { PACKETS };
     let (rays, hits) = (&wave.rays[..count], &mut hits[..count]);
     if scene.precision != Precision::Guaranteed {

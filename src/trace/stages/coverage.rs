@@ -1,4 +1,4 @@
-//! Which pixels a scene covers, for pictures that are put over others.
+//! Pixel coverage, for pictures with alpha.
 
 use fearless_simd::dispatch;
 
@@ -7,8 +7,8 @@ use super::tile::PACKETS;
 use crate::trace::light::{Absorbers, RenderContext};
 use crate::trace::math::{LANES, lanes};
 
-/// Notes the pixels whose camera rays, the wave, meet something or lose light on their way, if anybody asks. The others see nothing but
-/// the background, as it is.
+/// Records the pixels whose camera rays, the wavefront, hit a shape or lose light on their way, if recording is enabled. All other pixels see
+/// the unattenuated background.
 pub(super) fn note_coverage(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { wave, hits, scratch, covered: Some(covered), entered, .. } = buffers else { return };
     entered.coverage += 1;

@@ -1,5 +1,5 @@
-//! Light from sources, one after the other: what a light could add is proposed at all surface points of the wave, and what of
-//! it comes through is added.
+//! Direct light, one light after the other: computes the unoccluded contribution of a light at all surface points of the wavefront, and adds
+//! the part that is not occluded.
 
 use fearless_simd::{dispatch, f32x16, prelude::*};
 use glam::DVec3;
@@ -12,7 +12,7 @@ use crate::trace::math::{Colors, PixelSamples, Vectors, mask, mask16};
 use crate::trace::query::Intersector;
 use crate::trace::scene::Light;
 
-/// Adds what each light sends to the surface points of the wave, and on along the rays that found them.
+/// Adds the light of each source that the wavefront's surface points scatter back along their rays.
 pub(super) fn direct_light(sample: &Sample<'_>, shapes: &impl Intersector, buffers: &mut TileBuffers<'_>) {
     buffers.entered.direct_light += 1;
     let lights = &sample.context.lights;
@@ -40,7 +40,7 @@ pub(super) fn direct_light(sample: &Sample<'_>, shapes: &impl Intersector, buffe
     }
 }
 
-/// Chooses from where on a light with a size each surface point is lit, for all samples of the light.
+/// Chooses the sample points on an area light for each surface point, for all samples of the light.
 fn choose_places(sample: &Sample<'_>, light: (usize, &Light), buffers: &mut TileBuffers<'_>) {
     let TileBuffers { wave, surfaces, light_places, .. } = buffers;
     for packet in 0..wave.count {
@@ -54,7 +54,7 @@ fn choose_places(sample: &Sample<'_>, light: (usize, &Light), buffers: &mut Tile
     }
 }
 
-/// Proposes what one sample of a light could add at each surface point.
+/// Computes the unoccluded contribution of one sample of a light at each surface point.
 fn propose_all(
     sample: &Sample<'_>,
     light: (usize, &Light),
@@ -87,7 +87,7 @@ fn propose_all(
     });
 }
 
-/// Adds what the shadows left of the proposals.
+/// Adds the contributions that remain after occlusion and attenuation.
 fn add(sample: &Sample<'_>, light: &Light, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { wave, proposals, light_sums, radiance, .. } = buffers;
     let proposals = &proposals[..wave.count];
@@ -104,7 +104,7 @@ fn add(sample: &Sample<'_>, light: &Light, buffers: &mut TileBuffers<'_>) {
     });
 }
 
-/// Adds light in some lanes.
+/// Adds light in the lanes `lit`.
 #[inline(always)]
 fn add_light<S: Simd>(simd: S, lit: u32, added: [f32x16<S>; 3], radiance: &mut Colors) {
     let (lit, mut light) = (mask16(simd, lit), radiance.load(simd));
@@ -114,7 +114,7 @@ fn add_light<S: Simd>(simd: S, lit: u32, added: [f32x16<S>; 3], radiance: &mut C
     radiance.store(light);
 }
 
-/// Adds the light of one sample of a light.
+/// Adds the contributions of one light sample to the sums of its light.
 #[inline(always)]
 fn add_to_sums<S: Simd>(simd: S, proposals: &ProposalPacket, sums: &mut Vectors) {
     for (axis, channel) in proposals.colors.load(simd).into_iter().enumerate() {
@@ -126,7 +126,7 @@ fn add_to_sums<S: Simd>(simd: S, proposals: &ProposalPacket, sums: &mut Vectors)
     }
 }
 
-/// Adds the means over an extended light's samples.
+/// Adds the mean over an area light's samples.
 fn add_means(sample: &Sample<'_>, light: &Light, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { wave, surfaces, light_sums, radiance, .. } = buffers;
     let places = f64::from(light.places());

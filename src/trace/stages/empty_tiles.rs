@@ -1,8 +1,8 @@
-//! Tiles in which nothing can be seen: no ray is followed for those.
+//! Tiles whose camera rays hit nothing: their rays are not traced.
 //!
-//! All rays through the centres of a tile's pixels lie between those through its corners: along a row, and along a column, what is
-//! across them changes evenly. So do slopes, as long as all corners are ahead: their extremes are at corners. What rounding does to
-//! rays in between is far below the slack of [frusta](crate::trace::bvh).
+//! All rays through the centres of a tile's pixels lie between the rays through its corner pixels. Along a row, and along a column, directions
+//! change linearly. Slopes, being ratios of linear functions, are therefore monotonic as long as all corners lie ahead, and their extremes are
+//! at the corners. The rounding errors of the rays in between are far below the slack of [frusta](crate::trace::bvh).
 
 use std::ops::RangeInclusive;
 
@@ -19,8 +19,8 @@ use crate::trace::math::{Colors, Vectors, lanes};
 use crate::trace::query::Scratch;
 use crate::trace::scene::{Background, Camera, Precision, SIDE};
 
-/// Gives the background's colour to a tile's pixels if it is certain that their rays meet nothing. `false`, and nothing done, if not,
-/// and where more is asked of such rays.
+/// Fills a tile's pixels with the background's colour if their rays certainly hit nothing. Otherwise, or if the colour of such rays needs more
+/// work, changes nothing and returns `false`.
 pub(super) fn fill_empty_tile(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) -> bool {
     let Sample { context, tile, .. } = *sample;
     let Some(color) = sight_of_nothing(context) else { return false };
@@ -41,7 +41,7 @@ pub(super) fn fill_empty_tile(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>
     true
 }
 
-/// Returns what all rays see that meet nothing; `None` if it is not the same for all.
+/// Returns the common colour of all rays that hit nothing. `None` if it can differ between rays, or if empty tiles cannot be detected.
 fn sight_of_nothing(context: &RenderContext<'_>) -> Option<Rgb> {
     let scene = context.scene;
     let alike = context.sampling.samples <= 1
@@ -50,13 +50,13 @@ fn sight_of_nothing(context: &RenderContext<'_>) -> Option<Rgb> {
         && scene.fog.density == 0.0
         && !context.may_start_inside();
     match scene.background {
-        // As it is added to a pixel.
+        // Same operations as the accumulation in a pixel.
         Background::Flat(color) if alike => Some(Rgb::ZERO + Rgb::ONE * color),
         _ => None,
     }
 }
 
-/// Returns whether it is certain that all of the tile's pixels have rays, and none of them may meet a shape of the tree.
+/// Returns whether all pixels of the tile certainly have a ray, and none of these rays can hit a shape of the tree.
 fn is_empty(context: &RenderContext<'_>, tile: &Tile, scratch: &mut Scratch<'_>) -> bool {
     let (eye, tree) = (context.camera.position(), &context.scene.tree);
     let Some(corners) = corners(context.camera, tile).filter(|_| eye.is_finite()) else { return false };
@@ -70,9 +70,9 @@ fn is_empty(context: &RenderContext<'_>, tile: &Tile, scratch: &mut Scratch<'_>)
     })
 }
 
-/// Returns the ways from the eye to the centres of the outermost pixels, in the first four lanes. `None` if some may be no ray.
+/// Returns the directions from the eye to the centres of the corner pixels, in the first four lanes. `None` if some may not form a ray.
 fn corners(camera: &Camera, tile: &Tile) -> Option<Vectors> {
-    /// Far from where squares are not numbers any more.
+    /// Squared lengths far from overflow and underflow.
     const USUAL: RangeInclusive<f64> = 1e-100..=1e100;
     let (right, bottom) = (tile.i + tile.width - 1, tile.j + tile.height - 1);
     let pixels = [(tile.i, tile.j), (right, tile.j), (tile.i, bottom), (right, bottom)];
@@ -87,10 +87,10 @@ fn corners(camera: &Camera, tile: &Tile) -> Option<Vectors> {
     Some(corners)
 }
 
-/// The lanes of the corners.
+/// The lanes of the corners, as a bit mask.
 const FOUR: u32 = 0b1111;
 
-/// Whether there is any.
+/// True if any shape was visited.
 struct AnyShape(bool);
 
 impl<S: Simd> FrustumVisitor<S> for AnyShape {
@@ -116,7 +116,7 @@ mod tests {
     const SIZE: (u32, u32) = (70, 45);
     const EFFECTS: Effects = Effects { lighting: Lighting::None, paths: Paths::Straight, extras: false };
 
-    /// Which tiles of a film are empty, by their first pixels, with spheres before the camera.
+    /// Returns the empty tiles of a film, with spheres in front of the camera.
     fn empty_tiles(camera: &Camera, spheres: &[Sphere]) -> Vec<Tile> {
         let mut geometry = Geometry::default();
         for sphere in spheres {
@@ -134,7 +134,7 @@ mod tests {
         let empty = |spheres: &[Sphere]| empty_tiles(&camera, spheres).len();
         assert_eq!(empty(&[]), 15);
         assert_eq!(empty(&[Sphere { center: DVec3::new(0.0, 0.0, -9.0), radius: 3.0 }]), 15);
-        // It reaches over the edge between two tiles.
+        // It overlaps two tiles.
         assert_eq!(empty(&[Sphere { center: DVec3::ZERO, radius: 0.4 }]), 13);
     }
 
@@ -153,7 +153,7 @@ mod tests {
         ) {
             let camera = Camera::new(eye, view, up, 1.0, (width, width * 0.64), SIZE);
             let center = camera.ray(column, row).unwrap().at(distance);
-            // One more behind the camera: it must not hide that there is another.
+            // A second sphere, behind the camera, must not hide the first.
             let behind = Sphere { center: eye - view.normalize_or(DVec3::Z) * 5.0, radius: 1.0 };
             let empty = empty_tiles(&camera, &[Sphere { center, radius: 1e-9 }, behind]);
             let holds = |tile: &Tile| {

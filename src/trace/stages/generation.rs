@@ -1,4 +1,4 @@
-//! The rays of a generation, before it is known which of them are traced.
+//! The secondary rays of a bounce, before it is decided which of them are traced.
 
 use glam::DVec3;
 
@@ -7,48 +7,48 @@ use crate::trace::light::BranchPacket;
 use crate::trace::math::{LANES, lanes};
 use crate::trace::rays::Ties;
 
-/// Rays that surfaces send on, in packets with gaps. A packet has no more than one ray of a slot, and packets are in the order in which
-/// light is added up: mirrored rays before refracted ones that continue the same rays.
+/// A queue of secondary rays, in packets that may have inactive lanes. A packet has at most one ray per slot. Packets are in the order in
+/// which light is accumulated: reflected rays precede the refracted rays with the same parents.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Generation {
-    /// More than are in use; kept for their memory.
+    /// The packets in use, followed by spare ones whose memory is reused.
     packets: Vec<SentPacket>,
     used: usize,
-    /// How many of the packets have gone on.
+    /// The number of packets already moved to a wavefront.
     pub(super) taken: usize,
 }
 
-/// Rays that the surfaces of one packet send on.
+/// Secondary rays spawned at the surfaces of one packet.
 #[derive(Clone, Debug)]
 pub(super) struct SentPacket {
     pub(super) branches: BranchPacket,
-    /// The slots of the camera rays that they continue.
+    /// The slots of the camera rays from which they descend.
     pub(super) slots: [u32; LANES],
-    /// Whether they are mirrored; else they are refracted.
+    /// True if the rays are reflected, false if they are refracted.
     pub(super) mirrored: bool,
 }
 
-/// A ray that is not traced any more.
+/// A secondary ray that is not traced.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct UntracedRay {
     pub(super) direction: DVec3,
     pub(super) throughput: Rgb,
-    /// The slot of the camera ray that it continues.
+    /// The slot of the camera ray from which it descends.
     pub(super) slot: u32,
 }
 
 impl Generation {
-    /// Forgets all rays.
+    /// Removes all rays.
     pub(super) fn clear(&mut self) {
         (self.used, self.taken) = (0, 0);
     }
 
-    /// Returns whether no packet was added.
+    /// Returns whether the queue has no packets.
     pub(super) fn is_empty(&self) -> bool {
         self.used == 0
     }
 
-    /// Adds a packet without rays, for these slots, and returns its number.
+    /// Adds a packet without rays for these slots, and returns its index.
     pub(super) fn add(&mut self, slots: &[u32; LANES], mirrored: bool) -> usize {
         if self.used == self.packets.len() {
             let branches = BranchPacket::EMPTY;
@@ -61,17 +61,17 @@ impl Generation {
         self.used - 1
     }
 
-    /// The packets that were added.
+    /// Returns the packets in use.
     pub(super) fn packets(&self) -> &[SentPacket] {
         &self.packets[..self.used]
     }
 
-    /// The same, to be changed.
+    /// Returns the packets in use, mutably.
     pub(super) fn packets_mut(&mut self) -> &mut [SentPacket] {
         &mut self.packets[..self.used]
     }
 
-    /// Returns the packets of a surface's mirrored and refracted rays, if there is one of those.
+    /// Returns the packets with these indices: reflected rays and, if given, refracted rays.
     pub(super) fn branches_mut(
         &mut self,
         mirrored: usize,
@@ -82,14 +82,14 @@ impl Generation {
         (&mut before[mirrored].branches, refracted)
     }
 
-    /// The lists of what else rays leave, where anything is.
+    /// Iterates over the lists of coincident shapes that rays leave, for the rays that have one.
     pub(super) fn ties_mut(&mut self) -> impl Iterator<Item = &mut Ties> {
         self.packets[..self.used].iter_mut().flat_map(|packet| packet.branches.rays.ties_mut())
     }
 }
 
 impl SentPacket {
-    /// Notes that the rays in some lanes are not traced any more, and takes them out.
+    /// Moves the rays in the lanes `lanes_beyond` to `beyond`: they are not traced.
     pub(super) fn give_up(&mut self, lanes_beyond: u32, beyond: &mut Vec<UntracedRay>) {
         let Self { branches: BranchPacket { rays, paths }, slots, .. } = self;
         beyond.extend(lanes(rays.lanes & lanes_beyond).map(|lane| UntracedRay {

@@ -1,15 +1,14 @@
-//! The stages through which a tile's rays go, generation by generation.
+//! The stages that trace a tile's rays, bounce by bounce.
 //!
-//! Each is a function over the plain arrays of the tile's buffers. [`sample`] runs them in turn:
+//! Each stage is a function over the plain arrays of the tile's buffers. [`sample`] runs them in turn:
 //!
 //! ```text
 //! camera_rays -> closest_hits -> surfaces -> direct_light, shadows -> sums -> next_rays
 //!                     ^                                                           |
-//!                     +------------------------ the next wave --------------------+
+//!                     +----------------------- the next wavefront ----------------+
 //! ```
 //!
-//! Where somebody asks, [`coverage`] notes which camera rays meet something. Tiles in which nothing can be seen go through no stage:
-//! see [`empty_tiles`].
+//! [`coverage`] records which camera rays hit something, if requested. Tiles that are certainly empty skip all stages: see [`empty_tiles`].
 
 mod answers;
 mod buffers;

@@ -1,4 +1,4 @@
-//! The last stage: which mirrored and refracted rays go on as the next generation.
+//! The last stage: spawns the reflected and refracted rays of the next bounce.
 
 use fearless_simd::dispatch;
 
@@ -8,7 +8,7 @@ use super::packing::fill;
 use crate::trace::light::{RenderContext, branch_lanes, secondary_rays};
 use crate::trace::math::{LANES, lanes};
 
-/// Makes the rays that the wave's surfaces send on.
+/// Spawns the secondary rays of the wavefront's surfaces.
 pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.entered.next_rays += 1;
     let TileBuffers { wave, hits, surfaces, answers, next, scratch, .. } = buffers;
@@ -47,12 +47,12 @@ pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'
     }
 }
 
-/// Fills the wave with rays of the current generation. `false` where none are left.
+/// Fills the wavefront with rays of the current bounce. Returns `false` if none are left.
 pub(super) fn fill_wave(buffers: &mut TileBuffers<'_>) -> bool {
     fill(&mut buffers.wave, &mut buffers.current)
 }
 
-/// Lets rays that are not traced see the background.
+/// Adds the background, as seen by the rays that are not traced.
 pub(super) fn give_up(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { beyond, pixels, trees_ended, .. } = buffers;
     for UntracedRay { direction, throughput, slot } in beyond.iter() {

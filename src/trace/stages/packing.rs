@@ -1,17 +1,17 @@
-//! How a generation's rays go on as waves: whole packets as they are, and the rays of others put together.
+//! Compaction of the rays of a bounce into wavefronts: packets with enough active lanes are kept, the rays of other packets are merged.
 //!
-//! Light is added to a pixel in the order of the wave. So a ray goes into a packet that is behind all those with other rays of its pixel:
-//! what comes later in the generation comes later in the wave, and no packet has two rays of a pixel.
+//! Light is added to a slot in the order of the wavefront. A ray therefore goes into a packet after all packets with earlier rays of its slot.
+//! The rays of a slot keep their order, and no packet has two of them.
 
 use super::generation::{Generation, SentPacket};
 use super::tile::{PACKETS, TILE_PIXELS};
 use super::wave::Wave;
 use crate::trace::math::{LANES, lanes};
 
-/// Of fewer rays packets are not worth their way through the stages.
+/// Minimum number of active lanes for which a packet is kept without compaction.
 const FEW: u32 = 12;
 
-/// Fills the wave with the next rays of a generation, as many packets as there is room for, if there are any left.
+/// Fills the wavefront with the next rays of a bounce, up to its capacity. Returns `false` if none are left.
 pub(super) fn fill(wave: &mut Wave, generation: &mut Generation) -> bool {
     wave.clear();
     let mut shared = SharedPackets::default();
@@ -33,13 +33,13 @@ pub(super) fn fill(wave: &mut Wave, generation: &mut Generation) -> bool {
     wave.count > 0
 }
 
-/// The packets of a wave in which rays are put together.
+/// The packets of a wavefront into which rays are merged.
 struct SharedPackets {
-    /// By packet of the wave: how many of its lanes are taken.
+    /// By packet of the wavefront: the number of occupied lanes.
     filled: [usize; PACKETS],
-    /// Packets before this one are full.
+    /// The index of the first packet that may have a free lane.
     first: usize,
-    /// By slot: behind which packet of the wave its next ray goes, counted from 1.
+    /// By slot: the smallest index of a packet that its next ray may use.
     behind: [u8; TILE_PIXELS],
 }
 
@@ -50,14 +50,14 @@ impl Default for SharedPackets {
 }
 
 impl SharedPackets {
-    /// Notes that a whole packet is the last of so many.
+    /// Records that a packet was kept as the last of `count` packets.
     fn note(&mut self, sent: &SentPacket, count: usize) {
         for slot in sent.slots {
             self.behind[slot as usize % TILE_PIXELS] = byte(count);
         }
     }
 
-    /// Adds the rays of a packet to others, where there is room for one more packet.
+    /// Merges the rays of a packet into shared packets. The wavefront must have room for one more packet.
     fn add(&mut self, sent: &SentPacket, wave: &mut Wave) {
         for lane in lanes(sent.branches.rays.lanes) {
             let slot = sent.slots[lane];
@@ -78,7 +78,6 @@ impl SharedPackets {
     }
 }
 
-/// Of a number of packets.
 #[expect(clippy::cast_possible_truncation, reason = "a wave has sixteen packets at most")]
 fn byte(packets: usize) -> u8 {
     packets as u8
@@ -92,7 +91,7 @@ mod tests {
     use super::*;
     use crate::trace::rays::Ray;
 
-    /// Packets with rays in some lanes, of pixels that begin somewhere and lie so far from each other, each ray by its number.
+    /// Creates packets from their active lanes, first pixels and pixel strides. Also returns the pixel and the number of each ray.
     fn generation(packets: &[(u32, u32, u32)]) -> (Generation, Vec<(u32, f64)>) {
         let (mut generation, mut rays) = (Generation::default(), Vec::new());
         for (filled, first, step) in packets {
@@ -109,7 +108,7 @@ mod tests {
         (generation, rays)
     }
 
-    /// The pixels of a wave's rays, and their numbers, packet by packet.
+    /// Returns the pixel and the number of each ray of a wavefront, packet by packet.
     fn rays_of(wave: &Wave) -> Vec<Vec<(u32, f64)>> {
         let rays = |packet: usize| {
             lanes(wave.rays[packet].lanes)
@@ -140,7 +139,7 @@ mod tests {
                 }
             }
             prop_assert!(whole >= packets.iter().filter(|(filled, ..)| *filled == 0xffff).count());
-            // Of one pixel they are in order.
+            // The rays of each pixel are in order.
             found.sort_by_key(|(pixel, _)| *pixel);
             expected.sort_by_key(|(pixel, _)| *pixel);
             prop_assert_eq!(found, expected);

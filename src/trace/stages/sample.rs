@@ -15,11 +15,10 @@ use super::tile::Tile;
 use crate::trace::light::RenderContext;
 use crate::trace::query::Intersector;
 
-/// Traces the samples in a tile's slots into `buffers`. Returns `false` if cancelled; the buffers are then incomplete. Every search looks
-/// for cancellation, and so do long stages.
+/// Traces the samples in a tile's slots into `buffers`. Returns `false` if cancelled; the buffers are then incomplete. All searches and long
+/// stages check for cancellation.
 ///
-/// The rays of all slots are traced, and their light is summed, bounce by bounce, without recursion. Stages that no effect needs are
-/// skipped.
+/// The rays of all slots are traced, and their light is summed, bounce by bounce, without recursion. Stages that no effect needs are skipped.
 pub(crate) fn render_sample(
     context: &RenderContext<'_>,
     shapes: &impl Intersector,
@@ -50,7 +49,7 @@ pub(crate) fn render_sample(
     !buffers.is_cancelled()
 }
 
-/// Takes the wave, with what it meets, through the other stages.
+/// Runs the other stages on the wavefront and its hits.
 fn shade_wave(sample: &Sample<'_>, shapes: &impl Intersector, buffers: &mut TileBuffers<'_>) {
     let context = sample.context;
     surfaces(context, shapes, buffers);
@@ -81,7 +80,7 @@ mod tests {
         PreparedShape, Sampling, Signals, SurfaceMaterial,
     };
 
-    /// A sphere before the camera, with a light, that mirrors nothing but the background, on a film of one tile.
+    /// Returns a lit sphere in front of the camera, with a film of one tile. The sphere reflects only the background.
     fn example() -> (PreparedScene, Camera) {
         let mut geometry = Geometry::default();
         geometry.push(PreparedShape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 }));
@@ -100,7 +99,7 @@ mod tests {
         (scene, camera)
     }
 
-    /// The stages of its film.
+    /// Returns the number of runs of each stage for the example.
     fn stages(lighting: Lighting, paths: Paths) -> StageCounts {
         let (scene, camera) = example();
         let mut exposure = Exposure::new((8, 8), 1);

@@ -1,4 +1,4 @@
-//! Which rays of a generation are traced.
+//! Selection of the rays of a bounce that are traced.
 
 use fearless_simd::dispatch;
 
@@ -7,8 +7,9 @@ use super::tile::TILE_PIXELS;
 use crate::trace::light::{BranchPacket, LARGEST_TREE, RenderContext};
 use crate::trace::math::{WHOLE, lanes};
 
-/// Makes the rays that were sent on the current generation, as far as they are traced: not what could not show, and not what is beyond
-/// the last generation or the most rays of a sample. `generations` are left for them, 0 if they see the background untraced.
+/// Makes the spawned rays the current bounce, without the rays that are not traced: those whose contribution is negligible, and those beyond
+/// the last bounce or the maximum number of rays per sample. `generations` is the number of bounces left, including this one; it is 0 if these
+/// rays see the background untraced.
 pub(super) fn select(context: &RenderContext<'_>, generations: u32, buffers: &mut TileBuffers<'_>) {
     std::mem::swap(&mut buffers.current, &mut buffers.next);
     buffers.next.clear();
@@ -20,8 +21,8 @@ pub(super) fn select(context: &RenderContext<'_>, generations: u32, buffers: &mu
     buffers.scratch.search.ties.keep(buffers.current.ties_mut());
 }
 
-/// Selects the rays of samples of which none sends on more than one, as where nothing is clear, or what is clear mirrors nothing besides.
-/// A sample has a single ray in each generation.
+/// Selects the rays of samples whose paths do not branch: nothing is transparent, or transparent surfaces do not reflect as well. A sample has
+/// a single ray per bounce.
 fn select_chains(context: &RenderContext<'_>, generations: u32, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { current, beyond, rays_traced, trees_ended, .. } = buffers;
     let before = context.generations() - generations;
@@ -41,7 +42,7 @@ fn select_chains(context: &RenderContext<'_>, generations: u32, buffers: &mut Ti
     }
 }
 
-/// Selects the rays of samples of which one may send on two, a mirrored and a refracted one.
+/// Selects the rays of samples whose paths can branch into a reflected and a refracted ray.
 fn select_trees(context: &RenderContext<'_>, generations: u32, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { current, beyond, trees, rays_traced, trees_ended, .. } = buffers;
     trees.weigh(context.scene.simd, &context.brightest, current.packets(), generations);

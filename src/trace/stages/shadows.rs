@@ -1,4 +1,4 @@
-//! Which of a light's proposals come through.
+//! Occlusion of light samples.
 
 use glam::DVec3;
 
@@ -11,8 +11,8 @@ use crate::trace::packet::{LightBox, LitPoints, Occluders, Occlusion, ShadowPack
 use crate::trace::query::Intersector;
 use crate::trace::scene::{Light, LightSource, Precision};
 
-/// Follows the shadow rays of what was proposed for a sample of a light, number `place` of those that are on: drops what is hidden, and
-/// weakens what comes through clear shapes.
+/// Traces the shadow rays of a light sample. Drops occluded contributions, and attenuates those that pass through transparent shapes. `place`
+/// is the index of the light among the enabled lights.
 pub(super) fn shadows(
     sample: &Sample<'_>,
     shapes: &impl Intersector,
@@ -21,7 +21,7 @@ pub(super) fn shadows(
 ) {
     buffers.entered.shadows += 1;
     if light_sample == 0 {
-        // Where there were too many shapes for one wave, there are for the next.
+        // A light with too many possible occluders for one wavefront has too many for the next.
         buffers.listed = !buffers.crowded_lights[place] && find_candidates(sample, light, buffers);
         buffers.crowded_lights[place] |= buffers.listed && buffers.candidates.all_crowded();
     }
@@ -54,14 +54,14 @@ pub(super) fn shadows(
     }
 }
 
-/// Returns whether nothing may stand in the way of what is left of a packet's shadow rays.
+/// Returns whether nothing can occlude the remaining shadow rays of a packet.
 fn are_clear(packet: usize, buffers: &TileBuffers<'_>) -> bool {
     let TileBuffers { proposals, candidates, .. } = buffers;
-    // What is tied with others is left in as many senses as there are.
+    // A ray that leaves coincident surfaces can still hit the far side of a shape that it enters.
     proposals[packet].rays.tied == 0 && candidates.is_clear(packet)
 }
 
-/// Finds which shadow rays of a packet are hidden for certain, and which have to be followed one by one.
+/// Finds the shadow rays of a packet that are certainly occluded, and those that have to be traced one by one.
 fn occlusion(
     sample: &Sample<'_>,
     (place, light): (usize, &Light),
@@ -86,7 +86,7 @@ fn occlusion(
     occluded(scene, &shadow, &mut last_occluders[place], packet_scratch, cancelled)
 }
 
-/// Follows some shadow rays of a packet one by one.
+/// Traces the shadow rays in the lanes `open` of a packet one by one.
 fn follow(
     sample: &Sample<'_>,
     shapes: &impl Intersector,
@@ -114,12 +114,12 @@ fn follow(
     }
 }
 
-/// Returns what may hide a light.
+/// Returns the kinds of shapes that can occlude a light.
 fn occluders(sample: &Sample<'_>, light: &Light) -> Occluders {
     Occluders { except: light.own_shape, clear: sample.context.effects.clear_shadows() }
 }
 
-/// Returns where all rays to a light end, if that is one point.
+/// Returns the common end point of all rays to a light, if there is one.
 fn place_of(light: &Light) -> Option<DVec3> {
     match light.source {
         LightSource::Point(place) | LightSource::Spot(place, _) => Some(place),
@@ -127,10 +127,10 @@ fn place_of(light: &Light) -> Option<DVec3> {
     }
 }
 
-/// Finds what may stand between a light and all points that it was proposed for, or that any place on it may be. Says whether it did: rays
-/// to a light that is infinitely far away are in no bundle.
+/// Collects the possible occluders between a light and the surface points: for an area light, those on the way to any point of it. Returns
+/// `false` if there are no candidate lists. Directional lights never have any, as their rays form no bundle.
 fn find_candidates(sample: &Sample<'_>, light: &Light, buffers: &mut TileBuffers<'_>) -> bool {
-    // The textbook's shapes accept rays that pass them by more than bundles allow for.
+    // Textbook shapes accept rays that miss them by more than the tolerance of bundles.
     if sample.context.scene.precision != Precision::Guaranteed {
         return false;
     }

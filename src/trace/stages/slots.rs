@@ -1,17 +1,17 @@
 //! The slots of a tile's camera rays: one sample of one pixel in each lane of its packets.
 //!
-//! Where most pixels take a sample, slots lie where their pixels do. Where few pixels take several, slots are compacted: the samples of a
-//! pixel lie side by side, in as few packets as hold them, so that packets are full and their rays close together.
+//! If most pixels take a sample, each sample has the slot of its pixel. If few pixels take several samples, slots are compacted: the samples
+//! of a pixel have adjacent slots, in as few packets as possible, so that packets are full and their rays are coherent.
 
 use super::tile::{PACKETS, PIXELS, TILE_PIXELS, Tile};
 use crate::trace::light::RenderContext;
 use crate::trace::math::LANES;
 
-/// The input that all stages share.
+/// The input of all stages.
 pub(super) struct Sample<'a> {
     pub(super) context: &'a RenderContext<'a>,
     pub(super) tile: Tile,
-    /// The samples of its pixels.
+    /// The samples of the tile's pixels.
     pub(super) slots: &'a Slots,
 }
 
@@ -36,9 +36,9 @@ pub(crate) struct Slots {
     pub(crate) samples: Box<[[u32; LANES]; PACKETS]>,
     /// By packet: the lanes in use, as a bit mask.
     pub(crate) lanes: [u32; PACKETS],
-    /// Whether every slot has the index of its pixel.
+    /// True if every slot has the index of its pixel.
     pub(crate) in_place: bool,
-    /// The portions of pixels that take more samples than others.
+    /// Scratch memory: portions with more samples than all have in common.
     rest: Vec<Portion>,
 }
 
@@ -63,8 +63,8 @@ impl Slots {
         self.lanes = std::array::from_fn(|packet| tile.square(packet).map_or(0, |square| square.lanes()));
     }
 
-    /// Sets batch number `batch` of pixels' samples. Returns `false` if there is none. The samples that all pixels take come first, then what
-    /// few pixels take beyond them.
+    /// Sets batch number `batch` of the pixels' samples. Returns `false` if there is none. The samples that all pixels take come first, then
+    /// the samples that few pixels take in addition.
     pub(crate) fn set_batch(&mut self, portions: &[Portion], batch: u32) -> bool {
         let at_once = |pixels: usize| to_u32(TILE_PIXELS / pixels.max(1)).max(1);
         let common = match at_once(portions.len()) {
@@ -89,7 +89,7 @@ impl Slots {
         more
     }
 
-    /// Sets so many samples at once of pixels, from a number on.
+    /// Sets `at_once` samples of each portion, from number `from` on.
     fn set(&mut self, portions: &[Portion], (from, at_once): (u32, u32)) {
         self.in_place = at_once == 1 && !are_sparse(portions);
         self.lanes = [0; PACKETS];
@@ -133,8 +133,8 @@ impl Slots {
     }
 }
 
-/// Returns whether compaction saves at least a quarter of the packets: with fewer saved, rays side by side in the picture are worth more,
-/// as they hit the same shapes.
+/// Returns whether compaction saves at least a quarter of the packets. Below that, the coherence of rays of neighbouring pixels is worth more:
+/// they hit the same shapes.
 fn are_sparse(portions: &[Portion]) -> bool {
     let mut used = [false; PACKETS];
     portions.iter().for_each(|portion| used[portion.pixel as usize / LANES % PACKETS] = true);

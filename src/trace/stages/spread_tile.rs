@@ -8,13 +8,13 @@ use crate::trace::packet::LensCandidates;
 use crate::trace::query::Scratch;
 use crate::trace::scene::{Precision, SpreadKeys};
 
-/// Sampling keys and lens candidates of a tile's slots, kept while batches have the same pixels in the same slots.
+/// The sampling keys and lens candidates of a tile's slots, reused while batches have the same pixels in the same slots.
 #[derive(Debug)]
 pub(super) struct SpreadTile {
     known: Option<Known>,
     /// By packet: the sampling keys of its slots.
     pub(super) keys: Box<[SpreadKeys; PACKETS]>,
-    /// The shapes that rays through a lens can hit.
+    /// The shapes that rays through the lens can hit.
     pub(super) candidates: LensCandidates,
 }
 
@@ -34,7 +34,7 @@ impl Default for SpreadTile {
 }
 
 impl SpreadTile {
-    /// Computes the keys of a tile's slots unless the last batch had the same.
+    /// Computes the keys of a tile's slots, unless the last batch had the same slots.
     pub(super) fn find(
         &mut self,
         context: &RenderContext<'_>,
@@ -62,7 +62,7 @@ impl SpreadTile {
 }
 
 impl Known {
-    /// Returns whether keys of these slots were computed. The last batch of a tile may leave some slots empty.
+    /// Returns whether keys were computed for these slots. The last batch of a tile may leave some slots empty.
     fn serves(&self, tile: Tile, slots: &Slots) -> bool {
         let covers = |(known, asked): (&u32, &u32)| asked & !known == 0;
         self.tile == tile

@@ -1,4 +1,4 @@
-//! What the wave brings to the tile's pixels.
+//! Accumulation of the wavefront's radiance in the tile's pixels.
 
 use fearless_simd::{dispatch, f32x16, prelude::*};
 
@@ -13,8 +13,8 @@ use crate::trace::math::{
 use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::RayPacket;
 
-/// Adds the light at the end of each ray to its pixel, ray by ray in the order of the wave, and what happens to light on the
-/// way to the ray's throughput.
+/// Adds the radiance of each ray to its pixel, ray by ray in the order of the wavefront. Multiplies the throughput of each ray by the
+/// transmittance along it.
 pub(super) fn add_to_pixels(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.entered.sums += 1;
     dispatch!(context.scene.simd.level(), simd => {
@@ -30,7 +30,7 @@ pub(super) fn add_to_pixels(context: &RenderContext<'_>, buffers: &mut TileBuffe
     });
 }
 
-/// Holds light that is too much for a number, in some lanes: see [`held`].
+/// Clamps radiance that overflows, in the lanes `met`: see [`held`].
 #[inline(always)]
 fn hold<S: Simd>(simd: S, met: u32, radiance: &mut Colors) {
     let [red, green, blue] = radiance.load(simd);
@@ -40,8 +40,7 @@ fn hold<S: Simd>(simd: S, met: u32, radiance: &mut Colors) {
     }
 }
 
-/// Lets the light of a packet pass what is on the way. Returns what share of the light beyond comes through; `None` where nothing is
-/// on the way.
+/// Applies the media and the fog along a packet's rays to their radiance. Returns the transmittance; `None` if there are neither.
 #[inline(always)]
 fn pass<S: Simd>(
     simd: S,
@@ -68,7 +67,7 @@ fn pass<S: Simd>(
     Some(share)
 }
 
-/// Returns the lengths of rays in some lanes: infinite where they meet nothing.
+/// Returns the lengths of rays in some lanes: infinite for rays without a hit.
 #[inline(always)]
 fn lengths<S: Simd>(
     simd: S,
@@ -96,7 +95,7 @@ fn lengths<S: Simd>(
     lengths
 }
 
-/// Adds the light of a packet to its pixels.
+/// Adds the radiance of a packet, times throughput, to its pixels.
 #[inline(always)]
 fn add<S: Simd>(
     simd: S,

@@ -1,4 +1,4 @@
-//! Refinement: the surface points that hits stand for, where light, a medium or a mirror asks for them.
+//! Refinement of hits to surface points, where lighting, a medium or secondary rays need them.
 
 use fearless_simd::{dispatch, prelude::*};
 
@@ -13,8 +13,7 @@ use crate::trace::query::{HitPacket, Intersector, SurfacePacket, SurfacePoint};
 use crate::trace::rays::RayPacket;
 use crate::trace::scene::{Background, SurfaceMaterial};
 
-/// Finds the surface points of the wave's hits, and the light there that no light source gives: the background, and ambient
-/// light.
+/// Computes the surface points of the wavefront's hits, and the radiance that does not come from light sources: background and ambient light.
 pub(super) fn surfaces(
     context: &RenderContext<'_>,
     shapes: &impl Intersector,
@@ -33,14 +32,14 @@ pub(super) fn surfaces(
         let rays = &wave.rays[packet];
         let (hits, surfaces) = (&mut hits[packet], &mut surfaces[packet]);
         for lane in lanes(special[packet]) {
-            // Many shapes may be met at one point.
+            // Many shapes may be hit at one point.
             if scratch.search.is_cancelled() {
                 return;
             }
             let Some(closest) = hits.get(lane) else { continue };
             let point = context.scene.surface(shapes, &rays.get(lane), &closest, &mut scratch.search);
             surfaces.set(lane, &point, hits);
-            // Among surfaces in the same place it may be another one that is seen than the first that was met.
+            // Among coincident surfaces, the visible one can differ from the first one hit.
             let material = context.scene.material(point.hit.id);
             answers[packet].note(1 << lane, material);
             radiance[packet].set(lane, ambient(context.scene, material.ambient));
@@ -59,7 +58,7 @@ pub(super) fn surfaces(
     }
 }
 
-/// Finds the points of a packet. Returns the lanes whose points have to be found one by one.
+/// Computes the surface points of a packet. Returns the lanes whose points have to be computed one by one.
 #[inline(always)]
 fn find<S: Simd>(
     simd: S,
@@ -107,7 +106,7 @@ fn find<S: Simd>(
     if answers.wanted == 0 { 0 } else { refine(simd, scene, rays, hits, answers.wanted, surfaces) }
 }
 
-/// Lets all rays of a packet see the background.
+/// Sets the radiance of all rays of a packet to the background.
 #[inline(always)]
 fn background(context: &RenderContext<'_>, rays: &RayPacket, radiance: &mut Colors) {
     match context.scene.background {
@@ -120,7 +119,7 @@ fn background(context: &RenderContext<'_>, rays: &RayPacket, radiance: &mut Colo
     }
 }
 
-/// Says whether more is asked of what a ray meets than what it is made of.
+/// Returns whether a hit on this material needs its surface point.
 #[inline]
 fn needs_point(context: &RenderContext<'_>, material: &SurfaceMaterial) -> bool {
     let lit = context.effects.lights() && !context.lights.is_empty() && material.scatters();

@@ -1,4 +1,4 @@
-//! Tiles of a picture, and samples of their pixels.
+//! Tiles of a picture, and sets of their pixels.
 
 use crate::trace::math::{LANES, WHOLE};
 use crate::trace::scene::{SIDE, Square};
@@ -6,14 +6,14 @@ use crate::trace::scene::{SIDE, Square};
 /// Pixels along a tile's side.
 pub(crate) const TILE: u32 = 16;
 
-/// How many packets a tile's rays are.
+/// The number of packets of a tile's rays.
 pub(crate) use crate::trace::bvh::PACKETS;
 
 const _: () = assert!(
     SIDE.pow(2) as usize == LANES && (TILE / SIDE).pow(2) as usize == PACKETS && TILE.is_multiple_of(SIDE)
 );
 
-/// How many pixels a tile has at most.
+/// The maximum number of pixels in a tile.
 pub(crate) const TILE_PIXELS: usize = PACKETS * LANES;
 
 /// A rectangle of pixels.
@@ -38,25 +38,25 @@ impl Tile {
         places.map(move |(i, j)| Self { i, j, width: TILE.min(columns - i), height: TILE.min(rows - j) })
     }
 
-    /// Returns column and row of a pixel by its index: pixels are counted packet by packet, and in those lane by lane.
+    /// Returns the column and row of the pixel with an index. Pixels are counted packet by packet, and lane by lane within a packet.
     pub(crate) fn pixel(&self, index: u32) -> (u32, u32) {
         let (column, row) = Self::place(index / PACKET);
         (self.i + column + index % SIDE, self.j + row + index % PACKET / SIDE)
     }
 
-    /// Returns the packet and the lane of the pixel in a column and a row of a tile.
+    /// Returns the packet and the lane of the pixel at a column and a row of a tile.
     pub(crate) fn lane_of(column: usize, row: usize) -> (usize, usize) {
         let (side, packets) = (SIDE as usize, (TILE / SIDE) as usize);
         (row / side * packets + column / side, row % side * side + column % side)
     }
 
-    /// Returns column and row of a packet's first pixel in its tile.
+    /// Returns the column and row of a packet's first pixel in its tile.
     #[inline]
     pub(crate) fn place(packet: u32) -> (u32, u32) {
         (packet % (TILE / SIDE) * SIDE, packet / (TILE / SIDE) * SIDE)
     }
 
-    /// Returns the pixels of a packet; `None` where the tile has none.
+    /// Returns the pixels of a packet; `None` if the tile has none there.
     #[inline]
     pub(crate) fn square(&self, packet: usize) -> Option<Square> {
         let (column, row) = Self::place(u32::try_from(packet).ok()?);
@@ -67,31 +67,31 @@ impl Tile {
     }
 }
 
-/// Some of a tile's pixels: by packet of its camera rays, their lanes as bits.
+/// A set of a tile's slots: for each packet of its camera rays, a bit mask of lanes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct TileLanes([u16; PACKETS]);
 
 impl TileLanes {
-    /// None of them.
+    /// The empty set.
     pub(crate) const NONE: Self = Self([0; PACKETS]);
 
-    /// Returns those of a packet, as a bit mask.
+    /// Returns the lanes of a packet, as a bit mask.
     #[inline(always)]
     pub(crate) fn of_packet(&self, packet: usize) -> u32 {
         self.0[packet].into()
     }
 
-    /// Adds those of a packet in some lanes.
+    /// Adds lanes of a packet, given as a bit mask.
     #[inline(always)]
     pub(super) fn add(&mut self, packet: usize, lanes: u32) {
         self.0[packet] |= u16::try_from(lanes & WHOLE).unwrap_or(u16::MAX);
     }
 }
 
-/// How many pixels a packet has.
+/// The number of pixels in a packet.
 const PACKET: u32 = SIDE * SIDE;
 
-/// The pixels of camera rays, packet by packet.
+/// The pixels of camera rays that have the slots of their pixels, by packet and lane.
 #[expect(clippy::cast_possible_truncation, reason = "a tile's pixels")]
 pub(super) const PIXELS: [[u32; LANES]; PACKETS] = {
     let mut pixels = [[0; LANES]; PACKETS];

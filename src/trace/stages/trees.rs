@@ -1,5 +1,5 @@
-//! Trees: the rays of samples of which one may send on two, a mirrored and a refracted one. What is cut of a sample's generation depends
-//! on all its rays.
+//! Ray trees of samples whose paths can branch into a reflected and a refracted ray. All rays of a sample at a bounce determine which of them
+//! are cut.
 
 use fearless_simd::dispatch;
 
@@ -8,25 +8,25 @@ use super::tile::TILE_PIXELS;
 use crate::trace::light::{Brightest, Budget};
 use crate::trace::math::{LANES, SimdLevel, lanes};
 
-/// What is known of the trees of a tile's samples, pixel by pixel of its packets.
+/// The state of the ray trees of a tile's samples, by slot.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Trees {
-    /// How many rays are traced.
+    /// The number of rays traced.
     pub(super) sizes: Vec<u32>,
-    /// What may be left out.
+    /// The light that may still be cut.
     budgets: Vec<Budget>,
-    /// What each ray of a generation can bring at most, and its number, pixel by pixel, in the order of the generation.
+    /// The rays of a bounce, sorted by slot and in queue order within a slot: the upper bound of each ray's contribution, and its index.
     weighed: Vec<(f32, usize)>,
-    /// Up to where in that list a pixel's rays are.
+    /// By slot: the end of its rays in that list.
     ends: Vec<usize>,
-    /// By packet of a generation: what its rays can bring.
+    /// By packet of a bounce: upper bounds of the contributions of its rays.
     mosts: Vec<[f32; LANES]>,
-    /// By packet of a generation: lanes that are cut.
+    /// By packet of a bounce: the lanes of rays that are cut.
     pub(super) cut: Vec<u32>,
 }
 
 impl Trees {
-    /// Makes ready for a sample.
+    /// Resets the state for a sample.
     pub(super) fn begin(&mut self, budget: Budget) {
         self.sizes.clear();
         self.sizes.resize(TILE_PIXELS, 1);
@@ -34,7 +34,7 @@ impl Trees {
         self.budgets.resize(TILE_PIXELS, budget);
     }
 
-    /// Finds what the rays of a generation's packets can bring, with `generations` left for them.
+    /// Bounds the contributions of a bounce's rays. `generations` is the number of bounces left, including this one.
     pub(super) fn weigh(
         &mut self,
         level: SimdLevel,
@@ -50,7 +50,7 @@ impl Trees {
         });
     }
 
-    /// Finds what is cut of a generation's packets, of whose rays it is known what they can bring.
+    /// Decides which rays of a bounce are cut, by the bounds that `weigh` has computed.
     pub(super) fn find_cut(&mut self, packets: &[SentPacket]) {
         self.cut.clear();
         self.cut.resize(packets.len(), 0);
@@ -69,7 +69,7 @@ impl Trees {
         }
     }
 
-    /// Sorts a generation's rays by pixels, and leaves them in their order otherwise.
+    /// Sorts the rays of a bounce by slot, stably.
     fn sort(&mut self, packets: &[SentPacket]) {
         let Self { weighed, ends, mosts, .. } = self;
         let rays = |sent: &SentPacket| lanes(sent.branches.rays.lanes);
@@ -78,7 +78,7 @@ impl Trees {
         for sent in packets {
             rays(sent).for_each(|lane| ends[sent.slots[lane] as usize % TILE_PIXELS] += 1);
         }
-        // Where they start, at first.
+        // First, the start of each slot's rays.
         let mut count = 0;
         for end in &mut *ends {
             (count, *end) = (count + *end, count);
@@ -108,7 +108,7 @@ mod tests {
     use crate::trace::{Background, Ray};
 
     proptest! {
-        /// In two generations, of packets in which pixels have several rays or none, what is cut is what each pixel's budget says.
+        /// Compares the cuts with one budget per pixel, for two bounces of packets in which pixels have several rays or none.
         #[test]
         fn each_pixel_has_a_budget_of_its_own(
             cutoff in prop_oneof![Just(0.0_f32), 1e-3..1.0_f32],

@@ -1,4 +1,4 @@
-//! The rays that go through the stages together, in packets.
+//! The wavefront: the rays that pass through the stages together, in packets.
 
 use glam::DVec3;
 
@@ -7,32 +7,32 @@ use crate::trace::light::{BranchPacket, PathPacket};
 use crate::trace::math::LANES;
 use crate::trace::rays::RayPacket;
 
-/// Rays in packets, which have one ray of a slot at most, and are in the order in which their light is added up. A generation of more
-/// rays is taken in parts, so that memory does not grow with it.
+/// Packets of rays, in the order in which their light is accumulated. A packet has at most one ray per slot. A bounce with more rays than fit
+/// is split into several wavefronts, so that memory does not grow with it.
 #[derive(Clone, Debug)]
 pub(super) struct Wave {
-    /// How many packets there are.
+    /// The number of packets.
     pub(super) count: usize,
     pub(super) rays: Box<[RayPacket; PACKETS]>,
-    /// What they carry.
+    /// The paths of the rays.
     pub(super) paths: Box<[PathPacket; PACKETS]>,
-    /// The slots of the camera rays that they continue.
+    /// The slots of the camera rays from which they descend.
     pub(super) slots: Box<[[u32; LANES]; PACKETS]>,
     pub(super) start: Start,
 }
 
-/// Where the rays of a wave start.
+/// The common origin of a wavefront's rays.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Start {
-    /// At one point.
+    /// A single point.
     Eye(DVec3),
-    /// On the camera's lens.
+    /// The camera's lens.
     Lens,
     Anywhere,
 }
 
 impl Wave {
-    /// Of no ray.
+    /// Creates a wavefront without rays.
     pub(super) fn new() -> Self {
         Self {
             count: 0,
@@ -43,12 +43,12 @@ impl Wave {
         }
     }
 
-    /// Takes all rays out.
+    /// Removes all rays.
     pub(super) fn clear(&mut self) {
         (self.count, self.start) = (0, Start::Anywhere);
     }
 
-    /// Adds a packet of rays for these slots.
+    /// Adds a packet of rays with their slots.
     pub(super) fn add(&mut self, branches: &BranchPacket, slots: &[u32; LANES]) {
         self.rays[self.count].clone_from(&branches.rays);
         self.paths[self.count].clone_from(&branches.paths);
@@ -56,14 +56,14 @@ impl Wave {
         self.count += 1;
     }
 
-    /// Adds a packet without rays, and returns its number.
+    /// Adds a packet without rays, and returns its index.
     pub(super) fn add_empty(&mut self) -> usize {
         self.rays[self.count].clear();
         self.count += 1;
         self.count - 1
     }
 
-    /// Copies a ray for a slot into a lane of a packet that has none there.
+    /// Copies a ray with its slot into a lane that has no ray.
     #[inline(always)]
     pub(super) fn copy(
         &mut self,
@@ -76,7 +76,7 @@ impl Wave {
         self.slots[packet][lane] = slot;
     }
 
-    /// Returns the packet of camera rays that the rays of a packet continue lane by lane.
+    /// Returns the packet of camera rays from which the rays of a packet descend lane by lane, if there is one.
     #[inline(always)]
     pub(super) fn home(&self, packet: usize) -> Option<usize> {
         let slots = &self.slots[packet];
@@ -84,7 +84,7 @@ impl Wave {
         (*slots == PIXELS[home]).then_some(home)
     }
 
-    /// Returns how many rays there are.
+    /// Returns the number of rays.
     pub(super) fn len(&self) -> u32 {
         self.rays[..self.count].iter().map(|packet| packet.lanes.count_ones()).sum()
     }
