@@ -2,8 +2,8 @@
 //!
 //! `cargo bench --bench hard` renders a frame of every hard scene, and of shipped ones, for four targets and compares it with a long
 //! reference: the true error, the estimate, the samples, and the rays and the processor time relative to the cheapest uniform
-//! number of samples that meets the target, on one thread. `cargo bench --bench hard -- run` renders twelve frames of each for their
-//! errors alone. Names of scenes after `--` measure those alone. It takes about half an hour.
+//! number of samples that meets the target, on one thread. `cargo bench --bench hard -- run` renders twelve pictures of each, with a seed of
+//! their own, for their errors alone. Names of scenes after `--` measure those alone. It takes about half an hour.
 
 #![allow(
     clippy::print_stdout,
@@ -33,8 +33,8 @@ const REFERENCE: [u32; 2] = [65_536, 8192];
 /// The frame of which the price is measured, for so many seconds.
 const FRAME: u32 = 6;
 const LONG: f64 = 0.2;
-/// The frames of a run.
-const RUN: u32 = 12;
+/// The number of seeds of a run.
+const RUN: u64 = 12;
 
 struct Subject {
     name: String,
@@ -160,20 +160,25 @@ fn prices(subjects: impl Iterator<Item = Subject>) {
     }
 }
 
-/// Measures the errors of several frames of each subject.
+/// Measures the errors of several pictures of a frame of each subject, which differ in their seeds alone.
 fn runs(subjects: impl Iterator<Item = Subject>) {
-    println!("| scene | target | true errors, frame by frame | estimates |");
+    println!("| scene | target | true errors, seed by seed | estimates |");
     println!("|---|---|---|---|");
     let mut met = Met::default();
     for mut subject in subjects {
-        let references: Vec<Film> = (0..RUN).map(|frame| reference(&mut subject, frame)).collect();
-        let transfer = subject.engine.film_settings().transfer;
+        let (reference, transfer) =
+            (reference(&mut subject, FRAME), subject.engine.film_settings().transfer);
         for target in TARGETS {
             let (mut errors, mut estimates) = (Vec::new(), Vec::new());
-            for (frame, reference) in (0..RUN).zip(&references) {
-                let knobs = Knobs { samples: Some(65_536), max_error: Some(target), ..Knobs::default() };
-                let picture = render(&mut subject, frame, knobs);
-                let found = FilmError::between(&picture.film, reference, transfer).rms;
+            for seed in 0..RUN {
+                let knobs = Knobs {
+                    samples: Some(65_536),
+                    max_error: Some(target),
+                    seed: Some(seed),
+                    ..Knobs::default()
+                };
+                let picture = render(&mut subject, FRAME, knobs);
+                let found = FilmError::between(&picture.film, &reference, transfer).rms;
                 let mark = if met.add(found, target, picture.estimate.unwrap()) { "" } else { "!" };
                 errors.push(format!("{found:.2}{mark}"));
                 estimates.push(format!("{:.2}", picture.estimate.unwrap().value));

@@ -8,8 +8,8 @@ use super::proposal_packet::{LitPacket, ProposalPacket, facing_normal};
 use super::shading_packet::{add_highlights, intensities};
 use crate::trace::effects::Effects;
 use crate::trace::math::{
-    F64s, F64s3, Mask, Numbers, Scaled, bits, bits16, dot_lanes as dot, finite3, half_of, lanes, scaled,
-    scaled_lanes, splat, splat3, subtract,
+    F64s, F64s3, Mask, Numbers, Scaled, bits, bits16, dot, finite3, half_of, lanes, scaled, scaled_lanes,
+    splat, splat3, subtract,
 };
 use crate::trace::scene::{Light, LightSource, PreparedScene, SurfaceMaterial};
 

@@ -4,8 +4,8 @@ use fearless_simd::prelude::*;
 
 use super::direct::{light_dimension, light_point};
 use crate::trace::math::{
-    F64s3, LANES, PixelSamples, SampleKeys, Scaled, Vectors, add, bits, dot_lanes as dot, half_lanes, lanes,
-    on_disc, scaled_lanes, select3, splat, splat3, subtract, times,
+    F64s3, LANES, PixelSamples, SampleKeys, Scaled, Vectors, add, bits, dot, half_lanes, lanes, on_disc,
+    scaled_lanes, select3, splat, splat3, subtract, times,
 };
 use crate::trace::scene::{Light, LightSource};
 

@@ -7,8 +7,8 @@ use super::medium_stack::{MediumStack, MediumStacks};
 use super::path_packet::PathPacket;
 use super::proposal_packet::facing_normals;
 use crate::trace::math::{
-    DoubleLanes, F64s, LANES, Mask, Numbers, Vectors, add, bits, dot_lanes as dot, half_lanes, half_of,
-    lanes, mask, moderate, splat, times,
+    Double, F64s, LANES, Mask, Numbers, Vectors, add, bits, dot, half_lanes, half_of, lanes, mask, moderate,
+    splat, times,
 };
 use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::{RayPacket, ShapeId};
@@ -182,10 +182,10 @@ fn transmitted_cosine<S: Simd>(
     (from, into): (F64s<S>, F64s<S>),
     cosine: F64s<S>,
 ) -> (F64s<S>, Mask<S>) {
-    let one = DoubleLanes { high: splat(simd, 1.0), low: splat(simd, 0.0) };
-    let squared_sine = one - DoubleLanes::product(cosine, cosine);
-    let bent = DoubleLanes::product(from, from) * squared_sine;
-    let rest = (DoubleLanes::product(into, into) - bent).high;
+    let one = Double { high: splat(simd, 1.0), low: splat(simd, 0.0) };
+    let squared_sine = one - Double::product(cosine, cosine);
+    let bent = Double::product(from, from) * squared_sine;
+    let rest = (Double::product(into, into) - bent).high;
     (rest.sqrt() / into, rest.simd_ge(splat(simd, 0.0)))
 }
 

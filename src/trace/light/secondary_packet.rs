@@ -7,8 +7,7 @@ use super::path_packet::PathPacket;
 use super::refraction_packet::Refraction;
 use super::secondary::TreeRay;
 use crate::trace::math::{
-    F64s3, LANES, Scaled, bits, bits16, dot_lanes as dot, finite3, half_of, lanes, scaled_lanes, subtract,
-    times,
+    F64s3, LANES, Scaled, bits, bits16, dot, finite3, half_of, lanes, scaled_lanes, subtract, times,
 };
 use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::{RayPacket, ShapeIds};

@@ -6,7 +6,7 @@ use fearless_simd::{f32x16, prelude::*};
 use super::proposal_packet::{LitPacket, ProposalPacket, facing_normals};
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
-use crate::trace::math::{F64s, F64s3, LANES, Numbers, dot_lanes as dot, half_of, lanes, pow, splat, splat3};
+use crate::trace::math::{F64s, F64s3, LANES, Numbers, dot, half_of, lanes, pow, splat, splat3};
 use crate::trace::scene::{Cone, Falloff, Light, LightSource, PreparedScene};
 
 /// Returns how much of a light arrives in the lanes of proposals, whose directions have these lengths.

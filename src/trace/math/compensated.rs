@@ -1,97 +1,111 @@
 //! Vectors whose rounding errors are kept beside them.
 
-use glam::DVec3;
-
 use super::double::Double;
-use super::error_free::{two_product, two_products, two_sum, two_sums};
-use super::vector::Double3;
+use super::error_free::{two_product, two_sum};
+use super::real::{Real, add};
 
 /// A vector as an unevaluated sum, for the one step from a nearly right `t` to a right one. Its operations are as good as
 /// twice the working precision for what is left after cancellation, without carrying every result on as a [`Double`]
 /// (Ogita, Rump, Oishi, "Accurate Sum and Dot Product", 2005).
 #[derive(Clone, Copy, Debug)]
-pub struct Compensated3 {
-    value: DVec3,
-    rest: DVec3,
+pub(crate) struct Compensated<R> {
+    value: [R; 3],
+    rest: [R; 3],
 }
 
-impl Compensated3 {
+impl<R: Real> Compensated<R> {
     /// origin + t direction.
-    #[must_use]
-    #[inline]
-    pub fn along(origin: DVec3, direction: DVec3, t: f64) -> Self {
-        let (way, way_error) = two_products(direction, DVec3::splat(t));
-        let (value, error) = two_sums(origin, way);
-        Self { value, rest: error + way_error }
+    #[inline(always)]
+    pub(crate) fn along(origin: impl Into<[R; 3]>, direction: impl Into<[R; 3]>, t: R) -> Self {
+        let (origin, direction) = (origin.into(), direction.into());
+        let (mut value, mut rest) = (origin, origin);
+        for axis in 0..3 {
+            let (way, way_error) = two_product(direction[axis], t);
+            let (sum, error) = two_sum(origin[axis], way);
+            (value[axis], rest[axis]) = (sum, error + way_error);
+        }
+        Self { value, rest }
     }
 
     /// Less a point.
-    #[must_use]
-    #[inline]
-    pub fn minus(self, point: DVec3) -> Self {
-        let (difference, error) = two_sums(self.value, -point);
-        let (value, rest) = two_sums(difference, error + self.rest);
+    #[inline(always)]
+    pub(crate) fn minus(self, point: impl Into<[R; 3]>) -> Self {
+        let (Self { mut value, mut rest }, point) = (self, point.into());
+        for axis in 0..3 {
+            let (difference, error) = two_sum(value[axis], -point[axis]);
+            (value[axis], rest[axis]) = two_sum(difference, error + rest[axis]);
+        }
         Self { value, rest }
     }
 
     /// Rounded to `f64`.
-    #[must_use]
-    #[inline]
-    pub fn rounded(self) -> DVec3 {
+    #[inline(always)]
+    pub(crate) fn rounded(self) -> [R; 3] {
         self.value
     }
 
     /// Plus a short way, rounded once.
-    #[must_use]
-    #[inline]
-    pub fn moved(self, way: DVec3) -> DVec3 {
-        self.value + (self.rest + way)
+    #[inline(always)]
+    pub(crate) fn moved(self, way: impl Into<[R; 3]>) -> [R; 3] {
+        add(self.value, add(self.rest, way.into()))
     }
 
     /// The sum of the products with plain numbers.
-    #[must_use]
-    #[inline]
-    pub fn dot(self, other: DVec3) -> Double {
-        let (products, errors) = two_products(self.value, other);
-        Self::sum(products, errors + self.rest * other)
+    #[inline(always)]
+    pub(crate) fn dot(self, other: impl Into<[R; 3]>) -> Double<R> {
+        let other = other.into();
+        let (mut products, mut errors) = (other, other);
+        for axis in 0..3 {
+            let (product, error) = two_product(self.value[axis], other[axis]);
+            (products[axis], errors[axis]) = (product, error + self.rest[axis] * other[axis]);
+        }
+        summed(products, errors)
     }
 
     /// The sum of the products with double-doubles.
-    #[must_use]
-    #[inline]
-    pub fn dot_exact(self, other: Double3) -> Double {
-        let (high, low) = (other.rounded(), DVec3::new(other.x.low, other.y.low, other.z.low));
-        let (products, errors) = two_products(self.value, high);
-        Self::sum(products, errors + (self.rest * high + self.value * low))
+    #[inline(always)]
+    pub(crate) fn dot_exact(self, high: impl Into<[R; 3]>, low: impl Into<[R; 3]>) -> Double<R> {
+        let (high, low) = (high.into(), low.into());
+        let (mut products, mut errors) = (high, high);
+        for axis in 0..3 {
+            let (product, error) = two_product(self.value[axis], high[axis]);
+            let rest = self.rest[axis] * high[axis] + self.value[axis] * low[axis];
+            (products[axis], errors[axis]) = (product, error + rest);
+        }
+        summed(products, errors)
     }
 
-    /// The square of its length less that of a radius.
-    #[must_use]
-    #[inline]
-    pub fn beyond(self, radius: f64) -> Double {
-        let (squares, errors) = two_products(self.value, self.value);
+    /// The square of its length less that of a radius, rounded to `f64`.
+    #[inline(always)]
+    pub(crate) fn beyond(self, radius: R) -> R {
+        let (mut squares, mut errors) = (self.value, self.rest);
+        for axis in 0..3 {
+            let value = self.value[axis];
+            let (square, error) = two_product(value, value);
+            let twice = value * 2.0;
+            (squares[axis], errors[axis]) = (square, error + self.rest[axis] * twice);
+        }
         let (square, square_error) = two_product(radius, radius);
-        let (sum, sum_error) = two_sum(squares.x, squares.y);
-        let (sum, other_error) = two_sum(sum, squares.z);
+        let (sum, sum_error) = two_sum(squares[0], squares[1]);
+        let (sum, other_error) = two_sum(sum, squares[2]);
         let (sum, last_error) = two_sum(sum, -square);
-        let errors = errors + self.rest * (self.value * 2.0);
-        let error = (errors.x + errors.y + errors.z - square_error) + (sum_error + other_error + last_error);
-        let (high, low) = two_sum(sum, error);
-        Double { high, low }
-    }
-
-    #[inline]
-    fn sum(parts: DVec3, errors: DVec3) -> Double {
-        let (sum, sum_error) = two_sum(parts.x, parts.y);
-        let (sum, other_error) = two_sum(sum, parts.z);
-        let (high, low) = two_sum(sum, (errors.x + errors.y + errors.z) + (sum_error + other_error));
-        Double { high, low }
+        let error =
+            (errors[0] + errors[1] + errors[2] - square_error) + (sum_error + other_error + last_error);
+        sum + error
     }
 }
 
-impl From<[Double; 3]> for Compensated3 {
-    #[inline]
-    fn from([x, y, z]: [Double; 3]) -> Self {
-        Self { value: DVec3::new(x.high, y.high, z.high), rest: DVec3::new(x.low, y.low, z.low) }
+impl<R> From<[Double<R>; 3]> for Compensated<R> {
+    #[inline(always)]
+    fn from([x, y, z]: [Double<R>; 3]) -> Self {
+        Self { value: [x.high, y.high, z.high], rest: [x.low, y.low, z.low] }
     }
+}
+
+/// The sum of three numbers that have errors.
+#[inline(always)]
+fn summed<R: Real>(parts: [R; 3], errors: [R; 3]) -> Double<R> {
+    let (sum, sum_error) = two_sum(parts[0], parts[1]);
+    let (sum, other_error) = two_sum(sum, parts[2]);
+    Double::sum(sum, (errors[0] + errors[1] + errors[2]) + (sum_error + other_error))
 }

@@ -4,12 +4,13 @@ use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::error_free::{quick_two_sum, two_product, two_sum};
+use super::real::Real;
 
 /// An unevaluated sum `high + low`, where `high` is the sum rounded to `f64`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Double {
-    pub(crate) high: f64,
-    pub(crate) low: f64,
+pub struct Double<R = f64> {
+    pub(crate) high: R,
+    pub(crate) low: R,
 }
 
 impl Double {
@@ -18,30 +19,6 @@ impl Double {
 
     /// One.
     pub const ONE: Self = Self { high: 1.0, low: 0.0 };
-
-    /// a - b, exactly.
-    #[must_use]
-    #[inline]
-    pub fn difference(a: f64, b: f64) -> Self {
-        let (high, low) = two_sum(a, -b);
-        Self { high, low }
-    }
-
-    /// a + b, exactly.
-    #[must_use]
-    #[inline]
-    pub fn sum(a: f64, b: f64) -> Self {
-        let (high, low) = two_sum(a, b);
-        Self { high, low }
-    }
-
-    /// a * b, exactly.
-    #[must_use]
-    #[inline]
-    pub fn product(a: f64, b: f64) -> Self {
-        let (high, low) = two_product(a, b);
-        Self { high, low }
-    }
 
     /// The short decimal number that this one was rounded from: the one of at most 15 digits that has this nearest `f64`. Where there
     /// is none, the number itself.
@@ -80,27 +57,6 @@ impl Double {
         number.into()
     }
 
-    /// Times a power of two, exactly.
-    #[must_use]
-    #[inline]
-    pub fn scaled(self, power: f64) -> Self {
-        Self { high: self.high * power, low: self.low * power }
-    }
-
-    /// Rounded to `f64`.
-    #[must_use]
-    #[inline]
-    pub fn rounded(self) -> f64 {
-        self.high
-    }
-
-    /// What rounding to `f64` leaves over.
-    #[must_use]
-    #[inline]
-    pub fn rest(self) -> f64 {
-        self.low
-    }
-
     /// Without its sign.
     #[must_use]
     pub fn abs(self) -> Self {
@@ -114,10 +70,7 @@ impl Double {
         if self.high <= 0.0 {
             return Self::ZERO;
         }
-        let root = self.high.sqrt();
-        let residual = self - Self::product(root, root);
-        let (high, low) = quick_two_sum(root, residual.high / (2.0 * root));
-        Self { high, low }
+        self.root_of_positive()
     }
 
     /// Less than, equal to or greater than zero.
@@ -128,6 +81,62 @@ impl Double {
     }
 }
 
+impl<R: Real> Double<R> {
+    /// a - b, exactly.
+    #[must_use]
+    #[inline(always)]
+    pub fn difference(a: R, b: R) -> Self {
+        let (high, low) = two_sum(a, -b);
+        Self { high, low }
+    }
+
+    /// a + b, exactly.
+    #[must_use]
+    #[inline(always)]
+    pub fn sum(a: R, b: R) -> Self {
+        let (high, low) = two_sum(a, b);
+        Self { high, low }
+    }
+
+    /// a * b, exactly.
+    #[must_use]
+    #[inline(always)]
+    pub fn product(a: R, b: R) -> Self {
+        let (high, low) = two_product(a, b);
+        Self { high, low }
+    }
+
+    /// Times a power of two, exactly.
+    #[must_use]
+    #[inline(always)]
+    pub fn scaled(self, power: f64) -> Self {
+        Self { high: self.high * power, low: self.low * power }
+    }
+
+    /// Rounded to `f64`.
+    #[must_use]
+    #[inline(always)]
+    pub fn rounded(self) -> R {
+        self.high
+    }
+
+    /// What rounding to `f64` leaves over.
+    #[must_use]
+    #[inline(always)]
+    pub fn rest(self) -> R {
+        self.low
+    }
+
+    /// The square root of numbers greater than zero.
+    #[inline(always)]
+    pub(crate) fn root_of_positive(self) -> Self {
+        let root = self.high.sqrt();
+        let residual = self - Self::product(root, root);
+        let (high, low) = quick_two_sum(root, residual.high / (root * 2.0));
+        Self { high, low }
+    }
+}
+
 impl From<f64> for Double {
     #[inline]
     fn from(high: f64) -> Self {
@@ -135,10 +144,10 @@ impl From<f64> for Double {
     }
 }
 
-impl Add for Double {
+impl<R: Real> Add for Double<R> {
     type Output = Self;
 
-    #[inline]
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
         let (high, error) = two_sum(self.high, other.high);
         let (low, low_error) = two_sum(self.low, other.low);
@@ -148,28 +157,28 @@ impl Add for Double {
     }
 }
 
-impl Neg for Double {
+impl<R: Real> Neg for Double<R> {
     type Output = Self;
 
-    #[inline]
+    #[inline(always)]
     fn neg(self) -> Self {
         Self { high: -self.high, low: -self.low }
     }
 }
 
-impl Sub for Double {
+impl<R: Real> Sub for Double<R> {
     type Output = Self;
 
-    #[inline]
+    #[inline(always)]
     fn sub(self, other: Self) -> Self {
         self + -other
     }
 }
 
-impl Mul for Double {
+impl<R: Real> Mul for Double<R> {
     type Output = Self;
 
-    #[inline]
+    #[inline(always)]
     fn mul(self, other: Self) -> Self {
         let (high, error) = two_product(self.high, other.high);
         let (high, low) = quick_two_sum(high, error + (self.high * other.low + self.low * other.high));
@@ -177,10 +186,10 @@ impl Mul for Double {
     }
 }
 
-impl Div for Double {
+impl<R: Real> Div for Double<R> {
     type Output = Self;
 
-    #[inline]
+    #[inline(always)]
     fn div(self, other: Self) -> Self {
         let first = self.high / other.high;
         let rest = self - other * first;
@@ -189,11 +198,11 @@ impl Div for Double {
     }
 }
 
-impl Mul<f64> for Double {
+impl<R: Real> Mul<R> for Double<R> {
     type Output = Self;
 
-    #[inline]
-    fn mul(self, other: f64) -> Self {
+    #[inline(always)]
+    fn mul(self, other: R) -> Self {
         let (high, error) = two_product(self.high, other);
         let (high, low) = quick_two_sum(high, error + self.low * other);
         Self { high, low }

@@ -5,113 +5,21 @@
 //! Taylor's series do, of what is left after powers of two are taken out.
 
 use std::f64::consts::{FRAC_1_SQRT_2, LN_2, LOG2_E};
-use std::ops::{Add, Div, Mul, Sub};
 
-use fearless_simd::{prelude::*, u64x8};
-
-use super::lanes::{F64s, splat};
-
-/// A number, or one in each of half of the lanes.
-pub(crate) trait Real:
-    Copy
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Add<f64, Output = Self>
-    + Sub<f64, Output = Self>
-    + Mul<f64, Output = Self>
-{
-    /// The same number, or in each lane.
-    fn of(self, number: f64) -> Self;
-
-    /// One number where this is less than a bound, else the other.
-    fn if_less(self, bound: Self, one: Self, other: Self) -> Self;
-
-    /// Without its sign.
-    fn abs(self) -> Self;
-
-    /// 2^self, of a whole number in -1022..=1023.
-    fn power_of_two(self) -> Self;
-
-    /// m and e of m 2^e, with m from the root of 1/2 up to that of 2, of a normal number greater than zero.
-    fn mantissa_and_exponent(self) -> (Self, Self);
-}
+use super::real::Real;
 
 /// 2^52, from which on numbers are whole, and one and a half times that, near which all are equally far apart.
-const WHOLE: f64 = 4_503_599_627_370_496.0;
-const ROUNDER: f64 = 1.5 * WHOLE;
+pub(super) const WHOLE: f64 = 4_503_599_627_370_496.0;
+pub(super) const ROUNDER: f64 = 1.5 * WHOLE;
 
 /// The bits of the root of 1/2, from which on exponents are counted, and what is added to them so that they are not negative.
-const ROOT: u64 = FRAC_1_SQRT_2.to_bits();
-const BIAS: u64 = 1024;
-const UNBIAS: f64 = WHOLE + 1024.0;
+pub(super) const ROOT: u64 = FRAC_1_SQRT_2.to_bits();
+pub(super) const BIAS: u64 = 1024;
+pub(super) const UNBIAS: f64 = WHOLE + 1024.0;
 
 /// How many bits a mantissa has, and which.
-const MANTISSA: u32 = f64::MANTISSA_DIGITS - 1;
-const MANTISSA_BITS: u64 = (1 << MANTISSA) - 1;
-
-impl Real for f64 {
-    #[inline(always)]
-    fn of(self, number: f64) -> Self {
-        number
-    }
-
-    #[inline(always)]
-    fn if_less(self, bound: Self, one: Self, other: Self) -> Self {
-        if self < bound { one } else { other }
-    }
-
-    #[inline(always)]
-    fn abs(self) -> Self {
-        Self::abs(self)
-    }
-
-    #[inline(always)]
-    fn power_of_two(self) -> Self {
-        Self::from_bits((self + (ROUNDER + 1023.0)).to_bits() << MANTISSA)
-    }
-
-    #[inline(always)]
-    fn mantissa_and_exponent(self) -> (Self, Self) {
-        let above = self.to_bits().wrapping_add((BIAS << MANTISSA).wrapping_sub(ROOT));
-        let mantissa = Self::from_bits((above & MANTISSA_BITS) + ROOT);
-        (mantissa, Self::from_bits(above >> MANTISSA | WHOLE.to_bits()) - UNBIAS)
-    }
-}
-
-impl<S: Simd> Real for F64s<S> {
-    #[inline(always)]
-    fn of(self, number: f64) -> Self {
-        splat(self.simd, number)
-    }
-
-    #[inline(always)]
-    fn if_less(self, bound: Self, one: Self, other: Self) -> Self {
-        self.simd_lt(bound).select(one, other)
-    }
-
-    #[inline(always)]
-    fn abs(self) -> Self {
-        self.simd.abs_f64x8(self)
-    }
-
-    #[inline(always)]
-    fn power_of_two(self) -> Self {
-        let bits: u64x8<S> = (self + (ROUNDER + 1023.0)).bitcast();
-        (bits << MANTISSA).bitcast()
-    }
-
-    #[inline(always)]
-    fn mantissa_and_exponent(self) -> (Self, Self) {
-        let (simd, bits): (S, u64x8<S>) = (self.simd, self.bitcast());
-        let above = bits + u64x8::splat(simd, (BIAS << MANTISSA).wrapping_sub(ROOT));
-        let mantissa = (above & u64x8::splat(simd, MANTISSA_BITS)) + u64x8::splat(simd, ROOT);
-        let exponent: Self = ((above >> MANTISSA) | u64x8::splat(simd, WHOLE.to_bits())).bitcast();
-        let mantissa: Self = mantissa.bitcast();
-        (mantissa, exponent - UNBIAS)
-    }
-}
+pub(super) const MANTISSA: u32 = f64::MANTISSA_DIGITS - 1;
+pub(super) const MANTISSA_BITS: u64 = (1 << MANTISSA) - 1;
 
 /// e^x, for x up to 700; 0 for what is less than -700.
 #[inline(always)]
@@ -206,7 +114,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::trace::math::{Numbers, SimdLevel};
+    use crate::trace::math::{Numbers, SimdLevel, splat};
 
     /// 2^-44
     const CLOSE: f64 = 5.7e-14;

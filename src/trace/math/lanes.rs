@@ -8,6 +8,7 @@ use fearless_simd::Level;
 use fearless_simd::{f32x16, f64x8, mask32x8, mask32x16, mask64x8, prelude::*, u64x8};
 use glam::DVec3;
 
+use super::real::times;
 use crate::color::Rgb;
 
 /// How many lanes a packet has.
@@ -254,27 +255,6 @@ pub(crate) fn splat3<S: Simd>(simd: S, vector: DVec3) -> F64s3<S> {
     [splat(simd, vector.x), splat(simd, vector.y), splat(simd, vector.z)]
 }
 
-/// The sum of the products, in the order of `DVec3::dot`.
-#[inline(always)]
-pub(crate) fn dot<S: Simd>(a: F64s3<S>, b: F64s3<S>) -> F64s<S> {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline(always)]
-pub(crate) fn add<S: Simd>(a: F64s3<S>, b: F64s3<S>) -> F64s3<S> {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-#[inline(always)]
-pub(crate) fn subtract<S: Simd>(a: F64s3<S>, b: F64s3<S>) -> F64s3<S> {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-#[inline(always)]
-pub(crate) fn times<S: Simd>(a: F64s3<S>, factor: F64s<S>) -> F64s3<S> {
-    [a[0] * factor, a[1] * factor, a[2] * factor]
-}
-
 /// `a` where the mask is true, else `b`.
 #[inline(always)]
 pub(crate) fn select3<S: Simd>(mask: Mask<S>, a: F64s3<S>, b: F64s3<S>) -> F64s3<S> {
@@ -309,41 +289,9 @@ pub(crate) fn scaled_lanes<S: Simd>(simd: S, direction: F64s3<S>) -> Scaled<S> {
     Scaled { direction: times(direction, scale), length: exponent.bitcast(), usual }
 }
 
-/// [`two_sum`](super::error_free::two_sum).
-#[inline(always)]
-pub(crate) fn two_sum<S: Simd>(a: F64s<S>, b: F64s<S>) -> (F64s<S>, F64s<S>) {
-    let sum = a + b;
-    let b_part = sum - a;
-    (sum, (a - (sum - b_part)) + (b - b_part))
-}
-
-/// [`quick_two_sum`](super::error_free::quick_two_sum).
-#[inline(always)]
-pub(crate) fn quick_two_sum<S: Simd>(a: F64s<S>, b: F64s<S>) -> (F64s<S>, F64s<S>) {
-    let sum = a + b;
-    (sum, b - (sum - a))
-}
-
-/// [`two_product`](super::error_free::two_product), for numbers that are [`moderate`].
-///
-/// Where the processor fuses a product and a sum, the error is what the fused difference of the product and its rounded value is: it
-/// has no more than 53 bits, of which none is lost as long as it does not underflow. So it is the very number that Dekker's splitting
-/// makes, which is exact under the same condition, and if no half overflows.
-#[inline(always)]
-pub(crate) fn two_product<S: Simd>(a: F64s<S>, b: F64s<S>) -> (F64s<S>, F64s<S>) {
-    let product = a * b;
-    if fuses(a.simd) {
-        return (product, a.mul_sub(b, product));
-    }
-    let (a_high, a_low) = halves(a);
-    let (b_high, b_low) = halves(b);
-    let error = ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low;
-    (product, error)
-}
-
 /// Says whether `mul_sub` is rounded once.
 #[inline(always)]
-fn fuses<S: Simd>(simd: S) -> bool {
+pub(super) fn fuses<S: Simd>(simd: S) -> bool {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     return matches!(simd.level(), Level::Avx2(_) | Level::Avx512(_));
     #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
@@ -392,20 +340,13 @@ fn none_below<S: Simd>(simd: S, [x, y, z]: F64s3<S>, least: f64) -> Mask<S> {
         & (z.simd_ge(least) | z.simd_eq(zero))
 }
 
-#[inline(always)]
-fn halves<S: Simd>(a: F64s<S>) -> (F64s<S>, F64s<S>) {
-    let scaled = a * 134_217_729.0;
-    let high = scaled - (scaled - a);
-    (high, a - high)
-}
-
 #[cfg(test)]
 mod tests {
     use fearless_simd::dispatch;
     use proptest::prelude::*;
 
     use super::*;
-    use crate::trace::math::{Double, DoubleLanes, SimdLevel, scaled};
+    use crate::trace::math::{Double, SimdLevel, scaled};
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(20_000))]
@@ -442,7 +383,7 @@ mod tests {
                 let (mut product, mut error) = (Numbers::splat(0.0), Numbers::splat(0.0));
                 dispatch!(level.level(), simd => {
                     assert!(moderate(simd, splat(simd, a)).all_true() && moderate(simd, splat(simd, b)).all_true());
-                    let DoubleLanes { high, low } = DoubleLanes::product(splat(simd, a), splat(simd, -b));
+                    let Double { high, low } = Double::product(splat(simd, a), splat(simd, -b));
                     product.store(0, high);
                     error.store(0, low);
                 });

@@ -7,13 +7,12 @@
 
 mod algebraic;
 mod compensated;
-mod compensated_lanes;
 mod digest;
 mod double;
-mod double_lanes;
 mod elementary;
 mod error_free;
 mod lanes;
+mod real;
 mod root;
 mod sample_keys;
 mod sampling;
@@ -23,17 +22,17 @@ mod sums;
 mod vector;
 
 pub(crate) use algebraic::{Exact, Exact3, ExactRoot};
-pub use compensated::Compensated3;
-pub(crate) use compensated_lanes::CompensatedLanes;
+pub(crate) use compensated::Compensated;
 pub(crate) use digest::{Bytes, Digest, digest_of_all};
 pub use double::Double;
-pub(crate) use double_lanes::DoubleLanes;
 pub(crate) use elementary::{exp, pow};
+pub(crate) use error_free::{quick_two_sum, two_sum};
 pub(crate) use lanes::{
-    Colors, F64s, F64s3, HALF, LANES, Mask, Numbers, Scaled, Vectors, WHOLE, add, bits, bits8, bits16,
-    dot as dot_lanes, finite3, half_lanes, half_of, lanes, mask, mask16, moderate, moderate3, quick_two_sum,
-    scaled_lanes, select3, set_bits, splat, splat3, subtract, times, two_sum,
+    Colors, F64s, F64s3, HALF, LANES, Mask, Numbers, Scaled, Vectors, WHOLE, bits, bits8, bits16, finite3,
+    half_lanes, half_of, lanes, mask, mask16, moderate, moderate3, scaled_lanes, select3, set_bits, splat,
+    splat3,
 };
+pub(crate) use real::{Real, Truth, absolute, add, dot, subtract, times};
 pub use root::Root;
 pub(crate) use sample_keys::SampleKeys;
 pub(crate) use sampling::on_disc;
@@ -41,5 +40,5 @@ pub(crate) use sampling::stratum;
 pub use sampling::{Dimension, PixelSamples, Sampling, disc};
 pub(crate) use scaling::scaled;
 pub use simd_level::SimdLevel;
-pub use sums::{dot, offset_height, square_difference};
+pub use sums::{exact_dot, offset_height, square_difference};
 pub use vector::Double3;

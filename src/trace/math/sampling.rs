@@ -14,7 +14,8 @@
 
 use std::f64::consts::FRAC_PI_4;
 
-use super::elementary::{Real, sine_and_cosine};
+use super::elementary::sine_and_cosine;
+use super::real::Real;
 
 /// How many samples every pixel has, and which.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -27,7 +27,7 @@ pub(crate) fn sum<const COUNT: usize>(terms: [f64; COUNT]) -> Double {
 
 /// a.b, rounded once.
 #[must_use]
-pub fn dot(a: Double3, b: DVec3) -> Double {
+pub fn exact_dot(a: Double3, b: DVec3) -> Double {
     let mut terms = [0.0; 12];
     for (terms, (a, b)) in terms.chunks_exact_mut(4).zip([(a.x, b.x), (a.y, b.y), (a.z, b.z)]) {
         let ((high, high_error), (low, low_error)) = (two_product(a.high, b), two_product(a.low, b));

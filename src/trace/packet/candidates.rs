@@ -17,7 +17,7 @@ use crate::trace::bvh::{
     Stack,
 };
 use crate::trace::math::{
-    Numbers, Vectors, dot_lanes as dot, half_lanes, half_of, mask, set_bits, splat, splat3, subtract,
+    Numbers, Vectors, dot, half_lanes, half_of, mask, set_bits, splat, splat3, subtract,
 };
 use crate::trace::query::Scratch;
 use crate::trace::rays::{RayPacket, ShapeId, ShapeIds};

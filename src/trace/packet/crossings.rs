@@ -6,7 +6,7 @@ use fearless_simd::prelude::*;
 use super::leaves::Rays;
 use super::refine::refine_one;
 use super::verdicts::{Asked, exit};
-use crate::trace::math::{F64s, Numbers, Vectors, bits, dot_lanes as dot, half_lanes, half_of, mask, splat};
+use crate::trace::math::{F64s, Numbers, Vectors, bits, dot, half_lanes, half_of, mask, splat};
 use crate::trace::query::{Crossing, HitPacket, SurfacePacket};
 use crate::trace::rays::{RayPacket, ShapeId, ShapeIds};
 use crate::trace::scene::Geometry;

@@ -4,9 +4,11 @@
 use fearless_simd::prelude::*;
 use glam::DMat3;
 
-use crate::trace::math::{F64s, F64s3, Mask, add, dot_lanes as dot, splat, splat3, subtract, times};
+use crate::trace::math::{F64s, F64s3, add, dot, splat, splat3, subtract, times};
 use crate::trace::rays::RayPacket;
-use crate::trace::shapes::{AlignedBox, Plane, Sphere, SphereImage, U};
+use crate::trace::shapes::{
+    AlignedBox, Plane, Sphere, SphereImage, U, Verdict, far_root, first_root, only_root,
+};
 
 /// Half of a packet's rays.
 #[derive(Clone, Copy)]
@@ -16,15 +18,7 @@ pub(super) struct Rays<S: Simd> {
 }
 
 /// What they have to do with a shape.
-#[derive(Clone, Copy)]
-pub(super) struct Verdicts<S: Simd> {
-    pub(super) t: F64s<S>,
-    pub(super) error: F64s<S>,
-    /// Rays that certainly meet it, at `t`.
-    pub(super) hit: Mask<S>,
-    /// Rays of which it is not certain that they meet it or not.
-    pub(super) open: Mask<S>,
-}
+pub(super) type Verdicts<S> = Verdict<F64s<S>>;
 
 impl<S: Simd> Rays<S> {
     #[inline(always)]
@@ -43,7 +37,7 @@ pub(super) fn sphere<S: Simd>(
     sphere: &Sphere,
 ) -> Option<Verdicts<S>> {
     let to_center = subtract(splat3(simd, sphere.center), rays.origin);
-    first_root(simd, to_center, (rays.direction, inverse_square), sphere.radius, U)
+    first_root(to_center, (rays.direction, inverse_square), sphere.radius, U)
 }
 
 /// Where rays meet an ellipsoid: [`SphereImage::intersect`]. `None` where all of them certainly miss it.
@@ -54,7 +48,7 @@ pub(super) fn sphere_image<S: Simd>(simd: S, rays: &Rays<S>, image: &SphereImage
         || {
             let (to_center, direction) = taken_back(simd, rays, image);
             let inverse_square = splat(simd, 1.0) / dot(direction, direction);
-            first_root(simd, to_center, (direction, inverse_square), image.radius(), U * image.roughness())
+            first_root(to_center, (direction, inverse_square), image.radius(), U * image.roughness())
         },
     )
 }
@@ -75,50 +69,11 @@ pub(super) fn image_of<S: Simd>(simd: S, matrix: &DMat3, [x, y, z]: F64s3<S>) ->
     add(sum, times(splat3(simd, z_axis), z))
 }
 
-/// `first_root` of spheres, for arguments that are rounded by `u` of themselves.
-#[inline(always)]
-fn first_root<S: Simd>(
-    simd: S,
-    to_center: F64s3<S>,
-    (direction, inverse_square): (F64s3<S>, F64s<S>),
-    radius: f64,
-    u: f64,
-) -> Option<Verdicts<S>> {
-    let squared_radius = splat(simd, radius * radius);
-    let b = dot(to_center, direction);
-    let projection = b * inverse_square;
-    let nearest = subtract(to_center, times(direction, projection));
-    let q = squared_radius - dot(nearest, nearest);
-    let q_error = (b * projection + squared_radius) * (32.0 * u);
-    let maybe = !q.simd_lt(-q_error);
-    if !maybe.any_true() {
-        return None;
-    }
-    let zero = splat(simd, 0.0);
-    let squared_distance = dot(to_center, to_center);
-    let root = (dot(direction, direction) * q).sqrt();
-    let s = b + root.copysign(b);
-    let error = (squared_distance + squared_radius) * (64.0 * u) / root;
-    let clear = q.simd_gt(q_error * 1024.0);
-    let one = (squared_distance - squared_radius) / s;
-    let ahead = clear & s.simd_gt(zero) & one.simd_gt(error);
-    let other = s * inverse_square;
-    let ordered = one.simd_lt(other);
-    let (near, far) = (ordered.select(one, other), ordered.select(other, one));
-    let near_ahead = clear & (near - error).simd_gt(zero);
-    let near_behind = clear & (near + error).simd_lt(zero);
-    let far_ahead = near_behind & (far - error).simd_gt(zero);
-    let far_behind = near_behind & (far + error).simd_lt(zero);
-    let t = ahead.select(one, near_ahead.select(near, far));
-    let hit = maybe & (ahead | near_ahead | far_ahead);
-    Some(Verdicts { t, error, hit, open: maybe & !hit & !far_behind })
-}
-
 /// Where rays come out of a sphere that they leave inwards: [`Sphere::exit`].
 #[inline(always)]
 pub(super) fn sphere_exit<S: Simd>(simd: S, rays: &Rays<S>, sphere: &Sphere) -> Verdicts<S> {
     let to_center = subtract(splat3(simd, sphere.center), rays.origin);
-    far_root(simd, to_center, rays.direction, sphere.radius, U)
+    far_root(to_center, rays.direction, sphere.radius, U)
 }
 
 /// The same of an ellipsoid: [`SphereImage::exit`].
@@ -128,25 +83,9 @@ pub(super) fn sphere_image_exit<S: Simd>(simd: S, rays: &Rays<S>, image: &Sphere
         #[inline(always)]
         || {
             let (to_center, direction) = taken_back(simd, rays, image);
-            far_root(simd, to_center, direction, image.radius(), U * image.roughness())
+            far_root(to_center, direction, image.radius(), U * image.roughness())
         },
     )
-}
-
-/// `far_root` of spheres.
-#[inline(always)]
-fn far_root<S: Simd>(simd: S, to_center: F64s3<S>, direction: F64s3<S>, radius: f64, u: f64) -> Verdicts<S> {
-    let squared_radius = splat(simd, radius * radius);
-    let (a, b) = (dot(direction, direction), dot(to_center, direction));
-    let projection = b / a;
-    let nearest = subtract(to_center, times(direction, projection));
-    let q = squared_radius - dot(nearest, nearest);
-    let q_error = (b * projection + squared_radius) * (32.0 * u);
-    let root = (a * q).sqrt();
-    let t = (b + root) / a;
-    let error = (dot(to_center, to_center) + squared_radius) * (64.0 * u) / root;
-    let hit = q.simd_gt(q_error * 1024.0) & b.simd_gt(splat(simd, 0.0)) & t.simd_gt(error);
-    Verdicts { t, error, hit, open: !hit }
 }
 
 /// Where rays meet a box: [`AlignedBox::intersect`], for rays that are not slow.
@@ -194,18 +133,6 @@ pub(super) fn box_exit<S: Simd>(simd: S, rays: &Rays<S>, shape: &AlignedBox) -> 
 /// Where rays meet a plane: [`Plane::intersect`].
 #[inline(always)]
 pub(super) fn plane<S: Simd>(simd: S, rays: &Rays<S>, plane: &Plane) -> Verdicts<S> {
-    let to_plane = subtract(splat3(simd, plane.point()), rays.origin);
-    let normal = splat3(simd, plane.normal());
-    let size = splat3(simd, plane.normal().abs());
-    let sizes = [to_plane[0].abs(), to_plane[1].abs(), to_plane[2].abs()];
-    let speeds = [rays.direction[0].abs(), rays.direction[1].abs(), rays.direction[2].abs()];
-    let (height, speed) = (dot(to_plane, normal), dot(rays.direction, normal));
-    let (height_error, speed_error) = (dot(sizes, size) * (6.0 * U), dot(speeds, size) * (4.0 * U));
-    let inverse = splat(simd, 1.0) / speed;
-    let t = height * inverse;
-    let error = (height_error + t.abs() * speed_error) * inverse.abs() + t.abs() * (4.0 * U);
-    let certain = speed.abs().simd_gt(speed_error * 1024.0);
-    let hit = certain & t.simd_gt(error);
-    let miss = certain & t.simd_lt(-error);
-    Verdicts { t, error, hit, open: !hit & !miss }
+    let plane = (splat3(simd, plane.point()), splat3(simd, plane.normal()));
+    only_root(plane, (rays.origin, rays.direction))
 }

@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use glam::DVec3;
 
-use crate::trace::math::{F64s, F64s3, Numbers, Vectors, bits, dot_lanes as dot, splat};
+use crate::trace::math::{F64s, F64s3, Numbers, Vectors, bits, dot, splat};
 use crate::trace::rays::RayPacket;
 use crate::trace::shapes::SLOWEST;
 

@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 
 use super::leaves::{Rays, Verdicts};
-use crate::trace::math::{F64s, F64s3, Mask, dot_lanes as dot, splat, splat3, subtract};
+use crate::trace::math::{F64s, F64s3, Mask, dot, splat, splat3, subtract};
 use crate::trace::shapes::{AlignedBox, BoxImage, U};
 
 /// A `t` in each lane, and a bound of its error: [`Root`](crate::trace::math::Root).

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::escalations::Escalations;
 use super::hit::Hit;
 use super::intersector::Intersector;
-use crate::trace::math::{Compensated3, Double, Double3, Exact3, Root};
+use crate::trace::math::{Compensated, Double, Double3, Exact3, Root};
 use crate::trace::rays::{FAR, Limit, Ray, RayView, ShapeId};
 use crate::trace::scene::{Geometry, ShapeRef};
 use crate::trace::shapes::{Bounds, ExactHit, Face, Intersection, RefinedHit, Side};
@@ -155,8 +155,8 @@ impl Geometry {
             }
         }
         let smaller = t.scaled(SMALLER);
-        let place = Compensated3::along(origin * SMALLER, direction, smaller.rounded());
-        let mut point = place.moved(direction * smaller.rest()) / SMALLER;
+        let place = Compensated::along(origin * SMALLER, direction, smaller.rounded());
+        let mut point = DVec3::from(place.moved(direction * smaller.rest())) / SMALLER;
         if let Some(Bounds { min, max }) = self.bounds(hit.id) {
             point = point.clamp(min, max);
         }

@@ -4,9 +4,7 @@ use fearless_simd::Simd;
 use glam::DVec3;
 
 use super::hit::{ClosestHit, Hit, SurfacePoint, TiedHits};
-use crate::trace::math::{
-    Double, DoubleLanes, F64s, LANES, Mask, Numbers, Root, Vectors, moderate, moderate3,
-};
+use crate::trace::math::{Double, F64s, LANES, Mask, Numbers, Root, Vectors, moderate, moderate3};
 use crate::trace::rays::{RayPacket, ShapeIds, Ties};
 
 /// The closest hits of a packet, lane by lane.
@@ -139,11 +137,11 @@ impl SurfacePacket {
     /// equal [`SurfacePoint::distance`].
     #[inline(always)]
     pub(crate) fn distances<S: Simd>(&self, simd: S, rays: &RayPacket, half: usize) -> (F64s<S>, Mask<S>) {
-        let t = DoubleLanes { high: self.ts.load(simd, half), low: self.rests.load(simd, half) };
+        let t = Double { high: self.ts.load(simd, half), low: self.rests.load(simd, half) };
         let direction = rays.directions.load(simd, half);
         let [x, y, z] = direction;
-        let squares = [DoubleLanes::product(x, x), DoubleLanes::product(y, y), DoubleLanes::product(z, z)];
-        let length = (squares[0] + squares[1] + squares[2]).sqrt();
+        let squares = [Double::product(x, x), Double::product(y, y), Double::product(z, z)];
+        let length = (squares[0] + squares[1] + squares[2]).root_of_positive();
         ((t * length).high, moderate(simd, t.high) & moderate3(simd, direction))
     }
 

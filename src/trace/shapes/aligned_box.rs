@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::bounds::Bounds;
 use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, RefinedHit, Side};
 use super::sphere::U;
-use crate::trace::math::{Compensated3, Double, Exact, Exact3, ExactRoot, Root};
+use crate::trace::math::{Compensated, Double, Exact, Exact3, ExactRoot, Root};
 use crate::trace::rays::Ray;
 
 /// An axis-aligned box in world space.
@@ -308,8 +308,8 @@ impl AlignedBox {
     /// The meeting at `t` with a face: the point has the face's own coordinate.
     #[inline(always)]
     pub(crate) fn surface_point(&self, origin: DVec3, direction: DVec3, t: Double, face: Face) -> RefinedHit {
-        let place = Compensated3::along(origin, direction, t.rounded()).moved(direction * t.rest());
-        let mut point = place.clamp(self.min, self.max);
+        let place = Compensated::along(origin, direction, t.rounded()).moved(direction * t.rest());
+        let mut point = DVec3::from(place).clamp(self.min, self.max);
         point[face.axis] = self.plane(face);
         RefinedHit { t, point, normal: outward(face) }
     }

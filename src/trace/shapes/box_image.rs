@@ -7,7 +7,7 @@ use super::bounds::Bounds;
 use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, RefinedHit};
 use super::sphere::{U, newton_step};
 use super::sphere_image::{bounds_of_image, condition, exact_inverse};
-use crate::trace::math::{Compensated3, Double, Double3, Exact, Exact3, offset_height};
+use crate::trace::math::{Compensated, Double, Double3, Exact, Exact3, offset_height};
 use crate::trace::rays::Ray;
 
 /// A box under an affine map.
@@ -164,12 +164,12 @@ impl BoxImage {
     #[must_use]
     pub(crate) fn refine(&self, origin: DVec3, direction: DVec3, t: f64, far: bool) -> Option<RefinedHit> {
         let face = self.near.clear_face(&self.seen(origin, direction), t, far)?;
-        let place = Compensated3::along(origin, direction, t);
+        let place = Compensated::along(origin, direction, t);
         let row = self.rows[face.axis];
         let offset = if face.upper { self.high[face.axis] } else { self.low[face.axis] };
         let beyond = (place.dot(row) - offset.into()).rounded();
         let step = newton_step(beyond, row.dot(direction));
-        let point = place.moved(direction * step);
+        let point = place.moved(direction * step).into();
         Some(RefinedHit { t: Double::sum(t, step), point, normal: self.normal(face) })
     }
 
@@ -180,8 +180,8 @@ impl BoxImage {
 
     /// The meeting at `t` on a face.
     pub(crate) fn surface_point(&self, origin: DVec3, direction: DVec3, t: Double, face: Face) -> RefinedHit {
-        let place = Compensated3::along(origin, direction, t.rounded());
-        RefinedHit { t, point: place.moved(direction * t.rest()), normal: self.normal(face) }
+        let place = Compensated::along(origin, direction, t.rounded());
+        RefinedHit { t, point: place.moved(direction * t.rest()).into(), normal: self.normal(face) }
     }
 
     fn normal(&self, face: Face) -> DVec3 {

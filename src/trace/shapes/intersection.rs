@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::trace::math::{Double, ExactRoot, Root};
+use crate::trace::math::{Double, ExactRoot, Real, Root};
 #[cfg(test)]
 use crate::trace::rays::Ray;
 
@@ -26,6 +26,38 @@ pub enum Intersection {
     Miss,
     /// Too close to call.
     Ambiguous,
+}
+
+/// What a ray has to do with a shape, or each ray of half a packet.
+#[derive(Clone, Copy)]
+pub(crate) struct Verdict<R: Real> {
+    pub(crate) t: R,
+    pub(crate) error: R,
+    /// Where it certainly meets it, at `t`.
+    pub(crate) hit: R::Mask,
+    /// Where it is not certain that it meets it or not.
+    pub(crate) open: R::Mask,
+}
+
+impl From<Verdict<f64>> for Intersection {
+    #[inline(always)]
+    fn from(verdict: Verdict<f64>) -> Self {
+        if verdict.hit {
+            Self::Hit(Root::within(verdict.t, verdict.error))
+        } else if verdict.open {
+            Self::Ambiguous
+        } else {
+            Self::Miss
+        }
+    }
+}
+
+/// None stands for what all rays certainly miss.
+impl From<Option<Verdict<f64>>> for Intersection {
+    #[inline(always)]
+    fn from(verdict: Option<Verdict<f64>>) -> Self {
+        verdict.map_or(Self::Miss, Self::from)
+    }
 }
 
 /// Where a line enters and where it leaves a convex shape.

@@ -2,9 +2,11 @@
 
 use glam::DVec3;
 
-use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, RefinedHit, Side};
-use super::sphere::{U, newton_step};
-use crate::trace::math::{Compensated3, Double, Double3, Exact3, ExactRoot, Root, dot, scaled};
+use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, RefinedHit, Side, Verdict};
+use super::sphere::{Stepped, U, newton_step};
+use crate::trace::math::{
+    Compensated, Double, Double3, Exact3, ExactRoot, Real, absolute, dot, exact_dot, scaled, subtract, times,
+};
 use crate::trace::rays::Ray;
 
 /// An infinite plane in world space, two-sided.
@@ -14,6 +16,44 @@ pub struct Plane {
     /// Of a length that does not matter to any `t`: dividing by it would only round.
     normal: DVec3,
     unit_normal: DVec3,
+}
+
+/// Where rays meet a plane, given by a point and a normal of any length.
+#[inline(always)]
+pub(crate) fn only_root<R: Real>(
+    (point, normal): ([R; 3], [R; 3]),
+    (origin, direction): ([R; 3], [R; 3]),
+) -> Verdict<R> {
+    let to_plane = subtract(point, origin);
+    let size = absolute(normal);
+    let (height, speed) = (dot(to_plane, normal), dot(direction, normal));
+    let height_error = dot(absolute(to_plane), size) * (6.0 * U);
+    let speed_error = dot(absolute(direction), size) * (4.0 * U);
+    let inverse = speed.of(1.0) / speed;
+    let t = height * inverse;
+    let error = (height_error + t.abs() * speed_error) * inverse.abs() + t.abs() * (4.0 * U);
+    let certain = speed.abs().greater(speed_error * 1024.0);
+    let hit = certain & t.greater(error);
+    let miss = certain & t.less(-error);
+    Verdict { t, error, hit, open: !hit & !miss }
+}
+
+/// One Newton step from the height that is left near a plane, in twice the working precision.
+#[inline(always)]
+pub(crate) fn stepped_to_plane<R: Real>(
+    (point, normal): ([R; 3], [R; 3]),
+    (origin, direction): ([R; 3], [R; 3]),
+    t: R,
+) -> Stepped<R> {
+    let place = Compensated::along(origin, direction, t);
+    let from_point = place.minus(point);
+    let step = newton_step(from_point.dot(normal).rounded(), dot(direction, normal));
+    Stepped {
+        t: Double::sum(t, step),
+        from_shape: from_point.rounded(),
+        point: place.moved(times(direction, step)),
+        outwards: normal,
+    }
 }
 
 impl Plane {
@@ -51,23 +91,8 @@ impl Plane {
     #[must_use]
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Intersection {
-        let (origin, direction) = (ray.origin(), ray.direction());
-        let to_plane = self.point - origin;
-        let (height, speed) = (to_plane.dot(self.normal), direction.dot(self.normal));
-        let size = self.normal.abs();
-        let (height_error, speed_error) =
-            (6.0 * U * to_plane.abs().dot(size), 4.0 * U * direction.abs().dot(size));
-        let inverse = speed.recip();
-        let t = height * inverse;
-        let error = (height_error + t.abs() * speed_error) * inverse.abs() + 4.0 * U * t.abs();
-        let certain = speed.abs() > 1024.0 * speed_error;
-        if certain && t > error {
-            Intersection::Hit(Root::within(t, error))
-        } else if certain && t < -error {
-            Intersection::Miss
-        } else {
-            Intersection::Ambiguous
-        }
+        let ray = (ray.origin().into(), ray.direction().into());
+        only_root((self.point.into(), self.normal.into()), ray).into()
     }
 
     /// Where the ray's line meets the plane, decided exactly: it leaves as it enters.
@@ -86,11 +111,9 @@ impl Plane {
     #[must_use]
     #[inline(always)]
     pub(crate) fn refine(&self, origin: DVec3, direction: DVec3, t: f64, _far: bool) -> Option<RefinedHit> {
-        let place = Compensated3::along(origin, direction, t);
-        let height = place.minus(self.point).dot(self.normal).rounded();
-        let step = newton_step(height, direction.dot(self.normal));
-        let point = place.moved(direction * step);
-        Some(RefinedHit { t: Double::sum(t, step), point, normal: self.unit_normal })
+        let plane = (self.point.into(), self.normal.into());
+        let Stepped { t, point, .. } = stepped_to_plane(plane, (origin.into(), direction.into()), t);
+        Some(RefinedHit { t, point: point.into(), normal: self.unit_normal })
     }
 
     /// Every `t` of which few bits are certain is solved exactly.
@@ -108,7 +131,7 @@ impl Plane {
     /// Returns whether the point is in the half-space behind it, not on it.
     #[must_use]
     pub fn contains(&self, point: DVec3) -> bool {
-        dot(Double3::difference(point, self.point), self.normal).sign().is_lt()
+        exact_dot(Double3::difference(point, self.point), self.normal).sign().is_lt()
     }
 
     /// A straight ray never meets the plane that it leaves again.
@@ -131,8 +154,8 @@ impl Plane {
         t: Double,
         _face: Face,
     ) -> RefinedHit {
-        let place = Compensated3::along(origin, direction, t.rounded());
-        RefinedHit { t, point: place.moved(direction * t.rest()), normal: self.unit_normal }
+        let place = Compensated::along(origin, direction, t.rounded());
+        RefinedHit { t, point: place.moved(direction * t.rest()).into(), normal: self.unit_normal }
     }
 }
 

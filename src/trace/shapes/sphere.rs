@@ -3,8 +3,11 @@
 use glam::DVec3;
 
 use super::bounds::Bounds;
-use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, RefinedHit, Side};
-use crate::trace::math::{Compensated3, Double, Double3, Exact, Exact3, ExactRoot, Root, square_difference};
+use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, RefinedHit, Side, Verdict};
+use crate::trace::math::{
+    Compensated, Double, Double3, Exact, Exact3, ExactRoot, Real, Truth, dot, square_difference, subtract,
+    times,
+};
 use crate::trace::rays::Ray;
 
 /// A sphere in world space.
@@ -24,53 +27,49 @@ pub(crate) const U: f64 = f64::EPSILON / 2.0;
 /// Not the schoolbook formula, whose discriminant loses all digits for distant and for huge spheres: the discriminant
 /// comes from the ray's distance to the centre, and the root that would cancel from the other one
 /// (Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems, 2019,
-/// chapter 7). `inverse_square` is 1 / direction.direction, `roughness` how many times worse than rounded once the arguments
-/// are.
+/// chapter 7). `inverse_square` is 1 / direction.direction, and the arguments are rounded by `u` of themselves. `None` where all
+/// rays certainly miss it.
 #[inline(always)]
-pub(crate) fn first_root(
-    to_center: DVec3,
-    direction: DVec3,
-    inverse_square: f64,
+pub(crate) fn first_root<R: Real>(
+    to_center: [R; 3],
+    (direction, inverse_square): ([R; 3], R),
     radius: f64,
-    roughness: f64,
-) -> Intersection {
-    let u = U * roughness;
-    let b = to_center.dot(direction);
-    let squared_radius = radius * radius;
+    u: f64,
+) -> Option<Verdict<R>> {
+    let b = dot(to_center, direction);
+    let (squared_radius, zero) = (b.of(radius * radius), b.of(0.0));
     let projection = b * inverse_square;
-    let nearest = to_center - direction * projection;
-    let q = squared_radius - nearest.dot(nearest);
+    let nearest = subtract(to_center, times(direction, projection));
+    let q = squared_radius - dot(nearest, nearest);
     // The worst that was ever seen is half of this.
-    let q_error = 32.0 * u * (b * projection + squared_radius);
-    if q < -q_error {
-        return Intersection::Miss;
+    let q_error = (b * projection + squared_radius) * (32.0 * u);
+    let maybe = !q.less(-q_error);
+    if !maybe.any() {
+        return None;
     }
-    let squared_distance = to_center.dot(to_center);
-    let c = squared_distance - squared_radius;
-    let root = (direction.dot(direction) * q).sqrt();
+    let squared_distance = dot(to_center, to_center);
+    let root = (dot(direction, direction) * q).sqrt();
     let s = b + root.copysign(b);
     // Bounds every error of both roots: those of b, of q under the root, of c, and of the roots' own rounding, since
     // (L^2 + r^2)/root is at least |L|/|d| and at least half of |t|.
-    let error = 64.0 * u * (squared_distance + squared_radius) / root;
-    let clear = q > 1024.0 * q_error;
-    let one = c / s;
-    if clear && s > 0.0 && one > error {
-        // From outside, ahead: the other root is farther.
-        return Intersection::Hit(Root::within(one, error));
+    let error = (squared_distance + squared_radius) * (64.0 * u) / root;
+    let clear = q.greater(q_error * 1024.0);
+    let one = (squared_distance - squared_radius) / s;
+    // From outside, ahead: the other root is farther.
+    let ahead = clear & s.greater(zero) & one.greater(error);
+    if ahead.settled() {
+        return Some(Verdict { t: one, error, hit: ahead, open: !ahead });
     }
     let other = s * inverse_square;
-    let (near, far) = if one < other { (one, other) } else { (other, one) };
-    let (near, far) = (Root::within(near, error), Root::within(far, error));
-    let near_is_behind = near.latest() < 0.0;
-    if clear && near.earliest() > 0.0 {
-        Intersection::Hit(near)
-    } else if clear && near_is_behind && far.earliest() > 0.0 {
-        Intersection::Hit(far)
-    } else if clear && near_is_behind && far.latest() < 0.0 {
-        Intersection::Miss
-    } else {
-        Intersection::Ambiguous
-    }
+    let ordered = one.less(other);
+    let (near, far) = (R::pick(ordered, one, other), R::pick(ordered, other, one));
+    let near_ahead = clear & (near - error).greater(zero);
+    let near_behind = clear & (near + error).less(zero);
+    let far_ahead = near_behind & (far - error).greater(zero);
+    let far_behind = near_behind & (far + error).less(zero);
+    let t = R::pick(ahead, one, R::pick(near_ahead, near, far));
+    let hit = maybe & (ahead | near_ahead | far_ahead);
+    Some(Verdict { t, error, hit, open: maybe & !hit & !far_behind })
 }
 
 /// Where a line through the zero point is `radius` away from `to_center`, without any rounding.
@@ -94,29 +93,75 @@ pub(crate) fn last_root(to_center: &Exact3, direction: &Exact3, radius: &Exact) 
 
 /// The farther root, as [`first_root`] computes it, of a ray that starts on the sphere and goes inwards.
 #[inline(always)]
-pub(crate) fn far_root(to_center: DVec3, direction: DVec3, radius: f64, roughness: f64) -> Intersection {
-    let u = U * roughness;
-    let (a, b) = (direction.dot(direction), to_center.dot(direction));
-    let squared_radius = radius * radius;
+pub(crate) fn far_root<R: Real>(to_center: [R; 3], direction: [R; 3], radius: f64, u: f64) -> Verdict<R> {
+    let (a, b) = (dot(direction, direction), dot(to_center, direction));
+    let squared_radius = b.of(radius * radius);
     let projection = b / a;
-    let nearest = to_center - direction * projection;
-    let q = squared_radius - nearest.dot(nearest);
-    let q_error = 32.0 * u * (b * projection + squared_radius);
+    let nearest = subtract(to_center, times(direction, projection));
+    let q = squared_radius - dot(nearest, nearest);
+    let q_error = (b * projection + squared_radius) * (32.0 * u);
     let root = (a * q).sqrt();
     let t = (b + root) / a;
-    let error = 64.0 * u * (to_center.dot(to_center) + squared_radius) / root;
-    if q > 1024.0 * q_error && b > 0.0 && t > error {
-        Intersection::Hit(Root::within(t, error))
-    } else {
-        Intersection::Ambiguous
-    }
+    let error = (dot(to_center, to_center) + squared_radius) * (64.0 * u) / root;
+    let hit = q.greater(q_error * 1024.0) & b.greater(b.of(0.0)) & t.greater(error);
+    Verdict { t, error, hit, open: !hit }
 }
 
 /// A Newton step, or none where the ray grazes so that it leads nowhere.
-#[inline]
-pub(crate) fn newton_step(residual: f64, slope: f64) -> f64 {
+#[inline(always)]
+pub(crate) fn newton_step<R: Real>(residual: R, slope: R) -> R {
     let step = -residual / slope;
-    if step.is_finite() { step } else { 0.0 }
+    step.abs().if_less(step.of(f64::INFINITY), step, step.of(0.0))
+}
+
+/// How far it is along a ray from a place near an origin-centred sphere to the sphere, from a residual in twice the working precision.
+#[inline(always)]
+pub(crate) fn sphere_step<R: Real>(place: Compensated<R>, direction: [R; 3], radius: R) -> R {
+    newton_step(place.beyond(radius), dot(place.rounded(), direction) * 2.0)
+}
+
+/// The unit vector along another one, and where there is one.
+#[inline(always)]
+pub(crate) fn unit<R: Real>(vector: [R; 3]) -> ([R; 3], R::Mask) {
+    let square = dot(vector, vector);
+    let reciprocal = square.of(1.0) / square.sqrt();
+    let is_one = reciprocal.less(square.of(f64::INFINITY)) & reciprocal.greater(square.of(0.0));
+    (times(vector, reciprocal), is_one)
+}
+
+/// A step from near a sphere or a plane to it.
+pub(crate) struct Stepped<R> {
+    pub(crate) t: Double<R>,
+    /// The place before the step, from the centre or from the point of a plane.
+    pub(crate) from_shape: [R; 3],
+    pub(crate) point: [R; 3],
+    /// Not yet of length one.
+    pub(crate) outwards: [R; 3],
+}
+
+/// One Newton step for |from_center|^2 = radius^2.
+#[inline(always)]
+pub(crate) fn stepped<R: Real>(
+    (center, radius): ([R; 3], R),
+    (origin, direction): ([R; 3], [R; 3]),
+    t: R,
+) -> Stepped<R> {
+    let place = Compensated::along(origin, direction, t);
+    let from_center = place.minus(center);
+    let step = sphere_step(from_center, direction, radius);
+    let way = times(direction, step);
+    Stepped {
+        t: Double::sum(t, step),
+        from_shape: from_center.rounded(),
+        point: place.moved(way),
+        outwards: from_center.moved(way),
+    }
+}
+
+#[inline(always)]
+fn normal(outwards: [f64; 3]) -> DVec3 {
+    let (normal, is_one) = unit(outwards);
+    if is_one { normal.into() } else { DVec3::Y }
 }
 
 impl Sphere {
@@ -124,7 +169,8 @@ impl Sphere {
     #[must_use]
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Intersection {
-        first_root(self.center - ray.origin(), ray.direction(), ray.inverse_square(), self.radius, 1.0)
+        let to_center = (self.center - ray.origin()).into();
+        first_root(to_center, (ray.direction().into(), ray.inverse_square()), self.radius, U).into()
     }
 
     /// Where the ray's line enters and leaves the sphere, decided exactly.
@@ -147,11 +193,9 @@ impl Sphere {
 
     #[inline(always)]
     fn stepped(&self, origin: DVec3, direction: DVec3, t: f64) -> RefinedHit {
-        let place = Compensated3::along(origin, direction, t);
-        let from_center = place.minus(self.center);
-        let slope = 2.0 * from_center.rounded().dot(direction);
-        let step = newton_step(from_center.beyond(self.radius).rounded(), slope);
-        Self::met(Double::sum(t, step), place, from_center, direction * step)
+        let sphere = (self.center.into(), self.radius);
+        let Stepped { t, point, outwards, .. } = stepped(sphere, (origin.into(), direction.into()), t);
+        RefinedHit { t, point: point.into(), normal: normal(outwards) }
     }
 
     /// The same near a `t` of which few bits are certain. Where [`Sphere::intersect`] is certain of a hit, its error is at most a
@@ -166,7 +210,7 @@ impl Sphere {
     /// Where a ray that starts on the sphere and goes inwards comes out. A ray that only grazes it comes out at once.
     #[must_use]
     pub fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
-        far_root(self.center - origin, direction, self.radius, 1.0)
+        far_root((self.center - origin).into(), direction.into(), self.radius, U).into()
     }
 
     /// The meeting at `t`.
@@ -178,14 +222,9 @@ impl Sphere {
         t: Double,
         _face: Face,
     ) -> RefinedHit {
-        let place = Compensated3::along(origin, direction, t.rounded());
-        Self::met(t, place, place.minus(self.center), direction * t.rest())
-    }
-
-    /// The meeting a short way on from a place.
-    #[inline]
-    fn met(t: Double, place: Compensated3, from_center: Compensated3, way: DVec3) -> RefinedHit {
-        RefinedHit { t, point: place.moved(way), normal: from_center.moved(way).normalize_or(DVec3::Y) }
+        let place = Compensated::along(origin, direction, t.rounded());
+        let (from_center, way) = (place.minus(self.center), direction * t.rest());
+        RefinedHit { t, point: place.moved(way).into(), normal: normal(from_center.moved(way)) }
     }
 
     /// It has none.

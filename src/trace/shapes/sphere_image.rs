@@ -6,8 +6,8 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use super::bounds::Bounds;
 use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, RefinedHit};
-use super::sphere::{Sphere, far_root, first_root, last_root, newton_step, roots};
-use crate::trace::math::{Compensated3, Double, Double3, Exact, Exact3, square_difference};
+use super::sphere::{Sphere, U, far_root, first_root, last_root, roots, sphere_step};
+use crate::trace::math::{Compensated, Double, Double3, Exact, Exact3, square_difference};
 use crate::trace::rays::Ray;
 
 /// A sphere under an affine map: an ellipsoid.
@@ -56,11 +56,9 @@ impl Map {
     }
 
     #[inline]
-    fn compensated_point_back(&self, point: Compensated3) -> Compensated3 {
+    fn compensated_point_back(&self, point: Compensated<f64>) -> Compensated<f64> {
         let from_translation = point.minus(self.forward.translation);
-        let [x, y, z] = &self.exact_inverse;
-        [from_translation.dot_exact(*x), from_translation.dot_exact(*y), from_translation.dot_exact(*z)]
-            .into()
+        self.exact_inverse.map(|row| from_translation.dot_exact(row.rounded(), row.rest())).into()
     }
 
     /// How many times worse than rounded once points and directions are that were taken back.
@@ -155,7 +153,8 @@ impl SphereImage {
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Intersection {
         let (own, way) = (self.map.point_back(ray.origin()), self.map.direction_back(ray.direction()));
-        first_root(-own, way, way.dot(way).recip(), self.sphere.radius, self.map.roughness())
+        let (to_center, inverse_square, u) = ((-own).into(), way.dot(way).recip(), U * self.roughness());
+        first_root(to_center, (way.into(), inverse_square), self.sphere.radius, u).into()
     }
 
     /// Where the ray's line enters and leaves the ellipsoid, decided exactly.
@@ -188,13 +187,12 @@ impl SphereImage {
     }
 
     fn stepped(&self, origin: DVec3, direction: DVec3, t: f64) -> RefinedHit {
-        let place = Compensated3::along(origin, direction, t);
+        let place = Compensated::along(origin, direction, t);
         let own = self.map.compensated_point_back(place);
         let way = self.map.direction_back(direction);
-        let slope = 2.0 * own.rounded().dot(way);
-        let step = newton_step(own.beyond(self.sphere.radius).rounded(), slope);
-        let normal = self.map.normal(own.moved(way * step));
-        RefinedHit { t: Double::sum(t, step), point: place.moved(direction * step), normal }
+        let step = sphere_step(own, way.into(), self.sphere.radius);
+        let normal = self.map.normal(own.moved(way * step).into());
+        RefinedHit { t: Double::sum(t, step), point: place.moved(direction * step).into(), normal }
     }
 
     /// The same near a `t` of which few bits are certain, as [`Sphere::solve`].
@@ -209,7 +207,7 @@ impl SphereImage {
     #[must_use]
     pub fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
         let (own, way) = (self.map.point_back(origin), self.map.direction_back(direction));
-        far_root(-own, way, self.sphere.radius, self.map.roughness())
+        far_root((-own).into(), way.into(), self.sphere.radius, U * self.roughness()).into()
     }
 
     /// The meeting at `t`.
@@ -221,9 +219,9 @@ impl SphereImage {
         t: Double,
         _face: Face,
     ) -> RefinedHit {
-        let place = Compensated3::along(origin, direction, t.rounded());
+        let place = Compensated::along(origin, direction, t.rounded());
         let own = self.map.compensated_point_back(place).moved(self.map.direction_back(direction) * t.rest());
-        RefinedHit { t, point: place.moved(direction * t.rest()), normal: self.map.normal(own) }
+        RefinedHit { t, point: place.moved(direction * t.rest()).into(), normal: self.map.normal(own.into()) }
     }
 
     /// It has none.

@@ -3,15 +3,14 @@
 use fearless_simd::prelude::*;
 use glam::DVec3;
 
-use super::points::{Inexact, Points, newton_step};
+use super::points::{Inexact, Points};
 use crate::trace::math::{
-    CompensatedLanes, DoubleLanes, F64s3, Mask, dot_lanes as dot, moderate, moderate3, select3, splat,
-    splat3, times, two_sum,
+    Compensated, Double, F64s3, Mask, dot, moderate, moderate3, select3, splat, splat3, times, two_sum,
 };
 use crate::trace::packet::leaves::{Rays, image_of};
 use crate::trace::packet::slabs::{FaceLanes, SlabRoots};
 use crate::trace::scene::ShapeRef;
-use crate::trace::shapes::{BoxImage, SphereImage};
+use crate::trace::shapes::{BoxImage, SphereImage, newton_step, sphere_step, unit};
 
 /// Refines hits of an image, where the mask is true for rays that come from inside; `None` of other shapes.
 #[inline(always)]
@@ -33,26 +32,24 @@ pub(super) fn refine<S: Simd>(
 fn sphere_image<S: Simd>(simd: S, inexact: &Inexact<S>, image: &SphereImage) -> Points<S> {
     let Inexact { origin, direction, t } = *inexact;
     let (translation, inverse) = image.back();
-    let place = CompensatedLanes::along(origin, direction, t);
+    let place = Compensated::along(origin, direction, t);
     let from_translation = place.minus(splat3(simd, translation));
     let mut found = moderate3(simd, from_translation.rounded());
     let zero = splat(simd, 0.0);
-    let mut own = [DoubleLanes { high: zero, low: zero }; 3];
+    let mut own = [Double { high: zero, low: zero }; 3];
     for (own, row) in own.iter_mut().zip(image.exact_inverse()) {
         let (high, low) = (splat3(simd, row.rounded()), splat3(simd, row.rest()));
         found &= moderate3(simd, high);
         *own = from_translation.dot_exact(high, low);
     }
-    let own = CompensatedLanes::from(own);
+    let own = Compensated::from(own);
     found &= moderate3(simd, own.rounded()) & moderate(simd, splat(simd, image.radius()));
     let way = image_of(simd, inverse, direction);
-    let slope = dot(own.rounded(), way) * 2.0;
-    let step = newton_step(simd, own.beyond(splat(simd, image.radius())), slope);
-    let normal = image_of(simd, &inverse.transpose(), own.moved(times(way, step)));
-    let reciprocal = splat(simd, 1.0) / dot(normal, normal).sqrt();
-    found &= reciprocal.simd_lt(splat(simd, f64::INFINITY)) & reciprocal.simd_gt(zero);
+    let step = sphere_step(own, way, splat(simd, image.radius()));
+    let (normal, is_one) = unit(image_of(simd, &inverse.transpose(), own.moved(times(way, step))));
+    found &= is_one;
     let (t, rest) = two_sum(t, step);
-    Points { t, rest, point: place.moved(times(direction, step)), normal: times(normal, reciprocal), found }
+    Points { t, rest, point: place.moved(times(direction, step)), normal, found }
 }
 
 /// `BoxImage::refine`, where the mask is true for rays that come from inside.
@@ -66,10 +63,10 @@ fn box_image<S: Simd>(simd: S, inexact: &Inexact<S>, image: &BoxImage, far: Mask
     let [low, high, _] = of_axis(simd, at, [x.1, y.1, z.1].map(|[low, high]| DVec3::new(low, high, 0.0)));
     let normal = of_axis(simd, at, *image.normals());
     let offset = upper.select(high, low);
-    let place = CompensatedLanes::along(origin, direction, t);
+    let place = Compensated::along(origin, direction, t);
     let found = certain & moderate3(simd, place.rounded()) & moderate3(simd, row);
-    let height = place.dot_double(row) - DoubleLanes { high: offset, low: splat(simd, 0.0) };
-    let step = newton_step(simd, height.high, dot(row, direction));
+    let height = place.dot(row) - Double { high: offset, low: splat(simd, 0.0) };
+    let step = newton_step(height.high, dot(row, direction));
     let (t, rest) = two_sum(t, step);
     let [x, y, z] = normal;
     let normal: F64s3<S> = select3(upper, normal, [-x, -y, -z]);

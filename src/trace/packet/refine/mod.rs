@@ -10,9 +10,7 @@ use fearless_simd::prelude::*;
 use self::points::{Inexact, Points};
 use self::shapes::{ManyShapes, OneShape, Shape, Shapes};
 use self::world::{boxes, planes, spheres};
-use crate::trace::math::{
-    bits, dot_lanes as dot, half_lanes, half_of, lanes, mask, moderate, moderate3, splat,
-};
+use crate::trace::math::{bits, dot, half_lanes, half_of, lanes, mask, moderate, moderate3, splat};
 use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::{RayPacket, ShapeId};
 use crate::trace::scene::{Geometry, Kind, PreparedScene};

@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 
-use crate::trace::math::{F64s, F64s3, Mask, select3, splat};
+use crate::trace::math::{F64s, F64s3, Mask, select3};
 
 /// Points of half of the lanes.
 #[derive(Clone, Copy)]
@@ -37,11 +37,4 @@ impl<S: Simd> Points<S> {
             found: (mask & these.found) | (!mask & others.found),
         }
     }
-}
-
-/// `newton_step`.
-#[inline(always)]
-pub(super) fn newton_step<S: Simd>(simd: S, residual: F64s<S>, slope: F64s<S>) -> F64s<S> {
-    let step = -residual / slope;
-    step.abs().simd_lt(splat(simd, f64::INFINITY)).select(step, splat(simd, 0.0))
 }

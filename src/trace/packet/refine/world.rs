@@ -2,13 +2,10 @@
 
 use fearless_simd::prelude::*;
 
-use super::points::{Inexact, Points, newton_step};
+use super::points::{Inexact, Points};
 use super::shapes::Shapes;
-use crate::trace::math::{
-    CompensatedLanes, DoubleLanes, F64s3, dot_lanes as dot, moderate, moderate3, quick_two_sum, splat, times,
-    two_sum,
-};
-use crate::trace::shapes::U;
+use crate::trace::math::{Compensated, Double, F64s3, moderate, moderate3, quick_two_sum, splat, times};
+use crate::trace::shapes::{Stepped, U, stepped, stepped_to_plane, unit};
 
 /// `Sphere::refine`.
 #[inline(always)]
@@ -19,34 +16,21 @@ pub(super) fn spheres<S: Simd>(
     half: usize,
 ) -> Points<S> {
     let Inexact { origin, direction, t } = *inexact;
-    let place = CompensatedLanes::along(origin, direction, t);
-    let from_center = place.minus(shapes.places(simd, half));
-    let radius = shapes.radii(simd, half);
-    let moderate = shapes.moderate(simd, half) & moderate3(simd, from_center.rounded());
-    let slope = dot(from_center.rounded(), direction) * 2.0;
-    let step = newton_step(simd, from_center.beyond(radius), slope);
-    let way = times(direction, step);
-    let outwards = from_center.moved(way);
-    let reciprocal = splat(simd, 1.0) / dot(outwards, outwards).sqrt();
-    let zero = splat(simd, 0.0);
-    let found = moderate & reciprocal.simd_lt(splat(simd, f64::INFINITY)) & reciprocal.simd_gt(zero);
-    let (t, rest) = two_sum(t, step);
-    Points { t, rest, point: place.moved(way), normal: times(outwards, reciprocal), found }
+    let sphere = (shapes.places(simd, half), shapes.radii(simd, half));
+    let Stepped { t, from_shape, point, outwards } = stepped(sphere, (origin, direction), t);
+    let (normal, is_one) = unit(outwards);
+    let found = shapes.moderate(simd, half) & moderate3(simd, from_shape) & is_one;
+    Points { t: t.high, rest: t.low, point, normal, found }
 }
 
 /// `Plane::refine`.
 #[inline(always)]
 pub(super) fn planes<S: Simd>(simd: S, inexact: &Inexact<S>, shapes: &impl Shapes, half: usize) -> Points<S> {
     let Inexact { origin, direction, t } = *inexact;
-    let normal = shapes.others(simd, half);
-    let place = CompensatedLanes::along(origin, direction, t);
-    let from_point = place.minus(shapes.places(simd, half));
-    let found = shapes.moderate(simd, half) & moderate3(simd, from_point.rounded());
-    let height = from_point.dot(normal);
-    let step = newton_step(simd, height, dot(direction, normal));
-    let (t, rest) = two_sum(t, step);
-    let point = place.moved(times(direction, step));
-    Points { t, rest, point, normal: shapes.units(simd, half), found }
+    let plane = (shapes.places(simd, half), shapes.others(simd, half));
+    let Stepped { t, from_shape, point, .. } = stepped_to_plane(plane, (origin, direction), t);
+    let found = shapes.moderate(simd, half) & moderate3(simd, from_shape);
+    Points { t: t.high, rest: t.low, point, normal: shapes.units(simd, half), found }
 }
 
 /// `AlignedBox::refine`.
@@ -77,13 +61,13 @@ pub(super) fn boxes<S: Simd>(simd: S, inexact: &Inexact<S>, shapes: &impl Shapes
     let (from, speed) = (pick(origin), pick(direction));
     let found = once & !twice & speed.abs().simd_gt(splat(simd, TINY));
     // The difference over the speed, in double-double.
-    let ahead = DoubleLanes::difference(face, from);
+    let ahead = Double::difference(face, from);
     let first = ahead.high / speed;
     let found = found & moderate(simd, first);
     let zero = splat(simd, 0.0);
-    let left = ahead - DoubleLanes { high: speed, low: zero } * first;
+    let left = ahead - Double { high: speed, low: zero } * first;
     let (t, rest) = quick_two_sum(first, left.high / speed);
-    let place = CompensatedLanes::along(origin, direction, t).moved(times(direction, rest));
+    let place = Compensated::along(origin, direction, t).moved(times(direction, rest));
     // The step is along the parameter that the division found.
     let found = found & moderate(simd, t);
     let one = splat(simd, 1.0);

@@ -1,0 +1,371 @@
+//! One text for a number and for lanes of them: what formulas may ask of either.
+
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+use fearless_simd::{prelude::*, u64x8};
+
+use super::elementary::{BIAS, MANTISSA, MANTISSA_BITS, ROOT, ROUNDER, UNBIAS, WHOLE};
+use super::error_free::split_product;
+use super::lanes::{F64s, Mask, fuses, splat};
+
+/// A truth, or one in each of half of the lanes.
+pub trait Truth: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+    /// Whether it is anywhere true.
+    fn any(self) -> bool;
+
+    /// Whether it is true and nothing else is left to ask: never of lanes, where a branch is not worth it.
+    fn settled(self) -> bool;
+}
+
+/// A number, or one in each of half of the lanes.
+pub trait Real:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+{
+    /// What comparisons say.
+    type Mask: Truth;
+
+    /// The same number, or in each lane.
+    fn of(self, number: f64) -> Self;
+
+    /// Whether this is less than another one.
+    fn less(self, other: Self) -> Self::Mask;
+
+    /// Whether it is greater.
+    fn greater(self, other: Self) -> Self::Mask;
+
+    /// One number where that is true, else the other.
+    fn pick(mask: Self::Mask, one: Self, other: Self) -> Self;
+
+    /// Without its sign.
+    fn abs(self) -> Self;
+
+    /// The square root.
+    fn sqrt(self) -> Self;
+
+    /// With the sign of another one.
+    fn copysign(self, other: Self) -> Self;
+
+    /// The rounded product and its exact error, barring underflow and overflow.
+    fn two_product(self, other: Self) -> (Self, Self);
+
+    /// 2^self, of a whole number in -1022..=1023.
+    fn power_of_two(self) -> Self;
+
+    /// m and e of m 2^e, with m from the root of 1/2 up to that of 2, of a normal number greater than zero.
+    fn mantissa_and_exponent(self) -> (Self, Self);
+
+    /// One number where this is less than a bound, else the other.
+    #[inline(always)]
+    fn if_less(self, bound: Self, one: Self, other: Self) -> Self {
+        Self::pick(self.less(bound), one, other)
+    }
+}
+
+impl Truth for bool {
+    #[inline(always)]
+    fn any(self) -> bool {
+        self
+    }
+
+    #[inline(always)]
+    fn settled(self) -> bool {
+        self
+    }
+}
+
+impl Real for f64 {
+    type Mask = bool;
+
+    #[inline(always)]
+    fn of(self, number: f64) -> Self {
+        number
+    }
+
+    #[inline(always)]
+    fn less(self, other: Self) -> bool {
+        self < other
+    }
+
+    #[inline(always)]
+    fn greater(self, other: Self) -> bool {
+        self > other
+    }
+
+    #[inline(always)]
+    fn pick(mask: bool, one: Self, other: Self) -> Self {
+        if mask { one } else { other }
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self::abs(self)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn copysign(self, other: Self) -> Self {
+        Self::copysign(self, other)
+    }
+
+    #[inline(always)]
+    fn two_product(self, other: Self) -> (Self, Self) {
+        split_product(self, other)
+    }
+
+    #[inline(always)]
+    fn power_of_two(self) -> Self {
+        Self::from_bits((self + (ROUNDER + 1023.0)).to_bits() << MANTISSA)
+    }
+
+    #[inline(always)]
+    fn mantissa_and_exponent(self) -> (Self, Self) {
+        let above = self.to_bits().wrapping_add((BIAS << MANTISSA).wrapping_sub(ROOT));
+        let mantissa = Self::from_bits((above & MANTISSA_BITS) + ROOT);
+        (mantissa, Self::from_bits(above >> MANTISSA | WHOLE.to_bits()) - UNBIAS)
+    }
+}
+
+impl<S: Simd> Truth for Mask<S> {
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.any_true()
+    }
+
+    #[inline(always)]
+    fn settled(self) -> bool {
+        false
+    }
+}
+
+impl<S: Simd> Real for F64s<S> {
+    type Mask = Mask<S>;
+
+    #[inline(always)]
+    fn of(self, number: f64) -> Self {
+        splat(self.simd, number)
+    }
+
+    #[inline(always)]
+    fn less(self, other: Self) -> Mask<S> {
+        self.simd_lt(other)
+    }
+
+    #[inline(always)]
+    fn greater(self, other: Self) -> Mask<S> {
+        self.simd_gt(other)
+    }
+
+    #[inline(always)]
+    fn pick(mask: Mask<S>, one: Self, other: Self) -> Self {
+        mask.select(one, other)
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.simd.abs_f64x8(self)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.simd.sqrt_f64x8(self)
+    }
+
+    #[inline(always)]
+    fn copysign(self, other: Self) -> Self {
+        self.simd.copysign_f64x8(self, other)
+    }
+
+    /// For numbers that are [`moderate`](super::moderate).
+    ///
+    /// Where the processor fuses a product and a sum, the error is what the fused difference of the product and its rounded value is: it
+    /// has no more than 53 bits, of which none is lost as long as it does not underflow. So it is the very number that Dekker's splitting
+    /// makes, which is exact under the same condition, and if no half overflows.
+    #[inline(always)]
+    fn two_product(self, other: Self) -> (Self, Self) {
+        if fuses(self.simd) {
+            let product = self * other;
+            return (product, self.mul_sub(other, product));
+        }
+        split_product(self, other)
+    }
+
+    #[inline(always)]
+    fn power_of_two(self) -> Self {
+        let bits: u64x8<S> = (self + (ROUNDER + 1023.0)).bitcast();
+        (bits << MANTISSA).bitcast()
+    }
+
+    #[inline(always)]
+    fn mantissa_and_exponent(self) -> (Self, Self) {
+        let (simd, bits): (S, u64x8<S>) = (self.simd, self.bitcast());
+        let above = bits + u64x8::splat(simd, (BIAS << MANTISSA).wrapping_sub(ROOT));
+        let mantissa = (above & u64x8::splat(simd, MANTISSA_BITS)) + u64x8::splat(simd, ROOT);
+        let exponent: Self = ((above >> MANTISSA) | u64x8::splat(simd, WHOLE.to_bits())).bitcast();
+        let mantissa: Self = mantissa.bitcast();
+        (mantissa, exponent - UNBIAS)
+    }
+}
+
+/// The sum of the products, in the order of `DVec3::dot`.
+#[inline(always)]
+pub(crate) fn dot<R: Real>(a: [R; 3], b: [R; 3]) -> R {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+pub(crate) fn add<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+#[inline(always)]
+pub(crate) fn subtract<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
+pub(crate) fn times<R: Real>(a: [R; 3], factor: R) -> [R; 3] {
+    [a[0] * factor, a[1] * factor, a[2] * factor]
+}
+
+#[inline(always)]
+pub(crate) fn absolute<R: Real>([x, y, z]: [R; 3]) -> [R; 3] {
+    [x.abs(), y.abs(), z.abs()]
+}
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::dispatch;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::trace::math::{Compensated, Double, HALF, Numbers, SimdLevel};
+
+    /// Every operation of a number, and masks as numbers.
+    fn operations<R: Real>(a: R, b: R) -> [R; 14] {
+        let (one, zero) = (a.of(1.0), a.of(0.0));
+        let truth = |mask: R::Mask| R::pick(mask, one, zero);
+        let (less, greater) = (a.less(b), a.greater(b));
+        [
+            a + b,
+            a - b,
+            a * b,
+            a / b,
+            -a,
+            a + 0.5,
+            a * 0.5,
+            a.abs().sqrt(),
+            a.copysign(b),
+            truth(less),
+            truth(greater),
+            truth(less & !greater),
+            truth(less | greater),
+            a.if_less(b, b, a),
+        ]
+    }
+
+    /// Formulas that take error-free products, of numbers whose products neither overflow nor underflow.
+    fn formulas<R: Real>([a, b, c]: [R; 3]) -> [R; 10] {
+        let (one, other) = (Double::product(a, b), Double::difference(b, c));
+        let place = Compensated::along([a, b, c], [c, a, b], b).minus([b, c, a]);
+        let (quotient, product, sum) = (one / other, one * other, one + other);
+        let [x, y, z] = place.rounded();
+        let height = place.dot([c, b, a]);
+        [
+            quotient.high,
+            quotient.low,
+            product.low,
+            sum.high,
+            sum.low,
+            x + y + z,
+            height.high,
+            height.low,
+            place.beyond(c),
+            {
+                let root = Double { high: one.high.abs(), low: a.of(0.0) }.root_of_positive();
+                root.low
+            },
+        ]
+    }
+
+    /// Evaluates a function in all lanes of half a packet, and returns the last lane's results.
+    fn in_lanes<const N: usize, const M: usize>(
+        level: SimdLevel,
+        arguments: [f64; N],
+        numbers: &mut [f64; M],
+        evaluate: impl Evaluate<N, M>,
+    ) {
+        dispatch!(level.level(), simd => {
+            let found = evaluate.evaluate(arguments.map(|number| splat(simd, number)));
+            for (number, found) in numbers.iter_mut().zip(found) {
+                let mut lanes = Numbers::splat(0.0);
+                lanes.store(0, found);
+                *number = lanes.get(HALF - 1);
+            }
+        });
+    }
+
+    /// A function of numbers or of lanes.
+    trait Evaluate<const N: usize, const M: usize> {
+        fn evaluate<R: Real>(&self, arguments: [R; N]) -> [R; M];
+    }
+
+    struct Operations;
+    impl Evaluate<2, 14> for Operations {
+        #[inline(always)]
+        fn evaluate<R: Real>(&self, [a, b]: [R; 2]) -> [R; 14] {
+            operations(a, b)
+        }
+    }
+
+    struct Formulas;
+    impl Evaluate<3, 10> for Formulas {
+        #[inline(always)]
+        fn evaluate<R: Real>(&self, arguments: [R; 3]) -> [R; 10] {
+            formulas(arguments)
+        }
+    }
+
+    /// All not-a-numbers are the same.
+    fn bits(number: f64) -> u64 {
+        if number.is_nan() { f64::NAN.to_bits() } else { number.to_bits() }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 20_000, failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn operations_of_lanes_have_the_bits_of_numbers(a in any::<f64>(), b in prop_oneof![any::<f64>(), Just(0.0), Just(-0.0)]) {
+            let expected = operations(a, b).map(bits);
+            for (name, level) in SimdLevel::all() {
+                let mut found = [0.0; 14];
+                in_lanes(level, [a, b], &mut found, Operations);
+                prop_assert_eq!(found.map(bits), expected, "{}: {} {}", name, a, b);
+            }
+        }
+
+        #[test]
+        fn formulas_of_lanes_have_the_bits_of_numbers(numbers in prop::array::uniform3((1.0..2.0_f64, -90..90_i32, any::<bool>()))) {
+            let arguments = numbers.map(|(mantissa, exponent, minus)| {
+                libm::ldexp(if minus { -mantissa } else { mantissa }, exponent)
+            });
+            let expected = formulas(arguments).map(bits);
+            for (name, level) in SimdLevel::all() {
+                let mut found = [0.0; 10];
+                in_lanes(level, arguments, &mut found, Formulas);
+                prop_assert_eq!(found.map(bits), expected, "{}: {:?}", name, arguments);
+            }
+        }
+    }
+}
