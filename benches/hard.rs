@@ -23,7 +23,7 @@ use std::sync::atomic::AtomicBool;
 use hard_scenes::hard_scenes;
 use rayreel::accuracy::FilmError;
 use rayreel::trace::{EstimatedError, Film, Signals};
-use rayreel::{Engine, Knobs, Rgb, Scene};
+use rayreel::{Engine, RenderSettings, Rgb, Scene};
 use spent::Spent;
 
 const TARGETS: [f32; 4] = [4.0, 2.0, 1.0, 0.5];
@@ -108,11 +108,11 @@ fn prices(subjects: impl Iterator<Item = Subject>) {
         let transfer = subject.engine.film_settings().transfer;
         let error = |film: &Film| FilmError::between(film, &reference, transfer).rms;
         // Processor time is counted in ticks of some milliseconds: as many pictures as it takes for many of them.
-        let mut timed = |knobs: Knobs| {
+        let mut timed = |settings: RenderSettings| {
             pool.install(|| {
                 let (start, mut count) = (Spent::now(), 0.0);
                 loop {
-                    let picture = render(&mut subject, FRAME, knobs);
+                    let picture = render(&mut subject, FRAME, settings);
                     count += 1.0;
                     let seconds = Spent::now().since(start).as_secs_f64();
                     if seconds > LONG {
@@ -125,14 +125,22 @@ fn prices(subjects: impl Iterator<Item = Subject>) {
             .into_iter()
             .map(|samples| {
                 let instants = Some(samples.min(256));
-                let knobs =
-                    Knobs { samples: Some(samples), max_error: Some(0.0), instants, ..Knobs::default() };
-                let picture = timed(knobs);
+                let settings = RenderSettings {
+                    samples: Some(samples),
+                    max_error: Some(0.0),
+                    instants,
+                    ..RenderSettings::default()
+                };
+                let picture = timed(settings);
                 (samples, error(&picture.film), picture)
             })
             .collect();
         for target in TARGETS {
-            let picture = timed(Knobs { samples: Some(65_536), max_error: Some(target), ..Knobs::default() });
+            let picture = timed(RenderSettings {
+                samples: Some(65_536),
+                max_error: Some(target),
+                ..RenderSettings::default()
+            });
             let estimate = picture.estimate.unwrap();
             let found = error(&picture.film);
             let samples = picture.rays / f64::from(picture.film.width() * picture.film.height());
@@ -166,18 +174,17 @@ fn runs(subjects: impl Iterator<Item = Subject>) {
     println!("|---|---|---|---|");
     let mut met = Met::default();
     for mut subject in subjects {
-        let (reference, transfer) =
-            (reference(&mut subject, FRAME), subject.engine.film_settings().transfer);
+        let (reference, transfer) = (reference(&mut subject, FRAME), subject.engine.film_settings().transfer);
         for target in TARGETS {
             let (mut errors, mut estimates) = (Vec::new(), Vec::new());
             for seed in 0..RUN {
-                let knobs = Knobs {
+                let settings = RenderSettings {
                     samples: Some(65_536),
                     max_error: Some(target),
                     seed: Some(seed),
-                    ..Knobs::default()
+                    ..RenderSettings::default()
                 };
-                let picture = render(&mut subject, FRAME, knobs);
+                let picture = render(&mut subject, FRAME, settings);
                 let found = FilmError::between(&picture.film, &reference, transfer).rms;
                 let mark = if met.add(found, target, picture.estimate.unwrap()) { "" } else { "!" };
                 errors.push(format!("{found:.2}{mark}"));
@@ -191,9 +198,14 @@ fn runs(subjects: impl Iterator<Item = Subject>) {
 
 fn reference(subject: &mut Subject, frame: u32) -> Film {
     let samples = Some(subject.reference);
-    let knobs =
-        Knobs { samples, max_error: Some(0.0), seed: Some(99), instants: Some(256), ..Knobs::default() };
-    render(subject, frame, knobs).film
+    let settings = RenderSettings {
+        samples,
+        max_error: Some(0.0),
+        seed: Some(99),
+        instants: Some(256),
+        ..RenderSettings::default()
+    };
+    render(subject, frame, settings).film
 }
 
 fn shipped() -> impl Iterator<Item = Subject> {
@@ -220,8 +232,8 @@ fn shipped() -> impl Iterator<Item = Subject> {
 }
 
 /// Renders a frame with these settings; of alpha, where that is what is hard.
-fn render(Subject { engine, alpha, .. }: &mut Subject, frame: u32, knobs: Knobs) -> Picture {
-    engine.set_knobs(knobs);
+fn render(Subject { engine, alpha, .. }: &mut Subject, frame: u32, settings: RenderSettings) -> Picture {
+    engine.set_render_settings(settings);
     let time = engine.timeline().time_of(frame);
     let never = AtomicBool::new(false);
     let film = if *alpha {

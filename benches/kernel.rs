@@ -16,8 +16,8 @@ use rayreel::Rgb;
 use rayreel::systems::Preparation;
 use rayreel::trace::shapes::Sphere;
 use rayreel::trace::{
-    Camera, CastRay, Effects, Exposure, Geometry, Light, LightSource, Lighting, Paths, PreparedScene,
-    PreparedShape, Sampling, Signals, SurfaceMaterial,
+    Camera, CastRay, Effects, Geometry, Light, LightSource, Lighting, Paths, PreparedScene, PreparedShape,
+    RenderJob, Sampling, Signals, SurfaceMaterial,
 };
 
 mod shipped;
@@ -82,13 +82,13 @@ fn frame(bencher: Bencher<'_, '_>, Stages(name, stage): &Stages) {
     let (scene, effects) = up_to(*stage, preparation.scene().clone(), planned);
     let camera = preparation.camera();
     let never = AtomicBool::new(false);
-    let dark = || Exposure::new(camera.resolution(), 1);
-    let expose = |exposure: &mut Exposure| {
-        assert!(exposure.add(&scene, camera, Sampling::default(), 0, effects, Signals::unless(&never)));
+    let dark = || RenderJob::new(camera.resolution(), 1);
+    let expose = |job: &mut RenderJob| {
+        assert!(job.add(&scene, camera, Sampling::default(), 0, effects, Signals::unless(&never)));
     };
     let mut first = dark();
     expose(&mut first);
-    let rays = first.develop().1.rays.total();
+    let rays = first.resolve().1.rays.total();
     bencher.counter(ItemsCount::new(rays)).with_inputs(dark).bench_local_refs(expose);
 }
 

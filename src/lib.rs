@@ -98,6 +98,6 @@ pub use color::Rgb;
 pub use engine::{Engine, EngineError, FrameReport, Hit, Ray};
 pub use hecs::{Entity, World};
 pub use scene::Scene;
-pub use systems::{Changes, Context, Effect, Fault, Knobs, Need, Plan, Step};
+pub use systems::{Changes, Context, Effect, Fault, Need, Plan, RenderSettings, Step};
 pub use time::Time;
 pub use trace::Film;

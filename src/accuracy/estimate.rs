@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use super::FilmError;
 use super::stop::{Stop, render, unless_cancelled};
 use crate::engine::{Engine, EngineError};
-use crate::systems::{Knobs, sampling_settings};
+use crate::systems::{RenderSettings, sampling_settings};
 use crate::time::Time;
 use crate::trace::Film;
 
@@ -19,7 +19,7 @@ pub struct Estimate {
     pub seconds: f64,
 }
 
-/// Estimates the RMS error of pictures of a moment with these knobs, without a reference. Two pictures are rendered with independent
+/// Estimates the RMS error of pictures of a moment with these settings, without a reference. Two pictures are rendered with independent
 /// samples; the error of each is their difference divided by the square root of two. A picture with a single sample per pixel, which is the
 /// same in all pictures, is compared with pictures of four. Errors that all pictures share, such as those caused by the instants of an open
 /// shutter, are not detected. Returns `None` if cancelled.
@@ -30,16 +30,16 @@ pub struct Estimate {
 pub fn estimate(
     engine: &mut Engine,
     moment: Time,
-    knobs: Knobs,
+    settings: RenderSettings,
     cancelled: &AtomicBool,
 ) -> Result<Option<Estimate>, EngineError> {
-    let usual = engine.knobs();
-    let estimated = if knobs.sampling(sampling_settings(engine.world())).samples > 1 {
-        pair(engine, moment, knobs, cancelled).map(|pair| pair.estimate)
+    let usual = engine.settings();
+    let estimated = if settings.sampling(sampling_settings(engine.world())).samples > 1 {
+        pair(engine, moment, settings, cancelled).map(|pair| pair.estimate)
     } else {
-        single(engine, moment, knobs, cancelled)
+        single(engine, moment, settings, cancelled)
     };
-    engine.set_knobs(usual);
+    engine.set_render_settings(usual);
     unless_cancelled(estimated)
 }
 
@@ -52,25 +52,35 @@ pub(super) struct Pair {
     pub(super) estimate: Estimate,
 }
 
-/// Renders two pictures with independent samples. Leaves the engine's knobs changed.
+/// Renders two pictures with independent samples. Leaves the engine's settings changed.
 pub(super) fn pair(
     engine: &mut Engine,
     moment: Time,
-    knobs: Knobs,
+    settings: RenderSettings,
     cancelled: &AtomicBool,
 ) -> Result<Pair, Stop> {
     let [(one, first), (other, second)] = [
-        timed(engine, moment, Knobs { seed: Some(SEEDS[0]), ..knobs }, cancelled)?,
-        timed(engine, moment, Knobs { seed: Some(SEEDS[1]), ..knobs }, cancelled)?,
+        timed(engine, moment, RenderSettings { seed: Some(SEEDS[0]), ..settings }, cancelled)?,
+        timed(engine, moment, RenderSettings { seed: Some(SEEDS[1]), ..settings }, cancelled)?,
     ];
     let rms = FilmError::between(&one, &other, engine.film_settings().transfer).rms / SQRT_2;
     Ok(Pair { films: [one, other], estimate: Estimate { rms, seconds: f64::midpoint(first, second) } })
 }
 
-/// Estimates the error of a picture with a single sample per pixel, from two pictures with four. Leaves the engine's knobs changed.
-fn single(engine: &mut Engine, moment: Time, knobs: Knobs, cancelled: &AtomicBool) -> Result<Estimate, Stop> {
-    let (film, seconds) = timed(engine, moment, knobs, cancelled)?;
-    let four = pair(engine, moment, Knobs { samples: Some(4), max_error: Some(0.0), ..knobs }, cancelled)?;
+/// Estimates the error of a picture with a single sample per pixel, from two pictures with four. Leaves the engine's settings changed.
+fn single(
+    engine: &mut Engine,
+    moment: Time,
+    settings: RenderSettings,
+    cancelled: &AtomicBool,
+) -> Result<Estimate, Stop> {
+    let (film, seconds) = timed(engine, moment, settings, cancelled)?;
+    let four = pair(
+        engine,
+        moment,
+        RenderSettings { samples: Some(4), max_error: Some(0.0), ..settings },
+        cancelled,
+    )?;
     Ok(Estimate { rms: four.error_of(&film, engine), seconds })
 }
 
@@ -85,10 +95,10 @@ impl Pair {
 fn timed(
     engine: &mut Engine,
     moment: Time,
-    knobs: Knobs,
+    settings: RenderSettings,
     cancelled: &AtomicBool,
 ) -> Result<(Film, f64), Stop> {
-    engine.set_knobs(knobs);
+    engine.set_render_settings(settings);
     let film = render(engine, moment, cancelled)?;
     let report = engine.report();
     Ok((film, (report.animate + report.prepare + report.trace).as_secs_f64()))

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex};
 
 use crate::engine::Engine;
-use crate::systems::Knobs;
+use crate::systems::RenderSettings;
 use crate::trace::{Replay, SharedRoundPolicy};
 
 /// The samples of a frame, chosen for an error target or a time limit. The same samples reproduce the same picture.
@@ -26,10 +26,10 @@ impl FrameSamples {
 
     /// Configures an engine for pictures with these samples. If there are rounds, they apply to one picture.
     pub fn set_up(&self, engine: &mut Engine) {
-        engine.set_knobs(Knobs {
+        engine.set_render_settings(RenderSettings {
             samples: Some(self.samples),
             max_error: Some(self.max_error),
-            ..Knobs::default()
+            ..RenderSettings::default()
         });
         let replay =
             |rounds: &Vec<u32>| -> SharedRoundPolicy { Arc::new(Mutex::new(Replay::new(rounds.clone()))) };

@@ -17,7 +17,7 @@
 
 use std::cmp::Ordering;
 
-use super::Spread;
+use super::MedianRange;
 use crate::trace::{Precision, RayCounts};
 
 /// The smallest differences of measurements that are significant.
@@ -36,10 +36,10 @@ impl Resolution {
     /// Let the reference have an independent error d_j in its value j, and let two pictures differ by x_j. The difference of their mean
     /// square errors is then off by twice the mean of x_j d_j. The standard deviation of this mean is at most s RMS(x) / sqrt(values), with
     /// s the standard deviation of the most uncertain value. RMS(x) is at most the sum of both errors.
-    pub(super) fn of(max: f64, values: f64, times: &[Spread]) -> Self {
+    pub(super) fn of(max: f64, values: f64, times: &[MedianRange]) -> Self {
         let relative: Vec<f64> =
             times.iter().map(|time| (time.high - time.low) / time.median.max(f64::MIN_POSITIVE)).collect();
-        Self { rms: 2.0 * max / values.max(1.0).sqrt(), time: Spread::of(&relative).median }
+        Self { rms: 2.0 * max / values.max(1.0).sqrt(), time: MedianRange::of(&relative).median }
     }
 }
 
@@ -196,8 +196,8 @@ mod tests {
             1.0 + 0.08 * sum
         };
         let mut choice = |is_by_medians: bool| {
-            let times: Vec<Spread> =
-                truth.iter().map(|one| Spread::of(&[(); 4].map(|()| one.time * scatter()))).collect();
+            let times: Vec<MedianRange> =
+                truth.iter().map(|one| MedianRange::of(&[(); 4].map(|()| one.time * scatter()))).collect();
             let resolution = Resolution::of(24.95, 97_200.0, &times);
             let measured: Vec<Candidate> = truth
                 .iter()

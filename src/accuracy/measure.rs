@@ -3,22 +3,22 @@
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use super::knob::{Knob, OwnSettings, Reach, Subject, Variant, sweep, turned};
+use super::median_range::MedianRange;
+use super::parameter::{OwnSettings, Parameter, Subject, SweepRange, Variant, sweep, turned};
 use super::report::{Reference, Report, Row};
 use super::resample::resampled;
-use super::spread::Spread;
 use super::stop::{Stop, render, unless_cancelled};
-use super::{Converged, FilmError, OutputValues, Resolution, structural_similarity};
+use super::{FilmError, OutputValues, ReferenceImage, Resolution, structural_similarity};
 use crate::color::Transfer;
 use crate::components::{FilmSettings, Sampling};
 use crate::engine::{Engine, EngineError};
-use crate::systems::{Effect, Knobs, Plan, quality_settings, sampling_settings};
+use crate::systems::{Effect, Plan, RenderSettings, quality_settings, sampling_settings};
 use crate::time::Time;
 use crate::trace::{EstimatedError, Film, RayCounts};
 
 /// The amount of work of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Thoroughness {
+pub struct Preset {
     /// The number of times that each variant is rendered to measure its cost.
     pub rounds: u32,
     /// The largest sample count per pixel of the sweep, unless the scene has more.
@@ -29,7 +29,7 @@ pub struct Thoroughness {
     pub factor: u32,
 }
 
-impl Thoroughness {
+impl Preset {
     /// A measurement of minutes.
     pub const THOROUGH: Self = Self { rounds: 5, samples: 64, pictures: 4, factor: 4 };
     /// A measurement of seconds. With this number of rounds, the ranges of two equal settings are disjoint by chance in 3 % of all cases;
@@ -43,7 +43,7 @@ pub struct Request {
     /// The frames to render, at least one.
     pub frames: Vec<u32>,
     /// The amount of work.
-    pub thoroughness: Thoroughness,
+    pub thoroughness: Preset,
     /// Other sizes of the film to compare, in columns and rows.
     pub sizes: Vec<(u32, u32)>,
     /// True if the rows keep the film of the first frame.
@@ -73,13 +73,13 @@ pub fn measure(
     cancelled: &AtomicBool,
     observer: &mut dyn Observer,
 ) -> Result<Option<Report>, EngineError> {
-    let (knobs, precision, left_out) = (engine.knobs(), engine.precision(), engine.left_out().to_vec());
+    let (settings, precision, left_out) = (engine.settings(), engine.precision(), engine.left_out().to_vec());
     let timeline = engine.timeline();
     let times = request.frames.iter().map(|frame| timeline.time_of(*frame)).collect();
     let (keep_films, work) = (request.keep_films, Work::default());
-    let mut gauge = Gauge { engine, times, left_out: &left_out, cancelled, observer, keep_films, work };
-    let report = unless_cancelled(gauge.run(request));
-    engine.set_knobs(knobs);
+    let mut measurer = Measurer { engine, times, left_out: &left_out, cancelled, observer, keep_films, work };
+    let report = unless_cancelled(measurer.run(request));
+    engine.set_render_settings(settings);
     engine.set_precision(precision);
     engine.set_left_out(left_out);
     report
@@ -95,7 +95,7 @@ struct Work {
 }
 
 /// Renders the chosen frames with variants of the settings, and compares them.
-struct Gauge<'a> {
+struct Measurer<'a> {
     engine: &'a mut Engine,
     times: Vec<Time>,
     left_out: &'a [Effect],
@@ -124,7 +124,7 @@ const NO_CUTOFF: f32 = 1.0 / 64.0;
 const DEEP: u32 = 64;
 
 /// The references for all variants, frame by frame.
-struct Truth {
+struct ReferenceSet {
     /// The summary of the reference in the report.
     told: Reference,
     films: Vec<Film>,
@@ -132,15 +132,15 @@ struct Truth {
     own: Vec<Film>,
 }
 
-impl Gauge<'_> {
+impl Measurer<'_> {
     fn run(&mut self, request: &Request) -> Result<Report, Stop> {
-        let Thoroughness { rounds, samples, pictures, factor } = request.thoroughness;
+        let Preset { rounds, samples, pictures, factor } = request.thoroughness;
         let pictures = pictures.max(2);
         let plan = self.plan()?;
         let world = self.engine.world();
         let own = OwnSettings { sampling: sampling_settings(world), quality: quality_settings(world) };
         let most = if own.sampling.max_error > 0.0 { samples } else { samples.max(own.sampling.samples) };
-        let reach = Reach {
+        let reach = SweepRange {
             samples: most,
             most: most.saturating_mul(factor).min(Sampling::LARGEST_COUNT),
             light_samples: samples.min(16),
@@ -166,11 +166,12 @@ impl Gauge<'_> {
     }
 
     /// Renders the references.
-    fn truth(&mut self, own: OwnSettings, samples: u32, pictures: u32) -> Result<Truth, Stop> {
-        let shallow = Knobs::default();
-        let deep = Knobs { depth: Some(own.quality.depth.max(DEEP)), cutoff: Some(NO_CUTOFF), ..shallow };
+    fn truth(&mut self, own: OwnSettings, samples: u32, pictures: u32) -> Result<ReferenceSet, Stop> {
+        let shallow = RenderSettings::default();
+        let deep =
+            RenderSettings { depth: Some(own.quality.depth.max(DEEP)), cutoff: Some(NO_CUTOFF), ..shallow };
         let as_it_is = self.render(&Variant::default(), None)?;
-        let deeper = self.render(&Variant { knobs: deep, ..Variant::default() }, None)?;
+        let deeper = self.render(&Variant { settings: deep, ..Variant::default() }, None)?;
         let is_deep = self.error(&as_it_is.films, &deeper.films).max < f64::from(NO_CUTOFF);
         let seeds = (pictures, own.sampling.seed, samples);
         let start = Instant::now();
@@ -183,15 +184,15 @@ impl Gauge<'_> {
             self.work.all += f64::from(told.samples);
             films_of(self.converged(shallow, seeds)?)
         };
-        Ok(Truth { told, films, own })
+        Ok(ReferenceSet { told, films, own })
     }
 
     /// Renders every variant and compares it with the references.
     fn rows(
         &mut self,
         rows: Vec<(Subject, Variant)>,
-        truth: &Truth,
-        (own, reach): (OwnSettings, Reach),
+        truth: &ReferenceSet,
+        (own, reach): (OwnSettings, SweepRange),
     ) -> Result<Vec<Row>, Stop> {
         let mut compared: Vec<Row> = Vec::with_capacity(rows.len());
         let mut best: Option<(Variant, Vec<Film>)> = None;
@@ -215,8 +216,8 @@ impl Gauge<'_> {
                 error: self.error(&rendered.films, &truth.films),
                 similarity: self.similarity(&rendered.films, &truth.films),
                 alone,
-                seconds: Spread::default(),
-                relative: Spread::default(),
+                seconds: MedianRange::default(),
+                relative: MedianRange::default(),
                 rays: self.mean_rays(rendered.rays),
                 instructions: rendered.instructions,
                 estimated: rendered.estimated,
@@ -248,7 +249,7 @@ impl Gauge<'_> {
     fn foresee(&mut self, rows: &[(Subject, Variant)], own: OwnSettings, rounds: u32, reference: u32) {
         let own = if own.sampling.max_error > 0.0 { ADAPTIVE } else { own.sampling.samples };
         self.work.own = own;
-        let of_rows: f64 = rows.iter().map(|(_, variant)| samples(&variant.knobs, own)).sum();
+        let of_rows: f64 = rows.iter().map(|(_, variant)| samples(&variant.settings, own)).sum();
         let between = f64::from(own) * (rows.len().div_ceil(BETWEEN) + 1) as f64;
         self.work.all = f64::from(reference) + (of_rows + between) * f64::from(rounds) + of_rows;
     }
@@ -279,7 +280,7 @@ impl Gauge<'_> {
                 if one.value < other.value { other } else { one }
             };
             rendered.estimated = rendered.estimated.into_iter().chain(report.error).reduce(largest);
-            self.work.done += samples(&variant.knobs, self.work.own) / self.times.len() as f64;
+            self.work.done += samples(&variant.settings, self.work.own) / self.times.len() as f64;
         }
         rendered.seconds /= self.times.len().max(1) as f64;
         rendered.instructions = rendered.instructions.map(|all| all / self.times.len().max(1) as f64);
@@ -295,25 +296,25 @@ impl Gauge<'_> {
     /// Renders the reference of every frame: several pictures, each with its own samples.
     fn converged(
         &mut self,
-        knobs: Knobs,
+        settings: RenderSettings,
         (pictures, seed, samples): (u32, u64, u32),
-    ) -> Result<Vec<Converged>, Stop> {
+    ) -> Result<Vec<ReferenceImage>, Stop> {
         /// The distance between seeds, 2^64 divided by the golden ratio. The resulting seeds are unlikely in scenes.
         const APART: u64 = 0x9e37_79b9_7f4a_7c15;
         let mut frames = vec![Vec::new(); self.times.len()];
         for picture in 1..=u64::from(pictures) {
-            let knobs = Knobs {
+            let settings = RenderSettings {
                 samples: Some(samples),
                 max_error: Some(0.0),
                 instants: Some(samples),
                 seed: Some(seed.wrapping_add(picture.wrapping_mul(APART))),
-                ..knobs
+                ..settings
             };
-            let rendered = self.render(&Variant { knobs, ..Variant::default() }, None)?;
+            let rendered = self.render(&Variant { settings, ..Variant::default() }, None)?;
             frames.iter_mut().zip(rendered.films).for_each(|(films, film)| films.push(film));
         }
         let transfer = self.transfer();
-        Ok(frames.iter().map(|films| Converged::mean(films, transfer)).collect())
+        Ok(frames.iter().map(|films| ReferenceImage::mean(films, transfer)).collect())
     }
 
     /// Measures the time of every row, as a multiple of the time of the scene's own settings right before and after. Rows take turns, so
@@ -322,7 +323,7 @@ impl Gauge<'_> {
         const OWN: Option<Subject> = Some(Subject::Own);
         let (distinct, same): (Vec<usize>, Vec<usize>) =
             (0..rows.len()).partition(|row| rows[*row].same_as.is_none());
-        let spared = same.iter().map(|row| samples(&rows[*row].variant.knobs, self.work.own)).sum::<f64>();
+        let spared = same.iter().map(|row| samples(&rows[*row].variant.settings, self.work.own)).sum::<f64>();
         self.work.all -= spared * f64::from(rounds);
         let (mut measured, mut usual) = (vec![Vec::new(); distinct.len()], Vec::new());
         for _ in 0..rounds {
@@ -341,9 +342,9 @@ impl Gauge<'_> {
                 measured.iter_mut().zip(seconds).for_each(|(all, seconds)| all.push(seconds / around));
             }
         }
-        let usual = Spread::of(&usual).median;
+        let usual = MedianRange::of(&usual).median;
         for (row, measured) in distinct.into_iter().zip(measured) {
-            rows[row].relative = Spread::of(&measured);
+            rows[row].relative = MedianRange::of(&measured);
         }
         for row in 0..rows.len() {
             let relative = rows[rows[row].same_as.unwrap_or(row)].relative;
@@ -397,30 +398,37 @@ impl Gauge<'_> {
 }
 
 /// Returns the variant in which only this subject has its best value; `None` if its best value is the converged reference.
-fn best_alone(subject: Subject, own: OwnSettings, reach: Reach) -> Option<Variant> {
-    let turned = |knob, value: f64| Some(Variant { knobs: turned(knob, value), ..Variant::default() });
+fn best_alone(subject: Subject, own: OwnSettings, reach: SweepRange) -> Option<Variant> {
+    let turned =
+        |parameter, value: f64| Some(Variant { settings: turned(parameter, value), ..Variant::default() });
     match subject {
         Subject::Precision(_) | Subject::Size(..) | Subject::Without(_) => Some(Variant::default()),
-        Subject::Knob(knob @ Knob::LightSamples, _) => turned(knob, f64::from(reach.light_samples) * 16.0),
-        Subject::Knob(knob @ Knob::Instants, _) => {
-            turned(knob, own.sampling.samples.min(Sampling::LARGEST_INSTANTS).into())
+        Subject::Parameter(parameter @ Parameter::LightSamples, _) => {
+            turned(parameter, f64::from(reach.light_samples) * 16.0)
         }
-        Subject::Knob(knob @ Knob::Depth, _) => turned(knob, own.quality.depth.max(DEEP).into()),
-        Subject::Knob(knob @ Knob::Cutoff, _) => turned(knob, NO_CUTOFF.into()),
-        Subject::Own | Subject::Knob(..) => None,
+        Subject::Parameter(parameter @ Parameter::Instants, _) => {
+            turned(parameter, own.sampling.samples.min(Sampling::LARGEST_INSTANTS).into())
+        }
+        Subject::Parameter(parameter @ Parameter::Depth, _) => {
+            turned(parameter, own.quality.depth.max(DEEP).into())
+        }
+        Subject::Parameter(parameter @ Parameter::Cutoff, _) => turned(parameter, NO_CUTOFF.into()),
+        Subject::Own | Subject::Parameter(..) => None,
     }
 }
 
 /// Returns the maximum sample count per pixel, if it kept a picture from its error target.
 fn capped(subject: Subject, variant: &Variant, estimated: Option<EstimatedError>) -> Option<u32> {
     match (subject, estimated) {
-        (Subject::Knob(Knob::MaxError, target), Some(error)) if error.value > target => variant.knobs.samples,
+        (Subject::Parameter(Parameter::MaxError, target), Some(error)) if error.value > target => {
+            variant.settings.samples
+        }
         _ => None,
     }
 }
 
 /// Returns the films of the frames.
-fn films_of(frames: Vec<Converged>) -> Vec<Film> {
+fn films_of(frames: Vec<ReferenceImage>) -> Vec<Film> {
     frames.into_iter().map(|frame| frame.film).collect()
 }
 
@@ -430,9 +438,9 @@ const BETWEEN: usize = 4;
 const ADAPTIVE: u32 = 16;
 
 /// Returns the approximate sample count per pixel.
-fn samples(knobs: &Knobs, own: u32) -> f64 {
-    match knobs {
-        Knobs { max_error: Some(error), .. } if *error > 0.0 => f64::from(ADAPTIVE),
-        _ => f64::from(knobs.samples.unwrap_or(own)),
+fn samples(settings: &RenderSettings, own: u32) -> f64 {
+    match settings {
+        RenderSettings { max_error: Some(error), .. } if *error > 0.0 => f64::from(ADAPTIVE),
+        _ => f64::from(settings.samples.unwrap_or(own)),
     }
 }

@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use super::fit::PowerLaw;
 use super::front::{Candidate, Kind, Resolution, front};
-use super::knob::{Knob, Subject, Variant};
-use super::spread::Spread;
-use super::{Converged, FilmError};
+use super::median_range::MedianRange;
+use super::parameter::{Parameter, Subject, Variant};
+use super::{FilmError, ReferenceImage};
 use crate::trace::{EstimatedError, Film, RayCounts};
 
 /// The cost of accuracy in a scene.
@@ -22,8 +22,8 @@ pub struct Report {
     pub rows: Vec<Row>,
     /// The smallest significant differences of errors and of times.
     pub resolution: Resolution,
-    /// The orders of convergence of knobs.
-    pub orders: Vec<(Knob, PowerLaw)>,
+    /// The orders of convergence of parameters.
+    pub orders: Vec<(Parameter, PowerLaw)>,
     /// The number of times that each variant was rendered.
     pub rounds: u32,
     /// Samples per pixel of the scene's own settings; 0 if the number differs between pixels.
@@ -37,9 +37,9 @@ pub struct Reference {
     pub samples: u32,
     /// The number of reference pictures.
     pub pictures: u32,
-    /// The largest of the frames' [uncertainties](Converged::rms), in output values.
+    /// The largest of the frames' [uncertainties](ReferenceImage::rms), in output values.
     pub rms: f64,
-    /// The largest of the frames' [channel uncertainties](Converged::max), in output values.
+    /// The largest of the frames' [channel uncertainties](ReferenceImage::max), in output values.
     pub max: f64,
     /// The time taken to render it.
     pub time: Duration,
@@ -58,14 +58,14 @@ pub struct Row {
     pub error: FilmError,
     /// The mean structural similarity to the reference.
     pub similarity: f64,
-    /// The error caused by this knob or effect alone. For samples, it is relative to the converged picture with the scene's other settings;
-    /// for other knobs, to the same samples with the best value of the knob; for effects, to the same samples with the effect.
+    /// The error caused by this parameter or effect alone. For samples, it is relative to the converged picture with the scene's other settings;
+    /// for other parameters, to the same samples with the best value of the parameter; for effects, to the same samples with the effect.
     pub alone: FilmError,
     /// Mean seconds per frame: `relative` times the median time of the scene's own settings, so that it does not depend on the machine's
     /// speed during the measurement.
-    pub seconds: Spread,
+    pub seconds: MedianRange,
     /// The time as a multiple of the time of the scene's own settings, measured right before and after.
-    pub relative: Spread,
+    pub relative: MedianRange,
     /// Mean ray counts per frame.
     pub rays: RayCounts,
     /// Mean number of instructions per frame, if they are counted.
@@ -98,14 +98,14 @@ impl Row {
     /// Returns the fraction of the time that is saved compared with the scene's own settings.
     #[must_use]
     pub fn share(&self) -> Share {
-        let Spread { median, low, high } = self.relative;
+        let MedianRange { median, low, high } = self.relative;
         let is_clamped = median > 1.0 && low <= 1.0;
         let median = if is_clamped { 0.0 } else { 1.0 - median };
         Share { median, deviation: 0.5 * (high - low), is_clamped }
     }
 
     fn kind(&self) -> Kind {
-        (self.variant.precision, self.variant.knobs.instants, self.variant.knobs.size)
+        (self.variant.precision, self.variant.settings.instants, self.variant.settings.size)
     }
 
     /// Returns whether another row traces the same rays in the same way to the same picture.
@@ -120,8 +120,8 @@ impl Row {
 
 impl Reference {
     /// Combines the references of all frames.
-    pub(super) fn of(frames: &[Converged], samples: u32, pictures: u32, time: Duration) -> Self {
-        let most = |of: fn(&Converged) -> f64| frames.iter().map(of).fold(0.0, f64::max);
+    pub(super) fn of(frames: &[ReferenceImage], samples: u32, pictures: u32, time: Duration) -> Self {
+        let most = |of: fn(&ReferenceImage) -> f64| frames.iter().map(of).fold(0.0, f64::max);
         let film = frames.first().map_or_else(|| Film::new(0, 0), |frame| frame.film.clone());
         Self { samples, pictures, rms: most(|frame| frame.rms), max: most(|frame| frame.max), time, film }
     }
@@ -134,9 +134,9 @@ impl Report {
         &self.rows[0]
     }
 
-    /// Returns the rows that change a knob, ascending.
-    pub fn of_knob(&self, knob: Knob) -> impl Iterator<Item = &Row> {
-        self.rows.iter().filter(move |row| row.subject.knob() == Some(knob))
+    /// Returns the rows that change a parameter, ascending.
+    pub fn of_knob(&self, parameter: Parameter) -> impl Iterator<Item = &Row> {
+        self.rows.iter().filter(move |row| row.subject.parameter() == Some(parameter))
     }
 
     /// Returns the rows that disable an effect.
@@ -176,27 +176,29 @@ impl Report {
             })
             .collect();
         let values = 3.0 * f64::from(self.size.0) * f64::from(self.size.1) * self.frames.len() as f64;
-        let times: Vec<Spread> = candidates.iter().map(|(index, _)| self.rows[*index].relative).collect();
+        let times: Vec<MedianRange> =
+            candidates.iter().map(|(index, _)| self.rows[*index].relative).collect();
         self.resolution = Resolution::of(self.reference.max, values, &times);
         let candidates_alone: Vec<Candidate> = candidates.iter().map(|(_, candidate)| *candidate).collect();
         for ((index, _), on_front) in candidates.iter().zip(front(&candidates_alone, self.resolution)) {
             self.rows[*index].on_front = on_front;
         }
         let trusted = 2.0 * self.reference.rms;
-        self.orders = Knob::ALL
+        self.orders = Parameter::ALL
             .into_iter()
-            .filter(|knob| knob.converges())
-            .filter_map(|knob| {
-                let own = self.rows.first().filter(|_| knob == Knob::Samples && self.own_samples > 1);
+            .filter(|parameter| parameter.converges())
+            .filter_map(|parameter| {
+                let own =
+                    self.rows.first().filter(|_| parameter == Parameter::Samples && self.own_samples > 1);
                 let own = own.map(|row| (f64::from(self.own_samples), row.alone.rms));
-                let pairs = self.of_knob(knob).filter_map(|row| match row.subject {
+                let pairs = self.of_knob(parameter).filter_map(|row| match row.subject {
                     // A single sample is in the pixel's centre, which is a different rule.
-                    Subject::Knob(Knob::Samples, value) if value < 2.0 => None,
-                    Subject::Knob(_, value) if row.alone.rms > trusted => Some((value, row.alone.rms)),
+                    Subject::Parameter(Parameter::Samples, value) if value < 2.0 => None,
+                    Subject::Parameter(_, value) if row.alone.rms > trusted => Some((value, row.alone.rms)),
                     _ => None,
                 });
                 let pairs = pairs.chain(own.filter(|(_, error)| *error > trusted));
-                Some((knob, PowerLaw::fit(&pairs.collect::<Vec<_>>())?))
+                Some((parameter, PowerLaw::fit(&pairs.collect::<Vec<_>>())?))
             })
             .collect();
     }
@@ -214,8 +216,8 @@ mod tests {
             error: FilmError::default(),
             similarity: 1.0,
             alone: FilmError::default(),
-            seconds: Spread::default(),
-            relative: Spread { median, low, high },
+            seconds: MedianRange::default(),
+            relative: MedianRange { median, low, high },
             rays: RayCounts::default(),
             instructions: None,
             estimated: None,

@@ -22,7 +22,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
         let checked = check(path, &overrides);
         good &= checked.is_ok();
         match checked {
-            Ok(Good { count, warnings, sources }) if arguments.json => {
+            Ok(CheckPassed { count, warnings, sources }) if arguments.json => {
                 let warnings = warnings.to_json(Some(&sources));
                 results.push(json!({
                     "scene": file,
@@ -32,12 +32,12 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
                     "warnings": warnings,
                 }));
             }
-            Ok(Good { count, warnings, sources }) => {
+            Ok(CheckPassed { count, warnings, sources }) => {
                 warnings.tell(Some(&sources));
                 print::result_line(&format!("{file}: ok, {}{}", frames(count), warnings.count()))?;
             }
-            Err(Wrong::Scene(error)) if arguments.json => results.push(mistakes(&error)),
-            Err(Wrong::Script(mistake)) if arguments.json => results.push(json!({
+            Err(CheckFailed::Scene(error)) if arguments.json => results.push(mistakes(&error)),
+            Err(CheckFailed::Script(mistake)) if arguments.json => results.push(json!({
                 "scene": file,
                 "ok": false,
                 "mistakes": [script_mistake(&mistake)],
@@ -45,11 +45,11 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
             })),
             Err(wrong) => {
                 let count = match wrong {
-                    Wrong::Scene(error) => {
+                    CheckFailed::Scene(error) => {
                         print::mistakes(|color| error.render(color) + "\n");
                         error.mistakes().count() + error.unlisted()
                     }
-                    Wrong::Script(mistake) => {
+                    CheckFailed::Script(mistake) => {
                         print::mistakes(|color| mistake.render(color) + "\n");
                         1
                     }
@@ -70,7 +70,7 @@ fn frames(count: u32) -> String {
 }
 
 /// A valid scene.
-struct Good {
+struct CheckPassed {
     /// The number of frames.
     count: u32,
     warnings: Warnings,
@@ -78,28 +78,28 @@ struct Good {
 }
 
 /// The mistakes of a scene.
-enum Wrong {
+enum CheckFailed {
     Scene(LoadError),
     Script(Box<ScriptMistake>),
 }
 
 /// Loads a scene, prepares its first, middle and last frame, and counts the frames.
-fn check(path: &Path, overrides: &[Override]) -> Result<Good, Wrong> {
-    let (scene, sources) = Scene::load_overridden(path, overrides).map_err(Wrong::Scene)?;
+fn check(path: &Path, overrides: &[Override]) -> Result<CheckPassed, CheckFailed> {
+    let (scene, sources) = Scene::load_overridden(path, overrides).map_err(CheckFailed::Scene)?;
     let timeline = scene.timeline;
     let count = timeline.frame_count();
     let mut engine = Engine::from_scene(scene);
     let mut warnings = Warnings::default();
     for frame in BTreeSet::from([0, count / 2, count - 1]) {
         match engine.seek(timeline.time_of(frame)) {
-            Err(EngineError::Script(mistake)) => return Err(Wrong::Script(mistake.into())),
-            Err(EngineError::Scene(error)) => return Err(Wrong::Scene(error)),
+            Err(EngineError::Script(mistake)) => return Err(CheckFailed::Script(mistake.into())),
+            Err(EngineError::Scene(error)) => return Err(CheckFailed::Scene(error)),
             Ok(()) | Err(EngineError::UnknownComponent(_)) => {
                 warnings.look(&engine, &format!("frame {frame}"));
             }
         }
     }
-    Ok(Good { count, warnings, sources })
+    Ok(CheckPassed { count, warnings, sources })
 }
 
 fn mistakes(error: &LoadError) -> Value {

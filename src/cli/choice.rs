@@ -21,11 +21,11 @@ use rayreel::trace::EstimatedError;
 use super::args::RenderArguments;
 use super::deadline::Paced;
 use super::exit::Failure;
-use super::settings::RenderSettings;
+use super::settings::OutputSettings;
 use super::settings_file::{FrameSettings, Picture, SettingsFile};
 
 /// Selects the samples of each frame and records the selection.
-pub(super) struct Choice {
+pub(super) struct SampleSelection {
     by: By,
     /// Record of the selected samples; it includes the entries of other frames in the same folder.
     record: Option<Record>,
@@ -77,7 +77,7 @@ pub(super) struct Chosen {
     pub(super) missed: Option<String>,
 }
 
-impl Choice {
+impl SampleSelection {
     /// Determines the source of the samples for a run that began at `start`. Returns `None` on cancellation.
     ///
     /// # Errors
@@ -86,7 +86,7 @@ impl Choice {
     pub(super) fn new(
         arguments: &RenderArguments,
         engine: &mut Engine,
-        settings: &RenderSettings,
+        settings: &OutputSettings,
         (start, cancelled): (Instant, &AtomicBool),
     ) -> Result<Option<Self>, Failure> {
         ensure_unset(arguments)?;
@@ -186,7 +186,7 @@ impl Choice {
 
 impl Record {
     /// Creates a record with the entries of the existing settings file, if there is one.
-    fn new(settings: &RenderSettings, scene: &Path, deadline: Option<Duration>) -> anyhow::Result<Self> {
+    fn new(settings: &OutputSettings, scene: &Path, deadline: Option<Duration>) -> anyhow::Result<Self> {
         let file = settings.file_of_settings();
         let known = if file.exists() {
             SettingsFile::read(&file).context(
@@ -334,7 +334,7 @@ fn ensure_unset(arguments: &RenderArguments) -> anyhow::Result<()> {
 }
 
 /// Reads a settings file, which must cover every picture of this run.
-fn read(file: &Path, settings: &RenderSettings) -> anyhow::Result<SettingsFile> {
+fn read(file: &Path, settings: &OutputSettings) -> anyhow::Result<SettingsFile> {
     let known = SettingsFile::read(file)?;
     match settings.shots().find(|shot| known.samples_of(shot).is_none()) {
         Some(shot) => Err(anyhow!("`{}` has no settings for {}", file.display(), shot.moment())),

@@ -17,7 +17,7 @@ use rayreel::trace::RoundPolicy;
 
 use super::exit::Failure;
 use super::movie;
-use super::settings::RenderSettings;
+use super::settings::OutputSettings;
 use super::settings_file::SettingsFile;
 
 /// Frames that are rendered within a time limit, in the order of the shots.
@@ -44,7 +44,7 @@ impl Paced {
     /// If the time does not suffice for one sample per pixel.
     pub(super) fn new(
         engine: &mut Engine,
-        (settings, known): (&RenderSettings, &SettingsFile),
+        (settings, known): (&OutputSettings, &SettingsFile),
         movie: Option<&Path>,
         (start, within): (Instant, Duration),
         cancelled: &AtomicBool,
@@ -136,7 +136,7 @@ impl Paced {
 fn kept_seconds(
     engine: &mut Engine,
     shot: &Shot,
-    (settings, known): (&RenderSettings, &SettingsFile),
+    (settings, known): (&OutputSettings, &SettingsFile),
     within: Duration,
 ) -> Result<Option<f64>, Failure> {
     let known = known.of_deadline(shot, within.as_secs_f64()).filter(|_| settings.are_frames());
@@ -159,7 +159,7 @@ struct Surveyed {
 fn survey(
     engine: &mut Engine,
     (shots, wanted): (&[Shot], &[usize]),
-    (settings, folder): (&RenderSettings, &Path),
+    (settings, folder): (&OutputSettings, &Path),
     deadline: &mut Deadline,
     cancelled: &AtomicBool,
 ) -> Result<Surveyed, Failure> {

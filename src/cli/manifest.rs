@@ -9,10 +9,10 @@ use clap::{Parser, ValueEnum};
 use serde::{Deserialize, Serialize};
 
 use rayreel::output::{folder_of, write_bytes};
-use rayreel::scene::input::{self, Offered};
+use rayreel::scene::input::{self, InputKind};
 
 use super::args::{Arguments, Command, RenderArguments};
-use super::settings::RenderSettings;
+use super::settings::OutputSettings;
 
 /// Suffix of the file name of a manifest, after the name of the frames.
 const ENDING: &str = ".sequence.json";
@@ -29,7 +29,7 @@ struct Manifest {
 }
 
 /// Writes the manifest of a folder, unless an equal one exists.
-pub(super) fn write(arguments: &RenderArguments, settings: &RenderSettings) -> anyhow::Result<()> {
+pub(super) fn write(arguments: &RenderArguments, settings: &OutputSettings) -> anyhow::Result<()> {
     let file = settings.sequence.manifest();
     let folder = settings.sequence.directory();
     let chosen = arguments.max_error.is_some() || arguments.deadline.is_some();
@@ -99,7 +99,7 @@ fn find(folder: &Path, scene: Option<&Path>) -> anyhow::Result<PathBuf> {
 fn read(file: &Path) -> anyhow::Result<Manifest> {
     /// Maximum size in bytes, far more than any command line has.
     const MOST: u64 = 1 << 24;
-    let bytes = input::read(file, Offered::Refused, MOST)
+    let bytes = input::read(file, InputKind::Refused, MOST)
         .with_context(|| format!("cannot read `{}`", file.display()))?;
     serde_json::from_slice(&bytes)
         .with_context(|| format!("`{}` is not what `render` writes beside frames", file.display()))

@@ -17,7 +17,7 @@ use rayreel::time::{FrameRate, Timeline};
 use rayreel::trace::EncodedFilm;
 
 use super::interrupt::{POLL_INTERVAL, unless_cancelled};
-use super::settings::RenderSettings;
+use super::settings::OutputSettings;
 
 /// Encoder of a movie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -161,7 +161,7 @@ fn even((width, height): (u32, u32)) -> (u32, u32) {
 /// Makes a movie of the frames, which must all be rendered. Returns `false` on cancellation; no file is left then.
 pub(super) fn make(
     movie: &Path,
-    settings: &RenderSettings,
+    settings: &OutputSettings,
     rate: FrameRate,
     cancelled: &AtomicBool,
 ) -> anyhow::Result<bool> {

@@ -9,11 +9,11 @@ use indicatif::{FormattedDuration, ProgressBar, ProgressStyle};
 use serde_json::json;
 
 use rayreel::sequence::{FrameVerdict, Shot};
-use rayreel::trace::ExposureProgress;
+use rayreel::trace::RenderProgress;
 
 use super::print;
 use super::report::{ShotReport, in_millions};
-use super::settings::{RenderSettings, Telling};
+use super::settings::{OutputSettings, Telling};
 
 /// Reports finished frames and the progress of slow frames.
 pub(super) struct Progress {
@@ -58,11 +58,11 @@ struct FrameTimes {
 struct SlowFrame {
     shot: Shot,
     begun: Instant,
-    progress: ExposureProgress,
+    progress: RenderProgress,
 }
 
 impl Progress {
-    pub(super) fn start(settings: &RenderSettings) -> Self {
+    pub(super) fn start(settings: &OutputSettings) -> Self {
         let total = settings.count();
         let lines = LinePace::of(stderr().is_terminal(), print::is_dumb());
         let display = match (settings.progress, lines) {
@@ -104,7 +104,7 @@ impl Progress {
     }
 
     /// Reports the progress of a slow shot.
-    pub(super) fn rendering(&mut self, shot: &Shot, progress: ExposureProgress) {
+    pub(super) fn rendering(&mut self, shot: &Shot, progress: RenderProgress) {
         let now = Instant::now();
         let begun = self.slow.filter(|slow| slow.shot == *shot).map_or(now, |slow| slow.begun);
         self.slow = Some(SlowFrame { shot: *shot, begun, progress });
@@ -194,7 +194,7 @@ impl FrameTimes {
 }
 
 /// Formats the progress of a frame.
-fn so_far(progress: &ExposureProgress) -> String {
+fn so_far(progress: &RenderProgress) -> String {
     match progress.share {
         Some(share) => format!("{:.0} %", (100.0 * share).floor()),
         None => format!("{:.1} samples a pixel so far", progress.samples),

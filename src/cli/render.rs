@@ -12,11 +12,11 @@ use serde_json::json;
 use rayreel::output::{FoundFrame, WriteError, frame_size, remove_leftovers};
 use rayreel::scene::{Sources, input::is_stream};
 use rayreel::sequence::{FrameVerdict, SequenceObserver, Shot, Surplus, find_surplus};
-use rayreel::trace::ExposureProgress;
+use rayreel::trace::RenderProgress;
 use rayreel::{Engine, Scene};
 
 use super::args::{ProgressName, RenderArguments};
-use super::choice::{Choice, Chosen};
+use super::choice::{Chosen, SampleSelection};
 use super::draft;
 use super::exit::Failure;
 use super::interrupt::Interruption;
@@ -26,7 +26,7 @@ use super::overrides::load;
 use super::print;
 use super::progress::Progress;
 use super::report::{RenderReport, ShotReport};
-use super::settings::{RenderSettings, resize, set_cutoff};
+use super::settings::{OutputSettings, resize, set_cutoff};
 use super::sheet;
 use super::stream;
 
@@ -51,7 +51,8 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
         .num_threads(settings.threads.unwrap_or(0))
         .build()
         .context("cannot start the rendering threads")?;
-    let chosen = pool.install(|| Choice::new(arguments, &mut engine, &settings, (start, cancelled)))?;
+    let chosen =
+        pool.install(|| SampleSelection::new(arguments, &mut engine, &settings, (start, cancelled)))?;
     let Some(mut choice) = chosen else { return Err(interruption.failure()) };
     // A scene from a stream cannot be read again, so that `verify` has no use for a manifest.
     if settings.are_frames() && !is_stream(&arguments.scene) {
@@ -115,11 +116,11 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
 }
 
 /// Applies the arguments to the engine and returns the render settings.
-pub(super) fn set_up(engine: &mut Engine, arguments: &RenderArguments) -> Result<RenderSettings, Failure> {
+pub(super) fn set_up(engine: &mut Engine, arguments: &RenderArguments) -> Result<OutputSettings, Failure> {
     if arguments.draft {
         draft::apply(engine);
     }
-    let settings = RenderSettings::new(arguments, engine.timeline(), engine.film_settings())?;
+    let settings = OutputSettings::new(arguments, engine.timeline(), engine.film_settings())?;
     engine.set_precision(arguments.precision.into());
     engine.set_full(arguments.full);
     if let Some(cutoff) = arguments.cutoff {
@@ -135,7 +136,7 @@ pub(super) fn set_up(engine: &mut Engine, arguments: &RenderArguments) -> Result
 fn tell(
     report: &RenderReport,
     arguments: &RenderArguments,
-    settings: &RenderSettings,
+    settings: &OutputSettings,
 ) -> Result<(), Failure> {
     let sources = sources_for(report, arguments);
     if arguments.json {
@@ -198,7 +199,7 @@ fn sources_for(report: &RenderReport, arguments: &RenderArguments) -> Option<Sou
 /// Renders every shot whose file cannot be kept. After a failure, the frames rendered so far are still written.
 fn render_all(
     engine: &mut Engine,
-    (settings, choice): (&RenderSettings, &mut Choice),
+    (settings, choice): (&OutputSettings, &mut SampleSelection),
     cancelled: &AtomicBool,
     report: &mut RenderReport,
 ) -> Result<(), Failure> {
@@ -216,8 +217,8 @@ fn render_all(
 
 /// Observer of the sequence: configures the engine for each shot, reports its result and shows the progress.
 struct Reporter<'a> {
-    settings: &'a RenderSettings,
-    choice: &'a mut Choice,
+    settings: &'a OutputSettings,
+    choice: &'a mut SampleSelection,
     report: &'a mut RenderReport,
     progress: Progress,
     /// Rendered shots that are not yet written, in the order in which they are written.
@@ -248,7 +249,7 @@ impl SequenceObserver for Reporter<'_> {
         self.progress.rejected(&shot.file(&self.settings.sequence), verdict);
     }
 
-    fn rendering(&mut self, shot: &Shot, progress: ExposureProgress) {
+    fn rendering(&mut self, shot: &Shot, progress: RenderProgress) {
         self.progress.rendering(shot, progress);
     }
 
@@ -277,7 +278,7 @@ impl SequenceObserver for Reporter<'_> {
 
 /// Lists stray files: files in the folder that look like frames of the sequence but are not. With `--clean`, removes the ones that rayreel
 /// wrote.
-fn clear_up(engine: &Engine, settings: &RenderSettings, arguments: &RenderArguments) -> anyhow::Result<()> {
+fn clear_up(engine: &Engine, settings: &OutputSettings, arguments: &RenderArguments) -> anyhow::Result<()> {
     /// Maximum number of files listed.
     const MOST: usize = 5;
     /// Stray frames with at most this many pixels (4K) are read to check that rayreel wrote them, even if the film is smaller. Larger

@@ -13,7 +13,7 @@ use rayreel::{Effect, Engine, FrameReport, Plan};
 use super::args::RenderArguments;
 use super::choice::Chosen;
 use super::overrides::Changed;
-use super::settings::RenderSettings;
+use super::settings::OutputSettings;
 use super::warnings::Warnings;
 
 /// The report of all frames of one run.
@@ -142,7 +142,7 @@ impl RenderReport {
     }
 
     /// Summarises the rendering in one line.
-    pub(super) fn summary(&self, settings: &RenderSettings) -> String {
+    pub(super) fn summary(&self, settings: &OutputSettings) -> String {
         let frames = match self.shots.len() {
             1 => "1 frame".to_owned(),
             count => format!("{count} frames"),

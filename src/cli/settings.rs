@@ -25,7 +25,7 @@ enum Selection {
 
 /// The pictures to render and their destination.
 #[derive(Debug)]
-pub(super) struct RenderSettings {
+pub(super) struct OutputSettings {
     selection: Selection,
     order: RenderOrder,
     pub(super) sequence: Sequence,
@@ -39,7 +39,7 @@ pub(super) struct RenderSettings {
     pub(super) threads: Option<usize>,
 }
 
-impl RenderSettings {
+impl OutputSettings {
     /// Validates the arguments for a scene with this timeline and this film.
     pub(super) fn new(
         arguments: &RenderArguments,
@@ -109,7 +109,7 @@ impl Telling {
     }
 }
 
-impl RenderSettings {
+impl OutputSettings {
     /// Returns whether the pictures are frames with a file each.
     pub(super) fn are_frames(&self) -> bool {
         self.sheet.is_none() && self.stream.is_none() && !matches!(self.selection, Selection::Moment(_))

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use rayreel::accuracy::FrameSamples;
 use rayreel::components::Sampling;
 use rayreel::output::write_bytes;
-use rayreel::scene::input::{self, Offered};
+use rayreel::scene::input::{self, InputKind};
 use rayreel::sequence::Shot;
 
 /// The samples that were selected for frames, and the results.
@@ -67,7 +67,7 @@ impl SettingsFile {
         /// Maximum size in bytes, enough for more frames than a sequence has.
         const MOST: u64 = 1 << 28;
         let bytes =
-            input::read(file, Offered::Refused, MOST).with_context(|| format!("cannot read `{name}`"))?;
+            input::read(file, InputKind::Refused, MOST).with_context(|| format!("cannot read `{name}`"))?;
         let content: Content = serde_json::from_slice(&bytes).with_context(|| {
             format!("`{name}` is not a file of settings, as render --max-error and --deadline write it")
         })?;

@@ -7,11 +7,11 @@ use rayreel::Engine;
 use rayreel::components::FilmSettings;
 use rayreel::output::Sheet;
 
-use super::choice::Choice;
+use super::choice::SampleSelection;
 use super::exit::Failure;
 use super::progress::Progress;
 use super::report::{RenderReport, SheetReport, ShotReport};
-use super::settings::RenderSettings;
+use super::settings::OutputSettings;
 
 /// Creates an empty sheet with the given columns and rows of films.
 pub(super) fn empty((columns, rows): (u32, u32), film: FilmSettings) -> anyhow::Result<Sheet> {
@@ -21,7 +21,7 @@ pub(super) fn empty((columns, rows): (u32, u32), film: FilmSettings) -> anyhow::
 /// Renders every shot onto the sheet and then writes it. Writes nothing on cancellation.
 pub(super) fn render(
     engine: &mut Engine,
-    (settings, choice): (&RenderSettings, &mut Choice),
+    (settings, choice): (&OutputSettings, &mut SampleSelection),
     mut sheet: Sheet,
     cancelled: &AtomicBool,
     report: &mut RenderReport,
@@ -45,7 +45,7 @@ pub(super) fn render(
     Ok(())
 }
 
-fn write(sheet: &Sheet, settings: &RenderSettings) -> anyhow::Result<SheetReport> {
+fn write(sheet: &Sheet, settings: &OutputSettings) -> anyhow::Result<SheetReport> {
     let start = Instant::now();
     let path = settings.sequence.sheet();
     sheet.write(&path, settings.sequence.format())?;

@@ -8,17 +8,17 @@ use anyhow::Context;
 use rayreel::Engine;
 use rayreel::output::{VideoFormat, VideoStream};
 
-use super::choice::Choice;
+use super::choice::SampleSelection;
 use super::exit::Failure;
 use super::interrupt::unless_cancelled;
 use super::progress::Progress;
 use super::report::{RenderReport, ShotReport};
-use super::settings::RenderSettings;
+use super::settings::OutputSettings;
 
 /// Renders and writes every shot, until cancellation or until the reader closes the pipe, which is not a failure.
 pub(super) fn render(
     engine: &mut Engine,
-    (settings, choice): (&RenderSettings, &mut Choice),
+    (settings, choice): (&OutputSettings, &mut SampleSelection),
     format: VideoFormat,
     cancelled: &AtomicBool,
     report: &mut RenderReport,

@@ -7,7 +7,7 @@ use std::sync::atomic::Ordering;
 use anyhow::anyhow;
 use serde_json::json;
 
-use rayreel::Knobs;
+use rayreel::RenderSettings;
 use rayreel::sequence::{FrameVerdict, SequenceVerdict, Surplus, VerifyError};
 use rayreel::time::FrameList;
 
@@ -46,7 +46,7 @@ pub(super) fn run(arguments: &VerifyArguments, interruption: &Interruption) -> R
         let chosen = samples.as_ref().and_then(|samples| samples.samples_of(shot));
         match chosen {
             Some(samples) => samples.set_up(engine),
-            None => engine.set_knobs(Knobs::default()),
+            None => engine.set_render_settings(RenderSettings::default()),
         }
         if cancelled.load(Ordering::Relaxed) { Break(()) } else { Continue(()) }
     });

@@ -26,7 +26,7 @@ pub(super) struct Warnings {
 #[derive(Debug)]
 struct Warning {
     fault: Fault,
-    whose: Whose,
+    owner: Owner,
     /// The first moment of the fault.
     moment: String,
     /// Number of further moments with the fault.
@@ -35,7 +35,7 @@ struct Warning {
 
 /// The owner of a fault.
 #[derive(Debug)]
-enum Whose {
+enum Owner {
     /// An entity, with its name and its index in document order, if it has them.
     Entity(Option<String>, Option<usize>),
     /// A camera, by its name.
@@ -43,7 +43,7 @@ enum Whose {
     Scene,
 }
 
-impl Whose {
+impl Owner {
     fn of(world: &World, entity: Entity) -> Self {
         let name = world.get::<&Name>(entity).ok().map(|name| name.0.clone());
         let order = world.get::<&Order>(entity).ok().and_then(|order| usize::try_from(order.0).ok());
@@ -86,8 +86,8 @@ impl Warnings {
             if let Some(known) = self.listed.iter_mut().find(same) {
                 known.more += 1;
             } else if self.listed.len() < MOST {
-                let whose = Whose::of(engine.world(), fault.entity);
-                self.listed.push(Warning { fault, whose, moment: moment.to_owned(), more: 0 });
+                let owner = Owner::of(engine.world(), fault.entity);
+                self.listed.push(Warning { fault, owner, moment: moment.to_owned(), more: 0 });
             } else {
                 self.others.insert(fault.entity);
             }
@@ -109,8 +109,8 @@ impl Warnings {
 
     /// Prints the warnings, with line numbers for entities found in `sources`.
     pub(super) fn tell(&self, sources: Option<&Sources>) {
-        for Warning { fault, whose, moment, more } in &self.listed {
-            let line = sources.and_then(|sources| whose.line(sources));
+        for Warning { fault, owner, moment, more } in &self.listed {
+            let line = sources.and_then(|sources| owner.line(sources));
             let line = line.map_or_else(String::new, |line| format!("{line}, "));
             let more = match more {
                 0 => String::new(),
@@ -118,7 +118,7 @@ impl Warnings {
                 more => format!(" and {more} more"),
             };
             let about = [format!(" --> {line}{moment}{more}"), format!("  = help: {}", fault.remedy())];
-            print::warning(&format!("{} {fault}", whose.text()), &about);
+            print::warning(&format!("{} {fault}", owner.text()), &about);
         }
         match self.others.len() {
             0 => {}
@@ -142,10 +142,10 @@ impl Warnings {
 
     /// Returns the warnings as JSON.
     pub(super) fn to_json(&self, sources: Option<&Sources>) -> Value {
-        let one = |Warning { fault, whose, moment, more }: &Warning| {
-            let line = sources.and_then(|sources| whose.line(sources));
+        let one = |Warning { fault, owner, moment, more }: &Warning| {
+            let line = sources.and_then(|sources| owner.line(sources));
             json!({
-                "entity": whose.text(),
+                "entity": owner.text(),
                 "file": line.map(|line| line.file),
                 "line": line.map(|line| line.line),
                 "message": fault.to_string(),

@@ -27,7 +27,7 @@ pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Re
         return Err(anyhow!("a scene from standard input cannot be read again: name a file to watch").into());
     }
     let interrupted = interruption.deferred();
-    let mut teller = Teller::new(arguments)?;
+    let mut teller = WatchPrinter::new(arguments)?;
     let (sender, events) = channel();
     let settings = SessionSettings {
         scene: arguments.scene.clone(),
@@ -73,14 +73,14 @@ fn is_worth_telling(event: &Event, told: &mut u64) -> bool {
 }
 
 /// Reports events and writes the current frame to a file.
-struct Teller {
+struct WatchPrinter {
     scene: String,
     out: Option<(PathBuf, FrameFormat)>,
     /// True once a scene has been loaded without mistakes.
     good: bool,
 }
 
-impl Teller {
+impl WatchPrinter {
     fn new(arguments: &WatchArguments) -> anyhow::Result<Self> {
         let out = arguments.out.clone().map(|path| Ok::<_, anyhow::Error>((path.clone(), format_of(&path)?)));
         if let Some(path) = &arguments.out {

@@ -11,8 +11,8 @@ use super::report::FrameReport;
 use crate::components::FilmSettings;
 use crate::scene::{LoadError, Scene, SceneScripts, ScriptMistake, ScriptSources};
 use crate::systems::{
-    self, Changes, Context, Effect, Fault, Halt, Knobs, Plan, Preparation, Schedule, ScriptFailure, Scripts,
-    Shutters, Step, UnknownComponent, sampling_settings,
+    self, Changes, Context, Effect, Fault, Interrupted, Plan, Preparation, RenderSettings, Schedule,
+    ScriptFailure, Scripts, Shutters, Step, UnknownComponent, sampling_settings,
 };
 use crate::time::Timeline;
 use crate::trace::reference::Reference;
@@ -91,7 +91,7 @@ pub struct Engine {
     pub(super) full: bool,
     /// The disabled effects.
     pub(super) left_out: Vec<Effect>,
-    pub(super) knobs: Knobs,
+    pub(super) settings: RenderSettings,
     /// The exposure of frames; `None` until it is read from the world.
     pub(super) shutters: Option<Shutters>,
     pub(super) plan: Option<Plan>,
@@ -121,11 +121,11 @@ pub enum EngineError {
 
 impl EngineError {
     /// Returns the error for a halt. `None` if the frame was only cancelled.
-    pub(super) fn of(halt: Halt, sources: &ScriptSources) -> Option<Self> {
+    pub(super) fn of(halt: Interrupted, sources: &ScriptSources) -> Option<Self> {
         Some(match halt {
-            Halt::Cancelled => return None,
-            Halt::UnknownComponent(unknown) => Self::UnknownComponent(unknown),
-            Halt::Script(failure) => {
+            Interrupted::Cancelled => return None,
+            Interrupted::UnknownComponent(unknown) => Self::UnknownComponent(unknown),
+            Interrupted::Script(failure) => {
                 let ScriptFailure { script, channel, seconds, error } = *failure;
                 let about = format!("{channel} at t = {seconds}");
                 Self::Script(sources.mistake(script, &about, &error))
@@ -177,7 +177,7 @@ impl Engine {
             simd: SimdLevel::best(),
             full: false,
             left_out: Vec::new(),
-            knobs: Knobs::default(),
+            settings: RenderSettings::default(),
             shutters: None,
             plan: None,
             policy: None,
@@ -303,8 +303,8 @@ impl Engine {
     }
 
     /// Sets the render settings that override the scene's own from the next frame on. Drafts use the scene's own settings.
-    pub fn set_knobs(&mut self, knobs: Knobs) {
-        self.knobs = knobs;
+    pub fn set_render_settings(&mut self, settings: RenderSettings) {
+        self.settings = settings;
     }
 
     /// Sets the policy that chooses the samples of each round, for images with an error target. `None` uses the target alone.
@@ -329,8 +329,8 @@ impl Engine {
 
     /// Returns the render settings that override the scene's own.
     #[must_use]
-    pub fn knobs(&self) -> Knobs {
-        self.knobs
+    pub fn settings(&self) -> RenderSettings {
+        self.settings
     }
 
     /// Sets whether to render with all effects, even those that a scene does not need. This is slower and gives the same bits; it is meant
@@ -460,7 +460,7 @@ impl Engine {
     /// Returns whether sampling is adaptive: see [`Sampling::max_error`](crate::components::Sampling::max_error).
     #[must_use]
     pub fn is_adaptive(&self) -> bool {
-        let sampling = self.knobs.sampling(sampling_settings(&self.world));
+        let sampling = self.settings.sampling(sampling_settings(&self.world));
         sampling.max_error > 0.0 && !self.left_out.contains(&Effect::Antialiasing)
     }
 

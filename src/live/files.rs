@@ -6,7 +6,7 @@ use std::hash::Hasher;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
-use crate::scene::input::{self, LARGEST_FILE, Offered};
+use crate::scene::input::{self, InputKind, LARGEST_FILE};
 
 /// Maximum lag of file timestamps behind the system clock.
 const CLOCK_TICK: Duration = Duration::from_millis(10);
@@ -137,7 +137,7 @@ impl KnownFile {
                 .or_else(|| apart(stamp.latest(), now))
                 .is_some_and(|age| age < STAMP_TICK)
         });
-        let content = input::read(path, Offered::Refused, LARGEST_FILE);
+        let content = input::read(path, InputKind::Refused, LARGEST_FILE);
         let content = content.map_or(KnownContent::Nothing, |bytes| KnownContent::Bytes(hash(&bytes)));
         Self { stamp, content, fresh }
     }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use tokio::sync::watch;
 
-use super::board::{Board, Picture};
-use super::mailbox::{Command, Mailbox};
+use super::commands::{Command, CommandQueue};
+use super::published::{Picture, Published};
 use super::state::State;
 use super::watcher::Watching;
 use crate::scene::Override;
@@ -32,33 +32,33 @@ pub struct SessionSettings {
 /// A handle that sends commands to a session and reads its state, from any thread.
 #[derive(Clone, Debug)]
 pub struct Handle {
-    pub(super) mailbox: Arc<Mailbox>,
-    pub(super) board: Arc<Board>,
+    pub(super) commands: Arc<CommandQueue>,
+    pub(super) published: Arc<Published>,
 }
 
 impl Handle {
     /// Sends a command to the session.
     #[doc(hidden)]
-    pub fn post(&self, command: Command) {
-        self.mailbox.post(command);
+    pub fn send(&self, command: Command) {
+        self.commands.send(command);
     }
 
     /// Returns the current state of the session.
     #[doc(hidden)]
     #[must_use]
     pub fn state(&self) -> State {
-        self.board.state()
+        self.published.state()
     }
 
     /// Returns a receiver of subsequent states.
     pub(super) fn subscribe(&self) -> watch::Receiver<State> {
-        self.board.subscribe()
+        self.published.subscribe()
     }
 
     /// Returns a picture, or `None` once it is out of date.
     #[doc(hidden)]
     #[must_use]
     pub fn picture(&self, id: u64) -> Option<Picture> {
-        self.board.picture(id)
+        self.published.picture(id)
     }
 }

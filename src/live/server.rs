@@ -34,9 +34,9 @@ use tokio::runtime::Builder;
 use tokio::sync::oneshot;
 use tokio::time::timeout;
 
+use super::commands::{Answer, Command, View};
 use super::guard::{Guard, HostName};
 use super::handle::Handle;
-use super::mailbox::{Answer, Command, View};
 use super::page::FILES;
 
 /// Content security policy of the page, which permits requests to this server only.
@@ -225,7 +225,7 @@ async fn picture(State(shared): State<Shared>, Path((session, id)): Path<(u64, u
 async fn view(State(shared): State<Shared>, body: Bytes) -> Response {
     match serde_json::from_slice::<View>(&body) {
         Ok(view) => {
-            shared.session.post(Command::View(view));
+            shared.session.send(Command::View(view));
             StatusCode::NO_CONTENT.into_response()
         }
         Err(error) => refused(&error),
@@ -241,7 +241,7 @@ async fn probe(State(shared): State<Shared>, body: Bytes) -> Response {
     let send = move |info| {
         let _ = sender.send(info);
     };
-    shared.session.post(Command::Probe(pixel, Answer(Box::new(send))));
+    shared.session.send(Command::Probe(pixel, Answer(Box::new(send))));
     match answer.await {
         Ok(info) => json(&info),
         Err(_) => StatusCode::SERVICE_UNAVAILABLE.into_response(),

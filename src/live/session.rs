@@ -5,12 +5,12 @@ use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use super::board::Board;
-use super::director::Director;
+use super::commands::Command;
 use super::event::Event;
 use super::handle::{Handle, SessionSettings};
-use super::mailbox::Command;
+use super::published::Published;
 use super::state::State;
+use super::worker::Worker;
 
 /// A scene that is read again after every edit, on a separate thread, until it is dropped.
 ///
@@ -36,9 +36,9 @@ impl Session {
             rate: 1.0,
             ..State::default()
         };
-        let handle = Handle { mailbox: Arc::default(), board: Arc::new(Board::new(state)) };
+        let handle = Handle { commands: Arc::default(), published: Arc::new(Published::new(state)) };
         let shared = handle.clone();
-        let thread = thread::spawn(move || Director::new(settings, shared, Box::new(tell)).run());
+        let thread = thread::spawn(move || Worker::new(settings, shared, Box::new(tell)).run());
         Self { handle, thread: Some(thread) }
     }
 
@@ -51,7 +51,7 @@ impl Session {
 
 impl Drop for Session {
     fn drop(&mut self) {
-        self.handle.post(Command::Stop);
+        self.handle.send(Command::Stop);
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }

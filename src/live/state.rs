@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::mailbox::Detail;
+use super::commands::Detail;
 use crate::engine::{EngineError, FrameReport};
 use crate::scene::{LoadError, ScriptMistake, SourcePosition};
 use crate::systems::{Effect, Plan};

@@ -74,7 +74,7 @@ impl Watcher {
                 Watching::Polling => None,
             };
             let heartbeat = if eyes.is_some() { HEARTBEAT } else { POLL };
-            let lookout = Lookout {
+            let lookout = WatcherThread {
                 inbox,
                 eyes,
                 heartbeat,
@@ -138,7 +138,7 @@ impl Drop for Watcher {
 }
 
 /// The state of the watcher's thread.
-struct Lookout {
+struct WatcherThread {
     inbox: Receiver<Message>,
     eyes: Option<RecommendedWatcher>,
     heartbeat: Duration,
@@ -157,7 +157,7 @@ enum Hint {
     Stop,
 }
 
-impl Lookout {
+impl WatcherThread {
     fn run(mut self) {
         let mut next_beat = Instant::now() + self.heartbeat;
         loop {

@@ -9,7 +9,7 @@ use png::{BitDepth, Filter};
 use super::channels::Channels;
 use super::frame_pixels::{FramePixels, LinearFrame};
 use super::provenance::{PixelFingerprint, Provenance};
-use super::{exr_file, pfm_file, png_file, ppm_file, whole_file};
+use super::{atomic_file, exr_file, pfm_file, png_file, ppm_file};
 use crate::color::Transfer;
 use crate::trace::{Film, FrameFingerprint, Passes};
 
@@ -195,13 +195,13 @@ pub(super) fn put(
 ) -> Result<(), WriteError> {
     let encoded = encode_frame(pixels, format, frame);
     let parts = encoded.map_err(|source| WriteError::Encoding { path: path.to_owned(), source })?;
-    whole_file::put(path, &parts.each_ref().map(|part| &**part))
+    atomic_file::put(path, &parts.each_ref().map(|part| &**part))
         .map_err(|source| WriteError::File { path: path.to_owned(), source })
 }
 
 /// Makes a file written by [`put`], and all earlier files in its folder, durable against machine failures.
 pub(super) fn settle(path: &Path) -> Result<(), WriteError> {
-    whole_file::settle(path).map_err(|source| WriteError::File { path: path.to_owned(), source })
+    atomic_file::settle(path).map_err(|source| WriteError::File { path: path.to_owned(), source })
 }
 
 /// Writes bytes to a file completely or not at all.
@@ -210,7 +210,7 @@ pub(super) fn settle(path: &Path) -> Result<(), WriteError> {
 ///
 /// If the file system reports an error. No partial file remains.
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    whole_file::write(path, bytes).map_err(|source| WriteError::File { path: path.to_owned(), source })
+    atomic_file::write(path, bytes).map_err(|source| WriteError::File { path: path.to_owned(), source })
 }
 
 /// Writes bytes to a file that must not exist yet, completely or not at all.
@@ -219,7 +219,7 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
 ///
 /// If the file exists, in which case it stays unchanged, or if the file system reports an error. No partial file remains.
 pub fn write_new(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    whole_file::write_new(path, bytes).map_err(|source| WriteError::File { path: path.to_owned(), source })
+    atomic_file::write_new(path, bytes).map_err(|source| WriteError::File { path: path.to_owned(), source })
 }
 
 #[cfg(test)]

@@ -3,13 +3,14 @@
 //! Files are complete or absent: each is written under a temporary name in the same folder, and renamed once every byte is on the disk.
 //! Each frame file contains fingerprints of its picture and of its pixels, so that existing files can be compared with the expected ones.
 
+mod animation_writer;
+mod atomic_file;
 mod channels;
 mod exr_file;
 mod found_frame;
 mod frame_file;
 mod frame_pixels;
 mod label;
-mod loops;
 mod pfm_file;
 mod picture;
 mod picture_file;
@@ -20,20 +21,19 @@ mod provenance;
 mod sequence;
 mod sheet;
 mod video_stream;
-mod whole_file;
 mod writer;
 
+pub use animation_writer::{LoopError, LoopFormat, LoopWriter, gif_delays};
+pub use atomic_file::{PartialFile, folder_of, remove_leftovers};
 pub use channels::Channels;
 pub use found_frame::{FoundFrame, frame_size, read_frame};
 pub use frame_file::{
     EncodeError, FrameFormat, WriteError, encode, encode_quickly, write, write_bytes, write_new,
 };
 pub use frame_pixels::{FramePixels, LinearFrame};
-pub use loops::{LoopError, LoopFormat, LoopWriter, gif_delays};
 pub use picture_file::PictureFile;
 pub use provenance::{NoProvenance, PixelFingerprint, Provenance};
-pub use sequence::{FrameNames, NotAPattern, Sequence};
+pub use sequence::{FrameNames, InvalidPattern, Sequence};
 pub use sheet::{Sheet, SheetTooLarge};
 pub use video_stream::{VideoFormat, VideoStream};
-pub use whole_file::{PartialFile, folder_of, remove_leftovers};
 pub use writer::{FrameWriter, WrittenFrame};

@@ -31,7 +31,7 @@ pub struct Sequence {
 /// let names: FrameNames = "shot_####_left".parse()?;
 /// assert_eq!(names, "shot_%04d_left".parse()?);
 /// assert!(names.have_numbers() && !"hero".parse::<FrameNames>()?.have_numbers());
-/// # Ok::<(), rayreel::output::NotAPattern>(())
+/// # Ok::<(), rayreel::output::InvalidPattern>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FrameNames {
@@ -43,7 +43,7 @@ pub struct FrameNames {
 
 /// The error for a string that does not specify frame names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum NotAPattern {
+pub enum InvalidPattern {
     /// The text is empty, or does not have exactly one valid place for the number.
     #[error("it takes one place for the frame's number, as #### or %04d")]
     Number,
@@ -56,33 +56,33 @@ pub enum NotAPattern {
 }
 
 impl FromStr for FrameNames {
-    type Err = NotAPattern;
+    type Err = InvalidPattern;
 
-    fn from_str(text: &str) -> Result<Self, NotAPattern> {
+    fn from_str(text: &str) -> Result<Self, InvalidPattern> {
         const MOST: usize = 10;
         if text.contains(['/', '\\']) {
-            return Err(NotAPattern::Folder);
+            return Err(InvalidPattern::Folder);
         }
         let Some(start) = text.find(['#', '%']) else {
             let is_name = !text.is_empty();
             let name = Self { before: text.into(), digits: 0, after: String::new() };
-            return is_name.then_some(name).ok_or(NotAPattern::Number);
+            return is_name.then_some(name).ok_or(InvalidPattern::Number);
         };
         let (before, rest) = text.split_at(start);
         let (digits, after) = if let Some(place) = rest.strip_prefix('%') {
-            let (digits, after) = place.split_once('d').ok_or(NotAPattern::Number)?;
+            let (digits, after) = place.split_once('d').ok_or(InvalidPattern::Number)?;
             match (digits, digits.strip_prefix('0')) {
                 ("", _) => (1, after),
-                (_, Some(digits)) => (digits.parse().map_err(|_| NotAPattern::Number)?, after),
-                _ => return Err(NotAPattern::Number),
+                (_, Some(digits)) => (digits.parse().map_err(|_| InvalidPattern::Number)?, after),
+                _ => return Err(InvalidPattern::Number),
             }
         } else {
             let after = rest.trim_start_matches('#');
             (rest.len() - after.len(), after)
         };
         match (after.contains(['#', '%']), digits) {
-            (true, _) | (_, 0) => Err(NotAPattern::Number),
-            (_, digits) if digits > MOST => Err(NotAPattern::Digits),
+            (true, _) | (_, 0) => Err(InvalidPattern::Number),
+            (_, digits) if digits > MOST => Err(InvalidPattern::Digits),
             _ => Ok(Self { before: before.into(), digits, after: after.to_owned() }),
         }
     }
@@ -150,7 +150,7 @@ impl Sequence {
     ///
     /// If the folder cannot be read. A missing folder has no frames.
     pub fn present(&self) -> io::Result<Vec<(u32, PathBuf)>> {
-        let entries = match fs::read_dir(super::whole_file::named(&self.directory)) {
+        let entries = match fs::read_dir(super::atomic_file::named(&self.directory)) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
             entries => entries?,
         };
@@ -271,15 +271,15 @@ mod tests {
         assert_eq!(single.frame(7), PathBuf::from("out/hero.png"));
         assert_eq!(single.frame_of(OsStr::new("hero.png")), None);
         for (wrong, why) in [
-            ("", NotAPattern::Number),
-            ("##_##", NotAPattern::Number),
-            ("%04d%d", NotAPattern::Number),
-            ("%4d", NotAPattern::Number),
-            ("%00d", NotAPattern::Number),
-            ("%04x", NotAPattern::Number),
-            ("%011d", NotAPattern::Digits),
-            ("../####", NotAPattern::Folder),
-            ("a\\####", NotAPattern::Folder),
+            ("", InvalidPattern::Number),
+            ("##_##", InvalidPattern::Number),
+            ("%04d%d", InvalidPattern::Number),
+            ("%4d", InvalidPattern::Number),
+            ("%00d", InvalidPattern::Number),
+            ("%04x", InvalidPattern::Number),
+            ("%011d", InvalidPattern::Digits),
+            ("../####", InvalidPattern::Folder),
+            ("a\\####", InvalidPattern::Folder),
         ] {
             assert_eq!(wrong.parse::<FrameNames>(), Err(why), "{wrong}");
         }

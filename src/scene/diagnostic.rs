@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 
-use super::printable::{Printable, is_printable};
+use super::escape::{Printable, is_printable};
 use super::quote::bounded;
 
 /// An error in a scene: its cause, its byte range in the text, and its remedy.

@@ -10,7 +10,7 @@ pub(crate) const LARGEST_FILE: u64 = 1 << 30;
 
 /// Policy for paths that name an input stream of the process, such as `/dev/stdin`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Offered {
+pub enum InputKind {
     /// A stream is accepted. It can be read only once.
     Accepted,
     /// A stream is rejected; only a file that can be read again is accepted.
@@ -38,14 +38,14 @@ pub enum InputError {
 /// # Errors
 ///
 /// Returns an error if the path does not name a file, if the file is too large, or if a system call fails.
-pub fn open(path: &Path, offered: Offered, most: u64) -> Result<Take<File>, InputError> {
+pub fn open(path: &Path, offered: InputKind, most: u64) -> Result<Take<File>, InputError> {
     let limit = most.saturating_add(1);
     let metadata = fs::metadata(path)?;
     if metadata.is_dir() {
         return Err(io::Error::from(io::ErrorKind::IsADirectory).into());
     }
     if !metadata.is_file() {
-        let accepted = offered == Offered::Accepted && is_stream(path);
+        let accepted = offered == InputKind::Accepted && is_stream(path);
         return if accepted { Ok(File::open(path)?.take(limit)) } else { Err(InputError::NotAFile) };
     }
     if metadata.len() > most {
@@ -67,9 +67,9 @@ const STANDARD_INPUT: &str = "-";
 /// # Errors
 ///
 /// As for [`open`]; also if the content exceeds `most` bytes, or if reading fails.
-pub fn read(path: &Path, offered: Offered, most: u64) -> Result<Vec<u8>, InputError> {
+pub fn read(path: &Path, offered: InputKind, most: u64) -> Result<Vec<u8>, InputError> {
     let mut bytes = Vec::new();
-    if offered == Offered::Accepted && path == Path::new(STANDARD_INPUT) {
+    if offered == InputKind::Accepted && path == Path::new(STANDARD_INPUT) {
         io::stdin().lock().take(most.saturating_add(1)).read_to_end(&mut bytes)?;
     } else {
         open(path, offered, most)?.read_to_end(&mut bytes)?;
@@ -97,13 +97,13 @@ mod tests {
         let path = folder.path().join("file");
         for length in [0, 1, 9, 10] {
             fs::write(&path, vec![b'a'; length]).unwrap();
-            assert_eq!(read(&path, Offered::Refused, 10).unwrap().len(), length);
+            assert_eq!(read(&path, InputKind::Refused, 10).unwrap().len(), length);
         }
         fs::write(&path, [b'a'; 11]).unwrap();
-        assert!(matches!(read(&path, Offered::Refused, 10), Err(InputError::TooLarge(10))));
-        assert!(matches!(read(folder.path(), Offered::Accepted, 10), Err(InputError::System(_))));
+        assert!(matches!(read(&path, InputKind::Refused, 10), Err(InputError::TooLarge(10))));
+        assert!(matches!(read(folder.path(), InputKind::Accepted, 10), Err(InputError::System(_))));
         assert!(matches!(
-            read(&folder.path().join("none"), Offered::Accepted, 10),
+            read(&folder.path().join("none"), InputKind::Accepted, 10),
             Err(InputError::System(_))
         ));
     }
@@ -118,7 +118,7 @@ mod tests {
         let link = folder.path().join("link");
         std::os::unix::fs::symlink("/dev/zero", &link).unwrap();
         for path in [pipe.as_path(), &link, Path::new("/dev/zero"), Path::new("/dev/tty")] {
-            for offered in [Offered::Accepted, Offered::Refused] {
+            for offered in [InputKind::Accepted, InputKind::Refused] {
                 let found = read(path, offered, 10);
                 assert!(matches!(found, Err(InputError::NotAFile)), "{}: {found:?}", path.display());
             }
@@ -126,7 +126,7 @@ mod tests {
         // Reading it would block until a first line arrives.
         let made_up = Path::new("/proc/kmsg");
         if made_up.exists() {
-            let found = read(made_up, Offered::Refused, 10);
+            let found = read(made_up, InputKind::Refused, 10);
             assert!(found.as_ref().map_or(true, Vec::is_empty), "{found:?}");
         }
     }

@@ -19,18 +19,17 @@ mod data;
 mod diagnostic;
 mod document;
 mod error;
+mod escape;
 mod files;
 #[doc(hidden)]
 pub mod input;
 pub mod language;
 mod load;
 pub mod manual;
-mod nearby;
 mod overrides;
 mod parse;
 mod paths;
 mod playback;
-mod printable;
 mod quote;
 mod reader;
 mod reparse;
@@ -40,14 +39,15 @@ mod sources;
 mod spans;
 mod spawn;
 mod suggest;
+mod suggest_file;
 mod validate;
 
 pub use diagnostic::{Diagnostic, Source, SourcePosition};
 pub use error::{Inclusion, LoadError, Mistake};
+#[doc(hidden)]
+pub use escape::{Printable, is_printable};
 pub use load::{Scene, TEMPLATE};
 pub use overrides::{Override, OverrideError};
-#[doc(hidden)]
-pub use printable::{Printable, is_printable};
 pub use reader::Reader;
 pub use script_sources::ScriptMistake;
 pub(crate) use script_sources::{SceneScripts, ScriptSources};

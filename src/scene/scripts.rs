@@ -9,10 +9,10 @@ use super::Sources;
 use super::data;
 use super::diagnostic::Source;
 use super::document::{EntityDocument, SceneDocument, ScriptDocument};
-use super::input::{self, InputError, Offered};
-use super::nearby::nearby;
+use super::input::{self, InputError, InputKind};
 use super::script_sources::{SceneScripts, ScriptSource};
 use super::spawn::transfer;
+use super::suggest_file::nearby;
 use super::validate::{At, Problems};
 use crate::script::{CompiledScripts, Language, ScriptError, SpawnBudget, limits, run_spawning};
 
@@ -188,18 +188,21 @@ fn remembered(path: PathBuf, paths: &mut Vec<PathBuf>) -> PathBuf {
 fn read(path: &Path, written: &Path) -> Result<String, (String, String)> {
     let file = path.display();
     let remedy = || "write the path of a text file, as seen from the scene file's folder".to_owned();
-    let bytes = input::read(path, Offered::Refused, limits::SCRIPT as u64).map_err(|error| match error {
-        InputError::System(error) if error.kind() == ErrorKind::NotFound => {
-            (format!("there is no file `{file}`"), nearby(path, written, is_no_scene).unwrap_or_else(remedy))
-        }
-        InputError::System(error) if error.kind() != ErrorKind::IsADirectory => {
-            (format!("`{file}` cannot be read: {error}"), remedy())
-        }
-        InputError::NotAFile | InputError::System(_) => (format!("`{file}` is not a file"), remedy()),
-        InputError::TooLarge(most) => {
-            (format!("`{file}` is too long for a script"), format!("a script has at most {} KiB", most >> 10))
-        }
-    })?;
+    let bytes =
+        input::read(path, InputKind::Refused, limits::SCRIPT as u64).map_err(|error| match error {
+            InputError::System(error) if error.kind() == ErrorKind::NotFound => (
+                format!("there is no file `{file}`"),
+                nearby(path, written, is_no_scene).unwrap_or_else(remedy),
+            ),
+            InputError::System(error) if error.kind() != ErrorKind::IsADirectory => {
+                (format!("`{file}` cannot be read: {error}"), remedy())
+            }
+            InputError::NotAFile | InputError::System(_) => (format!("`{file}` is not a file"), remedy()),
+            InputError::TooLarge(most) => (
+                format!("`{file}` is too long for a script"),
+                format!("a script has at most {} KiB", most >> 10),
+            ),
+        })?;
     let text = String::from_utf8(bytes).map_err(|_| {
         (format!("`{file}` is not UTF-8 text"), "save it as UTF-8; is it really a script?".to_owned())
     })?;

@@ -4,8 +4,8 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::SourcePosition;
+use super::escape::Printable;
 use super::files::Origin;
-use super::printable::Printable;
 use super::spans::{PathStep, locate};
 
 /// The texts of all files of a scene, for looking up the locations of its elements.

@@ -3,10 +3,10 @@
 
 use rhai::{Dynamic, Engine, EvalAltResult, FLOAT, INT, ImmutableString};
 
+use super::budget::Extent;
 use super::data::kind;
-use super::outcome::{Outcome, failed, finite, number};
-use super::work::Extent;
-use super::{limits, maths, work};
+use super::result::{Outcome, failed, finite, number};
+use super::{budget, limits, maths};
 
 #[derive(Clone, Copy)]
 enum Operator {
@@ -81,7 +81,7 @@ impl Operator {
     fn parts(self, left: &Dynamic, right: &Dynamic) -> Outcome {
         let numbers = |value: &Dynamic| number(value).is_some();
         let lists = (left.as_array_ref(), right.as_array_ref());
-        work::add(lists.0.as_ref().or(lists.1.as_ref()).map_or(0, |list| list.len()));
+        budget::add(lists.0.as_ref().or(lists.1.as_ref()).map_or(0, |list| list.len()));
         let parts: Vec<Dynamic> = match lists {
             (Ok(left), Ok(right)) if left.len() == right.len() => left
                 .iter()
@@ -117,7 +117,7 @@ fn joined(left: &Dynamic, right: &Dynamic) -> Outcome {
     if text.len() > limits::TEXT {
         return failed(format!("this text is longer than {} bytes", limits::TEXT));
     }
-    work::add_text(text.len());
+    budget::add_text(text.len());
     Ok(ImmutableString::from(text).into())
 }
 
@@ -144,7 +144,7 @@ fn negative(value: &Dynamic) -> Outcome {
     }
     match value.as_array_ref() {
         Ok(parts) => {
-            work::add(parts.len());
+            budget::add(parts.len());
             Ok(Dynamic::from_array(parts.iter().map(negative).collect::<Result<_, _>>()?))
         }
         Err(_) => failed(format!("`-` does not take {}", kind(value))),
@@ -161,16 +161,16 @@ pub(super) fn equal(left: &Dynamic, right: &Dynamic) -> bool {
         return left == right;
     }
     if let (Ok(left), Ok(right)) = (left.as_array_ref(), right.as_array_ref()) {
-        work::add(left.len());
+        budget::add(left.len());
         return left.len() == right.len() && left.iter().zip(&*right).all(|(left, right)| equal(left, right));
     }
     if let (Ok(left), Ok(right)) = (left.as_map_ref(), right.as_map_ref()) {
-        work::add(left.len());
+        budget::add(left.len());
         let same = |((a, left), (b, right)): ((&_, &Dynamic), (&_, &Dynamic))| a == b && equal(left, right);
         return left.len() == right.len() && left.iter().zip(right.iter()).all(same);
     }
     if let (Ok(left), Ok(right)) = (left.as_immutable_string_ref(), right.as_immutable_string_ref()) {
-        work::add_text(left.len());
+        budget::add_text(left.len());
         return *left == *right;
     }
     if let (Ok(left), Ok(right)) = (left.as_char(), right.as_char()) {
@@ -205,7 +205,7 @@ pub(super) fn register(engine: &mut Engine) {
     // Called by string interpolation.
     engine.register_fn("to_string", |number: FLOAT| number.to_string());
     engine.register_fn("to_string", |value: &mut Dynamic| {
-        work::add(Extent::of(value).writing());
+        budget::add(Extent::of(value).writing());
         value.to_string()
     });
     engine.register_fn("!", |flag: bool| !flag);

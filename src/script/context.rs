@@ -7,7 +7,7 @@ use std::ops::Range;
 use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, NativeCallContext, Position};
 
 use super::positions::span_of;
-use super::{Data, work};
+use super::{Data, budget};
 
 /// The inputs of a script: the time, its owner, and the known values of other channels.
 #[derive(Clone, Debug, Default)]
@@ -36,7 +36,7 @@ pub(crate) struct Read {
 
 /// A read of an unknown value, as stored in the error that stops the script.
 #[derive(Clone, Debug)]
-struct Wish {
+struct ReadRequest {
     target: String,
     channel: String,
     position: Position,
@@ -119,7 +119,7 @@ pub(super) fn unanswered(text: &str, error: &EvalAltResult) -> Option<Read> {
     match error {
         EvalAltResult::ErrorInFunctionCall(_, _, inner, _) => unanswered(text, inner),
         EvalAltResult::ErrorTerminated(wish, _) => {
-            let Wish { target, channel, position } = wish.clone().try_cast::<Wish>()?;
+            let ReadRequest { target, channel, position } = wish.clone().try_cast::<ReadRequest>()?;
             Some(Read { target, channel, span: span_of(text, position) })
         }
         _ => None,
@@ -132,12 +132,12 @@ fn value(
     target: ImmutableString,
     channel: ImmutableString,
 ) -> Result<Dynamic, Box<EvalAltResult>> {
-    work::add_text(target.len() + channel.len());
+    budget::add_text(target.len() + channel.len());
     let key = (target, channel);
     let known = CURRENT.with_borrow(|current| current.values.get(&key).cloned());
     known.ok_or_else(|| {
         let position = context.call_position();
-        let wish = Wish { target: key.0.to_string(), channel: key.1.to_string(), position };
+        let wish = ReadRequest { target: key.0.to_string(), channel: key.1.to_string(), position };
         // Scripts cannot catch this error.
         EvalAltResult::ErrorTerminated(Dynamic::from(wish), Position::NONE).into()
     })
@@ -145,5 +145,5 @@ fn value(
 
 pub(super) fn register(engine: &mut Engine) {
     engine.register_fn("value", value);
-    work::on_outside(engine, |name| CURRENT.with_borrow(|current| current.named(name)));
+    budget::on_outside(engine, |name| CURRENT.with_borrow(|current| current.named(name)));
 }

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use rhai::{Dynamic, FnPtr, ImmutableString};
 
-use super::outcome::number;
+use super::result::number;
 use crate::animation::limits::{LARGEST, MOST_LIGHT};
 use crate::animation::{Notation, Rotation, Value};
 use crate::color::Transfer;

@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use rhai::{EvalAltResult, ParseError, ParseErrorType, Position};
 
+use super::builtins::{Known, Purpose};
 use super::limits;
+use super::messages::{Message, function_name, shortened};
 use super::positions::span_of;
-use super::vocabulary::{Known, Purpose};
-use super::wording::{Told, function_name, shortened};
 
 /// A compile-time or run-time error of a script.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -49,14 +49,14 @@ impl ScriptError {
     }
 
     pub(super) fn parsing(text: &str, error: &ParseError, purpose: Purpose) -> Self {
-        let told = Told::of_parsing(error.err_type());
+        let told = Message::of_parsing(error.err_type());
         match error.err_type() {
             ParseErrorType::VariableUndefined(name) => {
                 Self::unknown_variable(text, name, error.position(), purpose)
             }
             ParseErrorType::Reserved(word) if purpose.elsewhere(word).is_some() => {
                 let help = purpose.elsewhere(word).map(str::to_owned);
-                Self::at(text, error.position(), Told { help, ..told })
+                Self::at(text, error.position(), Message { help, ..told })
             }
             _ => Self::at(text, error.position(), told),
         }
@@ -73,7 +73,7 @@ impl ScriptError {
             EvalAltResult::ErrorVariableNotFound(name, position) => {
                 Self::unknown_variable(text, name, *position, known.purpose)
             }
-            _ => Self::at(text, error.position(), Told::of_running(error, known.purpose)),
+            _ => Self::at(text, error.position(), Message::of_running(error, known.purpose)),
         }
     }
 
@@ -96,11 +96,11 @@ impl ScriptError {
         let help = purpose.elsewhere(&unknown.name).map(str::to_owned);
         let unknown = help.is_none().then(|| unknown.into());
         let label = "not known here".to_owned();
-        Self { unknown, ..Self::at(text, position, Told { message, label, help }) }
+        Self { unknown, ..Self::at(text, position, Message { message, label, help }) }
     }
 
     pub(super) fn long_call(text: &str, name: &str, position: Position) -> Self {
-        let told = Told::with_help(
+        let told = Message::with_help(
             format!("`{}` is called with too many values", shortened(name)),
             "too many",
             format!("a function takes at most {}; a list holds more", limits::ARGUMENTS),
@@ -110,11 +110,11 @@ impl ScriptError {
 
     pub(super) fn endless_number(text: &str, position: Position) -> Self {
         let help = "numbers reach to about 1.8e308";
-        Self::at(text, position, Told::with_help("this number is too large", "beyond all numbers", help))
+        Self::at(text, position, Message::with_help("this number is too large", "beyond all numbers", help))
     }
 
-    fn at(text: &str, position: Position, told: Told) -> Self {
-        let Told { message, label, help } = told;
+    fn at(text: &str, position: Position, told: Message) -> Self {
+        let Message { message, label, help } = told;
         let (message, help) = match message.split_once('\n') {
             Some((message, help)) => (message.to_owned(), Some(help.to_owned())),
             None => (message, help),

@@ -6,10 +6,10 @@ use std::collections::HashSet;
 use rhai::packages::{BasicIteratorPackage, Package};
 use rhai::{AST, ASTNode, Dynamic, Engine, Expr, LexError, OptimizationLevel, Position, Scope, Stmt, Token};
 
+use super::builtins::{Known, Purpose};
 use super::context::{Read, ScriptContext, unanswered, within};
-use super::vocabulary::{Known, Purpose};
-use super::wording::LONG_HEAD;
-use super::{Data, ScriptError, arithmetic, context, limits, lists, maths, noise, work};
+use super::messages::LONG_HEAD;
+use super::{Data, ScriptError, arithmetic, budget, context, limits, lists, maths, noise};
 use crate::color::Transfer;
 
 /// The compiler and interpreter of scripts.
@@ -72,7 +72,7 @@ impl Language {
     #[must_use]
     pub(crate) fn new(seed: u64) -> Self {
         let mut engine = bare_engine();
-        work::limit(&mut engine, |done| done > limits::OPERATIONS);
+        budget::limit(&mut engine, |done| done > limits::OPERATIONS);
         noise::register(&mut engine, seed);
         context::register(&mut engine);
         Self { parser: parser(Purpose::Drive), engine, outside: outside(&ScriptContext::NAMES) }
@@ -93,10 +93,10 @@ impl Language {
     ///
     /// If the script fails, or reads a value that is not known yet.
     pub(crate) fn run(&self, script: &Script, context: &mut ScriptContext) -> Result<Data, Stop> {
-        work::start();
+        budget::start();
         let result =
             within(context, || self.engine.eval_ast_with_scope::<Dynamic>(&mut Scope::new(), &script.ast));
-        context.record_work(work::done());
+        context.record_work(budget::done());
         match result {
             Ok(value) => Ok(Data::of(&value)),
             Err(error) => Err(match unanswered(&script.text, &error) {

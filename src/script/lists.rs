@@ -5,14 +5,14 @@ use rhai::{Array, Dynamic, Engine, EvalAltResult, FLOAT, INT, ImmutableString, M
 use super::arithmetic::equal;
 use super::data::kind;
 use super::maths::argument;
-use super::outcome::{Outcome, failed, finite};
-use super::{limits, work};
+use super::result::{Outcome, failed, finite};
+use super::{budget, limits};
 
 /// Returns the elements of a list of numbers.
 fn numbers(function: &str, value: &Dynamic) -> Result<Vec<FLOAT>, Box<EvalAltResult>> {
     match value.as_array_ref() {
         Ok(list) => {
-            work::add(list.len());
+            budget::add(list.len());
             list.iter().map(|part| argument(function, part)).collect()
         }
         Err(_) => failed(format!("`{function}` takes a list of numbers, not {}", kind(value))),
@@ -144,7 +144,7 @@ pub(super) fn register(engine: &mut Engine) {
     engine.register_fn("len", |list: &mut Array| list.len() as INT);
     engine.register_fn("len", |map: &mut Map| map.len() as INT);
     engine.register_fn("len", |text: ImmutableString| {
-        work::add_text(text.len());
+        budget::add_text(text.len());
         text.chars().count() as INT
     });
     engine.register_fn("push", |list: &mut Array, value: Dynamic| -> Result<(), Box<EvalAltResult>> {
@@ -155,25 +155,25 @@ pub(super) fn register(engine: &mut Engine) {
     engine.register_fn("pop", |list: &mut Array| list.pop().map_or_else(|| failed("the list is empty"), Ok));
     engine.register_fn("append", |mut left: Array, right: Array| {
         left.extend(right);
-        work::add(left.len());
+        budget::add(left.len());
         room(left.len(), left)
     });
     engine.register_fn("reverse", |mut list: Array| {
-        work::add(list.len());
+        budget::add(list.len());
         list.reverse();
         list
     });
     engine.register_fn("contains", |list: &mut Array, value: Dynamic| {
-        work::add(list.len());
+        budget::add(list.len());
         list.iter().any(|part| equal(part, &value))
     });
     engine.register_fn("contains", |map: &mut Map, name: ImmutableString| map.contains_key(name.as_str()));
     engine.register_fn("contains", |text: ImmutableString, part: ImmutableString| {
-        work::add_text(text.len() + part.len());
+        budget::add_text(text.len() + part.len());
         text.contains(part.as_str())
     });
     engine.register_fn("keys", |map: &mut Map| -> Array {
-        work::add(map.len());
+        budget::add(map.len());
         map.keys().map(|name| Dynamic::from(ImmutableString::from(name.as_str()))).collect()
     });
 }

@@ -4,9 +4,9 @@ use std::f64::consts::{E, PI, TAU};
 
 use rhai::{Dynamic, Engine, FLOAT, INT, Module};
 
+use super::budget;
 use super::data::kind;
-use super::outcome::{Outcome, failed, finite, number};
-use super::work;
+use super::result::{Outcome, failed, finite, number};
 
 /// Names and values of the constants.
 pub(super) const CONSTANTS: [(&str, FLOAT); 3] = [("pi", PI), ("tau", TAU), ("e", E)];
@@ -93,7 +93,7 @@ fn mix(from: &Dynamic, to: &Dynamic, share: FLOAT) -> Outcome {
     }
     match (from.as_array_ref(), to.as_array_ref()) {
         (Ok(from), Ok(to)) if from.len() == to.len() => {
-            work::add(from.len());
+            budget::add(from.len());
             let parts = from.iter().zip(&*to).map(|(from, to)| mix(from, to, share));
             Ok(Dynamic::from_array(parts.collect::<Result<_, _>>()?))
         }
@@ -129,7 +129,7 @@ fn abs(value: &Dynamic) -> Outcome {
 
 /// Returns the best of the values, the first one among equals.
 fn extreme(name: &'static str, values: &[Dynamic], better: fn(FLOAT, FLOAT) -> bool) -> Outcome {
-    work::add(values.len());
+    budget::add(values.len());
     let mut best: Option<(FLOAT, &Dynamic)> = None;
     for value in values {
         let number = argument(name, value)?;

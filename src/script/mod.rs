@@ -10,6 +10,8 @@
 //! | [`limits`] | the limits of a script |
 
 mod arithmetic;
+mod budget;
+mod builtins;
 mod context;
 mod data;
 mod error;
@@ -17,15 +19,13 @@ mod language;
 pub(crate) mod limits;
 mod lists;
 mod maths;
+mod messages;
 mod noise;
-mod outcome;
 mod positions;
+mod result;
 mod spawning;
 #[cfg(test)]
 mod tests;
-mod vocabulary;
-mod wording;
-mod work;
 
 pub(crate) use context::{Read, ScriptContext};
 pub(crate) use data::Data;

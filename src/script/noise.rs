@@ -3,7 +3,7 @@
 use rhai::{Dynamic, Engine, FLOAT};
 
 use super::maths::argument;
-use super::outcome::finite;
+use super::result::finite;
 
 /// Mixes the bits of a number by the finalizer of SplitMix64 (Steele, Lea and Flood, "Fast Splittable Pseudorandom Number Generators",
 /// 2014).

@@ -7,10 +7,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rhai::{Dynamic, Engine, EvalAltResult, Map, NativeCallContext, Position, Scope};
 
+use super::builtins::Purpose;
 use super::data::kind;
-use super::outcome::failed;
-use super::vocabulary::Purpose;
-use super::{Data, ScriptError, language, limits, noise, work};
+use super::result::failed;
+use super::{Data, ScriptError, budget, language, limits, noise};
 
 /// A spawned entity: a map that mirrors an entity of the file format.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,8 +74,8 @@ pub(crate) fn run_spawning(
     noise::register(&mut engine, seed);
     register_constructors(&mut engine);
     let left = register_spawn(&mut engine, text, *budget, take);
-    work::on_outside(&mut engine, |_| None);
-    work::start();
+    budget::on_outside(&mut engine, |_| None);
+    budget::start();
     let result = engine.eval_ast_with_scope::<Dynamic>(&mut Scope::new(), &script.ast);
     *budget = *left.lock().unwrap_or_else(PoisonError::into_inner);
     match result {
@@ -93,7 +93,7 @@ fn register_spawn(
 ) -> Arc<Mutex<SpawnBudget>> {
     let count = Arc::new(AtomicU64::new(0));
     let spawned = Arc::clone(&count);
-    work::limit(engine, move |done| {
+    budget::limit(engine, move |done| {
         let more = spawned.load(Ordering::Relaxed) * limits::OPERATIONS_PER_ENTITY;
         done > (limits::SPAWNING_OPERATIONS + more).min(limits::MOST_SPAWNING_OPERATIONS)
     });
@@ -122,7 +122,7 @@ fn register_spawn(
             // caught. An entity with a duplicate name is a mistake and adds none either.
             match &taken {
                 Ok(is_new) => _ = count.fetch_add(u64::from(*is_new), Ordering::Relaxed),
-                Err(_) => work::add(limits::REFUSAL),
+                Err(_) => budget::add(limits::REFUSAL),
             }
             taken.map(|_| ())
         },

@@ -9,15 +9,15 @@
 //! Shot -> FrameVerdict -> engine -> output::FramePixels -> output::FrameWriter -> frame file, with its provenance
 //! ```
 
-mod heartbeat;
+mod frame_request;
 mod order;
+mod progress_timer;
 mod render;
-mod shot;
 mod surplus;
 mod verify;
 
+pub use frame_request::Shot;
 pub use order::{RenderOrder, Shard, ShardError};
 pub use render::{Existing, SequenceError, SequenceObserver, SequenceProgress, SequenceReport};
-pub use shot::Shot;
 pub use surplus::{Surplus, SurplusReason, find_surplus};
 pub use verify::{FrameVerdict, SequenceVerdict, VerifyError};

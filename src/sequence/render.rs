@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use super::heartbeat::watched;
+use super::progress_timer::watched;
 use super::{FrameVerdict, Shot};
 use crate::engine::{Engine, EngineError};
 use crate::output::{
@@ -15,7 +15,7 @@ use crate::output::{
     WrittenFrame, remove_leftovers,
 };
 use crate::time::FrameList;
-use crate::trace::{AlphaFilm, EncodedFilm, Exposure, ExposureProgress, PassPixel};
+use crate::trace::{AlphaFilm, EncodedFilm, PassPixel, RenderJob, RenderProgress};
 
 /// The treatment of existing frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -44,7 +44,7 @@ pub trait SequenceObserver {
     fn render(&mut self, _: &mut Engine, _: &Shot) {}
 
     /// Called once a second with the progress of a shot that takes longer than a second.
-    fn rendering(&mut self, _: &Shot, _: ExposureProgress) {}
+    fn rendering(&mut self, _: &Shot, _: RenderProgress) {}
 
     /// Called when a shot is rendered and before it is written in parallel. The engine's report describes the shot. `Break` ends the
     /// sequence after this shot.
@@ -232,7 +232,7 @@ impl Engine {
         &mut self,
         shot: &Shot,
         cancelled: &AtomicBool,
-        tell: &mut dyn FnMut(ExposureProgress),
+        tell: &mut dyn FnMut(RenderProgress),
     ) -> Result<Option<EncodedFilm>, EngineError> {
         watched(cancelled, tell, |signals, look| {
             self.render_encoded_on(shot.time, signals, &mut |exposure| look(exposure.progress()))
@@ -245,13 +245,13 @@ impl Engine {
         shot: &Shot,
         format: FrameFormat,
         cancelled: &AtomicBool,
-        tell: &mut dyn FnMut(ExposureProgress),
+        tell: &mut dyn FnMut(RenderProgress),
     ) -> Result<Option<FramePixels>, EngineError> {
         if !format.is_linear() {
             return Ok(self.render_shot(shot, cancelled, tell)?.map(FramePixels::Encoded));
         }
         let exposed = watched(cancelled, tell, |signals, look| {
-            let mut visit = |exposure: &Exposure| look(exposure.progress());
+            let mut visit = |exposure: &RenderJob| look(exposure.progress());
             match format.channels() {
                 Channels::Rgb => {
                     let film = self.render_on(shot.time, &mut None, signals, &mut visit)?;

@@ -4,8 +4,8 @@ use hecs::{Entity, World};
 
 use super::Changes;
 use super::batches::{BATCH, in_batches};
-use super::parts::{Parts, PartsQuery};
 use super::property::declare;
+use super::property_access::{Parts, PartsQuery};
 use crate::components::Animated;
 use crate::time::Time;
 

@@ -36,12 +36,12 @@ pub enum Consequence {
     /// The image is mirrored or collapsed.
     Distorted,
     /// A replacement is used for an invalid number or part.
-    Instead(Instead),
+    Fallback(Fallback),
 }
 
 /// The replacement for an invalid number or part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Instead {
+pub enum Fallback {
     /// This number.
     Number(f64),
     /// No replacement: the part is ignored.
@@ -155,12 +155,12 @@ impl fmt::Display for Fault {
             Consequence::FixedTarget => write!(formatter, "moves on past a fixed target: {}", self.cause),
             Consequence::ShortTurn => write!(formatter, "turns the short way: {}", self.cause),
             Consequence::Distorted => write!(formatter, "shows a distorted picture: {}", self.cause),
-            Consequence::Instead(instead) => {
+            Consequence::Fallback(instead) => {
                 write!(formatter, "is not as it says: {}, and ", self.cause)?;
                 match instead {
-                    Instead::Number(number) => write!(formatter, "counts as {}", brief(number)),
-                    Instead::Nothing => write!(formatter, "is left out"),
-                    Instead::AlongZ => write!(formatter, "looks along +z"),
+                    Fallback::Number(number) => write!(formatter, "counts as {}", brief(number)),
+                    Fallback::Nothing => write!(formatter, "is left out"),
+                    Fallback::AlongZ => write!(formatter, "looks along +z"),
                 }
             }
         }

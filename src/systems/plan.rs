@@ -46,8 +46,8 @@ impl Plan {
     /// Plans a moment that is rendered at a single instant.
     #[must_use]
     pub(super) fn of(world: &World, preparation: &Preparation) -> Self {
-        let survey = Survey::new(world, preparation);
-        Self { needs: Effect::ALL.map(|effect| survey.need(effect)), effects: survey.effects() }
+        let scan = EffectScan::new(world, preparation);
+        Self { needs: Effect::ALL.map(|effect| scan.need(effect)), effects: scan.effects() }
     }
 
     /// Returns the need for an effect, with the reason.
@@ -98,18 +98,18 @@ impl Plan {
 }
 
 /// The prepared moment from which needs are derived.
-struct Survey<'a> {
+struct EffectScan<'a> {
     world: &'a World,
     preparation: &'a Preparation,
     /// True if a camera ray can hit a mirror or a transparent surface.
     continues: bool,
 }
 
-impl<'a> Survey<'a> {
+impl<'a> EffectScan<'a> {
     fn new(world: &'a World, preparation: &'a Preparation) -> Self {
-        let mut survey = Self { world, preparation, continues: false };
-        survey.continues = survey.is_any_in_view();
-        survey
+        let mut scan = Self { world, preparation, continues: false };
+        scan.continues = scan.is_any_in_view();
+        scan
     }
 
     fn has<T: Component>(&self) -> bool {

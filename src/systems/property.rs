@@ -3,7 +3,7 @@
 use hecs::{Entity, World};
 
 use super::Changes;
-use super::parts::{Parts, value};
+use super::property_access::{Parts, value};
 use crate::animation::Value;
 use crate::color::Rgb;
 use crate::components::{Camera, Material, Part, Property, View};

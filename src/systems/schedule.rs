@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use hecs::World;
 
 use super::order::order_newcomers;
-use super::{Changes, Context, Halt, Registry, Scripts, Snapshot, animate, propagate};
+use super::{Changes, Context, Interrupted, Registry, Scripts, Snapshot, animate, propagate};
 use crate::time::Time;
 
 type System = Box<dyn Fn(&mut Context<'_>) + Send>;
@@ -118,7 +118,7 @@ impl Schedule {
         time: Time,
         changes: &mut Changes,
         cancelled: &AtomicBool,
-    ) -> Result<(), Halt> {
+    ) -> Result<(), Interrupted> {
         if changes.is_all() {
             self.scripts.look_up_again();
         }
@@ -169,7 +169,7 @@ impl Schedule {
         time: Time,
         changes: &mut Changes,
         cancelled: &AtomicBool,
-    ) -> Result<(), Halt> {
+    ) -> Result<(), Interrupted> {
         if self.stepped.iter().any(|stepped| stepped.done > time.whole_steps(stepped.step.0)) {
             if let Some(start) = &self.start {
                 start.restore(world);
@@ -206,7 +206,7 @@ impl Schedule {
         Ok(())
     }
 
-    fn run_pure(&mut self, world: &mut World, time: Time, cancelled: &AtomicBool) -> Result<(), Halt> {
+    fn run_pure(&mut self, world: &mut World, time: Time, cancelled: &AtomicBool) -> Result<(), Interrupted> {
         let mut fresh = Changes::default();
         let result = animate_all(&mut self.scripts, world, time, &mut fresh, cancelled);
         for system in &self.pure {
@@ -226,7 +226,7 @@ fn animate_all(
     time: Time,
     changes: &mut Changes,
     cancelled: &AtomicBool,
-) -> Result<(), Halt> {
+) -> Result<(), Interrupted> {
     scripts.look_up(world);
     animate(world, time, changes);
     scripts.run(world, time, changes, cancelled)

@@ -6,10 +6,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use hecs::{Entity, World};
 
 use super::Changes;
-use super::halt::{Halt, ScriptFailure};
-use super::parts::{Parts, PartsQuery, value};
+use super::interrupted::{Interrupted, ScriptFailure};
 use super::property::{Stored, declare, sources};
-use super::refusal::refusal;
+use super::property_access::{Parts, PartsQuery, value};
+use super::value_error::refusal;
 use crate::animation::Value;
 use crate::components::{self, Animated, Motion, Name, Order, Property, ScriptId};
 use crate::script::{CompiledScripts, Data, Read, ScriptContext, ScriptError, Stop, Unknown, limits};
@@ -141,7 +141,7 @@ impl Scripts {
         time: Time,
         changes: &mut Changes,
         cancelled: &AtomicBool,
-    ) -> Result<(), Halt> {
+    ) -> Result<(), Interrupted> {
         let Some(running) = &mut self.running else { return Ok(()) };
         let Some(driven) = running.driven.take() else { return Ok(()) };
         running.context.turn_to(time.seconds(), running.timeline.rate.frames_at(time));
@@ -218,17 +218,17 @@ struct Evaluation<'a> {
 }
 
 impl Evaluation<'_> {
-    fn run(mut self) -> (Driven, Result<(), Halt>) {
+    fn run(mut self) -> (Driven, Result<(), Interrupted>) {
         let result = (0..self.driven.channels.len()).try_for_each(|index| self.drive(index));
         (self.driven, result)
     }
 
     /// Sets a value, after the values that it depends on.
-    fn drive(&mut self, index: usize) -> Result<(), Halt> {
+    fn drive(&mut self, index: usize) -> Result<(), Interrupted> {
         let mut stack = vec![index];
         while let Some(&index) = stack.last() {
             if self.cancelled.load(Ordering::Relaxed) {
-                return Err(Halt::Cancelled);
+                return Err(Interrupted::Cancelled);
             }
             if self.states[index] == State::Done {
                 stack.pop();

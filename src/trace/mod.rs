@@ -5,7 +5,7 @@
 //!
 //! The files, in the order in which a camera ray passes through them:
 //!
-//! 1. `exposure` distributes the picture's tiles over all threads. `stages/sample` traces one sample of each of a tile's pixels through the
+//! 1. `job` distributes the picture's tiles over all threads. `stages/sample` traces one sample of each of a tile's pixels through the
 //!    stages, each a function over the arrays in `stages/buffers`: memory does not grow with the number of samples. Rays and their data are in
 //!    packets of sixteen (`rays/packet`); `math/lanes` has the arithmetic on lanes. Lanes that packets leave undecided, because of an
 //!    ambiguous comparison, coincident hits or a number out of range, are decided by the code for single rays, which defines the correct
@@ -20,7 +20,7 @@
 //! 4. `stages/surfaces` refines hits to surface points with `packet/refine`, where lighting, a medium or secondary rays need them, and adds
 //!    ambient light.
 //! 5. `stages/direct_light` loops over the lights. `light/direct_packet` computes the unoccluded contribution of a light at each surface
-//!    point, `light/direct` for a single lane; `light/light_places` chooses the sample points on area lights. `stages/shadows` traces the
+//!    point, `light/direct` for a single lane; `light/area_light_samples` chooses the sample points on area lights. `stages/shadows` traces the
 //!    shadow rays, with `packet/occlusion` and, through transparent shapes, `packet/crossings`; single rays with `query/occlusion` and
 //!    `query/crossings`. `stages/clear_shadows` attenuates the light by transparent shapes, `light/transmission` for single rays. The light
 //!    that remains is added. The possible occluders between a tile and a light that is not directional are collected once for all samples of
@@ -32,7 +32,7 @@
 //!    contribution is negligible, by the bounds in `light/contribution` and, if samples can have several rays, by the state of all of them in
 //!    `stages/trees`. The others continue at 3. `stages/packing` compacts them into wavefronts: packets with enough active lanes are kept, the
 //!    rays of others are merged.
-//! 8. `exposure` sums samples in the order of their indices (`tile_light`), in `f64`, in which the mean of equal samples is exactly their
+//! 8. `job` sums samples in the order of their indices (`tile_light`), in `f64`, in which the mean of equal samples is exactly their
 //!    value. `film` holds the result; a single sample is stored there directly. If a picture has an error target, `adaptive` evaluates the
 //!    sums between rounds and chooses the pixels that get more samples.
 //!
@@ -73,8 +73,6 @@
 mod adaptive;
 mod bvh;
 mod effects;
-mod effort;
-mod exposure;
 mod film;
 mod frame_fingerprint;
 mod light;
@@ -86,28 +84,30 @@ mod query;
 mod rays;
 #[doc(hidden)]
 pub mod reference;
+mod render_job;
+mod render_stats;
 mod scene;
 #[doc(hidden)]
 pub mod shapes;
 mod stages;
 #[cfg(test)]
 mod tests;
-mod tile_light;
+mod tile_accumulator;
 mod tile_work;
 mod visibility;
 mod work_queue;
 
 pub(crate) use adaptive::{Convergence, ErrorTarget, InstantOrder, block, round_policy};
 pub use adaptive::{EstimatedError, Outlook, Replay, RoundPolicy, SharedRoundPolicy};
-pub use effort::{RayCounts, TreeEnds};
-pub(crate) use exposure::{Developed, SampleMemory, SamplePlan};
-pub use exposure::{Exposure, ExposureProgress};
 pub use film::{AlphaFilm, EncodedFilm, Film};
 pub(crate) use frame_fingerprint::{FrameConstants, FrameHasher};
 pub use frame_fingerprint::{FrameFingerprint, NotAFingerprint, SEMANTICS};
 pub use math::Sampling;
 pub use passes::{Pass, PassPixel, Passes, UnknownPass};
 pub use query::Escalations;
+pub(crate) use render_job::{Developed, SampleMemory, SamplePlan};
+pub use render_job::{RenderJob, RenderProgress};
+pub use render_stats::{RayCounts, TreeEnds};
 pub use scene::{Camera, Precision};
 pub use tile_work::Signals;
 
@@ -115,14 +115,14 @@ pub use tile_work::Signals;
 #[doc(hidden)]
 pub use {
     effects::{Effects, Lighting, Paths},
-    effort::Effort,
     light::Boundary,
-    math::{Root, SimdLevel},
+    math::{BoundedT, SimdLevel},
     query::{CastHit, CastRay, Hit, SurfacePoint},
     rays::{Ray, ShapeId},
+    render_stats::RenderStats,
     scene::{
-        Background, BvhUpdate, Checker, CheckerPattern, Cone, Falloff, Fog, Geometry, Light, LightSource,
-        MaterialSummary, MaterialTable, Passage, PreparedScene, PreparedShape, Refraction, SceneChanges,
+        Attenuation, Background, BvhUpdate, Checker, CheckerPattern, Cone, Falloff, Fog, Geometry, Light,
+        LightSource, MaterialSummary, MaterialTable, PreparedScene, PreparedShape, Refraction, SceneChanges,
         ShapeChange, SurfaceMaterial,
     },
     shapes::{Bounds, RefinedHit},

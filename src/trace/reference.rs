@@ -6,16 +6,17 @@ use glam::DVec3;
 use crate::color::Rgb;
 use crate::trace::adaptive::{Adaptive, PacketSums, PixelMemory, SampleSums, SharedRoundPolicy, block};
 use crate::trace::effects::{Effects, Lighting};
-use crate::trace::exposure::SamplePlan;
 use crate::trace::film::{AlphaFilm, Film};
 use crate::trace::light::{
-    Budget, LARGEST_TREE, LightScratch, LitPoint, MediumStack, PathState, Proposal, RenderContext, SampleId,
-    SecondaryRays, ShadowRay, TreeRay, ambient, filtered_and_absorbed, held, propose, secondary_rays,
+    ErrorBudget, LARGEST_TREE, LightSample, LightScratch, MediumStack, PathState, RenderContext, SampleId,
+    SecondaryRays, ShadingPoint, ShadowRay, TreeRay, ambient, filtered_and_absorbed, held, sample_light,
+    secondary_rays,
 };
 use crate::trace::math::{LANES, Sampling};
 use crate::trace::query::{Look, Scratch, SurfacePoint, closest};
 use crate::trace::rays::{Ray, RayView, ShapeId};
-use crate::trace::scene::{Camera, Light, Passage, PreparedScene, SIDE};
+use crate::trace::render_job::SamplePlan;
+use crate::trace::scene::{Attenuation, Camera, Light, PreparedScene, SIDE};
 use crate::trace::stages::{Portion, Tile};
 use crate::trace::visibility::{hidden_images, reference_features};
 
@@ -40,7 +41,7 @@ pub struct TracedRay {
     /// The transparent solids that the ray is inside, the last entered first.
     pub inside: Vec<ShapeId>,
     /// The transmittance along the ray, and the light added on the way.
-    pub passage: Passage,
+    pub passage: Attenuation,
     /// The end of the ray.
     pub end: RayEnd,
     /// The number of secondary rays that are cut because their contribution is negligible.
@@ -111,7 +112,7 @@ impl RayTree {
     #[must_use]
     pub fn is_covered(&self) -> bool {
         let sees_background = |traced: &TracedRay| {
-            traced.passage == Passage::CLEAR && matches!(traced.end, RayEnd::Background(_))
+            traced.passage == Attenuation::CLEAR && matches!(traced.end, RayEnd::Background(_))
         };
         !self.rays.first().is_some_and(sees_background)
     }
@@ -209,7 +210,7 @@ impl<'a> Reference<'a> {
         let mut tree = Vec::new();
         let state = PathState::at_camera(medium);
         let mut wave: Vec<Queued> = vec![(RayKind::Camera, None, TreeRay { ray, state })];
-        let (mut beyond, mut size, mut budget) = (Vec::new(), 1, Budget::new(context.scene));
+        let (mut beyond, mut size, mut budget) = (Vec::new(), 1, ErrorBudget::new(context.scene));
         for generations in (0..context.generations()).rev() {
             let mut next = Vec::new();
             for (kind, parent, mut ray) in wave {
@@ -240,7 +241,7 @@ impl<'a> Reference<'a> {
         }
         let beyond = beyond.into_iter().map(|(kind, parent, ray)| {
             let background = context.scene.background.towards(ray.ray.direction());
-            traced(kind, parent, &ray, scratch, Passage::CLEAR, RayEnd::BeyondDepth(background))
+            traced(kind, parent, &ray, scratch, Attenuation::CLEAR, RayEnd::BeyondDepth(background))
         });
         tree.extend(beyond);
         Some(RayTree { rays: tree })
@@ -253,11 +254,11 @@ type Queued = (RayKind, Option<usize>, TreeRay);
 /// Returns, for each ray of a bounce, whether it is cut because its contribution is negligible.
 fn negligible(
     context: &RenderContext<'_>,
-    budget: &mut Budget,
+    budget: &mut ErrorBudget,
     rays: &[Queued],
     generations: u32,
 ) -> Vec<bool> {
-    let most = |(_, _, ray): &Queued| context.brightest.most(ray.state.throughput, generations);
+    let most = |(_, _, ray): &Queued| context.radiance_bound.most(ray.state.throughput, generations);
     let mut weighed: Vec<(f32, usize)> = rays.iter().map(most).zip(0..).collect();
     let count = budget.cut(&mut weighed);
     let mut cut = vec![false; rays.len()];
@@ -316,7 +317,7 @@ impl ReferenceSums {
 
     /// Returns the picture.
     #[must_use]
-    pub(crate) fn develop(&self) -> Film {
+    pub(crate) fn resolve(&self) -> Film {
         let (columns, rows) = self.resolution;
         Film::from_pixels(columns, rows, self.pixels.iter().map(|pixel| pixel.mean(pixel.all)))
     }
@@ -364,7 +365,7 @@ impl SampleSums for ReferenceSums {
 pub fn render(scene: &PreparedScene, camera: &Camera, sampling: Sampling) -> Film {
     let mut sums = ReferenceSums::new(camera.resolution(), SamplePlan::uniform(sampling.samples, 1));
     Reference::new(scene, camera, sampling, Effects::ALL).add(&mut sums, 0);
-    sums.develop()
+    sums.resolve()
 }
 
 fn trace(
@@ -392,7 +393,7 @@ fn traced(
     parent: Option<usize>,
     ray: &TreeRay,
     scratch: &LightScratch<'_>,
-    passage: Passage,
+    passage: Attenuation,
     end: RayEnd,
 ) -> TracedRay {
     let inside = scratch.media.solids(ray.state.medium).collect();
@@ -412,7 +413,7 @@ fn lit(
     let TreeRay { ray, state } = arrived;
     let normal = surface.facing_normal();
     let (arriving, path, point) = (ray.direction(), state.path, surface.point);
-    let lit = LitPoint { arriving, path, point, material, diffuse, asker, normal };
+    let lit = ShadingPoint { arriving, path, point, material, diffuse, asker, normal };
     let seen = (&surface, state.medium);
     let lights = scene.lights.iter().enumerate();
     let lights = lights.map(|light| reach(context, scratch, light, &lit, seen)).collect();
@@ -424,14 +425,16 @@ fn reach(
     context: &RenderContext<'_>,
     scratch: &mut LightScratch<'_>,
     light: (usize, &Light),
-    lit: &LitPoint<'_>,
+    lit: &ShadingPoint<'_>,
     seen: (&SurfacePoint, MediumStack),
 ) -> LightReach {
     let (mut first, mut hidden, mut asked) = (None, 0, false);
     let own_shape = light.1.own_shape;
     let mut sum = DVec3::ZERO;
     for sample in 0..light.1.places() {
-        let Some(Proposal { color, shadow }) = propose(context.effects, light, lit, sample) else { continue };
+        let Some(LightSample { color, shadow }) = sample_light(context.effects, light, lit, sample) else {
+            continue;
+        };
         let share = shadow.map_or(Ok(Rgb::ONE), |way| {
             asked = true;
             visibility(context, scratch, &way.ray(seen.0), own_shape, seen)

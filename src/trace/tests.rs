@@ -10,7 +10,7 @@ use crate::trace::math::SimdLevel;
 use crate::trace::scene::{Cone, Falloff, Fog};
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 use crate::trace::{
-    Camera, Effects, Exposure, Film, Geometry, Light, LightSource, PreparedScene, PreparedShape, Refraction,
+    Camera, Effects, Film, Geometry, Light, LightSource, PreparedScene, PreparedShape, Refraction, RenderJob,
     Sampling, ShapeId, Signals, SurfaceMaterial, reference,
 };
 
@@ -110,10 +110,10 @@ fn all_effects_have_the_reference_s_bits_at_every_level() {
 
 /// Renders with all effects.
 fn film(scene: &PreparedScene, camera: &Camera, sampling: Sampling) -> Film {
-    let mut exposure = Exposure::new(camera.resolution(), sampling.samples);
+    let mut job = RenderJob::new(camera.resolution(), sampling.samples);
     let never = AtomicBool::new(false);
-    assert!(exposure.add(scene, camera, sampling, 0, Effects::ALL, Signals::unless(&never)));
-    exposure.develop().0
+    assert!(job.add(scene, camera, sampling, 0, Effects::ALL, Signals::unless(&never)));
+    job.resolve().0
 }
 
 /// The properties of transparent materials: absorption, refraction, and whether rays branch in two.

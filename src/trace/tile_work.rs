@@ -8,11 +8,11 @@ use std::sync::{Mutex, PoisonError};
 use fearless_simd::dispatch;
 
 use super::adaptive::Adaptive;
-use super::effort::Effort;
 use super::light::RenderContext;
 use super::query::Intersector;
+use super::render_stats::RenderStats;
 use super::stages::{Portion, Slots, Tile, TileBuffers, render_sample};
-use super::tile_light::{TileLight, TileSamples};
+use super::tile_accumulator::{TileAccumulator, TileSamples};
 use super::visibility::{self, FeatureScratch, TileFeatures};
 use super::work_queue::WorkQueue;
 
@@ -41,7 +41,7 @@ impl fmt::Debug for Signals<'_> {
 
 /// A tile, and how much of it is done.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ExposedTile {
+pub(super) struct TileProgress {
     pub(super) tile: Tile,
     /// The samples of every pixel so far or, where pixels take different numbers, the batches of the instant in hand.
     pub(super) batches: u32,
@@ -66,25 +66,25 @@ pub(super) type Found = Vec<(Tile, Box<TileFeatures>)>;
 
 impl<I: Intersector> Work<'_, I> {
     /// Adds samples of all tiles over all threads. Returns what they took, whether all are there, and the features that were found.
-    pub(super) fn add<'t, L: TileLight>(
+    pub(super) fn add<'t, L: TileAccumulator>(
         &self,
-        tiles: impl Iterator<Item = (&'t mut ExposedTile, L)> + Send,
+        tiles: impl Iterator<Item = (&'t mut TileProgress, L)> + Send,
         count: usize,
-    ) -> (Effort, bool, Found) {
+    ) -> (RenderStats, bool, Found) {
         let threads = rayon::current_num_threads();
         let queue = WorkQueue::new(tiles, count, threads);
-        let total = Mutex::new((Effort::default(), true, Found::new()));
+        let total = Mutex::new((RenderStats::default(), true, Found::new()));
         let work = || {
             let (mut share, mut memory) = (Vec::new(), None);
-            let (mut effort, mut whole, mut found) = (Effort::default(), true, Found::new());
+            let (mut stats, mut whole, mut found) = (RenderStats::default(), true, Found::new());
             while queue.take_share(&mut share) {
                 let memory = memory.get_or_insert_with(|| WorkMemory::new(self.signals.cancelled));
-                for (exposed, mut light) in share.drain(..) {
-                    whole &= self.add_to_tile(exposed, &mut light, memory, (&mut effort, &mut found));
+                for (progress, mut light) in share.drain(..) {
+                    whole &= self.add_to_tile(progress, &mut light, memory, (&mut stats, &mut found));
                 }
             }
             let mut total = total.lock().unwrap_or_else(PoisonError::into_inner);
-            total.0 += effort;
+            total.0 += stats;
             total.1 &= whole;
             total.2.append(&mut found);
         };
@@ -95,16 +95,16 @@ impl<I: Intersector> Work<'_, I> {
     /// Adds samples of a tile. Returns whether all are there.
     fn add_to_tile(
         &self,
-        exposed: &mut ExposedTile,
-        light: &mut impl TileLight,
+        progress: &mut TileProgress,
+        light: &mut impl TileAccumulator,
         WorkMemory { buffers, slots, portions, features }: &mut WorkMemory<'_>,
-        (effort, found): (&mut Effort, &mut Found),
+        (stats, found): (&mut RenderStats, &mut Found),
     ) -> bool {
         let Self { context, adaptive, .. } = *self;
-        let tile = exposed.tile;
+        let tile = progress.tile;
         buffers.ask_for_coverage(light.asks_for_coverage());
         if let Some(adaptive) = adaptive {
-            let searches = self.finds_features && exposed.batches == 0;
+            let searches = self.finds_features && progress.batches == 0;
             let tile_features = searches.then(|| {
                 let with = (&tile, adaptive.is_open());
                 visibility::features(context.scene, context.camera, with, (features, buffers.search()))
@@ -120,9 +120,9 @@ impl<I: Intersector> Work<'_, I> {
         }
         loop {
             let more = if adaptive.is_some() {
-                slots.set_batch(portions, exposed.batches)
+                slots.set_batch(portions, progress.batches)
             } else {
-                let sample = self.everywhere.start.max(exposed.batches);
+                let sample = self.everywhere.start.max(progress.batches);
                 slots.set_everywhere(&tile, sample);
                 sample < self.everywhere.end
             };
@@ -133,17 +133,17 @@ impl<I: Intersector> Work<'_, I> {
                 return false;
             }
             let whole = render_sample(context, self.shapes, (tile, slots), buffers);
-            let traced = buffers.take_effort();
+            let traced = buffers.take_stats();
             if !whole {
                 return false;
             }
-            effort.escalations.overflowed += dispatch!(context.scene.simd.level(), simd => {
+            stats.escalations.overflowed += dispatch!(context.scene.simd.level(), simd => {
                 let samples = TileSamples { light: buffers.pixels(), slots, covered: buffers.covered() };
                 light.add(simd, &tile, &samples)
             });
-            exposed.batches += 1;
-            exposed.is_seen = true;
-            *effort += traced;
+            progress.batches += 1;
+            progress.is_seen = true;
+            *stats += traced;
         }
     }
 }

@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicBool;
 use hard_scenes::{HardScene, hard_scenes};
 use rayreel::accuracy::FilmError;
 use rayreel::trace::{EstimatedError, Film, Signals};
-use rayreel::{Engine, Knobs, Rgb, Scene, Time};
+use rayreel::{Engine, RenderSettings, Rgb, Scene, Time};
 
 fn engine(scene: &HardScene) -> Engine {
     Engine::from_scene(Scene::from_text(scene.name, scene.text.clone()).unwrap())
@@ -21,8 +21,8 @@ fn moment() -> Time {
 }
 
 /// Renders a picture with these settings: its alpha, as light, where that is what is hard.
-fn render(engine: &mut Engine, knobs: Knobs, alpha: bool) -> Film {
-    engine.set_knobs(knobs);
+fn render(engine: &mut Engine, settings: RenderSettings, alpha: bool) -> Film {
+    engine.set_render_settings(settings);
     if !alpha {
         return engine.render_at(moment()).unwrap();
     }
@@ -37,8 +37,9 @@ fn render(engine: &mut Engine, knobs: Knobs, alpha: bool) -> Film {
 
 /// Returns the true error of a picture for a target, and the estimate.
 fn errors(engine: &mut Engine, alpha: bool, reference: &Film, target: f32) -> (f64, EstimatedError) {
-    let knobs = Knobs { samples: Some(65_536), max_error: Some(target), ..Knobs::default() };
-    let film = render(engine, knobs, alpha);
+    let settings =
+        RenderSettings { samples: Some(65_536), max_error: Some(target), ..RenderSettings::default() };
+    let film = render(engine, settings, alpha);
     let found = FilmError::between(&film, reference, engine.film_settings().transfer).rms;
     (found, engine.report().error.unwrap())
 }
@@ -50,7 +51,12 @@ fn targets_are_met_where_geometry_shows_what_is_hard() {
     {
         let scene = named(name);
         let mut engine = engine(&scene);
-        let long = Knobs { samples: Some(2048), max_error: Some(0.0), seed: Some(99), ..Knobs::default() };
+        let long = RenderSettings {
+            samples: Some(2048),
+            max_error: Some(0.0),
+            seed: Some(99),
+            ..RenderSettings::default()
+        };
         let reference = render(&mut engine, long, scene.alpha);
         for target in [4.0, 2.0] {
             let (found, estimate) = errors(&mut engine, scene.alpha, &reference, target);
@@ -70,7 +76,12 @@ fn estimates_are_near_the_truth_where_audits_find_what_is_hard() {
             continue;
         }
         let mut engine = engine(&scene);
-        let long = Knobs { samples: Some(2048), max_error: Some(0.0), seed: Some(99), ..Knobs::default() };
+        let long = RenderSettings {
+            samples: Some(2048),
+            max_error: Some(0.0),
+            seed: Some(99),
+            ..RenderSettings::default()
+        };
         let reference = render(&mut engine, long, false);
         for target in [4.0, 2.0] {
             let (found, estimate) = errors(&mut engine, false, &reference, target);
@@ -87,13 +98,14 @@ fn estimates_are_near_the_truth_where_audits_find_what_is_hard() {
 #[test]
 fn frames_with_a_target_depend_on_no_other_frame() {
     for scene in hard_scenes().into_iter().filter(|scene| ["fast ball", "stars"].contains(&scene.name)) {
-        let knobs = Knobs { samples: Some(64), max_error: Some(2.0), ..Knobs::default() };
+        let settings =
+            RenderSettings { samples: Some(64), max_error: Some(2.0), ..RenderSettings::default() };
         let mut alone = engine(&scene);
         let mut after = engine(&scene);
         for frame in [0, 3, 7] {
-            after.set_knobs(knobs);
+            after.set_render_settings(settings);
             let _ = after.render_frame(frame).unwrap();
         }
-        assert!(render(&mut alone, knobs, false) == render(&mut after, knobs, false), "{}", scene.name);
+        assert!(render(&mut alone, settings, false) == render(&mut after, settings, false), "{}", scene.name);
     }
 }

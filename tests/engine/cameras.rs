@@ -37,12 +37,12 @@ fn time(tenths: u64) -> Time {
 
 /// Where the camera stands, and its axes: right, up and forward.
 #[derive(Clone, Copy, Debug)]
-struct Stance {
+struct CameraPose {
     eye: DVec3,
     axes: DMat3,
 }
 
-impl Stance {
+impl CameraPose {
     fn of(camera: &trace::Camera) -> Self {
         let middle = camera.towards(1, 1);
         let right = (camera.towards(2, 1) - middle).normalize();
@@ -70,8 +70,8 @@ impl Stance {
     }
 }
 
-fn stance(camera: &str, animate: &str, moment: Time) -> Stance {
-    Stance::at(&mut read(&text(&format!("camera: ({camera}),"), animate)).world, moment)
+fn pose(camera: &str, animate: &str, moment: Time) -> CameraPose {
+    CameraPose::at(&mut read(&text(&format!("camera: ({camera}),"), animate)).world, moment)
 }
 
 fn close(found: DVec3, expected: DVec3) {
@@ -82,22 +82,22 @@ fn close(found: DVec3, expected: DVec3) {
 fn a_camera_with_a_parent_stands_in_its_space() {
     // +90 degrees about y take z to x; lengths double.
     let found =
-        stance("position: (0, 0, -1), target: (0, 0, 3), up: (1, 1, 0), parent: \"wagon\"", "", time(0));
+        pose("position: (0, 0, -1), target: (0, 0, 3), up: (1, 1, 0), parent: \"wagon\"", "", time(0));
     close(found.eye, DVec3::new(2.0, 2.0, -2.0));
     close(found.axes.z_axis, DVec3::X);
     close(found.axes.y_axis, DVec3::new(0.0, 1.0, -1.0).normalize());
-    let view = stance("position: (0, 0, -1), view: (0, 0, 4), up: (1, 1, 0), parent: \"wagon\"", "", time(0));
+    let view = pose("position: (0, 0, -1), view: (0, 0, 4), up: (1, 1, 0), parent: \"wagon\"", "", time(0));
     assert_eq!((found.eye, found.axes), (view.eye, view.axes));
     // And goes with it.
     let drive = "(target: \"car\", channel: Translation, track: Keys([(0, (4, 0, -2)), (1, (14, 0, -2))]))";
-    let later = stance("position: (0, 0, -1), view: (0, 0, 1), parent: \"wagon\"", drive, time(5));
+    let later = pose("position: (0, 0, -1), view: (0, 0, 1), parent: \"wagon\"", drive, time(5));
     close(later.eye, DVec3::new(7.0, 2.0, -2.0));
 }
 
 #[test]
 fn a_camera_follows_without_turning() {
-    let found = stance("position: (0, 3, -1), target: (0, 0, 1), follow: \"wagon\"", "", time(0));
-    let still = stance("position: (4, 5, -3), target: (4, 2, -1)", "", time(0));
+    let found = pose("position: (0, 3, -1), target: (0, 0, 1), follow: \"wagon\"", "", time(0));
+    let still = pose("position: (4, 5, -3), target: (4, 2, -1)", "", time(0));
     close(found.eye, still.eye);
     assert_eq!(found.axes, still.axes);
 }
@@ -105,19 +105,19 @@ fn a_camera_follows_without_turning() {
 #[test]
 fn a_camera_looks_at_an_entity() {
     let turn = "(target: \"ball\", channel: Translation, track: Keys([(0, (0, 0, 1)), (1, (10, 0, 1))]))";
-    let found = stance("position: (0, 0, -4), look_at: \"ball\"", turn, time(5));
+    let found = pose("position: (0, 0, -4), look_at: \"ball\"", turn, time(5));
     close(found.axes.z_axis, DVec3::ONE.with_y(0.0).normalize());
     close(found.axes.y_axis, DVec3::Y);
 }
 
 #[test]
 fn roll_tips_the_camera_to_its_left() {
-    let found = stance("position: (0, 0, 0), view: (0, 0, 1), roll: 90", "", time(0));
+    let found = pose("position: (0, 0, 0), view: (0, 0, 1), roll: 90", "", time(0));
     // As +90 degrees about z take x to y and y to -x.
     close(found.axes.x_axis, DVec3::Y);
     close(found.axes.y_axis, DVec3::NEG_X);
-    let turned = stance("position: (1, 2, 3), target: (0, 1, -1), roll: 30", "", time(0));
-    let straight = stance("position: (1, 2, 3), target: (0, 1, -1)", "", time(0));
+    let turned = pose("position: (1, 2, 3), target: (0, 1, -1), roll: 30", "", time(0));
+    let straight = pose("position: (1, 2, 3), target: (0, 1, -1)", "", time(0));
     assert!(turned.is_upright_frame() && (turned.turned(straight) - 30f64.to_radians()).abs() < 1e-14);
 }
 
@@ -168,9 +168,9 @@ fn moments_without_a_view_or_an_upright_have_fixed_ones() {
         let mut world = World::new();
         world.spawn((camera,));
         world.spawn((rayreel::components::FilmSettings { width: 3, height: 3, ..Default::default() },));
-        let stance = Stance::at(&mut world, time(0));
-        assert!(stance.is_upright_frame(), "{camera:?}: {stance:?}");
-        stance
+        let pose = CameraPose::at(&mut world, time(0));
+        assert!(pose.is_upright_frame(), "{camera:?}: {pose:?}");
+        pose
     };
     let here = DVec3::new(3.0, -1e9, 0.1);
     let looking = |view, up| at(Camera { position: here, view, up, ..Camera::default() });
@@ -199,9 +199,9 @@ fn parents_that_are_gone_or_in_rings_leave_a_frame() {
     let other = world.spawn((Transform::from_translation(DVec3::Y), Parent(entity)));
     for parent in [other, Entity::DANGLING, entity] {
         world.insert_one(entity, Parent(parent)).unwrap();
-        let stance = Stance::at(&mut world, time(0));
-        assert!(stance.is_upright_frame());
-        close(stance.eye, DVec3::X);
+        let pose = CameraPose::at(&mut world, time(0));
+        assert!(pose.is_upright_frame());
+        close(pose.eye, DVec3::X);
     }
 }
 
@@ -210,7 +210,7 @@ fn parents_that_are_gone_or_in_rings_leave_a_frame() {
 #[test]
 fn neighbouring_frames_turn_as_their_path_does() {
     let steps = |up: DVec3, place: &dyn Fn(f64) -> DVec3| -> Vec<(f64, f64)> {
-        let stances: Vec<Stance> = (0..=400)
+        let stances: Vec<CameraPose> = (0..=400)
             .map(|step| {
                 let mut world = World::new();
                 let position = place(f64::from(step) / 400.0 * 2.0 - 1.0);
@@ -220,10 +220,10 @@ fn neighbouring_frames_turn_as_their_path_does() {
                     height: 3,
                     ..Default::default()
                 },));
-                Stance::at(&mut world, time(0))
+                CameraPose::at(&mut world, time(0))
             })
             .collect();
-        assert!(stances.iter().all(|stance| stance.is_upright_frame()));
+        assert!(stances.iter().all(|pose| pose.is_upright_frame()));
         let turns = stances.windows(2).map(|pair| {
             let view = pair[0].axes.z_axis.angle_between(pair[1].axes.z_axis);
             (view, pair[0].turned(pair[1]))

@@ -6,8 +6,8 @@ use glam::DVec3;
 
 use rayreel::trace::shapes::{AlignedBox, Sphere};
 use rayreel::trace::{
-    Background, Camera, Effects, Exposure, Geometry, Light, LightSource, PreparedScene, PreparedShape,
-    Refraction, Sampling, ShapeId, Signals, SurfaceMaterial, reference,
+    Background, Camera, Effects, Geometry, Light, LightSource, PreparedScene, PreparedShape, Refraction,
+    RenderJob, Sampling, ShapeId, Signals, SurfaceMaterial, reference,
 };
 use rayreel::{Film, Rgb};
 
@@ -74,10 +74,10 @@ fn scene(shapes: &[(PreparedShape, SurfaceMaterial)], added: &[usize]) -> Prepar
 
 fn film(scene: &PreparedScene, camera: &Camera) -> Film {
     let never = AtomicBool::new(false);
-    let mut exposure = Exposure::new(camera.resolution(), 1);
-    let whole = exposure.add(scene, camera, Sampling::default(), 0, Effects::ALL, Signals::unless(&never));
+    let mut job = RenderJob::new(camera.resolution(), 1);
+    let whole = job.add(scene, camera, Sampling::default(), 0, Effects::ALL, Signals::unless(&never));
     assert!(whole, "nobody cancels it");
-    exposure.develop().0
+    job.resolve().0
 }
 
 #[test]

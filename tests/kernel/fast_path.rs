@@ -15,7 +15,7 @@ use rayreel::components::{
     Specular, Transform, View,
 };
 use rayreel::trace::SimdLevel;
-use rayreel::{Effect, Engine, Film, Knobs, Rgb, Time, World};
+use rayreel::{Effect, Engine, Film, RenderSettings, Rgb, Time, World};
 
 /// Which effects a scene may have, beside what every scene has.
 #[derive(Clone, Copy, Debug)]
@@ -280,7 +280,7 @@ proptest! {
         error in prop_oneof![Just(0.3f32), Just(2.0), Just(8.0)],
     ) {
         let mut engine = Engine::new(world(effects, &things, &lights, eye, if has_lens { 3 } else { 2 }, 0.25));
-        engine.set_knobs(Knobs { samples: Some(samples), max_error: Some(error), ..Knobs::default() });
+        engine.set_render_settings(RenderSettings { samples: Some(samples), max_error: Some(error), ..RenderSettings::default() });
         let reference = engine.render_reference(Time::ZERO).unwrap();
         let planned = engine.render_at(Time::ZERO).unwrap();
         assert_same(&planned, &reference)?;

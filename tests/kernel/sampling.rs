@@ -4,13 +4,13 @@ use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
 
-use rayreel::accuracy::{Converged, FilmError, Knob, Observer, Request, Subject, Thoroughness, measure};
+use rayreel::accuracy::{FilmError, Observer, Parameter, Preset, ReferenceImage, Request, Subject, measure};
 use rayreel::color::Transfer;
 use rayreel::components::{
     Ambient, Background, Camera, FilmSettings, Lens, Material, Noise, Projection, Sampling, Shape, Transform,
     View,
 };
-use rayreel::{Engine, Entity, Film, Knobs, Rgb, Time, World};
+use rayreel::{Engine, Entity, Film, RenderSettings, Rgb, Time, World};
 
 const SIDE: u32 = 48;
 
@@ -147,7 +147,7 @@ fn a_reference_says_how_far_it_is_off_the_closed_form() {
                 engine.render_at(Time::ZERO).unwrap()
             })
             .collect();
-        let reference = Converged::mean(&films, Transfer::Classic);
+        let reference = ReferenceImage::mean(&films, Transfer::Classic);
         let error = FilmError::between(&reference.film, &truth, Transfer::Classic);
         assert!(error.rms <= reference.rms && error.rms > 0.2 * reference.rms, "{error:?} {}", reference.rms);
         assert!(error.max <= 1.5 * reference.max, "{error:?} {}", reference.max);
@@ -192,14 +192,14 @@ impl Observer for Counting {
 #[test]
 fn a_measurement_finds_the_order_of_convergence() {
     let (mut engine, _) = edge();
-    let thoroughness = Thoroughness { rounds: 1, samples: 64, pictures: 4, factor: 16 };
+    let thoroughness = Preset { rounds: 1, samples: 64, pictures: 4, factor: 16 };
     let request = Request { frames: vec![0], thoroughness, sizes: Vec::new(), keep_films: false };
     let mut observer = Counting::default();
     let report = measure(&mut engine, &request, &AtomicBool::new(false), &mut observer).unwrap().unwrap();
     let (knob, law) = report.orders[0];
-    assert_eq!(knob, Knob::Samples);
+    assert_eq!(knob, Parameter::Samples);
     assert!((-0.95..-0.6).contains(&law.exponent), "{law:?}");
-    let adaptive = report.of_knob(Knob::MaxError).map(|row| row.error.rms).collect::<Vec<_>>();
+    let adaptive = report.of_knob(Parameter::MaxError).map(|row| row.error.rms).collect::<Vec<_>>();
     assert!(adaptive.is_sorted() && adaptive.len() == 5, "{adaptive:?}");
     assert!(report.rows.iter().all(|row| row.instructions == Some(1000.0)));
     let Counting { shares, .. } = observer;
@@ -208,7 +208,7 @@ fn a_measurement_finds_the_order_of_convergence() {
         "{shares:?}"
     );
     // It is left as it was.
-    assert_eq!(engine.knobs(), Knobs::default());
+    assert_eq!(engine.settings(), RenderSettings::default());
     assert_eq!(
         measure(&mut engine, &request, &AtomicBool::new(true), &mut Counting::default()).unwrap().map(|_| ()),
         None

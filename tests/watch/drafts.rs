@@ -117,8 +117,8 @@ fn what_there_is_of_a_picture_lies_over_another_one() {
     let left = AtomicI32::new(portion.into());
     let pause = || left.fetch_sub(1, Ordering::Relaxed) <= 0;
     let signals = Signals { cancelled: &never, pause: &pause };
-    let mut visit = |exposure: &rayreel::trace::Exposure| {
-        seen.push(exposure.develop_over(&beneath));
+    let mut visit = |exposure: &rayreel::trace::RenderJob| {
+        seen.push(exposure.resolve_over(&beneath));
         left.store(portion.into(), Ordering::Relaxed);
         Continue(())
     };

@@ -136,16 +136,16 @@ impl Stage {
     pub(crate) fn sees(&self, pixel: (u32, u32)) -> Option<PixelInfo> {
         let (sender, answer) = channel();
         let send = move |spot| sender.send(spot).unwrap();
-        self.session.handle().post(Command::Probe(pixel, Answer(Box::new(send))));
+        self.session.handle().send(Command::Probe(pixel, Answer(Box::new(send))));
         answer.recv_timeout(AT_MOST).unwrap()
     }
 
     pub(crate) fn seek(&self, frame: u32) {
-        self.session.handle().post(Command::View(View::Seek { frame, playing: false }));
+        self.session.handle().send(Command::View(View::Seek { frame, playing: false }));
     }
 
     pub(crate) fn play_on(&self, frame: u32) {
-        self.session.handle().post(Command::View(View::Seek { frame, playing: true }));
+        self.session.handle().send(Command::View(View::Seek { frame, playing: true }));
     }
 
     /// Waits until the state is as it should be.
@@ -313,7 +313,7 @@ fn a_pixel_has_the_colour_of_the_picture() {
 fn costs_are_measured_for_what_is_needed_only() {
     let stage = Stage::new(Some(&scene(1.0, "")));
     stage.shows_what_a_cold_start_shows();
-    stage.session.handle().post(Command::View(View::Measure));
+    stage.session.handle().send(Command::View(View::Measure));
     let is_measured = |state: &rayreel::live::State| {
         !state.rendering && state.plan.iter().any(|planned| planned.cost.is_some())
     };

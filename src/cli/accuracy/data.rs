@@ -3,7 +3,7 @@
 use anyhow::Context;
 use serde_json::{Value, json};
 
-use rayreel::accuracy::{FilmError, Knob, Report, Row, Spread, Subject};
+use rayreel::accuracy::{FilmError, MedianRange, Parameter, Report, Row, Subject};
 
 use super::Measured;
 
@@ -27,8 +27,8 @@ pub(super) fn json(measured: &Measured) -> Value {
         },
         "resolution": { "rms": report.resolution.rms, "time": report.resolution.time },
         "rows": report.rows.iter().map(|one| row(one, report)).collect::<Vec<_>>(),
-        "orders": report.orders.iter().map(|(knob, law)| json!({
-            "knob": knob.name(),
+        "orders": report.orders.iter().map(|(parameter, law)| json!({
+            "knob": parameter.name(),
             "exponent": law.exponent,
             "uncertainty": law.uncertainty,
         })).collect::<Vec<_>>(),
@@ -38,9 +38,9 @@ pub(super) fn json(measured: &Measured) -> Value {
 }
 
 fn row(row: &Row, report: &Report) -> Value {
-    let (knob, value) = match row.subject {
-        Subject::Knob(knob, value) => (Some(knob.name()), Some(value)),
-        subject => (subject.knob().map(Knob::name), None),
+    let (parameter, value) = match row.subject {
+        Subject::Parameter(parameter, value) => (Some(parameter.name()), Some(value)),
+        subject => (subject.parameter().map(Parameter::name), None),
     };
     let size = match row.subject {
         Subject::Size(width, height) => Some([width, height]),
@@ -52,7 +52,7 @@ fn row(row: &Row, report: &Report) -> Value {
     };
     json!({
         "setting": row.subject.to_string(),
-        "knob": knob,
+        "knob": parameter,
         "value": value,
         "size": size,
         "without": without,
@@ -78,7 +78,7 @@ fn row(row: &Row, report: &Report) -> Value {
     })
 }
 
-fn spread(spread: &Spread) -> Value {
+fn spread(spread: &MedianRange) -> Value {
     json!({ "median": spread.median, "low": spread.low, "high": spread.high })
 }
 

@@ -6,7 +6,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use glam::DVec3;
 
-use rayreel::accuracy::{Knob, PowerLaw, Report, Row, Subject};
+use rayreel::accuracy::{Parameter, PowerLaw, Report, Row, Subject};
 use rayreel::color::Transfer;
 use rayreel::output::{FrameFormat, encode};
 use rayreel::trace::Film;
@@ -123,7 +123,7 @@ fn overview(report: &Report) -> Chart<'_> {
         label: match row.subject {
             Subject::Own => Some("own".to_owned()),
             subject if row.on_front => Some(subject.to_string()),
-            Subject::Knob(Knob::Samples | Knob::MaxError, value) => Some(value.to_string()),
+            Subject::Parameter(Parameter::Samples | Parameter::MaxError, value) => Some(value.to_string()),
             _ => None,
         },
     };
@@ -135,10 +135,10 @@ fn overview(report: &Report) -> Chart<'_> {
         marks: marks(&mut std::iter::once(report.own())),
         joined: false,
     };
-    let knobs = Knob::ALL.into_iter().map(|knob| Series {
-        name: knob.name().to_owned(),
-        marks: marks(&mut report.of_knob(knob)),
-        joined: knob != Knob::Precision,
+    let knobs = Parameter::ALL.into_iter().map(|parameter| Series {
+        name: parameter.name().to_owned(),
+        marks: marks(&mut report.of_knob(parameter)),
+        joined: parameter != Parameter::Precision,
     });
     let series = std::iter::once(own).chain(knobs).filter(|series| !series.marks.is_empty()).collect();
     let mut front: Vec<(f64, f64)> = report
@@ -178,7 +178,7 @@ fn table(measured: &Measured) -> String {
         table += &line("td", class, &mut heads.iter().map(|head| cell(row, head).replace('*', "★")));
     }
     let precisions: Vec<String> =
-        report.of_knob(Knob::Precision).map(|row| precision_in_words(row, report)).collect();
+        report.of_knob(Parameter::Precision).map(|row| precision_in_words(row, report)).collect();
     let _ = writeln!(table, "</table></div>\n<p>{}</p>", escaped(&precisions.join(" ")));
     for line in notes(report, measured.is_quick) {
         let _ = writeln!(table, "<p class=\"dim\">{}</p>", escaped(&line.replacen('*', "★", 1)));
@@ -241,14 +241,14 @@ fn effects(report: &Report, transfer: Transfer) -> anyhow::Result<String> {
 const CLAMPED: &str =
     "<p class=\"dim\">† less than times scatter: without it frames took no less time.</p>\n";
 
-/// Returns the section with a chart of the error for each knob.
+/// Returns the section with a chart of the error for each parameter.
 fn knobs(report: &Report) -> String {
     let mut text = "<h2>Knobs</h2>\n<div class=\"charts\">\n".to_owned();
-    for knob in Knob::ALL.into_iter().filter(|knob| *knob != Knob::Precision) {
+    for parameter in Parameter::ALL.into_iter().filter(|parameter| *parameter != Parameter::Precision) {
         let marks: Vec<Mark> = report
-            .of_knob(knob)
+            .of_knob(parameter)
             .filter_map(|row| match row.subject {
-                Subject::Knob(_, value) if value > 0.0 => Some(Mark {
+                Subject::Parameter(_, value) if value > 0.0 => Some(Mark {
                     x: value,
                     y: row.alone.rms.max(LEAST),
                     reach: None,
@@ -267,7 +267,7 @@ fn knobs(report: &Report) -> String {
         if marks.len() < 2 {
             continue;
         }
-        let law = report.orders.iter().find(|(of, _)| *of == knob).map(|(_, law)| law);
+        let law = report.orders.iter().find(|(of, _)| *of == parameter).map(|(_, law)| law);
         let line = |law: &PowerLaw| {
             let at = |mark: Option<&Mark>| mark.map(|mark| (mark.x, law.at(mark.x)));
             at(marks.first()).into_iter().chain(at(marks.last())).collect::<Vec<_>>()
@@ -275,22 +275,23 @@ fn knobs(report: &Report) -> String {
         let caption = law.map_or_else(String::new, |law| {
             format!(": the error falls as n<sup>{:.2} ± {:.2}</sup>", law.exponent, law.uncertainty)
         });
-        let guide = marks.first().filter(|_| knob.converges()).map(|mark| (mark.x, mark.y));
+        let guide = marks.first().filter(|_| parameter.converges()).map(|mark| (mark.x, mark.y));
         let chart = Chart {
-            title: knob.name(),
-            x: knob.name(),
+            title: parameter.name(),
+            x: parameter.name(),
             y: "rms error due to it",
             lines: law.map(line).into_iter().collect(),
             guide,
             series: vec![Series { name: String::new(), marks, joined: true }],
-            floor: matches!(knob, Knob::Samples | Knob::MaxError).then_some(report.reference.rms),
+            floor: matches!(parameter, Parameter::Samples | Parameter::MaxError)
+                .then_some(report.reference.rms),
             layout: Layout::NARROW,
         };
         let _ = writeln!(
             text,
             "<figure>{}<figcaption>{}{caption}</figcaption></figure>",
             chart.svg(),
-            knob.name()
+            parameter.name()
         );
     }
     text + "</div>\n<p class=\"dim\">No error at all is drawn as 1e-4.</p>\n"

@@ -16,7 +16,7 @@ use std::sync::atomic::Ordering;
 use anyhow::Context;
 
 use rayreel::Engine;
-use rayreel::accuracy::{OutputValues, Report, Request, Thoroughness, measure};
+use rayreel::accuracy::{OutputValues, Preset, Report, Request, measure};
 use rayreel::components::FilmSettings;
 use rayreel::time::FrameList;
 
@@ -64,7 +64,7 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
     let first = engine.timeline().time_of(frames.first().copied().unwrap_or(0));
     let request = Request {
         frames,
-        thoroughness: if arguments.quick { Thoroughness::QUICK } else { Thoroughness::THOROUGH },
+        thoroughness: if arguments.quick { Preset::QUICK } else { Preset::THOROUGH },
         sizes: arguments.sizes.clone(),
         keep_films: arguments.html.is_some() || arguments.error_map.is_some(),
     };

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use rayreel::accuracy::{Knob, Report, Row, Spread, Subject};
+use rayreel::accuracy::{MedianRange, Parameter, Report, Row, Subject};
 use rayreel::scene::Printable;
 
 use super::super::report::in_millions;
@@ -38,16 +38,16 @@ pub(super) fn draw(measured: &Measured) -> String {
     text += &rows(report);
     let _ =
         writeln!(text, "\n{}\nErrors are in steps of 8 bits.", notes(report, measured.is_quick).join("\n"));
-    for (knob, law) in &report.orders {
+    for (parameter, law) in &report.orders {
         let _ = writeln!(
             text,
             "The error falls as {}^{:.2} ± {:.2}.",
-            symbol(*knob),
+            symbol(*parameter),
             law.exponent,
             law.uncertainty
         );
     }
-    for row in report.of_knob(Knob::Precision) {
+    for row in report.of_knob(Parameter::Precision) {
         let _ = writeln!(text, "{}", precision_in_words(row, report));
     }
     text
@@ -114,9 +114,9 @@ pub(super) fn reference_in_words(report: &Report) -> String {
     )
 }
 
-/// Returns a knob's symbol in a formula.
-fn symbol(knob: Knob) -> String {
-    knob.name().replace(' ', "_")
+/// Returns a parameter's symbol in a formula.
+fn symbol(parameter: Parameter) -> String {
+    parameter.name().replace(' ', "_")
 }
 
 /// Returns the headings of the columns that are shown.
@@ -159,8 +159,8 @@ fn rows(report: &Report) -> String {
 }
 
 /// Returns the kind of a row. Rows of different kinds are separated by an empty line.
-fn kind(row: &Row) -> (Option<Knob>, bool) {
-    (row.subject.knob(), matches!(row.subject, Subject::Without(_)))
+fn kind(row: &Row) -> (Option<Parameter>, bool) {
+    (row.subject.parameter(), matches!(row.subject, Subject::Without(_)))
 }
 
 /// Formats the cell of a row in the column with this heading.
@@ -198,7 +198,7 @@ pub(super) fn seconds(value: f64) -> String {
 }
 
 /// Formats half of the distance between the extremes.
-fn spread(Spread { low, high, .. }: &Spread) -> String {
+fn spread(MedianRange { low, high, .. }: &MedianRange) -> String {
     format!("±{:.2}", 0.5 * (high - low))
 }
 
@@ -233,8 +233,8 @@ mod tests {
             error: FilmError { max: 10.0 * error, rms: error, share_off: 0.25 },
             similarity: 0.99,
             alone: FilmError::default(),
-            seconds: Spread { median: 0.5, low: 0.25, high: 0.75 },
-            relative: Spread { median: 1.0, low: 0.5, high: 1.5 },
+            seconds: MedianRange { median: 0.5, low: 0.25, high: 0.75 },
+            relative: MedianRange { median: 1.0, low: 0.5, high: 1.5 },
             rays: RayCounts { camera: 1000 * samples, ..RayCounts::default() },
             instructions: None,
             estimated: None,
@@ -247,8 +247,11 @@ mod tests {
 
     fn report() -> Report {
         let estimated = Some(EstimatedError { value: 2.5, deviation: 0.125, hidden: 0.0 });
-        let capped =
-            |error| Row { estimated, capped: Some(32), ..row(Subject::Knob(Knob::MaxError, error), 2.5, 32) };
+        let capped = |error| Row {
+            estimated,
+            capped: Some(32),
+            ..row(Subject::Parameter(Parameter::MaxError, error), 2.5, 32)
+        };
         let reference = Reference {
             samples: 128,
             pictures: 4,
@@ -263,7 +266,7 @@ mod tests {
             reference,
             rows: vec![
                 row(Subject::Own, 4.0, 8),
-                Row { on_front: true, ..row(Subject::Knob(Knob::Samples, 4.0), 6.0, 4) },
+                Row { on_front: true, ..row(Subject::Parameter(Parameter::Samples, 4.0), 6.0, 4) },
                 capped(0.25),
                 Row { same_as: Some(2), ..capped(0.5) },
             ],

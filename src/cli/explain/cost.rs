@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use rayreel::accuracy::{FilmError, Spread};
+use rayreel::accuracy::{FilmError, MedianRange};
 use rayreel::{Effect, Engine, EngineError, Film};
 
 use super::super::instructions::Instructions;
@@ -15,7 +15,7 @@ pub(super) struct Costs {
     rays: f64,
     /// Instructions per frame, if they are counted.
     instructions: Option<f64>,
-    seconds: Spread,
+    seconds: MedianRange,
     effects: Vec<(Effect, Cost)>,
 }
 
@@ -77,7 +77,7 @@ impl Costs {
             seconds.push(whole.seconds / count);
         }
         let instructions = whole.instructions.map(|all| all / count);
-        let (rays, seconds) = (whole.rays / count, Spread::of(&seconds));
+        let (rays, seconds) = (whole.rays / count, MedianRange::of(&seconds));
         Ok(Self { frames, rays, instructions, seconds, effects })
     }
 
@@ -129,8 +129,8 @@ impl Costs {
 
 impl Cost {
     /// Returns the fraction of the time that is saved, over all rounds.
-    pub(super) fn share(&self) -> Spread {
-        Spread::of(&self.shares)
+    pub(super) fn share(&self) -> MedianRange {
+        MedianRange::of(&self.shares)
     }
 }
 

@@ -7,7 +7,7 @@ use rayreel::components::Name;
 use rayreel::engine::Probe;
 use rayreel::scene::{SourceLine, Sources};
 use rayreel::systems::active_camera;
-use rayreel::trace::Passage;
+use rayreel::trace::Attenuation;
 use rayreel::trace::reference::{LightReach, LitSurface, RayEnd, RayKind, TracedRay};
 use rayreel::{Engine, Entity, Rgb, Time};
 
@@ -197,7 +197,7 @@ impl PixelExplanation<'_> {
             facts.push(("inside", format!(" {}", self.lines.text(self.probe.entity(*slot)))));
         }
         facts.push(("light", color(light)));
-        if traced.passage != Passage::CLEAR {
+        if traced.passage != Attenuation::CLEAR {
             facts.push(("let through", color(traced.passage.transmitted)));
             facts.push(("added", color(traced.passage.added)));
         }

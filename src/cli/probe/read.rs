@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context, anyhow};
 
 use rayreel::Ray;
-use rayreel::scene::input::{self, InputError, Offered};
+use rayreel::scene::input::{self, InputError, InputKind};
 
 /// The names of the six numbers. A first line that consists of this header is skipped.
 const HEADER: &str = "ox,oy,oz,dx,dy,dz";
@@ -40,7 +40,7 @@ impl RayReader {
             return Ok(Self::new("standard input".to_owned(), stdin().lock()));
         }
         let name = path.display().to_string();
-        let file = input::open(path, Offered::Accepted, u64::MAX).map_err(|error| match error {
+        let file = input::open(path, InputKind::Accepted, u64::MAX).map_err(|error| match error {
             InputError::NotAFile => {
                 anyhow!("`{name}` is not a file: name a file of rays, or - for standard input")
             }

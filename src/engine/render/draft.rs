@@ -10,7 +10,7 @@ use crate::engine::engine::{Engine, EngineError};
 use crate::engine::report::FrameReport;
 use crate::systems::FrameSettings;
 use crate::time::Time;
-use crate::trace::{Developed, Exposure, Film, Lighting, Signals};
+use crate::trace::{Developed, Film, Lighting, RenderJob, Signals};
 
 /// The reductions of a draft. A draft also has one sample per pixel and is rendered at the frame's own moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,9 +58,9 @@ impl Engine {
         &mut self,
         time: Time,
         draft: Draft,
-        begun: &mut Option<Exposure>,
+        begun: &mut Option<RenderJob>,
         signals: Signals<'_>,
-        visit: &mut dyn FnMut(&Exposure) -> ControlFlow<()>,
+        visit: &mut dyn FnMut(&RenderJob) -> ControlFlow<()>,
     ) -> Result<Option<Film>, EngineError> {
         if !self.seek_unless(time, signals.cancelled)? {
             return Ok(None);
@@ -75,11 +75,11 @@ impl Engine {
         if !draft.shadows {
             effects.lighting = effects.lighting.min(Lighting::Unshadowed);
         }
-        let exposure = begun.get_or_insert_with(|| Exposure::new(camera.resolution(), sampling.samples));
+        let job = begun.get_or_insert_with(|| RenderJob::new(camera.resolution(), sampling.samples));
         let mut traced = Duration::ZERO;
-        let whole = add_all(signals, visit, exposure, |exposure| {
+        let whole = add_all(signals, visit, job, |job| {
             let start = Instant::now();
-            let whole = exposure.add(scene, camera, sampling, 0, effects, signals);
+            let whole = job.add(scene, camera, sampling, 0, effects, signals);
             traced += start.elapsed();
             whole
         });
@@ -90,14 +90,14 @@ impl Engine {
         if !whole {
             return Ok(None);
         }
-        Ok(begun.take().map(|exposure| self.develop(exposure).film))
+        Ok(begun.take().map(|job| self.resolve(job).film))
     }
 
-    /// Finishes an exposure, including its alpha channel, if any, and updates the report.
-    pub(in crate::engine) fn develop<E: Encoding>(&mut self, exposure: Exposure<E>) -> Developed<E::Pixel> {
+    /// Finishes a job, including its alpha channel, if any, and updates the report.
+    pub(in crate::engine) fn resolve<E: Encoding>(&mut self, job: RenderJob<E>) -> Developed<E::Pixel> {
         let start = Instant::now();
-        let error = exposure.estimated_error();
-        let (developed, effort, memory) = exposure.finish();
+        let error = job.estimated_error();
+        let (developed, effort, memory) = job.finish();
         self.report = FrameReport {
             trace: self.report.trace + start.elapsed(),
             rays: effort.rays,
@@ -111,15 +111,15 @@ impl Engine {
     }
 }
 
-/// Adds samples to an exposure until it is complete, and calls `visit` at every pause. Returns `false` if cancelled or stopped by `visit`.
+/// Adds samples to a job until it is complete, and calls `visit` at every pause. Returns `false` if cancelled or stopped by `visit`.
 pub(in crate::engine) fn add_all<E: Encoding>(
     signals: Signals<'_>,
-    visit: &mut dyn FnMut(&Exposure<E>) -> ControlFlow<()>,
-    exposure: &mut Exposure<E>,
-    mut add: impl FnMut(&mut Exposure<E>) -> bool,
+    visit: &mut dyn FnMut(&RenderJob<E>) -> ControlFlow<()>,
+    job: &mut RenderJob<E>,
+    mut add: impl FnMut(&mut RenderJob<E>) -> bool,
 ) -> bool {
-    while !add(exposure) {
-        if signals.cancelled.load(Ordering::Relaxed) || visit(exposure).is_break() {
+    while !add(job) {
+        if signals.cancelled.load(Ordering::Relaxed) || visit(job).is_break() {
             return false;
         }
     }

@@ -18,7 +18,7 @@ use crate::systems::{
 use crate::time::Time;
 use crate::trace::reference::{Reference, ReferenceSums};
 use crate::trace::{
-    AlphaFilm, BvhUpdate, Developed, Effects, EncodedFilm, Exposure, Film, FrameFingerprint, InstantOrder,
+    AlphaFilm, BvhUpdate, Developed, Effects, EncodedFilm, Film, FrameFingerprint, InstantOrder, RenderJob,
     SampleMemory, SamplePlan, SceneChanges, Signals, block, round_policy,
 };
 
@@ -80,9 +80,9 @@ impl Engine {
     pub fn render_on(
         &mut self,
         time: Time,
-        begun: &mut Option<Exposure>,
+        begun: &mut Option<RenderJob>,
         signals: Signals<'_>,
-        visit: &mut dyn FnMut(&Exposure) -> ControlFlow<()>,
+        visit: &mut dyn FnMut(&RenderJob) -> ControlFlow<()>,
     ) -> Result<Option<Film>, EngineError> {
         let exposed = self.expose((Linear, false), time, begun, signals, visit)?;
         Ok(exposed.map(|exposed| exposed.film))
@@ -98,7 +98,7 @@ impl Engine {
         &mut self,
         time: Time,
         signals: Signals<'_>,
-        visit: &mut dyn FnMut(&Exposure<Transfer>) -> ControlFlow<()>,
+        visit: &mut dyn FnMut(&RenderJob<Transfer>) -> ControlFlow<()>,
     ) -> Result<Option<EncodedFilm>, EngineError> {
         let transfer = self.film_settings().transfer;
         let exposed = self.expose((transfer, false), time, &mut None, signals, visit)?;
@@ -128,7 +128,7 @@ impl Engine {
         &mut self,
         time: Time,
         signals: Signals<'_>,
-        visit: &mut dyn FnMut(&Exposure) -> ControlFlow<()>,
+        visit: &mut dyn FnMut(&RenderJob) -> ControlFlow<()>,
     ) -> Result<Option<AlphaFilm>, EngineError> {
         let exposed = self.expose((Linear, true), time, &mut None, signals, visit)?;
         Ok(exposed.and_then(|exposed| Some(AlphaFilm { light: exposed.film, alpha: exposed.alpha? })))
@@ -139,15 +139,15 @@ impl Engine {
         &mut self,
         (encoding, alpha): (E, bool),
         time: Time,
-        begun: &mut Option<Exposure<E>>,
+        begun: &mut Option<RenderJob<E>>,
         signals: Signals<'_>,
-        visit: &mut dyn FnMut(&Exposure<E>) -> ControlFlow<()>,
+        visit: &mut dyn FnMut(&RenderJob<E>) -> ControlFlow<()>,
     ) -> Result<Option<Developed<E::Pixel>>, EngineError> {
         let instants = self.instants(time);
         let (mut traced, mut whole) = (Duration::ZERO, true);
         let mut memory = std::mem::take(&mut self.sample_memory);
         let count = count_of(&instants);
-        let first = begun.as_ref().map_or_else(|| self.first_instants(&instants), Exposure::instants);
+        let first = begun.as_ref().map_or_else(|| self.first_instants(&instants), RenderJob::instants);
         let mut hashed = HashedInstants::new(self.effects_left().lighting, self.hashed_instants(&instants));
         let is_fresh = begun.is_none();
         if hashed.instants() != first {
@@ -159,14 +159,14 @@ impl Engine {
                 |preparation, _, instant| {
                     hashed.note(preparation, time, instant);
                     let (scene, camera) = (preparation.scene(), preparation.camera());
-                    let exposure = begun.get_or_insert_with(|| {
+                    let job = begun.get_or_insert_with(|| {
                         let plan = SamplePlan { alpha, ..sample_plan(preparation, count) };
-                        Exposure::encoded(encoding, camera.resolution(), plan, std::mem::take(&mut memory))
+                        RenderJob::encoded(encoding, camera.resolution(), plan, std::mem::take(&mut memory))
                     });
                     if is_fresh {
-                        exposure.search(scene, camera, signals.cancelled);
+                        job.search(scene, camera, signals.cancelled);
                     }
-                    Then::GoOn
+                    Next::GoOn
                 },
             )?;
         }
@@ -179,24 +179,24 @@ impl Engine {
                 let start = Instant::now();
                 hashed.note(preparation, time, instant);
                 hashing += start.elapsed();
-                let exposure = begun.get_or_insert_with(|| {
+                let job = begun.get_or_insert_with(|| {
                     let plan = SamplePlan { alpha, ..sample_plan(preparation, count) };
-                    Exposure::encoded(encoding, camera.resolution(), plan, std::mem::take(&mut memory))
+                    RenderJob::encoded(encoding, camera.resolution(), plan, std::mem::take(&mut memory))
                 });
-                whole = add_all(signals, visit, exposure, |exposure| {
+                whole = add_all(signals, visit, job, |job| {
                     let start = Instant::now();
-                    let whole = exposure.add(scene, camera, sampling, instant, effects, signals);
+                    let whole = job.add(scene, camera, sampling, instant, effects, signals);
                     traced += start.elapsed();
                     whole
                 });
                 if !whole {
-                    return Then::Stop;
+                    return Next::Stop;
                 }
                 let start = Instant::now();
-                let next = match exposure.is_round_done() {
-                    false => Then::GoOn,
-                    true if exposure.next_round(policy.as_ref()) => Then::Visit(exposure.instants()),
-                    true => Then::Stop,
+                let next = match job.is_round_done() {
+                    false => Next::GoOn,
+                    true if job.next_round(policy.as_ref()) => Next::Visit(job.instants()),
+                    true => Next::Stop,
                 };
                 traced += start.elapsed();
                 next
@@ -207,14 +207,14 @@ impl Engine {
             return Ok(None);
         }
         let FilmSettings { width, height, .. } = self.film_settings();
-        let exposure = begun.take();
+        let job = begun.take();
         let nothing = || {
             let plan = SamplePlan { alpha, ..SamplePlan::uniform(1, 1) };
-            Exposure::encoded(encoding, (width, height), plan, SampleMemory::default())
+            RenderJob::encoded(encoding, (width, height), plan, SampleMemory::default())
         };
-        let exposure = exposure.unwrap_or_else(nothing);
-        self.rounds = exposure.rounds().to_vec();
-        let developed = self.develop(exposure);
+        let job = job.unwrap_or_else(nothing);
+        self.rounds = job.rounds().to_vec();
+        let developed = self.resolve(job);
         let fingerprint = hashed.finish();
         self.report.fingerprint = Some(match policy {
             Some(_) => fingerprint.with_rounds(&self.rounds),
@@ -232,7 +232,7 @@ impl Engine {
     pub fn render_reference(&mut self, time: Time) -> Result<Film, EngineError> {
         let FilmSettings { width, height, .. } = self.film_settings();
         let sums = self.reference_sums(time, false)?;
-        Ok(sums.map_or_else(|| Film::new(width, height), |sums| sums.develop()))
+        Ok(sums.map_or_else(|| Film::new(width, height), |sums| sums.resolve()))
     }
 
     /// Renders a moment by the reference path, with an alpha channel and without the background.
@@ -260,7 +260,7 @@ impl Engine {
                 let plan = SamplePlan { alpha, ..sample_plan(preparation, count) };
                 let sums = sums.get_or_insert_with(|| ReferenceSums::new(camera.resolution(), plan));
                 Reference::new(scene, camera, preparation.sampling(time), left).search(sums);
-                Then::GoOn
+                Next::GoOn
             })?;
         }
         self.seek_all(time, (&instants, first), &NEVER, |preparation, _, instant| {
@@ -270,14 +270,14 @@ impl Engine {
             Reference::new(scene, camera, preparation.sampling(time), left).add(sums, instant);
             rest -= 1;
             if rest > 0 {
-                return Then::GoOn;
+                return Next::GoOn;
             }
             if !sums.next_round(policy.as_ref()) {
-                return Then::Stop;
+                return Next::Stop;
             }
             let next = sums.instants();
             rest = next.len();
-            Then::Visit(next)
+            Next::Visit(next)
         })?;
         Ok(sums)
     }
@@ -294,7 +294,7 @@ impl Engine {
         let mut hashed = HashedInstants::new(self.effects_left().lighting, to_hash.clone());
         self.seek_all(time, (&instants, to_hash), &NEVER, |preparation, _, instant| {
             hashed.note(preparation, time, instant);
-            Then::GoOn
+            Next::GoOn
         })?;
         let fingerprint = hashed.finish();
         let Some(policy) = &self.policy else { return Ok(fingerprint) };
@@ -310,20 +310,20 @@ impl Engine {
     pub fn plan_at(&mut self, time: Time) -> Result<Option<&Plan>, EngineError> {
         let instants = self.instants(time);
         let first = self.hashed_instants(&instants);
-        self.seek_all(time, (&instants, first), &NEVER, |_, _, _| Then::GoOn)?;
+        self.seek_all(time, (&instants, first), &NEVER, |_, _, _| Next::GoOn)?;
         Ok(self.plan.as_ref())
     }
 
     /// Returns the exposure of a frame. It is read from the world before custom systems run, since the instants of a frame must not depend
     /// on the state of the world at those instants.
     fn shutter(&mut self, time: Time) -> Shutter {
-        self.shutters.get_or_insert_with(|| Shutters::of(&self.world)).at(time, &self.knobs)
+        self.shutters.get_or_insert_with(|| Shutters::of(&self.world)).at(time, &self.settings)
     }
 
     /// Returns the number of samples of each pixel of the last frame; 1, the minimum, if sampling is adaptive.
     #[must_use]
     pub fn least_samples(&self) -> u32 {
-        let own = || self.knobs.sampling(sampling_settings(&self.world)).samples;
+        let own = || self.settings.sampling(sampling_settings(&self.world)).samples;
         if self.is_adaptive() { 1 } else { self.sampling().map_or_else(own, |sampling| sampling.samples) }
     }
 
@@ -377,16 +377,16 @@ impl Engine {
         time: Time,
         (instants, first): (&[Time], Vec<u32>),
         cancelled: &AtomicBool,
-        mut each: impl FnMut(&Preparation, Effects, u32) -> Then,
+        mut each: impl FnMut(&Preparation, Effects, u32) -> Next,
     ) -> Result<bool, EngineError> {
         self.report = FrameReport { time, ..FrameReport::default() };
         let mut plan: Option<Plan> = None;
-        let (mut moves, mut exposure) = (false, None);
+        let (mut moves, mut job) = (false, None);
         let (mut next, mut is_first) = (VecDeque::from(first), true);
         while let Some(index) = next.pop_front() {
             let Some(instant) = instants.get(index as usize) else { continue };
             let Some(changed) = self.bring(*instant, cancelled)? else { return Ok(false) };
-            let Some(own) = self.turn_knobs(&mut exposure) else { continue };
+            let Some(own) = self.apply_settings(&mut job) else { continue };
             let Some(shown) = self.shown() else { continue };
             moves |= !std::mem::take(&mut is_first) && !changed.is_empty();
             let now = shown.plan(&self.world);
@@ -398,16 +398,16 @@ impl Engine {
             }
             let mut then = each(&shown, effects, index);
             // The world is already at a single instant.
-            while instants.len() == 1 && matches!(then, Then::Visit(_)) {
+            while instants.len() == 1 && matches!(then, Next::Visit(_)) {
                 then = each(&shown, effects, index);
             }
             if let Some(preparation) = &mut self.preparation {
                 preparation.replace_frame_settings(&own, &self.world);
             }
             match then {
-                Then::GoOn => {}
-                Then::Visit(instants) => next = instants.into(),
-                Then::Stop => break,
+                Next::GoOn => {}
+                Next::Visit(instants) => next = instants.into(),
+                Next::Stop => break,
             }
         }
         let motion_blur = self.motion_blur(time, moves);
@@ -420,12 +420,12 @@ impl Engine {
     }
 
     /// Applies the render settings overrides to the prepared instant, and the film and the sampling of the frame's first instant, which
-    /// `exposure` stores. Returns the instant's own settings.
-    fn turn_knobs(&mut self, exposure: &mut Option<(FilmSettings, Sampling)>) -> Option<FrameSettings> {
+    /// `job` stores. Returns the instant's own settings.
+    fn apply_settings(&mut self, job: &mut Option<(FilmSettings, Sampling)>) -> Option<FrameSettings> {
         let preparation = self.preparation.as_mut()?;
         let mut settings = preparation.frame_settings();
-        (settings.film, settings.sampling) = *exposure.get_or_insert((settings.film, settings.sampling));
-        self.knobs.turn(&mut settings);
+        (settings.film, settings.sampling) = *job.get_or_insert((settings.film, settings.sampling));
+        self.settings.apply(&mut settings);
         Some(preparation.replace_frame_settings(&settings, &self.world))
     }
 
@@ -467,12 +467,12 @@ impl Engine {
     pub fn seek_sample(&mut self, time: Time, index: u32) -> Result<(), EngineError> {
         let instants = self.instants(time);
         self.report = FrameReport { time, ..FrameReport::default() };
-        let (mut exposure, count) = (None, count_of(&instants));
+        let (mut job, count) = (None, count_of(&instants));
         let is_adaptive = self.is_adaptive() && count > 1;
         let wanted = is_adaptive.then(|| InstantOrder::new(true).instants(index..index + 1));
         for (at, instant) in (0..).zip(&instants) {
             self.bring(*instant, &NEVER)?;
-            self.turn_knobs(&mut exposure);
+            self.apply_settings(&mut job);
             let Some(preparation) = &self.preparation else { continue };
             let belongs = match &wanted {
                 Some(wanted) => wanted.contains(&at),
@@ -518,7 +518,7 @@ impl Engine {
 }
 
 /// The action after an instant of a frame.
-pub(super) enum Then {
+pub(super) enum Next {
     /// Continues with the next instant, if any.
     GoOn,
     /// Visits these instants next, in this order.

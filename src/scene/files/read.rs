@@ -4,8 +4,8 @@ use std::io::ErrorKind;
 use std::path::Path;
 
 use crate::scene::Diagnostic;
-use crate::scene::input::{self, InputError, LARGEST_FILE, Offered};
-use crate::scene::nearby::nearby;
+use crate::scene::input::{self, InputError, InputKind, LARGEST_FILE};
+use crate::scene::suggest_file::nearby;
 
 /// The content of a file.
 #[derive(Debug)]
@@ -25,15 +25,15 @@ pub(super) struct Refusal {
 
 /// Reads a scene file, or standard input.
 pub(super) fn read(path: &Path) -> Result<Content, Refusal> {
-    content(path, path, Offered::Accepted)
+    content(path, path, InputKind::Accepted)
 }
 
 /// Reads a file that is included as `written`. Streams are rejected, because they cannot be read again.
 pub(super) fn read_included(path: &Path, written: &Path) -> Result<Content, Refusal> {
-    content(path, written, Offered::Refused)
+    content(path, written, InputKind::Refused)
 }
 
-fn content(path: &Path, written: &Path, offered: Offered) -> Result<Content, Refusal> {
+fn content(path: &Path, written: &Path, offered: InputKind) -> Result<Content, Refusal> {
     let bytes =
         input::read(path, offered, LARGEST_FILE).map_err(|error| Refusal::of(&error, path, written))?;
     Ok(String::from_utf8(bytes).map_or_else(|error| garbled(&error), Content::Text))

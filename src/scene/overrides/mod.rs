@@ -3,7 +3,7 @@
 //! A value is inserted into the text before parsing, so that it passes the same checks and produces the same error messages as the file.
 //! [`put`] finds its position in a file; [`unplaced`] finds the file.
 
-mod put;
+mod set_value;
 mod unplaced;
 
 use std::fmt;

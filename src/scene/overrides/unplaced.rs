@@ -1,7 +1,7 @@
 //! Assignment of overrides to the files of a scene.
 
 use super::Override;
-use super::put::{NoPlace, put};
+use super::set_value::{PathError, put};
 use crate::scene::Diagnostic;
 use crate::scene::quote::short;
 
@@ -9,7 +9,7 @@ use crate::scene::quote::short;
 #[derive(Debug, Default)]
 pub(in crate::scene) struct Unplaced {
     /// Each override with its error in the files read so far; `None` before the first file.
-    values: Vec<(Override, Option<NoPlace>)>,
+    values: Vec<(Override, Option<PathError>)>,
 }
 
 impl Unplaced {

@@ -5,11 +5,11 @@ use std::ops::Range;
 use ron::Error;
 use ron::error::SpannedError;
 
-use super::around::Around;
 use super::characters::{is_known, strange};
 use super::examples;
-use super::trail::{Asked, Content, Trail};
-use super::wanted::{Wanted, counted, is_word};
+use super::expectations::{Asked, Content, Trail};
+use super::expected::{Wanted, counted, is_word};
+use super::token_context::Around;
 use super::whole::read_whole;
 use crate::scene::quote::short;
 use crate::scene::spans::{bracket, open_comment, root, tokens};

@@ -7,15 +7,15 @@
 //! the requested values. `around` finds the tokens at the error, `wanted` describes the expected value, with `examples` of its forms, and
 //! `explain` builds the diagnostic.
 
-mod around;
 mod characters;
 mod examples;
+mod expectations;
+mod expected;
 mod explain;
-mod in_parts;
-mod plain;
+mod fast_path;
+mod parallel;
 mod read;
-mod trail;
-mod wanted;
+mod token_context;
 mod whole;
 
 pub(super) use read::{parse, read};

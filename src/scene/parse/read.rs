@@ -3,9 +3,9 @@
 use ron::error::SpannedError;
 use serde::Deserialize;
 
+use super::expectations::Trail;
 use super::explain::explain;
-use super::in_parts::read_in_parts;
-use super::trail::Trail;
+use super::parallel::read_in_parts;
 use super::whole::{options, read_whole};
 use crate::scene::Diagnostic;
 use crate::scene::document::SceneDocument;

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use hecs::{Component, Entity, World};
 
-use super::Knobs;
+use super::RenderSettings;
 use super::settings::{first, first_entity};
 use crate::components::{
     Camera, FilmSettings, Follow, LookAt, Projection, Sampling, Shots, View, WorldTransform,
@@ -15,7 +15,7 @@ use crate::trace;
 pub(super) fn prepared_camera(world: &World, film: FilmSettings, moment: Time) -> trace::Camera {
     let entity = active_camera_entity(world, moment);
     let camera = component::<Camera>(world, entity).unwrap_or_default();
-    let Stance { eye, view, up, .. } = stance(world, entity, &camera);
+    let CameraPose { eye, view, up, .. } = pose(world, entity, &camera);
     // The centres of the first and the last pixel lie on the edges of the screen, so the screen spans one pixel pitch less than there are
     // pixels.
     let gaps = |pixels: u32| f64::from(pixels.saturating_sub(1).max(1));
@@ -48,7 +48,7 @@ pub struct ActiveCamera {
 pub fn active_camera(world: &World, moment: Time) -> Option<ActiveCamera> {
     let entity = active_camera_entity(world, moment)?;
     let camera = component::<Camera>(world, Some(entity))?;
-    let Stance { eye, view, looks_at_point, .. } = stance(world, Some(entity), &camera);
+    let CameraPose { eye, view, looks_at_point, .. } = pose(world, Some(entity), &camera);
     Some(ActiveCamera { entity, target: looks_at_point.then_some(eye + view) })
 }
 
@@ -70,14 +70,14 @@ fn component<T: Component + Copy>(world: &World, entity: Option<Entity>) -> Opti
 }
 
 /// The pose of a camera in the world.
-struct Stance {
+struct CameraPose {
     eye: DVec3,
     view: DVec3,
     up: DVec3,
     looks_at_point: bool,
 }
 
-fn stance(world: &World, entity: Option<Entity>, camera: &Camera) -> Stance {
+fn pose(world: &World, entity: Option<Entity>, camera: &Camera) -> CameraPose {
     let followed = position_of(world, component::<Follow>(world, entity).map(|Follow(entity)| entity));
     let looked_at = position_of(world, component::<LookAt>(world, entity).map(|LookAt(entity)| entity));
     let outer = component::<WorldTransform>(world, entity).map(|transform| transform.affine);
@@ -91,7 +91,7 @@ fn stance(world: &World, entity: Option<Entity>, camera: &Camera) -> Stance {
         (None, View::Direction(own)) => direction(own),
     };
     let looks_at_point = looked_at.is_some() || matches!(camera.view, View::Target(_));
-    Stance { eye, view, up: direction(camera.up), looks_at_point }
+    CameraPose { eye, view, up: direction(camera.up), looks_at_point }
 }
 
 /// The exposure of a frame.
@@ -130,12 +130,12 @@ impl Shutters {
         }
     }
 
-    /// Returns the exposure of the frame at `moment`, with the sampling as overridden by `knobs`.
+    /// Returns the exposure of the frame at `moment`, with the sampling as overridden by `settings`.
     #[must_use]
-    pub(crate) fn at(&self, moment: Time, knobs: &Knobs) -> Shutter {
+    pub(crate) fn at(&self, moment: Time, settings: &RenderSettings) -> Shutter {
         let begun = self.shots.partition_point(|(start, _)| *start <= moment.seconds());
         let open = self.shots.get(begun.saturating_sub(1)).map_or(self.single, |(_, open)| *open);
-        let Sampling { samples, instants, .. } = knobs.sampling(self.sampling);
+        let Sampling { samples, instants, .. } = settings.sampling(self.sampling);
         match instants.min(samples) {
             _ if open == 0.0 => Shutter::None,
             1 => Shutter::OneInstant,

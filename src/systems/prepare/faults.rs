@@ -17,7 +17,7 @@ use crate::components::{
     Material, Motion, Order, Projection, Property, Quality, Refractive, Sampling, Shape, Shots, Specular,
     Transform, View, WorldTransform,
 };
-use crate::systems::{Consequence, Fault, FaultCause, Instead};
+use crate::systems::{Consequence, Fallback, Fault, FaultCause};
 use crate::trace::LightSource;
 
 /// The valid range of coefficients.
@@ -91,8 +91,8 @@ fn explained(cause: FaultCause, own: Option<&Transform>) -> FaultCause {
     }
 }
 
-fn instead(entity: Entity, cause: FaultCause, instead: Instead) -> Fault {
-    Fault { entity, consequence: Consequence::Instead(instead), cause }
+fn instead(entity: Entity, cause: FaultCause, instead: Fallback) -> Fault {
+    Fault { entity, consequence: Consequence::Fallback(instead), cause }
 }
 
 /// The first fault found in the values of an entity.
@@ -111,7 +111,7 @@ impl Checked {
         if !(least..=most).contains(&value) && self.fault.is_none() {
             let held = if value > most { most } else { least };
             let cause = FaultCause::OutOfRange { what, value, range };
-            self.fault = Some(instead(self.entity, cause, Instead::Number(held)));
+            self.fault = Some(instead(self.entity, cause, Fallback::Number(held)));
         }
     }
 
@@ -126,7 +126,7 @@ impl Checked {
     fn part(&mut self, what: &'static str, value: f64, is_good: bool, range: &'static str) {
         if !is_good && self.fault.is_none() {
             let cause = FaultCause::OutOfRange { what, value, range };
-            self.fault = Some(instead(self.entity, cause, Instead::Nothing));
+            self.fault = Some(instead(self.entity, cause, Fallback::Nothing));
         }
     }
 }
@@ -201,7 +201,7 @@ fn camera_faults(world: &World, prepared: &Preparation, faults: &mut Vec<Fault>)
         let shots = world.get::<&Shots>(entity);
         let gone = |shots: &Shots| shots.0.iter().any(|shot| !world.satisfies::<&Camera>(shot.camera));
         if shots.is_ok_and(|shots| gone(&shots)) {
-            faults.push(instead(entity, FaultCause::Missing("cuts to"), Instead::Nothing));
+            faults.push(instead(entity, FaultCause::Missing("cuts to"), Fallback::Nothing));
         }
     }
     let Some(entity) = active_camera_entity(world, prepared.moment) else { return };
@@ -211,7 +211,7 @@ fn camera_faults(world: &World, prepared: &Preparation, faults: &mut Vec<Fault>)
     let looks_at_entity = looked_at.is_ok();
     for (linked, what) in [(followed, "follows"), (looked_at, "looks at")] {
         if linked.is_ok_and(|linked| position_of(world, Some(linked)).is_none()) {
-            faults.push(instead(entity, FaultCause::Missing(what), Instead::Nothing));
+            faults.push(instead(entity, FaultCause::Missing(what), Fallback::Nothing));
         }
     }
     if let Some(cause) = target_ends(world, entity).filter(|_| !looks_at_entity)
@@ -233,7 +233,7 @@ fn camera_faults(world: &World, prepared: &Preparation, faults: &mut Vec<Fault>)
         View::Target(target) => target,
     };
     if !looked.is_finite() {
-        faults.push(instead(entity, FaultCause::NotFinite("view"), Instead::AlongZ));
+        faults.push(instead(entity, FaultCause::NotFinite("view"), Fallback::AlongZ));
     }
     let mut checked = Checked::new(entity);
     checked.part("roll", camera.roll, camera.roll.is_finite(), "finite");

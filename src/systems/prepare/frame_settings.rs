@@ -21,18 +21,18 @@ pub(crate) struct FrameSettings {
 ///
 /// ```
 /// use rayreel::components::FilmSettings;
-/// use rayreel::{Engine, Knobs, Time, World};
+/// use rayreel::{Engine, RenderSettings, Time, World};
 ///
 /// let mut world = World::new();
 /// world.spawn((FilmSettings { width: 8, height: 4, ..FilmSettings::default() },));
 /// let mut engine = Engine::new(world);
-/// engine.set_knobs(Knobs { samples: Some(16), ..Knobs::default() });
+/// engine.set_render_settings(RenderSettings { samples: Some(16), ..RenderSettings::default() });
 /// engine.render_at(Time::ZERO)?;
 /// assert_eq!(engine.report().rays.camera, 8 * 4 * 16);
 /// # Ok::<(), rayreel::EngineError>(())
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Knobs {
+pub struct RenderSettings {
     /// The number of columns and rows of the film.
     pub size: Option<(u32, u32)>,
     /// The number of samples per pixel: [`Sampling::samples`].
@@ -51,7 +51,7 @@ pub struct Knobs {
     pub cutoff: Option<f32>,
 }
 
-impl Knobs {
+impl RenderSettings {
     /// Returns the sampling with the overrides applied.
     pub(crate) fn sampling(&self, own: Sampling) -> Sampling {
         sane_sampling(Sampling {
@@ -64,7 +64,7 @@ impl Knobs {
     }
 
     /// Applies the overrides to the settings.
-    pub(crate) fn turn(&self, settings: &mut FrameSettings) {
+    pub(crate) fn apply(&self, settings: &mut FrameSettings) {
         settings.sampling = self.sampling(settings.sampling);
         if let Some((width, height)) = self.size {
             settings.film = sane_film(FilmSettings { width, height, ..settings.film });

@@ -27,13 +27,13 @@ use camera::prepared_camera;
 use faults::surface_fault;
 use light::prepared_light;
 use material::{Surfaced, surface_material};
-use read::{Drawn, read_all, read_shapes};
+use read::{VisibleShapes, read_all, read_shapes};
 use settings::{first, linear_cutoff, prepared_background, prepared_fog, sane, sane_sampling};
 
 pub use camera::{ActiveCamera, active_camera};
 pub(crate) use camera::{Shutter, Shutters};
 pub(crate) use frame_settings::FrameSettings;
-pub use frame_settings::Knobs;
+pub use frame_settings::RenderSettings;
 pub use settings::film_settings;
 pub(crate) use settings::{quality_settings, sampling_settings};
 
@@ -101,7 +101,7 @@ impl Preparation {
     /// Reads the whole world and reuses the memory of the previous data.
     fn read_all(&mut self, world: &mut World) {
         order_newcomers(world, &[]);
-        let mut drawn = Drawn::default();
+        let mut drawn = VisibleShapes::default();
         self.scene.remake(|geometry, materials| drawn = read_all(world, geometry, materials));
         self.slots.fill(&drawn.entities);
         self.entities = drawn.entities;

@@ -27,7 +27,7 @@ struct Batch {
 
 /// The entities that are drawn.
 #[derive(Debug, Default)]
-pub(super) struct Drawn {
+pub(super) struct VisibleShapes {
     /// All drawn entities, in document order.
     pub(super) entities: Vec<Entity>,
     /// Drawn entities whose surfaces have out-of-range numbers.
@@ -35,7 +35,11 @@ pub(super) struct Drawn {
 }
 
 /// Reads the shapes and materials of all entities that are drawn, in document order.
-pub(super) fn read_all(world: &mut World, geometry: &mut Geometry, materials: &mut MaterialTable) -> Drawn {
+pub(super) fn read_all(
+    world: &mut World,
+    geometry: &mut Geometry,
+    materials: &mut MaterialTable,
+) -> VisibleShapes {
     let mut ordered: Vec<(Order, Entity)> = world
         .query_mut::<hecs::With<(Entity, &Order), (&Shape, &WorldTransform, &Material)>>()
         .into_iter()
@@ -43,7 +47,7 @@ pub(super) fn read_all(world: &mut World, geometry: &mut Geometry, materials: &m
         .collect();
     ordered.sort_unstable_by_key(|(order, entity)| (*order, entity.id()));
     let view = world.view_mut::<Surfaced<'_>>();
-    let mut all = Drawn::default();
+    let mut all = VisibleShapes::default();
     // Reading one group of batches overlaps with merging the group before it.
     let (mut before, mut batches) = (Vec::new(), Vec::new());
     for entities in ordered.chunks(BATCH * BATCHES).chain([&ordered[..0]]) {
@@ -58,7 +62,7 @@ pub(super) fn read_all(world: &mut World, geometry: &mut Geometry, materials: &m
     all
 }
 
-impl Drawn {
+impl VisibleShapes {
     /// Merges the data of a batch and empties the batch.
     fn append(&mut self, batch: &mut Batch, geometry: &mut Geometry, materials: &mut MaterialTable) {
         geometry.append(&mut batch.geometry);

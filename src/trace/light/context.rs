@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use glam::DVec3;
 
-use super::contribution::Brightest;
+use super::contribution::RadianceBound;
 use super::medium_stack::{MediumStack, MediumStacks};
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
@@ -19,7 +19,7 @@ pub(crate) struct RenderContext<'a> {
     pub(crate) camera: &'a Camera,
     pub(crate) sampling: Sampling,
     pub(crate) effects: Effects,
-    pub(crate) brightest: Brightest,
+    pub(crate) radiance_bound: RadianceBound,
     pub(crate) pixel_centers: PixelCenters,
     /// Those that are on, with their indices in document order.
     pub(crate) lights: Vec<(usize, &'a Light)>,
@@ -38,9 +38,9 @@ impl<'a> RenderContext<'a> {
     ) -> Self {
         let lights = scene.lights.iter().enumerate();
         let lights = lights.filter(|(_, light)| light.intensity != Rgb::ZERO).collect();
-        let (brightest, start) = (Brightest::of(scene), Start::new(scene, camera));
+        let (radiance_bound, start) = (RadianceBound::of(scene), Start::new(scene, camera));
         let pixel_centers = PixelCenters::of(camera);
-        Self { scene, camera, sampling, effects, brightest, pixel_centers, lights, start }
+        Self { scene, camera, sampling, effects, radiance_bound, pixel_centers, lights, start }
     }
 
     /// How many generations of rays are traced: that of camera rays at least.

@@ -6,7 +6,7 @@
 //! direct + (k_r + k_t) B(n-1): what shines brightest and what sends most on are seldom the same, and glass that shows no light of
 //! its own and passes on no more than it gets adds nothing, however many generations are left.
 //!
-//! A sample has a [`Budget`] of light that may be left out, and a ray that is cut is charged with the most that it can bring, its
+//! A sample has a [`ErrorBudget`] of light that may be left out, and a ray that is cut is charged with the most that it can bring, its
 //! throughput times B: what is cut adds up to no more than the budget. It is spent generation by generation, when all rays of a
 //! sample's next generation are known, on those that can bring least; so nothing is set aside for rays that end by themselves.
 //! Shared out from ray to ray instead, most of it goes with rays that leave for the sky, and ten times as many are followed. Both
@@ -21,16 +21,16 @@ use crate::trace::scene::{LightSource, PreparedScene, SurfaceMaterial};
 
 /// How much light rays can bring, and how little is left out.
 #[derive(Clone, Debug)]
-pub(crate) struct Brightest {
+pub(crate) struct RadianceBound {
     /// B(n) for n = 0, 1, 2 .., each rounded up to a power of two, so that small changes of a scene do not move it.
     bounds: Vec<Rgb>,
     /// The most that a sample's first ray to be cut can bring; minus infinity where none is cut.
     negligible: f32,
 }
 
-impl Brightest {
+impl RadianceBound {
     pub(crate) fn of(scene: &PreparedScene) -> Self {
-        let background = scene.background.brightest().as_dvec3();
+        let background = scene.background.radiance_bound().as_dvec3();
         let fog = if scene.fog.density > 0.0 { scene.fog.color } else { Rgb::ZERO };
         let around = background.max(fog.as_dvec3());
         let lights = all_lights(scene);
@@ -51,7 +51,7 @@ impl Brightest {
             beyond = shown.fold(around, DVec3::max).min(DVec3::MAX);
             bounds.push(rounded_up(beyond));
         }
-        Self { bounds, negligible: Budget::new(scene).largest() }
+        Self { bounds, negligible: ErrorBudget::new(scene).largest() }
     }
 
     /// The most that a ray can bring in any channel.
@@ -77,7 +77,7 @@ impl Brightest {
     }
 
     /// Returns which rays are cut that bring some light, each the only one of its sample's generation, as were those before it: what
-    /// [`Budget::cut`] says of a budget of which nothing is spent, since the ray that is charged to it is a sample's last.
+    /// [`ErrorBudget::cut`] says of a budget of which nothing is spent, since the ray that is charged to it is a sample's last.
     #[inline(always)]
     pub(crate) fn negligible<S: Simd>(&self, simd: S, throughputs: &Colors, generations: u32) -> u32 {
         let mut shows = 0;
@@ -92,14 +92,14 @@ impl Brightest {
 
 /// How much of a sample's light may still be left out.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Budget {
+pub(crate) struct ErrorBudget {
     /// For everything.
     rest: f64,
     /// Of it, for the least in generations of which some are followed.
     least: f64,
 }
 
-impl Budget {
+impl ErrorBudget {
     /// A little less than the cutoff, as bounds are rounded, and throughputs twice in each of 1000 generations.
     const OF_CUTOFF: f64 = 1.0 - 1.0 / 1024.0;
     /// The other part is kept for the day when all that is left fits in.
@@ -160,8 +160,8 @@ pub(crate) fn most_radiance(scene: &PreparedScene, material: &SurfaceMaterial) -
     let diffuse = second.map_or(material.diffuse, |second| material.diffuse.max(second.diffuse));
     let own = ambient.as_dvec3() * scene.ambient.as_dvec3()
         + (diffuse.as_dvec3() + f64::from(material.specular)) * lights;
-    let followed =
-        f64::from(material.reflected + transmitted) * scene.background.brightest().as_dvec3().max(DVec3::ONE);
+    let followed = f64::from(material.reflected + transmitted)
+        * scene.background.radiance_bound().as_dvec3().max(DVec3::ONE);
     to_f32((own + followed).max_element().min(f64::from(f32::MAX)))
 }
 
@@ -223,7 +223,7 @@ mod tests {
     fn glass_adds_no_light_of_its_own_however_deep() {
         let mut scene = scene(vec![lit(0.75), glass(0.1, 0.9)]);
         (scene.depth, scene.ambient) = (1000, Rgb::ONE);
-        let bounds = |scene: &PreparedScene| Brightest::of(scene).bounds;
+        let bounds = |scene: &PreparedScene| RadianceBound::of(scene).bounds;
         assert_eq!(bounds(&scene)[0], Rgb::ZERO, "the background");
         assert!(bounds(&scene)[1..].iter().all(|bound| *bound == Rgb::new(1.0, 0.5, 0.0)));
         // A mirror that shines: 0.75 (1 + 1/2 + 1/4 ..) is 1.5, and rounded up once.
@@ -247,19 +247,19 @@ mod tests {
         ) {
             let mut scene = scene(vec![lit(0.5), glass(1.0, 1.0)]);
             (scene.cutoff, scene.ambient, scene.depth) = (cutoff, Rgb::splat(ambient), 3);
-            let brightest = Brightest::of(&scene);
-            let limit = brightest.negligible.max(f32::MIN_POSITIVE);
+            let radiance_bound = RadianceBound::of(&scene);
+            let limit = radiance_bound.negligible.max(f32::MIN_POSITIVE);
             let mut throughputs = Colors::splat(Rgb::ONE);
             for (lane, share) in shares.iter().enumerate() {
                 throughputs.set(lane, Rgb::from_array(*share) * limit);
             }
             for (name, level) in SimdLevel::all() {
-                let cut = dispatch!(level.level(), simd => brightest.negligible(simd, &throughputs, generations));
-                let mosts = dispatch!(level.level(), simd => brightest.mosts(simd, &throughputs, generations));
+                let cut = dispatch!(level.level(), simd => radiance_bound.negligible(simd, &throughputs, generations));
+                let mosts = dispatch!(level.level(), simd => radiance_bound.mosts(simd, &throughputs, generations));
                 for lane in (0..LANES).filter(|lane| throughputs.get(*lane) != Rgb::ZERO) {
-                    let most = brightest.most(throughputs.get(lane), generations);
+                    let most = radiance_bound.most(throughputs.get(lane), generations);
                     prop_assert_eq!(mosts[lane], most, "{}", name);
-                    let alone = Budget::new(&scene).cut(&mut [(most, 0)]) == 1;
+                    let alone = ErrorBudget::new(&scene).cut(&mut [(most, 0)]) == 1;
                     prop_assert_eq!(cut & (1 << lane) != 0, alone, "{} {}", name, most);
                 }
             }
@@ -274,7 +274,7 @@ mod tests {
         ) {
             let mut scene = scene(Vec::new());
             scene.cutoff = cutoff;
-            let (mut budget, mut backwards) = (Budget::new(&scene), Budget::new(&scene));
+            let (mut budget, mut backwards) = (ErrorBudget::new(&scene), ErrorBudget::new(&scene));
             let mut spent = 0.0;
             for generation in generations {
                 let most = generation.iter().map(|digits| libm::exp10f(*digits));

@@ -7,11 +7,11 @@ use crate::color::Rgb;
 use crate::trace::effects::Effects;
 use crate::trace::math::{Dimension, PixelSamples, scaled};
 use crate::trace::query::SurfacePoint;
-use crate::trace::rays::{Limit, Ray};
+use crate::trace::rays::{Ray, ShadowLimit};
 use crate::trace::scene::{Light, LightSource, SurfaceMaterial};
 
 /// A surface point to be lit.
-pub(crate) struct LitPoint<'a> {
+pub(crate) struct ShadingPoint<'a> {
     /// The direction of the ray that found it.
     pub(crate) arriving: DVec3,
     /// The place in the tree of rays of that ray.
@@ -40,14 +40,14 @@ pub(crate) struct SampleId {
 pub(crate) struct ShadowRay {
     pub(crate) ray: Ray,
     /// Where the light is.
-    pub(crate) limit: Limit,
+    pub(crate) limit: ShadowLimit,
     /// Whether the light comes from the other side, through the clear medium behind the surface.
     pub(crate) from_behind: bool,
 }
 
 /// What a light adds, if it comes through.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Proposal {
+pub(crate) struct LightSample {
     /// What it adds where nothing is in its way.
     pub(crate) color: Rgb,
     /// What has to be asked first; `None` where nothing can stand in the way.
@@ -59,7 +59,7 @@ pub(crate) struct Proposal {
 pub(crate) struct WayToLight {
     pub(crate) direction: DVec3,
     /// Where the light is.
-    pub(crate) limit: Limit,
+    pub(crate) limit: ShadowLimit,
     /// Whether the light comes from the other side, through the clear medium behind the surface.
     pub(crate) from_behind: bool,
 }
@@ -70,26 +70,26 @@ impl WayToLight {
     pub(crate) fn ray(&self, surface: &SurfacePoint) -> ShadowRay {
         let Self { direction, limit, from_behind } = *self;
         // Normals face the ray that arrived, and so does the side that is left. The point is finite, as there is a way to the light.
-        let departure = surface.departure(surface.from_outside != from_behind);
-        ShadowRay { ray: Ray::departing(surface.point, direction, departure), limit, from_behind }
+        let exclusion = surface.exclusion(surface.from_outside != from_behind);
+        ShadowRay { ray: Ray::departing(surface.point, direction, exclusion), limit, from_behind }
     }
 }
 
 /// Returns what sample `sample` of light number `index` adds, as far as nothing stands in its way; `None` where it is nothing
 /// whatever stands there. Lights without a size have one sample.
 #[inline(always)]
-pub(crate) fn propose(
+pub(crate) fn sample_light(
     effects: Effects,
     (index, light): (usize, &Light),
-    lit: &LitPoint<'_>,
+    lit: &ShadingPoint<'_>,
     sample: u32,
-) -> Option<Proposal> {
+) -> Option<LightSample> {
     match light.source {
         LightSource::Point(place) | LightSource::Spot(place, _) => from_place(effects, light, lit, place),
         LightSource::Directional(direction) => {
             // From a place that is not finite there is no way to any other light by itself.
             let (to_light, _) = lit.point.is_finite().then(|| scaled(direction))??;
-            arriving(effects, light, lit, to_light, Limit::NONE)
+            arriving(effects, light, lit, to_light, ShadowLimit::NONE)
         }
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } if !effects.extras => None,
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
@@ -127,9 +127,9 @@ pub(super) fn light_point(light: &Light, of_pixel: u32, sample: u32) -> u32 {
 
 /// Returns what a light adds from one of its places. It adds nothing at the very point.
 #[inline(always)]
-fn from_place(effects: Effects, light: &Light, lit: &LitPoint<'_>, place: DVec3) -> Option<Proposal> {
+fn from_place(effects: Effects, light: &Light, lit: &ShadingPoint<'_>, place: DVec3) -> Option<LightSample> {
     let (to_light, scale) = scaled(place - lit.point)?;
-    arriving(effects, light, lit, to_light, Limit::new(scale.recip(), place))
+    arriving(effects, light, lit, to_light, ShadowLimit::new(scale.recip(), place))
 }
 
 /// Returns what a light adds that is as far as `limit` in a direction that is [`scaled`]. It adds nothing, and no ray is sent, if it
@@ -138,11 +138,11 @@ fn from_place(effects: Effects, light: &Light, lit: &LitPoint<'_>, place: DVec3)
 fn arriving(
     effects: Effects,
     light: &Light,
-    lit: &LitPoint<'_>,
+    lit: &ShadingPoint<'_>,
     to_light: DVec3,
-    limit: Limit,
-) -> Option<Proposal> {
-    let LitPoint { material, normal, .. } = *lit;
+    limit: ShadowLimit,
+) -> Option<LightSample> {
+    let ShadingPoint { material, normal, .. } = *lit;
     let length = length(to_light);
     let cosine = normal.dot(to_light) / length;
     let from_behind = effects.clear_shadows() && cosine < 0.0 && material.refraction.is_some();
@@ -158,9 +158,9 @@ fn arriving(
         return None;
     }
     if !(effects.shadows() && light.casts_shadows) {
-        return Some(Proposal { color, shadow: None });
+        return Some(LightSample { color, shadow: None });
     }
-    Some(Proposal { color, shadow: Some(WayToLight { direction: to_light, limit, from_behind }) })
+    Some(LightSample { color, shadow: Some(WayToLight { direction: to_light, limit, from_behind }) })
 }
 
 fn to_u32(index: usize) -> u32 {

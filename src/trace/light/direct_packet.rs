@@ -1,10 +1,10 @@
-//! What lights add at sixteen surface points: the operations of [`propose`](super::propose), in their order.
+//! What lights add at sixteen surface points: the operations of [`sample_light`](super::propose), in their order.
 
 use fearless_simd::{f32x16, prelude::*};
 use glam::DVec3;
 
-use super::direct::{LitPoint, SampleId, propose};
-use super::proposal_packet::{LitPacket, ProposalPacket, facing_normal};
+use super::direct::{SampleId, ShadingPoint, sample_light};
+use super::light_sample_packet::{LightSamplePacket, ShadingPacket, facing_normal};
 use super::shading_packet::{add_highlights, intensities};
 use crate::trace::effects::Effects;
 use crate::trace::math::{
@@ -16,50 +16,50 @@ use crate::trace::scene::{Light, LightSource, PreparedScene, SurfaceMaterial};
 /// Finds what sample `sample` of light number `index` adds to each point, as far as nothing stands in its way. `asker` says for
 /// which sample of which pixel the light is asked in a lane.
 #[inline(always)]
-pub(crate) fn propose_lanes<S: Simd>(
+pub(crate) fn sample_light_lanes<S: Simd>(
     simd: S,
     (scene, effects): (&PreparedScene, Effects),
     (index, light): (usize, &Light),
-    lit: &LitPacket<'_>,
+    lit: &ShadingPacket<'_>,
     sample: u32,
     asker: impl Fn(usize) -> SampleId,
-    proposals: &mut ProposalPacket,
+    light_samples: &mut LightSamplePacket,
 ) {
-    (proposals.lanes, proposals.asking, proposals.from_behind) = (0, 0, 0);
-    proposals.rays.clear();
+    (light_samples.lanes, light_samples.asking, light_samples.from_behind) = (0, 0, 0);
+    light_samples.rays.clear();
     if lit.surfaces.lanes == 0 {
         return;
     }
-    let Some(target) = target(simd, light, effects, lit, sample, proposals) else { return };
-    let Aim { cosines, lengths, facing, behind, unusual } = aim(simd, &target, lit, proposals);
+    let Some(target) = target(simd, light, effects, lit, sample, light_samples) else { return };
+    let Aim { cosines, lengths, facing, behind, unusual } = aim(simd, &target, lit, light_samples);
     if effects.clear_shadows() {
-        proposals.from_behind = behind & lit.clear;
+        light_samples.from_behind = behind & lit.clear;
     }
-    proposals.lanes = facing | proposals.from_behind;
-    let arriving = intensities(simd, effects, light, &lengths, proposals);
+    light_samples.lanes = facing | light_samples.from_behind;
+    let arriving = intensities(simd, effects, light, &lengths, light_samples);
     let (diffuse, cosine) = (lit.diffuse.load(simd), cosines.rounded(simd));
-    proposals.colors.store([
+    light_samples.colors.store([
         diffuse[0] * arriving[0] * cosine,
         diffuse[1] * arriving[1] * cosine,
         diffuse[2] * arriving[2] * cosine,
     ]);
     if effects.extras {
-        add_highlights(simd, scene, lit, arriving, proposals);
+        add_highlights(simd, scene, lit, arriving, light_samples);
     }
     let black = f32x16::splat(simd, 0.0);
-    let [red, green, blue] = proposals.colors.load(simd);
-    proposals.lanes &= bits16(!(red.simd_eq(black) & green.simd_eq(black) & blue.simd_eq(black)));
+    let [red, green, blue] = light_samples.colors.load(simd);
+    light_samples.lanes &= bits16(!(red.simd_eq(black) & green.simd_eq(black) & blue.simd_eq(black)));
     if effects.shadows() && light.casts_shadows {
-        proposals.asking = proposals.lanes;
+        light_samples.asking = light_samples.lanes;
     }
     for lane in lanes(unusual) {
         let Some(id) = lit.hits.ids.get(lane) else { continue };
         let point = lit_point(lit, lane, scene.material(id), asker(lane));
-        if let Some(proposal) = propose(effects, (index, light), &point, sample) {
-            proposals.set(lane, &proposal);
+        if let Some(proposal) = sample_light(effects, (index, light), &point, sample) {
+            light_samples.set(lane, &proposal);
         }
     }
-    proposals.leave(lit.surfaces);
+    light_samples.leave(lit.surfaces);
 }
 
 /// How a light is seen from points.
@@ -78,7 +78,12 @@ struct Aim {
 
 /// Finds the directions to a light, and how far it is, for the proposals.
 #[inline(always)]
-fn aim<S: Simd>(simd: S, target: &Target, lit: &LitPacket<'_>, proposals: &mut ProposalPacket) -> Aim {
+fn aim<S: Simd>(
+    simd: S,
+    target: &Target,
+    lit: &ShadingPacket<'_>,
+    light_samples: &mut LightSamplePacket,
+) -> Aim {
     let asked = lit.surfaces.lanes;
     let (cosines, lengths) = (Numbers::splat(0.0), Numbers::splat(1.0));
     let mut aim = Aim { cosines, lengths, facing: 0, behind: 0, unusual: 0 };
@@ -88,7 +93,7 @@ fn aim<S: Simd>(simd: S, target: &Target, lit: &LitPacket<'_>, proposals: &mut P
             continue;
         }
         let point = lit.surfaces.points.load(simd, half);
-        let (to_light, limit, found) = way(simd, target, point, (proposals, half));
+        let (to_light, limit, found) = way(simd, target, point, (light_samples, half));
         let length = dot(to_light, to_light).sqrt();
         // Of the outward normal: the one that faces the ray differs in its sign at most, and so does the cosine.
         let cosine = dot(lit.surfaces.normals.load(simd, half), to_light) / length;
@@ -98,9 +103,9 @@ fn aim<S: Simd>(simd: S, target: &Target, lit: &LitPacket<'_>, proposals: &mut P
         below |= bits(cosine.simd_lt(zero), half);
         aim.cosines.store(half, cosine.abs());
         aim.lengths.store(half, length);
-        proposals.rays.origins.store(half, point);
-        proposals.rays.directions.store(half, to_light);
-        proposals.limits.store(half, limit);
+        light_samples.rays.origins.store(half, point);
+        light_samples.rays.directions.store(half, to_light);
+        light_samples.limits.store(half, limit);
     }
     let outside = lit.surfaces.from_outside;
     aim.facing = (above & outside | below & !outside) & asked & usual;
@@ -110,12 +115,12 @@ fn aim<S: Simd>(simd: S, target: &Target, lit: &LitPacket<'_>, proposals: &mut P
 }
 
 fn lit_point<'a>(
-    lit: &LitPacket<'_>,
+    lit: &ShadingPacket<'_>,
     lane: usize,
     material: &'a SurfaceMaterial,
     asker: SampleId,
-) -> LitPoint<'a> {
-    LitPoint {
+) -> ShadingPoint<'a> {
+    ShadingPoint {
         arriving: lit.rays.directions.get(lane),
         path: lit.paths.places[lane],
         point: lit.surfaces.points.get(lane),
@@ -142,9 +147,9 @@ fn target<S: Simd>(
     simd: S,
     light: &Light,
     effects: Effects,
-    lit: &LitPacket<'_>,
+    lit: &ShadingPacket<'_>,
     sample: u32,
-    proposals: &mut ProposalPacket,
+    light_samples: &mut LightSamplePacket,
 ) -> Option<Target> {
     match light.source {
         LightSource::Point(place) | LightSource::Spot(place, _) => Some(Target::Place(place)),
@@ -152,7 +157,7 @@ fn target<S: Simd>(
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } if !effects.extras => None,
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
             let asked = (lit.surfaces.lanes, sample);
-            lit.places.find(simd, &light.source, &lit.surfaces.points, asked, &mut proposals.places);
+            lit.places.find(simd, &light.source, &lit.surfaces.points, asked, &mut light_samples.places);
             Some(Target::Places)
         }
     }
@@ -164,11 +169,11 @@ fn way<S: Simd>(
     simd: S,
     target: &Target,
     point: F64s3<S>,
-    (proposals, half): (&ProposalPacket, usize),
+    (light_samples, half): (&LightSamplePacket, usize),
 ) -> (F64s3<S>, F64s<S>, Mask<S>) {
     let place = match *target {
         Target::Place(place) => splat3(simd, place),
-        Target::Places => proposals.places.load(simd, half),
+        Target::Places => light_samples.places.load(simd, half),
         Target::Direction(direction) => {
             return (splat3(simd, direction), splat(simd, f64::INFINITY), finite3(simd, point));
         }

@@ -1,16 +1,16 @@
 //! What light does at surfaces and in between: the physics, shared by the stages and the reference path.
 
+mod area_light_samples;
 mod context;
 mod contribution;
 mod dielectric;
 mod direct;
 mod direct_packet;
 mod filter;
-mod light_places;
+mod light_sample_packet;
 mod medium_stack;
 mod passage_packet;
 mod path_packet;
-mod proposal_packet;
 mod refraction_packet;
 mod scratch;
 mod secondary;
@@ -19,16 +19,16 @@ mod shading;
 mod shading_packet;
 mod transmission;
 
+pub(crate) use area_light_samples::AreaLightSamples;
 pub(crate) use context::RenderContext;
-pub(crate) use contribution::{Brightest, Budget, most_radiance};
+pub(crate) use contribution::{ErrorBudget, RadianceBound, most_radiance};
 pub use dielectric::Boundary;
-pub(crate) use direct::{LitPoint, Proposal, SampleId, ShadowRay, propose};
-pub(crate) use direct_packet::propose_lanes;
-pub(crate) use light_places::LightPlaces;
+pub(crate) use direct::{LightSample, SampleId, ShadingPoint, ShadowRay, sample_light};
+pub(crate) use direct_packet::sample_light_lanes;
+pub(crate) use light_sample_packet::{LightSamplePacket, ShadingPacket};
 pub(crate) use medium_stack::MediumStack;
 pub(crate) use passage_packet::{Absorbers, PassageLanes, transmittances};
 pub(crate) use path_packet::PathPacket;
-pub(crate) use proposal_packet::{LitPacket, ProposalPacket};
 pub(crate) use scratch::LightScratch;
 pub(crate) use secondary::{LARGEST_TREE, PathState, SecondaryRays, TreeRay, secondary_rays};
 pub(crate) use secondary_packet::{BranchPacket, branch_lanes};

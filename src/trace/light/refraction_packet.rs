@@ -3,9 +3,9 @@
 use fearless_simd::{f32x16, prelude::*};
 use glam::DVec3;
 
+use super::light_sample_packet::facing_normals;
 use super::medium_stack::{MediumStack, MediumStacks};
 use super::path_packet::PathPacket;
-use super::proposal_packet::facing_normals;
 use crate::trace::math::{
     Double, F64s, LANES, Mask, Numbers, Vectors, add, bits, dot, half_lanes, half_of, lanes, mask, moderate,
     splat, times,

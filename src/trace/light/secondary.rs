@@ -10,7 +10,7 @@ use crate::color::{Rgb, to_f32};
 use crate::trace::effects::Effects;
 use crate::trace::query::SurfacePoint;
 use crate::trace::rays::Ray;
-use crate::trace::scene::{Passage, PreparedScene, Refraction};
+use crate::trace::scene::{Attenuation, PreparedScene, Refraction};
 
 /// A ray of the tree of rays that makes a sample.
 #[derive(Clone, Copy, Debug)]
@@ -44,12 +44,12 @@ impl PathState {
         scene: &PreparedScene,
         media: &MediumStacks,
         length: f64,
-    ) -> Passage {
+    ) -> Attenuation {
         let absorption = if effects.in_media() { media.absorption(scene, self.medium) } else { Rgb::ZERO };
         if absorption == Rgb::ZERO && (!effects.extras || scene.fog.density == 0.0) {
-            return Passage::CLEAR;
+            return Attenuation::CLEAR;
         }
-        Passage::through(absorption, &scene.fog, length)
+        Attenuation::through(absorption, &scene.fog, length)
     }
 }
 

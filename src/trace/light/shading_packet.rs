@@ -3,7 +3,7 @@
 
 use fearless_simd::{f32x16, prelude::*};
 
-use super::proposal_packet::{LitPacket, ProposalPacket, facing_normals};
+use super::light_sample_packet::{LightSamplePacket, ShadingPacket, facing_normals};
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
 use crate::trace::math::{F64s, F64s3, LANES, Numbers, dot, half_of, lanes, pow, splat, splat3};
@@ -16,7 +16,7 @@ pub(super) fn intensities<S: Simd>(
     effects: Effects,
     light: &Light,
     lengths: &Numbers,
-    proposals: &ProposalPacket,
+    light_samples: &LightSamplePacket,
 ) -> [f32x16<S>; 3] {
     let Rgb { x, y, z } = light.intensity;
     let mut intensity = [f32x16::splat(simd, x), f32x16::splat(simd, y), f32x16::splat(simd, z)];
@@ -27,14 +27,14 @@ pub(super) fn intensities<S: Simd>(
     if let LightSource::Spot(_, cone) = &light.source {
         let axis = splat3(simd, cone.axis);
         for half in 0..2 {
-            let along = dot(axis, proposals.rays.directions.load(simd, half));
+            let along = dot(axis, light_samples.rays.directions.load(simd, half));
             shares.store(half, in_cone(simd, cone, -along / lengths.load(simd, half)));
         }
         intensity = dimmed(simd, intensity, &shares);
     }
     if let Some(falloff) = &light.falloff {
         for half in 0..2 {
-            let distance = lengths.load(simd, half) * proposals.limits.load(simd, half);
+            let distance = lengths.load(simd, half) * light_samples.limits.load(simd, half);
             shares.store(half, after(simd, falloff, distance));
         }
         intensity = dimmed(simd, intensity, &shares);
@@ -84,11 +84,11 @@ fn after<S: Simd>(simd: S, falloff: &Falloff, distance: F64s<S>) -> F64s<S> {
 pub(super) fn add_highlights<S: Simd>(
     simd: S,
     scene: &PreparedScene,
-    lit: &LitPacket<'_>,
+    lit: &ShadingPacket<'_>,
     intensity: [f32x16<S>; 3],
-    proposals: &mut ProposalPacket,
+    light_samples: &mut LightSamplePacket,
 ) {
-    let asked = lit.shiny & proposals.lanes & !proposals.from_behind;
+    let asked = lit.shiny & light_samples.lanes & !light_samples.from_behind;
     if asked == 0 {
         return;
     }
@@ -105,16 +105,16 @@ pub(super) fn add_highlights<S: Simd>(
             continue;
         }
         let [x, y, z] = lit.rays.directions.load(simd, half);
-        let to_light = proposals.rays.directions.load(simd, half);
+        let to_light = light_samples.rays.directions.load(simd, half);
         let cosine = half_cosine(simd, facing_normals(simd, lit.surfaces, half), to_light, [-x, -y, -z]);
         shares.store(half, pow(cosine, exponents.load(simd, half)));
     }
     let share = f32x16::load_array_ref(simd, &coefficients) * shares.rounded(simd);
-    let mut colors = proposals.colors.load(simd);
+    let mut colors = light_samples.colors.load(simd);
     for (color, intensity) in colors.iter_mut().zip(intensity) {
         *color += intensity * share;
     }
-    proposals.colors.store(colors);
+    light_samples.colors.store(colors);
 }
 
 /// max(0, N.H), at most 1, for the half vector H between two directions of any length but zero.

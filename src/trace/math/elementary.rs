@@ -4,22 +4,9 @@
 //! They are right to 2^-44 of themselves, as far as that is a normal `f32`: what they say is rounded to one, or places a sample.
 //! Taylor's series do, of what is left after powers of two are taken out.
 
-use std::f64::consts::{FRAC_1_SQRT_2, LN_2, LOG2_E};
+use std::f64::consts::{LN_2, LOG2_E};
 
-use super::real::Real;
-
-/// 2^52, from which on numbers are whole, and one and a half times that, near which all are equally far apart.
-pub(super) const WHOLE: f64 = 4_503_599_627_370_496.0;
-pub(super) const ROUNDER: f64 = 1.5 * WHOLE;
-
-/// The bits of the root of 1/2, from which on exponents are counted, and what is added to them so that they are not negative.
-pub(super) const ROOT: u64 = FRAC_1_SQRT_2.to_bits();
-pub(super) const BIAS: u64 = 1024;
-pub(super) const UNBIAS: f64 = WHOLE + 1024.0;
-
-/// How many bits a mantissa has, and which.
-pub(super) const MANTISSA: u32 = f64::MANTISSA_DIGITS - 1;
-pub(super) const MANTISSA_BITS: u64 = (1 << MANTISSA) - 1;
+use super::real::{ROUNDER, Real};
 
 /// e^x, for x up to 700; 0 for what is less than -700.
 #[inline(always)]

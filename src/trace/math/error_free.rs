@@ -2,9 +2,6 @@
 
 use super::real::Real;
 
-/// 2^27 + 1.
-const SPLITTER: f64 = 134_217_729.0;
-
 /// a + b as a rounded sum and its exact error (Knuth).
 #[inline(always)]
 pub(crate) fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
@@ -24,22 +21,4 @@ pub(crate) fn quick_two_sum<R: Real>(a: R, b: R) -> (R, R) {
 #[inline(always)]
 pub(crate) fn two_product<R: Real>(a: R, b: R) -> (R, R) {
     a.two_product(b)
-}
-
-/// The same where products and sums are not fused (Dekker, Veltkamp).
-#[inline(always)]
-pub(crate) fn split_product<R: Real>(a: R, b: R) -> (R, R) {
-    let product = a * b;
-    let (a_high, a_low) = split(a);
-    let (b_high, b_low) = split(b);
-    let error = ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low;
-    (product, error)
-}
-
-/// Two halves of at most 26 bits each.
-#[inline(always)]
-fn split<R: Real>(a: R) -> (R, R) {
-    let scaled = a * SPLITTER;
-    let high = scaled - (scaled - a);
-    (high, a - high)
 }

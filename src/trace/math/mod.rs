@@ -5,15 +5,16 @@
 //! Blocks of Double-Word Arithmetic", 2017). Sums of products are rounded once (Shewchuk, "Adaptive Precision Floating-Point
 //! Arithmetic", 1997). Only + - * / and square roots are used, so that the bits are the same everywhere.
 
-mod algebraic;
+mod bounded_t;
 mod compensated;
 mod digest;
 mod double;
 mod elementary;
 mod error_free;
+mod exact;
 mod lanes;
 mod real;
-mod root;
+mod real_lanes;
 mod sample_keys;
 mod sampling;
 mod scaling;
@@ -21,19 +22,19 @@ mod simd_level;
 mod sums;
 mod vector;
 
-pub(crate) use algebraic::{Exact, Exact3, ExactRoot};
+pub use bounded_t::BoundedT;
 pub(crate) use compensated::Compensated;
 pub(crate) use digest::{Bytes, Digest, digest_of_all};
 pub use double::Double;
 pub(crate) use elementary::{exp, pow};
 pub(crate) use error_free::{quick_two_sum, two_sum};
+pub(crate) use exact::{Exact, Exact3, ExactRoot};
 pub(crate) use lanes::{
     Colors, F64s, F64s3, HALF, LANES, Mask, Numbers, Scaled, Vectors, WHOLE, bits, bits8, bits16, finite3,
     half_lanes, half_of, lanes, mask, mask16, moderate, moderate3, scaled_lanes, select3, set_bits, splat,
     splat3,
 };
 pub(crate) use real::{Real, Truth, absolute, add, dot, subtract, times};
-pub use root::Root;
 pub(crate) use sample_keys::SampleKeys;
 pub(crate) use sampling::on_disc;
 pub(crate) use sampling::stratum;

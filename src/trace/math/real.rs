@@ -1,12 +1,23 @@
 //! One text for a number and for lanes of them: what formulas may ask of either.
 
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use fearless_simd::{prelude::*, u64x8};
+/// 2^52, from which on numbers are whole, and one and a half times that, near which all are equally far apart.
+pub(super) const WHOLE_NUMBERS: f64 = 4_503_599_627_370_496.0;
+pub(super) const ROUNDER: f64 = 1.5 * WHOLE_NUMBERS;
 
-use super::elementary::{BIAS, MANTISSA, MANTISSA_BITS, ROOT, ROUNDER, UNBIAS, WHOLE};
-use super::error_free::split_product;
-use super::lanes::{F64s, Mask, fuses, splat};
+/// The bits of the root of 1/2, from which on exponents are counted, and what is added to them so that they are not negative.
+pub(super) const ROOT: u64 = FRAC_1_SQRT_2.to_bits();
+pub(super) const BIAS: u64 = 1024;
+pub(super) const UNBIAS: f64 = WHOLE_NUMBERS + 1024.0;
+
+/// How many bits a mantissa has, and which.
+pub(super) const MANTISSA: u32 = f64::MANTISSA_DIGITS - 1;
+pub(super) const MANTISSA_BITS: u64 = (1 << MANTISSA) - 1;
+
+/// 2^27 + 1: products with it split numbers into halves.
+const SPLITTER: f64 = 134_217_729.0;
 
 /// A truth, or one in each of half of the lanes.
 pub trait Truth: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
@@ -133,89 +144,26 @@ impl Real for f64 {
     fn mantissa_and_exponent(self) -> (Self, Self) {
         let above = self.to_bits().wrapping_add((BIAS << MANTISSA).wrapping_sub(ROOT));
         let mantissa = Self::from_bits((above & MANTISSA_BITS) + ROOT);
-        (mantissa, Self::from_bits(above >> MANTISSA | WHOLE.to_bits()) - UNBIAS)
+        (mantissa, Self::from_bits(above >> MANTISSA | WHOLE_NUMBERS.to_bits()) - UNBIAS)
     }
 }
 
-impl<S: Simd> Truth for Mask<S> {
-    #[inline(always)]
-    fn any(self) -> bool {
-        self.any_true()
-    }
-
-    #[inline(always)]
-    fn settled(self) -> bool {
-        false
-    }
+/// Returns the rounded product and its exact error without fused operations (Dekker 1971, with Veltkamp's splitting).
+#[inline(always)]
+pub(super) fn split_product<R: Real>(a: R, b: R) -> (R, R) {
+    let product = a * b;
+    let (a_high, a_low) = split(a);
+    let (b_high, b_low) = split(b);
+    let error = ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low;
+    (product, error)
 }
 
-impl<S: Simd> Real for F64s<S> {
-    type Mask = Mask<S>;
-
-    #[inline(always)]
-    fn of(self, number: f64) -> Self {
-        splat(self.simd, number)
-    }
-
-    #[inline(always)]
-    fn less(self, other: Self) -> Mask<S> {
-        self.simd_lt(other)
-    }
-
-    #[inline(always)]
-    fn greater(self, other: Self) -> Mask<S> {
-        self.simd_gt(other)
-    }
-
-    #[inline(always)]
-    fn pick(mask: Mask<S>, one: Self, other: Self) -> Self {
-        mask.select(one, other)
-    }
-
-    #[inline(always)]
-    fn abs(self) -> Self {
-        self.simd.abs_f64x8(self)
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.simd.sqrt_f64x8(self)
-    }
-
-    #[inline(always)]
-    fn copysign(self, other: Self) -> Self {
-        self.simd.copysign_f64x8(self, other)
-    }
-
-    /// For numbers that are [`moderate`](super::moderate).
-    ///
-    /// Where the processor fuses a product and a sum, the error is what the fused difference of the product and its rounded value is: it
-    /// has no more than 53 bits, of which none is lost as long as it does not underflow. So it is the very number that Dekker's splitting
-    /// makes, which is exact under the same condition, and if no half overflows.
-    #[inline(always)]
-    fn two_product(self, other: Self) -> (Self, Self) {
-        if fuses(self.simd) {
-            let product = self * other;
-            return (product, self.mul_sub(other, product));
-        }
-        split_product(self, other)
-    }
-
-    #[inline(always)]
-    fn power_of_two(self) -> Self {
-        let bits: u64x8<S> = (self + (ROUNDER + 1023.0)).bitcast();
-        (bits << MANTISSA).bitcast()
-    }
-
-    #[inline(always)]
-    fn mantissa_and_exponent(self) -> (Self, Self) {
-        let (simd, bits): (S, u64x8<S>) = (self.simd, self.bitcast());
-        let above = bits + u64x8::splat(simd, (BIAS << MANTISSA).wrapping_sub(ROOT));
-        let mantissa = (above & u64x8::splat(simd, MANTISSA_BITS)) + u64x8::splat(simd, ROOT);
-        let exponent: Self = ((above >> MANTISSA) | u64x8::splat(simd, WHOLE.to_bits())).bitcast();
-        let mantissa: Self = mantissa.bitcast();
-        (mantissa, exponent - UNBIAS)
-    }
+/// Splits a number into two halves of at most 26 bits each.
+#[inline(always)]
+fn split<R: Real>(a: R) -> (R, R) {
+    let scaled = a * SPLITTER;
+    let high = scaled - (scaled - a);
+    (high, a - high)
 }
 
 /// The sum of the products, in the order of `DVec3::dot`.
@@ -250,7 +198,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::trace::math::{Compensated, Double, HALF, Numbers, SimdLevel};
+    use crate::trace::math::{Compensated, Double, HALF, Numbers, SimdLevel, splat};
 
     /// Every operation of a number, and masks as numbers.
     fn operations<R: Real>(a: R, b: R) -> [R; 14] {
@@ -304,7 +252,7 @@ mod tests {
         level: SimdLevel,
         arguments: [f64; N],
         numbers: &mut [f64; M],
-        evaluate: impl Evaluate<N, M>,
+        evaluate: &impl Evaluate<N, M>,
     ) {
         dispatch!(level.level(), simd => {
             let found = evaluate.evaluate(arguments.map(|number| splat(simd, number)));
@@ -350,7 +298,7 @@ mod tests {
             let expected = operations(a, b).map(bits);
             for (name, level) in SimdLevel::all() {
                 let mut found = [0.0; 14];
-                in_lanes(level, [a, b], &mut found, Operations);
+                in_lanes(level, [a, b], &mut found, &Operations);
                 prop_assert_eq!(found.map(bits), expected, "{}: {} {}", name, a, b);
             }
         }
@@ -363,7 +311,7 @@ mod tests {
             let expected = formulas(arguments).map(bits);
             for (name, level) in SimdLevel::all() {
                 let mut found = [0.0; 10];
-                in_lanes(level, arguments, &mut found, Formulas);
+                in_lanes(level, arguments, &mut found, &Formulas);
                 prop_assert_eq!(found.map(bits), expected, "{}: {:?}", name, arguments);
             }
         }

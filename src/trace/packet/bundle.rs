@@ -5,8 +5,8 @@ use glam::DVec3;
 
 use super::reciprocals::Reciprocals;
 use super::scratch::PacketScratch;
+use super::shape_query::ShapeQuery;
 use super::tile_packets::TilePackets;
-use super::verdicts::Asked;
 use crate::trace::bvh::{Depth, FrustumVisitor, LeafBox, LeafId, Limits, PACKETS, Shaft, Slopes};
 use crate::trace::query::{HitPacket, Scratch};
 use crate::trace::rays::RayPacket;
@@ -76,7 +76,7 @@ impl<S: Simd, F: Fn(f64) -> f32> FrustumVisitor<S> for Visitor<'_, F> {
             hits.iter_mut().zip(*rays).for_each(|(hits, rays)| hits.open = rays.lanes);
             return f32::NEG_INFINITY;
         }
-        let shape = Asked::leaf(self.packets.scene, leaf);
+        let shape = ShapeQuery::leaf(self.packets.scene, leaf);
         if self.packets.meet_parts(simd, parts, shape) {
             self.farthest = self.packets.limits.farthest(simd);
         }

@@ -11,7 +11,7 @@ use std::sync::atomic::AtomicBool;
 use fearless_simd::{dispatch, prelude::*};
 use glam::DVec3;
 
-use super::roles::{Occluders, Role};
+use super::occluder_kind::{OccluderKind, Occluders};
 use crate::trace::bvh::{
     Beam, Depth, Ends, FARTHEST, Frustum, FrustumVisitor, LeafBox, LeafId, Limits, PARTS, Shaft, Slopes,
     Stack,
@@ -354,7 +354,7 @@ impl Visitor<'_> {
         let (id, shape) = self.scene.leaves.get(leaf, &self.scene.geometry);
         // Images do not fill their boxes.
         let fills = matches!(shape, ShapeRef::Sphere(_) | ShapeRef::AlignedBox(_));
-        if fills && self.occluders.role(self.scene, id) == Role::Hides { covered } else { 0 }
+        if fills && self.occluders.role(self.scene, id) == OccluderKind::Opaque { covered } else { 0 }
     }
 }
 

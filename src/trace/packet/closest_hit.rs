@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use fearless_simd::{dispatch, prelude::*};
 
 use super::scratch::PacketScratch;
-use super::verdicts::{Answer, Asked, Asking};
+use super::shape_query::{PacketHit, PacketIntersector, ShapeQuery};
 use crate::trace::bvh::{FramePacket, LeafId, PacketStack, PacketVisitor};
 use crate::trace::math::{F64s, bits, half_of, mask, splat};
 use crate::trace::query::HitPacket;
@@ -33,7 +33,7 @@ pub(crate) fn closest_hits(
     }
     let reciprocals = &mut reciprocals[0];
     reciprocals.forget();
-    let asking = Asking { rays, reciprocals };
+    let asking = PacketIntersector { rays, reciprocals };
     let mut search = Search { scene, asking, hits };
     dispatch!(scene.simd.level(), simd => search.run(simd, active, stack, cancelled));
 }
@@ -41,7 +41,7 @@ pub(crate) fn closest_hits(
 /// A packet on its way.
 pub(super) struct Search<'a> {
     pub(super) scene: &'a PreparedScene,
-    pub(super) asking: Asking<'a>,
+    pub(super) asking: PacketIntersector<'a>,
     pub(super) hits: &'a mut HitPacket,
 }
 
@@ -53,7 +53,7 @@ impl Search<'_> {
             if cancelled.load(Ordering::Relaxed) {
                 return;
             }
-            self.meet(simd, Asked::beside(scene, *id), active);
+            self.meet(simd, ShapeQuery::beside(scene, *id), active);
         }
         let mut packet = scene.tree.packet(simd, self.asking.rays, active & !self.hits.open, None);
         packet.limit(simd, &self.hits.ts, &self.hits.errors);
@@ -62,7 +62,7 @@ impl Search<'_> {
 
     /// Takes a shape into account in some lanes. Says whether any of their rays meets it nearer than all before.
     #[inline(always)]
-    pub(super) fn meet<S: Simd>(&mut self, simd: S, shape: Asked<'_>, lanes: u32) -> bool {
+    pub(super) fn meet<S: Simd>(&mut self, simd: S, shape: ShapeQuery<'_>, lanes: u32) -> bool {
         let mut nearer = false;
         for half in 0..2 {
             if half_of(lanes, half) == 0 {
@@ -81,7 +81,7 @@ impl<S: Simd> PacketVisitor<S> for Search<'_> {
 
     #[inline(always)]
     fn visit(&mut self, simd: S, leaf: LeafId, lanes: u32, packet: &mut FramePacket) {
-        let nearer = self.meet(simd, Asked::leaf(self.scene, leaf), lanes);
+        let nearer = self.meet(simd, ShapeQuery::leaf(self.scene, leaf), lanes);
         packet.finish(self.hits.open);
         if nearer {
             packet.limit(simd, &self.hits.ts, &self.hits.errors);
@@ -102,9 +102,9 @@ fn consider<S: Simd>(
     simd: S,
     hits: &mut HitPacket,
     (half, id): (usize, ShapeId),
-    answer: &Answer<S>,
+    answer: &PacketHit<S>,
 ) -> bool {
-    let Answer { verdicts, far } = answer;
+    let PacketHit { verdicts, far } = answer;
     let (t, error) = (verdicts.t, verdicts.error);
     let (best, best_error) = (hits.ts.load(simd, half), hits.errors.load(simd, half));
     let is_near = t.simd_lt(splat(simd, FAR));

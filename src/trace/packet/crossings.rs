@@ -5,7 +5,7 @@ use fearless_simd::prelude::*;
 
 use super::leaves::Rays;
 use super::refine::refine_one;
-use super::verdicts::{Asked, exit};
+use super::shape_query::{ShapeQuery, exit};
 use crate::trace::math::{F64s, Numbers, Vectors, bits, dot, half_lanes, half_of, mask, splat};
 use crate::trace::query::{Crossing, HitPacket, SurfacePacket};
 use crate::trace::rays::{RayPacket, ShapeId, ShapeIds};
@@ -128,7 +128,7 @@ pub(super) fn cross<S: Simd>(
     simd: S,
     geometry: &Geometry,
     rays: (&RayPacket, &Numbers),
-    shape: (Asked<'_>, u32),
+    shape: (ShapeQuery<'_>, u32),
     scratch: &mut CrossingScratch,
     crossed: &mut Vec<CrossedPacket>,
 ) -> u32 {
@@ -143,7 +143,7 @@ fn find<S: Simd>(
     simd: S,
     geometry: &Geometry,
     (rays, limits): (&RayPacket, &Numbers),
-    (Asked { id, shape }, met): (Asked<'_>, u32),
+    (ShapeQuery { id, shape }, met): (ShapeQuery<'_>, u32),
     CrossingScratch { hits, surfaces }: &mut CrossingScratch,
     crossed: &mut Vec<CrossedPacket>,
 ) -> u32 {

@@ -18,7 +18,7 @@ pub(super) struct Rays<S: Simd> {
 }
 
 /// What they have to do with a shape.
-pub(super) type Verdicts<S> = Verdict<F64s<S>>;
+pub(super) type PacketIntersection<S> = Verdict<F64s<S>>;
 
 impl<S: Simd> Rays<S> {
     #[inline(always)]
@@ -35,14 +35,18 @@ pub(super) fn sphere<S: Simd>(
     rays: &Rays<S>,
     inverse_square: F64s<S>,
     sphere: &Sphere,
-) -> Option<Verdicts<S>> {
+) -> Option<PacketIntersection<S>> {
     let to_center = subtract(splat3(simd, sphere.center), rays.origin);
     first_root(to_center, (rays.direction, inverse_square), sphere.radius, U)
 }
 
 /// Where rays meet an ellipsoid: [`SphereImage::intersect`]. `None` where all of them certainly miss it.
 #[inline(always)]
-pub(super) fn sphere_image<S: Simd>(simd: S, rays: &Rays<S>, image: &SphereImage) -> Option<Verdicts<S>> {
+pub(super) fn sphere_image<S: Simd>(
+    simd: S,
+    rays: &Rays<S>,
+    image: &SphereImage,
+) -> Option<PacketIntersection<S>> {
     simd.vectorize(
         #[inline(always)]
         || {
@@ -71,14 +75,18 @@ pub(super) fn image_of<S: Simd>(simd: S, matrix: &DMat3, [x, y, z]: F64s3<S>) ->
 
 /// Where rays come out of a sphere that they leave inwards: [`Sphere::exit`].
 #[inline(always)]
-pub(super) fn sphere_exit<S: Simd>(simd: S, rays: &Rays<S>, sphere: &Sphere) -> Verdicts<S> {
+pub(super) fn sphere_exit<S: Simd>(simd: S, rays: &Rays<S>, sphere: &Sphere) -> PacketIntersection<S> {
     let to_center = subtract(splat3(simd, sphere.center), rays.origin);
     far_root(to_center, rays.direction, sphere.radius, U)
 }
 
 /// The same of an ellipsoid: [`SphereImage::exit`].
 #[inline(always)]
-pub(super) fn sphere_image_exit<S: Simd>(simd: S, rays: &Rays<S>, image: &SphereImage) -> Verdicts<S> {
+pub(super) fn sphere_image_exit<S: Simd>(
+    simd: S,
+    rays: &Rays<S>,
+    image: &SphereImage,
+) -> PacketIntersection<S> {
     simd.vectorize(
         #[inline(always)]
         || {
@@ -95,7 +103,7 @@ pub(super) fn aligned_box<S: Simd>(
     origin: F64s3<S>,
     inverse: F64s3<S>,
     shape: &AlignedBox,
-) -> Verdicts<S> {
+) -> PacketIntersection<S> {
     let zero = splat(simd, 0.0);
     let mut entry = splat(simd, f64::NEG_INFINITY);
     let mut exit = splat(simd, f64::INFINITY);
@@ -109,12 +117,12 @@ pub(super) fn aligned_box<S: Simd>(
     let maybe = !(exit.simd_lt(zero) | entry.simd_gt(exit + close));
     let open = maybe & entry.simd_gt(exit - close);
     let t = entry.simd_ge(zero).select(entry, exit) + zero;
-    Verdicts { t, error: t * (4.0 * U), hit: maybe & !open, open }
+    PacketIntersection { t, error: t * (4.0 * U), hit: maybe & !open, open }
 }
 
 /// Where rays come out of a box that they leave inwards: [`AlignedBox::exit`].
 #[inline(always)]
-pub(super) fn box_exit<S: Simd>(simd: S, rays: &Rays<S>, shape: &AlignedBox) -> Verdicts<S> {
+pub(super) fn box_exit<S: Simd>(simd: S, rays: &Rays<S>, shape: &AlignedBox) -> PacketIntersection<S> {
     let zero = splat(simd, 0.0);
     let (min, max) = (splat3(simd, shape.min), splat3(simd, shape.max));
     let mut nearest = splat(simd, f64::INFINITY);
@@ -127,12 +135,12 @@ pub(super) fn box_exit<S: Simd>(simd: S, rays: &Rays<S>, shape: &AlignedBox) -> 
     // Of a zero the scalar code knows the sign.
     let open = nearest.simd_eq(zero);
     let t = nearest.simd_gt(zero).select(nearest, zero);
-    Verdicts { t, error: t * (4.0 * U), hit: !open, open }
+    PacketIntersection { t, error: t * (4.0 * U), hit: !open, open }
 }
 
 /// Where rays meet a plane: [`Plane::intersect`].
 #[inline(always)]
-pub(super) fn plane<S: Simd>(simd: S, rays: &Rays<S>, plane: &Plane) -> Verdicts<S> {
+pub(super) fn plane<S: Simd>(simd: S, rays: &Rays<S>, plane: &Plane) -> PacketIntersection<S> {
     let plane = (splat3(simd, plane.point()), splat3(simd, plane.normal()));
     only_root(plane, (rays.origin, rays.direction))
 }

@@ -8,8 +8,8 @@ use glam::DVec3;
 
 use super::reciprocals::Reciprocals;
 use super::scratch::PacketScratch;
+use super::shape_query::ShapeQuery;
 use super::tile_packets::TilePackets;
-use super::verdicts::Asked;
 use crate::trace::bvh::{Beam, FrustumVisitor, LeafBox, LeafId, Limits, PACKETS, Stack};
 use crate::trace::math::{LANES, Vectors};
 use crate::trace::query::{HitPacket, Scratch};
@@ -164,7 +164,7 @@ fn meet_all<S: Simd>(
         if cancelled.load(Ordering::Relaxed) {
             return;
         }
-        packets.meet_parts(simd, parts, Asked::leaf(packets.scene, *leaf));
+        packets.meet_parts(simd, parts, ShapeQuery::leaf(packets.scene, *leaf));
     }
 }
 

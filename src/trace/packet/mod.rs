@@ -20,23 +20,23 @@ mod crossings;
 mod extremes;
 mod leaves;
 mod lens;
+mod occluder_kind;
 mod occlusion;
 mod reciprocals;
 mod refine;
-mod roles;
 mod scratch;
+mod shape_query;
 mod slabs;
 #[cfg(test)]
 mod tests;
 mod tile_packets;
-mod verdicts;
 
 pub(crate) use bundle::bundle_hits;
 pub(crate) use candidates::{Candidates, LightBox, LitPoints, WaysToLight};
 pub(crate) use closest_hit::closest_hits;
 pub(crate) use crossings::CrossedPacket;
 pub(crate) use lens::{LensCandidates, lens_hits};
+pub(crate) use occluder_kind::Occluders;
 pub(crate) use occlusion::{Occlusion, ShadowPacket, occluded};
 pub(crate) use refine::refine;
-pub(crate) use roles::Occluders;
 pub(crate) use scratch::PacketScratch;

@@ -9,9 +9,9 @@ use fearless_simd::{dispatch, prelude::*};
 use glam::DVec3;
 
 use super::crossings::{CrossedPacket, CrossingScratch, cross};
-use super::roles::{Occluders, Role};
+use super::occluder_kind::{OccluderKind, Occluders};
 use super::scratch::PacketScratch;
-use super::verdicts::{Asked, Asking};
+use super::shape_query::{PacketIntersector, ShapeQuery};
 use crate::trace::bvh::{
     Depth, FARTHEST, FramePacket, Frustum, LeafId, PacketStack, PacketVisitor, SlopeRange,
 };
@@ -57,7 +57,7 @@ pub(crate) fn occluded(
 ) -> Occlusion {
     let (rays, reciprocals) = (shadow.rays, &mut reciprocals[0]);
     reciprocals.forget();
-    let asking = Asking { rays, reciprocals };
+    let asking = PacketIntersector { rays, reciprocals };
     // What is tied with others is left in as many senses as there are.
     let found = Occlusion { hidden: 0, open: rays.tied };
     crossed.clear();
@@ -69,7 +69,7 @@ pub(crate) fn occluded(
 struct Search<'a> {
     scene: &'a PreparedScene,
     shadow: &'a ShadowPacket<'a>,
-    asking: Asking<'a>,
+    asking: PacketIntersector<'a>,
     found: Occlusion,
     last_occluder: &'a mut Option<ShapeId>,
     crossing: &'a mut CrossingScratch,
@@ -84,13 +84,13 @@ impl Search<'_> {
         if let Some(id) = *self.last_occluder
             && self.undecided() & unlisted != 0
         {
-            self.meet(simd, Asked::beside(self.scene, id), self.undecided() & unlisted);
+            self.meet(simd, ShapeQuery::beside(self.scene, id), self.undecided() & unlisted);
         }
         for id in self.shadow.beside {
             if self.undecided() == 0 || cancelled.load(Ordering::Relaxed) {
                 return;
             }
-            self.meet(simd, Asked::beside(self.scene, *id), self.undecided());
+            self.meet(simd, ShapeQuery::beside(self.scene, *id), self.undecided());
         }
         for (half, candidates) in self.shadow.candidates.iter().enumerate() {
             let Some(candidates) = candidates else { continue };
@@ -99,7 +99,7 @@ impl Search<'_> {
                 if self.undecided() & lanes == 0 {
                     break;
                 }
-                self.meet(simd, Asked::leaf(self.scene, *leaf), self.undecided() & lanes);
+                self.meet(simd, ShapeQuery::leaf(self.scene, *leaf), self.undecided() & lanes);
             }
         }
         let unlisted = self.undecided() & unlisted;
@@ -148,9 +148,9 @@ impl Search<'_> {
 
     /// Takes a shape into account in some lanes.
     #[inline(always)]
-    fn meet<S: Simd>(&mut self, simd: S, shape: Asked<'_>, lanes: u32) {
+    fn meet<S: Simd>(&mut self, simd: S, shape: ShapeQuery<'_>, lanes: u32) {
         let role = self.shadow.occluders.role(self.scene, shape.id);
-        if role == Role::Ignored {
+        if role == OccluderKind::Excluded {
             return;
         }
         let mut crossed = 0;
@@ -169,12 +169,12 @@ impl Search<'_> {
             let hit = verdicts.hit & is_near;
             let before = bits(hit & (t + error).simd_lt(nearer), half);
             let (hit, beyond) = (bits(hit, half), bits(beyond, half));
-            if role == Role::Together {
+            if role == OccluderKind::Coincident {
                 self.found.open |= hit & !beyond | open;
                 continue;
             }
             self.found.open |= hit & !before & !beyond | open;
-            if role == Role::Weakens {
+            if role == OccluderKind::Transparent {
                 let CrossingScratch { hits, .. } = &mut *self.crossing;
                 hits.ts.store(half, t);
                 hits.errors.store(half, error);
@@ -200,7 +200,7 @@ impl<S: Simd> PacketVisitor<S> for Search<'_> {
 
     #[inline(always)]
     fn visit(&mut self, simd: S, leaf: LeafId, lanes: u32, packet: &mut FramePacket) {
-        self.meet(simd, Asked::leaf(self.scene, leaf), lanes);
+        self.meet(simd, ShapeQuery::leaf(self.scene, leaf), lanes);
         packet.finish(self.found.hidden | self.found.open);
     }
 }

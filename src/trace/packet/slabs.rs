@@ -2,11 +2,11 @@
 
 use fearless_simd::prelude::*;
 
-use super::leaves::{Rays, Verdicts};
+use super::leaves::{PacketIntersection, Rays};
 use crate::trace::math::{F64s, F64s3, Mask, dot, splat, splat3, subtract};
 use crate::trace::shapes::{AlignedBox, BoxImage, U};
 
-/// A `t` in each lane, and a bound of its error: [`Root`](crate::trace::math::Root).
+/// A `t` in each lane, and a bound of its error: [`BoundedT`](crate::trace::math::BoundedT).
 #[derive(Clone, Copy)]
 struct RootLanes<S: Simd> {
     t: F64s<S>,
@@ -157,7 +157,7 @@ impl<S: Simd> SlabRoots<S> {
 
     /// Where rays meet the box: [`AlignedBox::first_crossing`].
     #[inline(always)]
-    fn first(&self, simd: S) -> Verdicts<S> {
+    fn first(&self, simd: S) -> PacketIntersection<S> {
         let (entry, exit) = (self.entry(), self.exit());
         let zero = splat(simd, 0.0);
         let missed = entry.earliest().simd_gt(exit.latest()) | exit.latest().simd_lt(zero);
@@ -166,15 +166,15 @@ impl<S: Simd> SlabRoots<S> {
         let leaves = through & entry.latest().simd_lt(zero) & exit.earliest().simd_gt(zero);
         let RootLanes { t, error } = RootLanes::select(enters, entry, exit);
         let hit = (enters | leaves) & !self.open;
-        Verdicts { t, error, hit, open: self.open | !(missed | hit) }
+        PacketIntersection { t, error, hit, open: self.open | !(missed | hit) }
     }
 
     /// Where rays come out of the box that they leave inwards: `AlignedBox::rough_exit`.
     #[inline(always)]
-    fn last(&self, simd: S) -> Verdicts<S> {
+    fn last(&self, simd: S) -> PacketIntersection<S> {
         let exit = self.exit();
         let hit = exit.earliest().simd_gt(splat(simd, 0.0)) & !self.open;
-        Verdicts { t: exit.t, error: exit.error, hit, open: !hit }
+        PacketIntersection { t: exit.t, error: exit.error, hit, open: !hit }
     }
 
     /// The faces that rays meet at `t`, or at which they come out where they are `inside`: `AlignedBox::clear_face`.
@@ -197,7 +197,7 @@ impl<S: Simd> SlabRoots<S> {
 
 /// Where rays meet a box: [`BoxImage::intersect`].
 #[inline(always)]
-pub(super) fn box_image<S: Simd>(simd: S, rays: &Rays<S>, image: &BoxImage) -> Verdicts<S> {
+pub(super) fn box_image<S: Simd>(simd: S, rays: &Rays<S>, image: &BoxImage) -> PacketIntersection<S> {
     simd.vectorize(
         #[inline(always)]
         || SlabRoots::new(simd, rays, image).first(simd),
@@ -206,7 +206,7 @@ pub(super) fn box_image<S: Simd>(simd: S, rays: &Rays<S>, image: &BoxImage) -> V
 
 /// Where rays come out of a box that they leave inwards: [`BoxImage::exit`].
 #[inline(always)]
-pub(super) fn box_image_exit<S: Simd>(simd: S, rays: &Rays<S>, image: &BoxImage) -> Verdicts<S> {
+pub(super) fn box_image_exit<S: Simd>(simd: S, rays: &Rays<S>, image: &BoxImage) -> PacketIntersection<S> {
     simd.vectorize(
         #[inline(always)]
         || SlabRoots::new(simd, rays, image).last(simd),

@@ -12,7 +12,7 @@ use crate::color::Rgb;
 use crate::trace::bvh::LeafId;
 use crate::trace::math::{HALF, Numbers, SimdLevel, lanes, scaled};
 use crate::trace::query::{Crossing, HitPacket, Scratch, SurfacePacket};
-use crate::trace::rays::{Limit, Ray, RayPacket, RayView, ShapeId, TieLists};
+use crate::trace::rays::{Ray, RayPacket, RayView, ShadowLimit, ShapeId, TieLists};
 use crate::trace::scene::{
     Camera, Geometry, PixelCenters, PreparedScene, PreparedShape, Refraction, Square, SurfaceMaterial,
 };
@@ -304,7 +304,7 @@ proptest! {
                     let mut packet_scratch = PacketScratch::default();
                     let found = occluded(&scene, &shadow, &mut None, &mut packet_scratch, scratch.cancelled);
                     for lane in lanes(rays.lanes) {
-                        let (ray, limit) = (rays.get(lane), Limit::new(limits.get(lane), light));
+                        let (ray, limit) = (rays.get(lane), ShadowLimit::new(limits.get(lane), light));
                         let single = hidden(&scene, &ray, &limit, (except, candidates[lane / HALF]), clear, &mut scratch);
                         let (in_tree, crossed) = hidden(&scene, &ray, &limit, (except, None), clear, &mut scratch);
                         prop_assert_eq!(single.0, in_tree, "{} {:?}", name, ray);
@@ -355,7 +355,7 @@ fn sorted(crossings: impl IntoIterator<Item = Crossing>) -> Crossings {
 fn hidden(
     scene: &PreparedScene,
     ray: &Ray,
-    limit: &Limit,
+    limit: &ShadowLimit,
     occluders: (Option<ShapeId>, Option<&[LeafId]>),
     clear: bool,
     scratch: &mut Scratch<'_>,

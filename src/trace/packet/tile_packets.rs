@@ -6,7 +6,7 @@ use fearless_simd::prelude::*;
 
 use super::closest_hit::{Search, latest};
 use super::reciprocals::Reciprocals;
-use super::verdicts::{Asked, Asking};
+use super::shape_query::{PacketIntersector, ShapeQuery};
 use crate::trace::bvh::{Depth, Limits, PACKETS};
 use crate::trace::math::{half_lanes, set_bits};
 use crate::trace::query::HitPacket;
@@ -38,7 +38,7 @@ impl<F: Fn(f64) -> f32> TilePackets<'_, F> {
                 if cancelled.load(Ordering::Relaxed) {
                     return false;
                 }
-                self.meet(simd, (packet, self.rays[packet].lanes), Asked::beside(self.scene, *id));
+                self.meet(simd, (packet, self.rays[packet].lanes), ShapeQuery::beside(self.scene, *id));
             }
             self.update_limits(simd, packet);
         }
@@ -47,7 +47,7 @@ impl<F: Fn(f64) -> f32> TilePackets<'_, F> {
 
     /// Intersects the rays of some parts with a shape. Says whether any of them meets that nearer than all before.
     #[inline(always)]
-    pub(super) fn meet_parts<S: Simd>(&mut self, simd: S, parts: u32, shape: Asked<'_>) -> bool {
+    pub(super) fn meet_parts<S: Simd>(&mut self, simd: S, parts: u32, shape: ShapeQuery<'_>) -> bool {
         let mut nearer = false;
         for first in set_bits((parts | parts >> 1) & EVERY_FIRST) {
             let (packet, halves) = (first / 2, parts >> first & 3);
@@ -62,9 +62,9 @@ impl<F: Fn(f64) -> f32> TilePackets<'_, F> {
 
     /// Intersects a packet's rays, in some lanes, with a shape. Says whether any of them meets that nearer than all before.
     #[inline(always)]
-    fn meet<S: Simd>(&mut self, simd: S, (packet, lanes): (usize, u32), shape: Asked<'_>) -> bool {
+    fn meet<S: Simd>(&mut self, simd: S, (packet, lanes): (usize, u32), shape: ShapeQuery<'_>) -> bool {
         let rays = &self.rays[packet];
-        let asking = Asking { rays, reciprocals: &mut self.reciprocals[packet] };
+        let asking = PacketIntersector { rays, reciprocals: &mut self.reciprocals[packet] };
         let mut search = Search { scene: self.scene, asking, hits: &mut self.hits[packet] };
         search.meet(simd, shape, lanes & rays.lanes)
     }

@@ -1,7 +1,7 @@
 //! Fast count of the crossings of a shadow ray with a sphere's surface, for the cases in which error bounds make it certain. A transparent
 //! sphere without absorption then needs no other query.
 
-use crate::trace::rays::{Limit, Ray, RayView, ShapeId};
+use crate::trace::rays::{Ray, RayView, ShadowLimit, ShapeId};
 use crate::trace::scene::{Geometry, Kind, Location};
 use crate::trace::shapes::Sphere;
 
@@ -50,19 +50,24 @@ impl Geometry {
     /// Returns the number of times that the ray crosses the surface of a sphere before the limit. `None` if the number is uncertain, and for
     /// all other shapes.
     #[inline]
-    pub(crate) fn crossings_at_a_glance(&self, id: ShapeId, ray: &RayView<'_>, limit: &Limit) -> Option<u32> {
+    pub(crate) fn crossings_at_a_glance(
+        &self,
+        id: ShapeId,
+        ray: &RayView<'_>,
+        limit: &ShadowLimit,
+    ) -> Option<u32> {
         let Location { kind: Kind::Sphere, index } = self.locations[id.index()] else {
             return None;
         };
         if ray.left_normal(id).is_some() {
             return None;
         }
-        let departure = ray.departure().filter(|departure| departure.id == id);
-        if departure.is_some_and(|departure| departure.outward) {
+        let exclusion = ray.exclusion().filter(|exclusion| exclusion.id == id);
+        if exclusion.is_some_and(|exclusion| exclusion.outward) {
             return Some(0);
         }
         let Line::Through { near, far, error } = Line::by(&self.spheres[index as usize], ray)? else {
-            return departure.is_none().then_some(0);
+            return exclusion.is_none().then_some(0);
         };
         let (before, beyond) = (limit.t() * (1.0 - NEAR), limit.t() * (1.0 + NEAR));
         let between = |t: f64| {
@@ -73,7 +78,7 @@ impl Geometry {
             }
         };
         // A ray that leaves a sphere inwards starts on its near side.
-        let near = if departure.is_some() { 0 } else { between(near)? };
+        let near = if exclusion.is_some() { 0 } else { between(near)? };
         Some(near + between(far)?)
     }
 }

@@ -7,7 +7,7 @@ use super::hit::{ClosestHit, Hit, SurfacePoint};
 use super::intersector::Intersector;
 use super::nearest::Nearest;
 use super::scratch::Scratch;
-use crate::trace::rays::{Ray, RayView, ShapeId, Tie, Ties};
+use crate::trace::rays::{CoincidentHits, Ray, RayView, ShapeId, Tie};
 use crate::trace::scene::PreparedScene;
 use crate::trace::shapes::RefinedHit;
 
@@ -72,7 +72,7 @@ impl PreparedScene {
     ) -> SurfacePoint {
         let ClosestHit { hit, tied } = *closest;
         if tied.is_empty() && self.equal_shapes.group(hit.id).is_none() {
-            return surface_at(shapes, ray, hit, (hit.id, Ties::NONE), &mut scratch.escalations);
+            return surface_at(shapes, ray, hit, (hit.id, CoincidentHits::NONE), &mut scratch.escalations);
         }
         self.tied_surface(shapes, ray, closest, scratch)
     }
@@ -124,7 +124,7 @@ fn surface_at(
     shapes: &impl Intersector,
     ray: &Ray,
     hit: Hit,
-    (first_equal, ties): (ShapeId, Ties),
+    (first_equal, ties): (ShapeId, CoincidentHits),
     escalations: &mut Escalations,
 ) -> SurfacePoint {
     let RefinedHit { t, point, normal } = shapes.refine(ray, &hit, escalations);

@@ -3,7 +3,7 @@
 use super::escalations::Escalations;
 use super::hit::Hit;
 use super::intersector::Intersector;
-use crate::trace::rays::{Limit, RayView, ShapeId};
+use crate::trace::rays::{RayView, ShadowLimit, ShapeId};
 use crate::trace::scene::PreparedScene;
 use crate::trace::shapes::RefinedHit;
 
@@ -39,7 +39,7 @@ impl Crossed {
     pub(crate) fn new(
         shapes: &impl Intersector,
         id: ShapeId,
-        (ray, limit): (&RayView<'_>, &Limit),
+        (ray, limit): (&RayView<'_>, &ShadowLimit),
         look: Look,
         escalations: &mut Escalations,
     ) -> Option<Self> {
@@ -74,7 +74,7 @@ impl Crossed {
         &self,
         scene: &PreparedScene,
         shapes: &impl Intersector,
-        (ray, limit): (&RayView<'_>, &Limit),
+        (ray, limit): (&RayView<'_>, &ShadowLimit),
         crossings: &mut Vec<Crossing>,
         escalations: &mut Escalations,
     ) {
@@ -128,13 +128,13 @@ mod tests {
     }
 
     /// Returns a ray that leaves a surface towards a light, and the limit at the light.
-    fn leave_to(surface: &SurfacePoint, outward: bool, light: DVec3) -> Option<(Ray, Limit)> {
+    fn leave_to(surface: &SurfacePoint, outward: bool, light: DVec3) -> Option<(Ray, ShadowLimit)> {
         let (_, scale) = scaled(light - surface.point)?;
-        Some((surface.leave(outward, light - surface.point)?, Limit::new(scale.recip(), light)))
+        Some((surface.leave(outward, light - surface.point)?, ShadowLimit::new(scale.recip(), light)))
     }
 
     /// Returns the number of times that the ray crosses the ball: the fast count, if certain, and the exact one.
-    fn crossings(scene: &PreparedScene, ray: &Ray, limit: &Limit) -> (Option<u32>, usize) {
+    fn crossings(scene: &PreparedScene, ray: &Ray, limit: &ShadowLimit) -> (Option<u32>, usize) {
         let (shapes, id, escalations) = (scene.geometry(), ShapeId(0), &mut Escalations::default());
         let ray = &RayView::alone(ray);
         let mut crossings = Vec::new();
@@ -152,13 +152,13 @@ mod tests {
             let radius = [1.0, 2.0, 0.3][radius];
             let scene = ball(center, radius);
             // Besides the ray itself, two rays that start at its hit on the ball, one to either side.
-            let mut rays: Vec<(Ray, Limit)> = Vec::new();
+            let mut rays: Vec<(Ray, ShadowLimit)> = Vec::new();
             if let Some(ray) = Ray::new(from, light - from) {
                 let length = (light - from).abs().max_element() / ray.direction().abs().max_element();
                 if let Some(surface) = CastRay::new(from, light - from).and_then(|ray| scene.cast(&ray)) {
                     rays.extend([true, false].into_iter().filter_map(|outward| leave_to(&surface, outward, light)));
                 }
-                rays.extend([(ray, Limit::new(length, light)), (ray, Limit::NONE)]);
+                rays.extend([(ray, ShadowLimit::new(length, light)), (ray, ShadowLimit::NONE)]);
             }
             for (ray, limit) in rays {
                 let (certain, counted) = crossings(&scene, &ray, &limit);
@@ -171,14 +171,14 @@ mod tests {
     #[test]
     fn a_glance_is_mostly_enough() {
         let scene = ball(DVec3::ZERO, 1.0);
-        let limit = |t: f64| Limit::new(t, DVec3::new(-5.0 + t, 0.3, 0.2));
+        let limit = |t: f64| ShadowLimit::new(t, DVec3::new(-5.0 + t, 0.3, 0.2));
         let ray = Ray::new(DVec3::new(-5.0, 0.3, 0.2), DVec3::X).unwrap();
         for (t, count) in [(2.0, 0), (5.0, 1), (7.0, 2), (f64::INFINITY, 2)] {
             assert_eq!(crossings(&scene, &ray, &limit(t)), (Some(count), count as usize));
         }
         let inside = Ray::new(DVec3::new(0.1, 0.3, 0.2), DVec3::X).unwrap();
-        assert_eq!(crossings(&scene, &inside, &Limit::NONE), (Some(1), 1));
+        assert_eq!(crossings(&scene, &inside, &ShadowLimit::NONE), (Some(1), 1));
         let beside = Ray::new(DVec3::new(-5.0, 1.3, 0.2), DVec3::X).unwrap();
-        assert_eq!(crossings(&scene, &beside, &Limit::NONE), (Some(0), 0));
+        assert_eq!(crossings(&scene, &beside, &ShadowLimit::NONE), (Some(0), 0));
     }
 }

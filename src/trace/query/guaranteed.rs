@@ -7,8 +7,8 @@ use glam::DVec3;
 use super::escalations::Escalations;
 use super::hit::Hit;
 use super::intersector::Intersector;
-use crate::trace::math::{Compensated, Double, Double3, Exact3, Root};
-use crate::trace::rays::{FAR, Limit, Ray, RayView, ShapeId};
+use crate::trace::math::{BoundedT, Compensated, Double, Double3, Exact3};
+use crate::trace::rays::{FAR, Ray, RayView, ShadowLimit, ShapeId};
 use crate::trace::scene::{Geometry, ShapeRef};
 use crate::trace::shapes::{Bounds, ExactHit, Face, Intersection, RefinedHit, Side};
 
@@ -40,9 +40,9 @@ impl Intersector for Geometry {
     /// shape whose surface coincides with it at the ray's origin, each with its own orientation.
     #[inline]
     fn intersect(&self, id: ShapeId, ray: &RayView<'_>, escalations: &mut Escalations) -> Option<Hit> {
-        if let Some(departure) = ray.departure() {
-            if id == departure.id {
-                return if departure.outward { None } else { self.exit(id, ray, escalations) };
+        if let Some(exclusion) = ray.exclusion() {
+            if id == exclusion.id {
+                return if exclusion.outward { None } else { self.exit(id, ray, escalations) };
             }
             if let Some(normal) = ray.left_normal(id) {
                 return if ray.direction().dot(normal) < 0.0 {
@@ -71,7 +71,7 @@ impl Intersector for Geometry {
     }
 
     #[inline]
-    fn is_before(&self, hit: &Hit, ray: &Ray, limit: &Limit, escalations: &mut Escalations) -> bool {
+    fn is_before(&self, hit: &Hit, ray: &Ray, limit: &ShadowLimit, escalations: &mut Escalations) -> bool {
         let (nearer, farther) = (limit.t() * (1.0 - NEAR), limit.t() * (1.0 + NEAR));
         if hit.root.latest() < nearer || hit.root.earliest() > farther {
             return hit.root.latest() < nearer;
@@ -94,7 +94,7 @@ impl Intersector for Geometry {
     }
 
     #[inline]
-    fn certain_crossings(&self, id: ShapeId, ray: &RayView<'_>, limit: &Limit) -> Option<u32> {
+    fn certain_crossings(&self, id: ShapeId, ray: &RayView<'_>, limit: &ShadowLimit) -> Option<u32> {
         self.crossings_at_a_glance(id, ray, limit)
     }
 }
@@ -219,7 +219,7 @@ impl Geometry {
             Intersection::Miss => return None,
             Intersection::Ambiguous => {
                 escalations.ambiguous += 1;
-                Root::rounded(self.exactly(id, far, ray)?.t.rounded())
+                BoundedT::rounded(self.exactly(id, far, ray)?.t.rounded())
             }
         };
         let hit = Hit { root, id, far };
@@ -252,7 +252,7 @@ impl Geometry {
     /// Returns whether the shape lies between the ray's origin and the light's exact position, which the ray misses by the rounding of its
     /// direction. A shape on which the light lies, within the rounding of its position, does not.
     #[cold]
-    fn exactly_before(&self, hit: &Hit, ray: &Ray, limit: &Limit) -> bool {
+    fn exactly_before(&self, hit: &Hit, ray: &Ray, limit: &ShadowLimit) -> bool {
         let (id, origin) = (hit.id, ray.origin());
         let exact_way = Double3::difference(limit.place(), origin);
         let way = exact_way.rounded();

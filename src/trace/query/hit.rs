@@ -2,14 +2,14 @@
 
 use glam::DVec3;
 
-use crate::trace::math::{Double, Double3, Root, scaled};
-use crate::trace::rays::{Departure, FAR, Ray, ShapeId, Ties};
+use crate::trace::math::{BoundedT, Double, Double3, scaled};
+use crate::trace::rays::{CoincidentHits, FAR, Ray, ShapeId, SurfaceExclusion};
 
 /// An intersection of a ray with a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// The ray parameter, with its error bound.
-    pub root: Root,
+    pub root: BoundedT,
     /// The shape.
     pub id: ShapeId,
     /// True if this is the far side of a shape that the ray left inwards.
@@ -49,7 +49,7 @@ pub struct SurfacePoint {
     /// The first in document order of the shape and all shapes equal to it.
     pub(crate) first_equal: ShapeId,
     /// The other coincident shapes at the point, none of them equal to it.
-    pub(crate) ties: Ties,
+    pub(crate) ties: CoincidentHits,
     /// The parameter of the ray that found it, accurate to some bits beyond an `f64`.
     pub t: Double,
     /// The position on the surface.
@@ -94,8 +94,8 @@ impl SurfacePoint {
 
     /// Returns the surface exclusion of a ray that starts here, on the side given by `outward`.
     #[inline(always)]
-    pub(crate) fn departure(&self, outward: bool) -> Departure {
-        Departure { id: self.first_equal, outward, ties: self.ties }
+    pub(crate) fn exclusion(&self, outward: bool) -> SurfaceExclusion {
+        SurfaceExclusion { id: self.first_equal, outward, ties: self.ties }
     }
 
     /// Returns a ray that leaves the surface on the side given by `outward`.
@@ -104,6 +104,6 @@ impl SurfacePoint {
     pub(crate) fn leave(&self, outward: bool, direction: DVec3) -> Option<Ray> {
         self.point.is_finite().then_some(())?;
         let (direction, _) = scaled(direction)?;
-        Some(Ray::departing(self.point, direction, self.departure(outward)))
+        Some(Ray::departing(self.point, direction, self.exclusion(outward)))
     }
 }

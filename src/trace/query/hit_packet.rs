@@ -4,8 +4,8 @@ use fearless_simd::Simd;
 use glam::DVec3;
 
 use super::hit::{ClosestHit, Hit, SurfacePoint, TiedHits};
-use crate::trace::math::{Double, F64s, LANES, Mask, Numbers, Root, Vectors, moderate, moderate3};
-use crate::trace::rays::{RayPacket, ShapeIds, Ties};
+use crate::trace::math::{BoundedT, Double, F64s, LANES, Mask, Numbers, Vectors, moderate, moderate3};
+use crate::trace::rays::{CoincidentHits, RayPacket, ShapeIds};
 
 /// The closest hits of a packet, lane by lane.
 #[derive(Clone, Debug)]
@@ -42,7 +42,7 @@ pub(crate) struct SurfacePacket {
     pub(crate) first_equals: ShapeIds,
     /// Lanes with other coincident surfaces at the point.
     pub(crate) tied: u32,
-    ties: [Ties; LANES],
+    ties: [CoincidentHits; LANES],
 }
 
 impl HitPacket {
@@ -71,7 +71,7 @@ impl HitPacket {
     pub(crate) fn get(&self, lane: usize) -> Option<ClosestHit> {
         let bit = 1 << lane;
         let id = self.ids.get(lane)?;
-        let root = Root::within(self.ts.get(lane), self.errors.get(lane));
+        let root = BoundedT::within(self.ts.get(lane), self.errors.get(lane));
         let hit = Hit { root, id, far: self.far & bit != 0 };
         let tied = if self.tied & bit == 0 { TiedHits::NONE } else { self.ties[lane] };
         Some(ClosestHit { hit, tied })
@@ -109,7 +109,7 @@ impl SurfacePacket {
         rests: Numbers::splat(0.0),
         first_equals: ShapeIds::NONE,
         tied: 0,
-        ties: [Ties::NONE; LANES],
+        ties: [CoincidentHits::NONE; LANES],
     };
 
     /// Removes all points.
@@ -125,7 +125,7 @@ impl SurfacePacket {
         Some(SurfacePoint {
             hit: hits.get(lane)?.hit,
             first_equal: self.first_equals.get(lane)?,
-            ties: if self.tied & bit == 0 { Ties::NONE } else { self.ties[lane] },
+            ties: if self.tied & bit == 0 { CoincidentHits::NONE } else { self.ties[lane] },
             t: Double { high: self.ts.get(lane), low: self.rests.get(lane) },
             point: self.points.get(lane),
             normal: self.normals.get(lane),
@@ -159,7 +159,7 @@ impl SurfacePacket {
         if point.from_outside {
             self.from_outside |= bit;
         }
-        if point.ties != Ties::NONE {
+        if point.ties != CoincidentHits::NONE {
             self.tied |= bit;
             self.ties[lane] = point.ties;
         }

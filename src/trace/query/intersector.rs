@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use super::escalations::Escalations;
 use super::hit::Hit;
-use crate::trace::rays::{Limit, Ray, RayView, ShapeId};
+use crate::trace::rays::{Ray, RayView, ShadowLimit, ShapeId};
 use crate::trace::shapes::RefinedHit;
 
 /// Intersects rays with shapes at one precision.
@@ -16,11 +16,17 @@ pub(crate) trait Intersector: Sync {
     fn compare(&self, ray: &Ray, hit: &Hit, other: &Hit, escalations: &mut Escalations) -> Ordering;
 
     /// Returns whether the hit is nearer than `limit`.
-    fn is_before(&self, hit: &Hit, ray: &Ray, limit: &Limit, escalations: &mut Escalations) -> bool;
+    fn is_before(&self, hit: &Hit, ray: &Ray, limit: &ShadowLimit, escalations: &mut Escalations) -> bool;
 
     /// Returns whether the shape occludes the ray before `limit`.
     #[inline]
-    fn occludes(&self, id: ShapeId, ray: &RayView<'_>, limit: &Limit, escalations: &mut Escalations) -> bool {
+    fn occludes(
+        &self,
+        id: ShapeId,
+        ray: &RayView<'_>,
+        limit: &ShadowLimit,
+        escalations: &mut Escalations,
+    ) -> bool {
         self.intersect(id, ray, escalations).is_some_and(|hit| self.is_before(&hit, ray, limit, escalations))
     }
 
@@ -29,7 +35,7 @@ pub(crate) trait Intersector: Sync {
 
     /// Returns the number of times that the ray crosses the shape's surface before `limit`, if a fast count is certain.
     #[inline]
-    fn certain_crossings(&self, _id: ShapeId, _ray: &RayView<'_>, _limit: &Limit) -> Option<u32> {
+    fn certain_crossings(&self, _id: ShapeId, _ray: &RayView<'_>, _limit: &ShadowLimit) -> Option<u32> {
         None
     }
 }

@@ -7,7 +7,7 @@ use super::escalations::Escalations;
 use super::intersector::Intersector;
 use super::scratch::Scratch;
 use crate::trace::bvh::LeafId;
-use crate::trace::rays::{Limit, Ray, RayView, ShapeId};
+use crate::trace::rays::{Ray, RayView, ShadowLimit, ShapeId};
 use crate::trace::scene::{EqualGroup, PreparedScene};
 
 impl PreparedScene {
@@ -18,7 +18,7 @@ impl PreparedScene {
         &self,
         shapes: &impl Intersector,
         ray: &Ray,
-        limit: &Limit,
+        limit: &ShadowLimit,
         (except, candidates): (Option<ShapeId>, Option<&[LeafId]>),
         scratch: &mut Scratch<'_>,
     ) -> Option<ShapeId> {
@@ -46,7 +46,7 @@ impl PreparedScene {
         &self,
         shapes: &impl Intersector,
         ray: &Ray,
-        limit: &Limit,
+        limit: &ShadowLimit,
         (except, candidates): (Option<ShapeId>, Option<&[LeafId]>),
         scratch: &mut Scratch<'_>,
     ) -> Option<ShapeId> {
@@ -78,7 +78,7 @@ impl PreparedScene {
         &self,
         shapes: &impl Intersector,
         id: ShapeId,
-        (ray, limit): (&RayView<'_>, &Limit),
+        (ray, limit): (&RayView<'_>, &ShadowLimit),
         look: Look,
         crossed: &mut Vec<Crossed>,
         escalations: &mut Escalations,
@@ -99,7 +99,7 @@ impl PreparedScene {
         shapes: &impl Intersector,
         group: &EqualGroup,
         ray: &RayView<'_>,
-        (limit, except): (&Limit, Option<ShapeId>),
+        (limit, except): (&ShadowLimit, Option<ShapeId>),
         crossed: &mut Vec<Crossed>,
         escalations: &mut Escalations,
     ) -> bool {

@@ -11,8 +11,8 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::escalations::Escalations;
 use super::hit::Hit;
 use super::intersector::Intersector;
-use crate::trace::math::{Double, Root};
-use crate::trace::rays::{FAR, Limit, Ray, RayView, ShapeId};
+use crate::trace::math::{BoundedT, Double};
+use crate::trace::rays::{FAR, Ray, RayView, ShadowLimit, ShapeId};
 use crate::trace::scene::{Geometry, Kind, Location};
 use crate::trace::shapes::RefinedHit;
 
@@ -243,7 +243,7 @@ impl<T: Number> Intersector for Textbook<T> {
     #[inline]
     fn intersect(&self, id: ShapeId, ray: &RayView<'_>, _guards: &mut Escalations) -> Option<Hit> {
         let (origin, direction) = (Vector::<T>::new(ray.origin()), Vector::<T>::new(ray.direction()));
-        let least = if ray.departure().is_some() { T::AHEAD } else { T::ZERO };
+        let least = if ray.exclusion().is_some() { T::AHEAD } else { T::ZERO };
         let Location { kind, index } = self.locations[id.index()];
         let index = index as usize;
         let t = match kind {
@@ -273,7 +273,7 @@ impl<T: Number> Intersector for Textbook<T> {
         }?;
         let point = || origin.along(direction, t).value();
         let t = t.value();
-        (t < FAR || point().is_finite()).then_some(Hit { root: Root::within(t, 0.0), id, far: false })
+        (t < FAR || point().is_finite()).then_some(Hit { root: BoundedT::within(t, 0.0), id, far: false })
     }
 
     #[inline]
@@ -282,7 +282,7 @@ impl<T: Number> Intersector for Textbook<T> {
     }
 
     #[inline]
-    fn is_before(&self, hit: &Hit, _ray: &Ray, limit: &Limit, _guards: &mut Escalations) -> bool {
+    fn is_before(&self, hit: &Hit, _ray: &Ray, limit: &ShadowLimit, _guards: &mut Escalations) -> bool {
         hit.root.t() < limit.t()
     }
 

@@ -1,19 +1,19 @@
 //! Rays, and the surfaces that they leave.
 
-mod departure;
-mod limit;
+mod coincident_hits;
 mod packet;
 mod ray;
+mod shadow_limit;
 mod shape_id;
-mod ties;
+mod surface_exclusion;
 mod view;
 
-pub(crate) use departure::Departure;
-pub(crate) use limit::{FAR, Limit};
 pub(crate) use packet::RayPacket;
 pub use ray::Ray;
+pub(crate) use shadow_limit::{FAR, ShadowLimit};
 pub use shape_id::ShapeId;
 pub(crate) use shape_id::ShapeIds;
+pub(crate) use surface_exclusion::SurfaceExclusion;
 
-pub(crate) use ties::{Tie, TieLists, Ties};
+pub(crate) use coincident_hits::{CoincidentHits, Tie, TieLists};
 pub(crate) use view::RayView;

@@ -1,9 +1,9 @@
 //! Packets of sixteen rays.
 
-use super::departure::Departure;
+use super::coincident_hits::CoincidentHits;
 use super::ray::Ray;
 use super::shape_id::ShapeIds;
-use super::ties::Ties;
+use super::surface_exclusion::SurfaceExclusion;
 use crate::trace::math::{LANES, Vectors};
 use glam::DVec3;
 
@@ -22,7 +22,7 @@ pub(crate) struct RayPacket {
     pub(crate) outward: u32,
     /// Lanes whose rays leave other shapes at the same point.
     pub(crate) tied: u32,
-    ties: [Ties; LANES],
+    ties: [CoincidentHits; LANES],
 }
 
 impl RayPacket {
@@ -35,7 +35,7 @@ impl RayPacket {
         departing: 0,
         outward: 0,
         tied: 0,
-        ties: [Ties::NONE; LANES],
+        ties: [CoincidentHits::NONE; LANES],
     };
 
     /// Removes all rays.
@@ -61,13 +61,13 @@ impl RayPacket {
         self.origins.set(lane, ray.origin());
         self.directions.set(lane, ray.direction());
         self.lanes |= bit;
-        if let Some(Departure { id, outward, ties }) = ray.departure().copied() {
+        if let Some(SurfaceExclusion { id, outward, ties }) = ray.exclusion().copied() {
             self.left.set(lane, Some(id));
             self.departing |= bit;
             if outward {
                 self.outward |= bit;
             }
-            if ties != Ties::NONE {
+            if ties != CoincidentHits::NONE {
                 self.tied |= bit;
                 self.ties[lane] = ties;
             }
@@ -92,7 +92,7 @@ impl RayPacket {
     }
 
     /// Returns the lists of the other shapes that rays leave, for the rays that leave any.
-    pub(crate) fn ties_mut(&mut self) -> impl Iterator<Item = &mut Ties> {
+    pub(crate) fn ties_mut(&mut self) -> impl Iterator<Item = &mut CoincidentHits> {
         let tied = self.tied;
         self.ties
             .iter_mut()
@@ -105,10 +105,10 @@ impl RayPacket {
     #[inline]
     pub(crate) fn get(&self, lane: usize) -> Ray {
         let bit = 1 << lane;
-        let ties = if self.tied & bit == 0 { Ties::NONE } else { self.ties[lane] };
+        let ties = if self.tied & bit == 0 { CoincidentHits::NONE } else { self.ties[lane] };
         let outward = self.outward & bit != 0;
         let left = self.left.get(lane).filter(|_| self.departing & bit != 0);
-        let departure = left.map(|id| Departure { id, outward, ties });
-        Ray::scaled(self.origins.get(lane), self.directions.get(lane), departure)
+        let exclusion = left.map(|id| SurfaceExclusion { id, outward, ties });
+        Ray::scaled(self.origins.get(lane), self.directions.get(lane), exclusion)
     }
 }

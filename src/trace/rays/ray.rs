@@ -1,6 +1,6 @@
 //! Rays.
 
-use super::departure::Departure;
+use super::surface_exclusion::SurfaceExclusion;
 use crate::trace::math::scaled;
 use glam::DVec3;
 
@@ -15,7 +15,7 @@ pub struct Ray {
     direction: DVec3,
     /// 1 / direction.direction
     inverse_square: f64,
-    departure: Option<Departure>,
+    exclusion: Option<SurfaceExclusion>,
 }
 
 impl Ray {
@@ -30,14 +30,14 @@ impl Ray {
     /// Creates a ray that leaves a surface at a finite point, in a direction that is [`scaled`].
     #[must_use]
     #[inline(always)]
-    pub(crate) fn departing(origin: DVec3, direction: DVec3, departure: Departure) -> Self {
-        Self::scaled(origin, direction, Some(departure))
+    pub(crate) fn departing(origin: DVec3, direction: DVec3, exclusion: SurfaceExclusion) -> Self {
+        Self::scaled(origin, direction, Some(exclusion))
     }
 
     /// Creates a ray whose direction is [`scaled`].
     #[inline]
-    pub(super) fn scaled(origin: DVec3, direction: DVec3, departure: Option<Departure>) -> Self {
-        Self { origin, direction, inverse_square: direction.dot(direction).recip(), departure }
+    pub(super) fn scaled(origin: DVec3, direction: DVec3, exclusion: Option<SurfaceExclusion>) -> Self {
+        Self { origin, direction, inverse_square: direction.dot(direction).recip(), exclusion }
     }
 
     /// Returns the origin.
@@ -62,8 +62,8 @@ impl Ray {
     }
 
     #[inline]
-    pub(crate) fn departure(&self) -> Option<&Departure> {
-        self.departure.as_ref()
+    pub(crate) fn exclusion(&self) -> Option<&SurfaceExclusion> {
+        self.exclusion.as_ref()
     }
 
     /// Returns the point at `t`.

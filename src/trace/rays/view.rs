@@ -4,10 +4,10 @@ use std::ops::Deref;
 
 use glam::DVec3;
 
-use super::departure::Departure;
+use super::coincident_hits::{CoincidentHits, Tie, TieLists};
 use super::ray::Ray;
 use super::shape_id::ShapeId;
-use super::ties::{Tie, TieLists, Ties};
+use super::surface_exclusion::SurfaceExclusion;
 
 /// A ray, with the shapes that it leaves besides the one in its departure.
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +20,7 @@ impl<'a> RayView<'a> {
     /// Pairs a ray with its list of ties.
     #[inline]
     pub(crate) fn new(ray: &'a Ray, lists: &'a TieLists) -> Self {
-        let ties = ray.departure().map_or(Ties::NONE, |departure| departure.ties);
+        let ties = ray.exclusion().map_or(CoincidentHits::NONE, |exclusion| exclusion.ties);
         Self { ray, ties: lists.of(ties) }
     }
 
@@ -32,8 +32,8 @@ impl<'a> RayView<'a> {
     }
 
     #[inline]
-    pub(crate) fn departure(&self) -> Option<&'a Departure> {
-        self.ray.departure()
+    pub(crate) fn exclusion(&self) -> Option<&'a SurfaceExclusion> {
+        self.ray.exclusion()
     }
 
     /// Returns the outward normal of a shape that the ray leaves besides the one in its departure.

@@ -54,7 +54,7 @@ impl Background {
     }
 
     /// Returns an upper bound of each channel over all directions.
-    pub(crate) fn brightest(&self) -> Rgb {
+    pub(crate) fn radiance_bound(&self) -> Rgb {
         match self {
             Self::Flat(color) => *color,
             Self::Gradient { bottom, top } => bottom.max(*top),
@@ -73,14 +73,14 @@ pub struct Fog {
 
 /// The effect of the medium along a ray on light: incoming light times `transmitted`, plus `added`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Passage {
+pub struct Attenuation {
     /// The share of the incoming light that is transmitted.
     pub transmitted: Rgb,
     /// The light that is added along the ray.
     pub added: Rgb,
 }
 
-impl Passage {
+impl Attenuation {
     /// The identity: no medium along the ray.
     pub const CLEAR: Self = Self { transmitted: Rgb::ONE, added: Rgb::ZERO };
 
@@ -117,8 +117,8 @@ mod tests {
         let absorption = Rgb::new(0.0, 1e-9, 2.0);
         assert_eq!(transmittance(absorption, f64::INFINITY), Rgb::new(1.0, 0.0, 0.0));
         let fog = Fog { color: Rgb::splat(0.5), density: 1e-3 };
-        assert_eq!(Passage::through(Rgb::ZERO, &fog, f64::INFINITY).of(Rgb::ONE), Rgb::splat(0.5));
-        assert_eq!(Passage::through(Rgb::ZERO, &Fog::default(), f64::INFINITY), Passage::CLEAR);
+        assert_eq!(Attenuation::through(Rgb::ZERO, &fog, f64::INFINITY).of(Rgb::ONE), Rgb::splat(0.5));
+        assert_eq!(Attenuation::through(Rgb::ZERO, &Fog::default(), f64::INFINITY), Attenuation::CLEAR);
     }
 
     #[test]
@@ -140,6 +140,6 @@ mod tests {
         assert_eq!(sky.towards(DVec3::NEG_Y * 3.0), bottom);
         assert_eq!(sky.towards(DVec3::Y * 7.0), top);
         assert_eq!(sky.towards(DVec3::X), (bottom + top) * 0.5);
-        assert_eq!(sky.brightest(), Rgb::new(1.0, 1.0, 0.5));
+        assert_eq!(sky.radiance_bound(), Rgb::new(1.0, 1.0, 0.5));
     }
 }

@@ -23,7 +23,7 @@ pub use changes::{BvhUpdate, SceneChanges, ShapeChange};
 pub use checker::CheckerPattern;
 pub(crate) use document_order::DocumentOrder;
 pub(crate) use environment::transmittance;
-pub use environment::{Background, Fog, Passage};
+pub use environment::{Attenuation, Background, Fog};
 pub(crate) use equal_shapes::EqualGroup;
 pub use geometry::{Geometry, PreparedShape};
 pub(crate) use geometry::{Kind, Location, ShapeRef};

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::bounds::Bounds;
 use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, RefinedHit, Side};
 use super::sphere::U;
-use crate::trace::math::{Compensated, Double, Exact, Exact3, ExactRoot, Root};
+use crate::trace::math::{BoundedT, Compensated, Double, Exact, Exact3, ExactRoot};
 use crate::trace::rays::Ray;
 
 /// An axis-aligned box in world space.
@@ -31,7 +31,7 @@ pub(crate) struct Inexact {
 /// What `f64` can say of an inexact ray and a slab.
 enum Along {
     /// It enters here and leaves there.
-    Through(Root, Root),
+    Through(BoundedT, BoundedT),
     /// It goes along it, inside.
     Inside,
     /// It goes along it, outside.
@@ -49,7 +49,7 @@ impl Inexact {
             let inverse = d.recip();
             let meet = |plane: f64| {
                 let t = (plane - o) * inverse;
-                Root::within(t, (o_error + t.abs() * d_error) * inverse.abs() * 1.01 + 8.0 * U * t.abs())
+                BoundedT::within(t, (o_error + t.abs() * d_error) * inverse.abs() * 1.01 + 8.0 * U * t.abs())
             };
             let (at_min, at_max) = (meet(min), meet(max));
             return if d > 0.0 { Along::Through(at_min, at_max) } else { Along::Through(at_max, at_min) };
@@ -152,13 +152,14 @@ impl AlignedBox {
         }
         // Adding zero makes a negative zero positive.
         let t = if entry >= 0.0 { entry } else { exit } + 0.0;
-        Intersection::Hit(Root::within(t, 4.0 * U * t))
+        Intersection::Hit(BoundedT::within(t, 4.0 * U * t))
     }
 
     /// As [`AlignedBox::intersect`], for a ray that is known within bounds.
     #[inline]
     pub(crate) fn first_crossing(&self, ray: &Inexact) -> Intersection {
-        let (mut entry, mut exit) = (Root::within(f64::NEG_INFINITY, 0.0), Root::within(f64::INFINITY, 0.0));
+        let (mut entry, mut exit) =
+            (BoundedT::within(f64::NEG_INFINITY, 0.0), BoundedT::within(f64::INFINITY, 0.0));
         for axis in 0..3 {
             match ray.slab(axis, self.min[axis], self.max[axis]) {
                 Along::Through(near, far) => {
@@ -235,7 +236,7 @@ impl AlignedBox {
     /// The face that a ray certainly meets at `t`, or, if it is inside already, at which it certainly comes out.
     #[inline]
     pub(crate) fn clear_face(&self, ray: &Inexact, t: f64, inside: bool) -> Option<Face> {
-        let never = |t: f64| (Root::within(t, 0.0), Face::default());
+        let never = |t: f64| (BoundedT::within(t, 0.0), Face::default());
         let (mut nears, mut fars) = ([never(f64::NEG_INFINITY); 3], [never(f64::INFINITY); 3]);
         for axis in 0..3 {
             match ray.slab(axis, self.min[axis], self.max[axis]) {
@@ -248,7 +249,7 @@ impl AlignedBox {
                 Along::Open => return None,
             }
         }
-        let later = |a: &(Root, Face), b: &(Root, Face)| a.0.t().total_cmp(&b.0.t());
+        let later = |a: &(BoundedT, Face), b: &(BoundedT, Face)| a.0.t().total_cmp(&b.0.t());
         let entry = nears.into_iter().max_by(later)?;
         let enters = !inside && t <= entry.0.latest();
         let (candidates, chosen) =
@@ -289,12 +290,12 @@ impl AlignedBox {
             }
         }
         let t = nearest.max(0.0);
-        Intersection::Hit(Root::within(t, 4.0 * U * t))
+        Intersection::Hit(BoundedT::within(t, 4.0 * U * t))
     }
 
     /// The same for a ray that is known within bounds.
     pub(crate) fn rough_exit(&self, ray: &Inexact) -> Intersection {
-        let mut exit = Root::within(f64::INFINITY, 0.0);
+        let mut exit = BoundedT::within(f64::INFINITY, 0.0);
         for axis in 0..3 {
             match ray.slab(axis, self.min[axis], self.max[axis]) {
                 Along::Through(_, far) => exit = exit.earlier(far),

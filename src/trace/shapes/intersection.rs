@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::trace::math::{Double, ExactRoot, Real, Root};
+use crate::trace::math::{BoundedT, Double, ExactRoot, Real};
 #[cfg(test)]
 use crate::trace::rays::Ray;
 
@@ -21,7 +21,7 @@ pub struct RefinedHit {
 #[derive(Clone, Copy, Debug)]
 pub enum Intersection {
     /// It does.
-    Hit(Root),
+    Hit(BoundedT),
     /// It does not.
     Miss,
     /// Too close to call.
@@ -43,7 +43,7 @@ impl From<Verdict<f64>> for Intersection {
     #[inline(always)]
     fn from(verdict: Verdict<f64>) -> Self {
         if verdict.hit {
-            Self::Hit(Root::within(verdict.t, verdict.error))
+            Self::Hit(BoundedT::within(verdict.t, verdict.error))
         } else if verdict.open {
             Self::Ambiguous
         } else {

@@ -4,37 +4,37 @@ use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
 
-use super::answers::AnswerPacket;
-use super::generation::{Generation, UntracedRay};
-use super::spread_tile::SpreadTile;
+use super::material_flags::MaterialFlags;
+use super::ray_queue::{RayQueue, UntracedRay};
 use super::tile::{PACKETS, TileLanes};
+use super::tile_sampler::TileSampler;
 use super::trees::Trees;
-use super::wave::Wave;
+use super::wavefront::Wavefront;
 use crate::color::Rgb;
-use crate::trace::effort::{Effort, RayCounts, StageCounts, TreeEnds};
-use crate::trace::light::{Budget, LightPlaces, LightScratch, ProposalPacket, RenderContext};
+use crate::trace::light::{AreaLightSamples, ErrorBudget, LightSamplePacket, LightScratch, RenderContext};
 use crate::trace::math::{Colors, Vectors};
 use crate::trace::packet::{Candidates, PacketScratch};
 use crate::trace::query::{HitPacket, Scratch, SurfacePacket};
 use crate::trace::rays::ShapeId;
+use crate::trace::render_stats::{RayCounts, RenderStats, StageCounts, TreeEnds};
 
 /// The data that stages pass on while they trace the rays of a tile, bounce by bounce.
 #[derive(Debug)]
 pub(crate) struct TileBuffers<'a> {
     /// The wavefront being processed.
-    pub(super) wave: Wave,
+    pub(super) wavefront: Wavefront,
     /// The closest hits, by packet of the wavefront.
     pub(super) hits: Box<[HitPacket; PACKETS]>,
     /// The surface points, where lighting, a medium or secondary rays need them.
     pub(super) surfaces: Box<[SurfacePacket; PACKETS]>,
     /// The material properties at the hits.
-    pub(super) answers: Box<[AnswerPacket; PACKETS]>,
+    pub(super) answers: Box<[MaterialFlags; PACKETS]>,
     /// The radiance from the far end of each ray towards its origin.
     pub(super) radiance: Box<[Colors; PACKETS]>,
     /// The contribution of one light sample at each surface point.
-    pub(super) proposals: Box<[ProposalPacket; PACKETS]>,
+    pub(super) light_samples: Box<[LightSamplePacket; PACKETS]>,
     /// The sample points on an area light for each surface point.
-    pub(super) light_places: Box<[LightPlaces; PACKETS]>,
+    pub(super) area_light_samples: Box<[AreaLightSamples; PACKETS]>,
     /// The contribution of an area light at each surface point, summed over its samples.
     pub(super) light_sums: Box<[Vectors; PACKETS]>,
     /// The possible occluders between a light and the surface points.
@@ -46,15 +46,15 @@ pub(crate) struct TileBuffers<'a> {
     /// By enabled light: true if this tile has too many possible occluders for candidate lists.
     pub(super) crowded_lights: Vec<bool>,
     /// The secondary rays spawned at this bounce.
-    pub(super) next: Generation,
+    pub(super) next: RayQueue,
     /// The rays of the current bounce. The wavefront is a part of them.
-    pub(super) current: Generation,
+    pub(super) current: RayQueue,
     /// The rays that are not traced further.
     pub(super) beyond: Vec<UntracedRay>,
     /// The state of samples whose paths can branch.
     pub(super) trees: Trees,
     /// The data that all sample batches of the last tile of camera rays share.
-    pub(super) spread: SpreadTile,
+    pub(super) spread: TileSampler,
     pub(super) scratch: LightScratch<'a>,
     pub(super) packet_scratch: PacketScratch,
     /// By packet of the camera rays: the radiance accumulated in each slot.
@@ -63,43 +63,43 @@ pub(crate) struct TileBuffers<'a> {
     pub(super) covered: Option<TileLanes>,
     pub(super) rays_traced: RayCounts,
     pub(super) trees_ended: TreeEnds,
-    pub(super) entered: StageCounts,
+    pub(super) stage_runs: StageCounts,
 }
 
 impl<'a> TileBuffers<'a> {
     /// Creates empty buffers. Once `cancelled` is true, their contents are unspecified.
     pub(crate) fn new(cancelled: &'a AtomicBool) -> Self {
         Self {
-            wave: Wave::new(),
+            wavefront: Wavefront::new(),
             hits: Box::new([const { HitPacket::EMPTY }; PACKETS]),
             surfaces: Box::new([const { SurfacePacket::EMPTY }; PACKETS]),
-            answers: Box::new([const { AnswerPacket::EMPTY }; PACKETS]),
+            answers: Box::new([const { MaterialFlags::EMPTY }; PACKETS]),
             radiance: Box::new([Colors::splat(Rgb::ZERO); PACKETS]),
-            proposals: Box::new([const { ProposalPacket::EMPTY }; PACKETS]),
-            light_places: Box::new([const { LightPlaces::NONE }; PACKETS]),
+            light_samples: Box::new([const { LightSamplePacket::EMPTY }; PACKETS]),
+            area_light_samples: Box::new([const { AreaLightSamples::NONE }; PACKETS]),
             light_sums: Box::new([Vectors::splat(DVec3::ZERO); PACKETS]),
             candidates: Candidates::default(),
             listed: false,
             last_occluders: Vec::new(),
             crowded_lights: Vec::new(),
-            next: Generation::default(),
-            current: Generation::default(),
+            next: RayQueue::default(),
+            current: RayQueue::default(),
             beyond: Vec::new(),
             trees: Trees::default(),
-            spread: SpreadTile::default(),
+            spread: TileSampler::default(),
             scratch: LightScratch::new(cancelled),
             packet_scratch: PacketScratch::default(),
             pixels: Box::new([Colors::splat(Rgb::ZERO); PACKETS]),
             covered: None,
             rays_traced: RayCounts::default(),
             trees_ended: TreeEnds::default(),
-            entered: StageCounts::default(),
+            stage_runs: StageCounts::default(),
         }
     }
 
     /// Prepares the buffers for a sample of a tile. Discards the data of a cancelled sample.
     pub(super) fn begin(&mut self, context: &RenderContext<'_>) {
-        self.wave.count = 0;
+        self.wavefront.count = 0;
         self.pixels.fill(Colors::splat(Rgb::ZERO));
         self.covered = self.covered.map(|_| TileLanes::NONE);
         if context.effects.mirrors() {
@@ -107,7 +107,7 @@ impl<'a> TileBuffers<'a> {
             self.beyond.clear();
         }
         if context.branches() {
-            self.trees.begin(Budget::new(context.scene));
+            self.trees.begin(ErrorBudget::new(context.scene));
         }
         self.scratch.media.clear();
         self.scratch.search.ties.clear();
@@ -147,11 +147,11 @@ impl<'a> TileBuffers<'a> {
     }
 
     /// Returns the statistics of all samples since the last call, and resets them.
-    pub(crate) fn take_effort(&mut self) -> Effort {
-        Effort {
+    pub(crate) fn take_stats(&mut self) -> RenderStats {
+        RenderStats {
             rays: std::mem::take(&mut self.rays_traced),
             ends: std::mem::take(&mut self.trees_ended),
-            stages: std::mem::take(&mut self.entered),
+            stages: std::mem::take(&mut self.stage_runs),
             escalations: std::mem::take(&mut self.scratch.search.escalations),
         }
     }

@@ -4,43 +4,43 @@ use fearless_simd::{dispatch, prelude::*};
 
 use super::buffers::TileBuffers;
 use super::slots::Sample;
-use super::spread_tile::SpreadTile;
 use super::tile::{PACKETS, PIXELS};
-use super::wave::{Start, Wave};
+use super::tile_sampler::TileSampler;
+use super::wavefront::{Start, Wavefront};
 use crate::trace::light::PathPacket;
 use crate::trace::math::lanes;
 
 /// Generates the wavefront of camera rays. A camera at a non-finite position has no rays: its pixels see the background.
 pub(super) fn camera_rays(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
-    buffers.entered.camera_rays += 1;
+    buffers.stage_runs.camera_rays += 1;
     let Sample { context, tile, slots } = *sample;
-    let TileBuffers { wave, spread, scratch, .. } = &mut *buffers;
+    let TileBuffers { wavefront, spread, scratch, .. } = &mut *buffers;
     // A single sample passes through the centre of the lens.
     let pinhole = context.sampling.samples <= 1 || !context.camera.has_lens();
-    wave.start = if pinhole { Start::Eye(context.camera.position()) } else { Start::Lens };
+    wavefront.start = if pinhole { Start::Eye(context.camera.position()) } else { Start::Lens };
     if context.sampling.samples > 1 {
         spread.find(context, (tile, slots), &mut scratch.search);
     }
-    (wave.count, *wave.slots) = (slots.count, PIXELS);
-    dispatch!(context.scene.simd.level(), simd => make_rays(simd, sample, spread, wave));
-    for packet in 0..buffers.wave.count {
+    (wavefront.count, *wavefront.slots) = (slots.count, PIXELS);
+    dispatch!(context.scene.simd.level(), simd => make_rays(simd, sample, spread, wavefront));
+    for packet in 0..buffers.wavefront.count {
         if buffers.is_cancelled() {
             // The paths of the remaining packets belong to another wavefront: these packets must not be traced.
-            buffers.wave.count = packet;
+            buffers.wavefront.count = packet;
             return;
         }
         start(sample, packet, buffers);
     }
-    buffers.rays_traced.camera += u64::from(buffers.wave.len());
+    buffers.rays_traced.camera += u64::from(buffers.wavefront.len());
 }
 
 /// Generates the rays through pixel centres, or the rays of the slots' samples if there are several per pixel. Packets beyond the wavefront's
 /// count get no rays.
 #[inline(always)]
-fn make_rays<S: Simd>(simd: S, sample: &Sample<'_>, spread: &SpreadTile, wave: &mut Wave) {
+fn make_rays<S: Simd>(simd: S, sample: &Sample<'_>, spread: &TileSampler, wavefront: &mut Wavefront) {
     let Sample { context, tile, slots } = *sample;
     for packet in 0..PACKETS {
-        let rays = &mut wave.rays[packet];
+        let rays = &mut wavefront.rays[packet];
         if context.sampling.samples > 1 {
             context.camera.spread_rays(
                 simd,
@@ -60,12 +60,12 @@ fn make_rays<S: Simd>(simd: S, sample: &Sample<'_>, spread: &SpreadTile, wave: &
 
 /// Initializes the paths of a packet's rays, and sets pixels without a ray to the background.
 fn start(sample: &Sample<'_>, packet: usize, buffers: &mut TileBuffers<'_>) {
-    let TileBuffers { wave, scratch, pixels, .. } = buffers;
-    let rays = &wave.rays[packet];
+    let TileBuffers { wavefront, scratch, pixels, .. } = buffers;
+    let rays = &wavefront.rays[packet];
     for lane in lanes(sample.slots.lanes[packet] & !rays.lanes) {
         pixels[packet].set(lane, sample.context.nowhere());
     }
-    let paths = &mut wave.paths[packet];
+    let paths = &mut wavefront.paths[packet];
     *paths = PathPacket::AT_CAMERA;
     if sample.context.may_start_inside() {
         for lane in lanes(rays.lanes) {

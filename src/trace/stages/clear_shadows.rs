@@ -10,7 +10,7 @@ use fearless_simd::{dispatch, f32x16, prelude::*};
 use super::buffers::TileBuffers;
 use super::slots::Sample;
 use crate::color::Rgb;
-use crate::trace::light::{MediumStack, PathPacket, ProposalPacket, filtered_along, transmittances};
+use crate::trace::light::{LightSamplePacket, MediumStack, PathPacket, filtered_along, transmittances};
 use crate::trace::math::{lanes, mask16};
 use crate::trace::packet::CrossedPacket;
 use crate::trace::query::HitPacket;
@@ -24,11 +24,11 @@ pub(super) fn weaken(
     lit: u32,
     buffers: &mut TileBuffers<'_>,
 ) {
-    let TileBuffers { wave, hits, surfaces, proposals, scratch, packet_scratch, .. } = buffers;
+    let TileBuffers { wavefront, hits, surfaces, light_samples, scratch, packet_scratch, .. } = buffers;
     let scene = sample.context.scene;
-    let (hits, proposals, paths) = (&hits[packet], &mut proposals[packet], &wave.paths[packet]);
+    let (hits, light_samples, paths) = (&hits[packet], &mut light_samples[packet], &wavefront.paths[packet]);
     let crossed = &mut packet_scratch.crossed;
-    let (behind, absorbs) = (proposals.from_behind & lit, scene.surfaces().absorbs);
+    let (behind, absorbs) = (light_samples.from_behind & lit, scene.surfaces().absorbs);
     let inside = if absorbs { inside(paths, lit) } else { 0 };
     if crossed.is_empty() && behind | inside == 0 {
         return;
@@ -42,7 +42,7 @@ pub(super) fn weaken(
         };
         // Light is multiplied in document order.
         crossed.sort_unstable_by_key(|crossed| scene.order().rank(crossed.id));
-        multiply(simd, scene, crossed, lit & !singly, proposals);
+        multiply(simd, scene, crossed, lit & !singly, light_samples);
         singly
     });
     for lane in lanes(singly) {
@@ -50,9 +50,9 @@ pub(super) fn weaken(
         let crossings = &mut scratch.search.crossings;
         crossings.clear();
         crossings.extend(crossed.iter().flat_map(|crossed| crossed.of(lane)).flatten());
-        let (way, seen) = (proposals.way(light, lane), (&point, paths.media[lane]));
+        let (way, seen) = (light_samples.way(light, lane), (&point, paths.media[lane]));
         let share = filtered_along(scene, &way, light.own_shape, seen, scratch);
-        proposals.colors.set(lane, proposals.colors.get(lane) * share);
+        light_samples.colors.set(lane, light_samples.colors.get(lane) * share);
     }
 }
 
@@ -117,7 +117,7 @@ fn multiply<S: Simd>(
     scene: &PreparedScene,
     crossed: &[CrossedPacket],
     lit: u32,
-    proposals: &mut ProposalPacket,
+    light_samples: &mut LightSamplePacket,
 ) {
     let mut share = [f32x16::splat(simd, 1.0); 3];
     for crossed in crossed.iter().filter(|crossed| crossed.lanes & lit != 0) {
@@ -128,13 +128,13 @@ fn multiply<S: Simd>(
             *channel = twice.select(*channel * refraction.transmitted, *channel);
         }
         if refraction.absorption != Rgb::ZERO {
-            let lengths = crossed.lengths(simd, &proposals.rays.directions);
+            let lengths = crossed.lengths(simd, &light_samples.rays.directions);
             let absorbed = transmittances(simd, refraction.absorption, &lengths);
             for (channel, absorbed) in share.iter_mut().zip(absorbed) {
                 *channel = once.select(*channel * absorbed, *channel);
             }
         }
     }
-    let [red, green, blue] = proposals.colors.load(simd);
-    proposals.colors.store([red * share[0], green * share[1], blue * share[2]]);
+    let [red, green, blue] = light_samples.colors.load(simd);
+    light_samples.colors.store([red * share[0], green * share[1], blue * share[2]]);
 }

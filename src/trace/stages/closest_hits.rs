@@ -2,7 +2,7 @@
 
 use super::buffers::TileBuffers;
 use super::tile::PACKETS;
-use super::wave::Start;
+use super::wavefront::Start;
 use crate::trace::light::RenderContext;
 use crate::trace::math::lanes;
 use crate::trace::packet::{bundle_hits, closest_hits as packet_hits, lens_hits};
@@ -16,19 +16,19 @@ pub(super) fn closest_hits(
     shapes: &impl Intersector,
     buffers: &mut TileBuffers<'_>,
 ) {
-    buffers.entered.closest_hits += 1;
-    let TileBuffers { wave, hits, spread, scratch, packet_scratch, .. } = buffers;
+    buffers.stage_runs.closest_hits += 1;
+    let TileBuffers { wavefront, hits, spread, scratch, packet_scratch, .. } = buffers;
     let (scene, search) = (context.scene, &mut scratch.search);
     search.tied_hits.clear();
     // Camera rays use all packets of a tile, though some may be empty.
-    let count = if matches!(wave.start, Start::Anywhere) { wave.count } else { PACKETS };
-    let (rays, hits) = (&wave.rays[..count], &mut hits[..count]);
+    let count = if matches!(wavefront.start, Start::Anywhere) { wavefront.count } else { PACKETS };
+    let (rays, hits) = (&wavefront.rays[..count], &mut hits[..count]);
     if scene.precision != Precision::Guaranteed {
         for (rays, hits) in rays.iter().zip(&mut *hits) {
             hits.clear();
             hits.open = rays.lanes;
         }
-    } else if !match wave.start {
+    } else if !match wavefront.start {
         Start::Eye(eye) => bundle_hits(scene, eye, rays, hits, (search, packet_scratch)),
         Start::Lens => lens_hits(scene, &spread.candidates, rays, hits, packet_scratch, search.cancelled),
         Start::Anywhere => false,

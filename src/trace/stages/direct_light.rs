@@ -7,28 +7,28 @@ use glam::DVec3;
 use super::buffers::TileBuffers;
 use super::shadows::shadows;
 use super::slots::Sample;
-use crate::trace::light::{LitPacket, ProposalPacket, SampleId, propose_lanes};
+use crate::trace::light::{LightSamplePacket, SampleId, ShadingPacket, sample_light_lanes};
 use crate::trace::math::{Colors, PixelSamples, Vectors, mask, mask16};
 use crate::trace::query::Intersector;
 use crate::trace::scene::Light;
 
 /// Adds the light of each source that the wavefront's surface points scatter back along their rays.
 pub(super) fn direct_light(sample: &Sample<'_>, shapes: &impl Intersector, buffers: &mut TileBuffers<'_>) {
-    buffers.entered.direct_light += 1;
+    buffers.stage_runs.direct_light += 1;
     let lights = &sample.context.lights;
     for (place, (index, light)) in lights.iter().enumerate() {
         if light.places() > 1 {
             buffers.light_sums.fill(Vectors::splat(DVec3::ZERO));
         }
         if sample.context.effects.extras && light.source.is_extended() {
-            choose_places(sample, (*index, light), buffers);
+            choose_area_light_samples(sample, (*index, light), buffers);
         }
         for light_sample in 0..light.places() {
             // A light may have thousands of samples.
             if buffers.is_cancelled() {
                 return;
             }
-            propose_all(sample, (*index, light), light_sample, buffers);
+            sample_lights(sample, (*index, light), light_sample, buffers);
             if sample.context.effects.shadows() {
                 shadows(sample, shapes, (place, light, light_sample), buffers);
             }
@@ -41,64 +41,64 @@ pub(super) fn direct_light(sample: &Sample<'_>, shapes: &impl Intersector, buffe
 }
 
 /// Chooses the sample points on an area light for each surface point, for all samples of the light.
-fn choose_places(sample: &Sample<'_>, light: (usize, &Light), buffers: &mut TileBuffers<'_>) {
-    let TileBuffers { wave, surfaces, light_places, .. } = buffers;
-    for packet in 0..wave.count {
+fn choose_area_light_samples(sample: &Sample<'_>, light: (usize, &Light), buffers: &mut TileBuffers<'_>) {
+    let TileBuffers { wavefront, surfaces, area_light_samples, .. } = buffers;
+    for packet in 0..wavefront.count {
         let asker = |lane: usize| {
-            let slot = wave.slots[packet][lane];
+            let slot = wavefront.slots[packet][lane];
             let (i, j) = sample.tile.pixel(sample.slots.pixel(slot));
             let samples = PixelSamples::new(sample.context.sampling.seed, i, j);
-            (samples, sample.slots.sample(slot), wave.paths[packet].places[lane])
+            (samples, sample.slots.sample(slot), wavefront.paths[packet].places[lane])
         };
-        light_places[packet].choose(light, surfaces[packet].lanes, asker);
+        area_light_samples[packet].choose(light, surfaces[packet].lanes, asker);
     }
 }
 
 /// Computes the unoccluded contribution of one sample of a light at each surface point.
-fn propose_all(
+fn sample_lights(
     sample: &Sample<'_>,
     light: (usize, &Light),
     light_sample: u32,
     buffers: &mut TileBuffers<'_>,
 ) {
     let context = sample.context;
-    let TileBuffers { wave, hits, surfaces, answers, light_places, proposals, .. } = buffers;
+    let TileBuffers { wavefront, hits, surfaces, answers, area_light_samples, light_samples, .. } = buffers;
     let seed = context.sampling.seed;
     dispatch!(context.scene.simd.level(), simd => {
-        for packet in 0..wave.count {
+        for packet in 0..wavefront.count {
             let asker = |lane: usize| {
-                let slot = wave.slots[packet][lane];
+                let slot = wavefront.slots[packet][lane];
                 let pixel = sample.tile.pixel(sample.slots.pixel(slot));
                 SampleId { seed, pixel, sample: sample.slots.sample(slot) }
             };
-            let lit = LitPacket {
-                rays: &wave.rays[packet],
-                paths: &wave.paths[packet],
+            let lit = ShadingPacket {
+                rays: &wavefront.rays[packet],
+                paths: &wavefront.paths[packet],
                 hits: &hits[packet],
                 surfaces: &surfaces[packet],
                 diffuse: &answers[packet].diffuse,
-                places: &light_places[packet],
+                places: &area_light_samples[packet],
                 shiny: answers[packet].shiny,
                 clear: answers[packet].clear,
             };
             let scene = (context.scene, context.effects);
-            propose_lanes(simd, scene, light, &lit, light_sample, asker, &mut proposals[packet]);
+            sample_light_lanes(simd, scene, light, &lit, light_sample, asker, &mut light_samples[packet]);
         }
     });
 }
 
 /// Adds the contributions that remain after occlusion and attenuation.
 fn add(sample: &Sample<'_>, light: &Light, buffers: &mut TileBuffers<'_>) {
-    let TileBuffers { wave, proposals, light_sums, radiance, .. } = buffers;
-    let proposals = &proposals[..wave.count];
+    let TileBuffers { wavefront, light_samples, light_sums, radiance, .. } = buffers;
+    let light_samples = &light_samples[..wavefront.count];
     dispatch!(sample.context.scene.simd.level(), simd => {
         if light.places() > 1 {
-            for (proposals, sums) in proposals.iter().zip(light_sums.iter_mut()) {
-                add_to_sums(simd, proposals, sums);
+            for (light_samples, sums) in light_samples.iter().zip(light_sums.iter_mut()) {
+                add_to_sums(simd, light_samples, sums);
             }
         } else {
-            for (proposals, radiance) in proposals.iter().zip(radiance.iter_mut()) {
-                add_light(simd, proposals.lanes, proposals.colors.load(simd), radiance);
+            for (light_samples, radiance) in light_samples.iter().zip(radiance.iter_mut()) {
+                add_light(simd, light_samples.lanes, light_samples.colors.load(simd), radiance);
             }
         }
     });
@@ -116,11 +116,11 @@ fn add_light<S: Simd>(simd: S, lit: u32, added: [f32x16<S>; 3], radiance: &mut C
 
 /// Adds the contributions of one light sample to the sums of its light.
 #[inline(always)]
-fn add_to_sums<S: Simd>(simd: S, proposals: &ProposalPacket, sums: &mut Vectors) {
-    for (axis, channel) in proposals.colors.load(simd).into_iter().enumerate() {
+fn add_to_sums<S: Simd>(simd: S, light_samples: &LightSamplePacket, sums: &mut Vectors) {
+    for (axis, channel) in light_samples.colors.load(simd).into_iter().enumerate() {
         let (first, second) = channel.widen();
         for (half, added) in [first, second].into_iter().enumerate() {
-            let (sum, lit) = (sums.axis(axis).load(simd, half), mask(simd, proposals.lanes, half));
+            let (sum, lit) = (sums.axis(axis).load(simd, half), mask(simd, light_samples.lanes, half));
             sums.axis_mut(axis).store(half, lit.select(sum + added, sum));
         }
     }
@@ -128,10 +128,10 @@ fn add_to_sums<S: Simd>(simd: S, proposals: &ProposalPacket, sums: &mut Vectors)
 
 /// Adds the mean over an area light's samples.
 fn add_means(sample: &Sample<'_>, light: &Light, buffers: &mut TileBuffers<'_>) {
-    let TileBuffers { wave, surfaces, light_sums, radiance, .. } = buffers;
+    let TileBuffers { wavefront, surfaces, light_sums, radiance, .. } = buffers;
     let places = f64::from(light.places());
     dispatch!(sample.context.scene.simd.level(), simd => {
-        for packet in 0..wave.count {
+        for packet in 0..wavefront.count {
             let mut means = [f32x16::splat(simd, 0.0); 3];
             for (axis, mean) in means.iter_mut().enumerate() {
                 let sum = light_sums[packet].axis(axis);

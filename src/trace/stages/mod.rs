@@ -10,27 +10,27 @@
 //!
 //! [`coverage`] records which camera rays hit something, if requested. Tiles that are certainly empty skip all stages: see [`empty_tiles`].
 
-mod answers;
+mod accumulate;
 mod buffers;
 mod camera_rays;
 mod clear_shadows;
 mod closest_hits;
+mod compaction;
 mod coverage;
+mod cutoff;
 mod direct_light;
 mod empty_tiles;
-mod generation;
+mod material_flags;
 mod next_rays;
-mod packing;
+mod ray_queue;
 mod sample;
-mod select;
 mod shadows;
 mod slots;
-mod spread_tile;
-mod sums;
 mod surfaces;
 mod tile;
+mod tile_sampler;
 mod trees;
-mod wave;
+mod wavefront;
 
 pub(crate) use buffers::TileBuffers;
 pub(crate) use sample::render_sample;

@@ -3,26 +3,26 @@
 use fearless_simd::dispatch;
 
 use super::buffers::TileBuffers;
-use super::generation::UntracedRay;
-use super::packing::fill;
+use super::compaction::fill;
+use super::ray_queue::UntracedRay;
 use crate::trace::light::{RenderContext, branch_lanes, secondary_rays};
 use crate::trace::math::{LANES, lanes};
 
 /// Spawns the secondary rays of the wavefront's surfaces.
 pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
-    buffers.entered.next_rays += 1;
-    let TileBuffers { wave, hits, surfaces, answers, next, scratch, .. } = buffers;
+    buffers.stage_runs.next_rays += 1;
+    let TileBuffers { wavefront, hits, surfaces, answers, next, scratch, .. } = buffers;
     let scene = context.scene;
-    for packet in 0..wave.count {
+    for packet in 0..wavefront.count {
         let (hits, surfaces) = (&hits[packet], &surfaces[packet]);
         let continues = answers[packet].continues & surfaces.lanes;
         if continues == 0 {
             continue;
         }
         let clear = if context.effects.media() { continues & answers[packet].clear } else { 0 };
-        let mirrored = next.add(&wave.slots[packet], true);
-        let refracted = (clear != 0).then(|| next.add(&wave.slots[packet], false));
-        let (rays, paths) = (&wave.rays[packet], &wave.paths[packet]);
+        let mirrored = next.add(&wavefront.slots[packet], true);
+        let refracted = (clear != 0).then(|| next.add(&wavefront.slots[packet], false));
+        let (rays, paths) = (&wavefront.rays[packet], &wavefront.paths[packet]);
         let media = (scene, &mut scratch.media);
         let branches = next.branches_mut(mirrored, refracted);
         let unusual = dispatch!(scene.simd.level(), simd => {
@@ -49,7 +49,7 @@ pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'
 
 /// Fills the wavefront with rays of the current bounce. Returns `false` if none are left.
 pub(super) fn fill_wave(buffers: &mut TileBuffers<'_>) -> bool {
-    fill(&mut buffers.wave, &mut buffers.current)
+    fill(&mut buffers.wavefront, &mut buffers.current)
 }
 
 /// Adds the background, as seen by the rays that are not traced.

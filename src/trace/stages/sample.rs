@@ -1,15 +1,15 @@
 //! One sample of each pixel of a tile, through all stages.
 
+use super::accumulate::add_to_pixels;
 use super::buffers::TileBuffers;
 use super::camera_rays::camera_rays;
 use super::closest_hits::closest_hits;
 use super::coverage::note_coverage;
+use super::cutoff::select;
 use super::direct_light::direct_light;
 use super::empty_tiles::fill_empty_tile;
 use super::next_rays::{fill_wave, give_up, next_rays};
-use super::select::select;
 use super::slots::{Sample, Slots};
-use super::sums::add_to_pixels;
 use super::surfaces::surfaces;
 use super::tile::Tile;
 use crate::trace::light::RenderContext;
@@ -73,11 +73,11 @@ mod tests {
 
     use super::*;
     use crate::color::Rgb;
-    use crate::trace::effort::StageCounts;
+    use crate::trace::render_stats::StageCounts;
     use crate::trace::shapes::Sphere;
     use crate::trace::{
-        Camera, Effects, Exposure, Geometry, Light, LightSource, Lighting, Paths, PreparedScene,
-        PreparedShape, Sampling, Signals, SurfaceMaterial,
+        Camera, Effects, Geometry, Light, LightSource, Lighting, Paths, PreparedScene, PreparedShape,
+        RenderJob, Sampling, Signals, SurfaceMaterial,
     };
 
     /// Returns a lit sphere in front of the camera, with a film of one tile. The sphere reflects only the background.
@@ -102,11 +102,11 @@ mod tests {
     /// Returns the number of runs of each stage for the example.
     fn stages(lighting: Lighting, paths: Paths) -> StageCounts {
         let (scene, camera) = example();
-        let mut exposure = Exposure::new((8, 8), 1);
+        let mut job = RenderJob::new((8, 8), 1);
         let effects = Effects { lighting, paths, extras: false };
         let never = AtomicBool::new(false);
-        assert!(exposure.add(&scene, &camera, Sampling::default(), 0, effects, Signals::unless(&never)));
-        exposure.develop().1.stages
+        assert!(job.add(&scene, &camera, Sampling::default(), 0, effects, Signals::unless(&never)));
+        job.resolve().1.stages
     }
 
     #[test]
@@ -120,10 +120,10 @@ mod tests {
         let mut slots = Slots::default();
         slots.set_everywhere(&tile, 0);
         assert!(render_sample(&context, scene.geometry(), (tile, &slots), &mut buffers));
-        assert!(buffers.wave.count > 0);
+        assert!(buffers.wavefront.count > 0);
         cancelled.store(true, Ordering::Relaxed);
         assert!(!render_sample(&context, scene.geometry(), (tile, &slots), &mut buffers));
-        assert_eq!(buffers.wave.count, 0);
+        assert_eq!(buffers.wavefront.count, 0);
     }
 
     #[test]

@@ -19,21 +19,21 @@ pub(super) fn shadows(
     (place, light, light_sample): (usize, &Light, u32),
     buffers: &mut TileBuffers<'_>,
 ) {
-    buffers.entered.shadows += 1;
+    buffers.stage_runs.shadows += 1;
     if light_sample == 0 {
         // A light with too many possible occluders for one wavefront has too many for the next.
         buffers.listed = !buffers.crowded_lights[place] && find_candidates(sample, light, buffers);
         buffers.crowded_lights[place] |= buffers.listed && buffers.candidates.all_crowded();
     }
     let listed = buffers.listed;
-    for packet in 0..buffers.wave.count {
-        let asking = buffers.proposals[packet].asking;
+    for packet in 0..buffers.wavefront.count {
+        let asking = buffers.light_samples[packet].asking;
         if asking == 0 {
             continue;
         }
         buffers.rays_traced.shadow += u64::from(asking.count_ones());
         let hidden = if listed { asking & buffers.candidates.hidden(packet) } else { 0 };
-        buffers.proposals[packet].drop_hidden(hidden);
+        buffers.light_samples[packet].drop_hidden(hidden);
         let asking = asking & !hidden;
         if asking == 0 {
             continue;
@@ -46,7 +46,7 @@ pub(super) fn shadows(
             continue;
         }
         let Occlusion { hidden, open } = occlusion(sample, (place, light), (packet, listed), buffers);
-        buffers.proposals[packet].drop_hidden(hidden);
+        buffers.light_samples[packet].drop_hidden(hidden);
         if sample.context.effects.clear_shadows() {
             weaken(sample, light, packet, asking & !hidden & !open, buffers);
         }
@@ -56,9 +56,9 @@ pub(super) fn shadows(
 
 /// Returns whether nothing can occlude the remaining shadow rays of a packet.
 fn are_clear(packet: usize, buffers: &TileBuffers<'_>) -> bool {
-    let TileBuffers { proposals, candidates, .. } = buffers;
+    let TileBuffers { light_samples, candidates, .. } = buffers;
     // A ray that leaves coincident surfaces can still hit the far side of a shape that it enters.
-    proposals[packet].rays.tied == 0 && candidates.is_clear(packet)
+    light_samples[packet].rays.tied == 0 && candidates.is_clear(packet)
 }
 
 /// Finds the shadow rays of a packet that are certainly occluded, and those that have to be traced one by one.
@@ -69,14 +69,14 @@ fn occlusion(
     buffers: &mut TileBuffers<'_>,
 ) -> Occlusion {
     let scene = sample.context.scene;
-    let TileBuffers { proposals, candidates, last_occluders, scratch, packet_scratch, .. } = buffers;
-    let proposals = &proposals[packet];
+    let TileBuffers { light_samples, candidates, last_occluders, scratch, packet_scratch, .. } = buffers;
+    let light_samples = &light_samples[packet];
     if scene.precision != Precision::Guaranteed {
-        return Occlusion { hidden: 0, open: proposals.asking };
+        return Occlusion { hidden: 0, open: light_samples.asking };
     }
     let shadow = ShadowPacket {
-        rays: &proposals.rays,
-        limits: &proposals.limits,
+        rays: &light_samples.rays,
+        limits: &light_samples.limits,
         light: place_of(light),
         occluders: occluders(sample, light),
         beside: if listed { candidates.beside() } else { &scene.beside },
@@ -96,20 +96,21 @@ fn follow(
     buffers: &mut TileBuffers<'_>,
 ) {
     let (scene, effects) = (sample.context.scene, sample.context.effects);
-    let TileBuffers { wave, hits, surfaces, proposals, candidates, last_occluders, scratch, .. } = buffers;
-    let proposals = &mut proposals[packet];
+    let TileBuffers { wavefront, hits, surfaces, light_samples, candidates, last_occluders, scratch, .. } =
+        buffers;
+    let light_samples = &mut light_samples[packet];
     for lane in lanes(open) {
         let Some(point) = surfaces[packet].get(lane, &hits[packet]) else { continue };
-        let shadow_ray = &proposals.way(light, lane).ray(&point);
-        let seen = (&point, wave.paths[packet].media[lane]);
+        let shadow_ray = &light_samples.way(light, lane).ray(&point);
+        let seen = (&point, wavefront.paths[packet].media[lane]);
         let candidates = if listed { candidates.of(packet, lane / HALF) } else { None };
         let occluders = (light.own_shape, &mut last_occluders[place], candidates);
         match visibility(effects, scene, shapes, shadow_ray, occluders, seen, scratch) {
             Some(share) if effects.clear_shadows() => {
-                proposals.colors.set(lane, proposals.colors.get(lane) * share);
+                light_samples.colors.set(lane, light_samples.colors.get(lane) * share);
             }
             Some(_) => {}
-            None => proposals.lanes &= !(1 << lane),
+            None => light_samples.lanes &= !(1 << lane),
         }
     }
 }
@@ -134,11 +135,11 @@ fn find_candidates(sample: &Sample<'_>, light: &Light, buffers: &mut TileBuffers
     if sample.context.scene.precision != Precision::Guaranteed {
         return false;
     }
-    let TileBuffers { wave, surfaces, proposals, candidates, scratch, .. } = buffers;
+    let TileBuffers { wavefront, surfaces, light_samples, candidates, scratch, .. } = buffers;
     let (scene, search) = (sample.context.scene, &mut scratch.search);
     let Some(place) = place_of(light) else {
         let Some((middle, reach)) = light.source.extent() else { return false };
-        let points = surfaces[..wave.count].iter().map(|surfaces| LitPoints {
+        let points = surfaces[..wavefront.count].iter().map(|surfaces| LitPoints {
             points: &surfaces.points,
             left: &surfaces.first_equals,
             lanes: surfaces.lanes,
@@ -146,10 +147,10 @@ fn find_candidates(sample: &Sample<'_>, light: &Light, buffers: &mut TileBuffers
         let light = (LightBox { middle, reach }, occluders(sample, light));
         return candidates.find_all(scene, light, &points, search);
     };
-    let ways = proposals[..wave.count].iter().map(|proposals| WaysToLight {
-        rays: &proposals.rays,
-        limits: &proposals.limits,
-        lanes: proposals.asking,
+    let ways = light_samples[..wavefront.count].iter().map(|light_samples| WaysToLight {
+        rays: &light_samples.rays,
+        limits: &light_samples.limits,
+        lanes: light_samples.asking,
     });
     candidates.find(scene, (place, occluders(sample, light)), &ways, search)
 }

@@ -2,10 +2,10 @@
 
 use fearless_simd::{dispatch, prelude::*};
 
-use super::answers::AnswerPacket;
 use super::buffers::TileBuffers;
+use super::material_flags::MaterialFlags;
 use super::tile::PACKETS;
-use super::wave::Wave;
+use super::wavefront::Wavefront;
 use crate::trace::light::{MediumStack, RenderContext, ambient};
 use crate::trace::math::{Colors, lanes};
 use crate::trace::packet::refine;
@@ -19,17 +19,17 @@ pub(super) fn surfaces(
     shapes: &impl Intersector,
     buffers: &mut TileBuffers<'_>,
 ) {
-    buffers.entered.surfaces += 1;
-    let TileBuffers { wave, hits, surfaces, answers, radiance, scratch, .. } = buffers;
+    buffers.stage_runs.surfaces += 1;
+    let TileBuffers { wavefront, hits, surfaces, answers, radiance, scratch, .. } = buffers;
     let mut special = [0; PACKETS];
     dispatch!(context.scene.simd.level(), simd => {
-        for packet in 0..wave.count {
+        for packet in 0..wavefront.count {
             let found = (&mut answers[packet], &mut radiance[packet], &mut surfaces[packet]);
-            special[packet] = find(simd, context, (wave, packet), &hits[packet], found);
+            special[packet] = find(simd, context, (wavefront, packet), &hits[packet], found);
         }
     });
-    for packet in 0..wave.count {
-        let rays = &wave.rays[packet];
+    for packet in 0..wavefront.count {
+        let rays = &wavefront.rays[packet];
         let (hits, surfaces) = (&mut hits[packet], &mut surfaces[packet]);
         for lane in lanes(special[packet]) {
             // Many shapes may be hit at one point.
@@ -63,11 +63,11 @@ pub(super) fn surfaces(
 fn find<S: Simd>(
     simd: S,
     context: &RenderContext<'_>,
-    (wave, packet): (&Wave, usize),
+    (wavefront, packet): (&Wavefront, usize),
     hits: &HitPacket,
-    (answers, radiance, surfaces): (&mut AnswerPacket, &mut Colors, &mut SurfacePacket),
+    (answers, radiance, surfaces): (&mut MaterialFlags, &mut Colors, &mut SurfacePacket),
 ) -> u32 {
-    let rays = &wave.rays[packet];
+    let rays = &wavefront.rays[packet];
     surfaces.clear();
     answers.wanted = 0;
     let met = hits.ids.lanes(simd) & rays.lanes;
@@ -100,7 +100,7 @@ fn find<S: Simd>(
         }
     }
     if context.effects.in_media() {
-        let in_medium = |lane: &usize| wave.paths[packet].media[*lane] != MediumStack::NONE;
+        let in_medium = |lane: &usize| wavefront.paths[packet].media[*lane] != MediumStack::NONE;
         answers.wanted |= lanes(met).filter(in_medium).fold(0, |mask, lane| mask | 1 << lane);
     }
     if answers.wanted == 0 { 0 } else { refine(simd, scene, rays, hits, answers.wanted, surfaces) }

@@ -3,9 +3,9 @@
 
 use fearless_simd::dispatch;
 
-use super::generation::SentPacket;
+use super::ray_queue::SentPacket;
 use super::tile::TILE_PIXELS;
-use crate::trace::light::{Brightest, Budget};
+use crate::trace::light::{ErrorBudget, RadianceBound};
 use crate::trace::math::{LANES, SimdLevel, lanes};
 
 /// The state of the ray trees of a tile's samples, by slot.
@@ -14,7 +14,7 @@ pub(super) struct Trees {
     /// The number of rays traced.
     pub(super) sizes: Vec<u32>,
     /// The light that may still be cut.
-    budgets: Vec<Budget>,
+    budgets: Vec<ErrorBudget>,
     /// The rays of a bounce, sorted by slot and in queue order within a slot: the upper bound of each ray's contribution, and its index.
     weighed: Vec<(f32, usize)>,
     /// By slot: the end of its rays in that list.
@@ -27,7 +27,7 @@ pub(super) struct Trees {
 
 impl Trees {
     /// Resets the state for a sample.
-    pub(super) fn begin(&mut self, budget: Budget) {
+    pub(super) fn begin(&mut self, budget: ErrorBudget) {
         self.sizes.clear();
         self.sizes.resize(TILE_PIXELS, 1);
         self.budgets.clear();
@@ -38,14 +38,14 @@ impl Trees {
     pub(super) fn weigh(
         &mut self,
         level: SimdLevel,
-        brightest: &Brightest,
+        radiance_bound: &RadianceBound,
         packets: &[SentPacket],
         generations: u32,
     ) {
         self.mosts.clear();
         dispatch!(level.level(), simd => {
             for sent in packets {
-                self.mosts.push(brightest.mosts(simd, &sent.branches.paths.throughputs, generations));
+                self.mosts.push(radiance_bound.mosts(simd, &sent.branches.paths.throughputs, generations));
             }
         });
     }
@@ -100,7 +100,7 @@ mod tests {
     use glam::DVec3;
     use proptest::prelude::*;
 
-    use super::super::generation::Generation;
+    use super::super::ray_queue::RayQueue;
     use super::*;
     use crate::color::Rgb;
     use crate::trace::light::{MediumStack, PathState, TreeRay};
@@ -116,12 +116,12 @@ mod tests {
         ) {
             let mut scene = PreparedScene::new(Geometry::default(), Vec::new());
             (scene.cutoff, scene.background) = (cutoff, Background::Flat(Rgb::ONE));
-            let brightest = Brightest::of(&scene);
+            let radiance_bound = RadianceBound::of(&scene);
             let mut trees = Trees::default();
-            trees.begin(Budget::new(&scene));
-            let mut budgets = vec![Budget::new(&scene); TILE_PIXELS];
+            trees.begin(ErrorBudget::new(&scene));
+            let mut budgets = vec![ErrorBudget::new(&scene); TILE_PIXELS];
             for packets in generations {
-                let mut generation = Generation::default();
+                let mut generation = RayQueue::default();
                 let mut by_pixel: Vec<Vec<(f32, usize)>> = vec![Vec::new(); TILE_PIXELS];
                 for (number, (filled, first, digits)) in packets.into_iter().enumerate() {
                     let mut pixels = [0; LANES];
@@ -132,10 +132,10 @@ mod tests {
                         let throughput = Rgb::splat(libm::exp10f(digits[lane]));
                         let state = PathState { throughput, ..PathState::at_camera(MediumStack::NONE) };
                         sent.branches.set(lane, &TreeRay { ray: Ray::new(DVec3::ZERO, DVec3::X).unwrap(), state });
-                        by_pixel[sent.slots[lane] as usize].push((brightest.most(throughput, 0), number * LANES + lane));
+                        by_pixel[sent.slots[lane] as usize].push((radiance_bound.most(throughput, 0), number * LANES + lane));
                     }
                 }
-                trees.weigh(SimdLevel::best(), &brightest, generation.packets(), 0);
+                trees.weigh(SimdLevel::best(), &radiance_bound, generation.packets(), 0);
                 trees.find_cut(generation.packets());
                 let mut expected = vec![0; generation.packets().len()];
                 for (rays, budget) in by_pixel.iter_mut().zip(&mut budgets) {

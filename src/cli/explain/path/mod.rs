@@ -19,7 +19,7 @@ use rayreel::time::FrameList;
 use super::super::exit::Failure;
 use super::super::print;
 use super::super::write_file::{ensure_not_the_scene, write_file};
-use sample::Journey;
+use sample::CameraPath;
 use svg::{Anchor, Frame, Svg};
 
 /// Draws the camera's path over these frames to a file and prints its length and speed.
@@ -30,32 +30,32 @@ pub(super) fn draw(
     file: &Path,
 ) -> Result<(), Failure> {
     ensure_not_the_scene(file, scene)?;
-    let journey = Journey::of(engine, frames)?;
+    let path = CameraPath::of(engine, frames)?;
     let name = scene.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    write_file(file, drawing(&journey, &name).as_bytes())?;
-    print::result_line(&format!("{}: {}", file.display(), journey.in_words()))?;
+    write_file(file, drawing(&path, &name).as_bytes())?;
+    print::result_line(&format!("{}: {}", file.display(), path.in_words()))?;
     Ok(())
 }
 
 /// Draws two square views and two charts below them.
-fn drawing(journey: &Journey, name: &str) -> String {
+fn drawing(path: &CameraPath, name: &str) -> String {
     let mut svg = Svg::new((960.0, 860.0), &format!("The camera's path in {name}"));
     svg.text("title", [20.0, 28.0], Anchor::Start, name);
-    svg.text("note", [20.0, 48.0], Anchor::Start, &journey.in_words());
+    svg.text("note", [20.0, 48.0], Anchor::Start, &path.in_words());
     let frames = [
         Frame { left: 56.0, top: 76.0, width: 410.0, height: 410.0 },
         Frame { left: 526.0, top: 76.0, width: 410.0, height: 410.0 },
     ];
-    view::draw(&mut svg, journey, frames);
+    view::draw(&mut svg, path, frames);
     chart::draw(
         &mut svg,
-        &journey.speeds(),
+        &path.speeds(),
         Frame { left: 56.0, top: 586.0, width: 880.0, height: 90.0 },
         "speed, units per second",
     );
     chart::draw(
         &mut svg,
-        &journey.turn_rates(),
+        &path.turn_rates(),
         Frame { left: 56.0, top: 736.0, width: 880.0, height: 90.0 },
         "turning, degrees per second",
     );
@@ -80,14 +80,14 @@ mod tests {
     }
 
     /// Returns a path of two shots: one second along a line, then one second along another line.
-    fn with_a_cut(size: f64) -> Journey {
+    fn with_a_cut(size: f64) -> CameraPath {
         let at = |index: u32, from: DVec3, camera| {
             let along = size * f64::from(index) * DVec3::new(0.1, 0.0, 0.05);
             sample(f64::from(index) / 10.0, size * from + along, camera)
         };
         let first = (0..10).map(|index| at(index, DVec3::ZERO, "wide"));
         let second = (10..20).map(|index| at(index, DVec3::new(-3.0, 2.0, 4.0), "close & low"));
-        Journey { samples: first.chain(second).collect(), spread_over: None, things: Vec::new() }
+        CameraPath { samples: first.chain(second).collect(), spread_over: None, things: Vec::new() }
     }
 
     /// Returns the number of points of each line of a class, path element by path element.
@@ -121,7 +121,7 @@ mod tests {
             // The distant target fixes the scale of the views.
             let mut samples: Vec<_> = (0..count).map(at).collect();
             samples[0].target = Some(DVec3::new(0.0, 0.0, 100.0));
-            drawing(&Journey { samples, spread_over: None, things: Vec::new() }, "many.ron")
+            drawing(&CameraPath { samples, spread_over: None, things: Vec::new() }, "many.ron")
         };
         for (count, length, stride) in [(50, 100.0, 1), (150, 100.0, 2), (2000, 100.0, 50), (50, 10.0, 10)] {
             let drawing = many(count, length);
@@ -137,10 +137,10 @@ mod tests {
     fn any_journey_makes_numbers() {
         let still = |count: u32| {
             let samples = (0..count).map(|index| sample(f64::from(index), DVec3::ZERO, "camera")).collect();
-            Journey { samples, spread_over: None, things: Vec::new() }
+            CameraPath { samples, spread_over: None, things: Vec::new() }
         };
-        for journey in [with_a_cut(1e60), with_a_cut(1e-60), with_a_cut(0.0), still(0), still(1), still(30)] {
-            let drawing = drawing(&journey, "<odd> \"name\"");
+        for path in [with_a_cut(1e60), with_a_cut(1e-60), with_a_cut(0.0), still(0), still(1), still(30)] {
+            let drawing = drawing(&path, "<odd> \"name\"");
             assert!(!drawing.contains("NaN") && !drawing.contains("inf"), "{drawing}");
             assert!(drawing.starts_with("<svg ") && drawing.ends_with("</svg>\n"));
             assert!(drawing.contains("&lt;odd&gt; &quot;name&quot;"));

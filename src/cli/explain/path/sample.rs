@@ -11,7 +11,7 @@ use super::axis::Steps;
 use super::things::Thing;
 
 /// The camera's path over the chosen frames.
-pub(super) struct Journey {
+pub(super) struct CameraPath {
     /// Samples in ascending order of time. Frames without a finite camera have none.
     pub(super) samples: Vec<CameraSample>,
     /// Number of chosen frames, if there are too many to sample each.
@@ -33,11 +33,11 @@ pub(super) struct CameraSample {
     pub(super) camera: Option<String>,
 }
 
-impl Journey {
+impl CameraPath {
     /// Maximum number of samples; a drawing cannot show more.
     const MOST: u32 = 4000;
 
-    /// Samples the camera at these frames, or at [`Journey::MOST`] of them, spread evenly, if there are more.
+    /// Samples the camera at these frames, or at [`CameraPath::MOST`] of them, spread evenly, if there are more.
     pub(super) fn of(engine: &mut Engine, frames: &FrameList) -> Result<Self, EngineError> {
         let chosen = frames.count();
         let frames = frames.spread(Self::MOST);

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::axis::Steps;
 use super::chart::thinned;
 use super::labels::Labels;
-use super::sample::{CameraSample, Journey};
+use super::sample::{CameraPath, CameraSample};
 use super::svg::{Anchor, Frame, PagePoint, Svg};
 use super::things::Thing;
 
@@ -22,7 +22,7 @@ struct View {
 }
 
 /// Draws the path from above and from the side, at the same scale.
-pub(super) fn draw(svg: &mut Svg, journey: &Journey, [left, right]: [Frame; 2]) {
+pub(super) fn draw(svg: &mut Svg, journey: &CameraPath, [left, right]: [Frame; 2]) {
     /// Width of the margin at each side, as a fraction of the frame.
     const MARGIN: f64 = 0.08;
     let (least, most) = bounds(journey);
@@ -42,7 +42,7 @@ pub(super) fn draw(svg: &mut Svg, journey: &Journey, [left, right]: [Frame; 2]) 
 }
 
 /// Returns the bounds of the path, its targets and the outlines near them.
-fn bounds(journey: &Journey) -> (DVec3, DVec3) {
+fn bounds(journey: &CameraPath) -> (DVec3, DVec3) {
     let seen = journey.samples.iter().flat_map(|sample| [Some(sample.eye), sample.target]).flatten();
     let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for point in seen {
@@ -76,7 +76,7 @@ impl View {
     }
 
     /// Returns the number of frames between ticks. There are at most 240 ticks, at least 4 pixels apart on average.
-    fn tick_stride(&self, journey: &Journey) -> usize {
+    fn tick_stride(&self, journey: &CameraPath) -> usize {
         const NEAREST: f64 = 4.0;
         const MOST: f64 = 240.0;
         let count = journey.samples.len() as f64;
@@ -87,7 +87,7 @@ impl View {
         strides.into_iter().find(|stride| *stride as f64 >= least).unwrap_or(usize::MAX)
     }
 
-    fn draw(&self, svg: &mut Svg, journey: &Journey, stride: usize) {
+    fn draw(&self, svg: &mut Svg, journey: &CameraPath, stride: usize) {
         self.grid(svg);
         svg.clip(self.frame);
         for thing in &journey.things {
@@ -215,7 +215,7 @@ impl View {
     }
 
     /// Labels the path with times and, if there are several shots, with the names of the cameras.
-    fn labels(&self, svg: &mut Svg, journey: &Journey) {
+    fn labels(&self, svg: &mut Svg, journey: &CameraPath) {
         let mut labels = Labels::within(self.frame);
         for shot in journey.shots() {
             labels.keep_off(&self.way(shot));
@@ -242,7 +242,7 @@ fn apart(one: PagePoint, other: PagePoint) -> f64 {
 }
 
 /// Draws the legend of the lines.
-fn legend(svg: &mut Svg, [mut x, y]: PagePoint, stride: usize, journey: &Journey) {
+fn legend(svg: &mut Svg, [mut x, y]: PagePoint, stride: usize, journey: &CameraPath) {
     let drawn = if journey.spread_over.is_some() { " drawn" } else { "" };
     let eye = match stride {
         _ if journey.is_still() => "the eye".to_owned(),

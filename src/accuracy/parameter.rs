@@ -1,0 +1,244 @@
+//! The parameters that trade accuracy for time, and the variants of a scene's settings that change one of them.
+
+use std::fmt;
+
+use crate::components::{Quality, Sampling};
+use crate::engine::Engine;
+use crate::systems::{Effect, Plan, RenderSettings};
+use crate::trace::Precision;
+
+/// A setting that trades accuracy for time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Parameter {
+    /// Samples per pixel, the same number for all.
+    Samples,
+    /// The error target of the picture, which decides the distribution of samples.
+    MaxError,
+    /// Samples per area light.
+    LightSamples,
+    /// Instants while the shutter is open.
+    Instants,
+    /// The maximum depth of rays.
+    Depth,
+    /// The contribution below which rays are not traced.
+    Cutoff,
+    /// The precision of ray-shape intersections.
+    Precision,
+    /// The film's columns and rows.
+    Size,
+}
+
+impl Parameter {
+    /// All parameters.
+    pub const ALL: [Self; 8] = [
+        Self::Samples,
+        Self::MaxError,
+        Self::LightSamples,
+        Self::Instants,
+        Self::Depth,
+        Self::Cutoff,
+        Self::Precision,
+        Self::Size,
+    ];
+
+    /// Returns the name in words, as "max error".
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Samples => "samples",
+            Self::MaxError => "max error",
+            Self::LightSamples => "light samples",
+            Self::Instants => "instants",
+            Self::Depth => "depth",
+            Self::Cutoff => "cutoff",
+            Self::Precision => "precision",
+            Self::Size => "size",
+        }
+    }
+
+    /// Returns whether errors fall as a power of the parameter's value.
+    #[must_use]
+    pub fn converges(self) -> bool {
+        matches!(self, Self::Samples | Self::LightSamples | Self::Instants)
+    }
+}
+
+/// A set of settings to render a scene with.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Variant {
+    /// Settings that override the scene's own.
+    pub settings: RenderSettings,
+    /// The precision of ray-shape intersections.
+    pub precision: Precision,
+    /// An effect to disable.
+    pub without: Option<Effect>,
+}
+
+impl Variant {
+    /// Applies the settings to an engine, in which the effects in `left_out` are disabled as well.
+    pub(super) fn apply(&self, engine: &mut Engine, left_out: &[Effect]) {
+        engine.set_render_settings(self.settings);
+        engine.set_precision(self.precision);
+        engine.set_left_out(left_out.iter().copied().chain(self.without));
+    }
+}
+
+/// The difference of a variant from the scene's own settings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Subject {
+    /// No difference: the scene's own settings.
+    Own,
+    /// A parameter with another value.
+    Parameter(Parameter, f64),
+    /// Another precision.
+    Precision(Precision),
+    /// Another size of the film, in columns and rows. Pictures are resampled for comparison.
+    Size(u32, u32),
+    /// A disabled effect.
+    Without(Effect),
+}
+
+impl Subject {
+    /// Returns the parameter that is changed, if it is one.
+    #[must_use]
+    pub fn parameter(&self) -> Option<Parameter> {
+        match self {
+            Self::Parameter(parameter, _) => Some(*parameter),
+            Self::Precision(_) => Some(Parameter::Precision),
+            Self::Size(..) => Some(Parameter::Size),
+            Self::Own | Self::Without(_) => None,
+        }
+    }
+}
+
+impl fmt::Display for Subject {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Own => formatter.write_str("the scene's own"),
+            Self::Parameter(parameter, value) => write!(formatter, "{} {value}", parameter.name()),
+            Self::Precision(Precision::Guaranteed) => formatter.write_str("guaranteed"),
+            Self::Precision(Precision::TextbookF64) => formatter.write_str("textbook f64"),
+            Self::Precision(Precision::TextbookF32) => formatter.write_str("textbook f32"),
+            Self::Size(width, height) => write!(formatter, "size {width}x{height}"),
+            Self::Without(effect) => write!(formatter, "without {effect}"),
+        }
+    }
+}
+
+/// The settings of a scene that parameters override.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OwnSettings {
+    pub(super) sampling: Sampling,
+    pub(super) quality: Quality,
+}
+
+/// The limits of a sweep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct SweepRange {
+    /// The largest sample count per pixel, if it is the same for all pixels.
+    pub(super) samples: u32,
+    /// The largest sample count per pixel, if it differs between pixels.
+    pub(super) most: u32,
+    /// The largest sample count per light.
+    pub(super) light_samples: u32,
+    /// The largest depth.
+    pub(super) depth: u32,
+}
+
+/// Returns the variants worth comparing for the effects of a plan. The scene's own settings are the first. `sizes` are other sizes of the
+/// film to include.
+pub(super) fn sweep(
+    plan: &Plan,
+    own: OwnSettings,
+    reach: SweepRange,
+    sizes: &[(u32, u32)],
+) -> Vec<(Subject, Variant)> {
+    let mut rows = vec![(Subject::Own, Variant::default())];
+    for parameter in Parameter::ALL.into_iter().filter(|parameter| is_called_for(*parameter, plan)) {
+        let turned = values(parameter, own, reach).into_iter().map(|value| {
+            let mut settings = turned(parameter, value);
+            if parameter == Parameter::MaxError {
+                // Not more samples than a reference picture.
+                settings.samples = Some(reach.most);
+            }
+            (Subject::Parameter(parameter, value), Variant { settings, ..Variant::default() })
+        });
+        rows.extend(turned);
+    }
+    rows.extend(
+        [Precision::TextbookF64, Precision::TextbookF32]
+            .map(|precision| (Subject::Precision(precision), Variant { precision, ..Variant::default() })),
+    );
+    rows.extend(sizes.iter().map(|(width, height)| {
+        let settings = RenderSettings { size: Some((*width, *height)), ..RenderSettings::default() };
+        (Subject::Size(*width, *height), Variant { settings, ..Variant::default() })
+    }));
+    let without = plan.needed().filter(|effect| *effect != Effect::Ambient || plan.needed().count() > 1);
+    rows.extend(
+        without.map(|effect| {
+            (Subject::Without(effect), Variant { without: Some(effect), ..Variant::default() })
+        }),
+    );
+    rows
+}
+
+/// Returns whether a parameter affects pictures that need these effects.
+fn is_called_for(parameter: Parameter, plan: &Plan) -> bool {
+    match parameter {
+        Parameter::Samples | Parameter::MaxError | Parameter::Precision | Parameter::Size => true,
+        Parameter::LightSamples => plan.needs(Effect::AreaLights),
+        Parameter::Instants => plan.needs(Effect::MotionBlur),
+        Parameter::Depth | Parameter::Cutoff => {
+            plan.needs(Effect::Reflection) || plan.needs(Effect::Refraction)
+        }
+    }
+}
+
+/// Returns the values of a parameter, ascending, without the scene's own value.
+fn values(
+    parameter: Parameter,
+    OwnSettings { sampling, quality }: OwnSettings,
+    reach: SweepRange,
+) -> Vec<f64> {
+    let powers =
+        |most: u32| (0..32).map(|exponent| 1_u32 << exponent).take_while(move |power| *power <= most);
+    let (mut values, own): (Vec<f64>, f64) = match parameter {
+        Parameter::Samples if sampling.max_error > 0.0 => {
+            (powers(reach.samples).map(f64::from).collect(), 0.0)
+        }
+        Parameter::Samples => (powers(reach.samples).map(f64::from).collect(), sampling.samples.into()),
+        Parameter::MaxError => (vec![0.25, 0.5, 1.0, 2.0, 4.0], sampling.max_error.into()),
+        Parameter::LightSamples => (powers(reach.light_samples).map(f64::from).collect(), 0.0),
+        Parameter::Instants => (
+            powers(sampling.samples.min(Sampling::LARGEST_INSTANTS)).map(f64::from).collect(),
+            sampling.instants.into(),
+        ),
+        Parameter::Depth => {
+            let depths = [1, 2, 3, 4, 5, 6, 8, 12, 16, 24, 32].into_iter();
+            (depths.take_while(|depth| *depth <= reach.depth).map(f64::from).collect(), quality.depth.into())
+        }
+        Parameter::Cutoff => (vec![0.0, 0.25, 1.0, 4.0, 16.0], quality.cutoff.into()),
+        // Their values are not numbers.
+        Parameter::Precision | Parameter::Size => (Vec::new(), 0.0),
+    };
+    values.retain(|value| *value != own);
+    values
+}
+
+/// Returns settings with one parameter set to a value of a sweep.
+pub(super) fn turned(parameter: Parameter, value: f64) -> RenderSettings {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole numbers of a sweep")]
+    let count = value as u32;
+    #[expect(clippy::cast_possible_truncation, reason = "few digits")]
+    let number = value as f32;
+    let settings = RenderSettings::default();
+    match parameter {
+        Parameter::Samples => RenderSettings { samples: Some(count), max_error: Some(0.0), ..settings },
+        Parameter::MaxError => RenderSettings { max_error: Some(number), ..settings },
+        Parameter::LightSamples => RenderSettings { light_samples: Some(count), ..settings },
+        Parameter::Instants => RenderSettings { instants: Some(count), ..settings },
+        Parameter::Depth => RenderSettings { depth: Some(count), ..settings },
+        Parameter::Cutoff => RenderSettings { cutoff: Some(number), ..settings },
+        Parameter::Precision | Parameter::Size => settings,
+    }
+}

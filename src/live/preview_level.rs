@@ -1,0 +1,289 @@
+//! Selection of the coarse pictures that precede the requested one.
+//!
+//! The first coarse picture appears quickly for any scene. Each further one takes several times as long as its predecessor, and all of
+//! them take a small fraction of the time of the requested picture. Their times are predicted from earlier pictures. If there are no
+//! timings, or they no longer apply, a deadline stops a picture that takes too long, and a cheaper one is tried.
+
+use std::time::Duration;
+
+use crate::engine::Draft;
+
+/// Target time of the first coarse picture, in milliseconds.
+pub(super) const FIRST: f64 = 6.0;
+/// Maximum number of pixels of the first coarse picture while the speed is unknown.
+const UNKNOWN: f64 = 4096.0;
+/// Time, in milliseconds, above which a picture is shown even though a better one could follow at once.
+const SOON: f64 = 10.0;
+/// Minimum time budget of each further coarse picture, in milliseconds.
+const NEXT: f64 = 40.0;
+/// Ratio of the time budget of a coarse picture to the time of its predecessor. Its divisor is at most half of the previous one.
+const GROWTH: f64 = 4.0;
+/// Maximum time of a further coarse picture as a fraction of the time of the requested picture.
+const SHARE: f64 = 1.0 / 16.0;
+/// Time, in milliseconds, up to which the requested picture is not preceded by further coarse ones.
+const QUICK: f64 = 300.0;
+/// Number of pixels below which more pixels are worth more than shadows.
+const ENOUGH: f64 = 256.0;
+
+/// The effort spent on a coarse picture, apart from its number of pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Effort {
+    /// Surfaces and direct light only, without shadows.
+    Bare,
+    /// One sample per area light, and a limited ray depth.
+    Plain,
+    /// No reductions.
+    Whole,
+}
+
+/// The settings of a coarse picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct PreviewLevel {
+    effort: Effort,
+    /// Divisor of the film's width and height.
+    divisor: u32,
+    /// Number of attempts that were abandoned before this one.
+    tried: u32,
+}
+
+/// The properties of the requested picture that determine its cost.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Target {
+    /// Width and height of the film.
+    pub(super) film: (u32, u32),
+    /// Divisor of the film's width and height.
+    pub(super) divisor: u32,
+    /// Samples per pixel.
+    pub(super) samples: u32,
+}
+
+/// The timings of earlier pictures, in milliseconds.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Timings {
+    /// Time to animate and prepare the world at a moment.
+    pub(super) moment: f64,
+    /// Time to trace a camera ray and all rays spawned by it, by care.
+    ray: [Option<f64>; 3],
+}
+
+impl PreviewLevel {
+    /// Returns the draft settings of the step.
+    pub(super) fn draft(self) -> Draft {
+        let (light_samples, depth) = match self.effort {
+            Effort::Bare => (1, 1),
+            // Deep enough to see through a glass.
+            Effort::Plain => (1, 5),
+            Effort::Whole => (u32::MAX, u32::MAX),
+        };
+        Draft { divisor: self.divisor, light_samples, depth, shadows: self.effort != Effort::Bare }
+    }
+
+    pub(super) fn effort(self) -> Effort {
+        self.effort
+    }
+
+    /// Returns the time after which the step is abandoned, or `None` for the last attempt, which has no deadline.
+    pub(super) fn deadline(self) -> Option<Duration> {
+        let milliseconds = [40, 25, 15].get(self.tried as usize)?;
+        Some(Duration::from_millis(*milliseconds))
+    }
+
+    /// Returns a cheaper step to be tried after this one was abandoned.
+    pub(super) fn lesser(self, film: (u32, u32)) -> Self {
+        let most = match self.tried {
+            0 => ENOUGH,
+            1 => ENOUGH / 16.0,
+            _ => 1.0,
+        };
+        let most = most.min(pixels(film, self.divisor) as f64 / GROWTH);
+        Self { effort: Effort::Bare, divisor: divisor_for(film, most), tried: self.tried + 1 }
+    }
+
+    /// Returns whether the step took so little time that a better one can replace it before it is seen.
+    pub(super) fn is_surpassed_by(self, better: Self, took: f64) -> bool {
+        took < SOON && (better.divisor < self.divisor || self.effort != better.effort)
+    }
+}
+
+impl Target {
+    /// Returns the number of camera rays.
+    pub(super) fn rays(self) -> f64 {
+        pixels(self.film, self.divisor) as f64 * f64::from(self.samples)
+    }
+}
+
+impl Timings {
+    /// Returns the first step for a film, with at most `milliseconds` of tracing and a divisor of at least `finest`.
+    pub(super) fn first(&self, film: (u32, u32), milliseconds: f64, finest: u32) -> PreviewLevel {
+        let step = |effort, pixels: f64| PreviewLevel {
+            effort,
+            divisor: divisor_for(film, pixels).max(finest),
+            tried: 0,
+        };
+        let Some(plain) = self.of(Effort::Plain) else { return step(Effort::Plain, UNKNOWN) };
+        let pixels = milliseconds / plain;
+        if pixels >= ENOUGH.min(self::pixels(film, finest) as f64) {
+            return step(Effort::Plain, pixels);
+        }
+        let bare = self.of(Effort::Bare).map_or(ENOUGH, |bare| milliseconds / bare);
+        step(Effort::Bare, bare)
+    }
+
+    /// Returns the step after another one, or `None` if the requested picture should follow.
+    pub(super) fn finer(&self, step: PreviewLevel, took: f64, target: Target) -> Option<PreviewLevel> {
+        let ray = self.of(step.effort)?;
+        // A camera ray without reductions costs at least as much as a ray of the step.
+        let whole = self.of(Effort::Whole).unwrap_or(0.0).max(ray) * target.rays();
+        if whole <= QUICK {
+            return None;
+        }
+        let milliseconds = (GROWTH * took).max(NEXT);
+        let fitting = divisor_for(target.film, milliseconds / ray);
+        let divisor = fitting.min(step.divisor / 2).max(target.divisor);
+        let takes = pixels(target.film, divisor) as f64 * ray;
+        let is_worthwhile = divisor < step.divisor && takes <= SHARE * whole;
+        is_worthwhile.then_some(PreviewLevel { divisor, tried: 0, ..step })
+    }
+
+    pub(super) fn is_unknown(&self) -> bool {
+        self.of(Effort::Plain).is_none()
+    }
+
+    /// Returns the expected time of a picture in milliseconds, or `None` without timings.
+    pub(super) fn expected(&self, target: Target) -> Option<f64> {
+        Some(self.moment + self.of(Effort::Whole)? * target.rays())
+    }
+
+    /// Records that a picture took `milliseconds` for `rays` camera rays.
+    pub(super) fn note(&mut self, effort: Effort, milliseconds: f64, rays: u64) {
+        let ray = milliseconds / (rays.max(1) as f64);
+        self.ray[effort as usize] = Some(ray);
+        // Less care takes no more time per ray.
+        for lesser in &mut self.ray[..effort as usize] {
+            *lesser = lesser.map(|lesser| lesser.min(ray));
+        }
+        if effort == Effort::Whole {
+            self.ray[Effort::Plain as usize].get_or_insert(ray);
+        }
+    }
+
+    /// Records that a step was abandoned after `milliseconds`.
+    pub(super) fn note_failure(&mut self, step: PreviewLevel, milliseconds: f64, film: (u32, u32)) {
+        let at_least = milliseconds / pixels(film, step.divisor) as f64;
+        for ray in &mut self.ray[step.effort as usize..] {
+            *ray = Some(ray.map_or(at_least, |ray| ray.max(at_least)));
+        }
+        // Makes the next step much smaller.
+        self.ray[step.effort as usize] = self.of(step.effort).map(|ray| ray.max(GROWTH * at_least));
+    }
+
+    fn of(&self, effort: Effort) -> Option<f64> {
+        self.ray[effort as usize].map(|ray| ray.max(f64::MIN_POSITIVE))
+    }
+}
+
+/// Returns the number of pixels of a film whose sides are divided by `divisor`. Each side keeps at least one pixel.
+fn pixels((width, height): (u32, u32), divisor: u32) -> u64 {
+    let side = |side: u32| u64::from((side / divisor).max(1));
+    side(width) * side(height)
+}
+
+/// Returns the divisor of a film's sides that leaves at most `most` pixels.
+fn divisor_for((width, height): (u32, u32), most: f64) -> u32 {
+    let (long, short) = (f64::from(width.max(height)), f64::from(width.min(height)));
+    let divisor = (long * short / most.max(1.0)).sqrt();
+    // The short side keeps one pixel, so only the long side shrinks.
+    let divisor = if divisor > short { long / most.max(1.0) } else { divisor };
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to a film's side")]
+    let divisor = divisor.ceil().clamp(1.0, long.max(1.0)) as u32;
+    divisor
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FILM: (u32, u32) = (3840, 2160);
+
+    /// Returns all steps before a picture and their times, given the time of a camera ray for each care, in milliseconds.
+    fn climb(ray: [f64; 3], film: (u32, u32), samples: u32) -> (Vec<PreviewLevel>, Vec<f64>) {
+        let mut timings = Timings::default();
+        let target = Target { film, divisor: 1, samples };
+        let cost = |step: PreviewLevel| ray[step.effort as usize] * pixels(film, step.divisor) as f64;
+        let (mut steps, mut times) = (Vec::new(), Vec::new());
+        let mut next = Some(timings.first(film, FIRST, 2));
+        while let Some(step) = next {
+            let deadline = step.deadline().map_or(f64::INFINITY, |deadline| 1e3 * deadline.as_secs_f64());
+            let in_time = !steps.is_empty() || cost(step) <= deadline;
+            if in_time {
+                timings.note(step.effort, cost(step), pixels(film, step.divisor));
+                steps.push(step);
+                times.push(cost(step));
+                next = timings.finer(step, cost(step), target);
+            } else {
+                timings.note_failure(step, deadline, film);
+                next = Some(step.lesser(film));
+                assert!(times.len() < 4);
+            }
+        }
+        (steps, times)
+    }
+
+    #[test]
+    fn steps_get_finer_and_take_a_small_part_of_the_whole() {
+        for whole in [1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0] {
+            for (plainer, barer) in [(1.0, 1.0), (0.1, 0.5), (0.001, 0.01)] {
+                for samples in [1, 4, 64, 4096] {
+                    let ray = [plainer * barer * whole, plainer * whole, whole];
+                    for film in [FILM, (640, 360), (16, 9), (1, 1), (1, 2000)] {
+                        let (steps, times) = climb(ray, film, samples);
+                        let finer = steps.windows(2).all(|pair| pair[1].divisor < pair[0].divisor);
+                        assert!(!steps.is_empty() && finer, "{ray:?} {film:?} {samples}: {steps:?}");
+                        let target = Target { film, divisor: 1, samples };
+                        let (all, picture) = (times[1..].iter().sum::<f64>(), whole * target.rays());
+                        assert!(all <= 1.5 * SHARE * picture, "{ray:?} {film:?} {samples}: {times:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_known_makes_the_first_step_fit_and_a_failure_makes_it_smaller() {
+        let mut timings = Timings::default();
+        timings.note(Effort::Whole, 200.0, 921_600);
+        let first = timings.first((1280, 720), FIRST, 2);
+        assert_eq!((first.effort, first.divisor), (Effort::Plain, 6));
+        timings.note_failure(first, 40.0, (1280, 720));
+        let again = timings.first((1280, 720), FIRST, 2);
+        assert!(again.divisor > 3 * first.divisor, "{again:?}");
+        // If even a few pixels take long, the care is reduced.
+        timings.note(Effort::Plain, 100.0, 100);
+        assert_eq!(timings.first((1280, 720), FIRST, 2).effort, Effort::Bare);
+    }
+
+    #[test]
+    fn a_picture_that_takes_minutes_is_led_up_to_by_many() {
+        for ray in [1e-4, 3e-4, 1e-3, 3e-3, 1e-2] {
+            let (steps, times) = climb([ray; 3], FILM, 64);
+            assert!(steps.len() > 3, "{ray}: {steps:?} {times:?}");
+            let leaps = times.windows(2).map(|pair| pair[1] / pair[0].max(NEXT / GROWTH));
+            assert!(leaps.fold(0.0, f64::max) < 3.0 * GROWTH, "{ray}: {times:?}");
+        }
+    }
+
+    #[test]
+    fn whatever_is_tried_in_vain_the_last_has_one_pixel_and_no_deadline() {
+        for film in [FILM, (1, 1), (32_768, 1)] {
+            let mut step = Timings::default().first(film, FIRST, 2);
+            let mut patience = Duration::ZERO;
+            while let Some(deadline) = step.deadline() {
+                patience += deadline;
+                let lesser = step.lesser(film);
+                assert!(lesser.divisor > step.divisor || pixels(film, step.divisor) == 1, "{step:?}");
+                step = lesser;
+            }
+            assert!(patience < Duration::from_millis(100) && pixels(film, step.divisor) == 1, "{step:?}");
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! Descriptions of expected values.
+
+use super::examples::{self, Example};
+use super::expectations::{Asked, Content};
+use super::token_context::Around;
+use crate::scene::quote::short;
+use crate::scene::suggest::nearest;
+
+/// The description of an expected value, and of its notation.
+pub(super) struct Wanted {
+    pub(super) message: String,
+    pub(super) help: String,
+}
+
+impl Wanted {
+    /// Describes the value requested by `asked`. `open` holds the pending requests.
+    pub(super) fn of(asked: &Asked, open: &[Asked], around: &Around<'_>) -> Self {
+        let found = around.word();
+        match asked {
+            Asked::Number if is_named(around) => match outer(open) {
+                // Named coordinates.
+                Some(values @ Asked::Values { .. }) => Self::of(values, &[], around),
+                _ => Self::new("a number", "write a number, as 1 or 0.25 or 1e-3"),
+            },
+            Asked::Number => Self::new("a number", "write a number, as 1 or 0.25 or 1e-3"),
+            Asked::Flag => {
+                Self::new("true or false", "write true or false, in small letters and without quotes")
+            }
+            Asked::Text if is_word(found) && !found.contains('"') || found.starts_with('\'') => {
+                let text = found.trim_matches('\'');
+                Self::new("a text", format!("texts stand in double quotes: \"{}\"", short(text)))
+            }
+            Asked::Text => Self::new("a text", "texts stand in double quotes, as in \"clay\""),
+            Asked::List => Self::new("a list", "lists stand in square brackets, with commas: [ .. , .. ]"),
+            Asked::Map => {
+                Self::new("a map", "write it in braces, each value after its name: { \"name\": ( .. ), }")
+            }
+            Asked::Fields { name, fields } => {
+                let help = format!("write them in round brackets, as {}", bracketed(fields));
+                Self::new(format!("the fields of `{name}`"), help)
+            }
+            Asked::FieldName => field_name(outer(open), found),
+            Asked::Values { reader, .. } if reader == "an array of length 3" => {
+                Self::new("three numbers", "write them in round brackets, as (0, 1, 0)")
+            }
+            Asked::Values { reader, .. } | Asked::Any { reader } => match reader.split_once(": ") {
+                Some((what, how)) => Self::new(what, format!("write {how}")),
+                None => Self::new(reader.as_str(), "the scene reference says how it is written"),
+            },
+            Asked::Choice { name, count } => choice(examples::of(name), *count, found),
+            Asked::Content { of, word, content } => self::content(examples::of(of), word, content),
+        }
+    }
+
+    fn new(what: impl AsRef<str>, help: impl Into<String>) -> Self {
+        Self { message: format!("expected {}", what.as_ref()), help: help.into() }
+    }
+}
+
+/// Formats a count with its noun, for example `1 value` or `2 values`.
+pub(super) fn counted(count: usize, what: &str) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+}
+
+/// Returns the request that contains the innermost one.
+fn outer(open: &[Asked]) -> Option<&Asked> {
+    open.len().checked_sub(2).map(|outer| &open[outer])
+}
+
+fn choice(example: Example, count: usize, found: &str) -> Wanted {
+    let forms = example.listed();
+    let all = if example.forms.len() == count { String::new() } else { format!("one of {count} words, as ") };
+    let quotes = if found.starts_with('"') { ", without quotes around it" } else { "" };
+    Wanted::new(example.noun, format!("write {all}{forms}{quotes}"))
+}
+
+fn content(example: Example, word: &str, content: &Content) -> Wanted {
+    let what = match content {
+        Content::One => "1 value".to_owned(),
+        Content::Several(count) => counted(*count, "value"),
+        Content::Fields(_) => "its values by name".to_owned(),
+    };
+    let help = match example.form(word) {
+        Some(form) => format!("write it as {form}"),
+        None => "write its values in round brackets".to_owned(),
+    };
+    Wanted { message: format!("`{}` takes {what}, in round brackets", short(word)), help }
+}
+
+/// Describes the name of a field if the name or its colon is missing.
+fn field_name(of: Option<&Asked>, found: &str) -> Wanted {
+    let (fields, help) = match of {
+        Some(Asked::Fields { fields, .. }) => {
+            (*fields, format!("write each value after its name, as {}", bracketed(fields)))
+        }
+        Some(Asked::Content { of, word, content: Content::Fields(fields) }) => {
+            let form = examples::of(of).form(word);
+            (*fields, form.map_or_else(|| bracketed(fields), |form| format!("write it as {form}")))
+        }
+        _ => (&[][..], "write each value after its name and a colon".to_owned()),
+    };
+    let help = match nearest(found, fields.iter().copied()) {
+        Some(name) => format!("did you mean `{name}`?"),
+        None if "([{".contains(found) => format!("{help}; is the bracket before this still open?"),
+        None => help,
+    };
+    Wanted::new("a field's name", help)
+}
+
+/// Formats fields for example as `(width: .., height: .., transfer: ..)`.
+fn bracketed(fields: &[&str]) -> String {
+    /// Maximum number of listed fields; more are of no help.
+    const MOST: usize = 4;
+    let named: Vec<String> = fields.iter().take(MOST).map(|field| format!("{field}: ..")).collect();
+    let more = if fields.len() > MOST { ", .." } else { "" };
+    format!("({}{more})", named.join(", "))
+}
+
+/// Returns whether a token is a word, as opposed to a number, a string or punctuation.
+pub(super) fn is_word(found: &str) -> bool {
+    found.starts_with(|first: char| first.is_alphabetic() || first == '_')
+}
+
+/// Returns whether the token is a word followed by a colon.
+fn is_named(around: &Around<'_>) -> bool {
+    is_word(around.word()) && around.next() == ":"
+}

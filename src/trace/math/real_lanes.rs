@@ -1,0 +1,89 @@
+//! Lanes as numbers of formulas that are written once.
+
+use fearless_simd::{prelude::*, u64x8};
+
+use super::lanes::{F64s, Mask, fuses, splat};
+use super::real::{
+    BIAS, MANTISSA, MANTISSA_BITS, ROOT, ROUNDER, Real, Truth, UNBIAS, WHOLE_NUMBERS, split_product,
+};
+
+impl<S: Simd> Truth for Mask<S> {
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.any_true()
+    }
+
+    #[inline(always)]
+    fn settled(self) -> bool {
+        false
+    }
+}
+
+impl<S: Simd> Real for F64s<S> {
+    type Mask = Mask<S>;
+
+    #[inline(always)]
+    fn of(self, number: f64) -> Self {
+        splat(self.simd, number)
+    }
+
+    #[inline(always)]
+    fn less(self, other: Self) -> Mask<S> {
+        self.simd_lt(other)
+    }
+
+    #[inline(always)]
+    fn greater(self, other: Self) -> Mask<S> {
+        self.simd_gt(other)
+    }
+
+    #[inline(always)]
+    fn pick(mask: Mask<S>, one: Self, other: Self) -> Self {
+        mask.select(one, other)
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.simd.abs_f64x8(self)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.simd.sqrt_f64x8(self)
+    }
+
+    #[inline(always)]
+    fn copysign(self, other: Self) -> Self {
+        self.simd.copysign_f64x8(self, other)
+    }
+
+    /// For numbers that are [`moderate`](super::moderate).
+    ///
+    /// Where the processor fuses a product and a sum, the error is what the fused difference of the product and its rounded value is: it
+    /// has no more than 53 bits, of which none is lost as long as it does not underflow. So it is the very number that Dekker's splitting
+    /// makes, which is exact under the same condition, and if no half overflows.
+    #[inline(always)]
+    fn two_product(self, other: Self) -> (Self, Self) {
+        if fuses(self.simd) {
+            let product = self * other;
+            return (product, self.mul_sub(other, product));
+        }
+        split_product(self, other)
+    }
+
+    #[inline(always)]
+    fn power_of_two(self) -> Self {
+        let bits: u64x8<S> = (self + (ROUNDER + 1023.0)).bitcast();
+        (bits << MANTISSA).bitcast()
+    }
+
+    #[inline(always)]
+    fn mantissa_and_exponent(self) -> (Self, Self) {
+        let (simd, bits): (S, u64x8<S>) = (self.simd, self.bitcast());
+        let above = bits + u64x8::splat(simd, (BIAS << MANTISSA).wrapping_sub(ROOT));
+        let mantissa = (above & u64x8::splat(simd, MANTISSA_BITS)) + u64x8::splat(simd, ROOT);
+        let exponent: Self = ((above >> MANTISSA) | u64x8::splat(simd, WHOLE_NUMBERS.to_bits())).bitcast();
+        let mantissa: Self = mantissa.bitcast();
+        (mantissa, exponent - UNBIAS)
+    }
+}

@@ -1,0 +1,126 @@
+//! A shape of any kind against a packet's rays.
+
+use fearless_simd::prelude::*;
+
+use super::leaves::{self, PacketIntersection, Rays};
+use super::reciprocals::Reciprocals;
+use super::slabs;
+use crate::trace::bvh::LeafId;
+use crate::trace::math::{half_of, mask};
+use crate::trace::rays::{RayPacket, ShapeId};
+use crate::trace::scene::{PreparedScene, ShapeRef};
+
+/// A packet's rays that ask, in some lanes.
+pub(super) struct PacketIntersector<'a> {
+    pub(super) rays: &'a RayPacket,
+    pub(super) reciprocals: &'a mut Reciprocals,
+}
+
+/// A shape, and what it is called.
+#[derive(Clone, Copy)]
+pub(super) struct ShapeQuery<'a> {
+    pub(super) id: ShapeId,
+    pub(super) shape: ShapeRef<'a>,
+}
+
+/// What half of the lanes have to do with a shape, and in which it is the far side of one that is left inwards.
+pub(super) struct PacketHit<S: Simd> {
+    pub(super) verdicts: PacketIntersection<S>,
+    pub(super) far: u32,
+}
+
+impl<'a> ShapeQuery<'a> {
+    /// A shape by its id.
+    #[inline(always)]
+    pub(super) fn beside(scene: &'a PreparedScene, id: ShapeId) -> Self {
+        Self { id, shape: scene.geometry.shape(id) }
+    }
+
+    /// A shape of the tree.
+    #[inline(always)]
+    pub(super) fn leaf(scene: &'a PreparedScene, leaf: LeafId) -> Self {
+        let (id, shape) = scene.leaves.get(leaf, &scene.geometry);
+        Self { id, shape }
+    }
+}
+
+impl PacketIntersector<'_> {
+    /// Asks what rays in some lanes of a half have to do with a shape, as `Geometry::intersect` is asked by one that leaves no
+    /// more than one shape. `None` where none of them meets it.
+    #[inline(always)]
+    pub(super) fn ask<S: Simd>(
+        &mut self,
+        simd: S,
+        shape: ShapeQuery<'_>,
+        (half, asked): (usize, u32),
+    ) -> Option<PacketHit<S>> {
+        let departing = self.rays.departing & asked;
+        let leaving = if departing == 0 { 0 } else { self.rays.left.lanes_of(simd, shape.id) & departing };
+        let near = asked & !leaving;
+        let mut verdicts = None;
+        if half_of(near, half) != 0
+            && let Some(mut found) = self.near(simd, shape.shape, half)
+        {
+            let near = mask(simd, near, half);
+            found.hit &= near;
+            found.open &= near;
+            verdicts = Some(found);
+        }
+        let inward = leaving & !self.rays.outward;
+        let exit = if half_of(inward, half) == 0 {
+            None
+        } else {
+            exit(simd, &Rays::load(simd, self.rays, half), shape.shape)
+        };
+        let Some(exit) = exit else {
+            let verdicts = verdicts?;
+            return Some(PacketHit { verdicts, far: 0 });
+        };
+        let lanes = mask(simd, inward, half);
+        let (hit, open) = (exit.hit & lanes, exit.open & lanes);
+        let verdicts = match verdicts {
+            None => PacketIntersection { hit, open, ..exit },
+            Some(near) => PacketIntersection {
+                t: lanes.select(exit.t, near.t),
+                error: lanes.select(exit.error, near.error),
+                hit: hit | near.hit,
+                open: open | near.open,
+            },
+        };
+        Some(PacketHit { verdicts, far: inward })
+    }
+
+    #[inline(always)]
+    fn near<S: Simd>(&mut self, simd: S, shape: ShapeRef<'_>, half: usize) -> Option<PacketIntersection<S>> {
+        let rays = Rays::load(simd, self.rays, half);
+        match shape {
+            ShapeRef::Sphere(sphere) => {
+                let inverse_square = self.reciprocals.of_squares(simd, self.rays, half);
+                leaves::sphere(simd, &rays, inverse_square, sphere)
+            }
+            ShapeRef::Plane(plane) => Some(leaves::plane(simd, &rays, plane)),
+            ShapeRef::AlignedBox(shape) => {
+                let (inverse, slow) = self.reciprocals.of_directions(simd, self.rays, half);
+                let mut verdicts = leaves::aligned_box(simd, rays.origin, inverse, shape);
+                let slow = mask(simd, slow, half);
+                verdicts.hit &= !slow;
+                verdicts.open |= slow;
+                Some(verdicts)
+            }
+            ShapeRef::SphereImage(image) => leaves::sphere_image(simd, &rays, image),
+            ShapeRef::BoxImage(image) => Some(slabs::box_image(simd, &rays, image)),
+        }
+    }
+}
+
+/// Where half of a packet's rays come out of a shape that they leave inwards. `None` where they never do.
+#[inline(always)]
+pub(super) fn exit<S: Simd>(simd: S, rays: &Rays<S>, shape: ShapeRef<'_>) -> Option<PacketIntersection<S>> {
+    match shape {
+        ShapeRef::Sphere(sphere) => Some(leaves::sphere_exit(simd, rays, sphere)),
+        ShapeRef::Plane(_) => None,
+        ShapeRef::AlignedBox(shape) => Some(leaves::box_exit(simd, rays, shape)),
+        ShapeRef::SphereImage(image) => Some(leaves::sphere_image_exit(simd, rays, image)),
+        ShapeRef::BoxImage(image) => Some(slabs::box_image_exit(simd, rays, image)),
+    }
+}

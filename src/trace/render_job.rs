@@ -1,0 +1,464 @@
+//! Pictures in the making, by the fast path.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use fearless_simd::dispatch;
+use rayon::prelude::*;
+
+use crate::color::{Encoding, Linear, Rgb};
+use crate::trace::adaptive::{
+    Adaptive, ErrorTarget, EstimatedError, InstantOrder, PacketSums, PixelMemory, SampleSums,
+    SharedRoundPolicy, block,
+};
+use crate::trace::effects::Effects;
+use crate::trace::film::{AlphaFilm, Film};
+use crate::trace::light::RenderContext;
+use crate::trace::math::{Colors, LANES, Numbers, Sampling, SimdLevel, Vectors};
+use crate::trace::query::{Intersector, Scratch, Textbook};
+use crate::trace::render_stats::RenderStats;
+use crate::trace::scene::{Camera, Precision, PreparedScene};
+use crate::trace::stages::{PACKETS, Slots, TILE, Tile, TileLanes};
+use crate::trace::tile_accumulator::{NO_SUMS, TileAccumulator, TileSamples, TileSums, means};
+use crate::trace::tile_work::{Found, Signals, TileProgress, Work};
+use crate::trace::visibility::{self, FeatureScratch};
+
+/// A picture being rendered: samples are added to it, instant after instant, and in the end it is resolved. An interrupted job can be
+/// continued later, to the same bits.
+#[derive(Clone, Debug)]
+pub struct RenderJob<E: Encoding = Linear> {
+    width: u32,
+    height: u32,
+    plan: SamplePlan,
+    /// The samples of pixels, if they take different numbers.
+    adaptive: Option<Adaptive>,
+    /// The instants of this round that are done, and the one in hand.
+    done: Vec<u32>,
+    instant: u32,
+    tiles: Vec<TileProgress>,
+    /// How the film keeps pixels in the end.
+    encoding: E,
+    pixels: Pixels<E::Pixel>,
+    stats: RenderStats,
+}
+
+/// The progress of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RenderProgress {
+    /// The mean number of samples that pixels have so far.
+    pub samples: f64,
+    /// The share of all samples, from 0 to 1; `None` where pixels take as many as they need, so that their number is unknown.
+    pub share: Option<f64>,
+}
+
+/// The light of the pixels so far.
+#[derive(Clone, Debug)]
+enum Pixels<Pixel> {
+    /// Their only sample; `None` before the first comes.
+    Picture(Option<Film<Pixel>>),
+    /// The sums of all samples.
+    Sums(Sums),
+}
+
+/// The sums of the samples of pixels, tile by tile, and in a tile packet by packet of its camera rays; every tile has room for a
+/// whole one.
+#[derive(Clone, Debug, Default)]
+struct Sums {
+    all: Vec<Vectors>,
+    /// Of the squares of samples, and how many there are, where pixels take different numbers; else empty.
+    squares: Vec<Vectors>,
+    counts: Vec<Numbers>,
+    /// Of the samples in which the pixel is covered, if the picture is to have alpha; else empty.
+    covered: Vec<Vectors>,
+    /// How many those are.
+    covered_counts: Vec<Numbers>,
+}
+
+/// The samples of a picture, and what is kept of them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SamplePlan {
+    /// The samples of every pixel or, with a target, the most of them.
+    pub(crate) samples: u32,
+    /// The number of instants.
+    pub(crate) instants: u32,
+    /// The error that ends sampling, if any does.
+    pub(crate) target: Option<ErrorTarget>,
+    /// Whether each pixel begins with several samples, where there is a target.
+    pub(crate) starts_wide: bool,
+    /// Whether it is to have alpha: it is then without the background.
+    pub(crate) alpha: bool,
+}
+
+impl SamplePlan {
+    /// Creates the plan of a picture in which every pixel has the same number of samples.
+    pub(crate) fn uniform(samples: u32, instants: u32) -> Self {
+        Self { samples, instants, target: None, starts_wide: false, alpha: false }
+    }
+
+    /// Creates the state of adaptive sampling, if there is a target.
+    pub(crate) fn adaptive(&self, resolution: (u32, u32), memory: PixelMemory) -> Option<Adaptive> {
+        let order = InstantOrder::new(self.instants > 1);
+        self.target
+            .map(|target| Adaptive::new(resolution, (self.samples, order, self.starts_wide), target, memory))
+    }
+}
+
+/// A finished picture.
+pub(crate) struct Developed<Pixel> {
+    pub(crate) film: Film<Pixel>,
+    /// If it was to have any.
+    pub(crate) alpha: Option<Film<f32>>,
+}
+
+/// The memory of a picture's samples, for the next one: it costs more to get it anew from the system than to use it.
+#[derive(Debug, Default)]
+pub(crate) struct SampleMemory {
+    sums: Sums,
+    pixels: PixelMemory,
+}
+
+impl SampleMemory {
+    /// Returns how many samples each pixel of the last picture took, row by row; nothing where all took the same.
+    pub(crate) fn counts(&self, resolution: (u32, u32)) -> Vec<u32> {
+        self.pixels.counts(resolution)
+    }
+}
+
+impl Sums {
+    /// Makes room for the sums of so many tiles without samples.
+    fn clear(&mut self, tiles: usize, plan: &SamplePlan) {
+        let packets = |asked| if asked { tiles * PACKETS } else { 0 };
+        let vectors = [
+            (&mut self.all, true),
+            (&mut self.squares, plan.target.is_some()),
+            (&mut self.covered, plan.alpha),
+        ];
+        for (sums, asked) in vectors {
+            sums.clear();
+            sums.resize(packets(asked), NO_SUMS);
+        }
+        for (counts, asked) in
+            [(&mut self.counts, plan.target.is_some()), (&mut self.covered_counts, plan.alpha)]
+        {
+            counts.clear();
+            counts.resize(packets(asked), Numbers::splat(0.0));
+        }
+    }
+
+    /// Goes through the sums of all tiles.
+    fn tiles_mut(&mut self) -> impl Iterator<Item = TileSums<'_>> {
+        let mut squares = self.squares.chunks_mut(PACKETS);
+        let mut counts = self.counts.chunks_mut(PACKETS);
+        let mut covered = self.covered.chunks_mut(PACKETS);
+        let mut covered_counts = self.covered_counts.chunks_mut(PACKETS);
+        self.all.chunks_mut(PACKETS).map(move |all| TileSums {
+            all,
+            squares: squares.next().unwrap_or_default(),
+            counts: counts.next().unwrap_or_default(),
+            covered: covered.next().unwrap_or_default(),
+            covered_counts: covered_counts.next().unwrap_or_default(),
+        })
+    }
+}
+
+impl RenderJob {
+    /// Creates a picture without light, with this many samples in a pixel, and linear light in the end.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn new(resolution: (u32, u32), samples: u32) -> Self {
+        Self::encoded(Linear, resolution, SamplePlan::uniform(samples, 1), SampleMemory::default())
+    }
+
+    /// Returns the picture so far, with its background: pixels are means of the samples that they have. Where they have none, another
+    /// picture of the same is seen, of any size.
+    #[must_use]
+    pub fn resolve_over(&self, beneath: &Film) -> Film {
+        let mut film = match &self.pixels {
+            Pixels::Picture(film) => film.clone().unwrap_or_else(|| Film::new(self.width, self.height)),
+            Pixels::Sums(sums) => self.develop_sums(sums, &sums.all).0,
+        };
+        let nearest = |place: u32, count: u32, of: u32| {
+            let nearest = u64::from(place) * u64::from(of) / u64::from(count);
+            u32::try_from(nearest).unwrap_or(0)
+        };
+        for TileProgress { tile, .. } in self.tiles.iter().filter(|progress| !progress.is_seen) {
+            for j in tile.j..tile.j + tile.height {
+                let row = nearest(j, self.height, beneath.height());
+                let pixels = (tile.i..tile.i + tile.width)
+                    .map(|i| beneath.pixel(nearest(i, self.width, beneath.width()), row));
+                film.store(tile.i, j, pixels);
+            }
+        }
+        film
+    }
+}
+
+impl<E: Encoding> RenderJob<E> {
+    /// Creates a picture without light. Pixels are encoded in the end. It uses the memory of another.
+    pub(crate) fn encoded(
+        encoding: E,
+        (columns, height): (u32, u32),
+        plan: SamplePlan,
+        SampleMemory { mut sums, pixels: memory }: SampleMemory,
+    ) -> Self {
+        let tiles: Vec<TileProgress> = Tile::all((columns, height))
+            .map(|tile| TileProgress { tile, batches: 0, is_seen: false })
+            .collect();
+        let pixels = if plan.samples == 1 && !plan.alpha {
+            Pixels::Picture(None)
+        } else {
+            sums.clear(tiles.len(), &plan);
+            Pixels::Sums(sums)
+        };
+        let adaptive = plan.adaptive((columns, height), memory);
+        let (done, stats) = (Vec::new(), RenderStats::default());
+        Self { width: columns, height, plan, adaptive, done, instant: 0, tiles, encoding, pixels, stats }
+    }
+
+    /// Returns the instants that this round's samples belong to, in the order of time.
+    pub(crate) fn instants(&self) -> Vec<u32> {
+        self.adaptive.as_ref().map_or_else(|| (0..self.plan.instants).collect(), Adaptive::instants)
+    }
+
+    /// Adds the present round's samples of an instant, those that are not there yet, on the current rayon pool's threads. The bits do
+    /// not depend on how many there are, nor on effects beyond those that the scene calls for. The camera's film must
+    /// be as large as this, and those of the instants before must be there.
+    ///
+    /// Returns `true` once all are added; else the same call continues.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn add(
+        &mut self,
+        scene: &PreparedScene,
+        camera: &Camera,
+        sampling: Sampling,
+        instant: u32,
+        effects: Effects,
+        signals: Signals<'_>,
+    ) -> bool {
+        if self.done.contains(&instant) {
+            return true;
+        }
+        if self.adaptive.is_some() && self.instant != instant {
+            self.tiles.iter_mut().for_each(|progress| progress.batches = 0);
+        }
+        self.instant = instant;
+        let context = RenderContext::new(scene, camera, sampling, effects);
+        let whole = match scene.precision {
+            Precision::Guaranteed => self.add_with(&context, scene.geometry(), signals),
+            // For comparisons: as it is.
+            Precision::TextbookF64 => {
+                self.add_with(&context, &Textbook::<f64>::new(scene.geometry()), signals)
+            }
+            Precision::TextbookF32 => {
+                self.add_with(&context, &Textbook::<f32>::new(scene.geometry()), signals)
+            }
+        };
+        if whole {
+            self.done.push(instant);
+        }
+        whole
+    }
+
+    fn add_with(
+        &mut self,
+        context: &RenderContext<'_>,
+        shapes: &impl Intersector,
+        signals: Signals<'_>,
+    ) -> bool {
+        let (count, tiles) = (self.tiles.len(), self.tiles.iter_mut());
+        let (width, height) = (self.width, self.height);
+        let SamplePlan { samples, instants, .. } = self.plan;
+        let work = Work {
+            context,
+            shapes,
+            signals,
+            everywhere: block(samples, instants, self.instant),
+            adaptive: self.adaptive.as_ref(),
+            instant: self.instant,
+            finds_features: self.adaptive.as_ref().is_some_and(Adaptive::wants_features),
+        };
+        let (stats, whole, features) = match &mut self.pixels {
+            Pixels::Picture(film) => {
+                let film = film.get_or_insert_with(|| Film::black(self.encoding, width, height));
+                work.add(tiles.zip(film.tiles_mut(self.encoding)), count)
+            }
+            Pixels::Sums(sums) => work.add(tiles.zip(sums.tiles_mut()), count),
+        };
+        self.stats += stats;
+        if let Some(adaptive) = &mut self.adaptive {
+            features.iter().for_each(|(tile, features)| adaptive.note_features(tile, features));
+            if adaptive.wants_images() {
+                adaptive.note_images(&visibility::hidden_images(context.scene, context.camera));
+            }
+        }
+        whole
+    }
+
+    /// Searches the features of all pixels at an instant, without samples: where the shutter is open, what moves may be where no sample is
+    /// taken.
+    pub(crate) fn search(&mut self, scene: &PreparedScene, camera: &Camera, cancelled: &AtomicBool) {
+        let Some(adaptive) = &mut self.adaptive else { return };
+        let found: Found = self
+            .tiles
+            .par_iter()
+            .map_init(
+                || (FeatureScratch::default(), Scratch::new(cancelled)),
+                |(features, search), progress| {
+                    let tile = (&progress.tile, adaptive.is_open());
+                    (progress.tile, Box::new(visibility::features(scene, camera, tile, (features, search))))
+                },
+            )
+            .collect();
+        if !cancelled.load(Ordering::Relaxed) {
+            found.iter().for_each(|(tile, features)| adaptive.note_features(tile, features));
+        }
+    }
+
+    /// Returns whether all samples of the present round are there.
+    pub(crate) fn is_round_done(&self) -> bool {
+        self.instants().iter().all(|instant| self.done.contains(instant))
+    }
+
+    /// Starts the next round after the present one, if the picture's error is not yet as small as it is meant to be. Returns whether there
+    /// is one.
+    pub(crate) fn next_round(&mut self, policy: Option<&SharedRoundPolicy>) -> bool {
+        let (Some(adaptive), Pixels::Sums(sums)) = (&mut self.adaptive, &self.pixels) else {
+            return false;
+        };
+        self.done.clear();
+        self.tiles.iter_mut().for_each(|progress| progress.batches = 0);
+        adaptive.judge(sums, policy)
+    }
+
+    /// Returns the estimate of the picture's error, if it is meant to have one.
+    pub(crate) fn estimated_error(&self) -> Option<EstimatedError> {
+        self.adaptive.as_ref()?.error()
+    }
+
+    /// Returns the least gains of the rounds that a policy has chosen.
+    pub(crate) fn rounds(&self) -> &[u32] {
+        self.adaptive.as_ref().map_or(&[], Adaptive::rounds)
+    }
+
+    /// Returns the progress.
+    #[must_use]
+    pub fn progress(&self) -> RenderProgress {
+        let pixels = f64::from(self.width) * f64::from(self.height);
+        if self.adaptive.is_some() {
+            return RenderProgress { samples: self.stats.rays.camera as f64 / pixels, share: None };
+        }
+        let area = |tile: Tile| f64::from(tile.width * tile.height);
+        let there: f64 =
+            self.tiles.iter().map(|progress| area(progress.tile) * f64::from(progress.batches)).sum();
+        let samples = there / pixels;
+        RenderProgress { samples, share: Some(samples / f64::from(self.plan.samples)) }
+    }
+
+    /// Returns the share of its samples that is there, 0 to 1; where pixels take as many as they need, their mean number.
+    pub(crate) fn share(&self) -> f64 {
+        let RenderProgress { samples, share } = self.progress();
+        share.unwrap_or(samples)
+    }
+
+    /// Returns the picture, and what it took.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn resolve(self) -> (Film<E::Pixel>, RenderStats) {
+        let (Developed { film, .. }, stats, _) = self.finish();
+        (film, stats)
+    }
+
+    /// Returns the picture, what it took, and the memory of its samples.
+    pub(crate) fn finish(mut self) -> (Developed<E::Pixel>, RenderStats, SampleMemory) {
+        let mut stats = self.stats;
+        match std::mem::replace(&mut self.pixels, Pixels::Picture(None)) {
+            Pixels::Picture(film) => {
+                let film = film.unwrap_or_else(|| Film::black(self.encoding, self.width, self.height));
+                (Developed { film, alpha: None }, stats, SampleMemory::default())
+            }
+            Pixels::Sums(sums) => {
+                let has_alpha = !sums.covered.is_empty();
+                let (film, overflowed) =
+                    self.develop_sums(&sums, if has_alpha { &sums.covered } else { &sums.all });
+                stats.escalations.overflowed += overflowed;
+                let alpha = has_alpha.then(|| self.develop_alpha(&sums));
+                let pixels = self.adaptive.map(Adaptive::into_memory).unwrap_or_default();
+                (Developed { film, alpha }, stats, SampleMemory { sums, pixels })
+            }
+        }
+    }
+
+    /// Returns the means of sums, and how many had overflowed.
+    fn develop_sums(&self, sums: &Sums, light: &[Vectors]) -> (Film<E::Pixel>, u64) {
+        let mut film = Film::black(self.encoding, self.width, self.height);
+        let stored: Vec<_> = film.tiles_mut(self.encoding).collect();
+        let tiles = stored.into_par_iter().zip(light.par_chunks(PACKETS)).zip(&self.tiles).enumerate();
+        let overflowed = tiles.map(|(index, ((mut stored, light), progress))| {
+            let mut slots = Slots::default();
+            slots.set_everywhere(&progress.tile, 0);
+            dispatch!(SimdLevel::best().level(), simd => {
+                let counts = sample_counts(sums, index, progress);
+                let mut pixels = [Colors::splat(Rgb::ZERO); PACKETS];
+                for ((pixels, light), counts) in pixels.iter_mut().zip(light).zip(&counts) {
+                    *pixels = means(simd, light, counts);
+                }
+                let samples = TileSamples { light: &pixels, slots: &slots, covered: TileLanes::NONE };
+                stored.add(simd, &progress.tile, &samples)
+            })
+        });
+        let overflowed = overflowed.sum();
+        (film, overflowed)
+    }
+
+    /// Returns the share of each pixel's samples that is covered.
+    fn develop_alpha(&self, sums: &Sums) -> Film<f32> {
+        let mut alpha = Film::zeros(self.width, self.height);
+        let across = self.width.div_ceil(TILE).max(1) as usize;
+        let tiles = self.tiles.par_chunks(across).enumerate();
+        alpha.bands_mut().zip(tiles).for_each(|(band, (down, tiles))| {
+            for (right, progress) in tiles.iter().enumerate() {
+                let index = down * across + right;
+                let Tile { i, width, height, .. } = progress.tile;
+                let (covered, counts) =
+                    (&sums.covered_counts[index * PACKETS..], sample_counts(sums, index, progress));
+                let rows = band.chunks_mut(self.width as usize).take(height as usize);
+                for (row, alpha) in rows.enumerate() {
+                    for (column, alpha) in alpha[i as usize..(i + width) as usize].iter_mut().enumerate() {
+                        let (packet, lane) = Tile::lane_of(column, row);
+                        *alpha = AlphaFilm::share(covered[packet].get(lane), counts[packet].get(lane));
+                    }
+                }
+            }
+        });
+        alpha
+    }
+}
+
+/// Returns the number of samples of each pixel of a tile, at least one.
+#[inline(always)]
+fn sample_counts(sums: &Sums, index: usize, progress: &TileProgress) -> [Numbers; PACKETS] {
+    match sums.counts.get(index * PACKETS..(index + 1) * PACKETS) {
+        Some(counts) => std::array::from_fn(|packet| {
+            let mut counts = counts[packet];
+            (0..LANES).for_each(|lane| counts.set(lane, counts.get(lane).max(1.0)));
+            counts
+        }),
+        None => [Numbers::splat(f64::from(progress.batches.max(1))); PACKETS],
+    }
+}
+
+impl SampleSums for Sums {
+    fn have_alpha(&self) -> bool {
+        !self.covered_counts.is_empty()
+    }
+
+    #[inline(always)]
+    fn of(&self, packet: usize, _: (usize, usize)) -> PacketSums {
+        let channels = |sums: &Vectors| [0, 1, 2].map(|channel| sums.axis(channel).to_array());
+        PacketSums {
+            all: channels(&self.all[packet]),
+            squares: channels(&self.squares[packet]),
+            covered: self.covered_counts.get(packet).map(|counts| counts.to_array()),
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! Render statistics.
+
+use std::ops::AddAssign;
+
+use super::query::Escalations;
+
+/// The statistics of rendering a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RenderStats {
+    /// The rays traced.
+    pub rays: RayCounts,
+    /// The rays spawned but not traced.
+    pub ends: TreeEnds,
+    /// The number of runs of each stage.
+    pub(crate) stages: StageCounts,
+    /// The escalations beyond `f64` arithmetic.
+    pub escalations: Escalations,
+}
+
+/// The number of runs of each stage: 0 if no effect needs it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct StageCounts {
+    pub(crate) camera_rays: u64,
+    pub(crate) closest_hits: u64,
+    pub(crate) coverage: u64,
+    pub(crate) surfaces: u64,
+    pub(crate) direct_light: u64,
+    pub(crate) shadows: u64,
+    pub(crate) sums: u64,
+    pub(crate) next_rays: u64,
+}
+
+/// The number of rays traced, by kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RayCounts {
+    /// Camera rays.
+    pub camera: u64,
+    /// Shadow rays, from surfaces to lights.
+    pub shadow: u64,
+    /// Reflected rays, from mirrors and from the surfaces of transparent media.
+    pub reflection: u64,
+    /// Rays refracted at the surfaces of transparent media.
+    pub refraction: u64,
+}
+
+/// The number of rays that surfaces spawned but that were not traced.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TreeEnds {
+    /// Rays beyond the last bounce, or beyond the maximum number of rays of a sample.
+    pub depth: u64,
+    /// Rays whose contribution is negligible.
+    pub cutoff: u64,
+}
+
+impl RayCounts {
+    /// Returns the total number of rays.
+    #[must_use]
+    pub fn total(&self) -> u64 {
+        self.camera + self.shadow + self.reflection + self.refraction
+    }
+
+    /// Counts secondary rays, all of them reflected or all refracted.
+    pub(crate) fn add_secondary(&mut self, mirrored: bool, count: u32) {
+        *(if mirrored { &mut self.reflection } else { &mut self.refraction }) += u64::from(count);
+    }
+}
+
+impl AddAssign for RayCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.camera += other.camera;
+        self.shadow += other.shadow;
+        self.reflection += other.reflection;
+        self.refraction += other.refraction;
+    }
+}
+
+impl AddAssign for TreeEnds {
+    fn add_assign(&mut self, other: Self) {
+        self.depth += other.depth;
+        self.cutoff += other.cutoff;
+    }
+}
+
+impl AddAssign for StageCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.camera_rays += other.camera_rays;
+        self.closest_hits += other.closest_hits;
+        self.coverage += other.coverage;
+        self.surfaces += other.surfaces;
+        self.direct_light += other.direct_light;
+        self.shadows += other.shadows;
+        self.sums += other.sums;
+        self.next_rays += other.next_rays;
+    }
+}
+
+impl AddAssign for RenderStats {
+    fn add_assign(&mut self, other: Self) {
+        self.rays += other.rays;
+        self.ends += other.ends;
+        self.stages += other.stages;
+        self.escalations += other.escalations;
+    }
+}

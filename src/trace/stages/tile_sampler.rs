@@ -1,0 +1,72 @@
+//! Data that the batches of a tile's samples share.
+
+use super::slots::Slots;
+use super::tile::{PACKETS, Tile};
+use crate::trace::light::RenderContext;
+use crate::trace::math::LANES;
+use crate::trace::packet::LensCandidates;
+use crate::trace::query::Scratch;
+use crate::trace::scene::{Precision, SpreadKeys};
+
+/// The sampling keys and lens candidates of a tile's slots, reused while batches have the same pixels in the same slots.
+#[derive(Debug)]
+pub(super) struct TileSampler {
+    known: Option<Known>,
+    /// By packet: the sampling keys of its slots.
+    pub(super) keys: Box<[SpreadKeys; PACKETS]>,
+    /// The shapes that rays through the lens can hit.
+    pub(super) candidates: LensCandidates,
+}
+
+/// The slots that keys were computed for.
+#[derive(Debug, PartialEq, Eq)]
+struct Known {
+    tile: Tile,
+    pixels: [[u32; LANES]; PACKETS],
+    lanes: [u32; PACKETS],
+}
+
+impl Default for TileSampler {
+    fn default() -> Self {
+        let keys = Box::new([const { SpreadKeys::NONE }; PACKETS]);
+        Self { known: None, keys, candidates: LensCandidates::default() }
+    }
+}
+
+impl TileSampler {
+    /// Computes the keys of a tile's slots, unless the last batch had the same slots.
+    pub(super) fn find(
+        &mut self,
+        context: &RenderContext<'_>,
+        (tile, slots): (Tile, &Slots),
+        search: &mut Scratch<'_>,
+    ) {
+        if self.known.as_ref().is_some_and(|known| known.serves(tile, slots)) {
+            self.keys.iter_mut().zip(slots.lanes).for_each(|(keys, lanes)| keys.set_lanes(lanes));
+            return;
+        }
+        let (seed, has_lens) = (context.sampling.seed, context.camera.has_lens());
+        let packets = slots.pixels.iter().zip(slots.lanes);
+        for (keys, (pixels, lanes)) in self.keys.iter_mut().zip(packets) {
+            keys.find(seed, (&pixels.map(|pixel| tile.pixel(pixel)), lanes), has_lens);
+        }
+        if has_lens && context.scene.precision == Precision::Guaranteed {
+            let squares = std::array::from_fn(|packet| tile.square(packet));
+            self.candidates.find(context.scene, context.camera, &squares, search);
+            if !slots.in_place {
+                self.candidates.mix_packets();
+            }
+        }
+        self.known = Some(Known { tile, pixels: *slots.pixels, lanes: slots.lanes });
+    }
+}
+
+impl Known {
+    /// Returns whether keys were computed for these slots. The last batch of a tile may leave some slots empty.
+    fn serves(&self, tile: Tile, slots: &Slots) -> bool {
+        let covers = |(known, asked): (&u32, &u32)| asked & !known == 0;
+        self.tile == tile
+            && self.lanes.iter().zip(&slots.lanes).all(covers)
+            && self.pixels[..slots.count] == slots.pixels[..slots.count]
+    }
+}
